@@ -1,0 +1,19 @@
+rule floorplan:
+    # Any supported plan, normalised and validated.
+    input:
+        plan=plan_of,
+        assignment=assignment_of,
+    output:
+        f"{RESULTS}/houses/{{house}}/scene.json",
+    log:
+        f"logs/{DATASET}/floorplan/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/floorplan/{{house}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=500,
+    params:
+        metres_per_pixel=config["floorplans"]["metres_per_pixel"],
+        code=code_hash("floorplans"),
+    script:
+        "../scripts/floorplan.py"

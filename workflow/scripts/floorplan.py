@@ -1,0 +1,12 @@
+"""Rule floorplan: any supported plan -> scene.json."""
+
+from plan2scene.floorplans import import_plan
+from plan2scene.jobs import job
+
+with job(snakemake.log[0]):
+    import_plan(
+        snakemake.input.plan,
+        snakemake.output[0],
+        house_id=snakemake.wildcards.house,
+        metres_per_pixel=snakemake.params.metres_per_pixel,
+    )

@@ -1,0 +1,215 @@
+"""Files: atomic writes, self-describing Parquet, images from strangers.
+
+Imports only what a function needs, so that a job without tables never pays for pandas.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from plan2scene.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Images with more pixels are refused before they are decoded (memory of a job stays bounded).
+MAX_PIXELS = 50_000_000
+#: Text inputs (plans, tables) above this many bytes are refused before they are read.
+MAX_TEXT_BYTES = 256_000_000
+#: Version of every Parquet schema in docs/conventions.md.
+SCHEMA_VERSION = 1
+
+
+@contextmanager
+def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a temporary path beside `path`; rename it to `path` when the block succeeds."""
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=".tmp_", suffix=target.suffix)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, target)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def atomic_directory(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield an empty temporary directory; it replaces directory `path` when the block succeeds."""
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix=".tmp_"))
+    try:
+        yield temporary
+        os.chmod(temporary, 0o755)
+        if target.exists():
+            shutil.rmtree(target)
+        os.replace(temporary, target)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Return a UTF-8 text file (byte-order mark dropped); InputError when it can't be read."""
+    file = Path(path)
+    try:
+        if file.stat().st_size > MAX_TEXT_BYTES:
+            raise InputError(
+                f"at most {MAX_TEXT_BYTES} bytes", f"{file.stat().st_size} bytes", file=file
+            )
+        return file.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError("UTF-8 text", f"bytes that are not ({error.reason})", file=file) from None
+    except OSError as error:
+        raise InputError("a readable file", error.strerror or "an error", file=file) from None
+
+
+def read_json(path: str | os.PathLike[str]) -> Any:
+    """Return a parsed JSON file; InputError names the line of a syntax error."""
+    text = read_text(path)
+    try:
+        return json.loads(text)
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise InputError("JSON", f"a syntax error ({error})", file=path) from None
+
+
+def write_json(path: str | os.PathLike[str], value: Any) -> None:
+    """Write JSON atomically, indented, keys in the order given, with a final newline."""
+    with atomic_path(path) as temporary:
+        temporary.write_text(json.dumps(value, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def safe_join(
+    folder: str | os.PathLike[str], name: str, *, file: object = "", house: str = ""
+) -> Path:
+    """Return folder/name for a name out of a table; InputError when it would leave the folder."""
+    bad = (
+        not name
+        or name != name.strip()
+        or any(not c.isprintable() or c in '\\:*?"<>|' for c in name)
+        or name.startswith("/")
+        or any(part in ("", ".", "..") for part in name.split("/"))
+    )
+    if bad:
+        raise InputError(
+            "a plain file name without '..' or a leading '/'", repr(name), file=file, house=house
+        )
+    return Path(folder) / name
+
+
+def read_image(path: str | os.PathLike[str], *, house: str = "") -> np.ndarray:
+    """Return an image as (h, w, 3) uint8 sRGB, EXIF orientation applied, alpha over white.
+
+    Any mode Pillow knows is converted (palette, CMYK, grey, 16 bit, the first frame of an
+    animation). Raises InputError for what is no image, is truncated, or has over `MAX_PIXELS`.
+    """
+    import warnings
+
+    from PIL import Image, ImageOps, UnidentifiedImageError
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(path) as image:
+                width, height = image.size
+                if width * height > MAX_PIXELS:
+                    raise InputError(
+                        f"an image of at most {MAX_PIXELS} pixels",
+                        f"{width}x{height}",
+                        file=path,
+                        house=house,
+                    )
+                return _to_rgb(ImageOps.exif_transpose(image))
+    except InputError:
+        raise
+    except UnidentifiedImageError:
+        raise InputError("an image", "a file that is none", file=path, house=house) from None
+    except FileNotFoundError:
+        raise InputError("an image", "no such file", file=path, house=house) from None
+    except Exception as error:  # decoders raise many kinds on damaged data; all mean the same
+        raise InputError(
+            "an image that decodes", f"{type(error).__name__}: {error}", file=path, house=house
+        ) from None
+
+
+def _to_rgb(image: Any) -> np.ndarray:
+    """Return a Pillow image of any mode as (h, w, 3) uint8 sRGB over white."""
+    from PIL import Image
+
+    if image.mode in ("I", "F") or image.mode.startswith("I;16"):
+        values = np.asarray(image, dtype=np.float64)
+        top = 65535.0 if values.max(initial=0) > 255 else 255.0
+        grey = np.clip(values / top * 255.0, 0, 255).astype(np.uint8)
+        return np.ascontiguousarray(np.repeat(grey[..., None], 3, axis=2))
+    if image.mode in ("RGBA", "LA", "PA") or "transparency" in image.info:
+        rgba = image.convert("RGBA")
+        white = Image.new("RGBA", rgba.size, (255, 255, 255, 255))
+        image = Image.alpha_composite(white, rgba)
+    return np.array(image.convert("RGB"))
+
+
+def png_bytes(image: np.ndarray) -> bytes:
+    """Return a (h, w, 3) or (h, w) uint8 image as PNG bytes (same bytes for same pixels)."""
+    import io
+
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.fromarray(image).save(buffer, format="PNG", compress_level=6)
+    return buffer.getvalue()
+
+
+def image_from_bytes(data: bytes) -> np.ndarray:
+    """Return PNG or JPEG bytes as (h, w, 3) uint8 sRGB."""
+    import io
+
+    return read_image(io.BytesIO(data))  # type: ignore[arg-type]
+
+
+def write_png(path: str | os.PathLike[str], image: np.ndarray) -> None:
+    """Write a (h, w, 3) sRGB or (h, w) grey uint8 image as PNG, atomically."""
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(png_bytes(image))
+
+
+def write_parquet(
+    path: str | os.PathLike[str], frame: pd.DataFrame, metadata: Mapping[str, object]
+) -> None:
+    """Write a table atomically as Parquet; `metadata` (with the schema version) goes into it."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table = pa.Table.from_pandas(frame, preserve_index=False)
+    extra = {"schema_version": SCHEMA_VERSION, **metadata}
+    own = {b"plan2scene": json.dumps(extra, sort_keys=True).encode()}
+    table = table.replace_schema_metadata({**(table.schema.metadata or {}), **own})
+    with atomic_path(path) as temporary:
+        pq.write_table(table, temporary, compression="zstd")
+
+
+def read_parquet(path: str | os.PathLike[str]) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """Return a table and the metadata that :func:`write_parquet` gave it."""
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(path)
+    raw = (table.schema.metadata or {}).get(b"plan2scene")
+    if raw is None:
+        raise InputError("a Parquet file of this program", "no plan2scene metadata", file=path)
+    metadata = json.loads(raw)
+    if metadata.get("schema_version") != SCHEMA_VERSION:
+        raise InputError(
+            f"schema version {SCHEMA_VERSION}", str(metadata.get("schema_version")), file=path
+        )
+    return table.to_pandas(), metadata

@@ -1,0 +1,46 @@
+"""The frame of a workflow script: its log, and one clear line when the user's input is at fault."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from plan2scene.errors import InputError
+
+
+@contextmanager
+def job(log: str | Path | None = None) -> Iterator[logging.Logger]:
+    """Log to file `log` (and warnings to stderr); an InputError becomes one line and exit code 1.
+
+    >>> with job(snakemake.log[0]) as logger:  # doctest: +SKIP
+    ...     logger.info("12 crops")
+    """
+    logger = logging.getLogger("plan2scene")
+    logger.setLevel(logging.INFO)
+    handlers: list[logging.Handler] = []
+    console = logging.StreamHandler(sys.stderr)
+    console.setLevel(logging.WARNING)
+    console.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
+    handlers.append(console)
+    if log is not None:
+        Path(log).parent.mkdir(parents=True, exist_ok=True)
+        file = logging.FileHandler(log, mode="w", encoding="utf-8")
+        file.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
+        handlers.append(file)
+    for handler in handlers:
+        logger.addHandler(handler)
+    try:
+        yield logger
+    except InputError as error:
+        logger.error("%s", error)
+        raise SystemExit(1) from None
+    except Exception:
+        logger.exception("unexpected failure")
+        raise
+    finally:
+        for handler in handlers:
+            logger.removeHandler(handler)
+            handler.close()

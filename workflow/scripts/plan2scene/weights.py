@@ -1,0 +1,62 @@
+"""Weights on disk: safetensors with the architecture in the header. Never pickled code."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from plan2scene.errors import InputError
+from plan2scene.io import atomic_path
+
+if TYPE_CHECKING:
+    import torch
+
+#: Folder of the embedded weights in a clone of the repository.
+MODELS = Path(__file__).resolve().parents[3] / "resources" / "models"
+_FORMAT = "plan2scene"
+
+
+def save_model_file(
+    path: str | Path,
+    state: Mapping[str, torch.Tensor],
+    architecture: Mapping[str, Any],
+    *,
+    half: bool = True,
+) -> None:
+    """Write a state dict atomically; floating tensors as float16 when `half`.
+
+    `architecture` is what the model's constructor needs; it must be JSON.
+    """
+    from safetensors.torch import save_file
+
+    tensors = {
+        name: (value.half() if half and value.is_floating_point() else value)
+        .detach()
+        .cpu()
+        .contiguous()
+        for name, value in state.items()
+    }
+    header = {"format": _FORMAT, "architecture": json.dumps(dict(architecture), sort_keys=True)}
+    with atomic_path(path) as temporary:
+        save_file(tensors, temporary, metadata=header)
+
+
+def load_model_file(path: str | Path) -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
+    """Return (state dict with float32 tensors, architecture) of a file of :func:`save_model_file`.
+
+    Raises InputError for a file that is missing, damaged or of another program.
+    """
+    from safetensors import SafetensorError, safe_open
+
+    try:
+        with safe_open(path, framework="pt") as file:
+            metadata = file.metadata() or {}
+            state = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    except (SafetensorError, OSError) as error:
+        raise InputError("a safetensors file", str(error), file=path) from None
+    if metadata.get("format") != _FORMAT or "architecture" not in metadata:
+        raise InputError("weights of this program", "no plan2scene header", file=path)
+    floats = {k: v.float() if v.is_floating_point() else v for k, v in state.items()}
+    return floats, json.loads(metadata["architecture"])
