@@ -1,0 +1,81 @@
+# What every rule shares: the checked config and house table, and input functions.
+# Paths of all results: results/{dataset}/..., the grammar is in docs/conventions.md.
+import functools
+import sys
+from pathlib import Path
+
+import pandas as pd
+from snakemake.utils import validate
+
+from plan2scene.house_table import hidden_photo_names, load_houses, photo_paths
+from plan2scene.errors import InputError
+from plan2scene.provenance import code_hash
+
+validate(config, schema="../schemas/config.schema.json")
+
+DATASET = config["dataset"]["name"]
+DATA_ROOT = Path(config["dataset"]["root"])
+RESULTS = f"results/{DATASET}"
+MODELS = "resources/models"
+METHODS = config["methods"]
+DROPS = [f"{drop:.1f}" for drop in config["drops"]]
+
+try:
+    HOUSES = load_houses(
+        DATA_ROOT / config["dataset"]["table"],
+        splits=config["dataset"]["splits"],
+        # A data set that this workflow is about to make has no table yet.
+        may_be_absent="synthetic" in config or "training" in config,
+    )
+except InputError as error:
+    sys.exit(f"plan2scene: {error}")
+
+
+wildcard_constraints:
+    house=r"[A-Za-z0-9_][A-Za-z0-9_.-]*",
+    drop=r"[01]\.\d",
+    method="|".join(METHODS),
+
+
+def plan_of(wildcards):
+    """Return the plan of a house; empty when it is missing (the job then says so)."""
+    path = DATA_ROOT / HOUSES.loc[wildcards.house, "plan"]
+    return str(path) if path.is_file() else []
+
+
+def assignment_of(wildcards):
+    """Return the photo table of a house; empty when the house has none."""
+    name = HOUSES.loc[wildcards.house, "assignment"]
+    path = DATA_ROOT / name
+    return str(path) if name and path.is_file() else []
+
+
+def photo_names_of(wildcards):
+    """Return all photo names that the house table gives a house."""
+    return [name for name in HOUSES.loc[wildcards.house, "photos"].split("|") if name]
+
+
+def photos_of(wildcards):
+    """Return the photos of a house that exist; what is missing is the job's to report."""
+    return [str(path) for path in photo_paths(DATA_ROOT / "photos", photo_names_of(wildcards))]
+
+
+def hidden_photos(wildcards):
+    """Return the photos of a house that are hidden at a drop fraction, sorted."""
+    return hidden_photo_names(
+        DATA_ROOT / "unobserved_photos.json",
+        wildcards.drop,
+        photo_names_of(wildcards),
+        seed=config["seed"],
+        house=wildcards.house,
+    )
+
+
+def model_of(name):
+    """Return the path of a model: the configured one, else the embedded one."""
+    return config["models"].get(name) or f"{MODELS}/{name}.safetensors"
+
+
+def house_files(*names):
+    """Return result files of every house: ``house_files("house.glb")``."""
+    return expand(f"{RESULTS}/houses/{{house}}/{{name}}", house=HOUSES.index, name=names)

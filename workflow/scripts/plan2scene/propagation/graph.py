@@ -1,0 +1,71 @@
+"""The room-door-room graph of a house as arrays; numpy only.
+
+Node features (paper section 4.3, constants of the authors' public configuration): 12 room-type
+flags, then for floor, wall and ceiling a presence flag and 11 embedding values, zeros where
+absent: 12 + 3 x 12 = 48 per room.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from plan2scene.house import ROOM_TYPES, SURFACES, House, SurfaceKey
+
+EMBEDDING_SIZE = 11
+NODE_SIZE = len(ROOM_TYPES) + len(SURFACES) * (1 + EMBEDDING_SIZE)
+
+
+@dataclass(frozen=True)
+class HouseGraph:
+    """A house as a graph: one node a room.
+
+    Parameters
+    ----------
+    room_ids : tuple of str, length n
+    types : (n, 12) float32, multi-hot in the order of ``house.ROOM_TYPES``
+    edges : (2, m) int64, both directions of each inner door, source row first
+    embeddings : (n, 3, 11) float32, zeros where not observed
+    observed : (n, 3) bool, surfaces in the order of ``house.SURFACES``
+    """
+
+    room_ids: tuple[str, ...]
+    types: np.ndarray
+    edges: np.ndarray
+    embeddings: np.ndarray
+    observed: np.ndarray
+
+    def node_features(self, visible: np.ndarray) -> np.ndarray:
+        """Return the network's input with only the `visible` surfaces shown.
+
+        `visible` is (n, 3) bool and is intersected with `observed`. Returns (n, 48) float32.
+        """
+        shown = (visible & self.observed)[..., None].astype(np.float32)
+        blocks = np.concatenate([shown, self.embeddings * shown], axis=2)
+        return np.concatenate([self.types, blocks.reshape(len(self.room_ids), -1)], axis=1)
+
+
+def house_graph(house: House, embeddings: Mapping[SurfaceKey, np.ndarray]) -> HouseGraph:
+    """Return the graph of a house.
+
+    Doors to the outside give no edge; a house without inner doors has no edges.
+    `embeddings` holds the observed surfaces' (11,) arrays.
+    """
+    room_ids = tuple(room.id for room in house.rooms)
+    position = {room_id: i for i, room_id in enumerate(room_ids)}
+    types = np.zeros((len(room_ids), len(ROOM_TYPES)), dtype=np.float32)
+    for i, room in enumerate(house.rooms):
+        for name in room.types:
+            types[i, ROOM_TYPES.index(name)] = 1.0
+    pairs = [(position[a], position[b]) for a, b in house.adjacency()]
+    directed = [*pairs, *((b, a) for a, b in pairs)]
+    edges = np.array(sorted(directed), dtype=np.int64).reshape(-1, 2).T
+    values = np.zeros((len(room_ids), len(SURFACES), EMBEDDING_SIZE), dtype=np.float32)
+    observed = np.zeros((len(room_ids), len(SURFACES)), dtype=bool)
+    for key, value in embeddings.items():
+        i, j = position[key.room_id], SURFACES.index(key.surface)
+        values[i, j] = np.asarray(value, dtype=np.float32)
+        observed[i, j] = True
+    return HouseGraph(room_ids, types, np.ascontiguousarray(edges), values, observed)
