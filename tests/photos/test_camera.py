@@ -1,0 +1,152 @@
+"""Cameras of line drawings whose truth is known."""
+
+import cv2
+import numpy as np
+import pytest
+from plan2scene.errors import InputError
+from plan2scene.photos.camera import Camera, canonical, estimate_camera
+from plan2scene.photos.lines import detect_segments, hough_segments
+
+
+def rotation_of(heading_deg, pitch_deg, roll_deg):
+    """World-to-camera rotation: heading about y, then pitch (down positive), then roll."""
+    level = np.diag([-1.0, -1.0, 1.0])
+    h, p, r = np.radians([heading_deg, pitch_deg, roll_deg])
+    turn = np.array([[np.cos(h), 0, np.sin(h)], [0, 1, 0], [-np.sin(h), 0, np.cos(h)]])
+    tilt = np.array([[1, 0, 0], [0, np.cos(p), -np.sin(p)], [0, np.sin(p), np.cos(p)]])
+    bank = np.array([[np.cos(r), -np.sin(r), 0], [np.sin(r), np.cos(r), 0], [0, 0, 1]])
+    return bank @ tilt @ level @ turn
+
+
+def checker_room(rotation, fov_deg, size=(480, 640), box=(4.0, 2.6, 5.0), cell=0.5, eye=None):
+    """Ray-cast checkerboards on the inside of a box (4x supersampled); returns an sRGB photo."""
+    height, width = size
+    focal = width / 2 / np.tan(np.radians(fov_deg) / 2)
+    scale = 2
+    y, x = np.mgrid[0 : height * scale, 0 : width * scale]
+    rays = np.stack(
+        [
+            ((x + 0.5) / scale - 0.5 - (width - 1) / 2) / focal,
+            ((y + 0.5) / scale - 0.5 - (height - 1) / 2) / focal,
+            np.ones_like(x, dtype=float),
+        ],
+        axis=-1,
+    )
+    rays = rays @ rotation
+    eye = np.array([0.3, 1.5, -1.2]) if eye is None else eye
+    low = np.array([-box[0] / 2, 0.0, -box[2] / 2])
+    high = np.array([box[0] / 2, box[1], box[2] / 2])
+    with np.errstate(divide="ignore"):
+        reach = np.where(rays > 0, (high - eye) / rays, (low - eye) / rays)
+    axis = reach.argmin(axis=-1)
+    point = eye + rays * reach.min(axis=-1, keepdims=True)
+    cells = np.floor((point - low) / cell + 1e-6).astype(int)
+    cells[np.arange(3) == axis[..., None]] = 0
+    odd = cells.sum(axis=-1) % 2
+    base = np.array([90, 150, 200])[axis]
+    grey = np.where(odd, base, base + 40).astype(np.float32)
+    grey = cv2.resize(grey, (width, height), interpolation=cv2.INTER_AREA)
+    return np.repeat(grey.round().astype(np.uint8)[..., None], 3, axis=2), focal
+
+
+def angle_deg(a, b):
+    """Angle between rotations, degrees, up to the Manhattan frame's quarter turns."""
+    turned = canonical(a).T @ canonical(b)
+    return float(np.degrees(np.arccos(np.clip((np.trace(turned) - 1) / 2, -1, 1))))
+
+
+POSES = [
+    (30.0, 5.0, 1.0, 60.0),
+    (-20.0, 12.0, -2.0, 75.0),
+    (40.0, -6.0, 0.0, 85.0),
+    (-35.0, 3.0, 3.0, 50.0),
+]
+
+
+@pytest.mark.parametrize(("heading", "pitch", "roll", "fov"), POSES)
+def test_rotation_and_focal_of_a_checkered_room(heading, pitch, roll, fov):
+    truth = rotation_of(heading, pitch, roll)
+    image, focal = checker_room(truth, fov)
+    camera = estimate_camera(image)
+    assert not camera.fallback
+    assert camera.focal_source == "vanishing_points"
+    assert angle_deg(camera.matrix, truth) < 0.5
+    assert abs(camera.focal_px / focal - 1) < 0.02
+
+
+def test_one_point_view_keeps_rotation_but_not_focal():
+    truth = rotation_of(0.0, 0.0, 0.0)
+    image, _ = checker_room(truth, 70.0, eye=np.array([0.0, 1.3, -2.0]))
+    camera = estimate_camera(image)
+    assert not camera.fallback
+    assert angle_deg(camera.matrix, truth) < 1.0
+
+
+def test_no_lines_fall_back_to_the_constant_field_of_view():
+    camera = estimate_camera(np.full((120, 160, 3), 128, np.uint8), fov_deg=60.0)
+    assert camera.fallback
+    assert camera.focal_source == "config"
+    assert camera.confidence == 0.0
+    assert camera.focal_px == pytest.approx(80 / np.tan(np.radians(30)), abs=1e-3)
+    np.testing.assert_array_equal(camera.matrix, np.diag([-1.0, -1.0, 1.0]))
+
+
+def test_noise_is_no_room():
+    noise = np.random.default_rng(3).integers(0, 255, (240, 320, 3)).astype(np.uint8)
+    assert estimate_camera(cv2.GaussianBlur(noise, (0, 0), 3)).confidence < 0.5
+
+
+def test_same_photo_same_camera():
+    image, _ = checker_room(rotation_of(25, 4, 1), 65.0, size=(240, 320))
+    assert estimate_camera(image) == estimate_camera(image.copy())
+
+
+def test_large_photo_scales_the_focal_length():
+    image, focal = checker_room(rotation_of(30, 5, 1), 60.0, size=(960, 1280))
+    camera = estimate_camera(image)
+    assert camera.width == 1280
+    assert abs(camera.focal_px / focal - 1) < 0.02
+
+
+def test_json_round_trip_and_fault():
+    image, _ = checker_room(rotation_of(25, 4, 1), 65.0, size=(240, 320))
+    camera = estimate_camera(image)
+    assert Camera.from_json(camera.to_json()) == camera
+    with pytest.raises(InputError, match=r"cameras\.json.*focal_px"):
+        Camera.from_json(
+            {"width": 3, "height": 2, "rotation": np.eye(3).tolist()}, file="cameras.json"
+        )
+
+
+def test_project_inverts_rays():
+    image, _ = checker_room(rotation_of(25, 4, 1), 65.0, size=(240, 320))
+    camera = estimate_camera(image)
+    pixels = np.array([[0.0, 0.0], [319.0, 0.0], [100.5, 200.25], [camera.cx, camera.cy]])
+    rays = camera.rays(pixels)
+    np.testing.assert_allclose(np.linalg.norm(rays, axis=1), 1.0)
+    np.testing.assert_allclose(camera.project(rays * 3.7), pixels, atol=1e-6)
+    assert np.isnan(camera.project(-rays)).all()
+
+
+def test_canonical_ignores_quarter_turns():
+    truth = rotation_of(20, 7, -2)
+    quarter = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+    np.testing.assert_allclose(canonical(truth @ quarter), canonical(truth), atol=1e-12)
+    assert np.linalg.det(canonical(truth)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("detect", [detect_segments, hough_segments])
+def test_segments_of_a_rectangle(detect):
+    grey = np.zeros((200, 240), np.uint8)
+    corners = np.array([[40, 30], [200, 50], [185, 170], [30, 150]])
+    cv2.fillPoly(grey, [corners], 220, lineType=cv2.LINE_AA)
+    found = detect(grey)
+    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        along = (end - start) / np.linalg.norm(end - start)
+        direction = found[:, 2:] - found[:, :2]
+        length = np.linalg.norm(direction, axis=1)
+        turn = np.abs(direction[:, 0] * along[1] - direction[:, 1] * along[0]) / length
+        offset = (found[:, :2] + found[:, 2:]) / 2 - start
+        distance = np.abs(offset[:, 0] * along[1] - offset[:, 1] * along[0])
+        good = (length > 60) & (turn < np.sin(np.radians(1.0))) & (distance < 1.5)
+        assert good.any(), (start, end)

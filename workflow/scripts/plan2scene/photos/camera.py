@@ -1,0 +1,248 @@
+"""Camera of one photo: focal length and rotation from vanishing points (docs/conventions.md)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.photos.lines import detect_segments
+from plan2scene.photos.vanishing import (
+    FOV_RANGE_DEG,
+    Manhattan,
+    Segments,
+    fit_manhattan,
+    refine_rotation,
+)
+
+#: Horizontal field of view of the paper's reference, degrees (method section "Surface crops").
+DEFAULT_FOV_DEG = 60.0
+#: Photos are reduced to this width or height (the larger) before segments are sought.
+WORKING_SIDE = 800
+MAX_SEGMENTS = 320
+#: A frame is believed with this many segments on the vertical and on the horizontal axes, ...
+MIN_VERTICAL = 3
+MIN_HORIZONTAL = 5
+#: ... with this share of the segments' weight; the focal length below this relative spread.
+MIN_SHARE = 0.30
+MAX_LOG_FOCAL_SD = 0.12
+#: The standard deviation of the segments' fit is too small by about this factor: segments of one
+#: texture share their error.
+SD_INFLATION = 3.0
+FOCAL_SOURCES = ("vanishing_points", "config")
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera in the Manhattan frame of its photo.
+
+    Parameters
+    ----------
+    width, height : int
+        Size of the photo, pixels.
+    focal_px, cx, cy : float
+        Focal length and principal point, pixels.
+    rotation : (3, 3) tuple of float
+        World to camera; the world has y up and x, z along the two horizontal vanishing
+        directions, z the one nearest to the view direction. Camera axes: x right, y down,
+        z forward.
+    focal_source : str
+        ``vanishing_points`` or ``config`` (the constant field of view).
+    confidence : float
+        0..1: support of the frame times the certainty of the focal length.
+    fallback : bool
+        True when no frame was found: a level camera that looks straight at a wall.
+    """
+
+    width: int
+    height: int
+    focal_px: float
+    cx: float
+    cy: float
+    rotation: tuple[tuple[float, float, float], ...]
+    focal_source: str
+    confidence: float
+    fallback: bool
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Return the rotation as a (3, 3) float64 array."""
+        return np.array(self.rotation, dtype=np.float64)
+
+    @property
+    def intrinsics(self) -> np.ndarray:
+        """Return K as a (3, 3) float64 array."""
+        return np.array(
+            [[self.focal_px, 0.0, self.cx], [0.0, self.focal_px, self.cy], [0.0, 0.0, 1.0]]
+        )
+
+    def project(self, points: np.ndarray) -> np.ndarray:
+        """Return pixels (n, 2) of points (n, 3) given from the camera centre in world axes.
+
+        Points at or behind the camera give NaN.
+        """
+        seen = np.asarray(points, dtype=np.float64) @ self.matrix.T
+        depth = np.where(seen[:, 2:] > 1e-9, seen[:, 2:], np.nan)
+        return np.asarray(seen[:, :2] / depth * self.focal_px + np.array([self.cx, self.cy]))
+
+    def rays(self, pixels: np.ndarray) -> np.ndarray:
+        """Return unit view directions (..., 3) in world axes of pixels (..., 2) as x, y."""
+        flat = (np.asarray(pixels, dtype=np.float64) - np.array([self.cx, self.cy])) / self.focal_px
+        seen = np.concatenate([flat, np.ones((*flat.shape[:-1], 1))], axis=-1)
+        world = seen @ self.matrix
+        return np.asarray(world / np.linalg.norm(world, axis=-1, keepdims=True))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the camera as plain JSON values (masks/cameras.json)."""
+        return {
+            "width": self.width,
+            "height": self.height,
+            "focal_px": self.focal_px,
+            "cx": self.cx,
+            "cy": self.cy,
+            "rotation": [list(row) for row in self.rotation],
+            "focal_source": self.focal_source,
+            "confidence": self.confidence,
+            "fallback": self.fallback,
+        }
+
+    @classmethod
+    def from_json(cls, value: Any, *, file: object = "") -> Camera:
+        """Return the camera of `to_json`'s values; InputError when they are none.
+
+        `focal_source`, `confidence` and `fallback` may be missing: a measured camera, as in
+        the truth of synthetic houses, needs none of them.
+        """
+        try:
+            rotation = np.array(value["rotation"], dtype=np.float64).reshape(3, 3)
+            if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-3):
+                raise ValueError("rotation is not orthonormal")
+            return cls(
+                width=int(value["width"]),
+                height=int(value["height"]),
+                focal_px=float(value["focal_px"]),
+                cx=float(value["cx"]),
+                cy=float(value["cy"]),
+                rotation=_rows(rotation),
+                focal_source=str(value.get("focal_source", "config")),
+                confidence=float(value.get("confidence", 1.0)),
+                fallback=bool(value.get("fallback", False)),
+            )
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise InputError(
+                "a camera (width, height, focal_px, cx, cy, rotation)",
+                f"{type(error).__name__}: {error}",
+                file=file,
+            ) from None
+
+
+def estimate_camera(
+    image: np.ndarray,
+    labels: np.ndarray | None = None,
+    *,
+    fov_deg: float = DEFAULT_FOV_DEG,
+    seed: int = 0,
+) -> Camera:
+    """Return focal length and rotation of a photo of a room (paper section 3.2, made metric).
+
+    Parameters
+    ----------
+    image : (h, w, 3) uint8
+        The photo, sRGB.
+    labels : (h, w) uint8, optional
+        Label mask; segments on surfaces and their borders count more than those on furniture.
+    fov_deg : float
+        Horizontal field of view to start from and to fall back to, degrees.
+    seed : int
+        Seed of the vertical vanishing point's random pairs.
+    """
+    height, width = image.shape[:2]
+    scale = min(1.0, WORKING_SIDE / max(height, width))
+    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    if scale < 1.0:
+        size = (max(1, round(width * scale)), max(1, round(height * scale)))
+        grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
+    rows, columns = grey.shape
+    lines = detect_segments(grey)[:MAX_SEGMENTS]
+    weight = _label_weight(lines, labels, grey.shape)
+    segments = Segments(lines, ((columns - 1) / 2, (rows - 1) / 2), weight)
+    if not FOV_RANGE_DEG[0] <= fov_deg <= FOV_RANGE_DEG[1]:
+        raise InputError(f"a field of view in {FOV_RANGE_DEG} degrees", f"{fov_deg}")
+    frame = fit_manhattan(segments, columns, fov_deg, seed)
+    return _decide(frame, segments, (width, height), columns, fov_deg)
+
+
+def _decide(
+    frame: Manhattan | None,
+    segments: Segments,
+    size: tuple[int, int],
+    columns: int,
+    fov_deg: float,
+) -> Camera:
+    """Return the camera of a fitted frame, or the constant one where the evidence is weak."""
+    width, height = size
+    focal = columns / 2 / np.tan(np.radians(fov_deg) / 2)
+    axes, source, confidence, fallback = np.diag([-1.0, -1.0, 1.0]), "config", 0.0, True
+    if (
+        frame is not None
+        and frame.counts[1] >= MIN_VERTICAL
+        and frame.counts[0] + frame.counts[2] >= MIN_HORIZONTAL
+        and frame.share >= MIN_SHARE
+    ):
+        spread = SD_INFLATION * frame.log_focal_sd
+        axes, fallback = frame.axes, False
+        confidence = min(1.0, frame.share / 0.8) / (1.0 + (spread / MAX_LOG_FOCAL_SD) ** 2)
+        if spread <= MAX_LOG_FOCAL_SD:
+            focal, source = frame.focal, "vanishing_points"
+        else:
+            axes = refine_rotation(segments, axes, focal)
+    return Camera(
+        width=width,
+        height=height,
+        focal_px=round(float(focal) * width / columns, 4),
+        cx=(width - 1) / 2,
+        cy=(height - 1) / 2,
+        rotation=_rows(canonical(axes)),
+        focal_source=source,
+        confidence=round(float(np.clip(confidence, 0.0, 1.0)), 4),
+        fallback=fallback,
+    )
+
+
+def canonical(axes: np.ndarray) -> np.ndarray:
+    """Return world-to-camera `axes` turned by a multiple of 90 degrees so that z looks ahead.
+
+    The result is a proper rotation whose y column points up in the image and whose z column is
+    the horizontal direction nearest to the view direction.
+    """
+    up = axes[:, 1] if axes[1, 1] < 0 else -axes[:, 1]
+    choices = [axes[:, 0], -axes[:, 0], axes[:, 2], -axes[:, 2]]
+    ahead = max(choices, key=lambda axis: float(axis[2]))
+    turned = np.stack([np.cross(up, ahead), up, ahead], axis=1)
+    left, _, right = np.linalg.svd(turned)
+    return np.asarray(left @ right)
+
+
+def _label_weight(
+    lines: np.ndarray, labels: np.ndarray | None, shape: tuple[int, int]
+) -> np.ndarray:
+    """Return each segment's weight: 1 on surfaces or between them, 0.5 on other things."""
+    if labels is None or not len(lines):
+        return np.ones(len(lines))
+    rows, columns = shape
+    steps = np.linspace(0.1, 0.9, 5)[:, None]
+    start, end = lines[:, :2], lines[:, 2:]
+    points = start[None] + steps[..., None] * (end - start)[None]
+    x = np.clip(points[..., 0] / columns * labels.shape[1], 0, labels.shape[1] - 1).astype(int)
+    y = np.clip(points[..., 1] / rows * labels.shape[0], 0, labels.shape[0] - 1).astype(int)
+    other = np.isin(labels[y, x], (0, 255)).mean(axis=0)
+    return np.asarray(1.0 - 0.5 * other)
+
+
+def _rows(matrix: np.ndarray) -> tuple[tuple[float, float, float], ...]:
+    """Return a (3, 3) array as rounded tuples, so that JSON gives the same bytes everywhere."""
+    rounded = np.round(matrix, 9) + 0.0
+    return tuple((float(row[0]), float(row[1]), float(row[2])) for row in rounded)
