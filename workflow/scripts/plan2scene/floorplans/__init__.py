@@ -1,0 +1,66 @@
+"""Floorplans: readers of every supported plan, checks, and the scene.json writer."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans.parse import parse_json
+from plan2scene.floorplans.scene_json import (
+    house_of_scene,
+    house_to_scene,
+    read_scene_json,
+    read_scene_textures,
+    write_scene_json,
+)
+from plan2scene.floorplans.validate import house_faults, validate_house
+from plan2scene.house import House
+from plan2scene.io import read_text
+
+__all__ = [
+    "house_faults",
+    "house_to_scene",
+    "import_plan",
+    "read_plan",
+    "read_scene_json",
+    "read_scene_textures",
+    "validate_house",
+    "write_scene_json",
+]
+
+_LOGGER = logging.getLogger("plan2scene")
+
+
+def read_plan(path: str | Path, house_id: str, metres_per_pixel: float | None = None) -> House:
+    """Return the house of any supported plan; what it is, is told by its content.
+
+    Parameters
+    ----------
+    path : path
+        scene.json, this program's plan JSON, or a raster-to-vector text file of either dialect.
+    house_id : str
+        Name that the house gets.
+    metres_per_pixel : float, optional
+        Scale of raster-to-vector files, which are in pixels; needed for those only.
+    """
+    text = read_text(path)
+    if not text.strip():
+        raise InputError("a plan", "an empty file", file=path, house=house_id)
+    document = parse_json(text, path, house_id)
+    return house_of_scene(document, house_id, file=str(path))
+
+
+def import_plan(
+    path: str | Path,
+    output: str | Path,
+    *,
+    house_id: str,
+    metres_per_pixel: float | None = None,
+) -> House:
+    """Read, check and write a plan as scene.json; warnings go to the log. Return the house."""
+    house = read_plan(path, house_id, metres_per_pixel)
+    for line in validate_house(house, file=path):
+        _LOGGER.warning("%s", line)
+    write_scene_json(house, output)
+    return house

@@ -1,0 +1,299 @@
+"""Reader of scene.json, the paper's extension of the Smart Scene Toolkit's scene state.
+
+Tolerates what real files do (docs/floorplans.md lists it); each repair is a warning of the house.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from plan2scene.floorplans.geometry import find_doors
+from plan2scene.floorplans.parse import SAME_POINT, Source, parse_json
+from plan2scene.floorplans.scene_walls import read_walls, room_ids_of
+from plan2scene.floorplans.scene_writer import house_to_scene, write_scene_json
+from plan2scene.house import (
+    Door,
+    House,
+    IconBox,
+    PlacedObject,
+    Ring,
+    Room,
+    SurfaceKey,
+    Wall,
+)
+from plan2scene.io import read_text
+
+__all__ = [
+    "house_of_scene",
+    "house_to_scene",
+    "read_scene_json",
+    "read_scene_textures",
+    "write_scene_json",
+]
+
+#: Room height in metres when neither a ceiling nor a wall tells it.
+DEFAULT_HEIGHT = 2.8
+
+
+def read_scene_json(path: str | Path, house_id: str) -> House:
+    """Return the house of a scene.json file.
+
+    Parameters
+    ----------
+    path : path
+        ``{"format": "sceneState", "scene": {...}}``, ``{"scene": {...}}`` or a bare ``arch``.
+    house_id : str
+        Name of the house; the file's own id is not used.
+
+    Raises
+    ------
+    InputError
+        With file, house and room for a fault that can't be repaired.
+    """
+    return house_of_scene(parse_json(read_text(path), path, house_id), house_id, file=str(path))
+
+
+def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
+    """Return the house of a parsed scene.json; see :func:`read_scene_json`."""
+    source = Source(file, house_id)
+    source.identifier(house_id, "a house name")
+    scene, arch = _find_arch(source, document)
+    _check_frame(source, scene)
+    elements = [
+        source.mapping(e, "an element") for e in source.items(arch.get("elements"), "elements")
+    ]
+    if not elements:
+        raise source.fault("a list of elements", "none")
+    rooms = _read_rooms(source, arch, elements)
+    walls = read_walls(source, arch, elements, rooms)
+    return House(
+        id=house_id,
+        rooms=tuple(rooms.values()),
+        walls=tuple(walls),
+        doors=_read_doors(source, arch, rooms, walls),
+        objects=_read_objects(source, scene),
+        icons=_read_icons(source, arch),
+        warnings=tuple(source.warnings),
+    )
+
+
+def _find_arch(source: Source, document: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return (scene, arch) of any of the accepted nestings."""
+    outer = source.mapping(document, "the document")
+    scene = source.mapping(outer.get("scene", outer), "'scene'")
+    return scene, source.mapping(scene.get("arch", scene), "'arch'")
+
+
+def _check_frame(source: Source, scene: Mapping[str, Any]) -> None:
+    """Refuse a scene that is not in metres or not y up."""
+    unit = scene.get("unit")
+    if unit not in (None, 1):
+        raise source.fault("unit 1 (metres)", repr(unit))
+    up = scene.get("up")
+    axis = [up.get(k) for k in "xyz"] if isinstance(up, dict) else up
+    if axis not in (None, [0, 1, 0]):
+        raise source.fault("up = y (0, 1, 0)", repr(axis))
+
+
+def _read_rooms(
+    source: Source, arch: Mapping[str, Any], elements: list[dict[str, Any]]
+) -> dict[str, Room]:
+    """Return the rooms by id, outlines from the floors (else ceilings), heights from ceilings."""
+    plates: dict[str, dict[str, dict[str, Any]]] = {"Floor": {}, "Ceiling": {}}
+    for element in elements:
+        kind = element.get("type")
+        if kind in plates:
+            for room_id in room_ids_of(source, element):
+                if room_id in plates[kind]:
+                    raise source.fault(f"one {kind} element", "two", room_id)
+                plates[kind][room_id] = element
+    types = _room_types(source, arch, list(plates["Floor"] or plates["Ceiling"]))
+    for room_id in [*plates["Floor"], *plates["Ceiling"]]:
+        if room_id not in types:
+            source.warn("an entry of 'rooms'", "none; read as Unknown", room_id)
+            types[room_id] = ("Unknown",)
+    rooms = {}
+    for room_id, names in types.items():
+        floor, ceiling = plates["Floor"].get(room_id), plates["Ceiling"].get(room_id)
+        plate = floor or ceiling
+        if plate is None:
+            raise source.fault("a Floor element of the room", "none", room_id)
+        if floor is None:
+            source.warn("a Floor element", "none; outline of the ceiling used", room_id)
+        rings, low = _read_rings(source, plate, room_id)
+        height = _room_height(source, room_id, low if floor else 0.0, ceiling, elements)
+        rooms[room_id] = Room(room_id, names, rings, height)
+    return rooms
+
+
+def _room_types(
+    source: Source, arch: Mapping[str, Any], floor_ids: list[str]
+) -> dict[str, tuple[str, ...]]:
+    """Return the types of each room in the order of the file's `rooms`."""
+    if arch.get("rooms") is None:
+        source.warn("a list of 'rooms'", "none; every room is Unknown")
+        return {room_id: ("Unknown",) for room_id in floor_ids}
+    types: dict[str, tuple[str, ...]] = {}
+    for entry in source.items(arch["rooms"], "rooms"):
+        room_id = source.identifier(source.mapping(entry, "a room").get("id"), "a room id")
+        if room_id in types:
+            raise source.fault("room ids that differ", f"{room_id} twice", room_id)
+        names = entry.get("types", entry.get("type"))
+        names = [names] if isinstance(names, str) else source.items(names, "room types")
+        if not names:
+            source.warn("a room type", "none; read as Unknown", room_id)
+        read = [source.room_type(name, room_id) for name in names] or ["Unknown"]
+        types[room_id] = tuple(dict.fromkeys(read))
+    return types
+
+
+def _read_rings(
+    source: Source, element: Mapping[str, Any], room: str
+) -> tuple[tuple[Ring, ...], float]:
+    """Return the rings (x, z) of a Floor or Ceiling, `offset` added, and their elevation y."""
+    offset = (0.0, 0.0, 0.0)
+    if element.get("offset") is not None:
+        offset = source.point(element["offset"], "an offset", room)
+    points = source.items(element.get("points"), "points")
+    first = points[0] if points else None
+    nested = isinstance(first, list) and bool(first) and isinstance(first[0], list)
+    rings = []
+    elevation = 0.0
+    for ring in points if nested else [points]:
+        corners = [
+            source.point(p, "an outline", room) for p in source.items(ring, "a ring of points")
+        ]
+        elevation = corners[0][1] + offset[1] if corners else 0.0
+        rings.append(source.ring([(x + offset[0], z + offset[2]) for x, _, z in corners], room))
+    return tuple(rings), elevation
+
+
+def _room_height(
+    source: Source,
+    room: str,
+    low: float,
+    ceiling: Mapping[str, Any] | None,
+    elements: list[dict[str, Any]],
+) -> float:
+    """Return the height in metres: ceiling over floor, else the highest wall, else the default."""
+    if abs(low) > SAME_POINT:
+        source.warn("a floor at y = 0", f"y = {low:g}, moved to 0", room)
+    if ceiling is not None:
+        height = _read_rings(source, ceiling, room)[1] - low
+        if height > SAME_POINT:
+            return height
+    walls = [
+        source.number(e["height"], "a wall's height", room)
+        for e in elements
+        if e.get("type") == "Wall" and e.get("height") is not None
+        if room in room_ids_of(source, e)
+    ]
+    height = max(walls, default=DEFAULT_HEIGHT)
+    source.warn("a ceiling above the floor", f"none; height {height:g} m used", room)
+    return height
+
+
+def _read_doors(
+    source: Source, arch: Mapping[str, Any], rooms: Mapping[str, Room], walls: list[Wall]
+) -> tuple[Door, ...]:
+    """Return each room-door-room relation once; from the walls' doors when the file has none."""
+    if arch.get("rdr") is None:
+        doors = find_doors(tuple(rooms.values()), walls)
+        if doors:
+            source.warn("a list 'rdr'", f"none; {len(doors)} relations found by geometry")
+        return doors
+    holes = {opening.id for wall in walls for opening in wall.openings}
+    found: dict[tuple[str, frozenset[str | None]], Door] = {}
+    for entry in source.items(arch["rdr"], "rdr"):
+        triple = source.items(entry, "an rdr entry")
+        if len(triple) != 3:
+            raise source.fault("[room, hole, room] in rdr", f"{len(triple)} entries")
+        hole = source.identifier(triple[1], "a hole id of rdr")
+        ends = [
+            source.identifier(end, "a room id of rdr")
+            for end in (triple[0], triple[2])
+            if end not in (None, "")
+        ]
+        missing = next((end for end in ends if end not in rooms), None)
+        if missing is not None or not ends:
+            raise source.fault(f"rooms of this plan at door {hole}", missing or "no room")
+        if hole not in holes:
+            source.warn("a hole of some wall for each rdr entry", f"no hole {hole}")
+        door = Door(ends[0], hole, ends[1] if len(ends) == 2 else None)
+        found.setdefault((hole, frozenset((door.room_a, door.room_b))), door)
+    return tuple(found.values())
+
+
+def _read_objects(source: Source, scene: Mapping[str, Any]) -> tuple[PlacedObject, ...]:
+    """Return the placed object models; one that can't be read is left out with a warning."""
+    objects = []
+    for number, entry in enumerate(source.items(scene.get("object"), "object")):
+        transform = entry.get("transform") if isinstance(entry, dict) else None
+        data = transform.get("data") if isinstance(transform, dict) else transform
+        model = entry.get("modelId") if isinstance(entry, dict) else None
+        if not isinstance(model, str) or not isinstance(data, list) or len(data) != 16:
+            source.warn("modelId and a 4x4 transform of each object", f"object {number} without")
+            continue
+        places = [entry.get("index", number), entry.get("parentIndex", -1)]
+        index, parent = (int(source.number(v, "an object's index")) for v in places)
+        values = tuple(source.number(v, "an object's transform") for v in data)
+        objects.append(PlacedObject(model, index, parent, values))
+    return tuple(objects)
+
+
+def _read_icons(source: Source, arch: Mapping[str, Any]) -> tuple[IconBox, ...]:
+    """Return the icon boxes that :func:`write_scene_json` keeps under `arch.icons`."""
+    icons = []
+    for entry in source.items(arch.get("icons"), "icons"):
+        icon = source.mapping(entry, "an icon")
+        box = source.mapping(icon.get("bound_box"), "an icon's bound_box")
+        corners = [source.point(box.get(name), "an icon's corner") for name in ("p1", "p2")]
+        (x0, _, z0), (x1, _, z1) = corners
+        icons.append(IconBox(str(icon.get("type", "")), (x0, z0), (x1, z1)))
+    return tuple(icons)
+
+
+def read_scene_textures(
+    path: str | Path, house_id: str
+) -> dict[SurfaceKey, tuple[bytes, float | None]]:
+    """Return the textures embedded in a scene.json: image bytes and metres per tile by surface.
+
+    A room's wall texture is that of its first textured wall (inner side). The size is None in
+    files of other programs, which don't state it.
+    """
+    source = Source(str(path), house_id)
+    _, arch = _find_arch(source, parse_json(read_text(path), path, house_id))
+    by_id: dict[str, dict[str, Any]] = {}
+    for kind in ("materials", "textures", "images"):
+        for entry in source.items(arch.get(kind), kind):
+            by_id[str(source.mapping(entry, kind).get("uuid"))] = entry
+    found: dict[SurfaceKey, tuple[bytes, float | None]] = {}
+    for element in source.items(arch.get("elements"), "elements"):
+        surface = str(source.mapping(element, "an element").get("type")).lower()
+        used = source.items(element.get("materials"), "an element's materials")
+        for room_id, material in zip(room_ids_of(source, element), used, strict=False):
+            key = SurfaceKey(room_id, surface)
+            name = source.mapping(material, "a material").get("materialId")
+            if name is None or key in found:
+                continue
+            texture = by_id.get(str(by_id.get(str(name), {}).get("map")), {})
+            image = by_id.get(str(texture.get("image")), {})
+            size = texture.get("size_m")
+            metres = None if size is None else source.number(size, "size_m", room_id)
+            found[key] = (_image_bytes(source, image.get("url"), room_id), metres)
+    return found
+
+
+def _image_bytes(source: Source, url: Any, room: str) -> bytes:
+    """Return the bytes of a data URL (`data:img/png` and `data:image/png` alike)."""
+    head, comma, body = url.partition(",") if isinstance(url, str) else ("", "", "")
+    if not comma or not head.startswith(("data:img/", "data:image/")):
+        raise source.fault("a data URL of an image", repr(url)[:60], room)
+    try:
+        return base64.b64decode(body, validate=True)
+    except binascii.Error as error:
+        raise source.fault("base64 of an image", str(error), room) from None

@@ -1,0 +1,177 @@
+"""Checks of a house that every later stage relies on: one clear line per fault."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+from shapely.strtree import STRtree
+from shapely.validation import explain_validity
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.floorplans.parse import (
+    ID_PATTERN,
+    MAX_COORDINATE,
+    MAX_ID_LENGTH,
+    MAX_ITEMS,
+    SAME_POINT,
+)
+from plan2scene.house import OPENING_KINDS, ROOM_TYPES, House, Opening, Room, Wall
+
+#: Largest number of rooms of one house.
+MAX_ROOMS = 1000
+#: A room with less area than this (square metres) is a drawing fault.
+MIN_AREA = 0.01
+#: Rooms may overlap by this share of the smaller one (walls drawn on both sides of their line).
+OVERLAP_SHARE = 0.02
+#: A hole may reach this far (metres) over its wall through rounding.
+ROUNDING = 1e-3
+
+_Fault = Callable[..., InputError]
+
+
+def validate_house(house: House, *, file: str | Path = "") -> list[str]:
+    """Return the warnings of a house (its reader's and those found here).
+
+    Raises
+    ------
+    InputError
+        For the first fault of :func:`house_faults`.
+    """
+    for fault in house_faults(house, file=file):
+        raise fault
+    return [*house.warnings, *_overlaps(house, str(file))]
+
+
+def house_faults(house: House, *, file: str | Path = "") -> Iterator[InputError]:
+    """Yield every fault that keeps a house from being built, most basic first.
+
+    Ids, numbers of elements, room types, coordinates, outlines (self-intersecting, without area),
+    walls, holes (outside their wall, top not above bottom), door relations.
+    """
+
+    def fault(expected: str, found: object, room: str = "") -> InputError:
+        return InputError(expected, str(found), file=file, house=house.id, room=room)
+
+    if not 1 <= len(house.rooms) <= MAX_ROOMS:
+        yield fault(f"1 to {MAX_ROOMS} rooms", len(house.rooms))
+        return
+    if len(house.walls) > MAX_ITEMS:
+        yield fault(f"at most {MAX_ITEMS} walls", len(house.walls))
+        return
+    yield from _id_faults(house, fault)
+    for room in house.rooms:
+        yield from _room_faults(room, fault)
+    for wall in house.walls:
+        yield from _wall_faults(house, wall, fault)
+    known = {room.id for room in house.rooms}
+    for door in house.doors:
+        for room_id in (door.room_a, door.room_b):
+            if room_id is not None and room_id not in known:
+                yield fault(f"rooms of this plan at door {door.opening_id}", room_id)
+
+
+def _id_faults(house: House, fault: _Fault) -> Iterator[InputError]:
+    """Yield ids that can't name files, and ids used twice."""
+    groups: list[tuple[str, Iterable[str]]] = [
+        ("house name", [house.id]),
+        ("room id", [room.id for room in house.rooms]),
+        ("wall id", [wall.id for wall in house.walls]),
+    ]
+    for what, ids in groups:
+        for name, count in Counter(ids).items():
+            if len(name) > MAX_ID_LENGTH or not ID_PATTERN.fullmatch(name):
+                yield fault(f"a {what} of letters, digits, '_', '-' and '.'", repr(name))
+            if count > 1:
+                yield fault(f"each {what} once", f"{name} {count} times")
+
+
+def _room_faults(room: Room, fault: _Fault) -> Iterator[InputError]:
+    """Yield what is wrong with a room's types, coordinates, outline and height."""
+    if not room.types:
+        yield fault("at least one room type", "none", room.id)
+    for name in room.types:
+        if name not in ROOM_TYPES:
+            yield fault(f"a room type ({', '.join(ROOM_TYPES)})", repr(name), room.id)
+    numbers = [room.height, *(v for ring in room.rings for point in ring for v in point)]
+    if not all(math.isfinite(v) and abs(v) <= MAX_COORDINATE for v in numbers):
+        yield fault(f"finite coordinates within {MAX_COORDINATE:g} m", "others", room.id)
+        return
+    if room.height <= 0:
+        yield fault("a height above 0 m", f"{room.height:g}", room.id)
+    if not room.rings or any(len(ring) < 3 for ring in room.rings):
+        yield fault("an outline of at least 3 points", "fewer", room.id)
+        return
+    polygon = room_polygon(room)
+    if not polygon.is_valid and polygon.buffer(0).area >= MIN_AREA:
+        yield fault("an outline that doesn't cross itself", explain_validity(polygon), room.id)
+    elif polygon.area < MIN_AREA:
+        yield fault(f"an area of at least {MIN_AREA:g} m2", f"{polygon.area:.4f}", room.id)
+
+
+def _wall_faults(house: House, wall: Wall, fault: _Fault) -> Iterator[InputError]:
+    """Yield what is wrong with a wall and its holes."""
+    known = {room.id for room in house.rooms}
+    if not 1 <= len(wall.room_ids) <= 2 or not set(wall.room_ids) <= known:
+        yield fault(f"one or two rooms of this plan at wall {wall.id}", ", ".join(wall.room_ids))
+        return
+    room = wall.room_ids[0]
+    numbers = (*wall.start, *wall.end, wall.height, wall.depth, wall.extra_height)
+    if not all(math.isfinite(v) and abs(v) <= MAX_COORDINATE for v in numbers):
+        yield fault(f"wall {wall.id} within {MAX_COORDINATE:g} m", "other numbers", room)
+        return
+    if wall.length <= SAME_POINT or wall.height <= 0 or wall.depth < 0:
+        found = f"{wall.length:g}, {wall.height:g}, {wall.depth:g}"
+        yield fault(f"wall {wall.id} with length and height above 0, depth not below", found, room)
+    if len(wall.openings) > MAX_ITEMS:
+        yield fault(f"at most {MAX_ITEMS} holes on wall {wall.id}", len(wall.openings), room)
+        return
+    for name, count in Counter(opening.id for opening in wall.openings).items():
+        if count > 1:
+            yield fault(f"each hole id once on wall {wall.id}", f"{name} {count} times", room)
+    for opening in wall.openings:
+        yield from _opening_faults(wall, opening, fault)
+
+
+def _opening_faults(wall: Wall, opening: Opening, fault: _Fault) -> Iterator[InputError]:
+    """Yield what is wrong with a hole."""
+    room = wall.room_ids[0]
+    name = f"hole {opening.id} on wall {wall.id}"
+    if not ID_PATTERN.fullmatch(opening.id) or opening.kind not in OPENING_KINDS:
+        found = f"{opening.id!r}, {opening.kind!r}"
+        yield fault(f"an id and one of {', '.join(OPENING_KINDS)} for {name}", found, room)
+    if not opening.start < opening.end:
+        yield fault(f"{name} with a width", f"{opening.start:g} to {opening.end:g} m", room)
+    if not opening.bottom < opening.top:
+        found = f"{opening.bottom:g} to {opening.top:g} m"
+        yield fault(f"{name} with its top above its bottom", found, room)
+    if not (opening.start >= -ROUNDING and opening.end <= wall.length + ROUNDING):
+        found = f"{opening.start:.3f} to {opening.end:.3f} m"
+        yield fault(f"{name}, along within 0 to {wall.length:.3f} m", found, room)
+    if not (opening.bottom >= -ROUNDING and opening.top <= wall.height + ROUNDING):
+        found = f"{opening.bottom:.3f} to {opening.top:.3f} m"
+        yield fault(f"{name}, up within 0 to {wall.height:.3f} m", found, room)
+
+
+def _overlaps(house: House, file: str) -> Iterator[str]:
+    """Yield a warning for each two rooms that overlap."""
+    polygons = [room_polygon(room) for room in house.rooms]
+    tree = STRtree(polygons)
+    for i, j in sorted(zip(*tree.query(polygons, predicate="intersects"), strict=True)):
+        if i >= j:
+            continue
+        area = polygons[i].intersection(polygons[j]).area
+        if area > OVERLAP_SHARE * min(polygons[i].area, polygons[j].area):
+            found = f"{area:.2f} m2 shared with room {house.rooms[j].id}"
+            yield str(
+                InputError(
+                    "rooms that don't overlap",
+                    found,
+                    file=file,
+                    house=house.id,
+                    room=house.rooms[i].id,
+                )
+            )
