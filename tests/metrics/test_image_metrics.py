@@ -1,0 +1,101 @@
+"""COLOR, FREQ and TILE against the figures of the reference implementation."""
+
+import numpy as np
+import pytest
+
+from plan2scene.metrics.color import color_distance, color_histogram
+from plan2scene.metrics.freq import freq_distance, frequency_profile, periodic_component
+from plan2scene.metrics.tile import tile_score, tile_scores
+
+
+def _quantise(*channels):
+    image = np.stack(channels, axis=-1)
+    return np.clip(np.rint(255 * image), 0, 255).astype(np.uint8)
+
+
+@pytest.fixture(scope="module")
+def crops():
+    y, x = np.mgrid[:128, :128].astype(float)
+    base = 0.5 + 0.25 * np.sin(2 * np.pi * (3 * x + 5 * np.sin(2 * np.pi * y / 128)) / 128)
+    base += 0.1 * np.sin(2 * np.pi * 17 * y / 128)
+    wavy = _quantise(
+        0.9 * base, 0.7 * base + 0.02 * np.sin(x / 7), 0.5 * base + 0.03 * np.cos(y / 9)
+    )
+    m = ((x % 32 < 2) | (y % 32 < 2)).astype(float)
+    grid = _quantise(0.8 - 0.5 * m, 0.78 - 0.5 * m + 0.0005 * x, 0.7 - 0.4 * m - 0.0008 * y)
+    return wavy, grid
+
+
+def test_formula_images_are_the_reference_ones(crops):
+    wavy, grid = crops
+    assert wavy.mean(axis=(0, 1)).tolist() == [
+        114.7469482421875,
+        89.30157470703125,
+        64.3175048828125,
+    ]
+    assert wavy[0, :3].tolist() == [[115, 89, 71], [123, 97, 76], [131, 104, 81]]
+    assert grid.mean(axis=(0, 1)).tolist() == [188.62109375, 191.5751953125, 153.1875]
+    assert grid[5, 1:3].tolist() == [[77, 72, 75], [204, 199, 177]]
+
+
+def test_color_matches_the_reference(crops):
+    wavy, grid = crops
+    assert color_distance(wavy, grid) == pytest.approx(0.9859619140625, abs=1e-9)
+    assert color_distance(wavy, np.roll(wavy, 5, axis=1)) == 0.0
+
+
+def test_freq_matches_the_reference(crops):
+    wavy, grid = crops
+    assert freq_distance(wavy, grid) == pytest.approx(0.2894730934344238, abs=1e-9)
+    assert freq_distance(grid, wavy) == pytest.approx(0.2894730934344238, abs=1e-9)
+
+
+def test_tile_matches_the_reference(crops):
+    wavy, grid = crops
+    assert tile_score(wavy) == pytest.approx(214.78071716704454, abs=1e-9)
+    assert tile_score(grid) == pytest.approx(167.26790316808066, abs=1e-9)
+
+
+def test_batches_give_the_same_as_single_images(crops):
+    both = np.stack(crops)
+    assert np.array_equal(color_histogram(both)[1], color_histogram(crops[1]))
+    assert np.allclose(frequency_profile(both)[0], frequency_profile(crops[0]), atol=1e-12)
+    assert tile_scores(both)[1] == pytest.approx(tile_score(crops[1]), abs=1e-9)
+
+
+def test_histogram_agrees_with_colorsys():
+    import colorsys
+
+    rng = np.random.default_rng(3)
+    image = rng.integers(0, 256, (16, 16, 3), dtype=np.uint8)
+    image[:4] = image[:4, :, :1]  # greys have no hue
+    expected = np.zeros((10, 3, 3), dtype=int)
+    for pixel in image.reshape(-1, 3) / 255:
+        hue, lightness, saturation = colorsys.rgb_to_hls(*pixel)
+        thirds = [int(v >= 0.333) + int(v >= 0.666) for v in (saturation, lightness)]
+        expected[min(int(np.searchsorted(np.arange(1, 10) / 10, hue, "right")), 9), *thirds] += 1
+    assert np.array_equal(color_histogram(image), expected.ravel())
+
+
+def test_constant_images():
+    white = np.full((128, 128, 3), 255, np.uint8)
+    red = np.zeros_like(white)
+    red[..., 0] = 200
+    assert color_distance(white, red) == 1.0
+    assert tile_score(white) < 1e-9
+    assert freq_distance(white, red) < 1e-12
+
+
+def test_periodic_component_of_a_periodic_image_with_equal_borders_is_itself():
+    rows = np.sin(np.linspace(0, np.pi, 32))
+    image = np.outer(rows, rows)  # opposite borders are equal, so there are no jumps
+    assert np.allclose(periodic_component(image), image)
+
+
+def test_wrong_inputs_are_refused(crops):
+    with pytest.raises(ValueError, match="uint8"):
+        tile_score(crops[0] / 255.0)
+    with pytest.raises(ValueError, match="equal shapes"):
+        color_distance(crops[0], crops[0][:64, :64])
+    with pytest.raises(ValueError, match="128 px"):
+        tile_score(crops[0][:64, :64])

@@ -1,0 +1,38 @@
+"""What the image metrics share: the check of their inputs and the grey conversion."""
+
+from __future__ import annotations
+
+import numpy as np
+from PIL import Image
+
+#: Side in pixels at which the paper compares textures.
+METRIC_SIZE = 128
+
+
+def require_images(images: np.ndarray) -> np.ndarray:
+    """Return `images` if it is (..., h, w, 3) uint8 with square images, else raise ValueError."""
+    array = np.asarray(images)
+    if array.dtype != np.uint8 or array.ndim < 3 or array.shape[-1] != 3:
+        raise ValueError(f"expected (..., h, w, 3) uint8 sRGB, found {array.shape} {array.dtype}")
+    if array.shape[-2] != array.shape[-3]:
+        raise ValueError(f"expected square images, found {array.shape}")
+    return array
+
+
+def metric_image(image: np.ndarray) -> np.ndarray:
+    """Return a (h, w, 3) uint8 sRGB image at the metrics' 128x128 px (area-averaged if larger)."""
+    if image.shape[:2] == (METRIC_SIZE, METRIC_SIZE):
+        return image
+    picture = Image.fromarray(image).resize((METRIC_SIZE, METRIC_SIZE), Image.Resampling.BOX)
+    return np.asarray(picture)
+
+
+def grey(images: np.ndarray) -> np.ndarray:
+    """Return (..., h, w) float64 luma 0..255 of (..., h, w, 3) uint8 sRGB.
+
+    Rounded to integers with Pillow's fixed-point weights (ITU-R BT.601), as the reference does:
+    the third decimal of FREQ depends on it.
+    """
+    weights = np.array([19595, 38470, 7471], dtype=np.int64)
+    luma = (require_images(images).astype(np.int64) @ weights + 0x8000) >> 16
+    return luma.astype(np.float64)
