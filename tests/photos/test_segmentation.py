@@ -1,0 +1,118 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from plan2scene.errors import InputError
+from plan2scene.photos.segmentation import (
+    SegmentationNet,
+    Segmenter,
+    load_segmenter,
+    network_size,
+    upsampled_argmax,
+)
+from plan2scene.weights import save_model_file
+
+TINY = {"widths": [8, 8, 8, 8, 8], "depths": [1, 1, 1, 1], "decoder": 16, "long_side": 64}
+
+
+def _tiny() -> SegmentationNet:
+    torch.manual_seed(0)
+    return SegmentationNet(**TINY).eval()  # type: ignore[arg-type]
+
+
+def _photo(height: int, width: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).integers(0, 256, (height, width, 3), dtype=np.uint8)
+
+
+def test_network_gives_four_logits_at_half_resolution() -> None:
+    network = _tiny()
+    assert network(torch.zeros(2, 3, 64, 96)).shape == (2, 4, 32, 48)
+
+
+def test_every_weight_of_the_network_gets_a_gradient() -> None:
+    network = _tiny().train()
+    network(torch.rand(2, 3, 64, 64)).square().mean().backward()
+    missing = [n for n, p in network.named_parameters() if p.grad is None]
+    assert missing == []
+
+
+def test_default_network_is_small_enough_to_ship() -> None:
+    size = sum(p.numel() for p in SegmentationNet().parameters())
+    assert 1_000_000 < size < 5_000_000  # 10 MB as float16
+
+
+@pytest.mark.parametrize(
+    ("size", "expected"),
+    [((480, 640), (256, 320)), ((640, 480), (320, 256)), ((10, 1000), (32, 320))],
+)
+def test_network_size_is_a_multiple_of_the_stride(
+    size: tuple[int, int], expected: tuple[int, int]
+) -> None:
+    assert network_size(size, 320) == expected
+
+
+def test_upsampled_argmax_keeps_the_border_in_place() -> None:
+    logits = np.zeros((4, 4, 4), np.float32)
+    logits[1, 2:] = 1.0
+    logits[2, :2] = 1.0
+    labels = upsampled_argmax(logits, (40, 20))
+    assert (labels[:20] == 2).all()
+    assert (labels[20:] == 1).all()
+
+
+def test_labels_have_the_photos_size_and_match_probabilities() -> None:
+    segmenter = Segmenter(_tiny())
+    image = _photo(50, 70)
+    labels = segmenter.labels(image)
+    assert labels.shape == (50, 70)
+    assert labels.dtype == np.uint8
+    probabilities = segmenter.probabilities(image)
+    assert probabilities.shape == (50, 70, 4)
+    assert np.allclose(probabilities.sum(axis=2), 1, atol=1e-5)
+    assert np.array_equal(probabilities.argmax(axis=2), labels)
+
+
+def test_labels_of_a_mirrored_photo_are_mirrored() -> None:
+    segmenter = Segmenter(_tiny())
+    image = _photo(64, 64)
+    mirrored = segmenter.probabilities(np.ascontiguousarray(image[:, ::-1]))
+    assert np.allclose(mirrored[:, ::-1], segmenter.probabilities(image), atol=1e-4)
+
+
+def test_a_batch_of_mixed_sizes_gives_the_labels_of_each() -> None:
+    segmenter = Segmenter(_tiny())
+    images = [_photo(50, 70), _photo(70, 50, 1), _photo(50, 70, 2)]
+    for image, labels in zip(images, segmenter.label_batch(images), strict=True):
+        agreement = (labels == segmenter.labels(image)).mean()
+        assert agreement > 0.999  # sums are ordered differently in a batch
+
+
+def test_weights_file_round_trip(tmp_path: Path) -> None:
+    network = _tiny()
+    path = tmp_path / "segmentation.safetensors"
+    save_model_file(path, network.state_dict(), network.architecture, half=False)
+    image = _photo(50, 70)
+    loaded = load_segmenter(path)
+    assert loaded.network.long_side == 64
+    assert np.array_equal(loaded.probabilities(image), Segmenter(network).probabilities(image))
+
+
+def test_weights_of_another_network_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "other.safetensors"
+    save_model_file(path, {"x": torch.zeros(1)}, {"long_side": 64})
+    with pytest.raises(InputError, match="segmentation network"):
+        load_segmenter(path)
+    save_model_file(path, {"x": torch.zeros(1)}, {"layers": 3})
+    with pytest.raises(InputError, match=r"other\.safetensors"):
+        load_segmenter(path)
+
+
+def test_reading_masks_does_not_import_torch() -> None:
+    code = "import sys, plan2scene.photos.stage; sys.exit('torch' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

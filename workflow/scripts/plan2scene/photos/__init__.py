@@ -1,0 +1,1 @@
+"""Photos: label masks, camera, rectification, surface crops."""

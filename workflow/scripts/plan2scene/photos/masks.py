@@ -1,0 +1,103 @@
+"""Label masks of photos on disk: palette PNG files, and pictures to look at.
+
+Labels are 0 other, 1 floor, 2 wall, 3 ceiling; 255 is ignored (truth only). Doors and windows
+are other. No torch here: stages that only read masks stay light.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.io import atomic_path, safe_join
+
+#: Label names by value.
+LABELS = ("other", "floor", "wall", "ceiling")
+OTHER, FLOOR, WALL, CEILING = range(4)
+IGNORE = 255
+#: sRGB colour of each label in the palette PNG and in overlays.
+PALETTE = ((128, 128, 128), (60, 180, 75), (70, 110, 220), (240, 200, 40))
+#: Where masks may come from (config key ``masks.source``).
+SOURCES = ("embedded", "precomputed", "pretrained")
+
+
+def write_label_png(path: str | Path, labels: np.ndarray) -> None:
+    """Write (h, w) uint8 labels as a palette PNG whose pixel values are the labels, atomically."""
+    from PIL import Image
+
+    image = Image.fromarray(np.ascontiguousarray(labels, dtype=np.uint8), mode="P")
+    palette = [channel for colour in PALETTE for channel in colour]
+    palette += [0] * (3 * 255 - len(palette)) + [0, 0, 0]
+    image.putpalette(palette)
+    with atomic_path(path) as temporary:
+        image.save(temporary, format="PNG", optimize=False, compress_level=6)
+
+
+def read_label_png(path: str | Path, *, house: str = "") -> np.ndarray:
+    """Return (h, w) uint8 labels of a palette or grey PNG.
+
+    Raises InputError for a file that is missing, no such image, or has a value that is no label.
+    """
+    from PIL import Image
+
+    try:
+        with Image.open(path) as image:
+            if image.mode not in ("P", "L"):
+                raise InputError(
+                    "a palette or grey PNG of labels", f"mode {image.mode}", file=path, house=house
+                )
+            labels = np.array(image, dtype=np.uint8)
+    except InputError:
+        raise
+    except FileNotFoundError:
+        raise InputError("a label PNG", "no such file", file=path, house=house) from None
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise InputError(
+            "a label PNG that decodes", f"{type(error).__name__}: {error}", file=path, house=house
+        ) from None
+    strange = sorted(set(np.unique(labels).tolist()) - {*range(len(LABELS)), IGNORE})
+    if strange:
+        raise InputError("labels 0 to 3 (or 255)", f"value {strange[0]}", file=path, house=house)
+    return labels
+
+
+def labels_from_folder(
+    folder: str | Path, photo: str, size: tuple[int, int], *, house: str = ""
+) -> np.ndarray:
+    """Return the labels of `photo` from a folder of ``{stem}.png`` (the precomputed source).
+
+    Parameters
+    ----------
+    size : (height, width)
+        Of the photo; a mask of another size is refused, since it may be turned or cropped.
+
+    Pixels marked 255 become 0 (other): nothing is taken from them.
+    """
+    path = safe_join(folder, f"{Path(photo).stem}.png", house=house)
+    labels = read_label_png(path, house=house)
+    if labels.shape != tuple(size):
+        raise InputError(
+            f"a mask of the photo's size {size[1]}x{size[0]}",
+            f"{labels.shape[1]}x{labels.shape[0]}",
+            file=path,
+            house=house,
+        )
+    return np.where(labels == IGNORE, OTHER, labels).astype(np.uint8)
+
+
+def overlay(image: np.ndarray, labels: np.ndarray, *, opacity: float = 0.5) -> np.ndarray:
+    """Return a (h, w, 3) uint8 sRGB picture with the labels' colours over the photo.
+
+    Parameters
+    ----------
+    image : (h, w, 3) uint8 sRGB
+    labels : (h, w) uint8
+    opacity : float
+        Of the colours, in [0, 1]; ignored pixels are black.
+    """
+    table = np.zeros((256, 3), np.float32)
+    table[: len(PALETTE)] = PALETTE
+    mixed = (1 - opacity) * image.astype(np.float32) + opacity * table[labels]
+    return np.clip(np.round(mixed), 0, 255).astype(np.uint8)

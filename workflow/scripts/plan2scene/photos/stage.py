@@ -1,0 +1,139 @@
+"""The masks stage: photos of one house -> label PNGs and camera estimates."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.io import atomic_directory, read_image, safe_join, write_json
+from plan2scene.photos.camera import estimate_camera
+from plan2scene.photos.masks import SOURCES, labels_from_folder, write_label_png
+
+_log = logging.getLogger("plan2scene")
+
+#: Given a photo's name and its (h, w, 3) pixels, returns its (h, w) labels.
+Labeller = Callable[[str, np.ndarray], np.ndarray]
+
+
+def labeller(
+    source: str,
+    *,
+    model: str | Path | None = None,
+    precomputed_dir: str | Path | None = None,
+    threads: int = 1,
+    house: str = "",
+) -> Labeller:
+    """Return what labels a photo, by source.
+
+    Parameters
+    ----------
+    source : {"embedded", "precomputed", "pretrained"}
+    model : path
+        Embedded: the safetensors file. Pretrained: the folder of an ADE20K checkpoint.
+    precomputed_dir : path
+        Precomputed: the folder of ``{stem}.png``.
+    threads : int
+        Processor threads of a network.
+
+    Raises InputError when the source is unknown or what it needs is missing.
+    """
+    if source == "precomputed":
+        if not precomputed_dir or not Path(precomputed_dir).is_dir():
+            raise InputError(
+                "a folder of label PNGs (masks.precomputed_dir)",
+                f"no such folder {precomputed_dir or ''}".strip(),
+                house=house,
+            )
+        folder = Path(precomputed_dir)
+        return lambda photo, image: labels_from_folder(
+            folder, photo, (image.shape[0], image.shape[1]), house=house
+        )
+    if source not in SOURCES:
+        raise InputError(f"a mask source of {', '.join(SOURCES)}", source, house=house)
+    if not model:
+        raise InputError(f"a model for mask source {source}", "none", house=house)
+    import torch
+
+    torch.set_num_threads(threads)
+    if source == "pretrained":
+        from plan2scene.photos.segmentation_pretrained import load_pretrained
+
+        pretrained = load_pretrained(model)
+        return lambda _photo, image: pretrained.labels(image)
+    from plan2scene.photos.segmentation import load_segmenter
+
+    embedded = load_segmenter(model)
+    return lambda _photo, image: embedded.labels(image)
+
+
+def make_masks(
+    photos: Mapping[str, Path],
+    out_dir: str | Path,
+    *,
+    house: str,
+    source: str,
+    fov_deg: float,
+    model: str | Path | None = None,
+    precomputed_dir: str | Path | None = None,
+    threads: int = 1,
+) -> list[str]:
+    """Write the masks folder of a house and return its warnings.
+
+    Parameters
+    ----------
+    photos : mapping of photo name to path
+        A photo that is missing or damaged, has an unsafe name, or lacks its precomputed mask,
+        becomes a warning and is left out; the house goes on without it.
+    out_dir : path
+        Replaced as a whole: ``{stem}.png`` labels at the photo's size, ``cameras.json``,
+        ``warnings.json`` (``docs/conventions.md``).
+    fov_deg : float
+        Horizontal field of view in degrees where vanishing points do not give one.
+    source, model, precomputed_dir, threads
+        As in :func:`labeller`.
+    """
+    _refuse_equal_stems(photos, house)
+    cameras: dict[str, object] = {}
+    warnings: list[str] = []
+    with atomic_directory(out_dir) as folder:
+        label: Labeller | None = None
+        for name in sorted(photos):
+            if label is None:  # a house without photos needs no network
+                label = labeller(
+                    source,
+                    model=model,
+                    precomputed_dir=precomputed_dir,
+                    threads=threads,
+                    house=house,
+                )
+            try:
+                safe_join("", name, house=house)
+                image = read_image(photos[name], house=house)
+                labels = label(name, image)
+            except InputError as error:
+                _log.warning("photo %s left out: %s", name, error)
+                warnings.append(f"photo {name} left out: {error}")
+                continue
+            write_label_png(folder / f"{Path(name).stem}.png", labels)
+            cameras[name] = estimate_camera(image, labels, fov_deg=fov_deg).to_json()
+        _log.info("%d photos labelled, %d left out", len(cameras), len(warnings))
+        write_json(folder / "cameras.json", cameras)
+        write_json(folder / "warnings.json", warnings)
+    return warnings
+
+
+def _refuse_equal_stems(photos: Mapping[str, Path], house: str) -> None:
+    """Raise InputError when two photos of a house would share a mask file."""
+    seen: dict[str, str] = {}
+    for name in sorted(photos):
+        other = seen.setdefault(Path(name).stem, name)
+        if other != name:
+            raise InputError(
+                "photos of a house with different names before the extension",
+                f"{other} and {name}",
+                house=house,
+            )

@@ -1,0 +1,1 @@
+"""Training of the embedded weights: data in, safetensors and a model card out."""
