@@ -17,6 +17,9 @@ DATASET = config["dataset"]["name"]
 DATA_ROOT = Path(config["dataset"]["root"])
 RESULTS = f"results/{DATASET}"
 MODELS = "resources/models"
+# Trained weights land here; shipping them (a copy into resources/models) is a deliberate act,
+# so that no default run ever wants to train.
+TRAINED = "results/training/models"
 METHODS = config["methods"]
 DROPS = [f"{drop:.1f}" for drop in config["drops"]]
 

@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def load_houses(
-    path: Path, *, splits: Sequence[str], may_be_absent: bool = False
-) -> pd.DataFrame:
+def load_houses(path: Path, *, splits: Sequence[str], may_be_absent: bool = False) -> pd.DataFrame:
     """Return the house table indexed by ``house``, only the rows of `splits`.
 
     Columns ``house, split, plan, assignment, photos``, all str. An absent table is an

@@ -1,0 +1,39 @@
+rule propagation_houses:
+    # Synthetic houses as graphs with lit crops: nothing is rendered.
+    output:
+        "results/training/propagation_houses.npz",
+    log:
+        "logs/training/propagation_houses.log",
+    benchmark:
+        "logs/training/benchmarks/propagation_houses.tsv"
+    threads: 1
+    resources:
+        mem_mb=6000,
+    params:
+        count=config.get("training", {}).get("propagation_houses", 0),
+        seed=config["seed"],
+        code=code_hash("training.propagation_data"),
+    script:
+        "../scripts/propagation_houses.py"
+
+
+rule train_propagation:
+    input:
+        houses="results/training/propagation_houses.npz",
+        texture_model=model_of("texture"),
+        naive_model=model_of("naivesynth"),
+    output:
+        model=f"{TRAINED}/propagation.safetensors",
+        card=f"{TRAINED}/propagation.md",
+    log:
+        "logs/training/train_propagation.log",
+    benchmark:
+        "logs/training/benchmarks/train_propagation.tsv"
+    threads: 2
+    resources:
+        mem_mb=8000,
+    params:
+        settings=config.get("training", {}).get("propagation", {}),
+        code=code_hash("training.propagation_run"),
+    script:
+        "../scripts/train_propagation.py"
