@@ -1,0 +1,1 @@
+"""Synthetic homes with truth: plans, materials, style, photos, data sets."""
