@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from scipy import fft
 
 from plan2scene.metrics.images import grey
 
@@ -39,9 +38,9 @@ def periodic_component(images: np.ndarray) -> np.ndarray:
     jumps[..., -1, :] -= rows
     jumps[..., :, 0] += columns
     jumps[..., :, -1] -= columns
-    smooth = fft.fft2(jumps) / _laplace(images.shape[-1])
+    smooth = np.fft.fft2(jumps) / _laplace(images.shape[-1])
     smooth[..., 0, 0] = 0.0
-    return fft.ifft2(fft.fft2(images) - smooth).real
+    return np.fft.ifft2(np.fft.fft2(images) - smooth).real
 
 
 def frequency_profile(images: np.ndarray) -> np.ndarray:
@@ -54,7 +53,7 @@ def frequency_profile(images: np.ndarray) -> np.ndarray:
     luma = grey(images)
     size = luma.shape[-1]
     component = np.abs(periodic_component(luma)).astype(np.float32)
-    amplitude = np.abs(fft.fftshift(fft.fft2(component), axes=(-2, -1))) / size**2
+    amplitude = np.abs(np.fft.fftshift(np.fft.fft2(component), axes=(-2, -1))) / size**2
     radius, half = _radius(size), size // 2
     counts = np.bincount(radius)
     flat = amplitude.reshape(-1, size * size)
