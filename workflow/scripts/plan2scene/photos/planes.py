@@ -1,0 +1,114 @@
+"""Planes of a photo: one floor, one ceiling, walls split by the direction they face.
+
+Positions are metres from the camera centre in the photo's Manhattan frame (x, y up, z;
+``docs/conventions.md``). A plane holds the points X with ``normal . X = offset``; normals point
+into the room, so offsets are negative.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from plan2scene.photos.camera import Camera
+from plan2scene.photos.masks import CEILING, FLOOR, WALL
+from plan2scene.photos.walls import WallLine, trace_walls
+
+#: Walls kept per photo, the largest first (paper: the 10 largest planes).
+MAX_WALLS = 10
+#: Smallest plane, share of the photo's pixels.
+MIN_SHARE = 0.002
+DEFAULT_CAMERA_HEIGHT_M = 1.5
+DEFAULT_ROOM_HEIGHT_M = 2.6
+
+
+@dataclass(frozen=True)
+class Plane:
+    """One plane of a photo.
+
+    Parameters
+    ----------
+    surface : str
+        ``floor``, ``wall`` or ``ceiling``.
+    index : int
+        0 for floor and ceiling, 0..9 for walls from the largest to the smallest.
+    normal : (3,) tuple of float
+        Unit normal into the room, Manhattan frame.
+    offset : float
+        ``normal . X`` of its points, metres from the camera centre.
+    mask : (h, w) bool
+        Its pixels.
+    scale_source : str
+        What gave the distance: ``camera_height`` (prior), ``room_height`` (floor and ceiling seen
+        with a known room height), or ``prior`` (nothing seen that tells it).
+    """
+
+    surface: str
+    index: int
+    normal: tuple[float, float, float]
+    offset: float
+    mask: np.ndarray
+    scale_source: str
+
+
+def split_planes(
+    labels: np.ndarray,
+    camera: Camera,
+    *,
+    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M,
+    room_height_m: float | None = None,
+) -> list[Plane]:
+    """Return the planes of a photo: floor, ceiling, then walls by size.
+
+    Parameters
+    ----------
+    labels : (h, w) uint8
+        0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore; the camera's size.
+    camera : Camera
+        Rotation and focal length of the photo.
+    camera_height_m : float
+        Height of the camera above the floor where nothing in the photo tells it, metres.
+    room_height_m : float, optional
+        Height of the room from the plan. Where one wall shows both its foot and its top, it
+        gives the camera's height.
+    """
+    room = DEFAULT_ROOM_HEIGHT_M if room_height_m is None else room_height_m
+    prior = min(camera_height_m, 0.8 * room)
+    traced = trace_walls(labels, camera, prior, room, solve_height=room_height_m is not None)
+    scale = "room_height" if traced.height_solved else "camera_height"
+    smallest = MIN_SHARE * labels.size
+    planes: list[Plane] = []
+    flat = (
+        ("floor", FLOOR, 1.0, traced.camera_height_m),
+        ("ceiling", CEILING, -1.0, room - traced.camera_height_m),
+    )
+    for surface, label, up, distance in flat:
+        mask = _without_specks(labels == label, smallest)
+        if mask.any():
+            source = scale if room_height_m is not None or surface == "floor" else "prior"
+            planes.append(Plane(surface, 0, (0.0, up, 0.0), -distance, mask, source))
+    walls = [
+        (line, _without_specks((labels == WALL) & (traced.owner == index), smallest))
+        for index, line in enumerate(traced.lines)
+    ]
+    walls = [(line, mask) for line, mask in walls if mask.any()]
+    walls.sort(key=lambda item: -int(item[1].sum()))
+    for index, (line, mask) in enumerate(walls[:MAX_WALLS]):
+        source = scale if line.seen else "prior"
+        planes.append(Plane("wall", index, _wall_normal(line), -line.distance, mask, source))
+    return planes
+
+
+def _wall_normal(line: WallLine) -> tuple[float, float, float]:
+    """Return the inward normal of the wall x = +-d or z = +-d."""
+    return (-float(line.sign), 0.0, 0.0) if line.axis == 0 else (0.0, 0.0, -float(line.sign))
+
+
+def _without_specks(mask: np.ndarray, smallest: float) -> np.ndarray:
+    """Return a mask without connected parts of fewer than `smallest` pixels."""
+    count, parts, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
+    keep = stats[:, cv2.CC_STAT_AREA] >= max(1.0, smallest)
+    keep[0] = False
+    return np.asarray(keep[parts]) if count > 1 else np.zeros_like(mask)

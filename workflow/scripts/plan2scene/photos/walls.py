@@ -1,0 +1,296 @@
+"""Walls of a photo in plan view: which wall a viewing direction meets.
+
+In the Manhattan frame every wall is x = +-d or z = +-d (d metres from the camera). The foot of a
+wall, where wall pixels stand on floor pixels, lies on the floor plane, so its slope below the
+horizon gives the distance; its top under the ceiling likewise. Viewing directions are binned by
+azimuth (not by image column: with a pitched camera a vertical crease is no column), and the
+cheapest sequence of walls over the bins is found by dynamic programming.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from plan2scene.photos.camera import Camera
+from plan2scene.photos.masks import CEILING, FLOOR, IGNORE, OTHER, WALL
+
+N_BINS = 240
+#: Angular noise of a mask's border (radians), and the cost at which a point is an outlier.
+BORDER_NOISE = np.radians(0.5)
+OUTLIER = 9.0
+#: Cost of a crease, and of a wall that no foot or top supports (per bin).
+CREASE = 14.0
+#: Widest strip of other things (cornice, skirting) between a wall and its floor or ceiling, share
+#: of the photo's height.
+GAP_SHARE = 0.03
+UNSEEN = 0.4
+MAX_CANDIDATES = 8
+DEFAULT_DISTANCE_M = 3.0
+DISTANCE_RANGE_M = (0.3, 15.0)
+#: Cosine to a wall's direction below which no wall is believed (about 85 degrees from its normal).
+MIN_FACING = 0.08
+
+
+@dataclass(frozen=True)
+class WallLine:
+    """The wall ``sign * (x if axis == 0 else z) = distance``, metres from the camera.
+
+    `seen` tells whether its foot or top was seen.
+    """
+
+    axis: int
+    sign: int
+    distance: float
+    seen: bool
+
+
+@dataclass(frozen=True)
+class TracedWalls:
+    """Walls of a photo and the wall of each pixel.
+
+    Parameters
+    ----------
+    lines : list of WallLine
+        The walls, in the order of `owner`.
+    owner : (h, w) int16
+        Index into `lines` of the wall that a pixel's azimuth meets; -1 for none.
+    camera_height_m : float
+        Height of the camera above the floor, metres.
+    height_solved : bool
+        True when the room's height gave it, False for the prior.
+    """
+
+    lines: list[WallLine]
+    owner: np.ndarray
+    camera_height_m: float
+    height_solved: bool
+
+
+@dataclass(frozen=True)
+class Borders:
+    """Borders of the wall mask per azimuth bin.
+
+    Parameters
+    ----------
+    direction : (b, 2) float64
+        Unit (x, z) of the bin's middle.
+    foot, top : (b,) float64
+        Slope (rise over horizontal distance) of the wall's foot (< 0) and top (> 0); NaN where
+        not seen.
+    reach : (b, 2) float64
+        Lowest and highest slope of wall pixels; NaN where there are none.
+    bins : (h, w) int
+        Bin of each pixel.
+    """
+
+    direction: np.ndarray
+    foot: np.ndarray
+    top: np.ndarray
+    reach: np.ndarray
+    bins: np.ndarray
+
+
+def trace_walls(
+    labels: np.ndarray,
+    camera: Camera,
+    camera_height_m: float,
+    room_height_m: float,
+    *,
+    solve_height: bool,
+) -> TracedWalls:
+    """Return the walls that a label mask shows; parameters as in `planes.split_planes`."""
+    borders = find_borders(labels, camera)
+    height, solved = camera_height_m, False
+    if solve_height:
+        found = _camera_height(borders, room_height_m)
+        height, solved = (found, True) if found is not None else (camera_height_m, False)
+    above = room_height_m - height
+    distances = np.stack([height / -borders.foot, above / borders.top], axis=1)
+    lines = _candidates(borders, distances)
+    lines += _unseen(borders, height, above)
+    path = _cheapest(_costs(borders, lines, height, above))
+    path = _settle_creases(path, lines, borders)
+    path = np.where(np.isnan(borders.reach[:, 0]), -1, path)
+    used = sorted(set(path[path >= 0].tolist()))
+    rank = np.full(len(lines) + 1, -1)
+    rank[used] = np.arange(len(used))
+    owner = rank[path][borders.bins]
+    return TracedWalls([lines[index] for index in used], owner.astype(np.int16), height, solved)
+
+
+def find_borders(labels: np.ndarray, camera: Camera) -> Borders:
+    """Return feet and tops of the wall mask by azimuth."""
+    rows, columns = labels.shape
+    x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
+    rays = camera.rays(np.stack([x, y], axis=-1))
+    azimuth = np.arctan2(rays[..., 0], rays[..., 2])
+    slope = rays[..., 1] / np.maximum(np.hypot(rays[..., 0], rays[..., 2]), 1e-9)
+    low, high = float(azimuth.min()), float(azimuth.max())
+    width = max((high - low) / N_BINS, 1e-9)
+    bins = np.clip(((azimuth - low) / width).astype(int), 0, N_BINS - 1)
+    middle = low + (np.arange(N_BINS) + 0.5) * width
+    wall = labels == WALL
+    gap = max(1, round(GAP_SHARE * rows))
+    foot = _borders_on(labels, FLOOR, gap)
+    top = _borders_on(labels[::-1], CEILING, gap)[::-1]
+    foot &= slope < -0.02
+    top &= slope > 0.02
+    reach = np.stack([_by_bin(bins, slope, wall, 2.0), _by_bin(bins, slope, wall, 98.0)], axis=1)
+    return Borders(
+        direction=np.stack([np.sin(middle), np.cos(middle)], axis=1),
+        foot=_by_bin(bins, slope, foot, 50.0),
+        top=_by_bin(bins, slope, top, 50.0),
+        reach=reach,
+        bins=bins,
+    )
+
+
+def _borders_on(labels: np.ndarray, below: int, gap: int) -> np.ndarray:
+    """Return the wall pixels (h, w) with label `below` under them, at most `gap` rows further.
+
+    What is between is another thing or ignored: skirting, cornice, a cable.
+    """
+    wall = labels == WALL
+    found = np.zeros_like(wall)
+    between = wall[:-1].copy()
+    for step in range(1, gap + 1):
+        reached = labels[step:]
+        found[:-step] |= between & (reached == below)
+        between = (between & ((reached == OTHER) | (reached == IGNORE)))[:-1]
+    return found
+
+
+def _by_bin(bins: np.ndarray, values: np.ndarray, chosen: np.ndarray, q: float) -> np.ndarray:
+    """Return the q-th percentile of the chosen values of each bin, NaN where there are none."""
+    result = np.full(N_BINS, np.nan)
+    where, value = bins[chosen], values[chosen]
+    order = np.lexsort((value, where))
+    where, value = where[order], value[order]
+    found, start, count = np.unique(where, return_index=True, return_counts=True)
+    result[found] = value[start + ((count - 1) * q / 100.0).round().astype(int)]
+    return result
+
+
+def _camera_height(borders: Borders, room_height_m: float) -> float | None:
+    """Return the camera's height where walls show foot and top; None when too few do."""
+    ratio = borders.top / -borders.foot
+    ratio = ratio[~np.isnan(ratio)]
+    if len(ratio) < 8:
+        return None
+    height = room_height_m / (1.0 + float(np.median(ratio)))
+    return height if 0.8 <= height <= min(2.1, 0.9 * room_height_m) else None
+
+
+def _candidates(borders: Borders, distances: np.ndarray) -> list[WallLine]:
+    """Return the walls that most feet and tops lie on, the best supported first."""
+    found: list[tuple[float, WallLine]] = []
+    for axis in (0, 1):
+        for sign in (1, -1):
+            facing = sign * borders.direction[:, axis]
+            offset = (distances * facing[:, None])[facing > MIN_FACING]
+            offset = np.sort(offset[~np.isnan(offset)])
+            low, high = DISTANCE_RANGE_M
+            offset = offset[(offset >= low) & (offset <= high)]
+            found += [
+                (count, WallLine(axis, sign, distance, True))
+                for count, distance in _peaks(offset)
+                if count >= 4
+            ]
+    found.sort(key=lambda item: -item[0])
+    return [line for _, line in found[:MAX_CANDIDATES]]
+
+
+def _peaks(offset: np.ndarray) -> list[tuple[int, float]]:
+    """Return (count, median) of the densest groups of sorted distances within +-6 %."""
+    groups: list[tuple[int, float]] = []
+    left = offset
+    while len(left) >= 4 and len(groups) < 4:
+        first = np.searchsorted(left, left / 1.06)
+        last = np.searchsorted(left, left * 1.06, side="right")
+        best = int(np.argmax(last - first))
+        group = left[first[best] : last[best]]
+        groups.append((len(group), float(np.median(group))))
+        left = np.concatenate([left[: first[best]], left[last[best] :]])
+    return groups
+
+
+def _unseen(borders: Borders, height: float, above: float) -> list[WallLine]:
+    """Return a wall per direction for where neither foot nor top is seen.
+
+    Its distance is the default, less where wall pixels would otherwise be under the floor or
+    over the ceiling.
+    """
+    lines = []
+    for axis in (0, 1):
+        for sign in (1, -1):
+            facing = sign * borders.direction[:, axis]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                below = np.where(borders.reach[:, 0] < -1e-3, height / -borders.reach[:, 0], np.inf)
+                over = np.where(borders.reach[:, 1] > 1e-3, above / borders.reach[:, 1], np.inf)
+            bound = (np.minimum(below, over) * facing)[(facing > 0.5)]
+            bound = bound[np.isfinite(bound)]
+            limit = float(np.percentile(bound, 20)) if len(bound) else np.inf
+            distance = float(np.clip(min(DEFAULT_DISTANCE_M, limit), *DISTANCE_RANGE_M))
+            lines.append(WallLine(axis, sign, distance, False))
+    return lines
+
+
+def _costs(borders: Borders, lines: list[WallLine], height: float, above: float) -> np.ndarray:
+    """Return the cost (b, k) of each wall in each bin."""
+    costs = np.zeros((N_BINS, len(lines)))
+    has_wall = ~np.isnan(borders.reach[:, 0])
+    for index, line in enumerate(lines):
+        facing = line.sign * borders.direction[:, line.axis]
+        visible = facing > MIN_FACING
+        reach = line.distance / np.where(visible, facing, 1.0)
+        for slope, expected in ((borders.foot, -height / reach), (borders.top, above / reach)):
+            off = (np.arctan(slope) - np.arctan(expected)) / BORDER_NOISE
+            costs[:, index] += np.where(np.isnan(off), 0.0, np.minimum(off**2, OUTLIER))
+        # Of two walls that nothing tells apart, the one that is looked at more squarely.
+        costs[:, index] += np.where(
+            has_wall, (0.0 if line.seen else UNSEEN) + 0.2 * (1 - facing), 0
+        )
+        costs[~visible, index] = 4 * OUTLIER
+    return costs
+
+
+def _cheapest(costs: np.ndarray) -> np.ndarray:
+    """Return the wall (b,) of each bin on the path of least cost, creases included."""
+    total = costs[0].copy()
+    back = np.zeros(costs.shape, dtype=int)
+    for index in range(1, len(costs)):
+        best = int(np.argmin(total))
+        turn = total[best] + CREASE
+        stay = total <= turn
+        back[index] = np.where(stay, np.arange(costs.shape[1]), best)
+        total = np.where(stay, total, turn) + costs[index]
+    path = np.zeros(len(costs), dtype=int)
+    path[-1] = int(np.argmin(total))
+    for index in range(len(costs) - 1, 0, -1):
+        path[index - 1] = back[index, path[index]]
+    return path
+
+
+def _settle_creases(path: np.ndarray, lines: list[WallLine], borders: Borders) -> np.ndarray:
+    """Move creases inside a run of bins without feet or tops to where the two walls meet."""
+    blind = np.isnan(borders.foot) & np.isnan(borders.top)
+    azimuth = np.arctan2(borders.direction[:, 0], borders.direction[:, 1])
+    settled = path.copy()
+    for crease in np.nonzero(np.diff(path))[0]:
+        first, second = lines[path[crease]], lines[path[crease + 1]]
+        if first.axis == second.axis:
+            continue
+        start = int(crease)
+        while start >= 0 and blind[start] and path[start] == path[crease]:
+            start -= 1
+        end = int(crease) + 1
+        while end < len(path) and blind[end] and path[end] == path[crease + 1]:
+            end += 1
+        corner = {line.axis: line.sign * line.distance for line in (first, second)}
+        meet = int(np.searchsorted(azimuth, np.arctan2(corner[0], corner[1])))
+        meet = int(np.clip(meet, start + 1, end))
+        settled[start + 1 : meet] = path[crease]
+        settled[meet:end] = path[crease + 1]
+    return settled
