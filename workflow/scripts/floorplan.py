@@ -8,5 +8,6 @@ with job(snakemake.log[0]):
         snakemake.input.plan,
         snakemake.output[0],
         house_id=snakemake.wildcards.house,
+        assignment=snakemake.input.get("assignment"),
         metres_per_pixel=snakemake.params.metres_per_pixel,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
+from plan2scene.datasets.assignments import read_assignment
 from plan2scene.errors import InputError
 from plan2scene.floorplans.parse import parse_json
 from plan2scene.floorplans.scene_json import (
@@ -57,10 +58,18 @@ def import_plan(
     *,
     house_id: str,
     metres_per_pixel: float | None = None,
+    assignment: str | Path | None = None,
 ) -> House:
-    """Read, check and write a plan as scene.json; warnings go to the log. Return the house."""
+    """Read, check and write a plan as scene.json; warnings go to the log. Return the house.
+
+    `assignment` is the house's photo table: its rooms and photo names are checked here, so that
+    a wrong table stops the house before any photo is worked on.
+    """
     house = read_plan(path, house_id, metres_per_pixel)
     for line in validate_house(house, file=path):
         _LOGGER.warning("%s", line)
+    if not read_assignment(assignment, house):
+        empty = InputError("at least one photo", "none", file=assignment or "", house=house_id)
+        _LOGGER.warning("%s", empty)
     write_scene_json(house, output)
     return house

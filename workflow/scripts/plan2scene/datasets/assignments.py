@@ -1,0 +1,145 @@
+"""Photo assignments: which photo shows which room of a house."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path, PurePosixPath
+from typing import NamedTuple
+
+from plan2scene.errors import InputError
+from plan2scene.house import House
+from plan2scene.io import read_text, safe_join
+
+#: Largest number of rows of one house's photo table.
+MAX_ROWS = 10_000
+
+
+class PhotoAssignment(NamedTuple):
+    """A photo that shows a room; a photo may show several."""
+
+    room_id: str
+    photo: str
+
+
+def read_assignment(
+    path: str | Path | None, house: House | None = None, *, house_id: str = ""
+) -> tuple[PhotoAssignment, ...]:
+    """Return the rows of a photo table in file order, repeated rows once.
+
+    Parameters
+    ----------
+    path : path or None
+        CSV with a header; the columns ``room_id`` (or ``roomId``) and ``photo`` in any order,
+        further columns are ignored. None, an empty file or a table without rows give no rows;
+        :func:`check_assignment` lists that as a warning.
+    house : House, optional
+        When given, each room id must be one of its rooms.
+    house_id : str
+        Name for messages when `house` is not given.
+
+    Raises
+    ------
+    InputError
+        Missing columns, a row without a room or photo, a room that the plan lacks, a photo name
+        with ``..`` or a leading ``/``, or two photos that share a stem (masks are ``{stem}.png``).
+    """
+    name = house.id if house is not None else house_id
+    rows = [] if not path else read_rows(path, house_id=name)
+    found: dict[PhotoAssignment, None] = {}
+    stems: dict[str, str] = {}
+    rooms = None if house is None else {room.id for room in house.rooms}
+    for row in rows:
+        if rooms is not None and row.room_id not in rooms:
+            known = ", ".join(sorted(rooms))
+            raise InputError(
+                f"a room of the plan ({known[:150]})",
+                f"{row.room_id!r} for photo {row.photo}",
+                file=path,
+                house=name,
+                room=row.room_id,
+            )
+        safe_join("", row.photo, file=path, house=name)
+        stem = PurePosixPath(row.photo).stem
+        if stems.setdefault(stem, row.photo) != row.photo:
+            raise InputError(
+                "photo names that differ before the extension",
+                f"{stems[stem]} and {row.photo}",
+                file=path,
+                house=name,
+            )
+        found[row] = None
+    return tuple(found)
+
+
+def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
+    """Return the rows of a photo table without judging rooms and names."""
+    lines = read_text(path).splitlines()
+    if not any(line.strip() for line in lines):
+        return []
+    try:
+        table = list(csv.reader(lines, strict=True))
+    except csv.Error as error:
+        raise InputError("a CSV table", str(error), file=path, house=house_id) from None
+    header = [cell.strip() for cell in table[0]]
+    room = next((header.index(n) for n in ("room_id", "roomId") if n in header), None)
+    photo = header.index("photo") if "photo" in header else None
+    if room is None or photo is None:
+        found = ", ".join(header)
+        raise InputError("columns room_id and photo", found, file=path, house=house_id)
+    if len(table) - 1 > MAX_ROWS:
+        raise InputError(f"at most {MAX_ROWS} rows", str(len(table) - 1), file=path, house=house_id)
+    rows = []
+    for number, cells in enumerate(table[1:], start=2):
+        cells = [cell.strip() for cell in cells]
+        if not any(cells):
+            continue
+        if len(cells) <= max(room, photo) or not cells[room] or not cells[photo]:
+            raise InputError(
+                "a room and a photo in each row",
+                f"row {number}: {','.join(cells)}",
+                file=path,
+                house=house_id,
+            )
+        rows.append(PhotoAssignment(cells[room], cells[photo]))
+    return rows
+
+
+def check_assignment(
+    house: House,
+    assignments: Sequence[PhotoAssignment],
+    photos_dir: str | Path,
+    *,
+    file: str | Path = "",
+) -> list[str]:
+    """Return a line for each thing that the house goes on without: no rows, a missing photo.
+
+    Raises
+    ------
+    InputError
+        A photo name that would leave `photos_dir`, or a room that the house lacks.
+    """
+    if not assignments:
+        return [str(InputError("at least one photo", "none", file=file, house=house.id))]
+    rooms = {room.id for room in house.rooms}
+    warnings: dict[str, None] = {}
+    for room_id, photo in assignments:
+        if room_id not in rooms:
+            raise InputError(
+                "a room of the plan", repr(room_id), file=file, house=house.id, room=room_id
+            )
+        if not safe_join(photos_dir, photo, file=file, house=house.id).is_file():
+            expected = f"photo {photo} in {photos_dir}"
+            line = InputError(expected, "no such file", file=file, house=house.id, room=room_id)
+            warnings[str(line)] = None
+    return list(warnings)
+
+
+def photos_of_room(assignments: Iterable[PhotoAssignment], room_id: str) -> tuple[str, ...]:
+    """Return the photos that show a room, in the table's order."""
+    return tuple(dict.fromkeys(row.photo for row in assignments if row.room_id == room_id))
+
+
+def rooms_of_photo(assignments: Iterable[PhotoAssignment], photo: str) -> tuple[str, ...]:
+    """Return the rooms that a photo shows, in the table's order."""
+    return tuple(dict.fromkeys(row.room_id for row in assignments if row.photo == photo))

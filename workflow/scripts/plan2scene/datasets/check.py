@@ -1,0 +1,155 @@
+"""What would go wrong with a data set or a plan, before anything runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from plan2scene.datasets.assignments import check_assignment, read_assignment
+from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
+from plan2scene.errors import InputError
+from plan2scene.house import House
+from plan2scene.io import MAX_PIXELS, safe_join
+
+#: A JPEG's end marker is looked for in this many last bytes (some cameras append data).
+_JPEG_TAIL = 65_536
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One line about an input: an `error` stops its house, a `warning` doesn't."""
+
+    level: str  # "error" or "warning"
+    line: str
+
+    def __str__(self) -> str:
+        return f"{self.level}: {self.line}"
+
+
+def check_plan(
+    path: str | Path, house_id: str, metres_per_pixel: float | None = None
+) -> tuple[House | None, list[Problem]]:
+    """Return the house of a plan (None when it has a fault) and every problem found."""
+    from plan2scene.floorplans import house_faults, read_plan, validate_house
+
+    try:
+        house = read_plan(path, house_id, metres_per_pixel)
+        faults = [Problem("error", str(fault)) for fault in house_faults(house, file=path)]
+        if faults:
+            return None, [*(Problem("warning", line) for line in house.warnings), *faults]
+        return house, [Problem("warning", line) for line in validate_house(house, file=path)]
+    except InputError as error:
+        return None, [Problem("error", str(error))]
+
+
+def check_dataset(
+    root: str | Path, *, table: str = "houses.tsv", metres_per_pixel: float | None = None
+) -> list[Problem]:
+    """Return the problems of a data set (docs/conventions.md): table, plans, assignments, photos.
+
+    Without a house table one is worked out from the data lists (nothing is written to `root`).
+    """
+    import tempfile
+
+    root = Path(root)
+    problems: list[Problem] = []
+    try:
+        if (root / table).is_file():
+            houses = read_house_table(root / table)
+        else:
+            with tempfile.TemporaryDirectory() as folder:
+                lines = make_house_table(root, Path(folder) / table)
+                houses = read_house_table(Path(folder) / table)
+            problems += [Problem("warning", f"no {table}; " + line) for line in lines]
+    except InputError as error:
+        return [Problem("error", str(error))]
+    known: set[str] = set()
+    checked: set[str] = set()
+    for row in houses.to_dict("records"):
+        names = {name for name in row["photos"].split("|") if name}
+        known |= names
+        problems += _check_house(root, row, names, metres_per_pixel, checked)
+    problems += _check_unobserved(root / "unobserved_photos.json", known)
+    return problems
+
+
+def _check_house(
+    root: Path,
+    row: dict[str, str],
+    names: set[str],
+    metres_per_pixel: float | None,
+    checked: set[str],
+) -> Iterator[Problem]:
+    """Yield the problems of one house; photos in `checked` were opened for another house."""
+    house_id = row["house"]
+    house, problems = check_plan(root / row["plan"], house_id, metres_per_pixel)
+    yield from problems
+    file = root / row["assignment"] if row["assignment"] else None
+    try:
+        rows = read_assignment(file, house, house_id=house_id)
+        if house is not None:
+            for line in check_assignment(house, rows, root / "photos", file=file or ""):
+                yield Problem("warning", line)
+    except InputError as error:
+        yield Problem("error", str(error))
+        rows = ()
+    for photo in sorted({row.photo for row in rows} - names):
+        found = f"{photo}, which the house table doesn't list"
+        fault = InputError("photos of the house table", found, file=file or "", house=house_id)
+        yield Problem("warning", str(fault))
+    for photo in sorted(names):
+        try:
+            path = safe_join(root / "photos", photo, file="house table", house=house_id)
+            if photo not in checked and path.is_file():
+                photo_problem(path, house=house_id)
+            elif photo not in checked and not any(row.photo == photo for row in rows):
+                raise InputError("a photo", "no such file", file=path, house=house_id)
+            checked.add(photo)
+        except InputError as error:
+            yield Problem("error", str(error))
+
+
+def _check_unobserved(path: Path, known: set[str]) -> Iterator[Problem]:
+    """Yield what is wrong with the list of photos to hide."""
+    if not path.is_file():
+        return
+    try:
+        table = read_unobserved(path)
+    except InputError as error:
+        yield Problem("error", str(error))
+        return
+    unknown = sorted({name for names in table.values() for name in names} - known)
+    if unknown:
+        found = f"{len(unknown)} others, the first {unknown[0]}"
+        yield Problem("warning", str(InputError("photos of the house table", found, file=path)))
+
+
+def photo_problem(path: str | Path, *, house: str = "") -> None:
+    """Raise InputError for a photo that won't open: no image, too large, cut short.
+
+    Only the header is decoded; of a JPEG the end marker is looked for, a PNG's checksums are
+    verified. Damage inside the picture of a JPEG shows only when a stage decodes it.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with Image.open(path) as image:
+            width, height = image.size
+            kind = image.format
+            if kind == "PNG":
+                image.verify()
+    except UnidentifiedImageError:
+        raise InputError("an image", "a file that is none", file=path, house=house) from None
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise InputError("an image that opens", str(error), file=path, house=house) from None
+    if width * height > MAX_PIXELS:
+        found = f"{width}x{height}"
+        raise InputError(f"an image of at most {MAX_PIXELS} pixels", found, file=path, house=house)
+    if kind == "JPEG":
+        with Path(path).open("rb") as file:
+            file.seek(max(0, Path(path).stat().st_size - _JPEG_TAIL))
+            if b"\xff\xd9" not in file.read():
+                raise InputError(
+                    "a whole JPEG", "one cut short (no end marker)", file=path, house=house
+                )

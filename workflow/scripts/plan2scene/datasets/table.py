@@ -1,0 +1,149 @@
+"""The house table, which decides the job graph, and the list of photos to hide."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from plan2scene.datasets.assignments import read_rows
+from plan2scene.errors import InputError
+from plan2scene.io import atomic_path, read_json, read_text, safe_join
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COLUMNS = ("house", "split", "plan", "assignment", "photos")
+SPLITS = ("train", "val", "test")
+#: Where the plans of a Rent3D++ data set lie, the first that exists is taken.
+PLAN_FOLDERS = ("archs_no_objects", "full_archs")
+_NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")
+
+
+def read_house_table(path: str | Path) -> pd.DataFrame:
+    """Return the house table (``houses.tsv``): one row per house, every column str.
+
+    Columns ``house, split, plan, assignment, photos`` (docs/conventions.md); `assignment` and
+    `photos` may be empty. Photo names are not judged here: a bad one is its own house's fault.
+
+    Raises
+    ------
+    InputError
+        Missing or unknown columns, no rows, a house twice, an unknown split, a house name that
+        can't name a folder, a plan or assignment path that leaves the data set.
+    """
+    import pandas as pd
+
+    lines = [line for line in read_text(path).splitlines() if line.strip()]
+    header = tuple(lines[0].split("\t")) if lines else ()
+    if sorted(header) != sorted(COLUMNS):
+        expected = f"the columns {', '.join(COLUMNS)} separated by tabs"
+        raise InputError(expected, ", ".join(header) or "an empty file", file=path)
+    rows = []
+    for number, line in enumerate(lines[1:], start=2):
+        cells = line.split("\t")
+        if len(cells) > len(header):
+            found = f"{len(cells)} in row {number}"
+            raise InputError(f"{len(header)} cells in each row", found, file=path)
+        cells += [""] * (len(header) - len(cells))
+        rows.append(dict(zip(header, (cell.strip() for cell in cells), strict=True)))
+    if not rows:
+        raise InputError("at least one house", "none", file=path)
+    seen: set[str] = set()
+    for row in rows:
+        _check_row(row, seen, path)
+    return pd.DataFrame(rows, columns=list(COLUMNS), dtype=str)
+
+
+def _check_row(row: dict[str, str], seen: set[str], path: str | Path) -> None:
+    """Raise InputError for a row that can't become jobs; note its house in `seen`."""
+    house = row["house"]
+    if not house or house.startswith((".", "-")) or not set(house) <= _NAME_CHARACTERS:
+        raise InputError("a house name of letters, digits, '_', '-', '.'", repr(house), file=path)
+    if house in seen:
+        raise InputError("each house once", f"{house} twice", file=path, house=house)
+    seen.add(house)
+    if row["split"] not in SPLITS:
+        raise InputError(f"a split ({', '.join(SPLITS)})", row["split"], file=path, house=house)
+    safe_join("", row["plan"], file=path, house=house)
+    if row["assignment"]:
+        safe_join("", row["assignment"], file=path, house=house)
+
+
+def make_house_table(root: str | Path, output: str | Path | None = None) -> list[str]:
+    """Write ``houses.tsv`` for a data set in the Rent3D++ layout; return warnings.
+
+    Parameters
+    ----------
+    root : path
+        Holds ``data_lists/{split}.txt``, plans ``{archs_no_objects,full_archs}/{split}/
+        {house}.scene.json`` and, where a house has photos, ``photo_assignments/{split}/
+        {house}.photoroom.csv`` with either header.
+    output : path, optional
+        Default ``root/houses.tsv``.
+
+    Raises
+    ------
+    InputError
+        No data lists, or a house in two of them. A missing plan or a bad photo table is a
+        warning here and the house's own jobs' to report.
+    """
+    root = Path(root)
+    warnings: list[str] = []
+    rows: dict[str, list[str]] = {}
+    lists = [(split, root / "data_lists" / f"{split}.txt") for split in SPLITS]
+    if not any(file.is_file() for _, file in lists):
+        raise InputError("data_lists/train.txt, val.txt or test.txt", "none", file=root)
+    for split, file in lists:
+        names = read_text(file).split() if file.is_file() else []
+        for house in names:
+            if house in rows:
+                raise InputError("each house once", f"{house} twice", file=file, house=house)
+            rows[house] = _row(root, split, house, warnings)
+            _check_row(dict(zip(COLUMNS, rows[house], strict=True)), set(), file)
+    with atomic_path(output or root / "houses.tsv") as temporary:
+        lines = ["\t".join(COLUMNS), *("\t".join(row) for row in rows.values())]
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return warnings
+
+
+def _row(root: Path, split: str, house: str, warnings: list[str]) -> list[str]:
+    """Return the row of a house."""
+    plans = [f"{folder}/{split}/{house}.scene.json" for folder in PLAN_FOLDERS]
+    plan = next((name for name in plans if (root / name).is_file()), None)
+    if plan is None:
+        plan = plans[0]
+        warnings.append(str(InputError("a plan", "no such file", file=root / plan, house=house)))
+    assignment = f"photo_assignments/{split}/{house}.photoroom.csv"
+    photos: list[str] = []
+    if (root / assignment).is_file():
+        try:
+            for _, photo in read_rows(root / assignment, house_id=house):
+                safe_join("", photo, file=root / assignment, house=house)
+                photos.append(photo)
+        except InputError as error:
+            warnings.append(str(error))
+    else:
+        assignment = ""
+    return [house, split, plan, assignment, "|".join(dict.fromkeys(photos))]
+
+
+def read_unobserved(path: str | Path) -> dict[str, list[str]]:
+    """Return the photos to hide at each drop fraction: ``{"0.0": [], "0.6": [names], ...}``.
+
+    Keys are written with one decimal, whatever the file has (``0.60`` becomes ``0.6``).
+    """
+    table = read_json(path)
+    if not isinstance(table, dict):
+        raise InputError("an object of drop fractions", type(table).__name__, file=path)
+    found: dict[str, list[str]] = {}
+    for key, names in table.items():
+        try:
+            fraction = float(key)
+        except ValueError:
+            fraction = -1.0
+        if not 0.0 <= fraction <= 1.0:
+            raise InputError("drop fractions from 0 to 1", repr(key), file=path)
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise InputError(f"a list of photo names at {key}", repr(names)[:60], file=path)
+        found[f"{fraction:.1f}"] = names
+    return found
