@@ -15,7 +15,7 @@ EVERY_KIND = [(substance, kind) for substance in KINDS for kind in KINDS[substan
 
 
 def seam_ratio(image: np.ndarray, axis: int) -> float:
-    """Return the mean step across the wrap edge over the largest mean step between neighbours (joints may lie on the border)."""
+    """Return the mean step across the wrap edge over the largest one inside (joints: about 1)."""
     grey = image.astype(float).mean(2)
     steps = np.abs(np.roll(grey, -1, axis) - grey).mean(1 - axis)
     return float(steps[-1] / max(steps[:-1].max(), 0.5))
