@@ -1,0 +1,13 @@
+"""Rule house: plan and textures -> GLB, and scene.json with textures."""
+
+from plan2scene.jobs import job
+from plan2scene.mesh.build import build_house
+
+with job(snakemake.log[0]):
+    build_house(
+        snakemake.input.scene,
+        snakemake.input.textures,
+        snakemake.output.glb,
+        snakemake.output.scene,
+        house_id=snakemake.wildcards.house,
+    )

@@ -1,0 +1,64 @@
+"""The house stage: scene.json and a folder of textures in, a textured 3D house out."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+from plan2scene.floorplans import read_scene_json, write_scene_json
+from plan2scene.house import House, SurfaceKey
+from plan2scene.mesh.glb import write_glb
+from plan2scene.mesh.house_mesh import build_parts
+from plan2scene.mesh.obj import write_obj
+from plan2scene.mesh.textures import TileTexture, load_textures
+
+
+def _load(
+    scene_json: str | Path, textures_dir: str | Path, house_id: str
+) -> tuple[House, dict[SurfaceKey, TileTexture]]:
+    """Return a normalised plan and the textures that a method left for it."""
+    house = read_scene_json(scene_json, house_id)
+    return house, load_textures(textures_dir, house)
+
+
+def build_house(
+    scene_json: str | Path,
+    textures_dir: str | Path,
+    glb: str | Path,
+    textured_scene_json: str | Path,
+    *,
+    house_id: str,
+) -> None:
+    """Write a house as GLB and as scene.json with textures in the official form.
+
+    Parameters
+    ----------
+    scene_json : path
+        The normalised plan.
+    textures_dir : path
+        A method's tiles with ``textures.json``; surfaces without one get a plain colour.
+    glb, textured_scene_json : path
+        Outputs.
+    house_id : str
+    """
+    house, textures = _load(scene_json, textures_dir, house_id)
+    parts = build_parts(house)
+    write_glb(house, textures, glb, parts)
+    plain = {key: (tile.png, tile.size_m) for key, tile in textures.items()}
+    write_scene_json(house, textured_scene_json, plain)
+    logging.getLogger("plan2scene").info(
+        "house %s: %d rooms, %d parts, %d triangles, %d textures",
+        house_id,
+        len(house.rooms),
+        len(parts),
+        sum(len(part.faces) for part in parts),
+        len(textures),
+    )
+
+
+def build_obj(
+    scene_json: str | Path, textures_dir: str | Path, obj: str | Path, *, house_id: str
+) -> None:
+    """Write a house as OBJ, with an MTL file and a folder of textures beside it."""
+    house, textures = _load(scene_json, textures_dir, house_id)
+    write_obj(house, textures, obj)

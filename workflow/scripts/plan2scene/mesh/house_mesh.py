@@ -1,0 +1,78 @@
+"""A house as mesh parts (method paper section 3: the 3D house that textures are put on)."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from plan2scene.house import House
+from plan2scene.mesh.fixtures import fixtures
+from plan2scene.mesh.openings import Portal, find_openings, room_sides
+from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.polygons import room_polygon
+from plan2scene.mesh.walls import (
+    flat_parts,
+    room_polygons,
+    structure_part,
+    threshold,
+    wall_bodies,
+    wall_face,
+)
+
+
+def build_parts(house: House) -> list[MeshPart]:
+    """Return every part of a house, each with a name of its own.
+
+    Floors, ceilings and wall faces carry their room's texture key and have exact areas: a
+    floor's is its polygon's, a wall face's is length x height less openings. Everything else
+    (wall bodies, door leaves, window frames, glass) is plain.
+
+    Parameters
+    ----------
+    house : House
+        Validated by its reader.
+    """
+    polygons = {room.id: room_polygon(room) for room in house.rooms}
+    together = room_polygons(house, polygons)
+    sides = room_sides(house, polygons)
+    openings = find_openings(house, sides, polygons)
+    parts: list[MeshPart] = []
+    for room in house.rooms:
+        parts.extend(flat_parts(room, polygons[room.id]))
+        faces = (wall_face(s, room, openings) for s in sides if s.room_id == room.id)
+        parts.extend(face for face in faces if face is not None)
+    bodies = wall_bodies(sides, together)
+    for body in bodies:
+        part = structure_part(body, bodies, together, openings.portals)
+        if part is not None:
+            parts.append(part)
+    for portal in _largest(openings.portals):
+        strip = threshold(portal)
+        parts.extend(([strip] if strip is not None else []) + fixtures(portal))
+    return _unique(parts)
+
+
+def _largest(portals: list[Portal]) -> list[Portal]:
+    """Return portals without those that mostly lie inside a wider one of the same wall."""
+    kept: list[Portal] = []
+    for portal in sorted(portals, key=lambda p: p.s0 - p.s1):
+        inside = any(
+            portal.side.wall.id == other.side.wall.id
+            and min(portal.s1, other.s1) - max(portal.s0, other.s0) > 0.5 * (portal.s1 - portal.s0)
+            and min(portal.opening.top, other.opening.top)
+            > max(portal.opening.bottom, other.opening.bottom)
+            for other in kept
+        )
+        if not inside:
+            kept.append(portal)
+    return [portal for portal in portals if portal in kept]
+
+
+def _unique(parts: list[MeshPart]) -> list[MeshPart]:
+    """Return parts with ``#2``, ``#3`` ... after a name that was there before."""
+    seen: dict[str, int] = {}
+    result = []
+    for part in parts:
+        seen[part.name] = count = seen.get(part.name, 0) + 1
+        named = part if count == 1 else dataclasses.replace(part, name=f"{part.name}#{count}")
+        result.append(named)
+    return result

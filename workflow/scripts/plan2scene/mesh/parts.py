@@ -1,0 +1,163 @@
+"""Mesh parts: named, single-material triangle meshes, and a builder for quads and boxes.
+
+World axes of ``docs/conventions.md``: metres, y up, right-handed; plan points are (x, z).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from plan2scene.house import SurfaceKey
+
+#: Materials of a part: a room surface's texture, plain vertex colours, or window glass.
+MATERIALS = ("surface", "plain", "glass")
+Colour = tuple[int, int, int]  #: sRGB, 0..255
+
+
+@dataclass(frozen=True)
+class MeshPart:
+    """One named node of the house with one material.
+
+    Attributes
+    ----------
+    name : str
+        Node name, ``{room}/floor``, ``{room}/wall/{wall}``, ``structure/wall/{wall}`` ...
+    vertices : (n, 3) float64
+        Metres; vertices are not shared between faces of different planes.
+    faces : (m, 3) int64
+        Counter-clockwise seen from the visible side.
+    normals : (n, 3) float64
+        Unit vectors.
+    material : str
+        One of `MATERIALS`.
+    surface : SurfaceKey or None
+        The texture of a ``surface`` part.
+    uv : (n, 2) float64 or None
+        Texture coordinates in metres: divide by the tile's size; v grows down the image.
+    colours : (n, 3) uint8 or None
+        sRGB vertex colours of a ``plain`` part.
+    extras : mapping
+        What viewers show: room id, kind of part, wall or opening id.
+    """
+
+    name: str
+    vertices: np.ndarray
+    faces: np.ndarray
+    normals: np.ndarray
+    material: str
+    surface: SurfaceKey | None = None
+    uv: np.ndarray | None = None
+    colours: np.ndarray | None = None
+    extras: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def area(self) -> float:
+        """Surface area in square metres."""
+        corners = self.vertices[self.faces]
+        cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return float(np.linalg.norm(cross, axis=1).sum() / 2)
+
+
+def face_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Return (n, 3) unit vertex normals of a mesh whose faces share vertices only in a plane.
+
+    Area-weighted, so that a sliver's undefined direction carries no weight.
+    """
+    corners = vertices[faces]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = np.zeros_like(vertices)
+    for corner in range(3):
+        np.add.at(normals, faces[:, corner], cross)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.divide(
+        normals, length, out=np.tile([0.0, 1.0, 0.0], (len(vertices), 1)), where=length > 1e-15
+    )
+
+
+class PartBuilder:
+    """Collects quads, boxes and flat meshes with colours or UVs into one `MeshPart`."""
+
+    def __init__(self) -> None:
+        self._vertices: list[np.ndarray] = []
+        self._faces: list[np.ndarray] = []
+        self._colours: list[np.ndarray] = []
+        self._uv: list[np.ndarray] = []
+        self._count = 0
+
+    def __bool__(self) -> bool:
+        """Return whether anything was added."""
+        return self._count > 0
+
+    def mesh(
+        self,
+        vertices: np.ndarray,
+        faces: np.ndarray,
+        *,
+        colour: Colour = (255, 255, 255),
+        uv: np.ndarray | None = None,
+    ) -> None:
+        """Add a flat mesh: (n, 3) vertices, (m, 3) faces, optionally (n, 2) UVs in metres."""
+        if len(faces) == 0:
+            return
+        n = len(vertices)
+        self._vertices.append(np.asarray(vertices, dtype=np.float64))
+        self._faces.append(np.asarray(faces, dtype=np.int64) + self._count)
+        self._colours.append(np.tile(np.array(colour, dtype=np.uint8), (n, 1)))
+        self._uv.append(np.zeros((n, 2)) if uv is None else np.asarray(uv, dtype=np.float64))
+        self._count += n
+
+    def quad(self, corners: np.ndarray, colour: Colour, uv: np.ndarray | None = None) -> None:
+        """Add a quad: (4, 3) corners counter-clockwise seen from the visible side."""
+        self.mesh(np.asarray(corners), np.array([[0, 1, 2], [0, 2, 3]]), colour=colour, uv=uv)
+
+    def box(self, frame: np.ndarray, low: np.ndarray, high: np.ndarray, colour: Colour) -> None:
+        """Add a box given in a local frame.
+
+        Parameters
+        ----------
+        frame : (4, 3) float
+            Right-handed orthonormal axes in rows 0-2 and the origin in row 3, world metres.
+        low, high : (3,) float
+            Opposite corners along those axes, metres.
+        """
+        axes, origin = frame[:3], frame[3]
+        c = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+        low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+        points = (low + c * (high - low)) @ axes + origin
+        for face in _BOX_FACES:
+            self.quad(points[list(face)], colour)
+
+    def build(
+        self,
+        name: str,
+        material: str = "plain",
+        surface: SurfaceKey | None = None,
+        extras: Mapping[str, object] | None = None,
+    ) -> MeshPart:
+        """Return what was added as one part."""
+        vertices, faces = np.concatenate(self._vertices), np.concatenate(self._faces)
+        return MeshPart(
+            name=name,
+            vertices=vertices,
+            faces=faces,
+            normals=face_normals(vertices, faces),
+            material=material,
+            surface=surface,
+            uv=np.concatenate(self._uv) if material == "surface" else None,
+            colours=np.concatenate(self._colours) if material == "plain" else None,
+            extras=dict(extras or {}),
+        )
+
+
+# Corner index = 4 x + 2 y + z; each face counter-clockwise seen from outside.
+_BOX_FACES = (
+    (0, 1, 3, 2),
+    (4, 6, 7, 5),
+    (0, 4, 5, 1),
+    (2, 3, 7, 6),
+    (0, 2, 6, 4),
+    (1, 5, 7, 3),
+)

@@ -1,0 +1,236 @@
+"""Walls: the face of each room with holes cut, and the body between and around the rooms.
+
+The faces that rooms see are textured and exact (length x height less openings). The body is
+what a plan draws black: each wall's band behind its face, as far as no room is there; it has
+outer faces, a cap above the ceiling line and the reveals of openings, in plain colours.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString, Polygon, box
+from shapely.geometry.base import BaseGeometry
+from shapely.geometry.polygon import orient
+from shapely.ops import unary_union
+
+from plan2scene.house import House, Room, SurfaceKey
+from plan2scene.mesh.frames import Frame, arc_offset, frame_between
+from plan2scene.mesh.openings import Openings, Portal, Side
+from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
+from plan2scene.mesh.polygons import polygons_of, triangulate
+
+OUTER_COLOUR: Colour = (222, 216, 206)
+CAP_COLOUR: Colour = (74, 72, 70)
+REVEAL_COLOUR: Colour = (238, 235, 229)
+#: Slivers narrower than twice this between a room and a wall's band are no body, metres.
+SLIVER = 0.002
+
+
+def wall_face(side: Side, room: Room, openings: Openings) -> MeshPart | None:
+    """Return the face of a wall that a room sees, None when openings leave nothing of it.
+
+    UV in metres: u runs to the right along the room's outline, v down from the room's height.
+    """
+    rectangle = box(0.0, 0.0, side.frame.length, side.wall.height)
+    points, faces = triangulate(rectangle.difference(openings.hole(side)))
+    if len(faces) == 0:
+        return None
+    uv = np.stack([points[:, 0] + arc_offset(room, side.frame), room.height - points[:, 1]], 1)
+    builder = PartBuilder()
+    builder.mesh(side.frame.world(points), faces, uv=uv)
+    key = SurfaceKey(room.id, "wall")
+    return builder.build(
+        f"{room.id}/wall/{side.wall.id}",
+        "surface",
+        key,
+        {"kind": "wall", "room_id": room.id, "surface": "wall", "wall_id": side.wall.id},
+    )
+
+
+@dataclass(frozen=True)
+class Body:
+    """The plan area of one wall's body, and of its cap."""
+
+    side: Side
+    area: BaseGeometry
+    cap: BaseGeometry
+
+
+def wall_bodies(sides: list[Side], rooms: BaseGeometry) -> list[Body]:
+    """Return the body of each wall: its band behind the face, less all rooms and earlier bodies.
+
+    Bands go on by their depth at both ends, which fills the corners. Walls of one room come
+    first; where rooms touch there is no body and only a cap as wide as the wall marks it.
+    """
+    first: dict[str, Side] = {}
+    for side in sides:
+        first.setdefault(side.wall.id, side)
+    bodies: list[Body] = []
+    taken: BaseGeometry = Polygon()
+    caps: BaseGeometry = Polygon()
+    for side in sorted(first.values(), key=lambda s: len(s.wall.room_ids)):
+        frame, depth = side.frame, side.wall.depth
+        ends = np.array([-depth, frame.length + depth])
+        band = Polygon([*frame.plan(ends), *frame.plan(ends[::-1], -depth)])
+        area = _solid(band.difference(rooms).difference(taken))
+        strip = Polygon(
+            [
+                *frame.plan(ends / 1.0 + [depth / 2, -depth / 2], depth / 2),
+                *frame.plan(ends[::-1] + [-depth / 2, depth / 2], -depth / 2),
+            ]
+        )
+        thin = band.difference(rooms).area < 0.6 * frame.length * depth
+        cap = _solid((unary_union([area, strip]) if thin else area).difference(caps))
+        taken, caps = unary_union([taken, area]), unary_union([caps, cap])
+        bodies.append(Body(side, area, cap))
+    return bodies
+
+
+def _solid(geometry: BaseGeometry) -> BaseGeometry:
+    """Return a geometry's polygons without those thinner than twice `SLIVER`."""
+    return unary_union([p for p in polygons_of(geometry) if not p.buffer(-SLIVER).is_empty])
+
+
+def structure_part(
+    body: Body, bodies: list[Body], rooms: BaseGeometry, portals: list[Portal]
+) -> MeshPart | None:
+    """Return the part ``structure/wall/{wall}``: outer faces, cap, reveals of the wall's holes."""
+    wall = body.side.wall
+    others = unary_union(
+        [b.area for b in bodies if b is not body and b.side.wall.height >= wall.height - 1e-6]
+    )
+    builder = PartBuilder()
+    hidden = unary_union([rooms.buffer(SLIVER), others.buffer(1e-4)])
+    for frame in _free_edges(body.area, hidden):
+        _outer_face(builder, frame, wall.height, portals)
+    _prism(builder, body.cap, wall.height, wall.height + max(wall.extra_height, 0.0))
+    for portal in portals:
+        if portal.side.wall.id == wall.id:
+            _reveals(builder, portal)
+    if not builder:
+        return None
+    extras = {"kind": "structure", "wall_id": wall.id}
+    return builder.build(f"structure/wall/{wall.id}", extras=extras)
+
+
+def _edges(geometry: BaseGeometry) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Return (start, end, outward unit normal) of every boundary edge of a polygon geometry."""
+    edges = []
+    for polygon in polygons_of(geometry):
+        polygon = orient(polygon)
+        for ring in (polygon.exterior, *polygon.interiors):
+            points = np.asarray(ring.coords)
+            for start, end in itertools.pairwise(points):
+                along = end - start
+                length = float(np.linalg.norm(along))
+                if length > 1e-6:
+                    edges.append((start, end, np.array([along[1], -along[0]]) / length))
+    return edges
+
+
+def _free_edges(area: BaseGeometry, hidden: BaseGeometry) -> list[Frame]:
+    """Return the parts of an area's edges outside `hidden`, as faces that look outward."""
+    frames = []
+    for start, end, normal in _edges(area):
+        free = LineString([start, end]).difference(hidden)
+        for line in getattr(free, "geoms", [free]):
+            if line.length > 1e-3:
+                points = np.asarray(line.coords)
+                frames.append(frame_between(points[0], points[-1], normal))
+    return frames
+
+
+def _outer_face(builder: PartBuilder, frame: Frame, height: float, portals: list[Portal]) -> None:
+    """Add an outer face from the floor to `height`, less the portals that go through it."""
+    face: BaseGeometry = box(0.0, 0.0, frame.length, height)
+    for portal in portals:
+        inner = portal.side.frame
+        behind = float((inner.left - frame.left) @ inner.normal)
+        if abs(frame.normal @ inner.normal) < 0.99 or not -0.01 < behind < portal.depth + 0.01:
+            continue
+        s = np.sort((portal.back - frame.left) @ frame.right)
+        face = face.difference(box(s[0], portal.opening.bottom, s[1], portal.opening.top))
+    points, faces = triangulate(face)
+    builder.mesh(frame.world(points), faces, colour=OUTER_COLOUR)
+
+
+def _prism(builder: PartBuilder, area: BaseGeometry, low: float, high: float) -> None:
+    """Add the top and sides of an upright prism."""
+    points, faces = triangulate(area)
+    if len(faces) == 0:
+        return
+    top = np.stack([points[:, 0], np.full(len(points), high), points[:, 1]], axis=1)
+    builder.mesh(top, faces[:, ::-1], colour=CAP_COLOUR)
+    if high - low < 1e-6:
+        return
+    for start, end, normal in _edges(area):
+        frame = frame_between(start, end, normal)
+        corners = np.array([[0, low], [frame.length, low], [frame.length, high], [0, high]])
+        builder.quad(frame.world(corners), CAP_COLOUR)
+
+
+def _reveals(builder: PartBuilder, portal: Portal) -> None:
+    """Add the inner sides of a hole: jambs, head and (for a window) sill."""
+    if portal.depth < 1e-4:
+        return
+    *around, sill = portal_quads(portal)
+    for quad in around:
+        builder.quad(quad, REVEAL_COLOUR)
+    if portal.opening.bottom > 0.02:
+        builder.quad(sill, REVEAL_COLOUR)
+
+
+def portal_quads(portal: Portal) -> tuple[np.ndarray, ...]:
+    """Return the left jamb, right jamb, head and sill of a hole, each (4, 3), facing inwards."""
+    front = portal.side.frame.plan(np.array([portal.s0, portal.s1]))
+    bottom, top = portal.opening.bottom, portal.opening.top
+
+    def at(plan: np.ndarray, y: float) -> np.ndarray:
+        return np.array([plan[0], y, plan[1]])
+
+    (a, b), (c, d) = front, portal.back
+    left = np.array([at(a, bottom), at(c, bottom), at(c, top), at(a, top)])
+    right = np.array([at(d, bottom), at(b, bottom), at(b, top), at(d, top)])
+    head = np.array([at(a, top), at(c, top), at(d, top), at(b, top)])
+    sill = np.array([at(a, bottom), at(b, bottom), at(d, bottom), at(c, bottom)])
+    return left, right, head, sill
+
+
+def threshold(portal: Portal) -> MeshPart | None:
+    """Return the strip of floor in a door or passage, with the owner room's floor texture."""
+    if portal.depth < 1e-4 or portal.opening.bottom > 0.02:
+        return None
+    quad = portal_quads(portal)[3]
+    builder = PartBuilder()
+    builder.quad(quad, REVEAL_COLOUR, uv=quad[:, [0, 2]])
+    room = portal.side.room_id
+    extras = {"kind": "threshold", "room_id": room, "opening_id": portal.opening.id}
+    name = f"{room}/threshold/{portal.opening.id}"
+    return builder.build(name, "surface", SurfaceKey(room, "floor"), extras)
+
+
+def flat_parts(room: Room, polygon: BaseGeometry) -> list[MeshPart]:
+    """Return a room's floor (facing up, y = 0) and ceiling (facing down, y = height).
+
+    UV in metres: columns along +x, rows along +z.
+    """
+    points, faces = triangulate(polygon)
+    parts = []
+    for surface, y, turned in (("floor", 0.0, faces[:, ::-1]), ("ceiling", room.height, faces)):
+        vertices = np.stack([points[:, 0], np.full(len(points), y), points[:, 1]], axis=1)
+        builder = PartBuilder()
+        builder.mesh(vertices, turned, uv=points)
+        extras = {"kind": surface, "room_id": room.id, "surface": surface}
+        key = SurfaceKey(room.id, surface)
+        parts.append(builder.build(f"{room.id}/{surface}", "surface", key, extras))
+    return parts
+
+
+def room_polygons(house: House, polygons: Mapping[str, BaseGeometry]) -> BaseGeometry:
+    """Return the plan area of all rooms together."""
+    return unary_union([shapely.make_valid(polygons[room.id]) for room in house.rooms])
