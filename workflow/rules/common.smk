@@ -1,6 +1,6 @@
 # What every rule shares: the checked config and house table, and input functions.
 # Paths of all results: results/{dataset}/..., the grammar is in docs/conventions.md.
-import functools
+import os
 import sys
 from pathlib import Path
 
@@ -16,7 +16,8 @@ validate(config, schema="../schemas/config.schema.json")
 DATASET = config["dataset"]["name"]
 DATA_ROOT = Path(config["dataset"]["root"])
 RESULTS = f"results/{DATASET}"
-MODELS = "resources/models"
+# Relative to the working directory, which need not be the clone (`plan2scene run`).
+MODELS = os.path.relpath(Path(workflow.basedir) / "resources" / "models")
 # Trained weights land here; shipping them (a copy into resources/models) is a deliberate act,
 # so that no default run ever wants to train.
 TRAINED = "results/training/models"

@@ -30,3 +30,7 @@ def _one_line(value: object) -> str:
     """Return `value` as text without line breaks or control characters, at most 300 characters."""
     text = "".join(c if c.isprintable() else " " for c in str(value))
     return text if len(text) <= 300 else text[:297] + "..."
+
+
+class WorkflowError(RuntimeError):
+    """The workflow of ``plan2scene run`` failed; its own lines have been printed by then."""
