@@ -1,0 +1,1 @@
+"""Textures: the model, its statistics and selection, seams, retrieval and the methods."""

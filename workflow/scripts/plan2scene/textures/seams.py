@@ -1,0 +1,199 @@
+"""Seam correction: make a texture tile by resynthesising its borders from its own patches.
+
+For each direction that does not tile, the image is offset by half so that its seam lies in the
+middle, a band over the seam is replaced by the band of the same texture that fits best on both
+sides, low frequencies of the misfit are spread linearly over the band, and the two joints follow
+minimum-error cuts (Efros and Freeman 2001). Along a direction that already tiles the band may be
+shifted around the torus and its cuts close on themselves, so the second repair keeps what the
+first gained. Deterministic: the same image gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+#: A direction with a wrap ratio up to this is taken to tile already.
+TILING_RATIO = 1.15
+_BAND = 0.25  # width of the resynthesised band, share of the side
+_OVERLAP = 0.09  # width of each joint, share of the side
+_CANDIDATES = 12  # bands whose cuts are computed, the best by overlap error first
+#: Below this mean step (grey levels) an image is flat: its noise must not look like a seam.
+_FLAT_STEP = 0.5
+
+
+def _require(image: np.ndarray) -> np.ndarray:
+    """Return `image` if it is (h, w, 3) uint8 of at least 32 px, else raise ValueError."""
+    if (
+        image.dtype != np.uint8
+        or image.ndim != 3
+        or image.shape[2] != 3
+        or min(image.shape[:2]) < 32
+    ):
+        raise ValueError(
+            f"expected (h, w, 3) uint8 of at least 32 px, found {image.shape} {image.dtype}"
+        )
+    return image
+
+
+def _axis_ratio(image: np.ndarray, axis: int) -> float:
+    """Return mean step across the wrap edge over the mean interior step along `axis`."""
+    values = image.astype(np.float64)
+    interior = np.abs(np.diff(values, axis=axis)).mean()
+    across = np.abs(values.take(0, axis=axis) - values.take(-1, axis=axis)).mean()
+    return float(across / max(interior, _FLAT_STEP))
+
+
+def wrap_ratio(image: np.ndarray) -> float:
+    """Return how much a (h, w, 3) uint8 image jumps where it wraps; about 1 when it tiles.
+
+    Mean absolute difference between opposite borders over that of neighbouring interior pixels
+    (at least half a grey level), the larger of both directions.
+    """
+    return max(_axis_ratio(_require(image), axis) for axis in (0, 1))
+
+
+def make_seamless(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a tiling version of a texture and the pixels that changed.
+
+    Parameters
+    ----------
+    image : (h, w, 3) uint8
+        sRGB texture, at least 32 px on each side.
+
+    Returns
+    -------
+    (h, w, 3) uint8
+        The texture, `image` itself where it already tiles.
+    (h, w) bool
+        Pixels that differ from `image`.
+    """
+    result = _require(image)
+    tiles = {axis: _axis_ratio(result, axis) <= TILING_RATIO for axis in (0, 1)}
+    for axis in (1, 0):
+        if tiles[axis]:
+            continue
+        turned = result if axis == 1 else result.transpose(1, 0, 2)
+        repaired = _repair_columns(turned, closed=tiles[1 - axis])
+        result = repaired if axis == 1 else repaired.transpose(1, 0, 2)
+        tiles[axis] = True
+    result = np.ascontiguousarray(result)
+    return result, (result != image).any(axis=2)
+
+
+def _repair_columns(image: np.ndarray, *, closed: bool) -> np.ndarray:
+    """Return (h, w, 3) uint8 `image` with its last column leading into its first.
+
+    `closed`: the image already tiles from bottom to top and has to stay so.
+    """
+    width = image.shape[1]
+    band, overlap = max(8, round(_BAND * width)), max(3, round(_OVERLAP * width))
+    values = image.astype(np.float64)
+    start = width // 2 - band // 2
+    rolled = np.roll(values, width // 2, axis=1)
+    target = rolled[:, start : start + band]
+    columns, shifts = _best_bands(values, target, overlap, closed)
+    sources = np.stack(
+        [np.roll(values[:, x : x + band], s, axis=0) for x, s in zip(columns, shifts, strict=True)]
+    )
+    sources = sources + _misfit(target, sources, overlap, closed)
+    error = ((target - sources) ** 2).sum(axis=-1)
+    left, left_cost = _cuts(error[:, :, :overlap], closed)
+    right, right_cost = _cuts(error[:, :, band - overlap :][:, :, ::-1], closed)
+    best = int(np.argmin(left_cost + right_cost))
+    alpha = _band_weight(left[best], right[best], band)[..., None]
+    rolled[:, start : start + band] = alpha * sources[best] + (1.0 - alpha) * target
+    return np.roll(np.clip(np.rint(rolled), 0, 255).astype(np.uint8), -(width // 2), axis=1)
+
+
+def _best_bands(
+    values: np.ndarray, target: np.ndarray, overlap: int, closed: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return columns and row shifts of the bands of `values` that fit `target`'s overlaps best.
+
+    Squared differences for all row shifts at once by correlation along the rows' torus; only
+    shift 0 counts when the image does not tile there.
+    """
+    height, width = values.shape[:2]
+    band = target.shape[1]
+    spectrum = np.fft.rfft(values, axis=0)
+    energy = (values**2).sum(axis=(0, 2))
+    offsets = np.r_[0:overlap, band - overlap : band]
+    wanted = np.fft.rfft(target[:, offsets], axis=0)
+    columns = np.arange(width - band + 1)
+    index = columns[:, None] + offsets
+    product = np.einsum("fxoc,foc->fx", spectrum[:, index].conj(), wanted, optimize=True)
+    correlation = np.fft.irfft(product, n=height, axis=0).T  # (columns, shifts)
+    error = energy[index].sum(axis=1)[:, None] - 2.0 * correlation
+    if not closed:
+        error = error[:, :1]
+    order = np.argsort(error, axis=None, kind="stable")[:_CANDIDATES]
+    return columns[order // error.shape[1]], order % error.shape[1]
+
+
+def _misfit(target: np.ndarray, sources: np.ndarray, overlap: int, closed: bool) -> np.ndarray:
+    """Return (n, h, band, 3): the low-frequency misfit at both joints, spread over the band."""
+    height, band = target.shape[:2]
+    difference = target - sources
+    mode = "wrap" if closed else "nearest"
+    left, right = (
+        gaussian_filter1d(part.mean(axis=2), height / 16, axis=1, mode=mode)[:, :, None]
+        for part in (difference[:, :, :overlap], difference[:, :, band - overlap :])
+    )
+    position = (np.arange(band) + 0.5 - overlap / 2) / (band - overlap)
+    share = np.clip(position, 0.0, 1.0)[None, None, :, None]
+    return (1.0 - share) * left + share * right
+
+
+def _cuts(error: np.ndarray, closed: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Return minimum-error cuts from the first to the last row.
+
+    Parameters
+    ----------
+    error : (n, h, o) float
+        Cost of passing a pixel. A path moves at most one column per row.
+    closed : bool
+        The path has to end where it began (within one column).
+
+    Returns
+    -------
+    (n, h) int
+        Column of the path in each row.
+    (n,) float
+        Cost of each path.
+    """
+    count, height, width = error.shape
+    starts = width if closed else 1
+    cost = np.repeat(error[:, None, 0], starts, axis=1)  # (n, starts, o)
+    if closed:
+        cost[:, ~np.eye(width, dtype=bool)] = np.inf
+    moves = np.empty((height, count, starts, width), dtype=np.int8)
+    pad = np.full((count, starts, 1), np.inf)
+    for row in range(1, height):
+        around = np.concatenate([pad, cost, pad], axis=2)
+        options = np.stack([around[..., :-2], around[..., 1:-1], around[..., 2:]])
+        step = options.argmin(axis=0)
+        moves[row] = step - 1
+        cost = np.take_along_axis(options, step[None], axis=0)[0] + error[:, None, row]
+    if closed:  # a path that ends more than a column off its start would leave a step
+        column = np.arange(width)
+        cost[:, np.abs(column[:, None] - column) > 1] = np.inf
+    flat = cost.reshape(count, -1)
+    end = flat.argmin(axis=1)
+    start, column = np.divmod(end, width)
+    path = np.empty((count, height), dtype=np.int64)
+    which = np.arange(count)
+    for row in range(height - 1, -1, -1):
+        path[:, row] = column
+        if row:
+            column = column + moves[row, which, start, column]
+    return path, flat[which, end]
+
+
+def _band_weight(left: np.ndarray, right: np.ndarray, band: int) -> np.ndarray:
+    """Return the (h, band) share of the source: 1 between the cuts, softened by a pixel."""
+    column = np.arange(band)
+    inside = (column > left[:, None]) & (column < band - 1 - right[:, None])
+    soft = inside.astype(np.float64)
+    soft[:, 1:-1] = (soft[:, :-2] + 2.0 * soft[:, 1:-1] + soft[:, 2:]) / 4.0
+    return soft
