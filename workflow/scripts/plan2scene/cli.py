@@ -128,19 +128,18 @@ def check(
     metres_per_pixel: Annotated[float | None, typer.Option(min=1e-6)] = None,
 ) -> None:
     """Tell what would go wrong, before anything runs."""
-    from plan2scene.datasets import check_dataset
-    from plan2scene.floorplans import read_plan
+    from plan2scene.datasets import check_dataset, check_plan
 
     if target.is_dir():
-        problems = [str(problem) for problem in check_dataset(target)]
+        problems = check_dataset(target, metres_per_pixel=metres_per_pixel)
     else:
-        house = read_plan(target, _house_id(target, None), metres_per_pixel)
-        problems = list(house.warnings)
-        print(f"{len(house.rooms)} rooms, {len(house.walls)} walls, {len(house.doors)} doors")
+        house, problems = check_plan(target, _house_id(target, None), metres_per_pixel)
+        if house is not None:
+            print(f"{len(house.rooms)} rooms, {len(house.walls)} walls, {len(house.doors)} doors")
     for problem in problems:
         print(problem)
     print(f"{len(problems)} problems" if problems else "no problems")
-    if target.is_dir() and problems:
+    if any(problem.level == "error" for problem in problems):
         raise typer.Exit(1)
 
 

@@ -52,16 +52,7 @@ def prepare(request: SingleHouse, work: Path) -> Path:
     names: list[str] = []
     assignment = ""
     if request.photo_table is not None:
-        rows = read_assignment(request.photo_table, request.house)
-        rooms = {room.id for room in house.rooms}
-        for row in rows:
-            if row.room_id not in rooms:
-                raise InputError(
-                    f"a room of the plan ({', '.join(sorted(rooms))})",
-                    row.room_id,
-                    file=request.photo_table,
-                    house=request.house,
-                )
+        rows = read_assignment(request.photo_table, house)
         folder = request.photos_dir or request.photo_table.parent
         names = sorted({row.photo for row in rows})
         _copy_photos(names, folder, photos, request)
