@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+
 from plan2scene.errors import InputError
 from plan2scene.photos.camera import Camera, canonical, estimate_camera
 from plan2scene.photos.lines import detect_segments, hough_segments

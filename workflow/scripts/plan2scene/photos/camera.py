@@ -11,7 +11,6 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.photos.lines import detect_segments
 from plan2scene.photos.vanishing import (
-    FOV_RANGE_DEG,
     Manhattan,
     Segments,
     fit_manhattan,
@@ -169,8 +168,6 @@ def estimate_camera(
     lines = detect_segments(grey)[:MAX_SEGMENTS]
     weight = _label_weight(lines, labels, grey.shape)
     segments = Segments(lines, ((columns - 1) / 2, (rows - 1) / 2), weight)
-    if not FOV_RANGE_DEG[0] <= fov_deg <= FOV_RANGE_DEG[1]:
-        raise InputError(f"a field of view in {FOV_RANGE_DEG} degrees", f"{fov_deg}")
     frame = fit_manhattan(segments, columns, fov_deg, seed)
     return _decide(frame, segments, (width, height), columns, fov_deg)
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-#: Horizontal fields of view that are searched, degrees.
+#: Horizontal fields of view that are searched (and up to the prior's, if beyond), degrees.
 FOV_RANGE_DEG = (35.0, 100.0)
 N_FOCAL = 15
 N_HEADING = 60
@@ -158,7 +158,9 @@ def _coarse(
     segments: Segments, width: int, prior: float, rng: np.random.Generator
 ) -> list[tuple[np.ndarray, float]]:
     """Return the best start per (focal length, vertical) grid cell, the most consistent first."""
-    fovs = np.radians(np.linspace(*FOV_RANGE_DEG, N_FOCAL))
+    believed = np.degrees(2 * np.arctan(width / 2 / prior))
+    low, high = min(FOV_RANGE_DEG[0], believed), max(FOV_RANGE_DEG[1], believed)
+    fovs = np.radians(np.linspace(low, high, N_FOCAL))
     headings = np.linspace(0.0, np.pi / 2, N_HEADING, endpoint=False)
     weight = segments.weight * np.minimum(segments.length, 0.25 * width)
     weight /= weight.sum()
