@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-#: A direction with a wrap ratio up to this is taken to tile already.
+#: A direction tiles already when its step across the wrap edge is up to this times the usual.
 TILING_RATIO = 1.15
 _BAND = 0.25  # width of the resynthesised band, share of the side
 _OVERLAP = 0.09  # width of each joint, share of the side
@@ -38,10 +38,25 @@ def _require(image: np.ndarray) -> np.ndarray:
 
 def _axis_ratio(image: np.ndarray, axis: int) -> float:
     """Return mean step across the wrap edge over the mean interior step along `axis`."""
-    values = image.astype(np.float64)
-    interior = np.abs(np.diff(values, axis=axis)).mean()
-    across = np.abs(values.take(0, axis=axis) - values.take(-1, axis=axis)).mean()
-    return float(across / max(interior, _FLAT_STEP))
+    across, interior = _steps(image, axis)
+    return float(across / max(interior.mean(), _FLAT_STEP))
+
+
+def _steps(image: np.ndarray, axis: int) -> tuple[float, np.ndarray]:
+    """Return the mean absolute step across the wrap edge and those inside, (n - 1,) float."""
+    values = np.moveaxis(image.astype(np.float64), axis, 0)
+    interior = np.abs(np.diff(values, axis=0)).mean(axis=(1, 2))
+    return float(np.abs(values[0] - values[-1]).mean()), interior
+
+
+def _tiles(image: np.ndarray, axis: int) -> bool:
+    """Tell whether the step across the wrap edge is no larger than elsewhere or than beside it.
+
+    Beside it: where a regular pattern is steep at the border, the steps next to it are as large.
+    """
+    across, interior = _steps(image, axis)
+    usual = max(interior.mean(), (interior[0] + interior[-1]) / 2, _FLAT_STEP)
+    return bool(across <= TILING_RATIO * usual)
 
 
 def wrap_ratio(image: np.ndarray) -> float:
@@ -69,7 +84,7 @@ def make_seamless(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         Pixels that differ from `image`.
     """
     result = _require(image)
-    tiles = {axis: _axis_ratio(result, axis) <= TILING_RATIO for axis in (0, 1)}
+    tiles = {axis: _tiles(result, axis) for axis in (0, 1)}
     for axis in (1, 0):
         if tiles[axis]:
             continue
