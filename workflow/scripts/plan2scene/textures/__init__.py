@@ -1,1 +1,1 @@
-"""Textures: the model, its statistics and selection, seams, retrieval and the methods."""
+"""Surface textures: embedding, decoding, selection, seams, retrieval."""

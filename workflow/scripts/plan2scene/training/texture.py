@@ -1,0 +1,224 @@
+"""Training of the texture models: Synth (delta-HSV, substance head) and NaiveSynth.
+
+The loss is the relative Gram error of fixed filters, the log spectrum by sectors, the colour
+distribution, and cross-entropy of the substance. Most steps draw 64-px windows of the tile, which
+cost a quarter; some draw the whole tile for the coarse structure.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch.nn import functional
+
+from plan2scene.io import atomic_path
+from plan2scene.seeds import derive_seed, generator
+from plan2scene.textures.model import Architecture, TextureModel
+from plan2scene.textures.noise import CHANNELS, OCTAVES
+from plan2scene.textures.statistics import (
+    FilterBankStatistics,
+    SpectrumStatistics,
+    colour_distance,
+)
+from plan2scene.training.texture_data import (
+    CROP_PX,
+    Batch,
+    TextureSet,
+    draw_batch,
+    sampling_weights,
+)
+
+_LOGGER = logging.getLogger("plan2scene")
+
+
+@dataclass(frozen=True)
+class TextureTraining:
+    """Hyperparameters of a texture model's training.
+
+    Attributes
+    ----------
+    steps : int
+        Optimisation steps.
+    batch, tile_batch : int
+        Crops per step with 64-px windows, and with whole tiles.
+    tile_share : float
+        Share of the steps that draw whole tiles.
+    learning_rate : float
+        Adam's, held for 60 % of the steps, then falling to a hundredth along a cosine.
+    spectrum, colour, substance : float
+        Weights of these losses beside the Gram error's 1.
+    scanned_share : float
+        Share of crops that come from scanned textures, where there are any.
+    low_precision : bool
+        Decoder in bfloat16.
+    """
+
+    steps: int = 4000
+    batch: int = 12
+    tile_batch: int = 4
+    tile_share: float = 0.25
+    learning_rate: float = 1e-3
+    weight_decay: float = 1e-5
+    spectrum: float = 0.4
+    colour: float = 6.0
+    substance: float = 0.3
+    scanned_share: float = 0.5
+    low_precision: bool = True
+
+
+@dataclass(frozen=True)
+class Losses:
+    """Parts of the loss of one batch, before weighting."""
+
+    gram: torch.Tensor
+    spectrum: torch.Tensor
+    colour: torch.Tensor
+    substance: torch.Tensor
+
+
+class TextureTrainer:
+    """One model, its optimiser and its losses; the state can be saved and continued."""
+
+    def __init__(
+        self, architecture: Architecture, options: TextureTraining, seed: int, device: str = "cpu"
+    ) -> None:
+        torch.manual_seed(derive_seed(seed, "texture model") % 2**31)
+        self.model = TextureModel(architecture).to(device)
+        self.model.decoder.low_precision = options.low_precision
+        self.options, self.seed, self.device = options, seed, device
+        self.filters = FilterBankStatistics().to(device)
+        self.spectrum = SpectrumStatistics().to(device)
+        self.optimiser = torch.optim.Adam(
+            self.model.parameters(), lr=options.learning_rate, weight_decay=options.weight_decay
+        )
+        self.step = 0
+
+    def losses(self, batch: Batch, rng: np.random.Generator, side: int) -> Losses:
+        """Return the losses of a batch on random `side` x `side` windows of tiles and targets."""
+        inputs, targets = self._tensor(batch.inputs), self._tensor(batch.targets)
+        encoding = self.model.encode(inputs)
+        draws = rng.random((len(inputs), OCTAVES, CHANNELS), dtype=np.float32)
+        seeds = torch.from_numpy(draws).to(self.device)
+        tiles = self.model.decode(encoding.embedding, seeds, CROP_PX, _window(rng, side))
+        rows, columns = _window(rng, side)
+        targets = targets[:, :, rows, columns]
+        step = side // 64
+        colour = colour_distance(tiles[:, :, ::step, ::step], targets[:, :, ::step, ::step])
+        substance = tiles.new_zeros(())
+        if encoding.logits is not None:
+            labels = torch.from_numpy(batch.substances).to(self.device)
+            substance = functional.cross_entropy(encoding.logits, labels)
+        return Losses(
+            self.filters.distance(tiles, targets).mean(),
+            self.spectrum.distance(tiles, targets).mean(),
+            colour.mean(),
+            substance,
+        )
+
+    def train_step(self, textures: TextureSet, weights: np.ndarray) -> Losses:
+        """Run one step; everything random in it derives from (seed, step)."""
+        options = self.options
+        rng = generator(self.seed, "texture step", self.step)
+        whole = rng.random() < options.tile_share
+        size, side = (options.tile_batch, CROP_PX) if whole else (options.batch, CROP_PX // 2)
+        losses = self.losses(draw_batch(textures, weights, size, rng), rng, side)
+        total = (
+            losses.gram
+            + options.spectrum * losses.spectrum
+            + options.colour * losses.colour
+            + options.substance * losses.substance
+        )
+        for group in self.optimiser.param_groups:
+            group["lr"] = options.learning_rate * _schedule(self.step / options.steps)
+        self.optimiser.zero_grad()
+        total.backward()
+        torch.nn.utils.clip_grad_norm_(self.model.parameters(), 2.0)
+        self.optimiser.step()
+        self.step += 1
+        return losses
+
+    def save(self, path: Path) -> None:
+        """Write all that :meth:`resume` needs."""
+        state = {
+            "step": self.step,
+            "model": self.model.state_dict(),
+            "optimiser": self.optimiser.state_dict(),
+        }
+        with atomic_path(path) as temporary:
+            torch.save(state, temporary)
+
+    def resume(self, path: Path) -> None:
+        """Continue from a file of :meth:`save`."""
+        state = torch.load(path, map_location=self.device, weights_only=True)
+        self.step = int(state["step"])
+        self.model.load_state_dict(state["model"])
+        self.optimiser.load_state_dict(state["optimiser"])
+
+    def _tensor(self, images: np.ndarray) -> torch.Tensor:
+        tensor = torch.from_numpy(images).to(self.device).permute(0, 3, 1, 2)
+        return tensor.float() / 255.0
+
+
+def _window(rng: np.random.Generator, side: int) -> tuple[slice, slice]:
+    """Return a random `side` x `side` window of a 128-px image."""
+    row, column = (int(v) for v in rng.integers(0, CROP_PX - side + 1, 2))
+    return slice(row, row + side), slice(column, column + side)
+
+
+def _schedule(progress: float) -> float:
+    """Return the share of the learning rate: held, then a cosine to a hundredth."""
+    if progress < 0.6:
+        return min(1.0, 0.05 + progress * 50)
+    fall = min(1.0, (progress - 0.6) / 0.4)
+    return float(0.01 + 0.99 * 0.5 * (1 + np.cos(np.pi * fall)))
+
+
+def train_texture_model(
+    architecture: Architecture,
+    textures: TextureSet,
+    options: TextureTraining,
+    seed: int,
+    *,
+    checkpoint: Path | None = None,
+    device: str = "cpu",
+) -> TextureModel:
+    """Return a trained texture model.
+
+    Parameters
+    ----------
+    checkpoint : path, optional
+        Written every 200 steps, and continued from where it exists.
+    device : str
+        ``"cpu"`` or ``"cuda"``.
+    """
+    trainer = TextureTrainer(architecture, options, seed, device)
+    if checkpoint is not None and checkpoint.is_file():
+        trainer.resume(checkpoint)
+        _LOGGER.info("continued from step %d", trainer.step)
+    weights = sampling_weights(textures, options.scanned_share)
+    started, first = time.monotonic(), trainer.step
+    sums: dict[str, float] = {}
+    while trainer.step < options.steps:
+        _accumulate(sums, trainer.train_step(textures, weights))
+        if trainer.step % 50 == 0:
+            pace = (time.monotonic() - started) / (trainer.step - first)
+            means = " ".join(f"{k} {v / sums['n']:.3f}" for k, v in sums.items() if k != "n")
+            _LOGGER.info("step %d %s, %.2f s per step", trainer.step, means, pace)
+            sums = {}
+        if checkpoint is not None and trainer.step % 200 == 0:
+            trainer.save(checkpoint)
+    return trainer.model.eval()
+
+
+def _accumulate(sums: dict[str, float], losses: Losses) -> None:
+    """Add the losses of a step to running sums."""
+    values: Mapping[str, torch.Tensor] = vars(losses)
+    for name, value in values.items():
+        sums[name] = sums.get(name, 0.0) + float(value.detach())
+    sums["n"] = sums.get("n", 0.0) + 1
