@@ -1,0 +1,120 @@
+"""Planes of box rooms whose labels, walls and camera are known."""
+
+import numpy as np
+import pytest
+
+from plan2scene.photos.camera import Camera
+from plan2scene.photos.masks import CEILING, FLOOR, OTHER, WALL
+from plan2scene.photos.planes import split_planes
+
+SIZE = (360, 480)
+LOW = np.array([-1.8, 0.0, -2.0])
+HIGH = np.array([2.2, 2.5, 2.6])
+
+
+def box_view(heading_deg, pitch_deg, eye, fov_deg=75.0):
+    """Labels, wall sides (axis * 2 + positive) and camera of a view into a box."""
+    h, p = np.radians([heading_deg, pitch_deg])
+    turn = np.array([[np.cos(h), 0, np.sin(h)], [0, 1, 0], [-np.sin(h), 0, np.cos(h)]])
+    tilt = np.array([[1, 0, 0], [0, np.cos(p), -np.sin(p)], [0, np.sin(p), np.cos(p)]])
+    focal = SIZE[1] / 2 / np.tan(np.radians(fov_deg) / 2)
+    camera = Camera.from_json(
+        {
+            "width": SIZE[1],
+            "height": SIZE[0],
+            "focal_px": focal,
+            "cx": (SIZE[1] - 1) / 2,
+            "cy": (SIZE[0] - 1) / 2,
+            "rotation": (tilt @ np.diag([-1.0, -1.0, 1.0]) @ turn).tolist(),
+        }
+    )
+    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
+    rays = camera.rays(np.stack([x, y], axis=-1))
+    with np.errstate(divide="ignore"):
+        reach = np.where(rays > 0, (HIGH - eye) / rays, (LOW - eye) / rays)
+    axis = reach.argmin(axis=-1)
+    positive = np.take_along_axis(rays, axis[..., None], axis=-1)[..., 0] > 0
+    side = np.where(axis == 1, -1, axis * 2 + positive)
+    labels = np.full(SIZE, WALL, np.uint8)
+    labels[(axis == 1) & ~positive] = FLOOR
+    labels[(axis == 1) & positive] = CEILING
+    return labels, side, camera
+
+
+def side_of(plane):
+    """The wall side of a plane, coded as in `box_view`."""
+    axis = int(np.argmax(np.abs(plane.normal)))
+    return axis * 2 + (plane.normal[axis] < 0)
+
+
+def distance_to(side, eye):
+    axis, positive = divmod(side, 2)
+    return HIGH[axis] - eye[axis] if positive else eye[axis] - LOW[axis]
+
+
+VIEWS = [(25.0, 8.0), (-40.0, 3.0), (80.0, 12.0), (0.0, 5.0)]
+
+
+@pytest.mark.parametrize(("heading", "pitch"), VIEWS)
+def test_walls_of_a_box(heading, pitch):
+    eye = np.array([0.2, 1.5, -0.9])
+    labels, side, camera = box_view(heading, pitch, eye)
+    planes = split_planes(labels, camera, camera_height_m=1.5, room_height_m=2.5)
+    walls = [plane for plane in planes if plane.surface == "wall"]
+    present = {s for s in range(6) if (side == s).sum() > 0.01 * side.size}
+    assert {side_of(plane) for plane in walls} == present
+    assert [plane.index for plane in walls] == list(range(len(walls)))
+    for plane in walls:
+        truth = side == side_of(plane)
+        overlap = (truth & plane.mask).sum() / (truth | plane.mask).sum()
+        assert overlap > 0.93
+        assert -plane.offset == pytest.approx(distance_to(side_of(plane), eye), rel=0.03)
+        assert plane.scale_source in ("camera_height", "room_height")
+
+
+def test_floor_and_ceiling():
+    eye = np.array([0.2, 1.4, -1.4])
+    labels, _, camera = box_view(10.0, -3.0, eye)
+    planes = {p.surface: p for p in split_planes(labels, camera, room_height_m=2.5)}
+    assert planes["floor"].normal == (0.0, 1.0, 0.0)
+    assert planes["ceiling"].normal == (0.0, -1.0, 0.0)
+    np.testing.assert_array_equal(planes["floor"].mask, labels == FLOOR)
+    assert planes["floor"].scale_source == "room_height"
+    assert planes["floor"].offset == pytest.approx(-1.4, abs=0.03)
+    assert planes["ceiling"].offset == pytest.approx(-1.1, abs=0.03)
+
+
+def test_prior_where_the_room_height_is_unknown():
+    eye = np.array([0.2, 1.4, -1.4])
+    labels, _, camera = box_view(10.0, -3.0, eye)
+    planes = {p.surface: p for p in split_planes(labels, camera, camera_height_m=1.6)}
+    assert planes["floor"].offset == -1.6
+    assert planes["floor"].scale_source == "camera_height"
+    assert planes["ceiling"].scale_source == "prior"
+
+
+def test_furniture_along_the_foot_hides_no_corner():
+    eye = np.array([0.2, 1.5, -0.9])
+    labels, side, camera = box_view(25.0, 5.0, eye)
+    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
+    clutter = (y > 230) & (y < 300) & (x > 120) & (x < 330)
+    labels[clutter] = OTHER
+    for plane in split_planes(labels, camera, room_height_m=2.5):
+        if plane.surface == "wall":
+            truth = (side == side_of(plane)) & ~clutter
+            assert (truth & plane.mask).sum() / (truth | plane.mask).sum() > 0.9
+
+
+def test_only_a_wall_gives_one_plane_at_the_prior_distance():
+    _, _, camera = box_view(5.0, 0.0, np.array([0.0, 1.5, 0.0]))
+    labels = np.full(SIZE, WALL, np.uint8)
+    planes = split_planes(labels, camera)
+    assert [p.surface for p in planes] == ["wall"]
+    assert planes[0].normal == (0.0, 0.0, -1.0)
+    assert planes[0].scale_source == "prior"
+    assert 0.3 <= -planes[0].offset <= 3.0
+
+
+def test_nothing_seen_gives_no_planes():
+    _, _, camera = box_view(5.0, 0.0, np.array([0.0, 1.5, 0.0]))
+    assert split_planes(np.zeros(SIZE, np.uint8), camera) == []
