@@ -83,7 +83,7 @@ def test_a_flat_image_with_noise_is_left_alone():
 
 def test_only_the_direction_that_needs_it_is_repaired():
     x = y = np.arange(64) * 2 * np.pi / 64
-    image = 128 + 50 * np.sin(3.5 * x + 1)[None, :] + 20 * np.sin(4 * y)[:, None]
+    image = 128 + 50 * np.sin(3.5 * x + 1)[None, :] + 20 * np.cos(4 * y)[:, None]
     image = np.repeat(image[..., None], 3, axis=2).astype(np.uint8)
     result, changed = make_seamless(image)
     assert wrap_ratio(image) > 3.0
