@@ -1,0 +1,132 @@
+"""Substance classifier ("embedded"): SUBS, and the features of FID.
+
+The paper takes SUBS from a VGG-16 and FID's features from InceptionV3, both downloaded. This
+small network stands in for them where nothing is downloaded; every figure made with it is named
+"embedded" and must not be compared in size with one of those networks.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import nn
+
+from plan2scene.errors import InputError
+from plan2scene.house import SUBSTANCES
+from plan2scene.metrics.images import METRIC_SIZE, metric_image
+from plan2scene.weights import load_model_file, save_model_file
+
+#: Name of this network in column names.
+FEATURE_NETWORK = "embedded"
+_MEAN, _STD = 0.5, 0.25
+_MAX_BATCH = 128
+
+
+class SubstanceNetwork(nn.Module):
+    """Substance of a texture from the mean and spread of convolutional features.
+
+    Four strided convolutions; their maps' means and standard deviations over the image (what a
+    stationary texture is told by) go through a linear layer to the penultimate features.
+
+    Shapes
+    ------
+    input : (n, 3, 128, 128) float32, sRGB in [0, 1]
+    features : (n, `feature_dim`) float32, standardised over the training crops
+    logits : (n, 4) float32, order of ``house.SUBSTANCES``
+
+    Parameters
+    ----------
+    widths : sequence of int
+        Channels of the convolutions.
+    feature_dim : int
+        Length of the penultimate layer.
+    """
+
+    shift: torch.Tensor
+    scale: torch.Tensor
+
+    def __init__(self, widths: tuple[int, ...] = (24, 48, 64, 96), feature_dim: int = 64) -> None:
+        super().__init__()
+        self.architecture = {"widths": list(widths), "feature_dim": feature_dim}
+        layers: list[nn.Module] = []
+        channels = 3
+        for index, width in enumerate(widths):
+            kernel = 5 if index == 0 else 3
+            layers += [
+                nn.Conv2d(channels, width, kernel, 2, kernel // 2, bias=False),
+                nn.BatchNorm2d(width),
+                nn.ReLU(),
+            ]
+            channels = width
+        self.convolutions = nn.Sequential(*layers)
+        self.penultimate = nn.Linear(2 * channels, feature_dim)
+        self.head = nn.Linear(feature_dim, len(SUBSTANCES))
+        self.register_buffer("shift", torch.zeros(feature_dim))
+        self.register_buffer("scale", torch.ones(feature_dim))
+
+    def hidden(self, images: torch.Tensor) -> torch.Tensor:
+        """Return the penultimate activations before they are standardised, (n, feature_dim)."""
+        maps = self.convolutions((images - _MEAN) / _STD)
+        spread = torch.sqrt(maps.var(dim=(2, 3), unbiased=False) + 1e-5)
+        pooled = torch.cat([maps.mean(dim=(2, 3)), spread], dim=1)
+        return torch.relu(self.penultimate(pooled))
+
+    def forward(self, images: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Return (features, logits)."""
+        hidden = self.hidden(images)
+        return (hidden - self.shift) / self.scale, self.head(hidden)
+
+
+def as_tensor(images: np.ndarray) -> torch.Tensor:
+    """Return (n, h, w, 3) uint8 sRGB images as (n, 3, h, w) float32 in [0, 1]."""
+    moved = np.ascontiguousarray(np.moveaxis(images, -1, 1))
+    return torch.from_numpy(moved).float() / 255.0
+
+
+def extract_features(
+    network: SubstanceNetwork, images: list[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return features and substances of textures.
+
+    Parameters
+    ----------
+    images : list of (h, w, 3) uint8
+        sRGB; resized to 128 px where they are not.
+
+    Returns
+    -------
+    (n, feature_dim) float32
+    (n,) int64
+        Index into ``house.SUBSTANCES``.
+    """
+    features = [np.zeros((0, network.shift.shape[0]), np.float32)]
+    classes = [np.zeros(0, np.int64)]
+    for start in range(0, len(images), _MAX_BATCH):
+        batch = np.stack([metric_image(i) for i in images[start : start + _MAX_BATCH]])
+        with torch.inference_mode():
+            part, logits = network(as_tensor(batch))
+        features.append(part.numpy())
+        classes.append(logits.argmax(dim=1).numpy())
+    return np.concatenate(features), np.concatenate(classes)
+
+
+def save_features_network(network: SubstanceNetwork, path: str | Path) -> None:
+    """Write the network as safetensors with its architecture."""
+    architecture = {**network.architecture, "image_size": METRIC_SIZE}
+    save_model_file(path, network.state_dict(), architecture)
+
+
+def load_features_network(path: str | Path) -> SubstanceNetwork:
+    """Return a network of :func:`save_features_network`, ready for inference.
+
+    Raises InputError for weights of another network.
+    """
+    state, architecture = load_model_file(path)
+    try:
+        network = SubstanceNetwork(tuple(architecture["widths"]), architecture["feature_dim"])
+        network.load_state_dict(state)
+    except (KeyError, TypeError, RuntimeError) as error:
+        raise InputError("weights of the features network", str(error), file=path) from None
+    return network.eval()
