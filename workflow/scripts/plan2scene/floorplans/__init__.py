@@ -8,6 +8,8 @@ from pathlib import Path
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.errors import InputError
 from plan2scene.floorplans.parse import parse_json
+from plan2scene.floorplans.plan_json import FORMAT, house_of_plan, plan_schema, read_plan_json
+from plan2scene.floorplans.r2v import house_of_r2v, read_r2v
 from plan2scene.floorplans.scene_json import (
     house_of_scene,
     house_to_scene,
@@ -23,7 +25,10 @@ __all__ = [
     "house_faults",
     "house_to_scene",
     "import_plan",
+    "plan_schema",
     "read_plan",
+    "read_plan_json",
+    "read_r2v",
     "read_scene_json",
     "read_scene_textures",
     "validate_house",
@@ -48,7 +53,11 @@ def read_plan(path: str | Path, house_id: str, metres_per_pixel: float | None = 
     text = read_text(path)
     if not text.strip():
         raise InputError("a plan", "an empty file", file=path, house=house_id)
+    if text.lstrip()[0] not in "{[":
+        return house_of_r2v(text, house_id, metres_per_pixel, file=str(path))
     document = parse_json(text, path, house_id)
+    if isinstance(document, dict) and str(document.get("format")) == FORMAT:
+        return house_of_plan(document, house_id, file=str(path))
     return house_of_scene(document, house_id, file=str(path))
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 
-from shapely.geometry import LineString, Polygon
+import numpy as np
 from shapely.geometry import Point as ShapelyPoint
+from shapely.geometry import Polygon
 
 from plan2scene.house import Door, Point, Ring, Room, Wall
 
@@ -98,15 +99,6 @@ def _room_near(
     return room_id if distance <= depth + BEHIND_TOLERANCE else None
 
 
-@dataclass
-class _Segment:
-    """A piece of an outline: its ends, and the rooms that have it."""
-
-    start: Point
-    end: Point
-    room_ids: list[str]
-
-
 def walls_of_rooms(rooms: Sequence[Room], *, depth: float = 0.1, shared: bool = True) -> list[Wall]:
     """Return walls along the rooms' outlines, in the order of rooms and edges.
 
@@ -114,61 +106,74 @@ def walls_of_rooms(rooms: Sequence[Room], *, depth: float = 0.1, shared: bool = 
     `SHARED_TOLERANCE`), and a piece that two rooms have is one wall with both room ids. A shared
     wall is as high as the higher of the two rooms.
     """
-    corners = [point for room in rooms for ring in room.rings for point in ring] if shared else []
-    segments: list[_Segment] = []
+    points = [point for room in rooms for ring in room.rings for point in ring] if shared else []
+    corners = np.array(points, dtype=np.float64).reshape(-1, 2)
+    pieces = _Pieces()
     for room in rooms:
         for ring in room.rings:
-            for edge in ring_edges(ring):
-                for start, end in _split(edge, corners):
-                    _add_segment(segments, _Segment(start, end, [room.id]), shared)
+            for start, end in ring_edges(ring):
+                for piece in pairwise(_split(start, end, corners)):
+                    pieces.add(piece, room.id, shared)
     heights = {room.id: room.height for room in rooms}
+    counts: Counter[str] = Counter()
     walls = []
-    counts: dict[str, int] = {}
-    for segment in segments:
-        owner = segment.room_ids[0]
-        number = counts.get(owner, 0)
-        counts[owner] = number + 1
-        walls.append(
-            Wall(
-                id=f"{owner}_wall_{number}",
-                room_ids=tuple(segment.room_ids),
-                start=segment.start,
-                end=segment.end,
-                height=max(heights[room_id] for room_id in segment.room_ids),
-                depth=depth,
-            )
-        )
+    for (start, end), room_ids in zip(pieces.ends, pieces.room_ids, strict=True):
+        owner = room_ids[0]
+        height = max(heights[room_id] for room_id in room_ids)
+        name = f"{owner}_wall_{counts[owner]}"
+        walls.append(Wall(name, tuple(room_ids), start, end, height, depth))
+        counts[owner] += 1
     return walls
 
 
-def _split(edge: tuple[Point, Point], corners: Sequence[Point]) -> list[tuple[Point, Point]]:
-    """Return `edge` cut at the corners that lie on it."""
-    start, end = edge
-    line = LineString(edge)
-    cuts = []
-    for corner in corners:
-        at = ShapelyPoint(corner)
-        ends_off = min(math.dist(corner, start), math.dist(corner, end)) > SHARED_TOLERANCE
-        if ends_off and line.distance(at) <= SHARED_TOLERANCE:
-            cuts.append(line.project(at))
-    stops = [0.0]
-    for cut in sorted(cuts):
-        if cut - stops[-1] > SHARED_TOLERANCE:
-            stops.append(cut)
+def _split(start: Point, end: Point, corners: np.ndarray) -> list[Point]:
+    """Return the edge's ends and, between them, the (n, 2) `corners` that lie on it, in order."""
+    a, b = np.array(start), np.array(end)
+    length = float(np.linalg.norm(b - a))
+    direction = (b - a) / length
+    along = (corners - a) @ direction
+    across = np.abs((corners - a) @ np.array([-direction[1], direction[0]]))
+    inside = (along > SHARED_TOLERANCE) & (along < length - SHARED_TOLERANCE)
     points = [start]
-    points += [(p.x, p.y) for p in (line.interpolate(stop) for stop in stops[1:])]
-    points.append(end)
-    return list(pairwise(points))
+    last = 0.0
+    for k in sorted(np.flatnonzero(inside & (across <= SHARED_TOLERANCE)), key=lambda k: along[k]):
+        if along[k] - last > SHARED_TOLERANCE:
+            last = float(along[k])
+            cut = a + last * direction
+            points.append((float(cut[0]), float(cut[1])))
+    return [*points, end]
 
 
-def _add_segment(segments: list[_Segment], new: _Segment, shared: bool) -> None:
-    """Append `new`, or give its room to the other room's segment between the same ends."""
-    for old in segments if shared else []:
-        if len(old.room_ids) > 1 or old.room_ids == new.room_ids:
-            continue
-        same = max(math.dist(old.start, new.start), math.dist(old.end, new.end))
-        turned = max(math.dist(old.start, new.end), math.dist(old.end, new.start))
-        if min(same, turned) <= 1.5 * SHARED_TOLERANCE:
-            old.room_ids.extend(new.room_ids)
-            return
-    segments.append(new)
+class _Pieces:
+    """Pieces of outlines and the one or two rooms that each bounds, found by their middle."""
+
+    def __init__(self) -> None:
+        self.ends: list[tuple[Point, Point]] = []
+        self.room_ids: list[list[str]] = []
+        self._by_middle: dict[tuple[int, int], list[int]] = {}
+
+    def add(self, piece: tuple[Point, Point], room_id: str, shared: bool) -> None:
+        """Add a piece, or give its room to the other room's piece between the same ends."""
+        (x0, z0), (x1, z1) = piece
+        cell = 5 * SHARED_TOLERANCE
+        i, j = math.floor((x0 + x1) / 2 / cell), math.floor((z0 + z1) / 2 / cell)
+        near = [
+            number
+            for di, dj in product((-1, 0, 1), repeat=2)
+            for number in self._by_middle.get((i + di, j + dj), [])
+        ]
+        for number in sorted(near) if shared else []:
+            others = self.room_ids[number]
+            if len(others) == 1 and others[0] != room_id and _same(self.ends[number], piece):
+                others.append(room_id)
+                return
+        self._by_middle.setdefault((i, j), []).append(len(self.ends))
+        self.ends.append(piece)
+        self.room_ids.append([room_id])
+
+
+def _same(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
+    """Return whether two pieces have the same ends, either way round."""
+    same = max(math.dist(one[0], other[0]), math.dist(one[1], other[1]))
+    turned = max(math.dist(one[0], other[1]), math.dist(one[1], other[0]))
+    return min(same, turned) <= 1.5 * SHARED_TOLERANCE

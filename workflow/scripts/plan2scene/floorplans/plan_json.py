@@ -1,0 +1,144 @@
+"""Reader of this program's own small JSON plan: ``plan.schema.json``, docs/floorplans.md."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
+from plan2scene.floorplans.openings import Segment, place_openings
+from plan2scene.floorplans.parse import Source, parse_json
+from plan2scene.house import House, Room
+from plan2scene.io import read_text
+
+FORMAT = "plan2scene-plan"
+#: Height in metres of a room that states none, and thickness of the walls (as in the schema).
+DEFAULT_HEIGHT = 2.8
+DEFAULT_DEPTH = 0.1
+#: An opening this near (metres) to a wall's line lies on it.
+SNAP_TOLERANCE = 0.2
+
+
+@cache
+def plan_schema() -> dict[str, Any]:
+    """Return the JSON schema of the format."""
+    text = Path(__file__).with_name("plan.schema.json").read_text(encoding="utf-8")
+    return dict(json.loads(text))
+
+
+def read_plan_json(
+    path: str | Path, house_id: str, *, snap_tolerance: float = SNAP_TOLERANCE
+) -> House:
+    """Return the house of a plan JSON file; see :func:`house_of_plan`."""
+    document = parse_json(read_text(path), path, house_id)
+    return house_of_plan(document, house_id, file=str(path), snap_tolerance=snap_tolerance)
+
+
+def house_of_plan(
+    document: Any, house_id: str, *, file: str = "", snap_tolerance: float = SNAP_TOLERANCE
+) -> House:
+    """Return the house of a parsed plan JSON.
+
+    Walls follow the outlines; where two outlines coincide they share one. Openings lie on the
+    walls within `snap_tolerance` metres; doors join the rooms on both sides of their wall.
+
+    Raises
+    ------
+    InputError
+        For the first thing that the schema forbids, and for an opening that no wall is near.
+    """
+    source = Source(file, house_id)
+    source.identifier(house_id, "a house name")
+    _check_schema(source, document)
+    rooms = []
+    for entry in document["rooms"]:
+        rings = [
+            source.ring(
+                [
+                    (
+                        source.number(x, "a coordinate", entry["id"]),
+                        source.number(z, "a coordinate", entry["id"]),
+                    )
+                    for x, z in ring
+                ],
+                entry["id"],
+            )
+            for ring in (entry["polygon"], *entry.get("holes", []))
+        ]
+        height = float(entry.get("height", DEFAULT_HEIGHT))
+        rooms.append(Room(entry["id"], tuple(entry["types"]), tuple(rings), height))
+    walls = walls_of_rooms(rooms, depth=float(document.get("wall_depth", DEFAULT_DEPTH)))
+    segments = _segments(source, document.get("openings", []))
+    walls = place_openings(source, walls, segments, tolerance=snap_tolerance)
+    return House(
+        id=house_id,
+        rooms=tuple(rooms),
+        walls=tuple(walls),
+        doors=find_doors(rooms, walls),
+        warnings=tuple(source.warnings),
+    )
+
+
+def _segments(source: Source, entries: list[dict[str, Any]]) -> list[Segment]:
+    """Return the openings as drawn; ids are given to those without."""
+    segments = []
+    seen: set[str] = set()
+    for number, entry in enumerate(entries):
+        name = entry.get("id", f"opening_{number}")
+        if name in seen:
+            raise source.fault("each opening id once", f"{name} twice")
+        seen.add(name)
+        ends = [[source.number(v, f"opening {name}") for v in entry[key]] for key in ("from", "to")]
+        bottom, top = (source.number(entry[key], f"{key} of {name}") for key in ("bottom", "top"))
+        if bottom >= top:
+            found = f"{bottom:g} to {top:g} m"
+            raise source.fault(f"opening {name} with its top above its bottom", found)
+        (x0, z0), (x1, z1) = ends
+        segments.append(Segment(name, entry["kind"], (x0, z0), (x1, z1), bottom, top))
+    return segments
+
+
+def _check_schema(source: Source, document: Any) -> None:
+    """Raise InputError for the first place where a document leaves the schema."""
+    from jsonschema import Draft202012Validator
+
+    error = next(Draft202012Validator(plan_schema()).iter_errors(document), None)
+    if error is None:
+        return
+    room = ""
+    place = list(error.absolute_path)
+    if len(place) > 1 and place[0] == "rooms":
+        entry = document["rooms"][place[1]]
+        room = str(entry.get("id", "")) if isinstance(entry, dict) else ""
+    raise _schema_fault(source, error, "".join(_step(p) for p in place).lstrip("."), room)
+
+
+def _step(part: str | int) -> str:
+    """Return one step of a path into a document: ``rooms[0].types``."""
+    return f"[{part}]" if isinstance(part, int) else f".{part}"
+
+
+def _schema_fault(source: Source, error: Any, place: str, room: str) -> InputError:
+    """Return the fault that a schema error means, in this program's words."""
+    where = f" at {place}" if place else ""
+    found = repr(error.instance)
+    match error.validator:
+        case "enum":
+            expected = f"one of {', '.join(map(str, error.validator_value))}{where}"
+        case "const":
+            expected = f"{error.validator_value!r}{where}"
+        case "required":
+            missing = [key for key in error.validator_value if key not in error.instance]
+            expected, found = f"key {missing[0]!r}{where}", "none"
+        case "additionalProperties":
+            known = list(error.schema["properties"])
+            extra = [key for key in error.instance if key not in known]
+            expected, found = f"only the keys {', '.join(known)}{where}", repr(extra[0])
+        case "type":
+            expected = f"{error.validator_value}{where}"
+        case _:
+            expected = f"{error.validator} {error.validator_value}{where}"
+    return source.fault(expected, found, room)

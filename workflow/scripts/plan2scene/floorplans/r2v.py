@@ -1,0 +1,226 @@
+"""Reader of raster-to-vector plans (annotation and network output), docs/floorplans.md."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from shapely.geometry import LineString, Polygon, box
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans.geometry import find_doors, point_along, walls_of_rooms
+from plan2scene.floorplans.openings import Segment, place_openings
+from plan2scene.floorplans.parse import Source
+from plan2scene.floorplans.r2v_rooms import room_polygons, side_labels
+from plan2scene.floorplans.r2v_text import (
+    ICON_LABELS,
+    ROOM_LABELS,
+    PixelBox,
+    PixelPlan,
+    parse_r2v,
+)
+from plan2scene.house import House, IconBox, Opening, Room, Wall
+from plan2scene.io import read_text
+
+#: The reference converter's constants, in metres.
+WALL_HEIGHT = 2.8
+WALL_DEPTH = 0.1
+BALCONY_WALL_HEIGHT = 1.4
+DOOR_HEIGHTS = (0.0, 2.5)
+WINDOW_HEIGHTS = (1.0, 2.0)
+#: An opening this near (pixels) to a wall lies on it.
+DOOR_MARGIN = 20.0
+#: A label or entrance belongs to the room that holds at least this share of its box.
+LABEL_SHARE = 0.4
+ENTRANCE_SHARE = 0.6
+#: Rooms whose own outer walls are parapets.
+_LOW_WALLED = frozenset({"Balcony"})
+
+
+def read_r2v(path: str | Path, house_id: str, metres_per_pixel: float | None) -> House:
+    """Return the house of a raster-to-vector file; see :func:`house_of_r2v`."""
+    return house_of_r2v(read_text(path), house_id, metres_per_pixel, file=str(path))
+
+
+def house_of_r2v(
+    text: str, house_id: str, metres_per_pixel: float | None, *, file: str = ""
+) -> House:
+    """Return the house of raster-to-vector text of either dialect.
+
+    Rooms are the faces that the walls close. Openings between two rooms are doors; of a room
+    with an entrance the nearest opening to the outside is one too; the others are windows.
+
+    Parameters
+    ----------
+    metres_per_pixel : float
+        Scale of the drawing; x becomes x, y becomes z.
+    """
+    source = Source(file, house_id)
+    source.identifier(house_id, "a house name")
+    if metres_per_pixel is None or not 0 < metres_per_pixel <= 1:
+        raise source.fault(
+            "metres_per_pixel above 0 and up to 1 for a raster-to-vector plan", metres_per_pixel
+        )
+    plan = parse_r2v(source, text)
+    faces, loose = room_polygons(plan.walls)
+    if not faces:
+        raise source.fault("walls that close at least one room", f"{len(plan.walls)} that don't")
+    if loose > 0.5:
+        found = f"{loose * metres_per_pixel:.2f} m of walls that don't, left out"
+        source.warn("walls that close a room", found)
+    rooms = _rooms(source, plan, faces, metres_per_pixel)
+    walls = [_lower(wall, rooms) for wall in walls_of_rooms(rooms, depth=WALL_DEPTH)]
+    walls = _openings(source, plan, rooms, walls, metres_per_pixel)
+    icons = [b for b in plan.boxes if b.label not in ROOM_LABELS and b.label != "entrance"]
+    return House(
+        id=house_id,
+        rooms=tuple(rooms),
+        walls=tuple(walls),
+        doors=find_doors(rooms, walls),
+        icons=tuple(_icon(icon, metres_per_pixel) for icon in icons),
+        warnings=tuple(source.warnings),
+    )
+
+
+def _rooms(
+    source: Source, plan: PixelPlan, faces: Sequence[Polygon], metres_per_pixel: float
+) -> list[Room]:
+    """Return a room for each face, with the types that its labels mean, in metres."""
+    labels: list[list[str]] = [[] for _ in faces]
+    marks: list[list[str]] = [[] for _ in faces]
+    for item in plan.boxes:
+        face = _face_of(item, faces, LABEL_SHARE)
+        if item.label.lower() in ROOM_LABELS:
+            if face is None:
+                source.warn("each room label inside a room", f"{item.label} outside")
+            else:
+                labels[face].append(item.label)
+        elif item.label not in ICON_LABELS:
+            source.warn("a known label", f"{item.label!r}, kept as an icon")
+        elif face is not None and item.label in ("entrance", "stairs"):
+            marks[face].append(item.label)
+    rooms = []
+    for k, face in enumerate(faces):
+        room_id = f"room_{k}"
+        votes = side_labels(face, plan.walls)
+        votes.pop("outside", None)
+        if votes and not labels[k]:
+            labels[k] = [max(votes, key=lambda label: votes[label])]
+        # An entrance or stairs name a room only where nothing else does.
+        names = [source.room_type(label, room_id) for label in labels[k] or marks[k]]
+        if not names:
+            source.warn("a label for each room", "none; read as Unknown", room_id)
+        rings = tuple(
+            source.ring(
+                [
+                    (
+                        source.number(x * metres_per_pixel, "a coordinate", room_id),
+                        source.number(y * metres_per_pixel, "a coordinate", room_id),
+                    )
+                    for x, y in ring.coords
+                ],
+                room_id,
+            )
+            for ring in (face.exterior, *face.interiors)
+        )
+        rooms.append(Room(room_id, tuple(dict.fromkeys(names)) or ("Unknown",), rings, WALL_HEIGHT))
+    return rooms
+
+
+def _face_of(item: PixelBox, faces: Sequence[Polygon], share: float) -> int | None:
+    """Return the face that holds most of a box, at least `share` of it."""
+    shape = box(*item.low, *item.high)
+    if shape.area <= 0:
+        shape = shape.buffer(0.5)
+    shares = [face.intersection(shape).area / shape.area for face in faces]
+    best = max(range(len(faces)), key=lambda k: shares[k])
+    return best if shares[best] >= share else None
+
+
+def _lower(wall: Wall, rooms: Sequence[Room]) -> Wall:
+    """Return a balcony's own wall as a parapet, any other wall as it is."""
+    types = {name for room in rooms if room.id in wall.room_ids for name in room.types}
+    return replace(wall, height=BALCONY_WALL_HEIGHT) if types <= _LOW_WALLED else wall
+
+
+def _openings(
+    source: Source,
+    plan: PixelPlan,
+    rooms: Sequence[Room],
+    walls: list[Wall],
+    metres_per_pixel: float,
+) -> list[Wall]:
+    """Return the walls with their doors and windows."""
+    tolerance = DOOR_MARGIN * metres_per_pixel
+    placed = walls
+    for number, door in enumerate(plan.doors):
+        segment = _segment(door, f"hole_{number}", metres_per_pixel)
+        try:
+            placed = place_openings(
+                source, placed, [segment], tolerance=tolerance, both_sides=False
+            )
+        except InputError as error:
+            # One stray door of a recognised drawing is no reason to lose the house.
+            source.warnings.append(f"{error}; left out")
+    doors = _outer_doors(plan, rooms, placed, metres_per_pixel)
+    return [
+        replace(
+            wall,
+            openings=tuple(
+                _with_heights(opening, wall, len(wall.room_ids) > 1 or opening.id in doors)
+                for opening in wall.openings
+            ),
+        )
+        for wall in placed
+    ]
+
+
+def _segment(door: PixelBox, name: str, metres_per_pixel: float) -> Segment:
+    """Return the middle line of a door's box along its longer side, in metres."""
+    (x0, y0), (x1, y1) = door.low, door.high
+    if x1 - x0 >= y1 - y0:
+        y0 = y1 = (y0 + y1) / 2
+    else:
+        x0 = x1 = (x0 + x1) / 2
+    m = metres_per_pixel
+    return Segment(name, "door", (x0 * m, y0 * m), (x1 * m, y1 * m), *DOOR_HEIGHTS)
+
+
+def _outer_doors(
+    plan: PixelPlan, rooms: Sequence[Room], walls: Sequence[Wall], metres_per_pixel: float
+) -> set[str]:
+    """Return the openings to the outside that are doors: the nearest to each entrance."""
+    polygons = [Polygon(room.rings[0], room.rings[1:]) for room in rooms]
+    doors = set()
+    for item in plan.boxes:
+        if item.label != "entrance":
+            continue
+        low, high = ((x * metres_per_pixel, y * metres_per_pixel) for x, y in (item.low, item.high))
+        face = _face_of(PixelBox(item.label, low, high), polygons, ENTRANCE_SHARE)
+        if face is None:
+            continue
+        shape = box(*low, *high)
+        best = (math.inf, "")
+        for wall in walls:
+            if wall.room_ids == (rooms[face].id,):
+                for opening in wall.openings:
+                    ends = point_along(wall, opening.start), point_along(wall, opening.end)
+                    best = min(best, (LineString(ends).distance(shape), opening.id))
+        doors.add(best[1])
+    return doors
+
+
+def _with_heights(opening: Opening, wall: Wall, door: bool) -> Opening:
+    """Return an opening as a door or window with the usual heights, cut to the wall."""
+    bottom, top = DOOR_HEIGHTS if door else WINDOW_HEIGHTS
+    kind = "door" if door else "window"
+    return replace(opening, kind=kind, bottom=bottom, top=min(top, wall.height))
+
+
+def _icon(item: PixelBox, metres_per_pixel: float) -> IconBox:
+    """Return an icon's box in metres."""
+    (x0, y0), (x1, y1) = item.low, item.high
+    m = metres_per_pixel
+    return IconBox(item.label, (x0 * m, y0 * m), (x1 * m, y1 * m))
