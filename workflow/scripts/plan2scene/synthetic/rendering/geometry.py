@@ -1,0 +1,240 @@
+"""Triangles with what the tracer and the truth need: material, colour, label and plane."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Labels of the truth masks (``docs/conventions.md``).
+OTHER, FLOOR, WALL, CEILING = 0, 1, 2, 3
+#: Plane index of a triangle that lies on no labelled plane.
+NO_PLANE = 255
+
+Array = NDArray[np.float64]
+Colour = tuple[float, float, float]  #: linear RGB in [0, 1]
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A triangle mesh in some frame, metres.
+
+    Attributes
+    ----------
+    vertices, normals : (n, 3) float64
+        Normals are per vertex; flat faces have their own vertices.
+    uv : (n, 2) float64
+        Metres along the surface, v down the texture; the tracer divides by the tile's size.
+    faces : (m, 3) int64
+    """
+
+    vertices: Array
+    normals: Array
+    uv: Array
+    faces: NDArray[np.int64]
+
+    def moved(self, matrix: Array) -> Solid:
+        """Return the solid under a 4x4 rigid or scaling transform (metric UVs unchanged)."""
+        linear = matrix[:3, :3]
+        normals = self.normals @ np.linalg.inv(linear)
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        vertices = self.vertices @ linear.T + matrix[:3, 3]
+        return Solid(vertices, normals, self.uv, self.faces)
+
+
+@dataclass
+class Group:
+    """Triangles that share one material: lists of parts, joined by :meth:`Geometry.joined`."""
+
+    solids: list[Solid] = field(default_factory=list)
+    colours: list[Colour] = field(default_factory=list)
+    labels: list[int] = field(default_factory=list)
+    planes: list[int] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class JoinedGroup:
+    """One mesh per material: a solid and, per face, colour (m, 3), label (m,), plane (m,)."""
+
+    solid: Solid
+    colours: Array
+    labels: NDArray[np.uint8]
+    planes: NDArray[np.uint8]
+
+
+class Geometry:
+    """Solids grouped by the name of their material."""
+
+    def __init__(self) -> None:
+        self.groups: dict[str, Group] = {}
+
+    def add(
+        self,
+        material: str,
+        solid: Solid,
+        *,
+        colour: Colour = (0.5, 0.5, 0.5),
+        label: int = OTHER,
+        plane: int = NO_PLANE,
+    ) -> None:
+        """Add a solid; `colour` counts only for materials that take their colour per face."""
+        group = self.groups.setdefault(material, Group())
+        group.solids.append(solid)
+        group.colours.append(colour)
+        group.labels.append(label)
+        group.planes.append(plane)
+
+    def joined(self) -> dict[str, JoinedGroup]:
+        """Return one mesh per material, in order of material name."""
+        return {name: _join(self.groups[name]) for name in sorted(self.groups)}
+
+
+def _join(group: Group) -> JoinedGroup:
+    counts = [len(solid.faces) for solid in group.solids]
+    return JoinedGroup(
+        merge(group.solids),
+        np.repeat(np.array(group.colours, float), counts, axis=0),
+        np.repeat(np.array(group.labels, np.uint8), counts),
+        np.repeat(np.array(group.planes, np.uint8), counts),
+    )
+
+
+def merge(solids: Sequence[Solid]) -> Solid:
+    """Return all solids as one."""
+    starts = np.cumsum([0] + [len(solid.vertices) for solid in solids])
+    return Solid(
+        np.concatenate([solid.vertices for solid in solids]),
+        np.concatenate([solid.normals for solid in solids]),
+        np.concatenate([solid.uv for solid in solids]),
+        np.concatenate([s.faces + start for s, start in zip(solids, starts, strict=False)]),
+    )
+
+
+def quad(
+    corner: Array, right: Array, down: Array, uv_origin: tuple[float, float] = (0, 0)
+) -> Solid:
+    """Return a rectangle whose front side shows `right` to the right and `down` downwards.
+
+    UVs are metres from `corner` plus `uv_origin`.
+    """
+    corner, right, down = (np.asarray(v, float) for v in (corner, right, down))
+    vertices = np.array([corner, corner + right, corner + right + down, corner + down])
+    normal = np.cross(down, right)
+    normal = normal / max(float(np.linalg.norm(normal)), 1e-12)
+    width, height = float(np.linalg.norm(right)), float(np.linalg.norm(down))
+    uv = np.array([[0, 0], [width, 0], [width, height], [0, height]]) + np.array(uv_origin)
+    faces = np.array([[0, 2, 1], [0, 3, 2]])
+    return Solid(vertices, np.tile(normal, (4, 1)), uv, faces)
+
+
+def box(low: Sequence[float], high: Sequence[float]) -> Solid:
+    """Return an axis-aligned box with outward faces; UVs in metres on each side."""
+    x0, y0, z0 = low
+    x1, y1, z1 = high
+    w, h, d = x1 - x0, y1 - y0, z1 - z0
+
+    def side(corner: Sequence[float], right: Sequence[float], down: Sequence[float]) -> Solid:
+        return quad(np.array(corner), np.array(right), np.array(down))
+
+    return merge(
+        [
+            side((x0, y1, z1), (w, 0, 0), (0, -h, 0)),
+            side((x1, y1, z0), (-w, 0, 0), (0, -h, 0)),
+            side((x1, y1, z1), (0, 0, -d), (0, -h, 0)),
+            side((x0, y1, z0), (0, 0, d), (0, -h, 0)),
+            side((x0, y1, z0), (w, 0, 0), (0, 0, d)),
+            side((x0, y0, z1), (w, 0, 0), (0, 0, -d)),
+        ]
+    )
+
+
+def superquadric(
+    centre: Sequence[float],
+    radii: Sequence[float],
+    *,
+    roundness: tuple[float, float] = (1.0, 1.0),
+    steps: tuple[int, int] = (8, 16),
+) -> Solid:
+    """Return a superellipsoid: roundness 1 an ellipsoid, towards 0 a box with rounded edges.
+
+    `roundness` is (vertical, horizontal) exponents of Barr (1981), `steps` (rows, columns).
+    """
+    rows, columns = steps
+    eta = np.linspace(-np.pi / 2, np.pi / 2, rows + 1)
+    omega = np.linspace(0, 2 * np.pi, columns + 1)
+    e1, e2 = roundness
+
+    def power(values: Array, exponent: float) -> Array:
+        return np.sign(values) * np.abs(values) ** exponent
+
+    ce, se = np.cos(eta)[:, None], np.sin(eta)[:, None] * np.ones_like(omega)
+    co, so = np.cos(omega)[None], np.sin(omega)[None]
+    a, b, c = radii
+    points = np.stack(
+        [
+            a * power(ce, e1) * power(co, e2),
+            b * power(se, e1),
+            c * power(ce, e1) * power(so, e2),
+        ],
+        -1,
+    )
+    normals = np.stack(
+        [
+            power(ce, 2 - e1) * power(co, 2 - e2) / a,
+            power(se, 2 - e1) / b,
+            power(ce, 2 - e1) * power(so, 2 - e2) / c,
+        ],
+        -1,
+    ).reshape(-1, 3)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
+    around, along = np.meshgrid(omega * (a + c) / 2, -eta * b)
+    uv = np.stack([around, along], -1).reshape(-1, 2)
+    vertices = points.reshape(-1, 3) + np.asarray(centre, float)
+    return Solid(vertices, normals, uv, _grid_faces(rows, columns))
+
+
+def lathe(
+    centre: Sequence[float], profile: Sequence[tuple[float, float]], steps: int = 20
+) -> Solid:
+    """Return the surface of revolution of (radius, height) pairs from bottom to top about y."""
+    radius, height = np.array(profile, float).T
+    omega = np.linspace(0, 2 * np.pi, steps + 1)
+    parts = []
+    for i in range(len(radius) - 1):
+        slope = np.array([height[i + 1] - height[i], -(radius[i + 1] - radius[i])])
+        slope = slope / max(float(np.hypot(*slope)), 1e-12)
+        ring = np.stack([np.cos(omega), np.zeros_like(omega), np.sin(omega)], -1)
+        lower = ring * radius[i] + [0, height[i], 0]
+        upper = ring * radius[i + 1] + [0, height[i + 1], 0]
+        normals = ring * slope[0] + [0, slope[1], 0]
+        around = omega * max(radius[i], radius[i + 1])
+        uv = np.concatenate(
+            [np.stack([around, -np.full_like(omega, height[i + k])], -1) for k in (0, 1)]
+        )
+        vertices = np.concatenate([lower, upper]) + np.asarray(centre, float)
+        parts.append(Solid(vertices, np.tile(normals, (2, 1)), uv, _grid_faces(1, steps)))
+    return merge(parts)
+
+
+def cylinder(base: Sequence[float], radius: float, height: float, steps: int = 16) -> Solid:
+    """Return an upright closed cylinder standing at `base`."""
+    return lathe(base, [(0, 0), (radius, 0), (radius, height), (0, height)], steps)
+
+
+def _grid_faces(rows: int, columns: int) -> NDArray[np.int64]:
+    """Return triangles of a (rows+1) x (columns+1) grid that face outwards for y-up grids."""
+    i, j = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
+    a = (i * (columns + 1) + j).ravel()
+    b, c, d = a + 1, a + columns + 2, a + columns + 1
+    return np.concatenate([np.stack([a, c, b], -1), np.stack([a, d, c], -1)])
+
+
+def placement(x: float, z: float, angle: float, y: float = 0.0) -> Array:
+    """Return the 4x4 transform that turns by `angle` (radians, about y) and moves to (x, y, z)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    matrix = np.eye(4)
+    matrix[:3, :3] = [[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]]
+    matrix[:3, 3] = (x, y, z)
+    return matrix
