@@ -1,0 +1,43 @@
+rule embeddings:
+    # Every crop as numbers: code and median colour, substance, textureness.
+    input:
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        texture_model=model_of("texture"),
+        naive_model=model_of("naivesynth"),
+    output:
+        f"{RESULTS}/houses/{{house}}/embeddings.parquet",
+    log:
+        f"logs/{DATASET}/embeddings/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/embeddings/{{house}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        dataset=DATASET,
+        seed=config["seed"],
+        code=code_hash("textures.embedding"),
+    script:
+        "../scripts/embeddings.py"
+
+
+rule surfaces:
+    # The crop that stands for each surface, chosen among those of photos not hidden.
+    input:
+        embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+    output:
+        f"{RESULTS}/drop_{{drop}}/{{house}}/surfaces.parquet",
+    log:
+        f"logs/{DATASET}/surfaces/{{drop}}/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/surfaces/{{drop}}/{{house}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=500,
+    params:
+        hidden=hidden_photos,
+        dataset=DATASET,
+        code=code_hash("textures.selection"),
+    script:
+        "../scripts/surfaces.py"

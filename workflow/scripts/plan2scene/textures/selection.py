@@ -1,0 +1,106 @@
+"""Selection: which crop stands for an observed surface (no torch)."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.house import SUBSTANCES
+from plan2scene.io import image_from_bytes, read_parquet, write_parquet
+from plan2scene.photos.crops import medoid_index
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_COLUMNS = {
+    "room_id": "object",
+    "surface": "object",
+    "crop_id": "object",
+    "medoid_id": "object",
+    "embedding": "object",
+    "naive_embedding": "object",
+    "substance": "object",
+    "metres": "float64",
+    "n_crops": "int64",
+}
+
+
+def select_surfaces(
+    embeddings_parquet: str | Path,
+    crops_parquet: str | Path,
+    hidden_photos: Collection[str],
+    output: str | Path,
+    *,
+    house: str,
+    dataset: str,
+) -> pd.DataFrame:
+    """Choose a crop for every surface that a visible photo shows; write ``surfaces.parquet``.
+
+    The crop with the least textureness score gives the embedding (paper section 4.3); NaiveSynth
+    gets the mean of the crops' codes. ``docs/conventions.md`` lists the columns. ``metres`` is the
+    side of the square that the chosen crop covers, because its texture is at that scale; where
+    that is unknown, the median over the surface's crops (NaN when none knows).
+
+    Parameters
+    ----------
+    hidden_photos : collection of str
+        Photos of the house that count as not taken.
+    """
+    import pandas as pd
+
+    crops, _ = read_parquet(crops_parquet)
+    embeddings, metadata = read_parquet(embeddings_parquet)
+    if list(crops["crop_id"]) != list(embeddings["crop_id"]):
+        raise InputError(
+            f"an embedding for each of the {len(crops)} crops, in order",
+            f"{len(embeddings)} embeddings of other crops",
+            file=embeddings_parquet,
+            house=house,
+        )
+    own = ["embedding", "naive_embedding", "substance_probabilities", "textureness"]
+    table = crops.join(embeddings[own])
+    table = table[~table["photo"].isin(set(hidden_photos))]
+    groups = table.groupby(["room_id", "surface"], sort=True)
+    rows = [
+        {"room_id": room, "surface": surface, **_choose(group)} for (room, surface), group in groups
+    ]
+    frame = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
+    model = {name: metadata[name] for name in ("model", "naive_model") if name in metadata}
+    write_parquet(output, frame, {"dataset": dataset, "house": house, **model})
+    return frame
+
+
+def _choose(group: pd.DataFrame) -> dict[str, Any]:
+    """Return the row of one surface from its visible crops."""
+    best = group.iloc[best_crop(group["textureness"].to_numpy(np.float64))]
+    medoid = group.iloc[medoid_index([image_from_bytes(data) for data in group["png"]])]
+    naive = np.stack([np.asarray(code, np.float32) for code in group["naive_embedding"]])
+    votes = np.stack([np.asarray(p, np.float32) for p in group["substance_probabilities"]])
+    known = group["metres"].to_numpy(np.float64)
+    known = known[np.isfinite(known)]
+    metres = float(best["metres"])
+    if not np.isfinite(metres):
+        metres = float(np.median(known)) if len(known) else float("nan")
+    return {
+        "crop_id": best["crop_id"],
+        "medoid_id": medoid["crop_id"],
+        "embedding": np.asarray(best["embedding"], np.float32),
+        "naive_embedding": naive.mean(axis=0),
+        "substance": SUBSTANCES[int(votes.mean(axis=0).argmax())],
+        "metres": metres,
+        "n_crops": len(group),
+    }
+
+
+def best_crop(textureness: np.ndarray) -> int:
+    """Return the index of the least textureness score (n,), the first of equals.
+
+    NaN scores count as the worst. ValueError without any.
+    """
+    if not len(textureness):
+        raise ValueError("the best of no crops")
+    return int(np.argmin(np.where(np.isnan(textureness), np.inf, textureness)))
