@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import dataclass
 
 from plan2scene.house import House
 from plan2scene.mesh.fixtures import fixtures
@@ -10,6 +11,7 @@ from plan2scene.mesh.openings import Portal, find_openings, room_sides
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.polygons import room_polygon
 from plan2scene.mesh.walls import (
+    Body,
     flat_parts,
     room_polygons,
     structure_part,
@@ -17,6 +19,15 @@ from plan2scene.mesh.walls import (
     wall_bodies,
     wall_face,
 )
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """A house's parts, and the plan areas that drawings of it need."""
+
+    parts: list[MeshPart]
+    bodies: list[Body]
+    portals: list[Portal]
 
 
 def build_parts(house: House) -> list[MeshPart]:
@@ -31,6 +42,11 @@ def build_parts(house: House) -> list[MeshPart]:
     house : House
         Validated by its reader.
     """
+    return assemble(house).parts
+
+
+def assemble(house: House) -> Assembly:
+    """Return the parts of a house, see :func:`build_parts`, with the bodies and portals."""
     polygons = {room.id: room_polygon(room) for room in house.rooms}
     together = room_polygons(house, polygons)
     sides = room_sides(house, polygons)
@@ -45,10 +61,11 @@ def build_parts(house: House) -> list[MeshPart]:
         part = structure_part(body, bodies, together, openings.portals)
         if part is not None:
             parts.append(part)
-    for portal in _largest(openings.portals):
+    portals = _largest(openings.portals)
+    for portal in portals:
         strip = threshold(portal)
         parts.extend(([strip] if strip is not None else []) + fixtures(portal))
-    return _unique(parts)
+    return Assembly(_unique(parts), bodies, portals)
 
 
 def _largest(portals: list[Portal]) -> list[Portal]:

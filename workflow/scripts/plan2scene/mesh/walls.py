@@ -28,7 +28,10 @@ OUTER_COLOUR: Colour = (222, 216, 206)
 CAP_COLOUR: Colour = (74, 72, 70)
 REVEAL_COLOUR: Colour = (238, 235, 229)
 #: Slivers narrower than twice this between a room and a wall's band are no body, metres.
-SLIVER = 0.002
+SLIVER = 1e-4
+#: Edges this near to a room or another body are inside the wall, metres (rounding only: more
+#: would leave cracks between the faces of two bodies).
+TOUCH = 1e-6
 
 
 def wall_face(side: Side, room: Room, openings: Openings) -> MeshPart | None:
@@ -105,7 +108,7 @@ def structure_part(
         [b.area for b in bodies if b is not body and b.side.wall.height >= wall.height - 1e-6]
     )
     builder = PartBuilder()
-    hidden = unary_union([rooms.buffer(SLIVER), others.buffer(1e-4)])
+    hidden = unary_union([rooms.buffer(TOUCH), others.buffer(TOUCH)])
     for frame in _free_edges(body.area, hidden):
         _outer_face(builder, frame, wall.height, portals)
     _prism(builder, body.cap, wall.height, wall.height + max(wall.extra_height, 0.0))
@@ -139,7 +142,7 @@ def _free_edges(area: BaseGeometry, hidden: BaseGeometry) -> list[Frame]:
     for start, end, normal in _edges(area):
         free = LineString([start, end]).difference(hidden)
         for line in getattr(free, "geoms", [free]):
-            if line.length > 1e-3:
+            if line.length > 1e-5:
                 points = np.asarray(line.coords)
                 frames.append(frame_between(points[0], points[-1], normal))
     return frames

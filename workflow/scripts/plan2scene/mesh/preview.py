@@ -1,0 +1,264 @@
+"""preview.png: the house from above, cut open at door height, and obliquely without ceilings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from importlib.util import find_spec
+from pathlib import Path
+
+import cv2
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+from shapely.geometry import Polygon
+from shapely.ops import polylabel, unary_union
+
+from plan2scene.floorplans import read_scene_json
+from plan2scene.house import House, Room, SurfaceKey
+from plan2scene.io import write_png
+from plan2scene.mesh.glb import linear
+from plan2scene.mesh.house_mesh import Assembly, assemble
+from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
+from plan2scene.mesh.polygons import room_polygon, triangulate
+from plan2scene.mesh.raster import Camera, Soup, attributes, look_at, sample, soup_of, visible
+from plan2scene.mesh.textures import TileTexture, load_textures
+
+BACKGROUND: Colour = (247, 246, 243)
+SECTION_COLOUR: Colour = (52, 50, 48)
+WINDOW_COLOUR: Colour = (176, 205, 216)
+#: Height in metres at which the plan view cuts the house open.
+CUT = 1.7
+#: Height and width in pixels of each of the two views.
+VIEW = (800, 800)
+#: The views are drawn so many times larger and averaged down.
+SUPERSAMPLING = 2
+#: Direction to the sun, and shares of sky, ground and sun in the light.
+_SUN = np.array([-0.45, 0.78, 0.43]) / np.linalg.norm([-0.45, 0.78, 0.43])
+_SKY, _GROUND, _SUNLIGHT = 0.82, 0.55, 0.30
+#: How far corners darken, metres, and how much.
+_CORNER_REACH, _CORNER_DARK = 0.22, 0.42
+
+
+def build_preview(
+    scene_json: str | Path, textures_dir: str | Path, png: str | Path, *, house_id: str
+) -> None:
+    """Write the preview picture of a house, see :func:`render_preview`."""
+    house = read_scene_json(scene_json, house_id)
+    write_png(png, render_preview(house, load_textures(textures_dir, house)))
+
+
+def render_preview(house: House, textures: Mapping[SurfaceKey, TileTexture]) -> np.ndarray:
+    """Return (800, 1600, 3) uint8 sRGB: plan view with room names, and oblique view."""
+    assembly = assemble(house)
+    plan = _plan_view(house, assembly, textures)
+    oblique = _oblique_view(house, assembly, textures)
+    return np.concatenate([plan, oblique], axis=1)
+
+
+def _extent(house: House) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least and greatest (x, z) of a house with its walls, metres."""
+    points = np.array([p for room in house.rooms for ring in room.rings for p in ring])
+    depth = max((wall.depth for wall in house.walls), default=0.1)
+    return points.min(axis=0) - depth, points.max(axis=0) + depth
+
+
+def _plan_view(
+    house: House, assembly: Assembly, textures: Mapping[SurfaceKey, TileTexture]
+) -> np.ndarray:
+    """Return the orthographic view from above of what is below `CUT`."""
+    low, high = _extent(house)
+    centre = (low + high) / 2
+    size = (VIEW[0] * SUPERSAMPLING, VIEW[1] * SUPERSAMPLING)
+    scale = 0.86 * min(size[1] / (high[0] - low[0]), size[0] / (high[1] - low[1]))
+    target = np.array([centre[0], 0.0, centre[1]])
+    camera = look_at(target + [0, 50.0, 0], target, scale, size, perspective=False)
+    parts = [p for p in assembly.parts if not p.name.endswith("/ceiling")] + _section(assembly)
+    soup = soup_of(parts, textures)
+    below = soup.corners[..., 1].min(axis=1) <= CUT + 2e-3
+    image = _draw(soup, camera, below & ~soup.glass, house)
+    return _annotate(image, house, camera)
+
+
+def _section(assembly: Assembly) -> list[MeshPart]:
+    """Return flat parts at `CUT`: the wall bodies that it meets, and the windows in them."""
+    tall = [b.cap for b in assembly.bodies if b.side.wall.height > CUT]
+    solid = unary_union(tall)
+    parts = []
+    windows = []
+    for portal in assembly.portals:
+        if portal.opening.top <= CUT and portal.opening.kind != "window":
+            continue
+        margin = portal.side.wall.depth / 2
+        ends = np.array([portal.s0, portal.s1])
+        frame = portal.side.frame
+        reach = portal.depth + margin
+        hole = Polygon([*frame.plan(ends, margin), *frame.plan(ends[::-1], -reach)])
+        if portal.opening.kind == "window":
+            windows.append(hole.intersection(solid))
+        solid = solid.difference(hole)
+    for name, area, colour in (
+        ("section/walls", solid, SECTION_COLOUR),
+        ("section/windows", unary_union(windows), WINDOW_COLOUR),
+    ):
+        points, faces = triangulate(area)
+        if len(faces):
+            builder = PartBuilder()
+            vertices = np.stack([points[:, 0], np.full(len(points), CUT), points[:, 1]], axis=1)
+            builder.mesh(vertices, faces[:, ::-1], colour=colour)
+            parts.append(builder.build(name))
+    return parts
+
+
+def _oblique_view(
+    house: House, assembly: Assembly, textures: Mapping[SurfaceKey, TileTexture]
+) -> np.ndarray:
+    """Return the perspective view from the upper south-east without ceilings."""
+    low, high = _extent(house)
+    height = max((wall.height for wall in house.walls), default=2.5)
+    corners = np.array(
+        [[x, y, z] for x in (low[0], high[0]) for y in (0, height) for z in (low[1], high[1])]
+    )
+    target = corners.mean(axis=0)
+    size = (VIEW[0] * SUPERSAMPLING, VIEW[1] * SUPERSAMPLING)
+    elevation, azimuth = math.radians(61.0), math.radians(24.0)
+    direction = np.array(
+        [
+            math.sin(azimuth) * math.cos(elevation),
+            math.sin(elevation),
+            math.cos(azimuth) * math.cos(elevation),
+        ]
+    )
+    focal = size[1] / (2 * math.tan(math.radians(28.0) / 2))
+    distance = 2.2 * float(np.linalg.norm(high - low)) + height
+    for _ in range(3):  # the distance at which the house fills the view, by proportion
+        camera = look_at(target + distance * direction, target, focal, size, perspective=True)
+        points = camera.project(corners)[:, :2]
+        middle = np.array([(size[1] - 1) / 2, (size[0] - 1) / 2])
+        spread = (np.abs(points - middle) / middle).max()
+        distance *= spread / 0.9
+    camera = look_at(target + distance * direction, target, focal, size, perspective=True)
+    parts = [p for p in assembly.parts if not p.name.endswith("/ceiling")]
+    soup = soup_of(parts, textures)
+    return _small(_draw(soup, camera, np.ones(len(soup.corners), dtype=bool), house))
+
+
+def _draw(soup: Soup, camera: Camera, keep: np.ndarray, house: House) -> np.ndarray:
+    """Return the (h, w, 3) linear float32 picture of the kept triangles over the background."""
+    ids, depth = visible(soup, camera, keep & ~soup.glass)
+    image = np.empty((*camera.size, 3), dtype=np.float32)
+    image[:] = _linear_colour(BACKGROUND)
+    rows, columns, t, points, uv = attributes(soup, camera, ids)
+    colour = soup.colours[t].astype(np.float32)
+    metres_per_pixel = (
+        depth[rows, columns] / camera.scale
+        if camera.perspective
+        else (np.full(len(t), 1.0 / camera.scale))
+    )
+    repeats, texture = _tiles_per_metre(soup)[t], soup.texture[t]
+    for number, levels in enumerate(soup.mipmaps):
+        mine = np.flatnonzero(texture == number)
+        footprint = metres_per_pixel[mine] * repeats[mine] * levels[0].shape[0]
+        colour[mine] = sample(levels, uv[mine], footprint)
+    image[rows, columns] = colour * _light(soup.normals[t], points, house)[:, None]
+    _blend_glass(image, soup, camera, depth, keep)
+    return image
+
+
+def _tiles_per_metre(soup: Soup) -> np.ndarray:
+    """Return the (t,) texture repeats per metre of each triangle."""
+    edge = np.linalg.norm(soup.corners[:, 1] - soup.corners[:, 0], axis=1)
+    return np.linalg.norm(soup.uv[:, 1] - soup.uv[:, 0], axis=1) / np.maximum(edge, 1e-9)
+
+
+def _light(normals: np.ndarray, points: np.ndarray, house: House) -> np.ndarray:
+    """Return the (p,) light of sky, ground and sun, darker towards corners."""
+    up = 0.5 + 0.5 * normals[:, 1]
+    light = _GROUND + (_SKY - _GROUND) * up + _SUNLIGHT * np.maximum(normals @ _SUN, 0.0)
+    flat = normals[:, 1] > 0.9
+    to_corner = np.where(flat, _wall_distance(house, points), np.maximum(points[:, 1], 0.0))
+    low = ~flat | (points[:, 1] < 0.01)
+    return light * (1.0 - low * _CORNER_DARK * np.exp(-to_corner / _CORNER_REACH))
+
+
+def _wall_distance(house: House, points: np.ndarray, cell: float = 0.02) -> np.ndarray:
+    """Return each point's plan distance in metres to the nearest wall, on a grid of `cell`."""
+    low, high = _extent(house)
+    shape = np.ceil((high - low) / cell).astype(int) + 2
+    grid = np.full((shape[1], shape[0]), 255, dtype=np.uint8)
+    for wall in house.walls:
+        ends = [np.round((np.array(p) - low) / cell).astype(int) for p in (wall.start, wall.end)]
+        cv2.line(grid, tuple(ends[0].tolist()), tuple(ends[1].tolist()), 0, 1)
+    distance = cv2.distanceTransform(grid, cv2.DIST_L2, 5) * cell
+    index = np.round((points[:, [0, 2]] - low) / cell).astype(int)
+    index = np.clip(index, 0, shape - 1)
+    return np.asarray(distance[index[:, 1], index[:, 0]])
+
+
+def _blend_glass(
+    image: np.ndarray, soup: Soup, camera: Camera, depth: np.ndarray, keep: np.ndarray
+) -> None:
+    """Lay the nearest glass over the picture where nothing solid is before it."""
+    ids, far = visible(soup, camera, keep & soup.glass)
+    front = (ids >= 0) & (far < depth)
+    image[front] = 0.7 * image[front] + 0.3 * soup.colours[ids[front]]
+
+
+def _linear_colour(colour: Colour) -> np.ndarray:
+    """Return an sRGB colour as linear float32."""
+    return linear(colour).astype(np.float32)
+
+
+def _small(image: np.ndarray) -> np.ndarray:
+    """Return a supersampled linear picture averaged down, as uint8 sRGB."""
+    k = SUPERSAMPLING
+    height, width = image.shape[0] // k, image.shape[1] // k
+    mean = image.reshape(height, k, width, k, 3).mean(axis=(1, 3)).clip(0, 1)
+    encoded = np.where(mean <= 0.0031308, 12.92 * mean, 1.055 * mean ** (1 / 2.4) - 0.055)
+    return np.round(encoded * 255).astype(np.uint8)
+
+
+def room_title(room: Room) -> str:
+    """Return a room's name for people: its types."""
+    return " / ".join(room.types)
+
+
+def _annotate(image: np.ndarray, house: House, camera: Camera) -> np.ndarray:
+    """Return the plan view with room names and areas, and a scale bar."""
+    picture = Image.fromarray(_small(image))
+    draw = ImageDraw.Draw(picture)
+    for room in house.rooms:
+        polygon = max(room_polygon(room).geoms, key=lambda p: p.area)
+        point = _label_point(polygon)
+        x, y = camera.project(np.array([point[0], 0.0, point[1]]))[:2] / SUPERSAMPLING
+        text = f"{room_title(room)}\n{room_polygon(room).area:.1f} m²"
+        _label(draw, text, (float(x), float(y)))
+    metre = camera.scale / SUPERSAMPLING
+    x0, y0 = 24, VIEW[0] - 26
+    draw.rectangle([x0, y0, x0 + metre, y0 + 5], fill=SECTION_COLOUR)
+    draw.text((x0 + metre + 8, y0 + 2), "1 m", fill=SECTION_COLOUR, font=_font(14), anchor="lm")
+    return np.asarray(picture)
+
+
+def _label_point(polygon: Polygon) -> tuple[float, float]:
+    """Return a point well inside a room: its centroid when that is inside, else the pole."""
+    centre = polygon.centroid
+    point = centre if polygon.buffer(-0.3).contains(centre) else polylabel(polygon, 0.05)
+    return float(point.x), float(point.y)
+
+
+def _label(draw: ImageDraw.ImageDraw, text: str, centre: tuple[float, float]) -> None:
+    """Write text on a light plate so that it reads over any texture."""
+    font = _font(15)
+    box = draw.multiline_textbbox(centre, text, font=font, anchor="mm", align="center")
+    plate = (box[0] - 8, box[1] - 6, box[2] + 8, box[3] + 6)
+    draw.rounded_rectangle(plate, radius=6, fill=(250, 249, 246))
+    draw.multiline_text(centre, text, font=font, anchor="mm", align="center", fill=(40, 38, 36))
+
+
+def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """Return the font that matplotlib ships (Pillow's own lacks a superscript 2)."""
+    package = find_spec("matplotlib")
+    if package is None or not package.submodule_search_locations:
+        return ImageFont.load_default(size)
+    folder = Path(package.submodule_search_locations[0]) / "mpl-data" / "fonts" / "ttf"
+    return ImageFont.truetype(folder / "DejaVuSans.ttf", size)

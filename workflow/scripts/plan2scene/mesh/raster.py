@@ -1,0 +1,235 @@
+"""A small software rasteriser: z-buffer of triangle ids, then shading of all pixels at once.
+
+Textured with mipmaps (trilinear, repeat), lit by a hemisphere and a sun. Needs no GL, so
+previews are made on machines without a display or GPU.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+
+from plan2scene.house import SurfaceKey
+from plan2scene.io import image_from_bytes
+from plan2scene.mesh.glb import GLASS, linear
+from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.textures import UNTEXTURED, TileTexture
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A view: world-to-camera rotation (rows right, down, forward), and a projection.
+
+    `scale` is pixels per metre of an orthographic view, or the focal length in pixels.
+    """
+
+    rotation: np.ndarray
+    position: np.ndarray
+    scale: float
+    size: tuple[int, int]  # (height, width)
+    perspective: bool
+
+    def project(self, points: np.ndarray) -> np.ndarray:
+        """Return (..., 3) pixel x, pixel y, depth in metres of (..., 3) world points."""
+        local = (points - self.position) @ self.rotation.T
+        depth = local[..., 2]
+        factor = self.scale / depth if self.perspective else np.full_like(depth, self.scale)
+        height, width = self.size
+        x = local[..., 0] * factor + (width - 1) / 2
+        y = local[..., 1] * factor + (height - 1) / 2
+        return np.stack([x, y, depth], axis=-1)
+
+
+def look_at(
+    eye: np.ndarray, target: np.ndarray, scale: float, size: tuple[int, int], *, perspective: bool
+) -> Camera:
+    """Return a camera at `eye` that looks at `target`; straight down, -z is up in the image."""
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    up = np.array([0.0, 0.0, -1.0]) if abs(forward[1]) > 0.999 else np.array([0.0, 1.0, 0.0])
+    right = np.cross(forward, up)
+    right /= np.linalg.norm(right)
+    down = np.cross(forward, right)
+    return Camera(np.array([right, down, forward]), eye, scale, size, perspective)
+
+
+@dataclass
+class Soup:
+    """Triangles of many parts.
+
+    Attributes
+    ----------
+    corners : (t, 3, 3) float64
+        World metres.
+    normals : (t, 3) float64
+    uv : (t, 3, 2) float64
+        Tiles, not metres.
+    colours : (t, 3) float64
+        Linear base colours.
+    texture : (t,) int64
+        Index into `mipmaps`, -1 for none.
+    glass : (t,) bool
+    """
+
+    corners: np.ndarray
+    normals: np.ndarray
+    uv: np.ndarray
+    colours: np.ndarray
+    texture: np.ndarray
+    glass: np.ndarray
+    mipmaps: list[list[np.ndarray]] = field(default_factory=list)
+
+
+def mipmaps(image: np.ndarray) -> list[np.ndarray]:
+    """Return the linear float32 pyramid of a (h, w, 3) uint8 sRGB tile, halved by box filter."""
+    levels: list[Any] = [linear(image).astype(np.float32)]
+    while min(levels[-1].shape[:2]) > 1:
+        top = levels[-1]
+        top = top[: top.shape[0] // 2 * 2, : top.shape[1] // 2 * 2]
+        levels.append((top[::2, ::2] + top[1::2, ::2] + top[::2, 1::2] + top[1::2, 1::2]) / 4)
+    return levels
+
+
+def soup_of(parts: list[MeshPart], textures: Mapping[SurfaceKey, TileTexture]) -> Soup:
+    """Return the triangles of parts with their textures decoded."""
+    index: dict[str, int] = {}
+    pyramids: list[list[np.ndarray]] = []
+    rows: dict[str, list[np.ndarray]] = {k: [] for k in ("corners", "normals", "uv", "colours")}
+    texture: list[np.ndarray] = []
+    for part in parts:
+        n = len(part.faces)
+        tile = None if part.surface is None else textures.get(part.surface)
+        number = -1
+        uv = np.zeros((n, 3, 2))
+        if tile is not None and part.uv is not None:
+            if tile.digest not in index:
+                index[tile.digest] = len(pyramids)
+                pyramids.append(mipmaps(image_from_bytes(tile.png)))
+            number = index[tile.digest]
+            uv = (part.uv / tile.size_m)[part.faces]
+        rows["corners"].append(part.vertices[part.faces])
+        rows["normals"].append(part.normals[part.faces[:, 0]])
+        rows["uv"].append(uv)
+        rows["colours"].append(_colours(part, tile))
+        texture.append(np.full(n, number))
+    glass = np.concatenate([np.full(len(p.faces), p.material == "glass") for p in parts])
+    arrays = {name: np.concatenate(values) for name, values in rows.items()}
+    return Soup(**arrays, texture=np.concatenate(texture), glass=glass, mipmaps=pyramids)
+
+
+def _colours(part: MeshPart, tile: TileTexture | None) -> np.ndarray:
+    """Return the (m, 3) linear base colours of a part's faces."""
+    if part.colours is not None:
+        return linear(part.colours[part.faces[:, 0]])
+    if part.material == "glass":
+        return np.tile(np.array(GLASS[:3]), (len(part.faces), 1))
+    white = (255, 255, 255)
+    colour = white if tile is not None or part.surface is None else UNTEXTURED[part.surface.surface]
+    return np.tile(linear(colour), (len(part.faces), 1))
+
+
+def visible(soup: Soup, camera: Camera, keep: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return (h, w) int32 id of the nearest triangle (-1 none) and float32 depth, of those kept.
+
+    Triangles that face away are left out, except glass, which has two sides. Triangles behind
+    the camera are not clipped: the camera stands outside the house.
+    """
+    height, width = camera.size
+    ids = np.full((height, width), -1, dtype=np.int32)
+    depth = np.full((height, width), np.inf, dtype=np.float32)
+    screen = camera.project(soup.corners)
+    a, b, c = screen[:, 0, :2], screen[:, 1, :2], screen[:, 2, :2]
+    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    # y runs down: counter-clockwise in the world is a negative area on the screen.
+    shown = keep & ((area < -1e-9) | (soup.glass & (np.abs(area) > 1e-9)))
+    low = np.maximum(np.ceil(screen[:, :, :2].min(axis=1)), 0).astype(int)
+    high = np.minimum(np.floor(screen[:, :, :2].max(axis=1)), [width - 1, height - 1]).astype(int)
+    shown &= (high >= low).all(axis=1)
+    planes = screen_planes(screen, _inverse_depth(screen, camera))
+    for t in np.flatnonzero(shown):
+        (x0, y0), (x1, y1) = low[t], high[t]
+        x = np.arange(x0, x1 + 1, dtype=np.float32)
+        y = np.arange(y0, y1 + 1, dtype=np.float32)[:, None]
+        inside = _inside(screen[t], float(np.sign(area[t])), x, y)
+        value = planes[t, 0] * x + planes[t, 1] * y + planes[t, 2]
+        far = (1.0 / value if camera.perspective else value).astype(np.float32)
+        window = depth[y0 : y1 + 1, x0 : x1 + 1]
+        nearer = inside & (far < window)
+        window[nearer] = far[nearer]
+        ids[y0 : y1 + 1, x0 : x1 + 1][nearer] = t
+    return ids, depth
+
+
+def _inside(corners: np.ndarray, sign: float, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return which pixels of a grid lie in a screen triangle (edges included: no cracks)."""
+    inside: np.ndarray | None = None
+    for k in range(3):
+        (px, py), (qx, qy) = corners[k, :2], corners[(k + 1) % 3, :2]
+        slack = 0.01 * np.hypot(qx - px, qy - py)  # pixels; closes cracks by rounding
+        edge = sign * ((qx - px) * (y - py) - (qy - py) * (x - px)) >= -slack
+        inside = edge if inside is None else inside & edge
+    return np.asarray(inside)
+
+
+def _inverse_depth(screen: np.ndarray, camera: Camera) -> np.ndarray:
+    """Return the (t, 3) value that is affine on the screen: 1/depth, or depth when parallel."""
+    return 1.0 / screen[..., 2] if camera.perspective else screen[..., 2]
+
+
+def screen_planes(screen: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return (t, 3) coefficients (gx, gy, g0) of values (t, 3) given at the screen corners."""
+    a, b, c = screen[:, 0, :2], screen[:, 1, :2], screen[:, 2, :2]
+    ab, ac = b - a, c - a
+    det = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
+    det = np.where(np.abs(det) < 1e-12, np.inf, det)
+    vb, vc = values[:, 1] - values[:, 0], values[:, 2] - values[:, 0]
+    gx = (vb * ac[:, 1] - vc * ab[:, 1]) / det
+    gy = (vc * ab[:, 0] - vb * ac[:, 0]) / det
+    return np.stack([gx, gy, values[:, 0] - gx * a[:, 0] - gy * a[:, 1]], axis=1)
+
+
+def attributes(soup: Soup, camera: Camera, ids: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return rows, columns, triangle ids, world points (p, 3) and UVs (p, 2) of covered pixels."""
+    rows, columns = np.nonzero(ids >= 0)
+    t = ids[rows, columns]
+    x, y = columns.astype(np.float32), rows.astype(np.float32)
+    screen = camera.project(soup.corners)
+    weight = 1.0 / screen[..., 2] if camera.perspective else np.ones(screen.shape[:2])
+
+    def at(values: np.ndarray) -> np.ndarray:
+        plane = screen_planes(screen, values).astype(np.float32)
+        return plane[t, 0] * x + plane[t, 1] * y + plane[t, 2]
+
+    w = at(weight)
+    points = np.stack([at(soup.corners[..., k] * weight) / w for k in range(3)], axis=1)
+    uv = np.stack([at(soup.uv[..., k] * weight) / w for k in range(2)], axis=1)
+    return rows, columns, t, points, uv
+
+
+def sample(levels: list[np.ndarray], uv: np.ndarray, footprint: np.ndarray) -> np.ndarray:
+    """Return (p, 3) linear colours by trilinear lookup; `footprint` is texels per pixel."""
+    level = np.clip(np.log2(np.maximum(footprint, 1e-6)), 0, len(levels) - 1)
+    low = np.floor(level).astype(int)
+    share = (level - low).astype(np.float32)[:, None]
+    result = np.zeros((len(uv), 3), dtype=np.float32)
+    for number in np.unique(low):
+        mine = low == number
+        colour = _bilinear(levels[number], uv[mine])
+        if number + 1 < len(levels):
+            colour += share[mine] * (_bilinear(levels[number + 1], uv[mine]) - colour)
+        result[mine] = colour
+    return result
+
+
+def _bilinear(image: np.ndarray, uv: np.ndarray) -> np.ndarray:
+    """Return (p, 3) colours of a repeating image between its texels (OpenCV: 1/32 texel)."""
+    height, width = image.shape[:2]
+    count, row = len(uv), 4096  # remap wants pictures, not rows of millions
+    texel = np.zeros((-(-count // row) * row, 2), dtype=np.float32)
+    texel[:count] = (uv % 1.0) * [width, height] - 0.5
+    x, y = texel[:, 0].reshape(-1, row), texel[:, 1].reshape(-1, row)
+    wrapped = cv2.remap(image, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
+    return np.asarray(wrapped.reshape(-1, 3)[:count])
