@@ -1,0 +1,14 @@
+"""Rule train_segmentation: a synthetic data set -> segmentation weights and their card."""
+
+from plan2scene.jobs import job
+from plan2scene.training.segmentation import train_segmentation
+
+with job(snakemake.log[0]):
+    train_segmentation(
+        snakemake.params.root,
+        snakemake.output.model,
+        snakemake.output.card,
+        settings=snakemake.params.settings,
+        seed=snakemake.params.seed,
+        threads=snakemake.threads,
+    )
