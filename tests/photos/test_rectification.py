@@ -108,3 +108,12 @@ def test_no_plane_pixels_give_none():
     camera = camera_of()
     empty = Plane("floor", 0, (0.0, 1.0, 0.0), -1.5, np.zeros(SIZE, bool), "")
     assert rectify(np.zeros((*SIZE, 3), np.uint8), camera, empty) is None
+
+
+def test_skirting_is_left_out_of_walls():
+    camera = camera_of()
+    wall = Plane("wall", 0, (0.0, 0.0, -1.0), -4.0, np.ones(SIZE, bool), "", camera_height_m=1.2)
+    rectified = rectify(np.zeros((*SIZE, 3), np.uint8), camera, wall)
+    rows, _ = np.nonzero(rectified.mask)
+    lowest = rectified.origin[1] + (rows.max() + 1) * rectified.metres_per_pixel
+    assert lowest == pytest.approx(1.2 - 0.12, abs=0.03)

@@ -149,7 +149,11 @@ def crops_of_photo(
     the windows' seed derives from.
     """
     planes = split_planes(
-        labels, camera, camera_height_m=settings.camera_height_m, room_height_m=room_height_m
+        labels,
+        camera,
+        image=image,
+        camera_height_m=settings.camera_height_m,
+        room_height_m=room_height_m,
     )
     return [
         PhotoCrop(plane.surface, plane.index, crop)

@@ -21,7 +21,7 @@ CROP_PX = 128
 CROPS_PER_MASK = 10
 TRIES = 1000
 #: Sides of the windows in metres; the first that fits a plane is taken.
-CROP_METRES = (1.0, 0.75, 0.5, 0.35)
+CROP_METRES = (1.0, 0.75, 0.5, 0.35, 0.25)
 #: Most crop pixels per photo pixel (paper: 256 px windows of a x3 image at 128 px are 1.5).
 MAX_UPSAMPLING = 1.5
 #: The same where nothing of a plane is that sharp: its colour is still worth having.

@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from plan2scene.photos.camera import Camera
+from plan2scene.photos.lines import detect_segments
 from plan2scene.photos.masks import CEILING, FLOOR, WALL
 from plan2scene.photos.walls import WallLine, trace_walls
 
@@ -43,6 +44,8 @@ class Plane:
     scale_source : str
         What gave the distance: ``camera_height`` (prior), ``room_height`` (floor and ceiling seen
         with a known room height), or ``prior`` (nothing seen that tells it).
+    camera_height_m : float
+        Height of the camera above the floor, metres.
     """
 
     surface: str
@@ -51,12 +54,14 @@ class Plane:
     offset: float
     mask: np.ndarray
     scale_source: str
+    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
 
 
 def split_planes(
     labels: np.ndarray,
     camera: Camera,
     *,
+    image: np.ndarray | None = None,
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M,
     room_height_m: float | None = None,
 ) -> list[Plane]:
@@ -68,6 +73,8 @@ def split_planes(
         0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore; the camera's size.
     camera : Camera
         Rotation and focal length of the photo.
+    image : (h, w, 3) uint8, optional
+        The photo, sRGB: its lines tell which way a wall faces that shows neither foot nor top.
     camera_height_m : float
         Height of the camera above the floor where nothing in the photo tells it, metres.
     room_height_m : float, optional
@@ -76,19 +83,30 @@ def split_planes(
     """
     room = DEFAULT_ROOM_HEIGHT_M if room_height_m is None else room_height_m
     prior = min(camera_height_m, 0.8 * room)
-    traced = trace_walls(labels, camera, prior, room, solve_height=room_height_m is not None)
+    segments = None
+    if image is not None:
+        segments = detect_segments(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), camera.width / 25)
+    traced = trace_walls(
+        labels,
+        camera,
+        prior,
+        room,
+        solve_height=room_height_m is not None,
+        segments=segments,
+    )
     scale = "room_height" if traced.height_solved else "camera_height"
     smallest = MIN_SHARE * labels.size
+    height = traced.camera_height_m
     planes: list[Plane] = []
     flat = (
-        ("floor", FLOOR, 1.0, traced.camera_height_m),
-        ("ceiling", CEILING, -1.0, room - traced.camera_height_m),
+        ("floor", FLOOR, 1.0, height),
+        ("ceiling", CEILING, -1.0, room - height),
     )
     for surface, label, up, distance in flat:
         mask = _without_specks(labels == label, smallest)
         if mask.any():
             source = scale if room_height_m is not None or surface == "floor" else "prior"
-            planes.append(Plane(surface, 0, (0.0, up, 0.0), -distance, mask, source))
+            planes.append(Plane(surface, 0, (0.0, up, 0.0), -distance, mask, source, height))
     walls = [
         (line, _without_specks((labels == WALL) & (traced.owner == index), smallest))
         for index, line in enumerate(traced.lines)
@@ -97,7 +115,8 @@ def split_planes(
     walls.sort(key=lambda item: -int(item[1].sum()))
     for index, (line, mask) in enumerate(walls[:MAX_WALLS]):
         source = scale if line.seen else "prior"
-        planes.append(Plane("wall", index, _wall_normal(line), -line.distance, mask, source))
+        normal = _wall_normal(line)
+        planes.append(Plane("wall", index, normal, -line.distance, mask, source, height))
     return planes
 
 

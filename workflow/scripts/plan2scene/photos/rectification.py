@@ -22,6 +22,8 @@ MAX_SIDE = 2048
 MIN_GRAZING_DEG = 15.0
 #: Resolution bounds, pixels per metre.
 RESOLUTION_RANGE = (60.0, 512.0)
+#: Walls are left out below this height above the floor: skirting boards, metres.
+SKIRTING_M = 0.12
 #: Pixels shaved off the mask's border, share of the photo's width.
 BORDER_SHARE = 0.005
 
@@ -112,9 +114,11 @@ def usable_pixels(
     reach = -plane.offset / np.maximum(sine, 1e-6)
     density = camera.focal_px / reach * np.sqrt(np.maximum(sine, 0.0))
     good = (sine >= np.sin(np.radians(MIN_GRAZING_DEG))) & (density >= min_density)
+    points = (rays * reach[:, None]) @ plane_axes(plane)[:2].T
+    if plane.surface == "wall":
+        good &= points[:, 1] < plane.camera_height_m - SKIRTING_M
     mask[rows[~good], columns[~good]] = False
-    points = (rays[good] * reach[good, None]) @ plane_axes(plane)[:2].T
-    return mask, points, density[good]
+    return mask, points[good], density[good]
 
 
 def rectify(

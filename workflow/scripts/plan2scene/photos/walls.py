@@ -14,19 +14,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from plan2scene.photos.camera import Camera
-from plan2scene.photos.masks import CEILING, FLOOR, IGNORE, OTHER, WALL
+from plan2scene.photos.wall_borders import N_BINS, Borders, facing_votes, find_borders
 
-N_BINS = 240
 #: Angular noise of a mask's border (radians), and the cost at which a point is an outlier.
 BORDER_NOISE = np.radians(0.5)
 OUTLIER = 9.0
 #: Cost of a crease, and of a wall that no foot or top supports (per bin).
 CREASE = 14.0
-#: Widest strip of other things (cornice, skirting) between a wall and its floor or ceiling, share
-#: of the photo's height.
-GAP_SHARE = 0.03
 UNSEEN = 0.4
 MAX_CANDIDATES = 8
+#: Cost per bin of each segment that runs along the other kind of wall, and its bound.
+VOTE = 0.5
+MAX_VOTES = 1.5
+#: Heights of a camera that are believed, the spread of its prior, and the bins that give one.
+HEIGHT_RANGE_M = (0.8, 2.1)
+HEIGHT_SPREAD_M = 0.25
+MIN_BINS = 8
 DEFAULT_DISTANCE_M = 3.0
 DISTANCE_RANGE_M = (0.3, 15.0)
 #: Cosine to a wall's direction below which no wall is believed (about 85 degrees from its normal).
@@ -68,30 +71,6 @@ class TracedWalls:
     height_solved: bool
 
 
-@dataclass(frozen=True)
-class Borders:
-    """Borders of the wall mask per azimuth bin.
-
-    Parameters
-    ----------
-    direction : (b, 2) float64
-        Unit (x, z) of the bin's middle.
-    foot, top : (b,) float64
-        Slope (rise over horizontal distance) of the wall's foot (< 0) and top (> 0); NaN where
-        not seen.
-    reach : (b, 2) float64
-        Lowest and highest slope of wall pixels; NaN where there are none.
-    bins : (h, w) int
-        Bin of each pixel.
-    """
-
-    direction: np.ndarray
-    foot: np.ndarray
-    top: np.ndarray
-    reach: np.ndarray
-    bins: np.ndarray
-
-
 def trace_walls(
     labels: np.ndarray,
     camera: Camera,
@@ -99,18 +78,19 @@ def trace_walls(
     room_height_m: float,
     *,
     solve_height: bool,
+    segments: np.ndarray | None = None,
 ) -> TracedWalls:
-    """Return the walls that a label mask shows; parameters as in `planes.split_planes`."""
+    """Return the walls that a label mask shows; parameters as in `planes.split_planes`.
+
+    `segments` (s, 4), pixels, are line segments of the photo: horizontal ones on a wall tell
+    which way it faces where neither its foot nor its top is seen.
+    """
     borders = find_borders(labels, camera)
-    height, solved = camera_height_m, False
-    if solve_height:
-        found = _camera_height(borders, room_height_m)
-        height, solved = (found, True) if found is not None else (camera_height_m, False)
-    above = room_height_m - height
-    distances = np.stack([height / -borders.foot, above / borders.top], axis=1)
-    lines = _candidates(borders, distances)
-    lines += _unseen(borders, height, above)
-    path = _cheapest(_costs(borders, lines, height, above))
+    facing = facing_votes(segments, labels, camera, borders.bins)
+    found = _camera_height(borders, facing, camera_height_m, room_height_m, solve_height)
+    solved = found is not None
+    height = camera_height_m if found is None else found
+    lines, path, _ = _solve(borders, facing, height, room_height_m - height)
     path = _settle_creases(path, lines, borders)
     path = np.where(np.isnan(borders.reach[:, 0]), -1, path)
     used = sorted(set(path[path >= 0].tolist()))
@@ -120,67 +100,45 @@ def trace_walls(
     return TracedWalls([lines[index] for index in used], owner.astype(np.int16), height, solved)
 
 
-def find_borders(labels: np.ndarray, camera: Camera) -> Borders:
-    """Return feet and tops of the wall mask by azimuth."""
-    rows, columns = labels.shape
-    x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
-    rays = camera.rays(np.stack([x, y], axis=-1))
-    azimuth = np.arctan2(rays[..., 0], rays[..., 2])
-    slope = rays[..., 1] / np.maximum(np.hypot(rays[..., 0], rays[..., 2]), 1e-9)
-    low, high = float(azimuth.min()), float(azimuth.max())
-    width = max((high - low) / N_BINS, 1e-9)
-    bins = np.clip(((azimuth - low) / width).astype(int), 0, N_BINS - 1)
-    middle = low + (np.arange(N_BINS) + 0.5) * width
-    wall = labels == WALL
-    gap = max(1, round(GAP_SHARE * rows))
-    foot = _borders_on(labels, FLOOR, gap)
-    top = _borders_on(labels[::-1], CEILING, gap)[::-1]
-    foot &= slope < -0.02
-    top &= slope > 0.02
-    reach = np.stack([_by_bin(bins, slope, wall, 2.0), _by_bin(bins, slope, wall, 98.0)], axis=1)
-    return Borders(
-        direction=np.stack([np.sin(middle), np.cos(middle)], axis=1),
-        foot=_by_bin(bins, slope, foot, 50.0),
-        top=_by_bin(bins, slope, top, 50.0),
-        reach=reach,
-        bins=bins,
-    )
+def _camera_height(
+    borders: Borders, facing: np.ndarray, prior: float, room_height_m: float, solve: bool
+) -> float | None:
+    """Return the camera's height from feet and tops of walls; None when too few are seen.
 
-
-def _borders_on(labels: np.ndarray, below: int, gap: int) -> np.ndarray:
-    """Return the wall pixels (h, w) with label `below` under them, at most `gap` rows further.
-
-    What is between is another thing or ignored: skirting, cornice, a cable.
+    Where the same directions show both, their ratio gives it; else the height at which feet and
+    tops agree best on common walls.
     """
-    wall = labels == WALL
-    found = np.zeros_like(wall)
-    between = wall[:-1].copy()
-    for step in range(1, gap + 1):
-        reached = labels[step:]
-        found[:-step] |= between & (reached == below)
-        between = (between & ((reached == OTHER) | (reached == IGNORE)))[:-1]
-    return found
-
-
-def _by_bin(bins: np.ndarray, values: np.ndarray, chosen: np.ndarray, q: float) -> np.ndarray:
-    """Return the q-th percentile of the chosen values of each bin, NaN where there are none."""
-    result = np.full(N_BINS, np.nan)
-    where, value = bins[chosen], values[chosen]
-    order = np.lexsort((value, where))
-    where, value = where[order], value[order]
-    found, start, count = np.unique(where, return_index=True, return_counts=True)
-    result[found] = value[start + ((count - 1) * q / 100.0).round().astype(int)]
-    return result
-
-
-def _camera_height(borders: Borders, room_height_m: float) -> float | None:
-    """Return the camera's height where walls show foot and top; None when too few do."""
+    low, high = HEIGHT_RANGE_M[0], min(HEIGHT_RANGE_M[1], 0.9 * room_height_m)
+    if not solve or high <= low:
+        return None
     ratio = borders.top / -borders.foot
     ratio = ratio[~np.isnan(ratio)]
-    if len(ratio) < 8:
+    if len(ratio) >= MIN_BINS:
+        height = room_height_m / (1.0 + float(np.median(ratio)))
+        return height if low <= height <= high else None
+    if min(np.isfinite(borders.foot).sum(), np.isfinite(borders.top).sum()) < MIN_BINS:
         return None
-    height = room_height_m / (1.0 + float(np.median(ratio)))
-    return height if 0.8 <= height <= min(2.1, 0.9 * room_height_m) else None
+    heights = np.arange(low, high, 0.05)
+    costs = [
+        _solve(borders, facing, height, room_height_m - height)[2]
+        + 2.0 * ((height - prior) / HEIGHT_SPREAD_M) ** 2
+        for height in heights
+    ]
+    return float(heights[int(np.argmin(costs))])
+
+
+def _solve(
+    borders: Borders, facing: np.ndarray, height: float, above: float
+) -> tuple[list[WallLine], np.ndarray, float]:
+    """Return the possible walls, the wall of each bin, and what that costs."""
+    distances = np.stack([height / -borders.foot, above / borders.top], axis=1)
+    lines = _candidates(borders, distances)
+    lines += _unseen(borders, height, above)
+    costs = _costs(borders, lines, height, above)
+    axes = np.array([line.axis for line in lines])
+    against = np.minimum(VOTE * facing[:, ::-1], MAX_VOTES)[:, axes]
+    path, total = _cheapest(costs + np.where(np.isnan(borders.reach[:, :1]), 0.0, against))
+    return lines, path, total
 
 
 def _candidates(borders: Borders, distances: np.ndarray) -> list[WallLine]:
@@ -256,8 +214,8 @@ def _costs(borders: Borders, lines: list[WallLine], height: float, above: float)
     return costs
 
 
-def _cheapest(costs: np.ndarray) -> np.ndarray:
-    """Return the wall (b,) of each bin on the path of least cost, creases included."""
+def _cheapest(costs: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return the wall (b,) of each bin on the path of least cost, creases included; the cost."""
     total = costs[0].copy()
     back = np.zeros(costs.shape, dtype=int)
     for index in range(1, len(costs)):
@@ -270,7 +228,7 @@ def _cheapest(costs: np.ndarray) -> np.ndarray:
     path[-1] = int(np.argmin(total))
     for index in range(len(costs) - 1, 0, -1):
         path[index - 1] = back[index, path[index]]
-    return path
+    return path, float(total.min())
 
 
 def _settle_creases(path: np.ndarray, lines: list[WallLine], borders: Borders) -> np.ndarray:
