@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
 from pathlib import Path
 
+from shapely.geometry import Point
 from shapely.strtree import STRtree
 from shapely.validation import explain_validity
 
@@ -29,6 +31,8 @@ MIN_AREA = 0.01
 OVERLAP_SHARE = 0.02
 #: A hole may reach this far (metres) over its wall through rounding.
 ROUNDING = 1e-3
+#: A wall whose middle is farther (metres) from its room's outline is in the wrong place.
+STRAY_DISTANCE = 0.5
 
 _Fault = Callable[..., InputError]
 
@@ -43,7 +47,12 @@ def validate_house(house: House, *, file: str | Path = "") -> list[str]:
     """
     for fault in house_faults(house, file=file):
         raise fault
-    return [*house.warnings, *_overlaps(house, str(file))]
+    found = [*_overlaps(house), *_stray_walls(house), *_overlapping_holes(house)]
+    lines = [
+        str(InputError(expected, text, file=file, house=house.id, room=room))
+        for expected, text, room in found
+    ]
+    return [*house.warnings, *lines]
 
 
 def house_faults(house: House, *, file: str | Path = "") -> Iterator[InputError]:
@@ -156,8 +165,8 @@ def _opening_faults(wall: Wall, opening: Opening, fault: _Fault) -> Iterator[Inp
         yield fault(f"{name}, up within 0 to {wall.height:.3f} m", found, room)
 
 
-def _overlaps(house: House, file: str) -> Iterator[str]:
-    """Yield a warning for each two rooms that overlap."""
+def _overlaps(house: House) -> Iterator[tuple[str, str, str]]:
+    """Yield (expected, found, room) for each two rooms that overlap."""
     polygons = [room_polygon(room) for room in house.rooms]
     tree = STRtree(polygons)
     for i, j in sorted(zip(*tree.query(polygons, predicate="intersects"), strict=True)):
@@ -166,12 +175,27 @@ def _overlaps(house: House, file: str) -> Iterator[str]:
         area = polygons[i].intersection(polygons[j]).area
         if area > OVERLAP_SHARE * min(polygons[i].area, polygons[j].area):
             found = f"{area:.2f} m2 shared with room {house.rooms[j].id}"
-            yield str(
-                InputError(
-                    "rooms that don't overlap",
-                    found,
-                    file=file,
-                    house=house.id,
-                    room=house.rooms[i].id,
-                )
-            )
+            yield "rooms that don't overlap", found, house.rooms[i].id
+
+
+def _stray_walls(house: House) -> Iterator[tuple[str, str, str]]:
+    """Yield (expected, found, room) for each wall that is far from its room's outline."""
+    outlines = {room.id: room_polygon(room).boundary for room in house.rooms}
+    for wall in house.walls:
+        (x0, z0), (x1, z1) = wall.start, wall.end
+        middle = Point((x0 + x1) / 2, (z0 + z1) / 2)
+        for room_id in wall.room_ids:
+            distance = outlines[room_id].distance(middle)
+            if distance > STRAY_DISTANCE:
+                yield f"wall {wall.id} on the room's outline", f"{distance:.2f} m from it", room_id
+
+
+def _overlapping_holes(house: House) -> Iterator[tuple[str, str, str]]:
+    """Yield (expected, found, room) for each two holes of a wall that overlap."""
+    for wall in house.walls:
+        ordered = sorted(wall.openings, key=lambda opening: opening.start)
+        for one, other in pairwise(ordered):
+            apart = one.end <= other.start + ROUNDING
+            if not apart and max(one.bottom, other.bottom) < min(one.top, other.top):
+                found = f"{one.id} and {other.id}"
+                yield f"holes of wall {wall.id} apart", found, wall.room_ids[0]
