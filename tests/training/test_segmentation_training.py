@@ -17,6 +17,7 @@ from plan2scene.training.segmentation import (
     segmentation_loss,
     train,
     train_segmentation,
+    train_start,
 )
 from plan2scene.training.segmentation_augment import random_view, recolour_labels, training_sample
 from plan2scene.training.segmentation_data import (
@@ -111,11 +112,9 @@ def test_average_follows_the_network() -> None:
 
 def test_training_learns_what_colours_tell() -> None:
     photos = [_striped(k) for k in range(12)]
-    settings = Settings(
-        steps=20, batch=4, small=64, long_side=64, scenes=0, evaluate_every=10, learning_rate=5e-3
-    )
+    settings = Settings(batch=4, small=64, long_side=64, evaluate_every=10)
     held_out = [_striped(k) for k in range(100, 104)]
-    _, found, step = train(photos, held_out, settings, seed=0)
+    _, found, step = train(photos, held_out, settings, seed=0, steps=20, learning_rate=5e-3)
     assert step in (10, 20)
     assert found.accuracy > 0.6  # the commonest label alone gives under 0.5
 
@@ -143,8 +142,12 @@ def test_train_segmentation_writes_weights_and_card(
     monkeypatch.setattr(segmentation_scenes, "TILES", 2)
     _write_data_set(tmp_path / "data")
     model, card = tmp_path / "m.safetensors", tmp_path / "m.md"
-    settings = {"steps": 2, "batch": 2, "small": 64, "long_side": 64, "scenes": 2}
-    found = train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0, threads=1)
+    start = tmp_path / "start.safetensors"
+    settings = {"steps": 2, "scene_steps": 1, "batch": 2, "small": 64, "long_side": 64, "scenes": 2}
+    train_start(start, settings=settings, seed=0, threads=1)
+    found = train_segmentation(
+        tmp_path / "data", start, model, card, settings=settings, seed=0, threads=1
+    )
     text = card.read_text()
     assert f"**{found.mean_iou:.3f}**" in text
     assert "1 rendered photos" in text

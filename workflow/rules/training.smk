@@ -1,7 +1,27 @@
+rule segmentation_start:
+    # Drawn rooms of boxes -> weights that know floors, walls and ceilings; needs no data set.
+    output:
+        "results/training/segmentation_start.safetensors",
+    log:
+        "logs/training/segmentation_start.log",
+    benchmark:
+        "logs/training/benchmarks/segmentation_start.tsv"
+    threads: 2
+    resources:
+        mem_mb=4000,
+    params:
+        settings=config.get("training", {}).get("segmentation", {}),
+        seed=config["seed"],
+        code=code_hash("training.segmentation"),
+    script:
+        "../scripts/segmentation_start.py"
+
+
 rule train_segmentation:
     # Photos and truth masks of the synthetic train split -> the network, scored on the val split.
     input:
         table=DATA_ROOT / config["dataset"]["table"],
+        start="results/training/segmentation_start.safetensors",
     output:
         model=f"{TRAINED}/segmentation.safetensors",
         card=f"{TRAINED}/segmentation.md",

@@ -6,6 +6,7 @@ from plan2scene.training.segmentation import train_segmentation
 with job(snakemake.log[0]):
     train_segmentation(
         snakemake.params.root,
+        snakemake.input.start,
         snakemake.output.model,
         snakemake.output.card,
         settings=snakemake.params.settings,

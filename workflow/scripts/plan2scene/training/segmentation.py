@@ -20,7 +20,7 @@ from torch.nn import functional as F
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_path
 from plan2scene.photos.masks import IGNORE, LABELS
-from plan2scene.photos.segmentation import SegmentationNet, Segmenter, to_tensor
+from plan2scene.photos.segmentation import SegmentationNet, Segmenter, load_segmenter, to_tensor
 from plan2scene.seeds import derive_seed, generator
 from plan2scene.training.segmentation_augment import training_sample
 from plan2scene.training.segmentation_data import (
@@ -31,7 +31,7 @@ from plan2scene.training.segmentation_data import (
     scores,
 )
 from plan2scene.training.segmentation_scenes import random_scenes
-from plan2scene.weights import load_model_file, save_model_file
+from plan2scene.weights import save_model_file
 
 _log = logging.getLogger("plan2scene")
 
@@ -40,16 +40,18 @@ _log = logging.getLogger("plan2scene")
 class Settings:
     """Settings of a training run (config key ``training.segmentation``)."""
 
-    steps: int = 6000  #: optimiser steps
+    steps: int = 5000  #: optimiser steps on photos and scenes
+    scene_steps: int = 3000  #: optimiser steps on scenes alone, before the photos
     batch: int = 8  #: views per step
     learning_rate: float = 3e-3  #: peak of the warm-up and cosine schedule
+    photo_learning_rate: float = 1.5e-3  #: likewise, of the steps with photos
     weight_decay: float = 0.02
     dice: float = 0.5  #: weight of the soft Dice loss beside cross-entropy
     ema_decay: float = 0.998  #: of the averaged weights, which are what is kept
     small: int = 256  #: longer side of views in the first two thirds of the steps, pixels
     long_side: int = 320  #: longer side of views afterwards, and at inference
-    scenes: int = 1500  #: rooms of boxes that are drawn beside the photos, 0 for none
-    scene_share: float = 0.35  #: share of views that come from them
+    scenes: int = 1000  #: rooms of boxes that are drawn beside the photos
+    scene_share: float = 0.3  #: share of views that come from them once there are photos
     evaluate_every: int = 500  #: steps between validations
     evaluate_photos: int = 200  #: photos of a validation, spread over the split
 
@@ -116,7 +118,10 @@ def train(
     settings: Settings,
     *,
     seed: int,
+    steps: int,
+    learning_rate: float,
     scenes: Sequence[LabelledPhoto] = (),
+    start: SegmentationNet | None = None,
 ) -> tuple[SegmentationNet, Scores, int]:
     """Return the best averaged network, its scores on `held_out`, and the step it is from.
 
@@ -125,24 +130,26 @@ def train(
     photos, held_out : labelled photos of disjoint houses
     scenes : labelled photos
         Further views that are mixed in (``settings.scene_share``).
+    start : SegmentationNet, optional
+        Weights to start from; random ones (by `seed`) when None.
     """
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     torch.manual_seed(derive_seed(seed, "segmentation", "weights") % 2**32)
-    network = SegmentationNet(long_side=settings.long_side)
+    network = copy.deepcopy(start) if start else SegmentationNet(long_side=settings.long_side)
     network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     average = Average(network, settings.ema_decay)
     optimiser = torch.optim.AdamW(
-        _parameter_groups(network, settings.weight_decay), lr=settings.learning_rate
+        _parameter_groups(network, settings.weight_decay), lr=learning_rate
     )
-    warm_up = min(300, settings.steps // 10 + 1)
+    warm_up = min(300, steps // 10 + 1)
     schedule = torch.optim.lr_scheduler.LambdaLR(
-        optimiser, lambda step: _learning_rate(step, warm_up, settings.steps)
+        optimiser, lambda step: _learning_rate(step, warm_up, steps)
     )
     rng = generator(seed, "segmentation", "views")
     best: tuple[float, dict[str, torch.Tensor], Scores, int] | None = None
     running, started = 0.0, time.monotonic()
-    for step in range(1, settings.steps + 1):
-        images, labels = _batch(photos, scenes, settings, step, rng)
+    for step in range(1, steps + 1):
+        images, labels = _batch(photos, scenes, settings, step > steps * 2 / 3, rng)
         loss = segmentation_loss(
             network.train()(images.to(device)), labels.to(device), settings.dice
         )
@@ -157,7 +164,7 @@ def train(
             pace = (time.monotonic() - started) / step
             _log.info("step %d loss %.4f %.2f s/step", step, running / 100, pace)
             running = 0.0
-        if step % settings.evaluate_every == 0 or step == settings.steps:
+        if step % settings.evaluate_every == 0 or step == steps:
             found = evaluate(average.network, held_out)
             _log.info("step %d held out %s", step, _scores_line(found))
             if best is None or found.mean_iou > best[0]:
@@ -166,7 +173,7 @@ def train(
                 }
                 best = (found.mean_iou, state, found, step)
     if best is None:
-        raise InputError("training.segmentation.steps above 0", str(settings.steps))
+        raise InputError("training steps above 0", str(steps))
     network.cpu().load_state_dict(best[1])
     return network.eval(), best[2], best[3]
 
@@ -190,11 +197,11 @@ def _batch(
     photos: Sequence[LabelledPhoto],
     scenes: Sequence[LabelledPhoto],
     settings: Settings,
-    step: int,
+    large: bool,
     rng: np.random.Generator,
 ) -> tuple[torch.Tensor, torch.Tensor]:
     """Return (n, 3, h, w) float32 views and (n, h, w) int64 labels; one shape per batch."""
-    long = settings.small if step <= settings.steps * 2 / 3 else settings.long_side
+    long = settings.long_side if large else settings.small
     short = round(long * 0.75 / 32) * 32
     size = [(short, long), (long, short), (short, short)][rng.choice(3, p=[0.65, 0.2, 0.15])]
     samples = []
@@ -212,8 +219,32 @@ def _scores_line(found: Scores) -> str:
     return f"mean IoU {found.mean_iou:.4f} ({', '.join(parts)}), accuracy {found.accuracy:.4f}"
 
 
+def train_start(
+    model_path: str | Path, *, settings: Mapping[str, Any], seed: int, threads: int
+) -> Scores:
+    """Train on rooms of boxes alone and write the weights that training on photos starts from.
+
+    Needs no data set. The scores are on a tenth of the rooms, which training did not see.
+    """
+    torch.set_num_threads(threads)
+    chosen = Settings.of(settings)
+    scenes = random_scenes(chosen.scenes, seed=seed)
+    count = max(1, len(scenes) // 10)
+    network, found, _ = train(
+        scenes[count:],
+        scenes[:count],
+        chosen,
+        seed=seed,
+        steps=chosen.scene_steps,
+        learning_rate=chosen.learning_rate,
+    )
+    save_model_file(model_path, network.state_dict(), network.architecture, half=False)
+    return found
+
+
 def train_segmentation(
     data_root: str | Path,
+    start_path: str | Path,
     model_path: str | Path,
     card_path: str | Path,
     *,
@@ -223,7 +254,8 @@ def train_segmentation(
 ) -> Scores:
     """Train on the train split of a synthetic data set, write weights and card; return scores.
 
-    The scores are those of the file as written (float16), on the val split.
+    Starts from the weights of :func:`train_start`. The scores are those of the file as written
+    (float16), on the val split.
     """
     torch.set_num_threads(threads)
     started = time.monotonic()
@@ -234,11 +266,18 @@ def train_segmentation(
     every = max(1, len(held_out) // chosen.evaluate_photos)
     _log.info("%d photos to train on, %d held out", len(photos), len(held_out))
     scenes = random_scenes(chosen.scenes, seed=seed)
-    network, _, step = train(photos, held_out[::every], chosen, seed=seed, scenes=scenes)
+    network, _, step = train(
+        photos,
+        held_out[::every],
+        chosen,
+        seed=seed,
+        steps=chosen.steps,
+        learning_rate=chosen.photo_learning_rate,
+        scenes=scenes,
+        start=load_segmenter(start_path).network,
+    )
     save_model_file(model_path, network.state_dict(), network.architecture)
-    state, architecture = load_model_file(model_path)
-    shipped = SegmentationNet(**architecture)
-    shipped.load_state_dict(state)
+    shipped = load_segmenter(model_path).network
     final = evaluate(shipped, held_out)
     counts = {"photos": len(photos), "held_out": len(held_out), "scenes": len(scenes)}
     card = model_card(
@@ -275,8 +314,9 @@ parameters, float16; photos are scaled to {network.long_side} pixels on their lo
 - Held out: {counts["held_out"]} rendered photos of the val split (other houses).
 - Command: `snakemake train_segmentation`
 - Seed {seed}; {used}.
-- Best of the validations: step {step}. Took {seconds / 60:.0f} minutes on {device},
-  {os.cpu_count()} cores, torch {torch.__version__}.
+- {settings.scene_steps} steps on rooms of boxes alone (rule `segmentation_start`), then
+  {settings.steps} with photos; the best of the validations was step {step} of these, which took
+  {seconds / 60:.0f} minutes on {device}, {os.cpu_count()} cores, torch {torch.__version__}.
 
 | label | IoU (held out) |
 |---|---|

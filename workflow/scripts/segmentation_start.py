@@ -1,0 +1,12 @@
+"""Rule segmentation_start: rooms of boxes -> weights that training on photos starts from."""
+
+from plan2scene.jobs import job
+from plan2scene.training.segmentation import train_start
+
+with job(snakemake.log[0]):
+    train_start(
+        snakemake.output[0],
+        settings=snakemake.params.settings,
+        seed=snakemake.params.seed,
+        threads=snakemake.threads,
+    )
