@@ -13,7 +13,7 @@ from plan2scene.io import image_from_bytes, read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
 from plan2scene.textures.model import TextureModel, load_texture_model
-from plan2scene.textures.statistics import FilterBankStatistics
+from plan2scene.textures.statistics import FilterBankStatistics, TextureStatistics
 from plan2scene.textures.synthesis import noise_seeds
 
 _BATCH = 16
@@ -43,7 +43,7 @@ def embed_crops(
     model: TextureModel,
     crops: np.ndarray,
     *,
-    statistics: torch.nn.Module | None = None,
+    statistics: TextureStatistics | None = None,
     seed: int = 0,
     textureness: bool = True,
 ) -> Embeddings:
@@ -52,8 +52,8 @@ def embed_crops(
     Parameters
     ----------
     crops : (n, 128, 128, 3) uint8
-    statistics : module, optional
-        Texture statistics with ``distance``; the embedded filter bank when None.
+    statistics : TextureStatistics, optional
+        The embedded filter bank when None.
     seed : int
         Of the noise that the decoded textures are drawn from: the same for every crop, so that
         their scores compare.

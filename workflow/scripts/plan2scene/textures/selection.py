@@ -69,8 +69,8 @@ def select_surfaces(
         {"room_id": room, "surface": surface, **_choose(group)} for (room, surface), group in groups
     ]
     frame = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
-    model = {name: metadata[name] for name in ("model", "naive_model") if name in metadata}
-    write_parquet(output, frame, {"dataset": dataset, "house": house, **model})
+    models = {str(k): v for k, v in metadata.items() if k in ("model", "naive_model")}
+    write_parquet(output, frame, {"dataset": dataset, "house": house, **models})
     return frame
 
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import itertools
 import math
+import pickle
 from pathlib import Path
+from typing import Protocol
 
 import torch
 from torch import nn
@@ -25,6 +27,14 @@ _RANDOM_FILTERS = 18
 _FLAT = 4e-4
 #: Luminance and two opponent colours; chroma is scaled up because its contrast is lower.
 _OPPONENT = [[0.299, 0.587, 0.114], [1.0, -1.0, 0.0], [-0.5, -0.5, 1.0]]
+
+
+class TextureStatistics(Protocol):
+    """What tells textures apart: a source of statistics."""
+
+    def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+        """Return (n,) distances of images (n, 3, h, w) from targets, RGB in [0, 1]."""
+        ...
 
 
 def gram(features: torch.Tensor) -> torch.Tensor:
@@ -197,7 +207,7 @@ class VggStatistics(nn.Module):
         super().__init__()
         try:
             state = torch.load(path, map_location="cpu", weights_only=True)
-        except (OSError, RuntimeError, ValueError) as error:
+        except (OSError, RuntimeError, ValueError, pickle.UnpicklingError) as error:
             raise InputError("a state dict of torchvision's vgg19", str(error), file=path) from None
         layers: list[nn.Module] = []
         channels = 3
@@ -244,7 +254,7 @@ def _fill(layer: nn.Conv2d, state: object, prefix: str, path: str | Path) -> Non
             target.copy_(value)
 
 
-def load_statistics(source: str, path: str | Path | None = None) -> nn.Module:
+def load_statistics(source: str, path: str | Path | None = None) -> TextureStatistics:
     """Return the texture statistics of a source: ``embedded``, or ``pretrained`` from `path`."""
     if source == "embedded":
         return FilterBankStatistics()

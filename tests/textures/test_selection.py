@@ -1,0 +1,95 @@
+"""Selection of the crop that stands for a surface."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.io import png_bytes, read_parquet, write_parquet
+from plan2scene.textures.selection import best_crop, select_surfaces
+
+# (photo, room, surface, textureness, grey level, metres)
+CROPS = [
+    ("a.jpg", "r1", "floor", 0.5, 100, 1.0),
+    ("a.jpg", "r1", "floor", 0.2, 200, 0.5),
+    ("b.jpg", "r1", "floor", 0.1, 110, float("nan")),
+    ("b.jpg", "r1", "wall", 0.3, 90, float("nan")),
+    ("b.jpg", "r2", "wall", 0.3, 90, float("nan")),
+]
+
+
+@pytest.fixture
+def files(tmp_path):
+    rows = [
+        {
+            "crop_id": f"{surface}/{photo[0]}_0_crop{k}",
+            "photo": photo,
+            "room_id": room,
+            "surface": surface,
+            "metres": metres,
+            "textureness": score,
+            "png": png_bytes(np.full((128, 128, 3), grey, np.uint8)),
+            "embedding": np.full(11, k, np.float32),
+            "naive_embedding": np.full(8, k, np.float32),
+            "substance_probabilities": np.eye(4, dtype=np.float32)[k % 2],
+        }
+        for k, (photo, room, surface, score, grey, metres) in enumerate(CROPS)
+    ]
+    table = pd.DataFrame(rows)
+    crops, embeddings = tmp_path / "crops.parquet", tmp_path / "embeddings.parquet"
+    write_parquet(crops, table[["crop_id", "photo", "room_id", "surface", "metres", "png"]], {})
+    own = ["embedding", "naive_embedding", "substance_probabilities", "textureness"]
+    write_parquet(embeddings, table[["crop_id", *own]], {"model": "m"})
+    return embeddings, crops, tmp_path / "surfaces.parquet"
+
+
+def select(files, hidden=()):
+    embeddings, crops, output = files
+    select_surfaces(embeddings, crops, hidden, output, house="h", dataset="d")
+    frame, metadata = read_parquet(output)
+    return frame.set_index(["room_id", "surface"]), metadata
+
+
+def test_least_textureness_wins(files) -> None:
+    frame, metadata = select(files)
+    assert frame.index.tolist() == [("r1", "floor"), ("r1", "wall"), ("r2", "wall")]
+    row = frame.loc[("r1", "floor")]
+    assert row["crop_id"] == "floor/b_0_crop2"
+    assert row["embedding"].tolist() == [2.0] * 11
+    assert row["naive_embedding"].tolist() == [1.0] * 8
+    assert row["medoid_id"] == "floor/b_0_crop2"  # grey 110 is nearest to the mean 136.7
+    assert row["substance"] == "wood"
+    assert row["n_crops"] == 3
+    assert row["metres"] == 0.75  # the chosen crop has none: the median of the others
+    assert np.isnan(frame.loc[("r2", "wall"), "metres"])
+    assert metadata["model"] == "m"
+
+
+def test_hidden_photos_do_not_count(files) -> None:
+    frame, _ = select(files, hidden=["b.jpg"])
+    assert frame.index.tolist() == [("r1", "floor")]
+    row = frame.loc[("r1", "floor")]
+    assert row["crop_id"] == "floor/a_0_crop1"
+    assert row["metres"] == 0.5
+    assert row["naive_embedding"].tolist() == [0.5] * 8
+
+
+def test_all_photos_hidden_gives_an_empty_table(files) -> None:
+    frame, _ = select(files, hidden=["a.jpg", "b.jpg"])
+    assert len(frame) == 0
+    assert {"crop_id", "embedding", "metres"} <= set(frame.columns)
+
+
+def test_embeddings_of_other_crops_are_refused(files, tmp_path) -> None:
+    embeddings, crops, output = files
+    table, _ = read_parquet(embeddings)
+    write_parquet(embeddings, table.iloc[1:], {})
+    with pytest.raises(InputError, match="house h"):
+        select_surfaces(embeddings, crops, (), output, house="h", dataset="d")
+
+
+def test_best_crop() -> None:
+    assert best_crop(np.array([np.nan, 0.4, 0.4, 0.9])) == 1
+    assert best_crop(np.array([np.nan])) == 0
+    with pytest.raises(ValueError, match="no crops"):
+        best_crop(np.zeros(0))
