@@ -31,7 +31,9 @@ REVEAL_COLOUR: Colour = (238, 235, 229)
 SLIVER = 1e-4
 #: Edges this near to a room or another body are inside the wall, metres (rounding only: more
 #: would leave cracks between the faces of two bodies).
-TOUCH = 1e-6
+TOUCH = 5e-6
+#: Bodies lie on this grid, metres: bands that end on one line do so exactly.
+GRID = 1e-6
 
 
 def wall_face(side: Side, room: Room, openings: Openings) -> MeshPart | None:
@@ -80,15 +82,17 @@ def wall_bodies(sides: list[Side], rooms: BaseGeometry) -> list[Body]:
         frame, depth = side.frame, side.wall.depth
         ends = np.array([-depth, frame.length + depth])
         band = Polygon([*frame.plan(ends), *frame.plan(ends[::-1], -depth)])
-        area = _solid(band.difference(rooms).difference(taken))
+        outside = shapely.difference(band, rooms, grid_size=GRID)
+        area = _solid(shapely.difference(outside, taken, grid_size=GRID))
         strip = Polygon(
             [
                 *frame.plan(ends / 1.0 + [depth / 2, -depth / 2], depth / 2),
                 *frame.plan(ends[::-1] + [-depth / 2, depth / 2], -depth / 2),
             ]
         )
-        thin = band.difference(rooms).area < 0.6 * frame.length * depth
-        cap = _solid((unary_union([area, strip]) if thin else area).difference(caps))
+        thin = outside.area < 0.6 * frame.length * depth
+        cap = unary_union([area, strip]) if thin else area
+        cap = _solid(shapely.difference(cap, caps, grid_size=GRID))
         taken, caps = unary_union([taken, area]), unary_union([caps, cap])
         bodies.append(Body(side, area, cap))
     return bodies
