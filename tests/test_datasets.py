@@ -265,11 +265,11 @@ def test_every_problem_is_a_line(dataset):
     lines = [str(problem) for problem in check_dataset(dataset)]
     assert len(lines) == 6
     assert "../up.jpg" in lines[0]
-    assert lines[1].startswith(f"error: file {photos / 'cut.png'}, house h1: expected an image")
-    assert lines[2] == f"error: file {photos / 'gone.jpg'}, house h1: expected a photo, " + (
+    assert lines[1].startswith(f"warning: file {photos / 'cut.png'}, house h1: expected an image")
+    assert lines[2] == f"warning: file {photos / 'gone.jpg'}, house h1: expected a photo, " + (
         "found no such file"
     )
-    assert lines[3] == f"error: file {photos / 'text.jpg'}, house h1: expected an image, " + (
+    assert lines[3] == f"warning: file {photos / 'text.jpg'}, house h1: expected an image, " + (
         "found a file that is none"
     )
     assert lines[4].startswith(f"error: file {dataset / 'none.json'}")

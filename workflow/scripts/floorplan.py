@@ -8,6 +8,6 @@ with job(snakemake.log[0]):
         snakemake.input.plan,
         snakemake.output[0],
         house_id=snakemake.wildcards.house,
-        assignment=snakemake.input.get("assignment"),
+        assignment=snakemake.input.get("assignment") or "",
         metres_per_pixel=snakemake.params.metres_per_pixel,
     )

@@ -98,16 +98,21 @@ def _check_house(
         found = f"{photo}, which the house table doesn't list"
         fault = InputError("photos of the house table", found, file=file or "", house=house_id)
         yield Problem("warning", str(fault))
+    assigned = {row.photo for row in rows}
     for photo in sorted(names):
         try:
             path = safe_join(root / "photos", photo, file="house table", house=house_id)
-            if photo not in checked and path.is_file():
-                photo_problem(path, house=house_id)
-            elif photo not in checked and not any(row.photo == photo for row in rows):
-                raise InputError("a photo", "no such file", file=path, house=house_id)
-            checked.add(photo)
         except InputError as error:
             yield Problem("error", str(error))
+            continue
+        if photo in checked or (photo in assigned and not path.is_file()):
+            continue
+        checked.add(photo)
+        try:
+            photo_problem(path, house=house_id)
+        except InputError as error:
+            # The masks stage leaves the photo out and the house goes on.
+            yield Problem("warning", str(error))
 
 
 def _check_unobserved(path: Path, known: set[str]) -> Iterator[Problem]:
@@ -139,6 +144,8 @@ def photo_problem(path: str | Path, *, house: str = "") -> None:
             kind = image.format
             if kind == "PNG":
                 image.verify()
+    except FileNotFoundError:
+        raise InputError("a photo", "no such file", file=path, house=house) from None
     except UnidentifiedImageError:
         raise InputError("an image", "a file that is none", file=path, house=house) from None
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:

@@ -72,13 +72,14 @@ def import_plan(
     """Read, check and write a plan as scene.json; warnings go to the log. Return the house.
 
     `assignment` is the house's photo table: its rooms and photo names are checked here, so that
-    a wrong table stops the house before any photo is worked on.
+    a wrong table stops the house before any photo is worked on. An empty one, or "" for a house
+    that has none, is a warning; None asks for no check.
     """
     house = read_plan(path, house_id, metres_per_pixel)
     for line in validate_house(house, file=path):
         _LOGGER.warning("%s", line)
-    if not read_assignment(assignment, house):
-        empty = InputError("at least one photo", "none", file=assignment or "", house=house_id)
+    if assignment is not None and not read_assignment(assignment, house):
+        empty = InputError("at least one photo", "none", file=assignment, house=house_id)
         _LOGGER.warning("%s", empty)
     write_scene_json(house, output)
     return house
