@@ -1,6 +1,6 @@
 """Rotation and focal length of estimated cameras against the truth of a synthetic data set.
 
-``python benchmarks/cameras.py ROOT [--limit N] [--fov DEG] [--split SPLIT] [--labels truth|none]``
+``python benchmarks/cameras.py ROOT [--limit N] [--fov DEG] [--split SPLIT] [--labels truth|rough|none]``
 
 ROOT has the layout of docs/conventions.md with ``truth/{split}/{house}/cameras.json``. A rotation
 is compared up to quarter turns about the vertical, as the heading of a Manhattan frame is.
@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from plan2scene.io import read_image
@@ -59,6 +60,18 @@ def rotation_error_deg(estimate: Camera, truth: Camera) -> tuple[float, float]:
     return best, float(tilt)
 
 
+def roughened(labels: np.ndarray, seed: int) -> np.ndarray:
+    """Return labels with borders displaced by smooth noise of 4 px (standard deviation)."""
+    rng = np.random.default_rng(seed)
+    shift = [
+        cv2.GaussianBlur(rng.normal(size=labels.shape).astype(np.float32), (0, 0), 8)
+        for _ in range(2)
+    ]
+    y, x = np.mgrid[0 : labels.shape[0], 0 : labels.shape[1]].astype(np.float32)
+    moved = [4.0 * s / float(s.std()) + grid for s, grid in zip(shift, (x, y), strict=True)]
+    return cv2.remap(labels, moved[0], moved[1], cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
+
+
 def measure(root: Path, split: str, fov_deg: float, labels: str, limit: int) -> list[Result]:
     """Return the errors of up to `limit` photos, spread over the split."""
     photos = list(truths(root, split))
@@ -66,7 +79,9 @@ def measure(root: Path, split: str, fov_deg: float, labels: str, limit: int) -> 
     results = []
     for photo, truth, file, mask in chosen:
         image = read_image(file)
-        known = read_label_png(mask) if labels == "truth" else None
+        known = None if labels == "none" else read_label_png(mask)
+        if known is not None and labels == "rough":
+            known = roughened(known, len(results))
         start = time.perf_counter()
         estimate = estimate_camera(image, known, fov_deg=fov_deg)
         seconds = time.perf_counter() - start
@@ -119,7 +134,7 @@ def main() -> None:
     parser.add_argument("--split", default="val")
     parser.add_argument("--limit", type=int, default=200)
     parser.add_argument("--fov", type=float, default=60.0)
-    parser.add_argument("--labels", choices=("truth", "none"), default="none")
+    parser.add_argument("--labels", choices=("truth", "rough", "none"), default="none")
     parser.add_argument("--each", action="store_true", help="one line per photo too")
     arguments = parser.parse_args()
     results = measure(

@@ -10,6 +10,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.photos.lines import detect_segments
+from plan2scene.photos.masks import FLOOR, IGNORE, OTHER
 from plan2scene.photos.vanishing import (
     Manhattan,
     Segments,
@@ -27,10 +28,15 @@ MIN_VERTICAL = 3
 MIN_HORIZONTAL = 5
 #: ... with this share of the segments' weight; the focal length below this relative spread.
 MIN_SHARE = 0.30
-MAX_LOG_FOCAL_SD = 0.12
+MAX_LOG_FOCAL_SD = 0.30
 #: The standard deviation of the segments' fit is too small by about this factor: segments of one
 #: texture share their error.
-SD_INFLATION = 3.0
+SD_INFLATION = 2.0
+#: Borders of the label mask are segments too, from this share of the photo's width on.
+LABEL_LENGTH = 0.06
+LABEL_WEIGHT = 1.0
+#: Grey levels of other, floor, wall, ceiling and ignore that make every border visible.
+LABEL_LEVELS = np.array([100, 0, 170, 255, 100], dtype=np.uint8)
 FOCAL_SOURCES = ("vanishing_points", "config")
 
 
@@ -164,10 +170,8 @@ def estimate_camera(
     if scale < 1.0:
         size = (max(1, round(width * scale)), max(1, round(height * scale)))
         grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
-    rows, columns = grey.shape
-    lines = detect_segments(grey)[:MAX_SEGMENTS]
-    weight = _label_weight(lines, labels, grey.shape)
-    segments = Segments(lines, ((columns - 1) / 2, (rows - 1) / 2), weight)
+    columns = grey.shape[1]
+    segments = _segments(grey, labels)
     frame = fit_manhattan(segments, columns, fov_deg, seed)
     return _decide(frame, segments, (width, height), columns, fov_deg)
 
@@ -223,20 +227,47 @@ def canonical(axes: np.ndarray) -> np.ndarray:
     return np.asarray(left @ right)
 
 
+def _segments(grey: np.ndarray, labels: np.ndarray | None) -> Segments:
+    """Return the segments of a photo and of its label mask with their weights.
+
+    Long segments say more than short ones, borders between surfaces more than what lies on a
+    floor (herringbone, rugs) or on other things.
+    """
+    rows, columns = grey.shape
+    lines = detect_segments(grey)[:MAX_SEGMENTS]
+    weight = _label_weight(lines, labels, grey.shape)
+    if labels is not None:
+        small = cv2.resize(labels, (columns, rows), interpolation=cv2.INTER_NEAREST)
+        levels = LABEL_LEVELS[np.minimum(small, 4)]
+        smooth = cv2.GaussianBlur(levels, (0, 0), 1.5)
+        borders = detect_segments(smooth, LABEL_LENGTH * columns)[:MAX_SEGMENTS]
+        lines = np.vstack([lines, borders])
+        weight = np.concatenate([weight, np.full(len(borders), LABEL_WEIGHT)])
+    length = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
+    weight = weight * np.sqrt(np.minimum(length / columns, 0.3) / 0.06)
+    return Segments(lines, ((columns - 1) / 2, (rows - 1) / 2), weight)
+
+
 def _label_weight(
     lines: np.ndarray, labels: np.ndarray | None, shape: tuple[int, int]
 ) -> np.ndarray:
-    """Return each segment's weight: 1 on surfaces or between them, 0.5 on other things."""
+    """Return each segment's weight: 1 on walls and borders, 0.5 on other things and on floors."""
     if labels is None or not len(lines):
         return np.ones(len(lines))
     rows, columns = shape
     steps = np.linspace(0.1, 0.9, 5)[:, None]
     start, end = lines[:, :2], lines[:, 2:]
-    points = start[None] + steps[..., None] * (end - start)[None]
-    x = np.clip(points[..., 0] / columns * labels.shape[1], 0, labels.shape[1] - 1).astype(int)
-    y = np.clip(points[..., 1] / rows * labels.shape[0], 0, labels.shape[0] - 1).astype(int)
-    other = np.isin(labels[y, x], (0, 255)).mean(axis=0)
-    return np.asarray(1.0 - 0.5 * other)
+    across = (end - start)[:, ::-1] * np.array([-1.0, 1.0])
+    across *= 0.008 * columns / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-9)
+    other, floor = np.ones(len(lines), dtype=bool), np.ones(len(lines), dtype=bool)
+    for side in (-1.0, 1.0):
+        points = (start + side * across)[None] + steps[..., None] * (end - start)[None]
+        x = np.clip(points[..., 0] / columns * labels.shape[1], 0, labels.shape[1] - 1)
+        y = np.clip(points[..., 1] / rows * labels.shape[0], 0, labels.shape[0] - 1)
+        seen = labels[y.astype(int), x.astype(int)]
+        other &= np.isin(seen, (OTHER, IGNORE)).mean(axis=0) > 0.5
+        floor &= (seen == FLOOR).mean(axis=0) > 0.5
+    return np.where(other | floor, 0.5, 1.0)
 
 
 def _rows(matrix: np.ndarray) -> tuple[tuple[float, float, float], ...]:
