@@ -2,98 +2,92 @@
 
 The paper takes SUBS from a VGG-16 and FID's features from InceptionV3, both downloaded. This
 small network stands in for them where nothing is downloaded; every figure made with it is named
-"embedded" and must not be compared in size with one of those networks.
+"embedded" and must not be compared in size with one of those networks. Inference is plain numpy:
+a job that measures a dozen textures must not pay for importing torch.
 """
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import torch
-from torch import nn
 
 from plan2scene.errors import InputError
-from plan2scene.house import SUBSTANCES
 from plan2scene.metrics.images import METRIC_SIZE, metric_image
-from plan2scene.weights import load_model_file, save_model_file
 
 #: Name of this network in column names.
 FEATURE_NETWORK = "embedded"
-_MEAN, _STD = 0.5, 0.25
-_MAX_BATCH = 128
+#: Normalisation of sRGB in [0, 1] before the first layer.
+INPUT_MEAN, INPUT_STD = 0.5, 0.25
+#: Added to the variance of a map before its root (the gradient at 0 would be infinite).
+SPREAD_FLOOR = 1e-5
+_NORM_FLOOR = 1e-5  # of batch normalisation
+_BATCH = 16  # bounds the memory of the unrolled patches
 
 
-class SubstanceNetwork(nn.Module):
-    """Substance of a texture from the mean and spread of convolutional features.
+@dataclass(frozen=True, eq=False)
+class FeaturesNetwork:
+    """The trained network: strided convolutions, mean and spread of their maps, two linear layers.
 
-    Four strided convolutions; their maps' means and standard deviations over the image (what a
-    stationary texture is told by) go through a linear layer to the penultimate features.
-
-    Shapes
-    ------
-    input : (n, 3, 128, 128) float32, sRGB in [0, 1]
-    features : (n, `feature_dim`) float32, standardised over the training crops
-    logits : (n, 4) float32, order of ``house.SUBSTANCES``
-
-    Parameters
+    Attributes
     ----------
-    widths : sequence of int
-        Channels of the convolutions.
-    feature_dim : int
-        Length of the penultimate layer.
+    kernels : tuple of (out, in, k, k) float32
+        Batch normalisation folded in; stride 2, zero padding k // 2, then ReLU.
+    biases : tuple of (out,) float32
+    penultimate, head : (weight (out, in), bias (out,)) float32
+    shift, scale : (feature_dim,) float32
+        Standardise the features over the training crops.
     """
 
-    shift: torch.Tensor
-    scale: torch.Tensor
+    kernels: tuple[np.ndarray, ...]
+    biases: tuple[np.ndarray, ...]
+    penultimate: tuple[np.ndarray, np.ndarray]
+    head: tuple[np.ndarray, np.ndarray]
+    shift: np.ndarray
+    scale: np.ndarray
 
-    def __init__(self, widths: tuple[int, ...] = (24, 48, 64, 96), feature_dim: int = 64) -> None:
-        super().__init__()
-        self.architecture = {"widths": list(widths), "feature_dim": feature_dim}
-        layers: list[nn.Module] = []
-        channels = 3
-        for index, width in enumerate(widths):
-            kernel = 5 if index == 0 else 3
-            layers += [
-                nn.Conv2d(channels, width, kernel, 2, kernel // 2, bias=False),
-                nn.BatchNorm2d(width),
-                nn.ReLU(),
-            ]
-            channels = width
-        self.convolutions = nn.Sequential(*layers)
-        self.penultimate = nn.Linear(2 * channels, feature_dim)
-        self.head = nn.Linear(feature_dim, len(SUBSTANCES))
-        self.register_buffer("shift", torch.zeros(feature_dim))
-        self.register_buffer("scale", torch.ones(feature_dim))
+    @property
+    def feature_dim(self) -> int:
+        """Length of a feature vector."""
+        return len(self.shift)
 
-    def hidden(self, images: torch.Tensor) -> torch.Tensor:
-        """Return the penultimate activations before they are standardised, (n, feature_dim)."""
-        maps = self.convolutions((images - _MEAN) / _STD)
-        spread = torch.sqrt(maps.var(dim=(2, 3), unbiased=False) + 1e-5)
-        pooled = torch.cat([maps.mean(dim=(2, 3)), spread], dim=1)
-        return torch.relu(self.penultimate(pooled))
-
-    def forward(self, images: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-        """Return (features, logits)."""
-        hidden = self.hidden(images)
-        return (hidden - self.shift) / self.scale, self.head(hidden)
+    def __call__(self, images: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return (features (n, feature_dim), logits (n, 4)) of (n, 128, 128, 3) uint8 sRGB."""
+        maps = (images.astype(np.float32) / 255.0 - INPUT_MEAN) / INPUT_STD
+        for kernel, bias in zip(self.kernels, self.biases, strict=True):
+            maps = _convolve(maps, kernel, bias)
+        spread = np.sqrt(maps.var(axis=(1, 2)) + SPREAD_FLOOR)
+        pooled = np.concatenate([maps.mean(axis=(1, 2)), spread], axis=1)
+        weight, bias = self.penultimate
+        hidden = np.maximum(pooled @ weight.T + bias, 0.0)
+        weight, bias = self.head
+        return (hidden - self.shift) / self.scale, hidden @ weight.T + bias
 
 
-def as_tensor(images: np.ndarray) -> torch.Tensor:
-    """Return (n, h, w, 3) uint8 sRGB images as (n, 3, h, w) float32 in [0, 1]."""
-    moved = np.ascontiguousarray(np.moveaxis(images, -1, 1))
-    return torch.from_numpy(moved).float() / 255.0
+def _convolve(maps: np.ndarray, kernel: np.ndarray, bias: np.ndarray) -> np.ndarray:
+    """Return ReLU of a stride-2 convolution of (n, h, w, c) float32 with (out, c, k, k)."""
+    out, channels, size, _ = kernel.shape
+    pad = size // 2
+    padded = np.pad(maps, ((0, 0), (pad, pad), (pad, pad), (0, 0)))
+    windows = np.lib.stride_tricks.sliding_window_view(padded, (size, size), axis=(1, 2))
+    windows = windows[:, ::2, ::2]  # (n, h', w', c, k, k)
+    patches = windows.reshape(-1, channels * size * size)
+    result = patches @ kernel.reshape(out, -1).T + bias
+    return np.maximum(result, 0.0).reshape(*windows.shape[:3], out)
 
 
 def extract_features(
-    network: SubstanceNetwork, images: list[np.ndarray]
+    network: FeaturesNetwork, images: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return features and substances of textures.
 
     Parameters
     ----------
-    images : list of (h, w, 3) uint8
-        sRGB; resized to 128 px where they are not.
+    images : sequence of (h, w, 3) uint8
+        sRGB, square; resized to 128 px where they are not.
 
     Returns
     -------
@@ -101,32 +95,49 @@ def extract_features(
     (n,) int64
         Index into ``house.SUBSTANCES``.
     """
-    features = [np.zeros((0, network.shift.shape[0]), np.float32)]
-    classes = [np.zeros(0, np.int64)]
-    for start in range(0, len(images), _MAX_BATCH):
-        batch = np.stack([metric_image(i) for i in images[start : start + _MAX_BATCH]])
-        with torch.inference_mode():
-            part, logits = network(as_tensor(batch))
-        features.append(part.numpy())
-        classes.append(logits.argmax(dim=1).numpy())
-    return np.concatenate(features), np.concatenate(classes)
+    features = np.zeros((len(images), network.feature_dim), np.float32)
+    classes = np.zeros(len(images), np.int64)
+    for start in range(0, len(images), _BATCH):
+        batch = np.stack([metric_image(image) for image in images[start : start + _BATCH]])
+        if batch.shape[1:] != (METRIC_SIZE, METRIC_SIZE, 3) or batch.dtype != np.uint8:
+            raise ValueError(f"expected square RGB uint8 images, found {batch.shape}")
+        part, logits = network(batch)
+        features[start : start + _BATCH] = part
+        classes[start : start + _BATCH] = logits.argmax(axis=1)
+    return features, classes
 
 
-def save_features_network(network: SubstanceNetwork, path: str | Path) -> None:
-    """Write the network as safetensors with its architecture."""
-    architecture = {**network.architecture, "image_size": METRIC_SIZE}
-    save_model_file(path, network.state_dict(), architecture)
+def load_features_network(path: str | Path) -> FeaturesNetwork:
+    """Return the network of a weight file; InputError for one of another network."""
+    from safetensors import SafetensorError, safe_open
 
-
-def load_features_network(path: str | Path) -> SubstanceNetwork:
-    """Return a network of :func:`save_features_network`, ready for inference.
-
-    Raises InputError for weights of another network.
-    """
-    state, architecture = load_model_file(path)
     try:
-        network = SubstanceNetwork(tuple(architecture["widths"]), architecture["feature_dim"])
-        network.load_state_dict(state)
-    except (KeyError, TypeError, RuntimeError) as error:
-        raise InputError("weights of the features network", str(error), file=path) from None
-    return network.eval()
+        with safe_open(path, framework="np") as file:
+            header = file.metadata() or {}
+            names = file.keys()
+            state = {name: file.get_tensor(name).astype(np.float32) for name in names}
+    except (SafetensorError, OSError) as error:
+        raise InputError("a safetensors file", str(error), file=path) from None
+    try:
+        depth = len(json.loads(header["architecture"])["widths"])
+        return network_from_state(state, depth)
+    except (KeyError, ValueError) as error:
+        raise InputError("weights of the features network", repr(error), file=path) from None
+
+
+def network_from_state(state: Mapping[str, np.ndarray], depth: int) -> FeaturesNetwork:
+    """Return the network of a float32 state dict with `depth` convolutions."""
+    kernels, biases = [], []
+    for index in range(depth):
+        norm = f"convolutions.{3 * index + 1}"
+        gain = state[f"{norm}.weight"] / np.sqrt(state[f"{norm}.running_var"] + _NORM_FLOOR)
+        kernels.append(state[f"convolutions.{3 * index}.weight"] * gain[:, None, None, None])
+        biases.append(state[f"{norm}.bias"] - state[f"{norm}.running_mean"] * gain)
+    return FeaturesNetwork(
+        kernels=tuple(kernels),
+        biases=tuple(biases),
+        penultimate=(state["penultimate.weight"], state["penultimate.bias"]),
+        head=(state["head.weight"], state["head.bias"]),
+        shift=state["shift"],
+        scale=state["scale"],
+    )

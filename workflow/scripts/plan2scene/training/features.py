@@ -15,12 +15,16 @@ from torch.nn import functional
 from plan2scene.house import SUBSTANCES
 from plan2scene.io import atomic_path
 from plan2scene.metrics.features import (
-    SubstanceNetwork,
-    as_tensor,
+    FeaturesNetwork,
     extract_features,
-    save_features_network,
+    load_features_network,
 )
 from plan2scene.seeds import derive_seed, generator
+from plan2scene.training.features_network import (
+    SubstanceNetwork,
+    as_tensor,
+    save_features_network,
+)
 from plan2scene.training.texture_data import (
     CROP_PX,
     TextureSet,
@@ -177,7 +181,7 @@ def standardise(network: SubstanceNetwork, crops: np.ndarray) -> None:
 
 
 def confusion(
-    network: SubstanceNetwork, textures: TextureSet, count: int, seed: int, degraded: bool
+    network: FeaturesNetwork, textures: TextureSet, count: int, seed: int, degraded: bool
 ) -> np.ndarray:
     """Return the (4, 4) counts of true (row) against predicted substance over `count` crops."""
     rng = generator(seed, "features held out", degraded)
@@ -214,15 +218,16 @@ def train_features(
     rng = generator(settings.seed, "features scale")
     weights = sampling_weights(textures, settings.scanned_share)
     standardise(network, draw_crops(textures, weights, 1024, rng, 0.75)[0])
+    save_features_network(network, model)
+    shipped = load_features_network(model)  # what the metrics run: float16 weights, numpy
     rows, accuracies = [], {}
     for name, group in held_out.items():
         for degraded in (False, True):
             title = f"{name}, {'photographed' if degraded else 'clean'}"
-            counts = confusion(network, group, settings.held_out_crops, settings.seed, degraded)
+            counts = confusion(shipped, group, settings.held_out_crops, settings.seed, degraded)
             accuracies[title] = float(np.trace(counts) / counts.sum())
             rows += _lines(title, counts)
             _LOGGER.info("%s: accuracy %.3f", title, accuracies[title])
-    save_features_network(network, model)
     with atomic_path(card) as temporary:
         temporary.write_text(_card(settings, textures, steps, minutes, rows), encoding="utf-8")
     return accuracies

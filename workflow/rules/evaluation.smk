@@ -1,0 +1,82 @@
+# Unobserved and All of the paper's table: 60 % of photos hidden where the config has it.
+TABLE_DROP = "0.6" if "0.6" in DROPS else max(DROPS)
+
+
+rule metrics:
+    # COLOR, FREQ, TILE, SUBS and features of each surface that any crop shows.
+    input:
+        textures=f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/textures",
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        model=model_of("features"),
+    output:
+        f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/metrics.parquet",
+    log:
+        f"logs/{DATASET}/metrics/{{drop}}/{{method}}/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/metrics/{{drop}}/{{method}}/{{house}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        hidden=hidden_photos,
+        dataset=DATASET,
+        code=code_hash("metrics.stage"),
+    script:
+        "../scripts/metrics.py"
+
+
+rule reference_features:
+    # Features of every crop: what FID compares the textures with.
+    input:
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        model=model_of("features"),
+    output:
+        f"{RESULTS}/houses/{{house}}/reference_features.parquet",
+    log:
+        f"logs/{DATASET}/reference_features/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/reference_features/{{house}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        dataset=DATASET,
+        code=code_hash("metrics.stage"),
+    script:
+        "../scripts/reference_features.py"
+
+
+rule paper_table:
+    # The paper's table 1 over all houses, with the published figures beside ours.
+    input:
+        metrics=expand(
+            f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/metrics.parquet",
+            drop=sorted({"0.0", TABLE_DROP}),
+            method=METHODS,
+            house=HOUSES.index,
+        ),
+        references=house_files("reference_features.parquet"),
+    output:
+        csv=f"{RESULTS}/tables/paper_table.csv",
+        parquet=f"{RESULTS}/tables/paper_table.parquet",
+        plot=report(
+            f"{RESULTS}/tables/paper_table.png",
+            caption="../report/paper_table.rst",
+            category="Evaluation",
+        ),
+    log:
+        f"logs/{DATASET}/paper_table.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/paper_table.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        dataset=DATASET,
+        houses=list(HOUSES.index),
+        methods=METHODS,
+        drop=TABLE_DROP,
+        seed=config["seed"],
+        code=code_hash("metrics.table"),
+    script:
+        "../scripts/paper_table.py"

@@ -1,0 +1,54 @@
+def decoder_of(wildcards):
+    """Return the texture model of a method; none where nothing is decoded."""
+    models = {"synth": "texture", "naivesynth": "naivesynth"}
+    return model_of(models[wildcards.method]) if wildcards.method in models else []
+
+
+rule texture_library:
+    # Tileable textures: what Retrieve chooses from.
+    output:
+        f"{RESULTS}/texture_library.parquet",
+    log:
+        f"logs/{DATASET}/texture_library.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/texture_library.tsv"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        folder=config["textures"]["library_folder"],
+        per_substance=config["textures"]["library_tiles"],
+        seed=config["textures"]["library_seed"],
+        size_px=config["textures"]["size_px"],
+        code=code_hash("textures.retrieval"),
+    script:
+        "../scripts/texture_library.py"
+
+
+rule textures:
+    # A tile for every surface of a house, by one method.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        propagated=f"{RESULTS}/drop_{{drop}}/{{house}}/propagated.parquet",
+        library=f"{RESULTS}/texture_library.parquet",
+        model=decoder_of,
+    output:
+        directory(f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/textures"),
+    log:
+        f"logs/{DATASET}/textures/{{drop}}/{{method}}/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/textures/{{drop}}/{{method}}/{{house}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        hidden=hidden_photos,
+        seed=config["seed"],
+        size_px=config["textures"]["size_px"],
+        seam_correction=lambda wildcards: config["textures"]["seam_correction"][
+            wildcards.method
+        ],
+        code=code_hash("textures.stage"),
+    script:
+        "../scripts/textures.py"

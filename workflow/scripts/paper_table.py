@@ -1,0 +1,20 @@
+"""Rule paper_table: metrics of all houses -> the paper's table 1."""
+
+from plan2scene.jobs import job
+from plan2scene.metrics.table import TableRequest, paper_table
+
+with job(snakemake.log[0]):
+    paper_table(
+        snakemake.input.metrics,
+        snakemake.input.references,
+        snakemake.output.csv,
+        snakemake.output.parquet,
+        snakemake.output.plot,
+        request=TableRequest(
+            dataset=snakemake.params.dataset,
+            houses=tuple(snakemake.params.houses),
+            methods=tuple(snakemake.params.methods),
+            drop=snakemake.params.drop,
+            seed=snakemake.params.seed,
+        ),
+    )

@@ -1,0 +1,163 @@
+"""The metrics stage of one house: its tiles against the crops that stand for the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.house import SUBSTANCES, SurfaceKey
+from plan2scene.io import image_from_bytes, read_image, read_json, read_parquet, write_parquet
+from plan2scene.metrics.color import color_histogram
+from plan2scene.metrics.features import (
+    FEATURE_NETWORK,
+    extract_features,
+    load_features_network,
+)
+from plan2scene.metrics.freq import frequency_profile
+from plan2scene.metrics.images import METRIC_SIZE, metric_image
+from plan2scene.metrics.tile import tile_scores
+from plan2scene.photos.crops import medoid_index
+from plan2scene.provenance import file_hash
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COLUMNS = (
+    *("house", "room_id", "surface", "observed", "method", "drop", "color", "freq", "tile"),
+    *("subs", "substance_predicted", "substance_reference", "features"),
+)
+
+
+def measure_house(
+    textures: str | Path,
+    crops: str | Path,
+    model: str | Path,
+    output: str | Path,
+    *,
+    dataset: str,
+    house: str,
+    method: str,
+    drop: str,
+    hidden_photos: Collection[str],
+) -> None:
+    """Write ``metrics.parquet`` (docs/conventions.md): a row per surface that has any crop.
+
+    Parameters
+    ----------
+    textures : path
+        Folder of the texture stage.
+    crops : path
+        ``crops.parquet`` of the house, hidden photos included.
+    model : path
+        Weights of the features network.
+    drop : str
+        Share of photos hidden, one decimal.
+    hidden_photos : collection of str
+        Photos hidden at this drop: an observed surface is compared with the medoid of its
+        visible crops, any other with the medoid over all photos.
+    """
+    import pandas as pd
+
+    entries = read_json(Path(textures) / "textures.json")["surfaces"]
+    references = reference_images(read_parquet(crops)[0], hidden_photos)
+    keys, observed, predictions, truths = [], [], [], []
+    for name, entry in entries.items():
+        key = SurfaceKey(*name.rsplit("/", 1))
+        visible, every = references.get(key, (None, None))
+        if every is None:
+            continue
+        if entry["observed"] and visible is None:
+            raise InputError(
+                f"a visible crop of {name}, observed at drop {drop}",
+                "none",
+                file=crops,
+                house=house,
+            )
+        keys.append(key)
+        observed.append(bool(entry["observed"]))
+        tile = read_image(Path(textures) / f"{key.filename}.png", house=house)
+        predictions.append(metric_image(tile))
+        truths.append(visible if entry["observed"] and visible is not None else every)
+    values = _measure(predictions, truths, model)
+    frame = pd.DataFrame(
+        {
+            "house": house,
+            "room_id": [key.room_id for key in keys],
+            "surface": [key.surface for key in keys],
+            "observed": np.array(observed, dtype=bool),
+            "method": method,
+            "drop": drop,
+            **values,
+        },
+        columns=list(COLUMNS),
+    )
+    metadata = {"dataset": dataset, "house": house, "model": file_hash(model)}
+    write_parquet(output, frame, {**metadata, "features": FEATURE_NETWORK})
+
+
+def reference_images(
+    crops: pd.DataFrame, hidden_photos: Collection[str]
+) -> dict[SurfaceKey, tuple[np.ndarray | None, np.ndarray]]:
+    """Return for each surface with crops the medoid of its visible ones and that of all.
+
+    Both (128, 128, 3) uint8; the first is None for a surface that only hidden photos show.
+    """
+    hidden = set(hidden_photos)
+    result = {}
+    for (room_id, surface), group in crops.groupby(["room_id", "surface"], sort=False):
+        images = [metric_image(image_from_bytes(png)) for png in group["png"]]
+        seen = [i for i, photo in zip(images, group["photo"], strict=True) if photo not in hidden]
+        visible = seen[medoid_index(seen)] if seen else None
+        key = SurfaceKey(str(room_id), str(surface))
+        result[key] = (visible, images[medoid_index(images)])
+    return result
+
+
+def _measure(
+    predictions: list[np.ndarray], references: list[np.ndarray], model: str | Path
+) -> dict[str, object]:
+    """Return the metric columns of paired (128, 128, 3) uint8 images."""
+    network = load_features_network(model)
+    count = len(predictions)
+    features, classes = extract_features(network, predictions + references)
+    shape = (-1, METRIC_SIZE, METRIC_SIZE, 3)
+    predicted = np.array(predictions, dtype=np.uint8).reshape(shape)
+    wanted = np.array(references, dtype=np.uint8).reshape(shape)
+    if not count:
+        return {name: [] for name in COLUMNS[6:]}
+    histograms = np.abs(color_histogram(predicted) - color_histogram(wanted)).sum(axis=-1)
+    profiles = np.abs(frequency_profile(predicted) - frequency_profile(wanted))
+    return {
+        "color": histograms / (2 * METRIC_SIZE**2),
+        "freq": profiles.mean(axis=-1),
+        "tile": tile_scores(predicted),
+        "subs": (classes[:count] != classes[count:]).astype(np.int64),
+        "substance_predicted": [SUBSTANCES[c] for c in classes[:count]],
+        "substance_reference": [SUBSTANCES[c] for c in classes[count:]],
+        "features": list(features[:count]),
+    }
+
+
+def reference_features(
+    crops: str | Path, model: str | Path, output: str | Path, *, dataset: str, house: str
+) -> None:
+    """Write ``reference_features.parquet``: the features of every crop of a house."""
+    import pandas as pd
+
+    table, _ = read_parquet(crops)
+    network = load_features_network(model)
+    features, _ = extract_features(network, [image_from_bytes(png) for png in table["png"]])
+    frame = pd.DataFrame(
+        {
+            "crop_id": table["crop_id"],
+            "room_id": table["room_id"],
+            "surface": table["surface"],
+            "features": list(features),
+        }
+    )
+    metadata = {"dataset": dataset, "house": house, "model": file_hash(model)}
+    write_parquet(output, frame, {**metadata, "features": FEATURE_NETWORK})

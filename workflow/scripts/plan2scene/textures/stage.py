@@ -1,0 +1,216 @@
+"""The texture stage: a tile for every surface of a house, by one of the paper's methods.
+
+``crop``        the reference crop (:mod:`plan2scene.textures.baselines`)
+``retrieve``    the library's tile nearest to that crop
+``naivesynth``  the unmodified texture model, decoded from the mean of the crops' embeddings
+``synth``       the paper's model, decoded from the selected or propagated embedding
+
+Seam correction is a switch per method. The metrics read the very tiles written here, and the
+paper compares Crop and Retrieve as they are (a corrected crop's TILE would not be Crop's), so
+both are left alone by default; a decoder with periodic noise tiles by construction and is never
+touched. Crops stay at their 128 px whatever `size_px` is: more pixels would add nothing.
+Torch is imported for the two decoded methods only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans.scene_json import read_scene_json
+from plan2scene.house import House, SurfaceKey
+from plan2scene.io import atomic_directory, read_parquet, write_json, write_png
+from plan2scene.seeds import derive_seed, generator
+from plan2scene.textures.baselines import Choice, Crop, choose_crop, usual_substance
+from plan2scene.textures.retrieval import TextureLibrary, read_library
+from plan2scene.textures.seams import make_seamless
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Methods of the texture stage, in the order of the paper's table.
+METHODS = ("crop", "retrieve", "naivesynth", "synth")
+_SYNTHESISED = ("naivesynth", "synth")
+
+
+@dataclass(frozen=True, eq=False)
+class Tile:
+    """A surface's texture: (s, s, 3) uint8 sRGB, metres it covers, what it was made of."""
+
+    image: np.ndarray
+    size_m: float
+    source: str
+    tiles_by_construction: bool = False
+
+
+def make_textures(
+    method: str,
+    propagated: str | Path,
+    crops: str | Path,
+    scene_json: str | Path,
+    out_dir: str | Path,
+    *,
+    house: str,
+    hidden_photos: Collection[str],
+    library: str | Path,
+    model: str | Path | None,
+    seed: int,
+    size_px: int,
+    seam_correction: bool,
+) -> None:
+    """Write ``{room_id}_{surface}.png`` and ``textures.json`` (docs/conventions.md) to `out_dir`.
+
+    Parameters
+    ----------
+    method : str
+        One of :data:`METHODS`.
+    propagated, crops, scene_json, library : path
+        Files of the stages before (docs/conventions.md; the library of
+        :func:`plan2scene.textures.retrieval.write_library`).
+    hidden_photos : collection of str
+        Photos whose crops are not to be seen at this drop fraction.
+    model : path, optional
+        Weights of the texture model; needed by ``synth`` and ``naivesynth``.
+    size_px : int
+        Side of decoded tiles in pixels.
+    seam_correction : bool
+        Repair what does not tile by construction.
+    """
+    if method not in METHODS:
+        raise InputError(f"a method of {', '.join(METHODS)}", method, house=house)
+    plan = read_scene_json(scene_json, house)
+    surfaces, _ = read_parquet(propagated)
+    visible = visible_crops(read_parquet(crops)[0], hidden_photos)
+    if method in _SYNTHESISED:
+        if model is None:
+            raise InputError(f"a texture model for method {method}", "none", house=house)
+        tiles = _decoded(method, surfaces, model, house=house, seed=seed, size_px=size_px)
+    else:
+        tiles = _baseline(method, plan, surfaces, visible, read_library(library), seed)
+    _write(out_dir, method, surfaces, tiles, seam_correction)
+
+
+def visible_crops(frame: pd.DataFrame, hidden_photos: Collection[str]) -> list[Crop]:
+    """Return the crops of ``crops.parquet`` whose photo is not hidden, in the file's order."""
+    hidden = set(hidden_photos)
+    return [
+        Crop(row.crop_id, SurfaceKey(row.room_id, row.surface), row.png, float(row.metres))
+        for row in frame.itertuples()
+        if row.photo not in hidden
+    ]
+
+
+def _baseline(
+    method: str,
+    plan: House,
+    surfaces: pd.DataFrame,
+    crops: list[Crop],
+    library: TextureLibrary,
+    seed: int,
+) -> dict[SurfaceKey, Tile]:
+    """Return the tiles of methods crop and retrieve."""
+    make: Callable[[Choice, float], Tile]
+    if method == "crop":
+        make = _crop_tile
+    else:
+        nearest: dict[str, int] = {}  # rooms often fall back on one crop
+
+        def make(choice: Choice, metres: float) -> Tile:
+            name = choice.crop.crop_id
+            if name not in nearest:
+                nearest[name] = library.nearest(choice.crop.image())
+            return _library_tile(library, nearest[name], f"nearest to {choice.source}")
+
+    tiles = {}
+    for row in surfaces.itertuples():
+        key = SurfaceKey(row.room_id, row.surface)
+        choice = choose_crop(plan, key, crops, seed)
+        if choice is None:
+            tiles[key] = _usual_tile(plan, key, library, seed)
+        else:
+            tiles[key] = make(choice, float(row.metres))
+    return tiles
+
+
+def _crop_tile(choice: Choice, metres: float) -> Tile:
+    """Return a crop as a tile, at its own scale, else at `metres`."""
+    own = choice.crop.metres
+    return Tile(choice.crop.image(), own if math.isfinite(own) else metres, choice.source)
+
+
+def _library_tile(library: TextureLibrary, index: int, why: str) -> Tile:
+    """Return a tile of the library."""
+    return Tile(
+        library.tiles[index], float(library.size_m[index]), f"{library.names[index]}, {why}"
+    )
+
+
+def _usual_tile(plan: House, key: SurfaceKey, library: TextureLibrary, seed: int) -> Tile:
+    """Return a random library tile of the usual substance, for a house that no photo shows."""
+    substance = usual_substance(plan, key)
+    pool = library.of_substance(substance) or list(range(len(library)))
+    rng = generator(seed, plan.id, key.room_id, key.surface, "library")
+    index = pool[int(rng.integers(len(pool)))]
+    return _library_tile(library, index, "no crop in the house")
+
+
+def _decoded(
+    method: str, surfaces: pd.DataFrame, model: str | Path, *, house: str, seed: int, size_px: int
+) -> dict[SurfaceKey, Tile]:
+    """Return the decoded tiles of methods naivesynth and synth."""
+    from plan2scene.textures.model import load_texture_model
+    from plan2scene.textures.synthesis import decode_textures
+
+    network = load_texture_model(model)
+    column = "embedding" if method == "synth" else "naive_embedding"
+    codes = np.stack([np.asarray(code, dtype=np.float32) for code in surfaces[column]])
+    if codes.shape[1] != network.embedding_dim:
+        raise InputError(
+            f"embeddings of {network.embedding_dim} numbers, as the model's",
+            f"{codes.shape[1]} in {column}",
+            file=model,
+            house=house,
+        )
+    keys = [SurfaceKey(row.room_id, row.surface) for row in surfaces.itertuples()]
+    seeds = [derive_seed(seed, house, key.room_id, key.surface, method) for key in keys]
+    images = decode_textures(network, codes, seeds, size_px=size_px)
+    return {
+        key: Tile(image, float(metres), str(source), network.architecture.periodic)
+        for key, image, metres, source in zip(
+            keys, images, surfaces["metres"], surfaces["source"], strict=True
+        )
+    }
+
+
+def _write(
+    out_dir: str | Path,
+    method: str,
+    surfaces: pd.DataFrame,
+    tiles: Mapping[SurfaceKey, Tile],
+    seam_correction: bool,
+) -> None:
+    """Write the tiles and textures.json, seams corrected where asked for."""
+    entries = {}
+    with atomic_directory(out_dir) as folder:
+        for row in surfaces.itertuples():
+            key = SurfaceKey(row.room_id, row.surface)
+            tile = tiles[key]
+            image, corrected = tile.image, False
+            if seam_correction and not tile.tiles_by_construction:
+                image, changed = make_seamless(image)
+                corrected = bool(changed.any())
+            write_png(folder / f"{key.filename}.png", image)
+            entries[f"{key.room_id}/{key.surface}"] = {
+                "size_m": tile.size_m,
+                "observed": bool(row.observed),
+                "substance": row.substance,
+                "seam_corrected": corrected,
+                "source": tile.source,
+            }
+        write_json(folder / "textures.json", {"method": method, "surfaces": entries})

@@ -1,0 +1,13 @@
+"""Rule texture_library: procedural materials or a user's folder -> tiles to retrieve from."""
+
+from plan2scene.jobs import job
+from plan2scene.textures.retrieval import write_library
+
+with job(snakemake.log[0]):
+    write_library(
+        snakemake.output[0],
+        folder=snakemake.params.folder,
+        per_substance=snakemake.params.per_substance,
+        seed=snakemake.params.seed,
+        size_px=snakemake.params.size_px,
+    )
