@@ -7,11 +7,25 @@ min_version("9.10")
 configfile: "config/config.yaml"
 
 
+report: "workflow/report/workflow.rst"
+
+
 include: "workflow/rules/common.smk"
 include: "workflow/rules/floorplans.smk"
+include: "workflow/rules/photos.smk"
+include: "workflow/rules/embeddings.smk"
+include: "workflow/rules/propagation.smk"
+include: "workflow/rules/textures.smk"
+include: "workflow/rules/houses.smk"
+include: "workflow/rules/evaluation.smk"
+include: "workflow/rules/data.smk"
+include: "workflow/rules/training.smk"
+include: "workflow/rules/training_features.smk"
+include: "workflow/rules/training_propagation.smk"
 
 
 rule all:
     default_target: True
     input:
-        expand(f"{RESULTS}/houses/{{house}}/scene.json", house=HOUSES.index),
+        house_files("house.glb", "house.scene.json", "preview.png"),
+        f"{RESULTS}/tables/paper_table.csv",

@@ -1,5 +1,6 @@
 # What every rule shares: the checked config and house table, and input functions.
 # Paths of all results: results/{dataset}/..., the grammar is in docs/conventions.md.
+import functools
 import os
 import sys
 from pathlib import Path

@@ -13,6 +13,8 @@ rule floorplan:
     resources:
         mem_mb=500,
     params:
+        plan=lambda wildcards: str(DATA_ROOT / HOUSES.loc[wildcards.house, "plan"]),
+        photos=str(DATA_ROOT / "photos"),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         code=code_hash("floorplans"),
     script:

@@ -10,7 +10,7 @@ rule propagation_houses:
     resources:
         mem_mb=6000,
     params:
-        count=config.get("training", {}).get("propagation_houses", 0),
+        houses=config.get("training", {}).get("propagation_houses", 0),
         seed=config["seed"],
         code=code_hash("training.propagation_data"),
     script:

@@ -12,7 +12,7 @@ with job(snakemake.log[0]):
     house = read_scene_json(snakemake.input.scene, name)
     table = snakemake.input.assignment
     rooms_of_photo: dict[str, list[str]] = {}
-    for row in read_assignment(table, name) if table else []:
+    for row in read_assignment(table or None, house):
         rooms_of_photo.setdefault(row.photo, []).append(row.room_id)
     output, dataset = snakemake.output[0], params.dataset
     if params.source == "precomputed":

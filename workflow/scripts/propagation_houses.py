@@ -5,5 +5,5 @@ from plan2scene.training.propagation_data import write_training_houses
 
 with job(snakemake.log[0]):
     write_training_houses(
-        snakemake.output[0], count=snakemake.params.count, seed=snakemake.params.seed
+        snakemake.output[0], count=snakemake.params.houses, seed=snakemake.params.seed
     )

@@ -1,0 +1,103 @@
+"""The whole workflow on two houses: what it makes, and what a change makes it do again."""
+
+import csv
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from plan2scene.floorplans import read_plan
+from plan2scene.house_table import load_houses
+
+METHODS = {"crop", "retrieve", "naivesynth", "synth"}
+
+
+def test_every_house_has_its_files(made):
+    for house in made.houses():
+        folder = made.root / "results" / "tiny" / "houses" / house
+        plan = read_plan(folder / "scene.json", house)
+        assert (folder / "house.glb").read_bytes()[:4] == b"glTF"
+        assert (folder / "viewer.html").stat().st_size > (folder / "house.glb").stat().st_size
+        assert Image.open(folder / "preview.png").size[0] > 400
+        textures = made.root / "results/tiny/drop_0.0/synth" / house / "textures"
+        names = {path.stem for path in textures.glob("*.png")}
+        assert names == {key.filename for key in plan.surface_keys()}
+
+
+def test_the_table_has_no_empty_cell(made):
+    path = made.root / "results" / "tiny" / "tables" / "paper_table.csv"
+    rows = list(csv.DictReader(path.open()))
+    assert {row["method"] for row in rows} == METHODS
+    assert len(rows) == 12
+    figures = [
+        name for name in rows[0] if name.split()[0] in {"COLOR", "FREQ", "SUBS", "FID", "TILE"}
+    ]
+    assert len(figures) >= 10  # ours and the published ones
+    assert all(row[name] not in ("", "nan") for row in rows for name in figures)
+    observed_crop = next(r for r in rows if (r["method"], r["column"]) == ("crop", "observed"))
+    assert float(observed_crop["COLOR"]) == 0.0
+
+
+def test_a_second_run_does_nothing(made):
+    assert made.jobs("all") == []
+
+
+def test_touching_a_photo_reruns_its_house_alone(made):
+    table = load_houses(made.root / "data" / "houses.tsv", splits=["test"])
+    house = next(name for name in made.houses() if table.loc[name, "photos"])
+    photo = made.root / "data" / "photos" / table.loc[house, "photos"].split("|")[0]
+    before = photo.stat()
+    os.utime(photo)
+    try:
+        jobs = made.jobs("all")
+    finally:
+        os.utime(photo, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert ("masks", house) in jobs
+    assert {name for _, name in jobs} == {house, ""}
+
+
+def test_editing_the_seam_module_reruns_what_depends_on_it(made):
+    module = made.root / "workflow/scripts/plan2scene/textures/seams.py"
+    text = module.read_text()
+    module.write_text(text + "\n# an edit\n")
+    try:
+        rules = {rule for rule, _ in made.jobs("all")}
+    finally:
+        module.write_text(text)
+    assert {"textures", "house", "metrics"} <= rules
+    assert not rules & {"masks", "crops", "embeddings", "surfaces", "propagate"}
+
+
+def test_one_house_is_made_without_the_others(made, tmp_path):
+    clone = tmp_path / "clone"
+    shutil.copytree(
+        made.root, clone, symlinks=True, ignore=shutil.ignore_patterns("results", ".snakemake")
+    )
+    one, other = made.houses()
+    jobs = type(made)(clone).jobs(f"results/tiny/houses/{one}/house.glb")
+    assert ("house", one) in jobs
+    assert other not in {name for _, name in jobs}
+
+
+def test_the_same_input_gives_the_same_bytes(made):
+    house = made.houses()[0]
+    folder = made.root / "results" / "tiny" / "houses" / house
+    first = {name: (folder / name).read_bytes() for name in ("crops.parquet", "house.glb")}
+    targets = [f"results/tiny/houses/{house}/{name}" for name in first]
+    textures = f"results/tiny/drop_0.0/synth/{house}/textures"
+    run = made.snakemake("--forcerun", "crops", "textures", "house", "--", textures, *targets)
+    assert run.returncode == 0, run.stdout[-3000:]
+    assert {name: (folder / name).read_bytes() for name in first} == first
+    run = made.snakemake("all")
+    assert run.returncode == 0, run.stdout[-3000:]
+
+
+@pytest.mark.parametrize("change", ["methodz: [crop]", "drops: [0.65]", "house: {method: other}"])
+def test_a_wrong_config_is_refused(made, tmp_path, change):
+    path = Path(tmp_path) / "wrong.yaml"
+    path.write_text(change + "\n")
+    run = made.snakemake("--dry-run", "--configfile", str(path), "--", "all")
+    assert run.returncode != 0
+    assert change.split(":")[0] in run.stdout
