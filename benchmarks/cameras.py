@@ -1,6 +1,6 @@
 """Rotation and focal length of estimated cameras against the truth of a synthetic data set.
 
-``python benchmarks/cameras.py ROOT [--limit N] [--fov DEG] [--split SPLIT] [--labels truth|rough|none]``
+``python benchmarks/cameras.py ROOT [--limit N] [--fov DEG] [--split SPLIT] [--labels KIND]``
 
 ROOT has the layout of docs/conventions.md with ``truth/{split}/{house}/cameras.json``. A rotation
 is compared up to quarter turns about the vertical, as the heading of a Manhattan frame is.
@@ -61,14 +61,14 @@ def rotation_error_deg(estimate: Camera, truth: Camera) -> tuple[float, float]:
 
 
 def roughened(labels: np.ndarray, seed: int) -> np.ndarray:
-    """Return labels with borders displaced by smooth noise of 4 px (standard deviation)."""
+    """Return labels with borders displaced by smooth noise of 2.5 px (standard deviation)."""
     rng = np.random.default_rng(seed)
     shift = [
         cv2.GaussianBlur(rng.normal(size=labels.shape).astype(np.float32), (0, 0), 8)
         for _ in range(2)
     ]
     y, x = np.mgrid[0 : labels.shape[0], 0 : labels.shape[1]].astype(np.float32)
-    moved = [4.0 * s / float(s.std()) + grid for s, grid in zip(shift, (x, y), strict=True)]
+    moved = [2.5 * s / float(s.std()) + grid for s, grid in zip(shift, (x, y), strict=True)]
     return cv2.remap(labels, moved[0], moved[1], cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
 
 

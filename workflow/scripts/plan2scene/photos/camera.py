@@ -9,9 +9,10 @@ import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.photos.lines import detect_segments
-from plan2scene.photos.masks import FLOOR, IGNORE, OTHER
+from plan2scene.photos.lines import border_lines, detect_segments
+from plan2scene.photos.masks import CEILING, FLOOR, IGNORE, OTHER, WALL
 from plan2scene.photos.vanishing import (
+    END_NOISE,
     Manhattan,
     Segments,
     fit_manhattan,
@@ -32,11 +33,10 @@ MAX_LOG_FOCAL_SD = 0.30
 #: The standard deviation of the segments' fit is too small by about this factor: segments of one
 #: texture share their error.
 SD_INFLATION = 2.0
-#: Borders of the label mask are segments too, from this share of the photo's width on.
-LABEL_LENGTH = 0.06
-LABEL_WEIGHT = 1.0
-#: Grey levels of other, floor, wall, ceiling and ignore that make every border visible.
-LABEL_LEVELS = np.array([100, 0, 170, 255, 100], dtype=np.uint8)
+#: Weight of a line along a border between wall and floor or ceiling, and of the photo's own lines
+#: there; how far its ends may be off, pixels.
+BORDER_WEIGHT = 2.0
+BORDER_NOISE = 4.0
 FOCAL_SOURCES = ("vanishing_points", "config")
 
 
@@ -236,22 +236,26 @@ def _segments(grey: np.ndarray, labels: np.ndarray | None) -> Segments:
     rows, columns = grey.shape
     lines = detect_segments(grey)[:MAX_SEGMENTS]
     weight = _label_weight(lines, labels, grey.shape)
+    noise, level = np.full(len(lines), END_NOISE), np.zeros(len(lines), dtype=bool)
     if labels is not None:
         small = cv2.resize(labels, (columns, rows), interpolation=cv2.INTER_NEAREST)
-        levels = LABEL_LEVELS[np.minimum(small, 4)]
-        smooth = cv2.GaussianBlur(levels, (0, 0), 1.5)
-        borders = detect_segments(smooth, LABEL_LENGTH * columns)[:MAX_SEGMENTS]
+        borders = border_lines(small, ((WALL, FLOOR), (WALL, CEILING)))
         lines = np.vstack([lines, borders])
-        weight = np.concatenate([weight, np.full(len(borders), LABEL_WEIGHT)])
+        weight = np.concatenate([weight, np.full(len(borders), BORDER_WEIGHT)])
+        noise = np.concatenate([noise, np.full(len(borders), BORDER_NOISE)])
+        level = np.concatenate([level, np.ones(len(borders), dtype=bool)])
     length = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
     weight = weight * np.sqrt(np.minimum(length / columns, 0.3) / 0.06)
-    return Segments(lines, ((columns - 1) / 2, (rows - 1) / 2), weight)
+    return Segments(lines, ((columns - 1) / 2, (rows - 1) / 2), weight, noise, level)
 
 
 def _label_weight(
     lines: np.ndarray, labels: np.ndarray | None, shape: tuple[int, int]
 ) -> np.ndarray:
-    """Return each segment's weight: 1 on walls and borders, 0.5 on other things and on floors."""
+    """Return each segment's weight.
+
+    `BORDER_WEIGHT` between wall, floor and ceiling, 1 on walls, 0.5 on floors and other things.
+    """
     if labels is None or not len(lines):
         return np.ones(len(lines))
     rows, columns = shape
@@ -260,14 +264,18 @@ def _label_weight(
     across = (end - start)[:, ::-1] * np.array([-1.0, 1.0])
     across *= 0.008 * columns / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-9)
     other, floor = np.ones(len(lines), dtype=bool), np.ones(len(lines), dtype=bool)
+    sides = []
     for side in (-1.0, 1.0):
         points = (start + side * across)[None] + steps[..., None] * (end - start)[None]
         x = np.clip(points[..., 0] / columns * labels.shape[1], 0, labels.shape[1] - 1)
         y = np.clip(points[..., 1] / rows * labels.shape[0], 0, labels.shape[0] - 1)
         seen = labels[y.astype(int), x.astype(int)]
+        sides.append(seen)
         other &= np.isin(seen, (OTHER, IGNORE)).mean(axis=0) > 0.5
         floor &= (seen == FLOOR).mean(axis=0) > 0.5
-    return np.where(other | floor, 0.5, 1.0)
+    border = (sides[0] != sides[1]) & (np.isin(sides, (FLOOR, WALL, CEILING)).all(axis=0))
+    weight = np.where(other | floor, 0.5, 1.0)
+    return np.where(border.mean(axis=0) > 0.5, BORDER_WEIGHT, weight)
 
 
 def _rows(matrix: np.ndarray) -> tuple[tuple[float, float, float], ...]:

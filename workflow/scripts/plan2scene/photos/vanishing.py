@@ -61,7 +61,16 @@ class Manhattan:
 class Segments:
     """Segments relative to the principal point with what every hypothesis needs of them."""
 
-    def __init__(self, segments: np.ndarray, centre: tuple[float, float], weight: np.ndarray):
+    def __init__(
+        self,
+        segments: np.ndarray,
+        centre: tuple[float, float],
+        weight: np.ndarray,
+        end_noise: np.ndarray | float = END_NOISE,
+        level: np.ndarray | None = None,
+    ):
+        #: (s,) radians added to a segment's angle to the vertical: known horizontal lines.
+        self.off_vertical = np.zeros(len(segments)) if level is None else np.where(level, 3.0, 0.0)
         shift = np.array([centre[0], centre[1]] * 2)
         self.points = segments - shift
         delta = self.points[:, 2:] - self.points[:, :2]
@@ -69,8 +78,8 @@ class Segments:
         self.middle = (self.points[:, :2] + self.points[:, 2:]) / 2
         self.slant = np.arctan2(np.abs(delta[:, 0]), np.abs(delta[:, 1]))
         self.weight = weight
-        self.noise = np.hypot(END_NOISE * 2.0 / self.length, ANGLE_NOISE)
-        self.coarse_noise = np.hypot(END_NOISE * 2.0 / self.length, COARSE_NOISE)
+        self.noise = np.hypot(end_noise * 2.0 / self.length, ANGLE_NOISE)
+        self.coarse_noise = np.hypot(end_noise * 2.0 / self.length, COARSE_NOISE)
 
     def rays(self, focal: float) -> tuple[np.ndarray, np.ndarray]:
         """Return plane normals n and middle rays m, both (s, 3) unit, for a focal length."""
@@ -116,7 +125,7 @@ def fit_manhattan(segments: Segments, width: int, fov_deg: float, seed: int) -> 
 
 def _verticals(segments: Segments, width: int, rng: np.random.Generator) -> np.ndarray:
     """Return candidate vertical vanishing points (k, 3), homogeneous, in image widths."""
-    upright = np.nonzero(segments.slant < np.radians(28.0))[0]
+    upright = np.nonzero((segments.slant < np.radians(28.0)) & (segments.off_vertical == 0.0))[0]
     level = np.array([[0.0, 1.0, 0.0]])
     if len(upright) < 3:
         return level
@@ -179,7 +188,8 @@ def _coarse(
             off = np.minimum(
                 np.abs(residuals(normal, middle, first)), np.abs(residuals(normal, middle, second))
             )
-            off = np.minimum(off, np.abs(residuals(normal, middle, up[:, None])))
+            upright = np.abs(residuals(normal, middle, up[:, None]))
+            off = np.minimum(off, upright + segments.off_vertical[:, None])
             vote = np.exp(-0.5 * (off / segments.coarse_noise[:, None]) ** 2)
             score = weight @ vote - 0.02 * (np.log(focal / prior) / SIGMA_LOG_FOCAL) ** 2
             best = int(np.argmax(score))
@@ -195,7 +205,9 @@ def _stack(
     """Return residuals over their noise to the nearest axis, that axis, and the prior's terms."""
     normal, middle = segments.rays(focal)
     off = residuals(normal, middle, axes)
-    nearest = np.argmin(np.abs(off), axis=1)
+    distance = np.abs(off)
+    distance[:, 1] += segments.off_vertical
+    nearest = np.argmin(distance, axis=1)
     scaled = off[np.arange(len(off)), nearest] / segments.noise
     up = axes[:, 1]
     believed = np.array(
