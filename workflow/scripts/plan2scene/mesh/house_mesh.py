@@ -54,7 +54,8 @@ def assemble(house: House) -> Assembly:
     parts: list[MeshPart] = []
     for room in house.rooms:
         parts.extend(flat_parts(room, polygons[room.id]))
-        faces = (wall_face(s, room, openings) for s in sides if s.room_id == room.id)
+        own = (side for side in sides if side.room_id == room.id)
+        faces = (wall_face(side, room, polygons[room.id], openings) for side in own)
         parts.extend(face for face in faces if face is not None)
     bodies = wall_bodies(sides, together)
     for body in bodies:

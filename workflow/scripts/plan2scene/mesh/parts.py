@@ -15,6 +15,9 @@ from plan2scene.house import SurfaceKey
 #: Materials of a part: a room surface's texture, plain vertex colours, or window glass.
 MATERIALS = ("surface", "plain", "glass")
 Colour = tuple[int, int, int]  #: sRGB, 0..255
+#: Vertices are rounded to this many decimals of a metre, so that faces that meet at an edge share
+#: it exactly also in float32: otherwise light shines through the crack.
+GRID_DECIMALS = 5
 
 
 @dataclass(frozen=True)
@@ -138,7 +141,8 @@ class PartBuilder:
         extras: Mapping[str, object] | None = None,
     ) -> MeshPart:
         """Return what was added as one part."""
-        vertices, faces = np.concatenate(self._vertices), np.concatenate(self._faces)
+        vertices = np.round(np.concatenate(self._vertices), GRID_DECIMALS)
+        faces = np.concatenate(self._faces)
         return MeshPart(
             name=name,
             vertices=vertices,

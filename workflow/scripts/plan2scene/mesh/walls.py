@@ -32,22 +32,27 @@ SLIVER = 1e-4
 #: Edges this near to a room or another body are inside the wall, metres (rounding only: more
 #: would leave cracks between the faces of two bodies).
 TOUCH = 5e-6
+#: Wall faces stand this far inside their room, metres: a partition of the rooms behind, which ends
+#: on the face's line, would otherwise shine through at its edge.
+LIFT = 2e-4
 #: Bodies lie on this grid, metres: bands that end on one line do so exactly.
 GRID = 1e-6
 
 
-def wall_face(side: Side, room: Room, openings: Openings) -> MeshPart | None:
+def wall_face(side: Side, room: Room, polygon: BaseGeometry, openings: Openings) -> MeshPart | None:
     """Return the face of a wall that a room sees, None when openings leave nothing of it.
 
-    UV in metres: u runs to the right along the room's outline, v down from the room's height.
+    It stands `LIFT` in front of the wall's line. UV in metres: u runs to the right along the
+    room's outline, v down from the room's height.
     """
-    rectangle = box(0.0, 0.0, side.frame.length, side.wall.height)
+    left, right = _lifted_ends(side.frame, polygon)
+    rectangle = box(left, 0.0, right, side.wall.height)
     points, faces = triangulate(rectangle.difference(openings.hole(side)))
     if len(faces) == 0:
         return None
     uv = np.stack([points[:, 0] + arc_offset(room, side.frame), room.height - points[:, 1]], 1)
     builder = PartBuilder()
-    builder.mesh(side.frame.world(points), faces, uv=uv)
+    builder.mesh(side.frame.moved(LIFT).world(points), faces, uv=uv)
     key = SurfaceKey(room.id, "wall")
     return builder.build(
         f"{room.id}/wall/{side.wall.id}",
@@ -55,6 +60,15 @@ def wall_face(side: Side, room: Room, openings: Openings) -> MeshPart | None:
         key,
         {"kind": "wall", "room_id": room.id, "surface": "wall", "wall_id": side.wall.id},
     )
+
+
+def _lifted_ends(frame: Frame, polygon: BaseGeometry) -> tuple[float, float]:
+    """Return (s0, s1) of a face, longer by `LIFT` where its room goes on round the corner."""
+    probe = 0.005
+    points = frame.plan(np.array([-probe, frame.length + probe]), probe)
+    left, right = (bool(shapely.contains_xy(polygon, *point)) for point in points)
+    lift = min(LIFT, 1e-3 * frame.length)
+    return -lift * left, frame.length + lift * right
 
 
 @dataclass(frozen=True)
@@ -115,7 +129,10 @@ def structure_part(
     hidden = unary_union([rooms.buffer(TOUCH), others.buffer(TOUCH)])
     for frame in _free_edges(body.area, hidden):
         _outer_face(builder, frame, wall.height, portals)
-    _prism(builder, body.cap, wall.height, wall.height + max(wall.extra_height, 0.0))
+    top = wall.height + max(wall.extra_height, 0.0)
+    # The body's begins a little below the ceiling line, behind the lifted faces: no crack there.
+    _prism(builder, body.area, wall.height - 10 * LIFT, top)
+    _prism(builder, body.cap.difference(body.area), wall.height, top)
     for portal in portals:
         if portal.side.wall.id == wall.id:
             _reveals(builder, portal)
