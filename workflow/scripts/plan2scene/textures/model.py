@@ -47,6 +47,8 @@ class Architecture:
         Classes of the substance head, 0 for none.
     periodic : bool
         Noise on a torus, so that textures tile; False is the reference's noise.
+    norm : str
+        The encoder's normalisation, ``"instance"`` (the paper's) or ``"group"``.
     """
 
     width: int = 64
@@ -55,6 +57,7 @@ class Architecture:
     delta_hsv: bool = True
     substances: int = 4
     periodic: bool = True
+    norm: str = "instance"
 
 
 class Encoding(NamedTuple):
@@ -71,7 +74,10 @@ class TextureModel(nn.Module):
         super().__init__()
         self.architecture = architecture
         self.encoder = Encoder(
-            architecture.width, architecture.code_dim, _TRANSFORMS + architecture.style_dim
+            architecture.width,
+            architecture.code_dim,
+            _TRANSFORMS + architecture.style_dim,
+            architecture.norm,
         )
         self.decoder = Decoder(architecture.style_dim, 2 * OCTAVES * CHANNELS)
         if architecture.substances:
@@ -150,6 +156,6 @@ def load_texture_model(path: str | Path) -> TextureModel:
     return model.eval()
 
 
-def architecture_header(model: TextureModel) -> dict[str, int | bool]:
+def architecture_header(model: TextureModel) -> dict[str, int | bool | str]:
     """Return what :func:`plan2scene.weights.save_model_file` stores of a model."""
     return asdict(model.architecture)

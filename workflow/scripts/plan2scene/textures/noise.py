@@ -103,12 +103,16 @@ def torus_noise(
     """Return noise maps (n, 48, h, w) that repeat over the tile: 24 nearest, then 24 bilinear.
 
     Each octave's matrix is rounded so that the tile's sides are whole lattice vectors, and lattice
-    cells are hashed modulo these vectors. The rounding passes gradients straight through. More
-    pixels sample the same noise more finely. Parameters as of :func:`plane_noise`.
+    cells are hashed modulo these vectors. The rounding passes gradients straight through, damped
+    by the octave's scale. More pixels sample the same noise more finely. Parameters as of
+    :func:`plane_noise`.
     """
     matrices = 2.0 * octave_matrices(coefficients)  # columns: the tile's sides in lattice cells
     whole = matrices.detach().round()
-    sides = whole + (matrices - matrices.detach())
+    # A small turn moves the cells of octave i by 2^i: undamped, the finest octaves' gradients are
+    # random and drown all others in the encoder.
+    damping = 0.5 ** torch.arange(OCTAVES, dtype=matrices.dtype, device=matrices.device)
+    sides = whole + (matrices - matrices.detach()) * damping.view(1, OCTAVES, 1, 1)
     position = torch.einsum("noij,jhw->noihw", sides, grid / 2.0)
     basis = _triangular_basis(whole.long())
     digits = (seeds.double() * (1 << _SEED_BITS)).long()
