@@ -15,12 +15,13 @@ WOODS: Palette = (
     ("#d8bd94", 2.0),  # ash, pale oak
     ("#dcc9ab", 1.0),  # whitewashed oak
     ("#a9774a", 2.0),  # warm beech, teak
-    ("#8a5a38", 1.5),  # chestnut
-    ("#6b4630", 1.5),  # walnut
-    ("#4b3325", 0.8),  # wenge, dark stain
-    ("#9a6240", 1.0),  # cherry, mahogany
+    ("#8a5a38", 2.0),  # chestnut
+    ("#6b4630", 2.2),  # walnut
+    ("#4b3325", 1.3),  # wenge, dark stain
+    ("#9a6240", 1.4),  # cherry, mahogany
     ("#a59a8b", 1.2),  # grey oak
-    ("#857b70", 0.7),  # smoked grey
+    ("#857b70", 1.0),  # smoked grey
+    ("#5d5650", 0.8),  # charcoal oak
     ("#d9b077", 1.2),  # pine, honey
     ("#c07f4a", 0.8),  # orange varnish
 )
@@ -31,8 +32,10 @@ STONES: Palette = (
     ("#c9b79c", 1.5),
     ("#b7b3ad", 2.0),
     ("#8f8d8a", 1.5),
-    ("#6b6a6a", 1.0),
-    ("#45464a", 0.7),
+    ("#6b6a6a", 1.4),
+    ("#45464a", 1.0),
+    ("#242528", 0.5),
+    ("#7a5f45", 0.5),
     ("#a98f75", 0.8),
     ("#b0714f", 0.6),  # terracotta
     ("#c3ccc9", 0.6),
@@ -64,7 +67,11 @@ CARPETS: Palette = (
     ("#4d4a4a", 0.8),
     ("#8a6a4f", 0.8),
     ("#6f7f8d", 0.8),
-    ("#44566b", 0.5),
+    ("#44566b", 0.6),
+    ("#2f3e58", 0.4),
+    ("#6a73a3", 0.25),
+    ("#4f7f86", 0.3),
+    ("#7d2f38", 0.3),
     ("#7f8a6c", 0.4),
     ("#8c4d44", 0.4),
     ("#6d3a3d", 0.3),

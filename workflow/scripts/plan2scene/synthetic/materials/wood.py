@@ -21,7 +21,7 @@ def make(
         value: np.ndarray = grain.T if rng.random() < 0.5 else grain
     else:
         value = plan.lookup(rng, grain)
-    contrast = float(rng.uniform(0.03, 0.14))
+    contrast = float(rng.uniform(0.02, 0.1))
     amount: np.ndarray = value * np.float32(contrast)
     if kind != "plain":
         amount = amount + plan.draw(rng, float(rng.uniform(0.015, 0.10)))
