@@ -19,6 +19,8 @@ from plan2scene.photos.wall_borders import N_BINS, Borders, facing_votes, find_b
 #: Angular noise of a mask's border (radians), and the cost at which a point is an outlier.
 BORDER_NOISE = np.radians(0.5)
 OUTLIER = 9.0
+#: How far wall pixels may reach beyond a wall's foot or top, radians.
+BEYOND_NOISE = np.radians(1.5)
 #: Cost of a crease, and of a wall that no foot or top supports (per bin).
 CREASE = 14.0
 UNSEEN = 0.4
@@ -206,6 +208,11 @@ def _costs(borders: Borders, lines: list[WallLine], height: float, above: float)
         for slope, expected in ((borders.foot, -height / reach), (borders.top, above / reach)):
             off = (np.arctan(slope) - np.arctan(expected)) / BORDER_NOISE
             costs[:, index] += np.where(np.isnan(off), 0.0, np.minimum(off**2, OUTLIER))
+        # Wall pixels under its foot or over its top cannot be of this wall.
+        low, high = np.arctan(-height / reach), np.arctan(above / reach)
+        beyond = np.fmax(low - np.arctan(borders.reach[:, 0]), 0.0)
+        beyond = np.fmax(beyond, np.arctan(borders.reach[:, 1]) - high) / BEYOND_NOISE
+        costs[:, index] += np.where(has_wall, np.minimum(beyond**2, OUTLIER), 0.0)
         # Of two walls that nothing tells apart, the one that is looked at more squarely.
         costs[:, index] += np.where(
             has_wall, (0.0 if line.seen else UNSEEN) + 0.2 * (1 - facing), 0
