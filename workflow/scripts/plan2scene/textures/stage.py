@@ -26,7 +26,7 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, read_parquet, write_json, write_png
-from plan2scene.seeds import derive_seed, generator
+from plan2scene.seeds import generator
 from plan2scene.textures.baselines import Choice, Crop, choose_crop, usual_substance
 from plan2scene.textures.retrieval import TextureLibrary, read_library
 from plan2scene.textures.seams import make_seamless
@@ -90,7 +90,9 @@ def make_textures(
     if method in _SYNTHESISED:
         if model is None:
             raise InputError(f"a texture model for method {method}", "none", house=house)
-        tiles = _decoded(method, surfaces, model, house=house, seed=seed, size_px=size_px)
+        tiles = _decoded(
+            method, propagated, surfaces, model, house=house, seed=seed, size_px=size_px
+        )
     else:
         tiles = _baseline(method, plan, surfaces, visible, read_library(library), seed)
     _write(out_dir, method, surfaces, tiles, seam_correction)
@@ -161,31 +163,28 @@ def _usual_tile(plan: House, key: SurfaceKey, library: TextureLibrary, seed: int
 
 
 def _decoded(
-    method: str, surfaces: pd.DataFrame, model: str | Path, *, house: str, seed: int, size_px: int
+    method: str,
+    propagated: str | Path,
+    surfaces: pd.DataFrame,
+    model: str | Path,
+    *,
+    house: str,
+    seed: int,
+    size_px: int,
 ) -> dict[SurfaceKey, Tile]:
     """Return the decoded tiles of methods naivesynth and synth."""
-    from plan2scene.textures.model import load_texture_model
-    from plan2scene.textures.synthesis import decode_textures
+    from plan2scene.textures.synthesis import synthesise_surfaces
+    from plan2scene.weights import load_model_file
 
-    network = load_texture_model(model)
-    column = "embedding" if method == "synth" else "naive_embedding"
-    codes = np.stack([np.asarray(code, dtype=np.float32) for code in surfaces[column]])
-    if codes.shape[1] != network.embedding_dim:
-        raise InputError(
-            f"embeddings of {network.embedding_dim} numbers, as the model's",
-            f"{codes.shape[1]} in {column}",
-            file=model,
-            house=house,
-        )
-    keys = [SurfaceKey(row.room_id, row.surface) for row in surfaces.itertuples()]
-    seeds = [derive_seed(seed, house, key.room_id, key.surface, method) for key in keys]
-    images = decode_textures(network, codes, seeds, size_px=size_px)
-    return {
-        key: Tile(image, float(metres), str(source), network.architecture.periodic)
-        for key, image, metres, source in zip(
-            keys, images, surfaces["metres"], surfaces["source"], strict=True
-        )
-    }
+    images = synthesise_surfaces(
+        propagated, model, method=method, house=house, seed=seed, size_px=size_px
+    )
+    periodic = bool(load_model_file(model)[1]["periodic"])
+    tiles = {}
+    for row in surfaces.itertuples():
+        key = SurfaceKey(row.room_id, row.surface)
+        tiles[key] = Tile(images[key], float(row.metres), str(row.source), periodic)
+    return tiles
 
 
 def _write(

@@ -59,18 +59,19 @@ class FeaturesTraining:
     minutes : float
         The schedule is shortened to end after this wall time.
     held_out_crops : int
-        Crops of each held-out set that the card's figures come from.
+        Crops of each held-out set that the card's figures come from, and training crops that the
+        features are standardised over.
     seed : int
     """
 
     procedural: int = 1600
     texture_folder: str | None = None
     scanned_share: float = 0.4
-    steps: int = 5000
-    batch: int = 48
+    steps: int = 4000
+    batch: int = 32
     learning_rate: float = 2e-3
     weight_decay: float = 1e-2
-    minutes: float = 12.0
+    minutes: float = 30.0
     held_out_crops: int = 1000
     seed: int = 0
 
@@ -173,7 +174,12 @@ def standardise(network: SubstanceNetwork, crops: np.ndarray) -> None:
     """Set the features' shift and scale to the mean and spread over `crops` (n, 128, 128, 3)."""
     network.eval()
     with torch.inference_mode():
-        hidden = torch.cat([network.hidden(as_tensor(part)) for part in np.array_split(crops, 16)])
+        hidden = torch.cat(
+            [
+                network.hidden(as_tensor(part))
+                for part in np.array_split(crops, max(1, len(crops) // 64))
+            ]
+        )
     # A feature that (almost) never fires would be blown up by its tiny spread.
     spread = hidden.std(dim=0)
     network.shift.copy_(hidden.mean(dim=0))
@@ -217,7 +223,7 @@ def train_features(
     steps, minutes = fit(network, textures, settings)
     rng = generator(settings.seed, "features scale")
     weights = sampling_weights(textures, settings.scanned_share)
-    standardise(network, draw_crops(textures, weights, 1024, rng, 0.75)[0])
+    standardise(network, draw_crops(textures, weights, settings.held_out_crops, rng, 0.75)[0])
     save_features_network(network, model)
     shipped = load_features_network(model)  # what the metrics run: float16 weights, numpy
     rows, accuracies = [], {}

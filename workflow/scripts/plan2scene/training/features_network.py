@@ -36,7 +36,7 @@ class SubstanceNetwork(nn.Module):
     shift: torch.Tensor
     scale: torch.Tensor
 
-    def __init__(self, widths: tuple[int, ...] = (24, 48, 64, 96), feature_dim: int = 64) -> None:
+    def __init__(self, widths: tuple[int, ...] = (16, 32, 64, 96), feature_dim: int = 64) -> None:
         super().__init__()
         self.architecture = {"widths": list(widths), "feature_dim": feature_dim}
         layers: list[nn.Module] = []

@@ -1,0 +1,233 @@
+"""Baselines and the texture stage on a small house, and the metrics of what it makes."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans.scene_writer import write_scene_json
+from plan2scene.house import House, Room, SurfaceKey
+from plan2scene.io import png_bytes, read_image, write_parquet
+from plan2scene.textures.baselines import Crop, choose_crop, usual_substance
+from plan2scene.textures.model import Architecture, TextureModel, architecture_header
+from plan2scene.textures.retrieval import read_library, write_library
+from plan2scene.textures.seams import wrap_ratio
+from plan2scene.textures.stage import make_textures
+from plan2scene.weights import save_model_file
+
+SIZE = 128
+
+
+def _room(room_id, kind, x):
+    return Room(room_id, (kind,), (((x, 0.0), (x + 3, 0.0), (x + 3, 3.0), (x, 3.0)),), 2.5)
+
+
+PLAN = House(
+    "h1",
+    (
+        _room("bed1", "Bedroom", 0),
+        _room("bed2", "Bedroom", 3),
+        _room("hall", "Corridor", 6),
+        _room("bath", "Bathroom", 9),
+    ),
+    (),
+)
+
+
+def _image(level, seed=0):
+    """Noise with a gradient, so that it does not tile."""
+    noise = np.random.default_rng(seed).integers(-6, 7, (SIZE, SIZE, 1))
+    ramp = np.linspace(-40, 40, SIZE)[None, :, None]
+    return np.clip(level + noise + ramp + np.zeros((1, 1, 3)), 0, 255).astype(np.uint8)
+
+
+def _crop(name, room, surface, level, seed=0):
+    return Crop(name, SurfaceKey(room, surface), png_bytes(_image(level, seed)), 0.5)
+
+
+CROPS = [
+    _crop("a", "bed1", "floor", 60),
+    _crop("b", "bed1", "floor", 100),
+    _crop("c", "bed1", "floor", 130),
+    _crop("d", "hall", "floor", 200),
+    _crop("e", "hall", "wall", 220),
+]
+
+
+def test_observed_surface_gets_its_medoid():
+    choice = choose_crop(PLAN, SurfaceKey("bed1", "floor"), CROPS, 0)
+    assert choice.crop.crop_id == "b"
+    assert choice.source == "b"
+
+
+def test_unobserved_surface_prefers_rooms_of_its_type():
+    for seed in range(8):
+        choice = choose_crop(PLAN, SurfaceKey("bed2", "floor"), CROPS, seed)
+        assert choice.crop.key.room_id == "bed1"
+    drawn = {
+        choose_crop(PLAN, SurfaceKey("bed2", "floor"), CROPS, s).crop.crop_id for s in range(30)
+    }
+    assert drawn == {"a", "b", "c"}
+
+
+def test_then_the_same_surface_then_anything_then_nothing():
+    wall = choose_crop(PLAN, SurfaceKey("bath", "wall"), CROPS, 0)
+    assert wall.crop.crop_id == "e"
+    assert "another wall" in wall.source
+    ceiling = choose_crop(PLAN, SurfaceKey("bath", "ceiling"), CROPS, 0)
+    assert "another surface" in ceiling.source
+    assert choose_crop(PLAN, SurfaceKey("bath", "wall"), [], 0) is None
+
+
+def test_usual_substances():
+    assert usual_substance(PLAN, SurfaceKey("bath", "floor")) == "tile"
+    assert usual_substance(PLAN, SurfaceKey("bed1", "floor")) == "wood"
+    assert usual_substance(PLAN, SurfaceKey("bath", "ceiling")) == "plaster"
+
+
+@pytest.fixture
+def files(tmp_path):
+    """The files a texture job reads."""
+    write_scene_json(PLAN, tmp_path / "scene.json")
+    crops = pd.DataFrame(
+        {
+            "crop_id": [c.crop_id for c in CROPS],
+            "photo": ["p1.jpg", "p1.jpg", "p1.jpg", "p2.jpg", "p2.jpg"],
+            "room_id": [c.key.room_id for c in CROPS],
+            "surface": [c.key.surface for c in CROPS],
+            "metres": [0.5, 0.5, float("nan"), 0.5, 0.5],
+            "png": [c.png for c in CROPS],
+        }
+    )
+    write_parquet(tmp_path / "crops.parquet", crops, {"house": "h1"})
+    observed = {("bed1", "floor"), ("hall", "floor"), ("hall", "wall")}
+    rng = np.random.default_rng(0)
+    rows = [
+        {
+            "room_id": key.room_id,
+            "surface": key.surface,
+            "observed": tuple(key) in observed,
+            "embedding": np.r_[rng.normal(size=8), rng.uniform(size=3)].astype(np.float32),
+            "naive_embedding": rng.normal(size=8).astype(np.float32),
+            "substance": "wood",
+            "metres": 0.8,
+            "source": "propagation",
+        }
+        for key in PLAN.surface_keys()
+    ]
+    write_parquet(tmp_path / "propagated.parquet", pd.DataFrame(rows), {"house": "h1"})
+    write_library(tmp_path / "library.parquet", folder=None, per_substance=2, seed=0, size_px=128)
+    torch.manual_seed(0)
+    for method, delta in (("synth", True), ("naivesynth", False)):
+        model = TextureModel(Architecture(width=4, delta_hsv=delta, substances=4 if delta else 0))
+        save_model_file(
+            tmp_path / f"{method}.safetensors", model.state_dict(), architecture_header(model)
+        )
+    return tmp_path
+
+
+def _make(files, method, out="out", **changes):
+    settings = {
+        "house": "h1",
+        "hidden_photos": [],
+        "library": files / "library.parquet",
+        "model": None,
+        "seed": 0,
+        "size_px": 128,
+        "seam_correction": False,
+    } | changes
+    if method in ("synth", "naivesynth"):
+        settings["model"] = files / f"{method}.safetensors"
+    make_textures(
+        method,
+        files / "propagated.parquet",
+        files / "crops.parquet",
+        files / "scene.json",
+        files / out,
+        **settings,
+    )
+    listing = json.loads((files / out / "textures.json").read_text())
+    assert listing["method"] == method
+    return files / out, listing["surfaces"]
+
+
+@pytest.mark.parametrize("method", ["crop", "retrieve", "naivesynth", "synth"])
+def test_every_surface_gets_a_tile_the_same_again(files, method):
+    folder, surfaces = _make(files, method, size_px=48)
+    assert set(surfaces) == {f"{k.room_id}/{k.surface}" for k in PLAN.surface_keys()}
+    again, _ = _make(files, method, out="again", size_px=48)
+    side = 48 if method in ("synth", "naivesynth") else SIZE
+    for key in PLAN.surface_keys():
+        path = folder / f"{key.filename}.png"
+        assert read_image(path).shape == (side, side, 3)
+        assert path.read_bytes() == (again / path.name).read_bytes()
+        assert surfaces[f"{key.room_id}/{key.surface}"]["size_m"] > 0
+    assert surfaces["bed1/floor"]["observed"]
+    assert not surfaces["bath/wall"]["observed"]
+
+
+def test_crop_writes_the_crop_itself_unless_told_to_correct_seams(files):
+    folder, surfaces = _make(files, "crop")
+    assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(100))
+    assert not surfaces["bed1/floor"]["seam_corrected"]
+    corrected, entries = _make(files, "crop", out="corrected", seam_correction=True)
+    assert entries["bed1/floor"]["seam_corrected"]
+    before, after = (wrap_ratio(read_image(f / "bed1_floor.png")) for f in (folder, corrected))
+    assert after < 1.3 < before
+
+
+def test_crop_without_scale_takes_the_surface_s(files):
+    crops = pd.read_parquet(files / "crops.parquet").assign(metres=float("nan"))
+    write_parquet(files / "crops.parquet", crops, {"house": "h1"})
+    assert _make(files, "crop")[1]["bed1/floor"]["size_m"] == 0.8
+
+
+def test_retrieve_takes_library_tiles_with_their_size(files):
+    folder, surfaces = _make(files, "retrieve")
+    library = read_library(files / "library.parquet")
+    index = library.nearest(_image(100))
+    assert np.array_equal(read_image(folder / "bed1_floor.png"), library.tiles[index])
+    assert surfaces["bed1/floor"]["size_m"] == pytest.approx(library.size_m[index])
+    assert library.names[index] in surfaces["bed1/floor"]["source"]
+
+
+def test_crops_of_hidden_photos_are_not_seen(files):
+    folder, surfaces = _make(files, "crop", hidden_photos=["p1.jpg"])
+    assert "of hall" in surfaces["bed1/floor"]["source"]
+    assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(200))
+
+
+def test_a_house_without_crops_gets_usual_library_tiles(files):
+    _, surfaces = _make(files, "crop", hidden_photos=["p1.jpg", "p2.jpg"])
+    assert "no crop in the house" in surfaces["bath/floor"]["source"]
+    assert surfaces["bath/floor"]["source"].startswith("tile-")
+    assert surfaces["bed1/wall"]["source"].startswith("plaster-")
+
+
+def test_decoded_tiles_need_no_correction_and_have_the_size_asked_for(files):
+    folder, surfaces = _make(files, "synth", size_px=40, seam_correction=True)
+    assert read_image(folder / "hall_wall.png").shape == (40, 40, 3)
+    assert not any(entry["seam_corrected"] for entry in surfaces.values())
+
+
+def test_wrong_requests_are_refused(files):
+    with pytest.raises(InputError, match="a method of crop"):
+        _make(files, "magic")
+    with pytest.raises(InputError, match="texture model"):
+        make_textures(
+            "synth",
+            files / "propagated.parquet",
+            files / "crops.parquet",
+            files / "scene.json",
+            files / "x",
+            house="h1",
+            hidden_photos=[],
+            library=files / "library.parquet",
+            model=None,
+            seed=0,
+            size_px=128,
+            seam_correction=False,
+        )

@@ -1,0 +1,36 @@
+"""Training of the features network in a few steps."""
+
+import numpy as np
+import pytest
+
+from plan2scene.metrics.features import extract_features, load_features_network
+from plan2scene.synthetic.materials import random_material
+from plan2scene.training.features import FeaturesTraining, photograph, train_features
+
+TINY = FeaturesTraining(procedural=8, steps=3, batch=4, held_out_crops=16)
+
+
+def test_training_writes_weights_and_card_and_repeats_itself(tmp_path):
+    results = [
+        train_features(tmp_path / f"{k}.safetensors", tmp_path / f"{k}.md", settings=TINY)
+        for k in "ab"
+    ]
+    assert results[0] == results[1]
+    assert (tmp_path / "a.safetensors").read_bytes() == (tmp_path / "b.safetensors").read_bytes()
+    card = (tmp_path / "a.md").read_text()
+    for name, accuracy in results[0].items():
+        assert f"| {name} | 16 | {accuracy:.3f} |" in card
+    network = load_features_network(tmp_path / "a.safetensors")
+    features, _ = extract_features(network, [random_material("tile", 1, size_px=128).albedo])
+    assert features.shape == (1, 64)
+    assert np.isfinite(features).all()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_photographed_crop_is_a_similar_image(seed):
+    crop = random_material("wood", seed, size_px=128).albedo
+    first = photograph(crop, np.random.default_rng(seed))
+    assert first.shape == crop.shape
+    assert first.dtype == np.uint8
+    assert np.array_equal(first, photograph(crop, np.random.default_rng(seed)))
+    assert 0 < np.abs(first.astype(float) - crop).mean() < 90
