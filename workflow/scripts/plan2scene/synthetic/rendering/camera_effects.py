@@ -1,4 +1,4 @@
-"""From linear radiance to a listing photo: exposure, white balance, tone curve, lens, sensor, JPEG."""
+"""From linear radiance to a listing photo: exposure, balance, tone, lens, sensor, JPEG."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def _lens(image: Image, style: CameraStyle) -> Image:
 
 
 def tone(image: Image, style: CameraStyle) -> Image:
-    """Return values in [0, 1]: contrast about middle grey, linear up to the shoulder, soft above."""
+    """Return values in [0, 1]: contrast about middle grey, linear to the shoulder, soft above."""
     image = 0.4 * (image / 0.4) ** style.contrast
     start = style.shoulder
     over = np.maximum(image - start, 0) / (1 - start)

@@ -44,7 +44,7 @@ def filter_light(light: Image, normal: Image, position: Image, groups: Image) ->
     groups : (h, w) float32
         Pixels of different values never mix (emitters against surfaces).
     """
-    grey = np.log(np.maximum(light.mean(-1), 1e-4))
+    grey: Image = np.log(np.maximum(light.mean(-1), 1e-4)).astype(np.float32)
     noise = _noise_level(grey)
     height, width = grey.shape
     for level in range(_LEVELS):
@@ -68,7 +68,7 @@ def filter_light(light: Image, normal: Image, position: Image, groups: Image) ->
             weights[a] += weight
             total[b] += light[a] * weight[..., None]
             weights[b] += weight
-        light = total / weights[..., None]
+        light = (total / weights[..., None]).astype(np.float32)
         grey = np.log(np.maximum(light.mean(-1), 1e-4))
     return light
 

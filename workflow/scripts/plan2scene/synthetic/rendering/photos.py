@@ -17,11 +17,11 @@ from ..materials import Material
 from .camera_effects import develop, draw_style
 from .denoise import clamp_fireflies, demodulate, filter_light, upsample
 from .scene import RoomScene, build_room_scene
-from .tracer import Buffers, Tracer, load_mitsuba
+from .tracer import Buffers, Tracer, Truth, load_mitsuba
 from .views import View
 
 #: Samples per pixel of the full-size guide (albedo, normals): edges and textures.
-GUIDE_SAMPLES = 16
+GUIDE_SAMPLES = 10
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def render_house(
     *,
     height: int = 480,
     width: int = 640,
-    samples_per_pixel: int = 16,
+    samples_per_pixel: int = 14,
     variant: str | None = None,
 ) -> Iterator[RenderedPhoto]:
     """Yield a photo per view, in order; consecutive views of a room share its scene.
@@ -92,19 +92,20 @@ def _shoot(
     small = tracer.render(view, half, samples, derive_seed(view.seed, "light"))
     guide = tracer.guide(view, size, GUIDE_SAMPLES, derive_seed(view.seed, "guide"))
     truth = tracer.truth(view, size)
+    radiance = compose(small, tracer.truth(view, half), guide, truth)
     rng = generator(view.seed, "camera")
-    image = develop(compose(small, guide), guide.albedo, draw_style(rng), rng)
+    image = develop(radiance, guide.albedo, draw_style(rng), rng)
     return RenderedPhoto(view, image, truth.labels, truth.planes, camera_record(scene, view, size))
 
 
-def compose(small: Buffers, guide: Buffers) -> NDArray[np.float32]:
+def compose(small: Buffers, small_hits: Truth, guide: Buffers, hits: Truth) -> NDArray[np.float32]:
     """Return linear radiance at the guide's size from noisy light at half its size."""
     height, width = small.albedo.shape[:2]
     emitted = cv2.resize(guide.radiance, (width, height), interpolation=cv2.INTER_AREA)
     light, lit = demodulate(np.maximum(small.radiance - emitted, 0), small.albedo)
     light = clamp_fireflies(light, lit)
-    light = filter_light(light, small.normal, small.position, lit.astype(np.float32))
-    light = upsample(light, (small.normal, small.position), (guide.normal, guide.position))
+    light = filter_light(light, small_hits.normal, small_hits.position, lit.astype(np.float32))
+    light = upsample(light, (small_hits.normal, small_hits.position), (hits.normal, hits.position))
     return (light * guide.albedo + guide.radiance).astype(np.float32)
 
 

@@ -6,6 +6,7 @@ thickness inside it. Reveals join the faces of the two rooms through an opening.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -189,7 +190,7 @@ def _face_on_edge(
 def _cells(face: WallFace) -> Iterator[tuple[float, float, float, float]]:
     """Yield rectangles (left, right, bottom, top) that cover the face less its openings."""
     cuts = sorted({0.0, face.length, *(v for o in face.openings for v in (o.left, o.right))})
-    for left, right in zip(cuts[:-1], cuts[1:], strict=True):
+    for left, right in itertools.pairwise(cuts):
         if right - left < 1e-6:
             continue
         middle = (left + right) / 2

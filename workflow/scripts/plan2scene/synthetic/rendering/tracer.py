@@ -19,7 +19,7 @@ from .views import View
 
 #: Variants in order of preference; scalar needs nothing but Mitsuba and is about 4x slower.
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")
-PATH_DEPTH, ROULETTE_DEPTH = 7, 4
+PATH_DEPTH, ROULETTE_DEPTH = 5, 3
 
 
 @dataclass(frozen=True)
@@ -52,22 +52,24 @@ class Finish:
 class Buffers:
     """What one rendering pass returns, all (h, w, ...) float32.
 
-    `radiance` and `albedo` are linear RGB; `normal` is in the world; `position` in metres.
+    `radiance` and `albedo` are linear RGB, averaged over the pixel.
     """
 
     radiance: NDArray[np.float32]
     albedo: NDArray[np.float32]
-    normal: NDArray[np.float32]
-    position: NDArray[np.float32]
 
 
 @dataclass(frozen=True)
 class Truth:
-    """Per pixel centre: label and plane (h, w) uint8, position (h, w, 3) float32 metres."""
+    """Per pixel centre: label and plane (h, w) uint8, and where the ray hits.
+
+    `position` (metres) and `normal` are (h, w, 3) float32 in the world, zero where nothing is hit.
+    """
 
     labels: NDArray[np.uint8]
     planes: NDArray[np.uint8]
     position: NDArray[np.float32]
+    normal: NDArray[np.float32]
 
 
 def load_mitsuba(variant: str | None = None) -> Any:
@@ -130,11 +132,12 @@ class Tracer:
         self._scene = mi.load_dict(scene, optimize=False, parallel=False)
         self._ids = _shape_ids(mi, self._scene)
         path = {"type": "path", "max_depth": depth, "rr_depth": ROULETTE_DEPTH}
-        aovs = "al:albedo,nn:sh_normal,pp:position"
+        aovs = "al:albedo"
         self._image = mi.load_dict({"type": "aov", "aovs": aovs, "img": path})
         emitted = {"type": "path", "max_depth": 1}
         self._guide = mi.load_dict({"type": "aov", "aovs": aovs, "img": emitted})
-        self._truth = mi.load_dict({"type": "aov", "aovs": "s:shape_index,t:prim_index,p:position"})
+        hits = "s:shape_index,t:prim_index,p:position,n:sh_normal"
+        self._truth = mi.load_dict({"type": "aov", "aovs": hits})
 
     def render(self, view: View, size: tuple[int, int], samples: int, seed: int) -> Buffers:
         """Path-trace a view at `size` (height, width) with `samples` per pixel."""
@@ -153,8 +156,7 @@ class Tracer:
             self._scene, sensor=sensor, integrator=integrator, spp=samples, seed=seed % 2**31
         )
         data = np.asarray(image, dtype=np.float32)
-        radiance, albedo, normal, position = (data[..., 3 * i : 3 * i + 3] for i in range(4))
-        return Buffers(radiance, albedo, normal, position)
+        return Buffers(data[..., :3], data[..., 3:6])
 
     def truth(self, view: View, size: tuple[int, int]) -> Truth:
         """Cast one ray through each pixel's centre."""
@@ -169,7 +171,7 @@ class Tracer:
             group = self._groups[index][1]
             labels[here] = group.labels[face[here]]
             planes[here] = group.planes[face[here]]
-        return Truth(labels, planes, data[..., 2:5])
+        return Truth(labels, planes, data[..., 2:5], data[..., 5:8])
 
     def _sensor(self, view: View, size: tuple[int, int], sampler: dict[str, Any]) -> Any:
         mi = self._mi

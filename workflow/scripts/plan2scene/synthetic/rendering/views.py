@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -98,15 +98,12 @@ def _room_views(house: House, room: Room, count: int, seed: int) -> list[View]:
         best = int(np.argmax(scores + rng.uniform(0, 0.25, len(scores))))
         view = candidates[best]
         view_seed = derive_seed(seed, house.id, room.id, "view", index)
-        views.append(View(*(getattr(view, f) for f in _FIELDS), seed=view_seed))
+        views.append(replace(view, seed=view_seed))
         for i, other in enumerate(candidates):
             turn = abs(np.angle(np.exp(1j * (other.yaw - view.yaw))))
             away = float(np.hypot(*(np.array(other.position) - view.position)[[0, 2]]))
             scores[i] -= 0.8 * np.exp(-turn / 0.6) + 0.4 * np.exp(-away / 1.0)
     return views
-
-
-_FIELDS = ("room_id", "position", "yaw", "pitch", "roll", "fov")
 
 
 def _candidate(room: Room, inner: shapely.Polygon, rng: np.random.Generator) -> View:
