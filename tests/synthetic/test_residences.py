@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterator
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from plan2scene.seeds import generator
 from plan2scene.synthetic import residences
 from plan2scene.synthetic.floorplans import generate_house
 from plan2scene.synthetic.rendering import RenderedPhoto
+from plan2scene.synthetic.style import assign_materials
 
 OPTIONS = residences.ResidenceOptions(height=24, width=32, tile_px=64)
 
@@ -34,6 +36,8 @@ def fake_render(house, materials, accents, views, seed, *, height, width, **_) -
 @pytest.fixture
 def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(residences, "render_house", fake_render)
+    small = partial(assign_materials, size_px=64)
+    monkeypatch.setattr(residences, "assign_materials", small)
     return tmp_path
 
 
