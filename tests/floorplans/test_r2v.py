@@ -127,7 +127,7 @@ def test_loose_wall_and_stray_door_are_warnings(tmp_path):
         ("1 1 2 2 wall\n1 1 2", "expected x1 y1 x2 y2 label in line 2, found 3 fields"),
         ("nan 1 2 2 wall 1 1", "expected pixel coordinates within 100000 in line 1, found 'nan'"),
         ("1 1 9 9 door 1 1", "expected walls, found none"),
-        ("1 1 9 9 wall 1 1", "expected walls that close at least one room, found 1 that don't"),
+        ("1 1 9 9 wall 1 1", "expected walls that close 1 to 1000 rooms, found 0 rooms"),
         ("256 256\n5\n0 0 1 1 0 1", "expected the number of walls (1 to 1) in line 2, found 5"),
         ("256 256\n1\n0 0 1 1 0 11", "expected a room index of 0 to 10 in line 3, found 11"),
         ("256 256\n1\n0 0 1 1 0", "expected x1 y1 x2 y2 a b in line 3, found 5 fields"),

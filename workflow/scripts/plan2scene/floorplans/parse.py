@@ -21,6 +21,10 @@ MAX_ID_LENGTH = 150
 MAX_COORDINATE = 1000.0
 #: Largest number of entries of one list in a plan.
 MAX_ITEMS = 20_000
+#: Largest number of rooms of one house.
+MAX_ROOMS = 1000
+#: Largest number of corners of all rooms of a plan whose walls are worked out from them.
+MAX_CORNERS = 5000
 #: Points closer than this (metres) are one point.
 SAME_POINT = 1e-6
 #: Raster-to-vector labels and the room type that each means.

@@ -10,7 +10,7 @@ from typing import Any
 from plan2scene.errors import InputError
 from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
 from plan2scene.floorplans.openings import Segment, place_openings
-from plan2scene.floorplans.parse import Source, parse_json
+from plan2scene.floorplans.parse import MAX_CORNERS, Source, parse_json
 from plan2scene.house import House, Room
 from plan2scene.io import read_text
 
@@ -70,6 +70,9 @@ def house_of_plan(
         ]
         height = float(entry.get("height", DEFAULT_HEIGHT))
         rooms.append(Room(entry["id"], tuple(entry["types"]), tuple(rings), height))
+    corners = sum(len(ring) for room in rooms for ring in room.rings)
+    if corners > MAX_CORNERS:
+        raise source.fault(f"at most {MAX_CORNERS} corners of all rooms", corners)
     walls = walls_of_rooms(rooms, depth=float(document.get("wall_depth", DEFAULT_DEPTH)))
     segments = _segments(source, document.get("openings", []))
     walls = place_openings(source, walls, segments, tolerance=snap_tolerance)

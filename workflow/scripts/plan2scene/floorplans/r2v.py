@@ -64,9 +64,7 @@ def house_of_r2v(
             "metres_per_pixel above 0 and up to 1 for a raster-to-vector plan", metres_per_pixel
         )
     plan = parse_r2v(source, text)
-    faces, loose = room_polygons(plan.walls)
-    if not faces:
-        raise source.fault("walls that close at least one room", f"{len(plan.walls)} that don't")
+    faces, loose = room_polygons(source, plan.walls)
     if loose > 0.5:
         found = f"{loose * metres_per_pixel:.2f} m of walls that don't, left out"
         source.warn("walls that close a room", found)

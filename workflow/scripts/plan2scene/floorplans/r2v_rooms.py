@@ -11,6 +11,7 @@ import numpy as np
 from shapely.geometry import LineString, Point, Polygon
 from shapely.ops import polygonize, unary_union
 
+from plan2scene.floorplans.parse import MAX_ITEMS, MAX_ROOMS, Source
 from plan2scene.floorplans.r2v_text import PixelWall
 
 #: Wall ends nearer than this (pixels) meet; the reference converter's margin.
@@ -21,12 +22,13 @@ MIN_FACE = 50.0
 Edge = tuple[int, int]
 
 
-def room_polygons(walls: Sequence[PixelWall]) -> tuple[list[Polygon], float]:
+def room_polygons(source: Source, walls: Sequence[PixelWall]) -> tuple[list[Polygon], float]:
     """Return the faces that the walls close, and the length (pixels) of walls that close none.
 
     Ends within `JOIN_MARGIN` become one node, an end that near to another wall splits it, runs
     of nearly axis-aligned walls are made straight, crossings are split. Corners remain where
-    walls meet or turn. Sorted from top to bottom, then left to right.
+    walls meet or turn. Sorted from top to bottom, then left to right. InputError for none, or
+    more than a house can have.
     """
     nodes, edges = _join([(wall.start, wall.end) for wall in walls])
     edges = _split_at_nodes(nodes, edges)
@@ -34,11 +36,16 @@ def room_polygons(walls: Sequence[PixelWall]) -> tuple[list[Polygon], float]:
     lines = [LineString(nodes[list(edge)]) for edge in edges if edge[0] != edge[1]]
     lines = [line for line in lines if line.length > 0]
     network = unary_union(lines)
+    pieces = len(getattr(network, "geoms", [network]))
+    if pieces > MAX_ITEMS:
+        raise source.fault(f"walls of at most {MAX_ITEMS} pieces between crossings", pieces)
     faces = [face for face in polygonize(network) if face.area >= MIN_FACE]
+    if not 1 <= len(faces) <= MAX_ROOMS:
+        raise source.fault(f"walls that close 1 to {MAX_ROOMS} rooms", f"{len(faces)} rooms")
     used = unary_union([face.boundary for face in faces])
     degrees = _degrees(used)
     faces = [_drop_flat_corners(face, degrees) for face in faces]
-    loose = sum(line.length for line in lines) if not faces else network.difference(used).length
+    loose = network.difference(used).length
     faces.sort(key=lambda face: (round(face.bounds[1], 3), round(face.bounds[0], 3)))
     return faces, float(loose)
 

@@ -105,7 +105,9 @@ def _read_rooms(
     """Return the rooms by id, outlines from the floors (else ceilings), heights from ceilings."""
     plates: dict[str, dict[str, dict[str, Any]]] = {"Floor": {}, "Ceiling": {}}
     for element in elements:
-        kind = element.get("type")
+        kind = str(element.get("type"))
+        if kind not in (*plates, "Wall", "Ground"):
+            source.warn("elements of type Floor, Ceiling, Wall or Ground", f"{kind!r}, left out")
         if kind in plates:
             for room_id in room_ids_of(source, element):
                 if room_id in plates[kind]:

@@ -47,7 +47,7 @@ def read_walls(
         if room.id not in bounded:
             source.warn("walls", "none; made from the outline", room.id)
             depth = source.number(defaults["depth"], "a wall's depth", room.id)
-            walls += walls_of_rooms([room], depth=depth)
+            walls += walls_of_rooms([room], depth=depth, shared=False)
     return walls
 
 

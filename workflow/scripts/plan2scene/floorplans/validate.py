@@ -19,12 +19,11 @@ from plan2scene.floorplans.parse import (
     MAX_COORDINATE,
     MAX_ID_LENGTH,
     MAX_ITEMS,
+    MAX_ROOMS,
     SAME_POINT,
 )
 from plan2scene.house import OPENING_KINDS, ROOM_TYPES, House, Opening, Room, Wall
 
-#: Largest number of rooms of one house.
-MAX_ROOMS = 1000
 #: A room with less area than this (square metres) is a drawing fault.
 MIN_AREA = 0.01
 #: Rooms may overlap by this share of the smaller one (walls drawn on both sides of their line).
