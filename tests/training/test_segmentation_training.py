@@ -9,7 +9,7 @@ import torch
 from plan2scene.errors import InputError
 from plan2scene.io import write_json, write_png
 from plan2scene.photos.masks import CEILING, FLOOR, IGNORE, OTHER, WALL, write_label_png
-from plan2scene.photos.segmentation import load_segmenter
+from plan2scene.photos.segmentation import SegmentationNet, load_segmenter
 from plan2scene.training import segmentation_scenes
 from plan2scene.training.segmentation import (
     Average,
@@ -28,6 +28,7 @@ from plan2scene.training.segmentation_data import (
 )
 from plan2scene.training.segmentation_raycast import Body, Eye, cast, plain, surfels
 from plan2scene.training.segmentation_scenes import random_scenes
+from plan2scene.weights import save_model_file
 
 
 def _striped(seed: int = 0, size: tuple[int, int] = (48, 64)) -> LabelledPhoto:
@@ -110,12 +111,26 @@ def test_average_follows_the_network() -> None:
     assert torch.allclose(average.network.weight, torch.full((1, 2), 3.0), atol=1e-3)  # type: ignore[arg-type]
 
 
+def _tiny() -> SegmentationNet:
+    torch.manual_seed(0)
+    return SegmentationNet(widths=[8, 8, 8, 8, 8], depths=[1, 1, 1, 1], decoder=16, long_side=64)
+
+
 def test_training_learns_what_colours_tell() -> None:
     photos = [_striped(k) for k in range(12)]
     settings = Settings(batch=4, small=64, long_side=64, evaluate_every=10)
     held_out = [_striped(k) for k in range(100, 104)]
-    _, found, step = train(photos, held_out, settings, seed=0, steps=20, learning_rate=5e-3)
-    assert step in (10, 20)
+    _, found, step = train(
+        photos,
+        held_out,
+        settings,
+        seed=0,
+        steps=30,
+        learning_rate=1e-2,
+        sides=(64, 64),
+        start=_tiny(),
+    )
+    assert step in (10, 20, 30)
     assert found.accuracy > 0.6  # the commonest label alone gives under 0.5
 
 
@@ -143,8 +158,9 @@ def test_train_segmentation_writes_weights_and_card(
     _write_data_set(tmp_path / "data")
     model, card = tmp_path / "m.safetensors", tmp_path / "m.md"
     start = tmp_path / "start.safetensors"
-    settings = {"steps": 2, "scene_steps": 1, "batch": 2, "small": 64, "long_side": 64, "scenes": 2}
-    train_start(start, settings=settings, seed=0, threads=1)
+    save_model_file(start, _tiny().state_dict(), _tiny().architecture)
+    sides = {"scene_side": 64, "small": 64, "long_side": 64}
+    settings = {"steps": 2, "scene_steps": 1, "batch": 2, "scenes": 2, **sides}
     found = train_segmentation(
         tmp_path / "data", start, model, card, settings=settings, seed=0, threads=1
     )
@@ -153,6 +169,17 @@ def test_train_segmentation_writes_weights_and_card(
     assert "1 rendered photos" in text
     assert "Seed 0; steps 2" in text
     assert load_segmenter(model).labels(_striped(2).image).shape == (48, 64)
+
+
+def test_start_is_trained_without_a_data_set(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(segmentation_scenes, "TILES", 2)
+    path = tmp_path / "start.safetensors"
+    settings = {"scene_steps": 1, "batch": 1, "scenes": 2, "scene_side": 64, "small": 64}
+    found = train_start(path, settings=settings, seed=0, threads=1)
+    assert 0 <= found.mean_iou <= 1
+    assert load_segmenter(path).network.architecture == SegmentationNet().architecture
 
 
 def test_a_split_without_photos_is_an_error(tmp_path: Path) -> None:

@@ -40,18 +40,20 @@ _log = logging.getLogger("plan2scene")
 class Settings:
     """Settings of a training run (config key ``training.segmentation``)."""
 
-    steps: int = 5000  #: optimiser steps on photos and scenes
-    scene_steps: int = 3000  #: optimiser steps on scenes alone, before the photos
+    steps: int = 1800  #: optimiser steps on photos and scenes
+    scene_steps: int = 900  #: optimiser steps on scenes alone, before the photos
     batch: int = 8  #: views per step
     learning_rate: float = 3e-3  #: peak of the warm-up and cosine schedule
     photo_learning_rate: float = 1.5e-3  #: likewise, of the steps with photos
     weight_decay: float = 0.02
     dice: float = 0.5  #: weight of the soft Dice loss beside cross-entropy
     ema_decay: float = 0.998  #: of the averaged weights, which are what is kept
-    small: int = 256  #: longer side of views in the first two thirds of the steps, pixels
-    long_side: int = 320  #: longer side of views afterwards, and at inference
+    scene_side: int = 192  #: longer side of views in two thirds of the steps on scenes, pixels
+    small: int = 224  #: in the rest of those, and in two thirds of the steps with photos
+    long_side: int = 320  #: in the last third, and at inference
     scenes: int = 1000  #: rooms of boxes that are drawn beside the photos
     scene_share: float = 0.3  #: share of views that come from them once there are photos
+    bfloat16: bool = False  #: forward pass in bfloat16; faster on processors that have it
     evaluate_every: int = 500  #: steps between validations
     evaluate_photos: int = 200  #: photos of a validation, spread over the split
 
@@ -120,6 +122,7 @@ def train(
     seed: int,
     steps: int,
     learning_rate: float,
+    sides: tuple[int, int],
     scenes: Sequence[LabelledPhoto] = (),
     start: SegmentationNet | None = None,
 ) -> tuple[SegmentationNet, Scores, int]:
@@ -128,6 +131,8 @@ def train(
     Parameters
     ----------
     photos, held_out : labelled photos of disjoint houses
+    sides : (int, int)
+        Longer side of views in the first two thirds of the steps, and afterwards; pixels.
     scenes : labelled photos
         Further views that are mixed in (``settings.scene_share``).
     start : SegmentationNet, optional
@@ -149,7 +154,8 @@ def train(
     best: tuple[float, dict[str, torch.Tensor], Scores, int] | None = None
     running, started = 0.0, time.monotonic()
     for step in range(1, steps + 1):
-        images, labels = _batch(photos, scenes, settings, step > steps * 2 / 3, rng)
+        long = sides[0] if step <= steps * 2 / 3 else sides[1]
+        images, labels = _batch(photos, scenes, settings, long, rng)
         loss = segmentation_loss(
             network.train()(images.to(device)), labels.to(device), settings.dice
         )
@@ -197,11 +203,10 @@ def _batch(
     photos: Sequence[LabelledPhoto],
     scenes: Sequence[LabelledPhoto],
     settings: Settings,
-    large: bool,
+    long: int,
     rng: np.random.Generator,
 ) -> tuple[torch.Tensor, torch.Tensor]:
     """Return (n, 3, h, w) float32 views and (n, h, w) int64 labels; one shape per batch."""
-    long = settings.long_side if large else settings.small
     short = round(long * 0.75 / 32) * 32
     size = [(short, long), (long, short), (short, short)][rng.choice(3, p=[0.65, 0.2, 0.15])]
     samples = []
@@ -237,6 +242,7 @@ def train_start(
         seed=seed,
         steps=chosen.scene_steps,
         learning_rate=chosen.learning_rate,
+        sides=(chosen.scene_side, chosen.small),
     )
     save_model_file(model_path, network.state_dict(), network.architecture, half=False)
     return found
@@ -273,6 +279,7 @@ def train_segmentation(
         seed=seed,
         steps=chosen.steps,
         learning_rate=chosen.photo_learning_rate,
+        sides=(chosen.small, chosen.long_side),
         scenes=scenes,
         start=load_segmenter(start_path).network,
     )
