@@ -1,3 +1,11 @@
+from plan2scene.provenance import PACKAGE, file_hash
+
+
+def page_hash(*names):
+    """Return the hashes of the library's files that are no Python (pages, styles, programs)."""
+    return [file_hash(PACKAGE / name) for name in names]
+
+
 def chosen_textures(wildcards):
     """Return the textures folder of the configured method, with all photos."""
     method = config["house"]["method"]
@@ -45,3 +53,61 @@ rule house_obj:
         code=code_hash("mesh.build"),
     script:
         "../scripts/house_obj.py"
+
+
+rule preview:
+    # Plan view with room names, and oblique view.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        textures=chosen_textures,
+    output:
+        report(
+            f"{RESULTS}/houses/{{house}}/preview.png",
+            caption="../report/preview.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "preview"},
+        ),
+    log:
+        f"logs/{DATASET}/preview/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/preview/{{house}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        code=code_hash("mesh.preview"),
+    script:
+        "../scripts/preview.py"
+
+
+rule viewer:
+    # One offline HTML file with the house in it.
+    input:
+        glb=f"{RESULTS}/houses/{{house}}/house.glb",
+    output:
+        report(
+            f"{RESULTS}/houses/{{house}}/viewer.html",
+            caption="../report/viewer.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "viewer"},
+        ),
+    log:
+        f"logs/{DATASET}/viewer/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/viewer/{{house}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=500,
+    params:
+        code=code_hash("viewer.build"),
+        # The page's own files are no Python: the hash above does not see them.
+        page=page_hash(
+            "viewer/viewer.html",
+            "viewer/viewer.css",
+            "viewer/glb.js",
+            "viewer/viewer.js",
+        ),
+    script:
+        "../scripts/viewer.py"

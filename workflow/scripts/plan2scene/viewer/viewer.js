@@ -317,9 +317,7 @@ function listRooms(entries) {
 
 function setMode(mode) {
   if (mode === "walk" && eye.mode !== "walk") {
-    const near = (r) => Math.hypot(r.inside[0] - eye.target[0], r.inside[1] - eye.target[2]);
-    const room = rooms.reduce((a, b) => (near(b) < near(a) ? b : a));
-    enter(room);
+    enter(rooms.find((r) => r.button.getAttribute("aria-current") === "true") || rooms.reduce((a, b) => (b.area > a.area ? b : a)));
     $("ceilings").checked = show.ceilings = true;
   } else if (mode === "orbit" && eye.mode === "walk") {
     $("ceilings").checked = show.ceilings = false;

@@ -1,0 +1,14 @@
+"""Rule index_page: all houses, the table and the plot -> index.html."""
+
+from plan2scene.jobs import job
+from plan2scene.report import write_index
+
+with job(snakemake.log[0]):
+    write_index(
+        snakemake.output[0],
+        scenes=snakemake.input.scenes,
+        table=snakemake.input.table,
+        plot=snakemake.input.plot,
+        dataset=snakemake.params.dataset,
+        method=snakemake.params.method,
+    )
