@@ -82,6 +82,13 @@ def test_empty_table_is_a_warning(tmp_path, text):
     ]
 
 
+def test_table_that_is_not_there(tmp_path):
+    with pytest.raises(InputError) as caught:
+        read_assignment(tmp_path / "t.csv", small_house())
+    line = f"file {tmp_path / 't.csv'}, house h1: expected a photo table, found no such file"
+    assert str(caught.value) == line
+
+
 def test_no_table_is_no_rows():
     assert read_assignment(None, small_house()) == ()
     assert read_assignment([], small_house()) == ()
@@ -264,7 +271,8 @@ def test_every_problem_is_a_line(dataset):
     (dataset / "unobserved_photos.json").write_text('{"0.6": ["elsewhere.jpg"]}')
     lines = [str(problem) for problem in check_dataset(dataset)]
     assert len(lines) == 6
-    assert "../up.jpg" in lines[0]
+    assert lines[0].startswith(f"error: file {dataset / 'houses.tsv'}, house h1: expected a plain")
+    assert lines[0].endswith("found '../up.jpg'")
     assert lines[1].startswith(f"warning: file {photos / 'cut.png'}, house h1: expected an image")
     assert lines[2] == f"warning: file {photos / 'gone.jpg'}, house h1: expected a photo, " + (
         "found no such file"
@@ -272,7 +280,9 @@ def test_every_problem_is_a_line(dataset):
     assert lines[3] == f"warning: file {photos / 'text.jpg'}, house h1: expected an image, " + (
         "found a file that is none"
     )
-    assert lines[4].startswith(f"error: file {dataset / 'none.json'}")
+    assert lines[4] == (
+        f"error: file {dataset / 'none.json'}, house h2: expected a plan, found no such file"
+    )
     assert lines[5].startswith("warning: ")
     assert all("\n" not in line for line in lines)
 

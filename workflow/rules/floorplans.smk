@@ -1,3 +1,14 @@
+def named_plan_of(wildcards):
+    """Return the plan that the house table names, whether it is there or not."""
+    return str(DATA_ROOT / HOUSES.loc[wildcards.house, "plan"])
+
+
+def named_assignment_of(wildcards):
+    """Return the photo table that the house table names, there or not; "" for none."""
+    name = HOUSES.loc[wildcards.house, "assignment"]
+    return str(DATA_ROOT / name) if name else ""
+
+
 rule floorplan:
     # Any supported plan, normalised and validated.
     input:

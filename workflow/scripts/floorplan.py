@@ -5,9 +5,9 @@ from plan2scene.jobs import job
 
 with job(snakemake.log[0]):
     import_plan(
-        snakemake.input.plan,
+        snakemake.params.plan,
         snakemake.output[0],
         house_id=snakemake.wildcards.house,
-        assignment=snakemake.input.get("assignment") or "",
+        assignment=snakemake.params.assignment,
         metres_per_pixel=snakemake.params.metres_per_pixel,
     )

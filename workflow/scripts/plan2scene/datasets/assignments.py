@@ -74,6 +74,8 @@ def read_assignment(
 
 def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
     """Return the rows of a photo table without judging rooms and names."""
+    if not Path(path).is_file():
+        raise InputError("a photo table", "no such file", file=path, house=house_id)
     lines = read_text(path).splitlines()
     if not any(line.strip() for line in lines):
         return []

@@ -67,22 +67,22 @@ def check_dataset(
     known: set[str] = set()
     checked: set[str] = set()
     for row in houses.to_dict("records"):
-        names = {name for name in row["photos"].split("|") if name}
-        known |= names
-        problems += _check_house(root, row, names, metres_per_pixel, checked)
+        known |= set(row["photos"].split("|"))
+        problems += _check_house(root, root / table, row, metres_per_pixel, checked)
     problems += _check_unobserved(root / "unobserved_photos.json", known)
     return problems
 
 
 def _check_house(
     root: Path,
+    table: Path,
     row: dict[str, str],
-    names: set[str],
     metres_per_pixel: float | None,
     checked: set[str],
 ) -> Iterator[Problem]:
     """Yield the problems of one house; photos in `checked` were opened for another house."""
     house_id = row["house"]
+    names = {name for name in row["photos"].split("|") if name}
     house, problems = check_plan(root / row["plan"], house_id, metres_per_pixel)
     yield from problems
     file = root / row["assignment"] if row["assignment"] else None
@@ -101,7 +101,7 @@ def _check_house(
     assigned = {row.photo for row in rows}
     for photo in sorted(names):
         try:
-            path = safe_join(root / "photos", photo, file="house table", house=house_id)
+            path = safe_join(root / "photos", photo, file=table, house=house_id)
         except InputError as error:
             yield Problem("error", str(error))
             continue

@@ -50,6 +50,8 @@ def read_plan(path: str | Path, house_id: str, metres_per_pixel: float | None = 
     metres_per_pixel : float, optional
         Scale of raster-to-vector files, which are in pixels; needed for those only.
     """
+    if not Path(path).is_file():
+        raise InputError("a plan", "no such file", file=path, house=house_id)
     text = read_text(path)
     if not text.strip():
         raise InputError("a plan", "an empty file", file=path, house=house_id)
