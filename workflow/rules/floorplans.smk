@@ -1,8 +1,3 @@
-def named_plan_of(wildcards):
-    """Return the plan that the house table names, whether it is there or not."""
-    return str(DATA_ROOT / HOUSES.loc[wildcards.house, "plan"])
-
-
 def named_assignment_of(wildcards):
     """Return the photo table that the house table names, there or not; "" for none."""
     name = HOUSES.loc[wildcards.house, "assignment"]
@@ -24,7 +19,9 @@ rule floorplan:
     resources:
         mem_mb=500,
     params:
+        # What the house table names: of a file that is missing the job says which.
         plan=lambda wildcards: str(DATA_ROOT / HOUSES.loc[wildcards.house, "plan"]),
+        assignment=named_assignment_of,
         photos=str(DATA_ROOT / "photos"),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         code=code_hash("floorplans"),

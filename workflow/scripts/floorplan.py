@@ -9,5 +9,6 @@ with job(snakemake.log[0]):
         snakemake.output[0],
         house_id=snakemake.wildcards.house,
         assignment=snakemake.params.assignment,
+        photos_dir=snakemake.params.photos,
         metres_per_pixel=snakemake.params.metres_per_pixel,
     )

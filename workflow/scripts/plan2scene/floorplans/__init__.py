@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
-from plan2scene.datasets.assignments import read_assignment
+from plan2scene.datasets.assignments import check_assignment, read_assignment
 from plan2scene.errors import InputError
 from plan2scene.floorplans.parse import parse_json
 from plan2scene.floorplans.plan_json import FORMAT, house_of_plan, plan_schema, read_plan_json
@@ -70,18 +70,21 @@ def import_plan(
     house_id: str,
     metres_per_pixel: float | None = None,
     assignment: str | Path | None = None,
+    photos_dir: str | Path | None = None,
 ) -> House:
     """Read, check and write a plan as scene.json; warnings go to the log. Return the house.
 
     `assignment` is the house's photo table: its rooms and photo names are checked here, so that
     a wrong table stops the house before any photo is worked on. An empty one, or "" for a house
-    that has none, is a warning; None asks for no check.
+    that has none, is a warning, and so is a photo that `photos_dir` lacks; None asks for no check.
     """
     house = read_plan(path, house_id, metres_per_pixel)
-    for line in validate_house(house, file=path):
+    warnings = validate_house(house, file=path)
+    if assignment is not None:
+        rows = read_assignment(assignment, house)
+        if photos_dir is not None or not rows:
+            warnings += check_assignment(house, rows, photos_dir or "", file=assignment)
+    for line in warnings:
         _LOGGER.warning("%s", line)
-    if assignment is not None and not read_assignment(assignment, house):
-        empty = InputError("at least one photo", "none", file=assignment, house=house_id)
-        _LOGGER.warning("%s", empty)
     write_scene_json(house, output)
     return house
