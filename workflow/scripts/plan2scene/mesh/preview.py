@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
-from shapely.geometry import Polygon
+from shapely.geometry import MultiPolygon, Polygon
 from shapely.ops import polylabel, unary_union
 
 from plan2scene.floorplans import read_scene_json
@@ -29,7 +29,7 @@ WINDOW_COLOUR: Colour = (176, 205, 216)
 #: Height in metres at which the plan view cuts the house open.
 CUT = 1.7
 #: Height and width in pixels of each of the two views.
-VIEW = (800, 800)
+SIDE = 800
 #: The views are drawn so many times larger and averaged down.
 SUPERSAMPLING = 2
 #: Direction to the sun, and shares of sky, ground and sun in the light.
@@ -47,11 +47,13 @@ def build_preview(
     write_png(png, render_preview(house, load_textures(textures_dir, house)))
 
 
-def render_preview(house: House, textures: Mapping[SurfaceKey, TileTexture]) -> np.ndarray:
-    """Return (800, 1600, 3) uint8 sRGB: plan view with room names, and oblique view."""
+def render_preview(
+    house: House, textures: Mapping[SurfaceKey, TileTexture], side: int = SIDE
+) -> np.ndarray:
+    """Return (side, 2 side, 3) uint8 sRGB: plan view with room names, and oblique view."""
     assembly = assemble(house)
-    plan = _plan_view(house, assembly, textures)
-    oblique = _oblique_view(house, assembly, textures)
+    plan = _plan_view(house, assembly, textures, side)
+    oblique = _oblique_view(house, assembly, textures, side)
     return np.concatenate([plan, oblique], axis=1)
 
 
@@ -63,12 +65,12 @@ def _extent(house: House) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _plan_view(
-    house: House, assembly: Assembly, textures: Mapping[SurfaceKey, TileTexture]
+    house: House, assembly: Assembly, textures: Mapping[SurfaceKey, TileTexture], side: int
 ) -> np.ndarray:
     """Return the orthographic view from above of what is below `CUT`."""
     low, high = _extent(house)
     centre = (low + high) / 2
-    size = (VIEW[0] * SUPERSAMPLING, VIEW[1] * SUPERSAMPLING)
+    size = (side * SUPERSAMPLING, side * SUPERSAMPLING)
     scale = 0.86 * min(size[1] / (high[0] - low[0]), size[0] / (high[1] - low[1]))
     target = np.array([centre[0], 0.0, centre[1]])
     camera = look_at(target + [0, 50.0, 0], target, scale, size, perspective=False)
@@ -110,7 +112,7 @@ def _section(assembly: Assembly) -> list[MeshPart]:
 
 
 def _oblique_view(
-    house: House, assembly: Assembly, textures: Mapping[SurfaceKey, TileTexture]
+    house: House, assembly: Assembly, textures: Mapping[SurfaceKey, TileTexture], side: int
 ) -> np.ndarray:
     """Return the perspective view from the upper south-east without ceilings."""
     low, high = _extent(house)
@@ -119,7 +121,7 @@ def _oblique_view(
         [[x, y, z] for x in (low[0], high[0]) for y in (0, height) for z in (low[1], high[1])]
     )
     target = corners.mean(axis=0)
-    size = (VIEW[0] * SUPERSAMPLING, VIEW[1] * SUPERSAMPLING)
+    size = (side * SUPERSAMPLING, side * SUPERSAMPLING)
     elevation, azimuth = math.radians(61.0), math.radians(24.0)
     direction = np.array(
         [
@@ -226,14 +228,18 @@ def _annotate(image: np.ndarray, house: House, camera: Camera) -> np.ndarray:
     """Return the plan view with room names and areas, and a scale bar."""
     picture = Image.fromarray(_small(image))
     draw = ImageDraw.Draw(picture)
-    for room in house.rooms:
-        polygon = max(room_polygon(room).geoms, key=lambda p: p.area)
-        point = _label_point(polygon)
+    taken: list[tuple[float, ...]] = []
+    for room in sorted(house.rooms, key=lambda room: -room_polygon(room).area):
+        whole = room_polygon(room)
+        point = _label_point(max(whole.geoms, key=lambda p: p.area))
         x, y = camera.project(np.array([point[0], 0.0, point[1]]))[:2] / SUPERSAMPLING
-        text = f"{room_title(room)}\n{room_polygon(room).area:.1f} m²"
-        _label(draw, text, (float(x), float(y)))
+        title = room_title(room)
+        # A small room gets a small label, and none where a larger room's label is.
+        for text, size in ((f"{title}\n{whole.area:.1f} m²", 15), (title, 11)):
+            if _label(draw, text, (float(x), float(y)), size, taken, whole, camera):
+                break
     metre = camera.scale / SUPERSAMPLING
-    x0, y0 = 24, VIEW[0] - 26
+    x0, y0 = 24, picture.height - 26
     draw.rectangle([x0, y0, x0 + metre, y0 + 5], fill=SECTION_COLOUR)
     draw.text((x0 + metre + 8, y0 + 2), "1 m", fill=SECTION_COLOUR, font=_font(14), anchor="lm")
     return np.asarray(picture)
@@ -246,13 +252,32 @@ def _label_point(polygon: Polygon) -> tuple[float, float]:
     return float(point.x), float(point.y)
 
 
-def _label(draw: ImageDraw.ImageDraw, text: str, centre: tuple[float, float]) -> None:
-    """Write text on a light plate so that it reads over any texture."""
-    font = _font(15)
+def _label(
+    draw: ImageDraw.ImageDraw,
+    text: str,
+    centre: tuple[float, float],
+    size: int,
+    taken: list[tuple[float, ...]],
+    room: MultiPolygon,
+    camera: Camera,
+) -> bool:
+    """Write text on a light plate if there is room for it; return whether it was written."""
+    font = _font(size)
     box = draw.multiline_textbbox(centre, text, font=font, anchor="mm", align="center")
-    plate = (box[0] - 8, box[1] - 6, box[2] + 8, box[3] + 6)
+    plate = (box[0] - 6, box[1] - 5, box[2] + 6, box[3] + 5)
+    metre = camera.scale / SUPERSAMPLING
+    width, height = (plate[2] - plate[0]) / metre, (plate[3] - plate[1]) / metre
+    if width * height > 1.2 * room.area or any(_overlap(plate, other) for other in taken):
+        return False
+    taken.append(plate)
     draw.rounded_rectangle(plate, radius=6, fill=(250, 249, 246))
     draw.multiline_text(centre, text, font=font, anchor="mm", align="center", fill=(40, 38, 36))
+    return True
+
+
+def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
+    """Return whether two boxes (left, top, right, bottom) overlap."""
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:

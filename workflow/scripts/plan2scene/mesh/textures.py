@@ -9,7 +9,7 @@ from pathlib import Path
 
 from plan2scene.errors import InputError
 from plan2scene.house import House, SurfaceKey
-from plan2scene.io import image_from_bytes, png_bytes, read_json
+from plan2scene.io import png_bytes, read_image, read_json
 
 #: Colours of surfaces that have no texture, sRGB 0..255.
 UNTEXTURED = {"floor": (178, 164, 148), "wall": (232, 228, 220), "ceiling": (244, 243, 240)}
@@ -91,7 +91,7 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house: str) -> 
     except OSError:
         raise InputError("a texture", "no such file", file=file, house=house) from None
     if not data.startswith(b"\x89PNG"):
-        data = png_bytes(image_from_bytes(data))
+        data = png_bytes(read_image(file, house=house))
     observed, substance = entry.get("observed"), entry.get("substance")
     return TileTexture(
         png=data,

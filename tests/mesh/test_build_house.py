@@ -1,0 +1,81 @@
+"""The house stage on files, as rules call it."""
+
+import json
+
+import pytest
+import trimesh
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans import read_scene_textures, write_scene_json
+from plan2scene.house import SurfaceKey
+from plan2scene.mesh import load_textures
+from plan2scene.mesh.build import build_house, build_obj
+
+
+@pytest.fixture
+def folder(gap_house, paint, tmp_path):
+    """Return a folder with scene.json and textures/ of a house."""
+    write_scene_json(gap_house, tmp_path / "scene.json")
+    (tmp_path / "textures").mkdir()
+    entries = {}
+    for key, tile in paint(gap_house).items():
+        (tmp_path / "textures" / f"{key.filename}.png").write_bytes(tile.png)
+        entries["/".join(key)] = {
+            "size_m": tile.size_m,
+            "observed": tile.observed,
+            "substance": tile.substance,
+            "seam_corrected": False,
+            "source": "test",
+        }
+    write_index(tmp_path, entries)
+    return tmp_path
+
+
+def write_index(folder, entries):
+    text = json.dumps({"method": "synth", "surfaces": entries})
+    (folder / "textures" / "textures.json").write_text(text)
+
+
+def entries_of(folder):
+    return json.loads((folder / "textures" / "textures.json").read_text())["surfaces"]
+
+
+def test_files_of_a_house(folder, gap_house, paint):
+    out = folder / "out"
+    args = folder / "scene.json", folder / "textures"
+    build_house(*args, out / "house.glb", out / "house.scene.json", house_id="gap")
+    build_obj(*args, out / "house.obj", house_id="gap")
+    scene = trimesh.load(out / "house.glb")
+    assert scene.geometry["a/floor"].area == pytest.approx(12.0, rel=1e-4)
+    textures = read_scene_textures(out / "house.scene.json", "gap")
+    for key, tile in paint(gap_house).items():
+        assert textures[key] == (tile.png, tile.size_m)
+    assert (out / "house.obj").is_file()
+    assert len(list((out / "house_textures").glob("*.png"))) == 6
+
+
+def test_a_surface_without_texture_is_a_warning(folder, gap_house, caplog):
+    entries = entries_of(folder)
+    del entries["a/wall"]
+    write_index(folder, entries)
+    textures = load_textures(folder / "textures", gap_house)
+    assert SurfaceKey("a", "wall") not in textures
+    assert "house gap: no texture for a/wall" in caplog.text
+
+
+@pytest.mark.parametrize("size", [None, 0, -1.0, "1"])
+def test_bad_size_is_refused(folder, gap_house, size):
+    entries = entries_of(folder)
+    entries["a/floor"]["size_m"] = size
+    write_index(folder, entries)
+    with pytest.raises(InputError, match="house gap, room a: expected a size_m"):
+        load_textures(folder / "textures", gap_house)
+
+
+def test_missing_and_broken_tiles_are_refused(folder, gap_house):
+    (folder / "textures" / "a_floor.png").write_bytes(b"no picture")
+    with pytest.raises(InputError, match=r"a_floor\.png.*expected an image"):
+        load_textures(folder / "textures", gap_house)
+    (folder / "textures" / "a_floor.png").unlink()
+    with pytest.raises(InputError, match=r"a_floor\.png.*no such file"):
+        load_textures(folder / "textures", gap_house)

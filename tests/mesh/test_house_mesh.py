@@ -1,0 +1,170 @@
+"""Geometry of houses made by hand: areas, sides, holes, names."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from shapely.geometry import Polygon
+
+from plan2scene.house import Door, House, Opening, Wall
+from plan2scene.mesh import build_parts
+from plan2scene.mesh.house_mesh import assemble
+
+
+def by_name(house):
+    return {part.name: part for part in build_parts(house)}
+
+
+def wall_area(wall):
+    """Length x height less the union of the holes, on a fine grid independent of shapely."""
+    step = 0.005
+    s = np.arange(step / 2, wall.length, step)[:, None]
+    y = np.arange(step / 2, wall.height, step)[None]
+    hole = np.zeros((s.size, y.size), dtype=bool)
+    for o in wall.openings:
+        hole |= (s > o.start) & (s < o.end) & (y > o.bottom) & (y < o.top)
+    return wall.length * wall.height - hole.sum() * step * step
+
+
+@pytest.mark.parametrize("name", ["l_house", "ring_house", "shared_house", "gap_house"])
+def test_areas(name, request):
+    house = request.getfixturevalue(name)
+    parts = by_name(house)
+    for room in house.rooms:
+        area = Polygon(room.rings[0], room.rings[1:]).area
+        assert parts[f"{room.id}/floor"].area == pytest.approx(area, rel=1e-6)
+        assert parts[f"{room.id}/ceiling"].area == pytest.approx(area, rel=1e-6)
+    for wall in house.walls:
+        for room_id in wall.room_ids:
+            face = parts[f"{room_id}/wall/{wall.id}"]
+            assert face.area == pytest.approx(wall_area(wall), rel=2e-3)
+
+
+@pytest.mark.parametrize("name", ["l_house", "ring_house", "shared_house", "gap_house"])
+def test_surfaces_face_their_room(name, request):
+    house = request.getfixturevalue(name)
+    parts = by_name(house)
+    for room in house.rooms:
+        polygon = Polygon(room.rings[0], room.rings[1:])
+        np.testing.assert_allclose(
+            parts[f"{room.id}/floor"].normals, [[0, 1, 0]] * len(parts[f"{room.id}/floor"].normals)
+        )
+        assert (parts[f"{room.id}/ceiling"].normals[:, 1] == -1).all()
+        assert np.allclose(parts[f"{room.id}/ceiling"].vertices[:, 1], room.height)
+        for wall in house.walls_of(room.id):
+            face = parts[f"{room.id}/wall/{wall.id}"]
+            middle = (np.array(wall.start) + np.array(wall.end)) / 2
+            inside = middle + 0.05 * face.normals[0, [0, 2]]
+            assert polygon.contains(Polygon.from_bounds(*(inside - 1e-6), *(inside + 1e-6)))
+            distance = (face.vertices[:, [0, 2]] - np.array(wall.start)) @ face.normals[0, [0, 2]]
+            assert np.abs(distance).max() < 1e-3
+
+
+def test_names_are_unique_and_complete(gap_house):
+    names = [part.name for part in build_parts(gap_house)]
+    assert len(names) == len(set(names))
+    assert "a/door/ha" in names
+    assert "b/door/hb" not in names  # the other room's copy of the same door
+    assert "a/threshold/ha" in names
+    assert "structure/wall/a_w1" in names
+
+
+def test_twice_the_same_id_gets_a_number(l_house):
+    wall = dataclasses.replace(
+        l_house.walls[0],
+        openings=(
+            Opening("x", "window", 0.5, 1.0, 1.0, 2.0),
+            Opening("x", "window", 3.0, 3.5, 1.0, 2.0),
+        ),
+    )
+    names = [p.name for p in build_parts(dataclasses.replace(l_house, walls=(wall,)))]
+    assert "hall/window/x" in names
+    assert "hall/window/x#2" in names
+
+
+def test_holes_of_both_copies_join(gap_house):
+    (portal,) = assemble(gap_house).portals
+    assert portal.other == "b"
+    assert portal.depth == pytest.approx(0.1)
+    np.testing.assert_allclose(np.sort(portal.back[:, 1]), [1.0, 1.8], atol=1e-9)
+    np.testing.assert_allclose(portal.back[:, 0], 3.1)
+
+
+def test_a_door_drawn_once_is_cut_in_the_other_room_too(gap_house):
+    walls = tuple(
+        dataclasses.replace(w, openings=()) if w.id == "b_w3" else w for w in gap_house.walls
+    )
+    once = House("once", gap_house.rooms, walls, (Door("a", "ha", "b"),))
+    full = by_name(once)["b/wall/b_w3"].area
+    assert full == pytest.approx(4.0 * 2.5 - 0.8 * 2.0, rel=1e-3)
+    alone = dataclasses.replace(once, doors=(Door("a", "ha", None),))
+    assert by_name(alone)["b/wall/b_w3"].area == pytest.approx(4.0 * 2.5, rel=1e-3)
+
+
+def test_wall_body_stays_out_of_rooms(gap_house):
+    rooms = [Polygon(room.rings[0]) for room in gap_house.rooms]
+    bodies = [body.area for body in assemble(gap_house).bodies]
+    for k, body in enumerate(bodies):
+        assert all(body.intersection(room).area < 1e-6 for room in rooms)
+        assert all(body.intersection(other).area < 1e-6 for other in bodies[k + 1 :])
+    assert sum(body.area for body in bodies) > 2.0  # 0.1 m around both rooms and between them
+
+
+def test_outer_face_has_the_hole(l_house):
+    part = by_name(l_house)["structure/wall/hall_w0"]
+    outer = part.normals[:, 2] < -0.99
+    faces = part.faces[outer[part.faces[:, 0]]]
+    at = part.vertices[faces].mean(axis=1)
+    low = at[(at[:, 1] < 2.5) & (np.abs(at[:, 2] + 0.1) < 1e-6)]
+    assert len(low) > 0
+    in_door = (low[:, 0] > 1.05) & (low[:, 0] < 1.85) & (low[:, 1] < 2.0)
+    assert not in_door.any()
+
+
+def test_uv_runs_on_round_the_corner_in_metres(l_house):
+    parts = by_name(l_house)
+    first, second = parts["hall/wall/hall_w0"], parts["hall/wall/hall_w1"]
+
+    def u_at(part, x, z, y):
+        distance = np.linalg.norm(part.vertices - [x, y, z], axis=1)
+        assert distance.min() < 2e-3
+        return part.uv[distance.argmin()]
+
+    corner = u_at(first, 5.0, 0.0, 0.0), u_at(second, 5.0, 0.0, 0.0)
+    np.testing.assert_allclose(corner[0], corner[1], atol=2e-3)
+    left = u_at(first, 0.0, 0.0, 2.5)
+    assert corner[0][0] - left[0] == pytest.approx(5.0, abs=2e-3)
+    assert left[1] == pytest.approx(0.0, abs=1e-6)  # v is 0 at the ceiling and grows downwards
+    assert corner[0][1] == pytest.approx(2.5, abs=1e-6)
+    # Seen from inside, u grows to the right: facing -z that is +x.
+    assert corner[0][0] > left[0]
+
+
+def test_floor_uv_is_plan_position(l_house):
+    floor = by_name(l_house)["hall/floor"]
+    np.testing.assert_allclose(floor.uv, floor.vertices[:, [0, 2]], atol=1e-5)
+
+
+def test_normals_agree_with_faces(shared_house):
+    for part in build_parts(shared_house):
+        corners = part.vertices[part.faces]
+        cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        length = np.linalg.norm(cross, axis=1)
+        solid = length > 1e-8
+        cosine = (cross[solid] * part.normals[part.faces[solid, 0]]).sum(axis=1) / length[solid]
+        assert cosine.min() > 0.999, part.name
+
+
+def test_hole_as_large_as_its_wall_leaves_no_face(l_house):
+    gap = Opening("all", "passage", -0.1, 5.1, 0.0, 2.5)
+    wall = dataclasses.replace(l_house.walls[0], openings=(gap,))
+    names = by_name(dataclasses.replace(l_house, walls=(wall, *l_house.walls[1:])))
+    assert "hall/wall/hall_w0" not in names
+    assert "hall/passage/all" in names
+
+
+def test_wall_that_no_outline_knows(l_house):
+    """A partition in the middle of a room still gets one face of the right area."""
+    free = Wall("free", ("hall",), (0.5, 1.0), (1.5, 1.0), 2.0)
+    part = by_name(dataclasses.replace(l_house, walls=(*l_house.walls, free)))
+    assert part["hall/wall/free"].area == pytest.approx(2.0, rel=3e-3)
