@@ -18,14 +18,26 @@ include: "workflow/rules/propagation.smk"
 include: "workflow/rules/textures.smk"
 include: "workflow/rules/houses.smk"
 include: "workflow/rules/evaluation.smk"
+include: "workflow/rules/report.smk"
 include: "workflow/rules/data.smk"
 include: "workflow/rules/training.smk"
 include: "workflow/rules/training_features.smk"
+include: "workflow/rules/training_textures.smk"
 include: "workflow/rules/training_propagation.smk"
 
 
 rule all:
     default_target: True
     input:
-        house_files("house.glb", "house.scene.json", "preview.png"),
+        house_files("house.glb", "house.scene.json", "preview.png", "viewer.html"),
         f"{RESULTS}/tables/paper_table.csv",
+        f"{RESULTS}/index.html",
+
+
+rule train:
+    # Every embedded model, from synthetic data alone; copy what is better to resources/models.
+    input:
+        expand(
+            f"{TRAINED}/{{name}}.safetensors",
+            name=["segmentation", "texture", "naivesynth", "features", "propagation"],
+        ),

@@ -80,3 +80,22 @@ rule paper_table:
         code=code_hash("metrics.table"),
     script:
         "../scripts/paper_table.py"
+
+
+onerror:
+    # One bad house never stops the others: the table of what there is says who is missing.
+    from plan2scene.metrics.table import TableRequest, partial_table
+
+    partial = partial_table(
+        RESULTS,
+        f"{RESULTS}/tables",
+        request=TableRequest(
+            dataset=DATASET,
+            houses=tuple(HOUSES.index),
+            methods=tuple(METHODS),
+            drop=TABLE_DROP,
+            seed=config["seed"],
+        ),
+    )
+    if partial:
+        print(f"Table of the finished houses: {partial}", file=sys.stderr)
