@@ -11,7 +11,7 @@ import numpy as np
 
 from plan2scene.house import SURFACES, House, Room, SurfaceKey
 from plan2scene.seeds import derive_seed, generator
-from plan2scene.synthetic.materials import Material, random_material
+from plan2scene.synthetic.materials import Material, colour, random_material
 
 #: Floor of the home's main rooms, one material for all of them.
 MAIN_FLOOR = {"wood": 0.72, "tile": 0.16, "carpet": 0.12}
@@ -71,16 +71,10 @@ ACCENT_KINDS = {
     ("tile", "brick"): 0.1,
     ("wood", "planks"): 0.1,
 }
-_STRONG = (
-    (138, 160, 171),
-    (79, 106, 124),
-    (47, 70, 86),
-    (143, 157, 134),
-    (93, 112, 95),
-    (185, 139, 116),
-    (106, 102, 97),
-    (169, 164, 156),
-)
+#: Chance that walls are rough plaster instead of paint.
+ROUGH_WALL = 0.25
+#: Chance that the main walls of a home have a strong colour.
+MAIN_ACCENT = 0.06
 
 
 class _Stock:
@@ -98,7 +92,7 @@ class _Stock:
             "bedroom floor": self._bedroom_floor,
             "wet floor": lambda n: self._draw("tile", n),
             "wet wall": self._wet_wall,
-            "main wall": lambda n: self._draw("plaster", n, kind=self._wall_kind(n)),
+            "main wall": lambda n: self._wall(n, MAIN_ACCENT),
             "main ceiling": self.white,
             "facade": lambda n: self._draw("plaster", n, kind="plaster"),
         }
@@ -118,11 +112,8 @@ class _Stock:
         name = f"{key.room_id}/{key.surface}"
         if what == "own":
             return self.white(name)
-        if what == "tint":
-            return self._draw("plaster", name, kind=self._wall_kind(name))
-        if what == "accent":
-            strong = _STRONG[int(self.rng(name, "accent").integers(0, len(_STRONG)))]
-            return self._draw("plaster", name, kind="paint", colour=strong)
+        if what in ("tint", "accent"):
+            return self._wall(name, 1.0 if what == "accent" else 0.0)
         if what == "paper":
             return self._draw("plaster", name, kind="wallpaper")
         return self._draw(what, name)
@@ -131,40 +122,42 @@ class _Stock:
         """Return ceiling white: paint, sometimes rough plaster."""
         rng = self.rng(name, "white")
         level, warmth = float(rng.uniform(225, 250)), float(rng.uniform(-2, 9))
-        colour = (round(level), round(level - 0.4 * warmth), round(level - warmth))
+        tone = (round(level), round(level - 0.4 * warmth), round(level - warmth))
         kind = "paint" if rng.random() < 0.85 else "plaster"
-        return random_material(
-            "plaster", derive_seed(self._seed, name), kind=kind, colour_rgb=colour
-        )
+        return self._random("plaster", name, kind, tone)
 
-    def _draw(
-        self,
-        substance: str,
-        name: str,
-        *,
-        kind: str | None = None,
-        colour: tuple[int, int, int] | None = None,
-    ) -> Material:
+    def _draw(self, substance: str, name: str, *, kind: str | None = None) -> Material:
+        scan = self._scan(substance, name) if kind in (None, "plaster") else None
+        return scan or self._random(substance, name, kind, None)
+
+    def _scan(self, substance: str, name: str) -> Material | None:
+        """Return a texture of the given folder, or None: as often as `TEXTURE_SHARE` says."""
         scans = [t for t in self._textures if t.substance == substance]
         rng = self.rng(name, "texture")
-        free = kind in (None, "plaster") and colour is None
-        if scans and free and rng.random() < TEXTURE_SHARE[substance]:
+        if scans and rng.random() < TEXTURE_SHARE[substance]:
             return scans[int(rng.integers(0, len(scans)))]
-        return self._random(substance, name, kind, colour)
+        return None
 
     def _random(
-        self, substance: str, name: str, kind: str | None, colour: tuple[int, int, int] | None
+        self, substance: str, name: str, kind: str | None, tone: tuple[int, int, int] | None
     ) -> Material:
         return random_material(
             substance,
             derive_seed(self._seed, name),
             kind=kind,
             size_px=self._size_px,
-            colour_rgb=colour,
+            colour_rgb=tone,
         )
 
-    def _wall_kind(self, name: str) -> str:
-        return "paint" if self.rng(name, "kind").random() < 0.75 else "plaster"
+    def _wall(self, name: str, strong: float) -> Material:
+        """Return paint or rough plaster, of a strong colour with probability `strong`."""
+        rng = self.rng(name, "wall")
+        kind = "plaster" if rng.random() < ROUGH_WALL else "paint"
+        scan = self._scan("plaster", name) if kind == "plaster" else None
+        if scan is not None:
+            return scan
+        palette = colour.ACCENTS if rng.random() < strong else colour.PAINTS
+        return self._random("plaster", name, kind, colour.pick_uint8(rng, palette))
 
     def _bedroom_floor(self, name: str) -> Material:
         carpet = self.rng(name, "substance").random() < BEDROOM_CARPET
@@ -259,10 +252,8 @@ def accent_walls(house: House, seed: int) -> dict[str, Material]:
         wall = (plain or walls)[int(rng.integers(0, len(plain or walls)))]
         pairs = {f"{substance} {kind}": p for (substance, kind), p in ACCENT_KINDS.items()}
         substance, kind = pick(rng, pairs).split()
-        colour = None
-        if kind == "paint":
-            colour = _STRONG[int(rng.integers(0, len(_STRONG)))]
+        tone = colour.pick_uint8(rng, colour.ACCENTS) if kind == "paint" else None
         accents[wall.id] = random_material(
-            substance, derive_seed(seed, "accent", house.id, wall.id), kind=kind, colour_rgb=colour
+            substance, derive_seed(seed, "accent", house.id, wall.id), kind=kind, colour_rgb=tone
         )
     return accents
