@@ -1,4 +1,4 @@
-"""All metrics of one texture against one reference (for the command line)."""
+"""The metrics of one texture against one reference."""
 
 from __future__ import annotations
 
@@ -6,14 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from plan2scene.errors import InputError
-from plan2scene.house import SUBSTANCES
 from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.features import (
-    FEATURE_NETWORK,
-    extract_features,
-    load_features_network,
-)
+from plan2scene.metrics.features import extract_features, load_features_network
 from plan2scene.metrics.freq import freq_distance
 from plan2scene.metrics.images import metric_image
 from plan2scene.metrics.tile import tile_score
@@ -21,37 +15,19 @@ from plan2scene.weights import MODELS
 
 
 def pair_metrics(
-    prediction: np.ndarray, reference: np.ndarray, *, model: str | Path | None = None
-) -> dict[str, float | int | str]:
-    """Return COLOR, FREQ, TILE (of the prediction) and SUBS of a texture.
+    prediction: np.ndarray, reference: np.ndarray, *, model: Path = MODELS / "features.safetensors"
+) -> dict[str, float | int]:
+    """Return ``color``, ``freq``, ``tile`` (of the prediction) and ``subs`` (0 or 1: the embedded
+    classifier gives both the same substance, or not).
 
-    Parameters
-    ----------
-    prediction, reference : (s, s, 3) uint8
-        sRGB, square; compared at 128 px.
-    model : path, optional
-        Weights of the features network; the embedded ones when None.
-
-    Returns
-    -------
-    dict
-        ``color, freq, tile`` (float), ``subs`` (1 when the substances differ), the two substances
-        and the network that told them.
+    Images are (h, w, 3) uint8 sRGB, compared at the paper's 128x128 px (resized by area
+    averaging where they are not; not square is stretched, as a tile would be).
     """
-    images = []
-    for name, image in (("prediction", prediction), ("reference", reference)):
-        if image.shape[0] != image.shape[1]:
-            size = f"{image.shape[1]}x{image.shape[0]} pixels"
-            raise InputError(f"a square {name}", size)
-        images.append(metric_image(image))
-    network = load_features_network(model or MODELS / "features.safetensors")
-    _, classes = extract_features(network, images)
+    a, b = metric_image(prediction), metric_image(reference)
+    _, classes = extract_features(load_features_network(model), [a, b])
     return {
-        "color": color_distance(*images),
-        "freq": freq_distance(*images),
-        "tile": tile_score(images[0]),
+        "color": float(color_distance(a, b)),
+        "freq": float(freq_distance(a, b)),
+        "tile": float(tile_score(a)),
         "subs": int(classes[0] != classes[1]),
-        "substance": SUBSTANCES[classes[0]],
-        "substance_reference": SUBSTANCES[classes[1]],
-        "subs_network": FEATURE_NETWORK,
     }
