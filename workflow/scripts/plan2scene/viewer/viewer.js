@@ -29,7 +29,7 @@ const HELP = {
 
 const $ = (id) => document.getElementById(id);
 const canvas = $("view");
-let gl, program, uniforms, parts = [], textures = [], rooms = [], chosen = null, chosenAt = 0;
+let gl, program, uniforms, parts = [], textures = [], rooms = [], chosen = null, chosenAt = -Infinity;
 const show = { ceilings: false, shells: true };
 const eye = { mode: "orbit", target: [0, 0, 0], distance: 10, azimuth: 0.42, elevation: 0.95, position: [0, EYE, 0], yaw: 0, pitch: 0 };
 const keys = new Set();

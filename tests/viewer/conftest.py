@@ -1,0 +1,39 @@
+"""A room with strong colours and its viewer."""
+
+import numpy as np
+import pytest
+
+from plan2scene.house import House, Opening, Room, SurfaceKey, Wall
+from plan2scene.io import png_bytes
+from plan2scene.mesh import TileTexture, write_glb
+
+
+def checks(first, second):
+    """Return a PNG of 8 x 8 squares in two colours."""
+    rows, columns = np.indices((64, 64)) // 8
+    image = np.where(((rows + columns) % 2)[..., None] == 0, first, second).astype(np.uint8)
+    return png_bytes(image)
+
+
+@pytest.fixture
+def small_house():
+    """One room of 4 x 3 m with a window."""
+    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
+    window = Opening("win", "window", 1.0, 2.5, 0.9, 2.0)
+    walls = tuple(
+        Wall(f"w{k}", ("r",), ring[k], ring[(k + 1) % 4], 2.5, openings=(window,) * (k == 0))
+        for k in range(4)
+    )
+    return House("small", (Room("r", ("Bedroom",), (ring,), 2.5),), walls)
+
+
+@pytest.fixture
+def small_glb(small_house, tmp_path):
+    """Return the GLB of that room: red and blue floor, green walls."""
+    textures = {
+        SurfaceKey("r", "floor"): TileTexture(checks((220, 20, 20), (20, 20, 220)), 1.0, True),
+        SurfaceKey("r", "wall"): TileTexture(checks((10, 160, 10), (10, 90, 10)), 1.0, False),
+    }
+    path = tmp_path / "house.glb"
+    write_glb(small_house, textures, path)
+    return path
