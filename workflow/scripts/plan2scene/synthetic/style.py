@@ -116,7 +116,8 @@ class _Stock:
             return self._wall(name, 1.0 if what == "accent" else 0.0)
         if what == "paper":
             return self._draw("plaster", name, kind="wallpaper")
-        return self._draw(what, name)
+        boards = what == "wood" and key.surface != "floor"  # nobody lays parquet on a ceiling
+        return self._draw(what, name, kind="planks" if boards else None)
 
     def white(self, name: str) -> Material:
         """Return ceiling white: paint, sometimes rough plaster."""
