@@ -17,9 +17,9 @@ from plan2scene.weights import MODELS
 def pair_metrics(
     prediction: np.ndarray, reference: np.ndarray, *, model: Path = MODELS / "features.safetensors"
 ) -> dict[str, float | int]:
-    """Return ``color``, ``freq``, ``tile`` (of the prediction) and ``subs`` (0 or 1: the embedded
-    classifier gives both the same substance, or not).
+    """Return ``color``, ``freq``, ``tile`` (of the prediction) and ``subs`` of a texture.
 
+    ``subs`` is 0 where the embedded classifier gives both the same substance, else 1.
     Images are (h, w, 3) uint8 sRGB, compared at the paper's 128x128 px (resized by area
     averaging where they are not; not square is stretched, as a tile would be).
     """
