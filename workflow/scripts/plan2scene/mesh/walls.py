@@ -158,14 +158,18 @@ def _edges(geometry: BaseGeometry) -> list[tuple[np.ndarray, np.ndarray, np.ndar
 
 
 def _free_edges(area: BaseGeometry, hidden: BaseGeometry) -> list[Frame]:
-    """Return the parts of an area's edges outside `hidden`, as faces that look outward."""
+    """Return the parts of an area's edges outside `hidden`, as faces that look outward.
+
+    Each goes on by `LIFT` at both ends, so that neighbours overlap instead of leaving a crack.
+    """
     frames = []
     for start, end, normal in _edges(area):
         free = LineString([start, end]).difference(hidden)
         for line in getattr(free, "geoms", [free]):
             if line.length > 1e-5:
                 points = np.asarray(line.coords)
-                frames.append(frame_between(points[0], points[-1], normal))
+                more = LIFT * (points[-1] - points[0]) / line.length
+                frames.append(frame_between(points[0] - more, points[-1] + more, normal))
     return frames
 
 
