@@ -203,3 +203,23 @@ def test_weights_that_do_not_fit_are_refused(small: TextureModel, tmp_path, chan
     save_model_file(path, small.state_dict(), {**architecture_header(small), **change})
     with pytest.raises(InputError, match=r"texture\.safetensors"):
         load_texture_model(path)
+
+
+def test_statistics_encoder_tells_patterns_apart_but_not_colours() -> None:
+    torch.manual_seed(0)
+    model = TextureModel(Architecture(width=16, encoder="statistics")).eval()
+    wave = torch.sin(torch.arange(128) * 0.8)
+    stripes = 0.5 + 0.1 * wave.view(1, 1, 1, -1).expand(1, 3, 128, 128)
+    with torch.no_grad():
+        across = model.encode(stripes).embedding
+        down = model.encode(stripes.transpose(2, 3)).embedding
+        darker = model.encode(stripes - 0.2).embedding
+    assert across.shape == (1, 11)
+    assert float((across - down)[:, :8].abs().max()) > 0.01
+    np.testing.assert_allclose(darker[:, :8], across[:, :8], atol=1e-3)
+    np.testing.assert_allclose(darker[:, 8:], across[:, 8:] - 0.2, atol=1e-5)
+
+
+def test_unknown_encoder_is_refused() -> None:
+    with pytest.raises(ValueError, match="vit"):
+        TextureModel(Architecture(encoder="vit"))

@@ -15,8 +15,15 @@ from plan2scene.training.texture import (
     train_texture_model,
 )
 
-TINY = Architecture(width=4, norm="group")
-OPTIONS = TextureTraining(steps=4, batch=2, tile_batch=1, tile_share=0.3, low_precision=False)
+TINY = Architecture(width=4, encoder="statistics")
+OPTIONS = TextureTraining(
+    warm_up=16,
+    steps=3,
+    batch=2,
+    tile_batch=1,
+    tile_share=0.3,
+    low_precision=False,
+)
 
 
 @pytest.fixture(scope="module")
@@ -63,12 +70,17 @@ def test_degrading_changes_light_but_not_the_median(textures) -> None:
 def test_training_is_reproducible_and_resumes(textures, tmp_path) -> None:
     weights = td.sampling_weights(textures, 0.5)
     checkpoint = tmp_path / "checkpoint.pt"
-    whole = train_texture_model(TINY, textures, OPTIONS, 0).state_dict()
+    model, seconds = train_texture_model(TINY, textures, OPTIONS, 0)
+    assert seconds > 0
+    whole = model.state_dict()
     trainer = TextureTrainer(TINY, OPTIONS, 0)
+    trainer.model.train()
+    trainer.warm_up(textures, weights)
     for _ in range(2):
         trainer.train_step(textures, weights)
     trainer.save(checkpoint)
-    continued = train_texture_model(TINY, textures, OPTIONS, 0, checkpoint=checkpoint).state_dict()
+    model, _ = train_texture_model(TINY, textures, OPTIONS, 0, checkpoint=checkpoint)
+    continued = model.state_dict()
     for name, value in whole.items():
         np.testing.assert_allclose(continued[name], value, atol=1e-6, err_msg=name)
 

@@ -18,7 +18,7 @@ from torch import nn
 from plan2scene.errors import InputError
 from plan2scene.textures import colour_torch
 from plan2scene.textures.decoder import Decoder
-from plan2scene.textures.encoder import Encoder
+from plan2scene.textures.encoder import Encoder, StatisticsEncoder
 from plan2scene.textures.noise import (
     CHANNELS,
     OCTAVES,
@@ -38,7 +38,7 @@ class Architecture:
     Attributes
     ----------
     width : int
-        Channels of the encoder's stem (64: the paper's; the embedded weights are narrower).
+        Channels of the residual encoder's stem (64: the paper's), or hidden units of the other.
     code_dim, style_dim : int
         Bottleneck (8) and style values (64).
     delta_hsv : bool
@@ -47,8 +47,8 @@ class Architecture:
         Classes of the substance head, 0 for none.
     periodic : bool
         Noise on a torus, so that textures tile; False is the reference's noise.
-    norm : str
-        The encoder's normalisation, ``"instance"`` (the paper's) or ``"group"``.
+    encoder : str
+        ``"resnet"`` (the paper's, of delta-HSV or RGB) or ``"statistics"`` (of RGB).
     """
 
     width: int = 64
@@ -57,7 +57,7 @@ class Architecture:
     delta_hsv: bool = True
     substances: int = 4
     periodic: bool = True
-    norm: str = "instance"
+    encoder: str = "resnet"
 
 
 class Encoding(NamedTuple):
@@ -73,12 +73,7 @@ class TextureModel(nn.Module):
     def __init__(self, architecture: Architecture) -> None:
         super().__init__()
         self.architecture = architecture
-        self.encoder = Encoder(
-            architecture.width,
-            architecture.code_dim,
-            _TRANSFORMS + architecture.style_dim,
-            architecture.norm,
-        )
+        self.encoder = _make_encoder(architecture)
         self.decoder = Decoder(architecture.style_dim, 2 * OCTAVES * CHANNELS)
         if architecture.substances:
             self.substance_layer = nn.Linear(architecture.code_dim, architecture.substances)
@@ -90,18 +85,21 @@ class TextureModel(nn.Module):
 
     def encode(self, rgb: torch.Tensor) -> Encoding:
         """Return the embeddings and substance logits of crops (n, 3, h, w)."""
+        if isinstance(self.encoder, StatisticsEncoder):
+            median = colour_torch.median_colour(rgb) if self.architecture.delta_hsv else None
+            return self.embed(self.encoder.code(rgb), median)
         if self.architecture.delta_hsv:
             return self.encode_hsv(colour_torch.rgb_to_hsv(rgb))
-        return self._encode(2.0 * rgb - 1.0, None)
+        return self.embed(self.encoder.code(2.0 * rgb - 1.0), None)
 
     def encode_hsv(self, hsv: torch.Tensor) -> Encoding:
         """As :meth:`encode`, from HSV (the reference's own input, which it rounds to 8 bits)."""
         median = colour_torch.median_colour(colour_torch.hsv_to_rgb(hsv))
         centre = colour_torch.rgb_to_hsv(median[:, :, None, None])
-        return self._encode(colour_torch.wrap_hue(hsv - centre), median)
+        return self.embed(self.encoder.code(colour_torch.wrap_hue(hsv - centre)), median)
 
-    def _encode(self, x: torch.Tensor, median: torch.Tensor | None) -> Encoding:
-        code = self.encoder.code(x)
+    def embed(self, code: torch.Tensor, median: torch.Tensor | None) -> Encoding:
+        """Return the encoding of codes (n, code_dim) and median colours (n, 3), where separate."""
         logits = self.substance_layer(code) if self.architecture.substances else None
         return Encoding(code if median is None else torch.cat([code, median], dim=1), logits)
 
@@ -138,6 +136,16 @@ class TextureModel(nn.Module):
         median = embedding[:, self.architecture.code_dim :, None, None]
         hsv = colour_torch.rgb_to_hsv(median) + signed
         return colour_torch.hsv_to_rgb(torch.cat([hsv[:, 0:1], hsv[:, 1:].clamp(0.0, 1.0)], dim=1))
+
+
+def _make_encoder(architecture: Architecture) -> Encoder | StatisticsEncoder:
+    """Return the encoder that an architecture names."""
+    sizes = (architecture.width, architecture.code_dim, _TRANSFORMS + architecture.style_dim)
+    if architecture.encoder == "statistics":
+        return StatisticsEncoder(*sizes, colour=not architecture.delta_hsv)
+    if architecture.encoder == "resnet":
+        return Encoder(*sizes)
+    raise ValueError(f"expected an encoder resnet or statistics, found {architecture.encoder!r}")
 
 
 def load_texture_model(path: str | Path) -> TextureModel:

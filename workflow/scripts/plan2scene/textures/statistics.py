@@ -11,6 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 import pickle
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Protocol
 
@@ -97,8 +98,17 @@ class FilterBankStatistics(nn.Module):
 
     def grams(self, rgb: torch.Tensor) -> list[torch.Tensor]:
         """Return one Gram matrix (n, 2 k, 2 k) per level: responses split by sign."""
+        split = ([r.relu(), (-r).relu()] for r in self._responses(rgb))
+        return [gram(torch.cat(signs, dim=1)) for signs in split]
+
+    def log_energies(self, rgb: torch.Tensor) -> torch.Tensor:
+        """Return (n, levels * k): log mean squared response of each filter at each level."""
+        energies = [r.square().mean(dim=(2, 3)) for r in self._responses(rgb)]
+        return (torch.cat(energies, dim=1) + 1e-5).log()
+
+    def _responses(self, rgb: torch.Tensor) -> Iterator[torch.Tensor]:
+        """Yield the filters' responses (n, k, h, w) level by level."""
         image = opponent(rgb)
-        result = []
         for level in range(self.levels):
             if level:
                 image = functional.avg_pool2d(image, 2)
@@ -106,9 +116,7 @@ class FilterBankStatistics(nn.Module):
                 break
             border = _FILTER_PX // 2
             padded = functional.pad(image, (border,) * 4, mode=self.padding)
-            response = functional.conv2d(padded, self.bank)
-            result.append(gram(torch.cat([response.relu(), (-response).relu()], dim=1)))
-        return result
+            yield functional.conv2d(padded, self.bank)
 
     def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
         """Return (n,): the relative error of the Gram matrices, averaged over levels.
@@ -151,7 +159,8 @@ class SpectrumStatistics(nn.Module):
             self.register_buffer(f"sectors{size}", _sectors(size, orientations), persistent=False)
             self.register_buffer(f"rings{size}", _sectors(size, 1), persistent=False)
 
-    def _log_power(self, rgb: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    def log_power(self, rgb: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Return log power: luminance (n, sectors) and opponent colours (n, 2, rings)."""
         size = rgb.shape[2]
         image = opponent(rgb)
         image = image - image.mean(dim=(2, 3), keepdim=True)
@@ -164,7 +173,7 @@ class SpectrumStatistics(nn.Module):
 
     def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
         """Return (n,): mean absolute difference of log amplitude over sectors and rings."""
-        mine, theirs = self._log_power(images), self._log_power(targets)
+        mine, theirs = self.log_power(images), self.log_power(targets)
         luminance = (mine[0] - theirs[0]).abs().mean(1)
         return 0.5 * luminance + 0.25 * (mine[1] - theirs[1]).abs().mean((1, 2))
 

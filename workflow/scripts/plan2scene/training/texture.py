@@ -2,7 +2,9 @@
 
 The loss is the relative Gram error of fixed filters, the log spectrum by sectors, the colour
 distribution, and cross-entropy of the substance. Most steps draw 64-px windows of the tile, which
-cost a quarter; some draw the whole tile for the coarse structure.
+cost a quarter; some draw the whole tile for the coarse structure. First a
+statistics encoder learns alone to keep the crop's statistics and substance in its code, because
+decoding is what costs.
 """
 
 from __future__ import annotations
@@ -15,11 +17,13 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from torch import nn
 from torch.nn import functional
 
 from plan2scene.io import atomic_path
 from plan2scene.seeds import derive_seed, generator
-from plan2scene.textures.model import Architecture, TextureModel
+from plan2scene.textures.encoder import StatisticsEncoder
+from plan2scene.textures.model import Architecture, Encoding, TextureModel
 from plan2scene.textures.noise import CHANNELS, OCTAVES
 from plan2scene.textures.statistics import (
     FilterBankStatistics,
@@ -43,8 +47,10 @@ class TextureTraining:
 
     Attributes
     ----------
+    warm_up : int
+        Crops on whose statistics a statistics encoder is trained alone first.
     steps : int
-        Optimisation steps.
+        Steps that train everything.
     batch, tile_batch : int
         Crops per step with 64-px windows, and with whole tiles.
     tile_share : float
@@ -59,11 +65,12 @@ class TextureTraining:
         Decoder in bfloat16.
     """
 
+    warm_up: int = 1536
     steps: int = 4000
-    batch: int = 12
-    tile_batch: int = 4
-    tile_share: float = 0.25
-    learning_rate: float = 1e-3
+    batch: int = 6
+    tile_batch: int = 2
+    tile_share: float = 0.12
+    learning_rate: float = 8e-4
     weight_decay: float = 1e-5
     spectrum: float = 0.4
     colour: float = 6.0
@@ -98,6 +105,7 @@ class TextureTrainer:
             self.model.parameters(), lr=options.learning_rate, weight_decay=options.weight_decay
         )
         self.step = 0
+        self.seconds = 0.0
 
     def losses(self, batch: Batch, rng: np.random.Generator, side: int) -> Losses:
         """Return the losses of a batch on random `side` x `side` windows of tiles and targets."""
@@ -110,16 +118,51 @@ class TextureTrainer:
         targets = targets[:, :, rows, columns]
         step = side // 64
         colour = colour_distance(tiles[:, :, ::step, ::step], targets[:, :, ::step, ::step])
-        substance = tiles.new_zeros(())
-        if encoding.logits is not None:
-            labels = torch.from_numpy(batch.substances).to(self.device)
-            substance = functional.cross_entropy(encoding.logits, labels)
         return Losses(
             self.filters.distance(tiles, targets).mean(),
             self.spectrum.distance(tiles, targets).mean(),
             colour.mean(),
-            substance,
+            self._cross_entropy(encoding, torch.from_numpy(batch.substances).to(self.device)),
         )
+
+    def warm_up(self, textures: TextureSet, weights: np.ndarray) -> None:
+        """Train a statistics encoder alone to tell statistics and substance from its codes."""
+        encoder, options = self.model.encoder, self.options
+        if not isinstance(encoder, StatisticsEncoder):
+            return
+        rng = generator(self.seed, "texture warm-up")
+        batches = [draw_batch(textures, weights, 16, rng) for _ in range(options.warm_up // 16)]
+        with torch.no_grad():
+            inputs = torch.cat([encoder.features(self._tensor(b.inputs)) for b in batches])
+            targets = torch.cat([encoder.features(self._tensor(b.targets)) for b in batches])
+        labels = torch.from_numpy(np.concatenate([b.substances for b in batches])).to(self.device)
+        encoder.standardise(targets)
+        targets = ((targets - encoder.centre) / encoder.scale).clamp(-4.0, 4.0)
+        probe = nn.Linear(self.model.architecture.code_dim, targets.shape[1]).to(self.device)
+        optimiser = torch.optim.Adam([*self.model.parameters(), *probe.parameters()], lr=2e-3)
+        for _ in range(3 * options.warm_up // 8):
+            chosen = torch.from_numpy(rng.integers(0, len(inputs), 64))
+            encoding = self.model.embed(encoder.code_of_features(inputs[chosen]), None)
+            code = encoding.embedding
+            error = (probe(code) - targets[chosen]).square().mean()
+            # The probe leaves the codes' size open: keep it near that of unit noise.
+            size = 0.01 * (code.square().mean() - 1.0).square()
+            cross_entropy = self._cross_entropy(encoding, labels[chosen])
+            optimiser.zero_grad()
+            (error + 0.3 * cross_entropy + size).backward()
+            optimiser.step()
+        _LOGGER.info(
+            "warm-up: %d crops, statistics %.3f, substance %.3f",
+            len(inputs),
+            float(error.detach()),
+            float(cross_entropy.detach()),
+        )
+
+    def _cross_entropy(self, encoding: Encoding, labels: torch.Tensor) -> torch.Tensor:
+        """Return the substance head's cross-entropy, 0 without a head."""
+        if encoding.logits is None:
+            return encoding.embedding.new_zeros(())
+        return functional.cross_entropy(encoding.logits, labels)
 
     def train_step(self, textures: TextureSet, weights: np.ndarray) -> Losses:
         """Run one step; everything random in it derives from (seed, step)."""
@@ -147,6 +190,7 @@ class TextureTrainer:
         """Write all that :meth:`resume` needs."""
         state = {
             "step": self.step,
+            "seconds": self.seconds,
             "model": self.model.state_dict(),
             "optimiser": self.optimiser.state_dict(),
         }
@@ -156,7 +200,7 @@ class TextureTrainer:
     def resume(self, path: Path) -> None:
         """Continue from a file of :meth:`save`."""
         state = torch.load(path, map_location=self.device, weights_only=True)
-        self.step = int(state["step"])
+        self.step, self.seconds = int(state["step"]), float(state["seconds"])
         self.model.load_state_dict(state["model"])
         self.optimiser.load_state_dict(state["optimiser"])
 
@@ -187,8 +231,8 @@ def train_texture_model(
     *,
     checkpoint: Path | None = None,
     device: str = "cpu",
-) -> TextureModel:
-    """Return a trained texture model.
+) -> tuple[TextureModel, float]:
+    """Return a trained texture model and the seconds that took, earlier calls included.
 
     Parameters
     ----------
@@ -202,18 +246,22 @@ def train_texture_model(
         trainer.resume(checkpoint)
         _LOGGER.info("continued from step %d", trainer.step)
     weights = sampling_weights(textures, options.scanned_share)
-    started, first = time.monotonic(), trainer.step
+    trainer.model.train()
+    last = time.monotonic()
+    if trainer.step == 0:
+        trainer.warm_up(textures, weights)
     sums: dict[str, float] = {}
     while trainer.step < options.steps:
         _accumulate(sums, trainer.train_step(textures, weights))
+        now = time.monotonic()
+        trainer.seconds, last = trainer.seconds + now - last, now
         if trainer.step % 50 == 0:
-            pace = (time.monotonic() - started) / (trainer.step - first)
             means = " ".join(f"{k} {v / sums['n']:.3f}" for k, v in sums.items() if k != "n")
-            _LOGGER.info("step %d %s, %.2f s per step", trainer.step, means, pace)
+            _LOGGER.info("step %d %s, %.0f s", trainer.step, means, trainer.seconds)
             sums = {}
         if checkpoint is not None and trainer.step % 200 == 0:
             trainer.save(checkpoint)
-    return trainer.model.eval()
+    return trainer.model.eval(), trainer.seconds
 
 
 def _accumulate(sums: dict[str, float], losses: Losses) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -30,10 +29,10 @@ from plan2scene.training.texture_data import (
 )
 from plan2scene.weights import save_model_file
 
-#: Architecture of each embedded model: the paper's but for a narrower encoder that keeps contrast.
+#: Architecture of each embedded model: the paper's but for an encoder that a CPU can train.
 ARCHITECTURES: Mapping[str, Architecture] = {
-    "texture": Architecture(width=32, norm="group"),
-    "naivesynth": Architecture(width=32, norm="group", delta_hsv=False, substances=0),
+    "texture": Architecture(width=192, encoder="statistics"),
+    "naivesynth": Architecture(width=192, encoder="statistics", delta_hsv=False, substances=0),
 }
 
 
@@ -80,17 +79,15 @@ def train_texture(
     if data.folder is not None:
         textures = join_sets(textures, scanned_textures(data.folder, "train"))
         held_out["scanned"] = scanned_textures(data.folder, "val")
-    start = time.monotonic()
-    model = train_texture_model(
+    model, seconds = train_texture_model(
         ARCHITECTURES[name], textures, options, data.seed, checkpoint=checkpoint, device=device
     )
-    minutes = (time.monotonic() - start) / 60.0
     model = model.to("cpu")
     model.decoder.low_precision = False
     save_model_file(output, model.state_dict(), architecture_header(model))
     figures = {kind: measure(model, group, data.seed) for kind, group in held_out.items()}
     with atomic_path(card) as temporary:
-        text = _card(name, data, options, len(textures), minutes, figures)
+        text = _card(name, data, options, len(textures), seconds / 60.0, figures)
         temporary.write_text(text, encoding="utf-8")
 
 
