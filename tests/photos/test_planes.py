@@ -61,13 +61,14 @@ def test_walls_of_a_box(heading, pitch):
     labels, side, camera = box_view(heading, pitch, eye)
     planes = split_planes(labels, camera, camera_height_m=1.5, room_height_m=2.5)
     walls = [plane for plane in planes if plane.surface == "wall"]
-    present = {s for s in range(6) if (side == s).sum() > 0.01 * side.size}
-    assert {side_of(plane) for plane in walls} == present
+    clear = {s for s in range(6) if (side == s).mean() > 0.015}
+    present = {s for s in range(6) if (side == s).mean() > 0.002}
+    assert clear <= {side_of(plane) for plane in walls} <= present
     assert [plane.index for plane in walls] == list(range(len(walls)))
     for plane in walls:
         truth = side == side_of(plane)
         overlap = (truth & plane.mask).sum() / (truth | plane.mask).sum()
-        assert overlap > 0.93
+        assert overlap > (0.93 if truth.mean() > 0.015 else 0.3)
         assert -plane.offset == pytest.approx(distance_to(side_of(plane), eye), rel=0.03)
         assert plane.scale_source in ("camera_height", "room_height")
 

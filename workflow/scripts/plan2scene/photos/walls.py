@@ -9,7 +9,7 @@ cheapest sequence of walls over the bins is found by dynamic programming.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,10 +21,15 @@ BORDER_NOISE = np.radians(0.5)
 OUTLIER = 9.0
 #: How far wall pixels may reach beyond a wall's foot or top, radians.
 BEYOND_NOISE = np.radians(1.5)
-#: Cost of a crease, and of a wall that no foot or top supports (per bin).
+#: Cost of a corner, of a jump between parallel walls, and of a wall that no foot or top supports
+#: (per bin).
 CREASE = 14.0
+JUMP = 28.0
 UNSEEN = 0.4
+NEARER = 0.05
 MAX_CANDIDATES = 8
+#: Bins on both sides of a crease that must show something for it to be believed.
+CREASE_BINS = 6
 #: Cost per bin of each segment that runs along the other kind of wall, and its bound.
 VOTE = 0.5
 MAX_VOTES = 1.5
@@ -32,7 +37,7 @@ MAX_VOTES = 1.5
 HEIGHT_RANGE_M = (0.8, 2.1)
 HEIGHT_SPREAD_M = 0.25
 MIN_BINS = 8
-DEFAULT_DISTANCE_M = 3.0
+UNSEEN_DISTANCES_M = (3.0, 2.2, 1.6, 1.1, 0.7, 0.4)
 DISTANCE_RANGE_M = (0.3, 15.0)
 #: Cosine to a wall's direction below which no wall is believed (about 85 degrees from its normal).
 MIN_FACING = 0.08
@@ -93,7 +98,9 @@ def trace_walls(
     solved = found is not None
     height = camera_height_m if found is None else found
     lines, path, _ = _solve(borders, facing, height, room_height_m - height)
-    path = _settle_creases(path, lines, borders)
+    blind = np.isnan(borders.foot) & np.isnan(borders.top) & (facing.sum(axis=1) == 0.0)
+    path = _settle_creases(path, lines, borders, blind)
+    lines = _joined(path, lines, borders, blind)
     path = np.where(np.isnan(borders.reach[:, 0]), -1, path)
     used = sorted(set(path[path >= 0].tolist()))
     rank = np.full(len(lines) + 1, -1)
@@ -135,11 +142,11 @@ def _solve(
     """Return the possible walls, the wall of each bin, and what that costs."""
     distances = np.stack([height / -borders.foot, above / borders.top], axis=1)
     lines = _candidates(borders, distances)
-    lines += _unseen(borders, height, above)
+    lines += UNSEEN_LINES
     costs = _costs(borders, lines, height, above)
     axes = np.array([line.axis for line in lines])
     against = np.minimum(VOTE * facing[:, ::-1], MAX_VOTES)[:, axes]
-    path, total = _cheapest(costs + np.where(np.isnan(borders.reach[:, :1]), 0.0, against))
+    path, total = _cheapest(costs + np.where(np.isnan(borders.reach[:, :1]), 0.0, against), axes)
     return lines, path, total
 
 
@@ -176,25 +183,13 @@ def _peaks(offset: np.ndarray) -> list[tuple[int, float]]:
     return groups
 
 
-def _unseen(borders: Borders, height: float, above: float) -> list[WallLine]:
-    """Return a wall per direction for where neither foot nor top is seen.
-
-    Its distance is the default, less where wall pixels would otherwise be under the floor or
-    over the ceiling.
-    """
-    lines = []
-    for axis in (0, 1):
-        for sign in (1, -1):
-            facing = sign * borders.direction[:, axis]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                below = np.where(borders.reach[:, 0] < -1e-3, height / -borders.reach[:, 0], np.inf)
-                over = np.where(borders.reach[:, 1] > 1e-3, above / borders.reach[:, 1], np.inf)
-            bound = (np.minimum(below, over) * facing)[(facing > 0.5)]
-            bound = bound[np.isfinite(bound)]
-            limit = float(np.percentile(bound, 20)) if len(bound) else np.inf
-            distance = float(np.clip(min(DEFAULT_DISTANCE_M, limit), *DISTANCE_RANGE_M))
-            lines.append(WallLine(axis, sign, distance, False))
-    return lines
+#: Walls for where neither foot nor top is seen: the farthest that no wall pixel contradicts fits.
+UNSEEN_LINES = tuple(
+    WallLine(axis, sign, distance, False)
+    for axis in (0, 1)
+    for sign in (1, -1)
+    for distance in UNSEEN_DISTANCES_M
+)
 
 
 def _costs(borders: Borders, lines: list[WallLine], height: float, above: float) -> np.ndarray:
@@ -221,16 +216,16 @@ def _costs(borders: Borders, lines: list[WallLine], height: float, above: float)
     return costs
 
 
-def _cheapest(costs: np.ndarray) -> tuple[np.ndarray, float]:
+def _cheapest(costs: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, float]:
     """Return the wall (b,) of each bin on the path of least cost, creases included; the cost."""
+    turn = np.where(axes[:, None] == axes[None], JUMP, CREASE)
+    np.fill_diagonal(turn, 0.0)
     total = costs[0].copy()
     back = np.zeros(costs.shape, dtype=int)
     for index in range(1, len(costs)):
-        best = int(np.argmin(total))
-        turn = total[best] + CREASE
-        stay = total <= turn
-        back[index] = np.where(stay, np.arange(costs.shape[1]), best)
-        total = np.where(stay, total, turn) + costs[index]
+        ways = total[:, None] + turn
+        back[index] = np.argmin(ways, axis=0)
+        total = ways.min(axis=0) + costs[index]
     path = np.zeros(len(costs), dtype=int)
     path[-1] = int(np.argmin(total))
     for index in range(len(costs) - 1, 0, -1):
@@ -238,14 +233,20 @@ def _cheapest(costs: np.ndarray) -> tuple[np.ndarray, float]:
     return path, float(total.min())
 
 
-def _settle_creases(path: np.ndarray, lines: list[WallLine], borders: Borders) -> np.ndarray:
-    """Move creases inside a run of bins without feet or tops to where the two walls meet."""
-    blind = np.isnan(borders.foot) & np.isnan(borders.top)
-    azimuth = np.arctan2(borders.direction[:, 0], borders.direction[:, 1])
+def _azimuths(borders: Borders) -> np.ndarray:
+    """Return the azimuth (b,) of each bin's middle, radians from z towards x."""
+    return np.arctan2(borders.direction[:, 0], borders.direction[:, 1])
+
+
+def _settle_creases(
+    path: np.ndarray, lines: list[WallLine], borders: Borders, blind: np.ndarray
+) -> np.ndarray:
+    """Move creases inside a run of `blind` bins to where the two walls, both seen, meet."""
+    azimuth = _azimuths(borders)
     settled = path.copy()
     for crease in np.nonzero(np.diff(path))[0]:
         first, second = lines[path[crease]], lines[path[crease + 1]]
-        if first.axis == second.axis:
+        if first.axis == second.axis or not (first.seen and second.seen):
             continue
         start = int(crease)
         while start >= 0 and blind[start] and path[start] == path[crease]:
@@ -259,3 +260,36 @@ def _settle_creases(path: np.ndarray, lines: list[WallLine], borders: Borders) -
         settled[start + 1 : meet] = path[crease]
         settled[meet:end] = path[crease + 1]
     return settled
+
+
+def _joined(
+    path: np.ndarray, lines: list[WallLine], borders: Borders, blind: np.ndarray
+) -> list[WallLine]:
+    """Return the walls with an unseen one at the distance at which it meets its neighbour.
+
+    Only creases count that something locates; of two unseen walls the wider one keeps its
+    distance.
+    """
+    azimuth = _azimuths(borders)
+    joined, done = list(lines), {index for index, line in enumerate(lines) if line.seen}
+    creases = np.nonzero(np.diff(path))[0].tolist()
+    while creases:
+        # First those at a wall whose distance is known.
+        crease = next((c for c in creases if path[c] in done or path[c + 1] in done), creases[0])
+        creases.remove(crease)
+        known, other = int(path[crease]), int(path[crease + 1])
+        near = slice(max(0, crease - CREASE_BINS), crease + 1 + CREASE_BINS)
+        if known in done and other in done:
+            continue
+        if known not in done and other not in done:
+            done.add(known if (path == known).sum() >= (path == other).sum() else other)
+        known, other = (known, other) if known in done else (other, known)
+        if joined[known].axis == joined[other].axis or blind[near].mean() > 0.5:
+            continue
+        angle = (azimuth[crease] + azimuth[crease + 1]) / 2
+        share = np.abs([np.sin(angle), np.cos(angle)])
+        reach = joined[known].distance / max(float(share[joined[known].axis]), 1e-3)
+        distance = float(np.clip(reach * share[joined[other].axis], *DISTANCE_RANGE_M))
+        joined[other] = replace(joined[other], distance=distance, seen=joined[known].seen)
+        done.add(other)
+    return joined
