@@ -168,3 +168,16 @@ def test_wall_that_no_outline_knows(l_house):
     free = Wall("free", ("hall",), (0.5, 1.0), (1.5, 1.0), 2.0)
     part = by_name(dataclasses.replace(l_house, walls=(*l_house.walls, free)))
     assert part["hall/wall/free"].area == pytest.approx(2.0, rel=3e-3)
+
+
+def test_walls_without_thickness(l_house):
+    walls = tuple(dataclasses.replace(w, depth=0.0, extra_height=0.0) for w in l_house.walls)
+    parts = by_name(dataclasses.replace(l_house, walls=walls))
+    assert parts["hall/wall/hall_w2"].area == pytest.approx(3.0 * 2.5, rel=1e-3)
+    assert "hall/door/front" in parts
+    assert not any(name.startswith("structure/wall/hall_w2") for name in parts)
+
+
+def test_house_without_walls(l_house):
+    names = set(by_name(dataclasses.replace(l_house, walls=(), doors=())))
+    assert names == {"hall/floor", "hall/ceiling"}

@@ -99,6 +99,8 @@ def room_sides(house: House, polygons: Mapping[str, BaseGeometry]) -> list[Side]
 
 def distance_behind(frame: Frame, geometry: BaseGeometry, reach: float) -> float | None:
     """Return how far behind a face's middle a geometry begins, None when beyond `reach`."""
+    if reach <= 0.0:
+        return None
     s = frame.length / 2
     ray = LineString([frame.plan(s), frame.plan(s, -reach)])
     hit = ray.intersection(geometry)
