@@ -17,6 +17,11 @@ from plan2scene.textures.statistics import FilterBankStatistics, TextureStatisti
 from plan2scene.textures.synthesis import noise_seeds
 
 _BATCH = 16
+#: Side of the part of a texture that is drawn for its score: a quarter of the work, and enough
+#: because a texture is everywhere alike.
+_SCORED = slice(0, 64)
+#: Pyramid levels of the score, as many as that part has.
+_LEVELS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +65,7 @@ def embed_crops(
     textureness : bool
         Decode each crop and score it; leave it out where only embeddings are needed.
     """
-    statistics = FilterBankStatistics() if statistics is None else statistics
+    statistics = FilterBankStatistics(_LEVELS) if statistics is None else statistics
     noise = noise_seeds([seed])
     precise = model.decoder.low_precision
     model.decoder.low_precision = low_precision_is_fast()
@@ -75,7 +80,11 @@ def embed_crops(
                 if encoding.logits is not None:
                     probabilities.append(encoding.logits.softmax(1).numpy())
                 if textureness:
-                    tiles = model.decode(encoding.embedding, noise.expand(len(rgb), -1, -1))
+                    tiles = model.decode(
+                        encoding.embedding,
+                        noise.expand(len(rgb), -1, -1),
+                        window=(_SCORED, _SCORED),
+                    )
                     scores.append(statistics.distance(tiles, rgb).numpy())
     finally:
         model.decoder.low_precision = precise
