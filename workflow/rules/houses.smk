@@ -1,22 +1,14 @@
 from plan2scene.provenance import PACKAGE, file_hash
 
-
-def page_hash(*names):
-    """Return the hashes of the library's files that are no Python (pages, styles, programs)."""
-    return [file_hash(PACKAGE / name) for name in names]
-
-
-def chosen_textures(wildcards):
-    """Return the textures folder of the configured method, with all photos."""
-    method = config["house"]["method"]
-    return f"{RESULTS}/drop_0.0/{method}/{wildcards.house}/textures"
+# Textures of the configured method, with all photos.
+CHOSEN_TEXTURES = f"{RESULTS}/drop_0.0/{config['house']['method']}/{{house}}/textures"
 
 
 rule house:
     # The 3D house: GLB with embedded textures, and scene.json with textures.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        textures=chosen_textures,
+        textures=CHOSEN_TEXTURES,
     output:
         glb=f"{RESULTS}/houses/{{house}}/house.glb",
         scene=f"{RESULTS}/houses/{{house}}/house.scene.json",
@@ -37,7 +29,7 @@ rule house_obj:
     # On demand: the house as OBJ with MTL and textures.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        textures=chosen_textures,
+        textures=CHOSEN_TEXTURES,
     output:
         obj=f"{RESULTS}/houses/{{house}}/obj/house.obj",
         mtl=f"{RESULTS}/houses/{{house}}/obj/house.mtl",
@@ -59,7 +51,7 @@ rule preview:
     # Plan view with room names, and oblique view.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        textures=chosen_textures,
+        textures=CHOSEN_TEXTURES,
     output:
         report(
             f"{RESULTS}/houses/{{house}}/preview.png",
@@ -103,11 +95,9 @@ rule viewer:
     params:
         code=code_hash("viewer.build"),
         # The page's own files are no Python: the hash above does not see them.
-        page=page_hash(
-            "viewer/viewer.html",
-            "viewer/viewer.css",
-            "viewer/glb.js",
-            "viewer/viewer.js",
-        ),
+        page=[
+            file_hash(PACKAGE / "viewer" / name)
+            for name in ("viewer.html", "viewer.css", "glb.js", "viewer.js")
+        ],
     script:
         "../scripts/viewer.py"

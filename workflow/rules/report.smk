@@ -20,6 +20,9 @@ rule index_page:
         dataset=DATASET,
         method=config["house"]["method"],
         code=code_hash("report"),
-        page=page_hash("viewer/index.html", "viewer/index.css"),
+        page=[
+            file_hash(PACKAGE / "viewer" / name)
+            for name in ("index.html", "index.css")
+        ],
     script:
         "../scripts/index_page.py"
