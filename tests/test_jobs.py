@@ -1,0 +1,26 @@
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.jobs import job
+
+
+def test_a_fault_of_the_input_is_one_line_and_exit_code_1(tmp_path, capsys):
+    log = tmp_path / "logs" / "x.log"
+    with pytest.raises(SystemExit) as stop, job(log):
+        raise InputError("a photo", "no such file", file="a.jpg", house="h", room="r")
+    line = "file a.jpg, house h, room r: expected a photo, found no such file"
+    assert stop.value.code == 1
+    assert log.read_text() == f"ERROR {line}\n"
+    assert capsys.readouterr().err == f"ERROR {line}\n"
+
+
+def test_a_fault_of_ours_keeps_its_traceback(tmp_path):
+    log = tmp_path / "x.log"
+    with pytest.raises(ZeroDivisionError), job(log):
+        raise ZeroDivisionError
+    assert "Traceback" in log.read_text()
+
+
+def test_line_breaks_of_strangers_stay_one_line():
+    text = str(InputError("x", "two\nlines\x1b[31m", file="a\nb"))
+    assert "\n" not in text and "\x1b" not in text
