@@ -13,7 +13,7 @@ uniform sampler2D tile; uniform vec4 factor; uniform bool textured; uniform floa
 vec3 encode(vec3 x) { return mix(12.92 * x, 1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, x)); }
 void main() {
   vec3 base = factor.rgb * c * (textured ? texture(tile, t).rgb : vec3(1.0));
-  vec3 m = normalize(n);
+  vec3 m = normalize(gl_FrontFacing ? n : -n);
   float light = mix(0.62, 0.84, 0.5 + 0.5 * m.y) + 0.26 * max(dot(m, vec3(-0.45, 0.78, 0.43)), 0.0);
   if (m.y < -0.5) light = 0.88;
   vec3 lit = mix(base * light, vec3(0.95, 0.55, 0.25), glow);
@@ -125,6 +125,8 @@ function uploadTexture(image) {
   return made;
 }
 
+// Ceilings that are shown also close the house from above.
+const twoSided = (part) => part.glass || part.extras.kind === "ceiling";
 const shown = (part) => (part.extras.kind !== "ceiling" || show.ceilings) && (part.extras.kind !== "structure" || show.shells);
 
 function draw() {
@@ -141,10 +143,10 @@ function draw() {
   const glow = 0.3 * Math.max(0, 1 - (performance.now() - chosenAt) / FLASH);
   for (const glass of [false, true]) {
     gl[glass ? "enable" : "disable"](gl.BLEND);
-    gl[glass ? "disable" : "enable"](gl.CULL_FACE);
     gl.depthMask(!glass);
     for (const part of parts) {
       if (part.glass !== glass || !shown(part)) continue;
+      gl[twoSided(part) ? "disable" : "enable"](gl.CULL_FACE);
       gl.bindVertexArray(part.array);
       gl.vertexAttrib3f(3, 1, 1, 1);
       gl.uniform4fv(uniforms.factor, part.factor);
@@ -197,7 +199,7 @@ function pick(x, y) {
     for (let k = 0; k < part.index.length; k += 3) {
       const a = corner(part.index[k]), ab = add(corner(part.index[k + 1]), a, -1), ac = add(corner(part.index[k + 2]), a, -1);
       const h = cross(ray, ac), det = dot(ab, h);
-      if (det < 1e-12) continue;
+      if (det < 1e-12 && !(twoSided(part) && det < -1e-12)) continue;
       const s = add(position, a, -1), u = dot(s, h) / det, q = cross(s, ab), v = dot(ray, q) / det, t = dot(ac, q) / det;
       if (u >= 0 && v >= 0 && u + v <= 1 && t > 0.01 && t < best) { best = t; found = part; }
     }
