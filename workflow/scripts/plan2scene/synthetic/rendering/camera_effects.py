@@ -38,6 +38,9 @@ class CameraStyle:
         Standard deviation of the lens blur at 640 px of width.
     noise : float
         Standard deviation of the sensor noise at full scale; shot noise grows with the root.
+    range_kept : float
+        Exponent on the light's brightness about its median; below 1 several exposures were
+        merged, as listings do, so that neither corners nor window sides lose their texture.
     """
 
     exposure_stops: float
@@ -48,6 +51,7 @@ class CameraStyle:
     vignette: float
     blur_px: float
     noise: float
+    range_kept: float
 
 
 def draw_style(rng: np.random.Generator) -> CameraStyle:
@@ -57,14 +61,15 @@ def draw_style(rng: np.random.Generator) -> CameraStyle:
     balance /= balance.mean()
     red, green, blue = (float(gain) for gain in balance)
     return CameraStyle(
-        float(np.clip(rng.normal(0.1, 0.28), -0.5, 0.7)),
+        float(np.clip(rng.normal(0.05, 0.25), -0.5, 0.6)),
         (red, green, blue),
         float(rng.uniform(0.1, 0.5)),
-        float(rng.uniform(0.6, 0.8)),
-        float(rng.uniform(0.95, 1.15)),
+        float(rng.uniform(0.5, 0.7)),
+        float(rng.uniform(0.9, 1.06)),
         float(rng.uniform(0.0, 0.22)),
         float(rng.uniform(0.2, 0.55)),
         float(rng.uniform(0.002, 0.012)),
+        float(rng.uniform(0.5, 0.85)),
     )
 
 
@@ -92,16 +97,26 @@ def develop(
     return (encode_srgb(image) * 255 + 0.5).astype(np.uint8)
 
 
+def merge_exposures(light: Image, lit: NDArray[np.bool_], kept: float) -> Image:
+    """Return `light` (h, w, 3) with its brightness raised to `kept` about its median."""
+    grey = light @ _LUMINANCE
+    if not lit.any():
+        return light
+    median = float(np.median(grey[lit]))
+    gain = (np.maximum(grey, 1e-4) / max(median, 1e-4)) ** (kept - 1)
+    return (light * np.minimum(gain, 8.0)[..., None]).astype(np.float32)
+
+
 def _metering(
     radiance: Image, albedo: Image, lit: NDArray[np.bool_], style: CameraStyle
 ) -> NDArray[np.float32]:
-    """Return gains (3,): exposure half by incident light, half by reflected, and white balance."""
+    """Return gains (3,): exposure by incident and reflected light, and white balance."""
     if not lit.any():
         return np.ones(3, np.float32)
     light = radiance[lit] / np.maximum(albedo[lit], MIN_ALBEDO)
     incident = float(np.median(light @ _LUMINANCE))
     reflected = float(np.exp(np.mean(np.log(radiance[lit] @ _LUMINANCE + 1e-4))))
-    exposure = (0.75 / max(incident, 1e-4)) ** 0.5 * (0.26 / max(reflected, 1e-4)) ** 0.5
+    exposure = (0.64 / max(incident, 1e-4)) ** 0.6 * (0.25 / max(reflected, 1e-4)) ** 0.4
     colour = np.median(light, axis=0) / max(incident, 1e-6)
     correction = np.maximum(colour, 0.1) ** -(1 - style.cast_left)
     gains = correction * np.array(style.balance) * exposure * 2**style.exposure_stops

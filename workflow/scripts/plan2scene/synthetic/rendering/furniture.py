@@ -260,7 +260,7 @@ def _hang(geometry: Geometry, layout: _Layout, palette: Palette, rng: np.random.
         border = box((-width / 2, 0, 0), (width / 2, height, 0.022))
         geometry.add(look[0], border.moved(frame), colour=look[1])
         inside = box((-width / 2 + rim, rim, 0.022), (width / 2 - rim, height - rim, 0.024))
-        name = "mirror" if kind < 0.3 else str(rng.choice(PICTURES))
+        name = "mirror" if kind < 0.2 else str(rng.choice(PICTURES))
         geometry.add(name, inside.moved(frame))
         return
 

@@ -14,8 +14,12 @@ from .geometry import Geometry, Solid, box, cylinder, lathe, merge, superquadric
 from .shell import room_polygon
 from .tracer import Finish
 
-#: Radiance of the sky in the windows by day, where a lamp-lit white wall has about 1.
-DAY_RADIANCE = 12.0
+#: Daylight: radiance of the windows per floor area / window area, and its range. A room lit
+#: so, or by its lamps at full strength, has white walls of radiance about 1.
+DAY_PER_AREA = 2.2
+DAY_RADIANCE = (5.0, 60.0)
+#: Elevation of the panorama's first row, radians.
+PANORAMA_TOP = 0.9
 
 
 @dataclass(frozen=True)
@@ -58,45 +62,74 @@ def black_body(kelvin: float) -> tuple[float, float, float]:
     return (red, green, blue)
 
 
-def draw_light(rng: np.random.Generator, *, windows: bool) -> LightPlan:
-    """Draw the light: by day, by day with lamps, or in the evening; lamps where no window is."""
+def draw_light(rng: np.random.Generator, floor: float, windows: float) -> LightPlan:
+    """Draw the light: by day, by day with lamps, or in the evening; lamps where no window is.
+
+    `floor` and `windows` are areas in square metres. A photographer exposes for the room: the
+    smaller its windows, the brighter they appear.
+    """
+    day = float(np.clip(DAY_PER_AREA * floor / max(windows, 0.1), *DAY_RADIANCE))
     lamp_colour = black_body(float(rng.uniform(2700, 5000)))
     evening = rng.random() < 0.12
     sky_colour = black_body(float(rng.uniform(5500, 7600)))
-    if not windows:
-        return LightPlan(0.05 if evening else DAY_RADIANCE, 1.0, sky_colour, lamp_colour)
+    if windows == 0.0:
+        return LightPlan(0.05 if evening else 10.0, 1.0, sky_colour, lamp_colour)
     if evening:
         sky_colour = black_body(float(rng.uniform(8000, 12000)))
         return LightPlan(float(rng.uniform(0.03, 0.3)), 1.0, sky_colour, lamp_colour)
-    lamps = 0.0 if rng.random() < 0.4 else float(rng.uniform(0.15, 1.0))
-    return LightPlan(DAY_RADIANCE * float(rng.uniform(0.6, 1.5)), lamps, sky_colour, lamp_colour)
+    lamps = 0.0 if rng.random() < 0.35 else float(rng.uniform(0.2, 1.0))
+    return LightPlan(day * float(rng.uniform(0.7, 1.4)), lamps, sky_colour, lamp_colour)
 
 
-def view_outside(rng: np.random.Generator) -> NDArray[np.uint8]:
-    """Return a blurred view (128, 128, 3) uint8: sky above, trees and houses below; 4 m square."""
-    size = 128
-    y = np.linspace(0, 1, size)[:, None, None]
-    image = np.broadcast_to(255 - 12 * y, (size, size, 3)).copy()
-    image -= np.array([rng.uniform(0, 25), rng.uniform(0, 10), 0]) * (1 - y)
-    for _ in range(int(rng.integers(8, 22))):
-        x = int(rng.integers(0, size))
-        top = int(rng.uniform(0.3, 0.6) * size)
-        width = int(rng.integers(8, 34))
+def view_outside(rng: np.random.Generator) -> NDArray[np.float32]:
+    """Return what lies outside: a blurred panorama (256, 1024, 3) of linear RGB, sky about 1.
+
+    Columns are headings over the full turn, rows elevations from :data:`PANORAMA_TOP` down to
+    its negative; sky above, trees and houses on the horizon, ground below.
+    """
+    height, width = 256, 1024
+    y = np.linspace(0, 1, height)[:, None, None]
+    blue = np.array([rng.uniform(0.5, 1.0), rng.uniform(0.75, 1.0), 1.0])
+    image = np.broadcast_to(blue + (1 - blue) * np.minimum(2 * y, 1), (height, width, 3)).copy()
+    horizon = height // 2 + int(rng.integers(0, 12))
+    for _ in range(int(rng.integers(25, 70))):
+        x, top = int(rng.integers(0, width)), horizon - int(rng.integers(5, 70))
         if rng.random() < 0.6:
-            colour = np.array([0.75, 0.9, 0.55]) * rng.uniform(90, 190)
-            cv2.circle(image, (x, top + width), width, colour.tolist(), -1)
+            colour = np.array([0.5, 0.75, 0.3]) * rng.uniform(0.08, 0.4)
+            radius = int(rng.integers(8, 30))
+            cv2.circle(image, (x, top + radius), radius, colour.tolist(), -1)
+            cv2.rectangle(image, (x - 2, top + radius), (x + 2, horizon), colour.tolist(), -1)
         else:
-            colour = np.array([1, 0.96, 0.9]) * rng.uniform(120, 230)
-            cv2.rectangle(image, (x, top), (x + width, size), colour.tolist(), -1)
-    ground = int(size * rng.uniform(0.62, 0.75))
-    image[ground:] = np.array([0.85, 0.92, 0.75]) * rng.uniform(120, 190)
-    image = cv2.GaussianBlur(image, (0, 0), 2.0)
-    return np.clip(image, 0, 255).astype(np.uint8)
+            colour = np.array([1, 0.93, 0.85]) * rng.uniform(0.15, 0.8)
+            right = x + int(rng.integers(20, 90))
+            cv2.rectangle(image, (x, top), (right, height), colour.tolist(), -1)
+    image[horizon:] *= 0.5
+    image[horizon:] += np.array([0.8, 0.95, 0.6]) * rng.uniform(0.05, 0.25)
+    return cv2.GaussianBlur(image, (0, 0), 1.5).astype(np.float32)
 
 
-def sky_finish(plan: LightPlan, tile: NDArray[np.uint8]) -> Finish:
-    """Return the emitter that fills the windows."""
-    return Finish(tile, 4.0, emission=plan.sky, light=plan.sky_colour)
+def look_outside(
+    panorama: NDArray[np.float32], position: NDArray[np.float32], camera: tuple[float, ...]
+) -> NDArray[np.float32]:
+    """Return the panorama (h, w, 3) in the directions from the camera to `position` (h, w, 3)."""
+    ray = position - np.array(camera, np.float32)
+    heading = np.arctan2(ray[..., 0], ray[..., 2]) / (2 * np.pi) + 0.5
+    elevation = np.arctan2(ray[..., 1], np.hypot(ray[..., 0], ray[..., 2]))
+    rows, columns = panorama.shape[:2]
+    row = (0.5 - elevation / (2 * PANORAMA_TOP)) * (rows - 1)
+    column = heading * (columns - 1)
+    return cv2.remap(
+        panorama,
+        column.astype(np.float32),
+        row.astype(np.float32),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+
+
+def sky_finish(plan: LightPlan) -> Finish:
+    """Return the even emitter that fills the windows (the view is put in afterwards)."""
+    return Finish(emission=plan.sky, light=plan.sky_colour)
 
 
 def lamp_finish(plan: LightPlan, room: Room, area: float) -> Finish:

@@ -68,7 +68,9 @@ def draw_palette(rng: np.random.Generator) -> Palette:
         joinery(),
         tuple(fabric() for _ in range(5)),
         tuple(furniture() for _ in range(5)),
-        tuple(linear(rng.random(), rng.uniform(0.4, 0.9), rng.uniform(0.3, 0.9)) for _ in range(6)),
+        tuple(
+            linear(rng.random(), rng.uniform(0.15, 0.75), rng.uniform(0.2, 0.9)) for _ in range(6)
+        ),
         tuple(
             linear(rng.uniform(0.2, 0.38), rng.uniform(0.4, 0.8), rng.uniform(0.2, 0.55))
             for _ in range(3)
@@ -133,7 +135,7 @@ def _picture(rng: np.random.Generator) -> NDArray[np.uint8]:
     top, bottom = rng.uniform(30, 250, (2, 3))
     image = top + (bottom - top) * y[..., None]
     for _ in range(int(rng.integers(3, 12))):
-        colour = rng.uniform(0, 255, 3)
+        colour = rng.uniform(20, 240) + rng.normal(0, 35, 3)
         cx, cy = rng.random(2)
         w, h = rng.uniform(0.03, 0.35, 2)
         if rng.random() < 0.5:

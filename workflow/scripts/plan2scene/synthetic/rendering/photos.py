@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from ...house import House, SurfaceKey
 from ...seeds import derive_seed, generator
 from ..materials import Material
-from .camera_effects import develop, draw_style
-from .denoise import clamp_fireflies, demodulate, filter_light, upsample
-from .scene import RoomScene, build_room_scene
+from .camera_effects import develop, draw_style, merge_exposures
+from .denoise import MIN_ALBEDO, clamp_fireflies, demodulate, filter_light, upsample
+from .lights import look_outside
+from .scene import SKY, RoomScene, build_room_scene
 from .tracer import Buffers, Tracer, Truth, load_mitsuba
 from .views import View
 
@@ -92,14 +93,25 @@ def _shoot(
     small = tracer.render(view, half, samples, derive_seed(view.seed, "light"))
     guide = tracer.guide(view, size, GUIDE_SAMPLES, derive_seed(view.seed, "guide"))
     truth = tracer.truth(view, size)
-    radiance = compose(small, tracer.truth(view, half), guide, truth)
+    light = light_at(small, tracer.truth(view, half), guide, truth)
     rng = generator(view.seed, "camera")
-    image = develop(radiance, guide.albedo, draw_style(rng), rng)
+    style = draw_style(rng)
+    light = merge_exposures(light, guide.albedo.max(-1) > MIN_ALBEDO, style.range_kept)
+    emitted = guide.radiance * _outside(scene, truth, view)
+    image = develop(light * guide.albedo + emitted, guide.albedo, style, rng)
     return RenderedPhoto(view, image, truth.labels, truth.planes, camera_record(scene, view, size))
 
 
-def compose(small: Buffers, small_hits: Truth, guide: Buffers, hits: Truth) -> NDArray[np.float32]:
-    """Return linear radiance at the guide's size from noisy light at half its size."""
+def _outside(scene: RoomScene, hits: Truth, view: View) -> NDArray[np.float32]:
+    """Return what the view outside does to the windows' light (h, w, 3), 1 elsewhere."""
+    windows = np.isin(hits.materials, SKY)
+    near = cv2.dilate(windows.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    seen = look_outside(scene.outside, hits.position, view.position)
+    return np.where(near[..., None], seen, np.float32(1))
+
+
+def light_at(small: Buffers, small_hits: Truth, guide: Buffers, hits: Truth) -> NDArray[np.float32]:
+    """Return light (radiance / albedo) at the guide's size from noisy light at half its size."""
     height, width = small.albedo.shape[:2]
     emitted = cv2.resize(guide.radiance, (width, height), interpolation=cv2.INTER_AREA)
     light, lit = demodulate(np.maximum(small.radiance - emitted, 0), small.albedo)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...house import House, Room, SurfaceKey
@@ -17,10 +18,20 @@ from .furniture import furnish_room
 from .geometry import Geometry
 from .lights import add_lamps, draw_light, lamp_finish, sky_finish, view_outside
 from .palette import FABRICS, WOODS, Palette, clutter_finishes, draw_palette, pick
-from .shell import FaceOpening, Plane, WallFace, add_room_shell, room_planes, wall_faces
+from .shell import (
+    FaceOpening,
+    Plane,
+    WallFace,
+    add_room_shell,
+    room_planes,
+    room_polygon,
+    wall_faces,
+)
 from .tracer import Finish
 from .views import View
 
+#: Materials of the windows' outside, of the photographed room and of rooms beyond.
+SKY = ("sky", "sky beyond")
 #: How many openings away from the photographed room are still built.
 REACH = 2
 #: Planes a mask can tell apart (255 is none).
@@ -31,11 +42,16 @@ LEAF_CLEARANCE = 0.7
 
 @dataclass(frozen=True)
 class RoomScene:
-    """Geometry, finishes by material name, and the planes that the truth's indices name."""
+    """Geometry, finishes by material name, the planes that the truth's indices name, the view.
+
+    `outside` is the panorama of :func:`.lights.view_outside`, seen where a mesh of the materials
+    :data:`SKY` is hit.
+    """
 
     geometry: Geometry
     finishes: dict[str, Finish]
     planes: tuple[Plane, ...]
+    outside: NDArray[np.float32]
 
 
 def build_room_scene(
@@ -61,7 +77,8 @@ def build_room_scene(
     for hops, rooms in enumerate(_rooms_in_sight(house, room_id, builder.doors)):
         for room in rooms:
             builder.add_room(room, materials, hops)
-    return RoomScene(builder.geometry, builder.finishes, tuple(builder.planes))
+    outside = view_outside(generator(seed, house.id, "outside"))
+    return RoomScene(builder.geometry, builder.finishes, tuple(builder.planes), outside)
 
 
 def _rooms_in_sight(
@@ -156,7 +173,8 @@ class _Builder:
         for face in faces:
             for hole in face.openings:
                 self._add_opening(face, hole, hops)
-        self._light(room, hops, any(_is_window(h) for face in faces for h in face.openings))
+        panes = [h for face in faces for h in face.openings if _is_window(h)]
+        self._light(room, hops, sum((h.right - h.left) * (h.top - h.bottom) for h in panes))
         if hops < REACH:
             rng = generator(self.seed, self.house.id, room.id, "furniture")
             cameras = [shapely.Point(v.position[0], v.position[2]) for v in self.views]
@@ -177,7 +195,7 @@ class _Builder:
         rng = generator(self.seed, self.house.id, face.room_id, hole.opening.id)
         if _is_window(hole):
             drop = float(rng.uniform(0.15, 0.6)) if rng.random() < 0.2 else 0.0
-            sky = "sky" if hops == 0 else "sky beyond"
+            sky = SKY[0] if hops == 0 else SKY[1]
             add_window(self.geometry, face, hole, self.palette, rng, sky, drop)
             if drop == 0.0 and rng.random() < 0.55:
                 material = str(rng.choice([*FABRICS, "fabric", "fabric"]))
@@ -193,22 +211,25 @@ class _Builder:
                 state = DoorState(0.0, True, True) if far else state
                 add_leaf(self.geometry, face, hole, state, self._leaf_look)
 
-    def _light(self, room: Room, hops: int, windows: bool) -> None:
-        """Add lamps and set the emitters; rooms beyond share one dim emitter each kind."""
+    def _light(self, room: Room, hops: int, windows: float) -> None:
+        """Add lamps and set the emitters; rooms beyond share one dim emitter each kind.
+
+        `windows` is the area of the room's windows in square metres.
+        """
         rng = generator(self.seed, self.house.id, room.id, "lamps")
         lamp = "lamp" if hops == 0 else "lamp beyond"
         if hops == 0:
             area = add_lamps(self.geometry, room, lamp, rng)
-            plan = draw_light(
-                generator(self.seed, self.house.id, room.id, "light"), windows=windows
-            )
-            tile = view_outside(generator(self.seed, self.house.id, "outside"))
-            self.finishes["sky"] = self.finishes["sky beyond"] = sky_finish(plan, tile)
+            light = generator(self.seed, self.house.id, room.id, "light")
+            plan = draw_light(light, room_polygon(room).area, windows)
+            self.finishes[SKY[0]] = sky_finish(plan)
+            beyond = replace(plan, sky=min(plan.sky, 15.0))
+            self.finishes[SKY[1]] = sky_finish(beyond)
             self.finishes[lamp] = lamp_finish(plan, room, area)
             self._plan = plan
-        elif not windows and hops < REACH:
+        elif windows == 0.0 and hops < REACH:
             area = add_lamps(self.geometry, room, lamp, rng)
-            dim = replace(self._plan, lamps=0.6 * max(self._plan.lamps, 0.5))
+            dim = replace(self._plan, lamps=0.5)
             self.finishes[lamp] = lamp_finish(dim, room, area)
 
 

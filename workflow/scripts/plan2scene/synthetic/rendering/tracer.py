@@ -37,7 +37,8 @@ class Finish:
     metallic : bool
         Metal and mirrors.
     emission : float or None
-        Radiance of an emitter, which the tile or `light` (linear RGB) colours.
+        Radiance of an emitter, coloured by `light` (linear RGB) alone: a textured emitter
+        would be sampled by its texture, which fails for metric coordinates.
     """
 
     tile: NDArray[np.uint8] | None = None
@@ -63,11 +64,13 @@ class Buffers:
 class Truth:
     """Per pixel centre: label and plane (h, w) uint8, and where the ray hits.
 
+    `materials` (h, w) are names, empty where nothing is hit.
     `position` (metres) and `normal` are (h, w, 3) float32 in the world, zero where nothing is hit.
     """
 
     labels: NDArray[np.uint8]
     planes: NDArray[np.uint8]
+    materials: NDArray[np.object_]
     position: NDArray[np.float32]
     normal: NDArray[np.float32]
 
@@ -166,12 +169,14 @@ class Tracer:
         data = np.asarray(image, dtype=np.float32)
         shape, face = data[..., 0].astype(np.int64), data[..., 1].astype(np.int64)
         labels, planes = (np.full(size, fill, np.uint8) for fill in (0, 255))
+        materials = np.full(size, "", dtype=object)
         for value, index in self._ids.items():
             here = shape == value
             group = self._groups[index][1]
             labels[here] = group.labels[face[here]]
             planes[here] = group.planes[face[here]]
-        return Truth(labels, planes, data[..., 2:5], data[..., 5:8])
+            materials[here] = self._groups[index][0]
+        return Truth(labels, planes, materials, data[..., 2:5], data[..., 5:8])
 
     def _sensor(self, view: View, size: tuple[int, int], sampler: dict[str, Any]) -> Any:
         mi = self._mi
@@ -218,7 +223,7 @@ def _mesh(mi: Any, name: str, group: JoinedGroup, finish: Finish) -> Any:
     properties = mi.Properties()
     properties["mesh_bsdf"] = mi.load_dict(_bsdf(mi, finish))
     if finish.emission is not None:
-        properties["mesh_emitter"] = mi.load_dict(_emitter(mi, finish))
+        properties["mesh_emitter"] = mi.load_dict(_emitter(finish))
     solid = group.solid
     mesh = mi.Mesh(
         name,
@@ -262,12 +267,7 @@ def _bsdf(mi: Any, finish: Finish) -> dict[str, Any]:
     }
 
 
-def _emitter(mi: Any, finish: Finish) -> dict[str, Any]:
+def _emitter(finish: Finish) -> dict[str, Any]:
     strength = float(finish.emission or 0.0)
-    if finish.tile is None:
-        radiance: dict[str, Any] = {"type": "rgb", "value": [strength * c for c in finish.light]}
-    else:
-        linear = (finish.tile.astype(np.float32) / 255) ** 2.2 * strength * np.array(finish.light)
-        bitmap = mi.Bitmap(np.ascontiguousarray(linear.astype(np.float32)))
-        radiance = {"type": "bitmap", "bitmap": bitmap, "raw": True, "wrap_mode": "clamp"}
+    radiance = {"type": "rgb", "value": [strength * c for c in finish.light]}
     return {"type": "area", "radiance": radiance}

@@ -119,7 +119,7 @@ def _candidate(room: Room, inner: shapely.Polygon, rng: np.random.Generator) -> 
         x, z = stand.x, stand.y
     yaw = np.arctan2(to_centre[0], to_centre[1]) + rng.normal(0, 0.5)
     low, high = np.radians(FIELD_OF_VIEW_DEG)
-    pitch = np.clip(rng.normal(-0.03, 0.05), -1, 1) if rng.random() < 0.8 else 0.0
+    pitch = np.clip(rng.normal(-0.05, 0.05), -1, 1) if rng.random() < 0.85 else 0.0
     limit, tilt = np.radians((MAX_PITCH_DEG, MAX_ROLL_DEG))
     return View(
         room.id,
@@ -145,7 +145,7 @@ def _score(view: View, room: Room, polygon: shapely.Polygon) -> float:
     height = view.position[1] + slope * reach[None]
     floor, ceiling = float((height < 0).mean()), float((height > room.height).mean())
     depth = float(np.minimum(reach, 6.0).mean())
-    score = min(floor, 0.28) / 0.28 + 0.5 * min(ceiling, 0.12) / 0.12
+    score = 1.3 * min(floor, 0.3) / 0.3 + 0.5 * min(ceiling, 0.12) / 0.12
     return score + 0.5 * depth / np.sqrt(polygon.area) - 1.5 * float((reach < 0.7).mean())
 
 
