@@ -96,8 +96,9 @@ rule viewer:
         code=code_hash("viewer.build"),
         # The page's own files are no Python: the hash above does not see them.
         page=[
-            file_hash(PACKAGE / "viewer" / name)
-            for name in ("viewer.html", "viewer.css", "glb.js", "viewer.js")
+            file_hash(path)
+            for path in sorted((PACKAGE / "viewer").iterdir())
+            if path.suffix in (".html", ".css", ".js")
         ],
     script:
         "../scripts/viewer.py"

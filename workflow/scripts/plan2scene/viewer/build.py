@@ -11,6 +11,8 @@ from plan2scene.errors import InputError
 from plan2scene.io import atomic_path
 
 _FOLDER = Path(__file__).parent
+#: The program's files, in the order in which they go into the page.
+PROGRAM = ("glb.js", "camera.js", "drawing.js", "viewer.js")
 
 
 def build_viewer(glb: str | Path, output: str | Path, *, house_id: str) -> None:
@@ -37,9 +39,7 @@ def build_viewer(glb: str | Path, output: str | Path, *, house_id: str) -> None:
     page = template.substitute(
         title=html.escape(house_id),
         style=(_FOLDER / "viewer.css").read_text(encoding="utf-8"),
-        program="\n".join(
-            (_FOLDER / name).read_text(encoding="utf-8") for name in ("glb.js", "viewer.js")
-        ),
+        program="\n".join((_FOLDER / name).read_text(encoding="utf-8") for name in PROGRAM),
         glb=base64.b64encode(data).decode("ascii"),
     )
     with atomic_path(output) as temporary:
