@@ -28,6 +28,8 @@ JUMP = 28.0
 UNSEEN = 0.4
 NEARER = 0.05
 MAX_CANDIDATES = 8
+#: Bins with a foot or top that suggest a wall.
+MIN_SUPPORT = 4
 #: Bins on both sides of a crease that must show something for it to be believed.
 CREASE_BINS = 6
 #: Cost per bin of each segment that runs along the other kind of wall, and its bound.
@@ -114,26 +116,26 @@ def _camera_height(
 ) -> float | None:
     """Return the camera's height from feet and tops of walls; None when too few are seen.
 
-    Where the same directions show both, their ratio gives it; else the height at which feet and
-    tops agree best on common walls.
+    The height at which feet and tops agree best on common walls; directions that show both
+    then tell it exactly.
     """
     low, high = HEIGHT_RANGE_M[0], min(HEIGHT_RANGE_M[1], 0.9 * room_height_m)
     if not solve or high <= low:
         return None
-    ratio = borders.top / -borders.foot
-    ratio = ratio[~np.isnan(ratio)]
-    if len(ratio) >= MIN_BINS:
-        height = room_height_m / (1.0 + float(np.median(ratio)))
-        return height if low <= height <= high else None
     if min(np.isfinite(borders.foot).sum(), np.isfinite(borders.top).sum()) < MIN_BINS:
         return None
-    heights = np.arange(low, high, 0.05)
-    costs = [
-        _solve(borders, facing, height, room_height_m - height)[2]
-        + 2.0 * ((height - prior) / HEIGHT_SPREAD_M) ** 2
-        for height in heights
-    ]
-    return float(heights[int(np.argmin(costs))])
+
+    def cost(height: float) -> float:
+        unlikely = 2.0 * ((height - prior) / HEIGHT_SPREAD_M) ** 2
+        return _solve(borders, facing, height, room_height_m - height)[2] + unlikely
+
+    best = min(np.arange(low, high, 0.1).tolist(), key=cost)
+    each = room_height_m / (1.0 + borders.top / -borders.foot)
+    each = each[np.abs(each - best) < 0.15]
+    if len(each) >= MIN_BINS:
+        return float(np.clip(np.median(each), low, high))
+    finer = np.arange(max(low, best - 0.08), min(high, best + 0.09), 0.02)
+    return float(min(finer.tolist(), key=cost))
 
 
 def _solve(
@@ -163,7 +165,7 @@ def _candidates(borders: Borders, distances: np.ndarray) -> list[WallLine]:
             found += [
                 (count, WallLine(axis, sign, distance, True))
                 for count, distance in _peaks(offset)
-                if count >= 4
+                if count >= MIN_SUPPORT
             ]
     found.sort(key=lambda item: -item[0])
     return [line for _, line in found[:MAX_CANDIDATES]]
@@ -173,7 +175,7 @@ def _peaks(offset: np.ndarray) -> list[tuple[int, float]]:
     """Return (count, median) of the densest groups of sorted distances within +-6 %."""
     groups: list[tuple[int, float]] = []
     left = offset
-    while len(left) >= 4 and len(groups) < 4:
+    while len(left) >= MIN_SUPPORT and len(groups) < 4:
         first = np.searchsorted(left, left / 1.06)
         last = np.searchsorted(left, left * 1.06, side="right")
         best = int(np.argmax(last - first))
