@@ -34,6 +34,7 @@ from plan2scene.training.texture_data import (
     sampling_weights,
     scanned_textures,
 )
+from plan2scene.weights import load_model_file
 
 _LOGGER = logging.getLogger("plan2scene")
 _LINE = np.linspace(-1.0, 1.0, CROP_PX, dtype=np.float32)
@@ -61,6 +62,8 @@ class FeaturesTraining:
     held_out_crops : int
         Crops of each held-out set that the card's figures come from, and training crops that the
         features are standardised over.
+    start : str, optional
+        Weights of an earlier training to go on from.
     seed : int
     """
 
@@ -69,10 +72,11 @@ class FeaturesTraining:
     scanned_share: float = 0.4
     steps: int = 4000
     batch: int = 32
-    learning_rate: float = 2e-3
+    learning_rate: float = 3e-3
     weight_decay: float = 1e-2
     minutes: float = 30.0
     held_out_crops: int = 1000
+    start: str | None = None
     seed: int = 0
 
 
@@ -220,6 +224,8 @@ def train_features(
         held_out["real textures, val split"] = scanned_textures(settings.texture_folder, "val")
     textures = join_sets(*parts)
     network = SubstanceNetwork()
+    if settings.start is not None:
+        network.load_state_dict(load_model_file(settings.start)[0])
     steps, minutes = fit(network, textures, settings)
     rng = generator(settings.seed, "features scale")
     weights = sampling_weights(textures, settings.scanned_share)
@@ -243,11 +249,12 @@ def _card(
     settings: FeaturesTraining, textures: TextureSet, steps: int, minutes: float, rows: list[str]
 ) -> str:
     """Return the model card as Markdown."""
-    shown = {k: v for k, v in asdict(settings).items() if k != "texture_folder"}
+    shown = {k: v for k, v in asdict(settings).items() if k not in ("texture_folder", "start")}
     scanned = int(textures.scanned.sum())
     source = f"{len(textures) - scanned} procedural materials"
     if scanned:
-        source += f" and {scanned} real tileable textures (train split of a folder; not shipped)"
+        source += f" and {scanned} real tileable textures"
+    earlier = "" if settings.start is None else ", going on from weights of the same training"
     lines = [
         "# features",
         "",
@@ -256,9 +263,10 @@ def _card(
         "the FID features. Figures made with it are named `embedded`; they are not comparable in",
         "size with SUBS by VGG-16 or FID by InceptionV3.",
         "",
-        f"Trained by rule `train_features` on {source}: random crops, three quarters of them",
+        f"Trained by rule `train_features` on {source}",
+        "(real ones: train split of a folder that is not shipped): random crops, three quarters",
         "photographed (uneven light, shadows, highlights, white balance, blur, noise, JPEG).",
-        f"{steps} steps in {minutes:.1f} minutes. Settings:",
+        f"{steps} steps in {minutes:.1f} minutes{earlier}. Settings:",
         "",
         "```",
         *(f"{name}: {value}" for name, value in shown.items()),
@@ -272,6 +280,7 @@ def _card(
         *rows,
         "",
         "Limits: four substances only; plain paint and plain carpet differ by little at a",
-        "distance; glossy floors and heavy shadow lower it. Real plaster textures are few.",
+        "distance; glossy floors and heavy shadow lower it. Real plaster textures are few. The",
+        "training stopped by its wall time, so another machine gives other weights.",
     ]
     return "\n".join(lines) + "\n"
