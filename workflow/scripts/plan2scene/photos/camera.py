@@ -24,12 +24,13 @@ DEFAULT_FOV_DEG = 60.0
 #: Photos are reduced to this width or height (the larger) before segments are sought.
 WORKING_SIDE = 800
 MAX_SEGMENTS = 320
-#: A frame is believed with this many segments on the vertical and on the horizontal axes, ...
+#: A frame is believed with this many segments on the vertical and on the horizontal axes (or on
+#: each of the horizontal ones), ...
 MIN_VERTICAL = 3
 MIN_HORIZONTAL = 5
 #: ... with this share of the segments' weight; the focal length below this relative spread.
 MIN_SHARE = 0.30
-MAX_LOG_FOCAL_SD = 0.30
+MAX_LOG_FOCAL_SD = 0.60
 #: The standard deviation of the segments' fit is too small by about this factor: segments of one
 #: texture share their error.
 SD_INFLATION = 2.0
@@ -187,15 +188,10 @@ def _decide(
     width, height = size
     focal = columns / 2 / np.tan(np.radians(fov_deg) / 2)
     axes, source, confidence, fallback = np.diag([-1.0, -1.0, 1.0]), "config", 0.0, True
-    if (
-        frame is not None
-        and frame.counts[1] >= MIN_VERTICAL
-        and frame.counts[0] + frame.counts[2] >= MIN_HORIZONTAL
-        and frame.share >= MIN_SHARE
-    ):
+    if frame is not None and _believed(frame):
         spread = SD_INFLATION * frame.log_focal_sd
         axes, fallback = frame.axes, False
-        confidence = min(1.0, frame.share / 0.8) / (1.0 + (spread / MAX_LOG_FOCAL_SD) ** 2)
+        confidence = min(1.0, frame.share / 0.8) / (1.0 + (2.0 * spread / MAX_LOG_FOCAL_SD) ** 2)
         if spread <= MAX_LOG_FOCAL_SD:
             focal, source = frame.focal, "vanishing_points"
         else:
@@ -211,6 +207,13 @@ def _decide(
         confidence=round(float(np.clip(confidence, 0.0, 1.0)), 4),
         fallback=fallback,
     )
+
+
+def _believed(frame: Manhattan) -> bool:
+    """Tell whether a frame has support: the vertical and a horizontal, or both horizontals."""
+    x, y, z = frame.counts
+    upright = y >= MIN_VERTICAL and x + z >= MIN_HORIZONTAL
+    return frame.share >= MIN_SHARE and (upright or min(x, z) >= MIN_HORIZONTAL)
 
 
 def canonical(axes: np.ndarray) -> np.ndarray:
