@@ -1,4 +1,4 @@
-# What every rule shares: the checked config and house table, and input functions.
+# The checked config and house table, and the input functions of all rules.
 # Paths of all results: results/{dataset}/..., the grammar is in docs/conventions.md.
 import functools
 import os
@@ -62,7 +62,10 @@ def photo_names_of(wildcards):
 
 def photos_of(wildcards):
     """Return the photos of a house that exist; what is missing is the job's to report."""
-    return [str(path) for path in photo_paths(DATA_ROOT / "photos", photo_names_of(wildcards))]
+    return [
+        str(path)
+        for path in photo_paths(DATA_ROOT / "photos", photo_names_of(wildcards))
+    ]
 
 
 def hidden_photos(wildcards):
@@ -83,4 +86,58 @@ def model_of(name):
 
 def house_files(*names):
     """Return result files of every house: ``house_files("house.glb")``."""
-    return expand(f"{RESULTS}/houses/{{house}}/{{name}}", house=HOUSES.index, name=names)
+    return expand(
+        f"{RESULTS}/houses/{{house}}/{{name}}", house=HOUSES.index, name=names
+    )
+
+
+def named_assignment_of(wildcards):
+    """Return the photo table that the house table names, there or not; "" for none."""
+    name = HOUSES.loc[wildcards.house, "assignment"]
+    return str(DATA_ROOT / name) if name else ""
+
+
+def label_model_of(wildcards):
+    """Return the segmentation model; none where labels are read from a folder."""
+    return (
+        [] if config["photos"]["masks"] == "precomputed" else model_of("segmentation")
+    )
+
+
+def ready_masks_of(wildcards):
+    """Return the label PNGs that the configured folder has for a house's photos."""
+    if config["photos"]["masks"] != "precomputed":
+        return []
+    folder = Path(config["photos"]["masks_folder"] or "")
+    paths = (folder / f"{Path(name).stem}.png" for name in photo_names_of(wildcards))
+    return [str(path) for path in paths if path.is_file()]
+
+
+def masks_of(wildcards):
+    """Return the masks folder of a house; none where crops are ready."""
+    if config["crops"]["source"] == "precomputed":
+        return []
+    return f"{RESULTS}/houses/{wildcards.house}/masks"
+
+
+@functools.cache
+def ready_crops():
+    """Return the ready crops of the configured folder by photo stem."""
+    found = {}
+    folder = config["crops"]["folder"]
+    if config["crops"]["source"] == "precomputed" and folder:
+        for path in sorted(Path(folder).glob("*/*_crop*.png")):
+            found.setdefault(path.name.rsplit("_", 2)[0], []).append(str(path))
+    return found
+
+
+def ready_crops_of(wildcards):
+    """Return the ready crops of a house's photos; none where crops are sampled."""
+    stems = [Path(name).stem for name in photo_names_of(wildcards)]
+    return [path for stem in stems for path in ready_crops().get(stem, [])]
+
+
+def decoder_of(wildcards):
+    """Return the texture model of a method; none where nothing is decoded."""
+    models = {"synth": "texture", "naivesynth": "naivesynth"}
+    return model_of(models[wildcards.method]) if wildcards.method in models else []

@@ -28,11 +28,12 @@ rule residence:
         f"logs/data/{SYNTHETIC_ROOT}/residence/{{split}}/{{house}}.log",
     benchmark:
         f"logs/data/{SYNTHETIC_ROOT}/benchmarks/residence/{{split}}/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=1500,
     params:
-        root=SYNTHETIC_ROOT,
         seed=SYNTHETIC.get("seed"),
         photos=SYNTHETIC.get("photos"),
         hidden_room_share=SYNTHETIC.get("hidden_room_share"),
@@ -71,11 +72,12 @@ rule residence_index:
         f"logs/data/{SYNTHETIC_ROOT}/residence_index.log",
     benchmark:
         f"logs/data/{SYNTHETIC_ROOT}/benchmarks/residence_index.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=500,
     params:
-        root=SYNTHETIC_ROOT,
         houses=RESIDENCES,
         seed=SYNTHETIC.get("seed"),
         code=code_hash("synthetic.residences"),

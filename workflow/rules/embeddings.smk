@@ -10,6 +10,8 @@ rule embeddings:
         f"logs/{DATASET}/embeddings/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/embeddings/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=2000,
@@ -32,6 +34,8 @@ rule surfaces:
         f"logs/{DATASET}/surfaces/{{drop}}/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/surfaces/{{drop}}/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=500,

@@ -14,6 +14,8 @@ rule metrics:
         f"logs/{DATASET}/metrics/{{drop}}/{{method}}/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/metrics/{{drop}}/{{method}}/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=1000,
@@ -36,6 +38,8 @@ rule reference_features:
         f"logs/{DATASET}/reference_features/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/reference_features/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=1000,
@@ -68,6 +72,8 @@ rule paper_table:
         f"logs/{DATASET}/paper_table.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/paper_table.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=1000,

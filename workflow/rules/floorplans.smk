@@ -1,9 +1,3 @@
-def named_assignment_of(wildcards):
-    """Return the photo table that the house table names, there or not; "" for none."""
-    name = HOUSES.loc[wildcards.house, "assignment"]
-    return str(DATA_ROOT / name) if name else ""
-
-
 rule floorplan:
     # Any supported plan, normalised and validated.
     input:
@@ -15,6 +9,8 @@ rule floorplan:
         f"logs/{DATASET}/floorplan/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/floorplan/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=500,

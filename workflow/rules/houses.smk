@@ -16,6 +16,8 @@ rule house:
         f"logs/{DATASET}/house/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/house/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=500,
@@ -38,6 +40,8 @@ rule house_obj:
         f"logs/{DATASET}/house_obj/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/house_obj/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=500,
@@ -64,6 +68,8 @@ rule preview:
         f"logs/{DATASET}/preview/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/preview/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=1500,
@@ -89,6 +95,8 @@ rule viewer:
         f"logs/{DATASET}/viewer/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/viewer/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=500,

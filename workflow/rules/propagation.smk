@@ -11,6 +11,8 @@ rule propagate:
         f"logs/{DATASET}/propagate/{{drop}}/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/propagate/{{drop}}/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=1500,

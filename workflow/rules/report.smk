@@ -13,6 +13,8 @@ rule index_page:
         f"logs/{DATASET}/index_page.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/index_page.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=500,

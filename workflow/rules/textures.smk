@@ -1,9 +1,3 @@
-def decoder_of(wildcards):
-    """Return the texture model of a method; none where nothing is decoded."""
-    models = {"synth": "texture", "naivesynth": "naivesynth"}
-    return model_of(models[wildcards.method]) if wildcards.method in models else []
-
-
 rule texture_library:
     # Tileable textures: what Retrieve chooses from.
     output:
@@ -12,6 +6,8 @@ rule texture_library:
         f"logs/{DATASET}/texture_library.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/texture_library.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=1000,
@@ -39,6 +35,8 @@ rule textures:
         f"logs/{DATASET}/textures/{{drop}}/{{method}}/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/textures/{{drop}}/{{method}}/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=1500,

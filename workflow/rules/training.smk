@@ -6,6 +6,8 @@ rule segmentation_start:
         "logs/training/segmentation_start.log",
     benchmark:
         "logs/training/benchmarks/segmentation_start.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 2
     resources:
         mem_mb=4000,
@@ -29,11 +31,12 @@ rule train_segmentation:
         "logs/training/train_segmentation.log",
     benchmark:
         "logs/training/benchmarks/train_segmentation.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 2
     resources:
         mem_mb=8000,
     params:
-        root=str(DATA_ROOT),
         settings=config.get("training", {}).get("segmentation", {}),
         seed=config["seed"],
         code=code_hash("training.segmentation"),

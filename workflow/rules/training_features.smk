@@ -7,6 +7,8 @@ rule train_features:
         "logs/training/train_features.log",
     benchmark:
         "logs/training/benchmarks/train_features.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=3000,

@@ -6,6 +6,8 @@ rule propagation_houses:
         "logs/training/propagation_houses.log",
     benchmark:
         "logs/training/benchmarks/propagation_houses.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=6000,
@@ -29,6 +31,8 @@ rule train_propagation:
         "logs/training/train_propagation.log",
     benchmark:
         "logs/training/benchmarks/train_propagation.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 2
     resources:
         mem_mb=8000,

@@ -7,6 +7,8 @@ rule train_texture:
         "logs/training/train_texture.log",
     benchmark:
         "logs/training/benchmarks/train_texture.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=4000,
@@ -31,6 +33,8 @@ rule train_naivesynth:
         "logs/training/train_naivesynth.log",
     benchmark:
         "logs/training/benchmarks/train_naivesynth.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=4000,

@@ -1,5 +1,7 @@
 """Rule residence: a seed -> one synthetic house with photos and truth."""
 
+from pathlib import Path
+
 from plan2scene.jobs import job
 from plan2scene.synthetic.materials import load_texture_folder
 from plan2scene.synthetic.residences import ResidenceOptions, write_residence
@@ -8,7 +10,7 @@ with job(snakemake.log[0]):
     params = snakemake.params
     folder, split = params.textures, snakemake.wildcards.split
     write_residence(
-        params.root,
+        Path(snakemake.output.plan).parents[2],
         snakemake.wildcards.house,
         split,
         params.seed,

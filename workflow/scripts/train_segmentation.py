@@ -1,11 +1,13 @@
 """Rule train_segmentation: a synthetic data set -> segmentation weights and their card."""
 
+from pathlib import Path
+
 from plan2scene.jobs import job
 from plan2scene.training.segmentation import train_segmentation
 
 with job(snakemake.log[0]):
     train_segmentation(
-        snakemake.params.root,
+        Path(snakemake.input.table).parent,
         snakemake.input.start,
         snakemake.output.model,
         snakemake.output.card,
