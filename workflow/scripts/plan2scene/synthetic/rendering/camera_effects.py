@@ -61,7 +61,7 @@ def draw_style(rng: np.random.Generator) -> CameraStyle:
     balance /= balance.mean()
     red, green, blue = (float(gain) for gain in balance)
     return CameraStyle(
-        float(np.clip(rng.normal(0.05, 0.25), -0.5, 0.6)),
+        float(np.clip(rng.normal(0.0, 0.22), -0.5, 0.45)),
         (red, green, blue),
         float(rng.uniform(0.1, 0.5)),
         float(rng.uniform(0.5, 0.7)),
@@ -117,6 +117,8 @@ def _metering(
     incident = float(np.median(light @ _LUMINANCE))
     reflected = float(np.exp(np.mean(np.log(radiance[lit] @ _LUMINANCE + 1e-4))))
     exposure = (0.64 / max(incident, 1e-4)) ** 0.6 * (0.25 / max(reflected, 1e-4)) ** 0.4
+    bright = float(np.percentile(radiance[lit] @ _LUMINANCE, 92))
+    exposure = min(exposure, 0.8 / max(bright, 1e-4))  # walls keep their texture, windows burn out
     colour = np.median(light, axis=0) / max(incident, 1e-6)
     correction = np.maximum(colour, 0.1) ** -(1 - style.cast_left)
     gains = correction * np.array(style.balance) * exposure * 2**style.exposure_stops

@@ -56,7 +56,7 @@ def render_house(
     *,
     height: int = 480,
     width: int = 640,
-    samples_per_pixel: int = 14,
+    samples_per_pixel: int = 12,
     variant: str | None = None,
 ) -> Iterator[RenderedPhoto]:
     """Yield a photo per view, in order; consecutive views of a room share its scene.

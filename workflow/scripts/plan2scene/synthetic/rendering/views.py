@@ -146,7 +146,8 @@ def _score(view: View, room: Room, polygon: shapely.Polygon) -> float:
     floor, ceiling = float((height < 0).mean()), float((height > room.height).mean())
     depth = float(np.minimum(reach, 6.0).mean())
     score = 1.3 * min(floor, 0.3) / 0.3 + 0.5 * min(ceiling, 0.12) / 0.12
-    return score + 0.5 * depth / np.sqrt(polygon.area) - 1.5 * float((reach < 0.7).mean())
+    near = 1.5 * float((reach < 0.7).mean()) + float((reach < 1.3).mean())
+    return score + 0.5 * depth / np.sqrt(polygon.area) - near
 
 
 def _reach(polygon: shapely.Polygon, view: View, ray: Array) -> float:
