@@ -46,9 +46,9 @@ def tile_from_crops(
     from plan2scene.photos.crops import medoid_index
     from plan2scene.textures.seams import make_seamless
 
-    crops = np.stack([square_crop(image) for image in images])
+    crops = [square_crop(image) for image in images]
     if method in ("synth", "naivesynth"):
-        return _decoded(crops, method, size_px, seed, models)
+        return _decoded(np.stack(crops), method, size_px, seed, models)
     reference = crops[medoid_index(crops)]
     if method == "retrieve":
         from plan2scene.textures.retrieval import generated_library

@@ -97,17 +97,19 @@ class Scale:
         Exact: a surface's presence flag is an input beside its values, so the shift by the mean
         moves into the flag's weight and no layer is added to the paper's network.
         """
-        first, last = network.linear1[0], network.linear2[2]
+        parameters = dict(network.named_parameters())
+        first = parameters["linear1.0.weight"]
+        last, last_bias = parameters["linear2.2.weight"], parameters["linear2.2.bias"]
         mean, deviation = torch.from_numpy(self.mean), torch.from_numpy(self.deviation)
         with torch.no_grad():
             for j in range(len(SURFACES)):
                 flag = 12 + j * (1 + EMBEDDING_SIZE)
                 block = slice(flag + 1, flag + 1 + EMBEDDING_SIZE)
-                first.weight[:, block] /= deviation
-                first.weight[:, flag] -= first.weight[:, block] @ mean
+                first[:, block] /= deviation
+                first[:, flag] -= first[:, block] @ mean
                 out = slice(j * EMBEDDING_SIZE, (j + 1) * EMBEDDING_SIZE)
-                last.weight[out] *= deviation[:, None]
-                last.bias[out] = last.bias[out] * deviation + mean
+                last[out] *= deviation[:, None]
+                last_bias[out] = last_bias[out] * deviation + mean
 
 
 def batches(
