@@ -6,7 +6,7 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.io import png_bytes, read_parquet, write_parquet
-from plan2scene.textures.selection import best_crop, select_surfaces
+from plan2scene.textures.selection import best_crop, clipped_share, select_surfaces
 
 # (photo, room, surface, textureness, grey level, metres)
 CROPS = [
@@ -89,7 +89,22 @@ def test_embeddings_of_other_crops_are_refused(files, tmp_path) -> None:
 
 
 def test_best_crop() -> None:
-    assert best_crop(np.array([np.nan, 0.4, 0.4, 0.9])) == 1
-    assert best_crop(np.array([np.nan])) == 0
+    none = np.zeros(4)
+    assert best_crop(np.array([np.nan, 0.4, 0.4, 0.9]), none) == 1
+    assert best_crop(np.array([np.nan]), none[:1]) == 0
     with pytest.raises(ValueError, match="no crops"):
-        best_crop(np.zeros(0))
+        best_crop(np.zeros(0), none[:0])
+
+
+def test_burned_out_crops_lose_where_there_are_others() -> None:
+    scores = np.array([0.1, 0.5, 0.4])
+    assert best_crop(scores, np.array([0.9, 0.0, 0.1])) == 2
+    assert best_crop(scores, np.array([0.9, 0.8, 1.0])) == 0
+
+
+def test_clipped_share() -> None:
+    image = np.full((4, 4, 3), 128, np.uint8)
+    image[0] = 255
+    image[1, 0] = 0
+    image[2] = (255, 20, 20)  # a strong colour is not burned out
+    assert clipped_share(image) == 5 / 16

@@ -16,6 +16,7 @@ from plan2scene.photos.crops import medoid_index
 if TYPE_CHECKING:
     import pandas as pd
 
+_CLIPPED = 0.25
 _COLUMNS = {
     "room_id": "object",
     "surface": "object",
@@ -40,8 +41,8 @@ def select_surfaces(
 ) -> pd.DataFrame:
     """Choose a crop for every surface that a visible photo shows; write ``surfaces.parquet``.
 
-    The crop with the least textureness score gives the embedding (paper section 4.3); NaiveSynth
-    gets the mean of the crops' codes. ``docs/conventions.md`` lists the columns. ``metres`` is the
+    The crop with the least textureness score gives the embedding (paper section 4.3), burned-out
+    ones left aside where there are others; NaiveSynth gets the mean of the crops' codes. ``docs/conventions.md`` lists the columns. ``metres`` is the
     side of the square that the chosen crop covers, because its texture is at that scale; where
     that is unknown, the median over the surface's crops (NaN when none knows).
 
@@ -76,8 +77,10 @@ def select_surfaces(
 
 def _choose(group: pd.DataFrame) -> dict[str, Any]:
     """Return the row of one surface from its visible crops."""
-    best = group.iloc[best_crop(group["textureness"].to_numpy(np.float64))]
-    medoid = group.iloc[medoid_index([image_from_bytes(data) for data in group["png"]])]
+    images = [image_from_bytes(data) for data in group["png"]]
+    scores = group["textureness"].to_numpy(np.float64)
+    best = group.iloc[best_crop(scores, np.array([clipped_share(image) for image in images]))]
+    medoid = group.iloc[medoid_index(images)]
     naive = np.stack([np.asarray(code, np.float32) for code in group["naive_embedding"]])
     votes = np.stack([np.asarray(p, np.float32) for p in group["substance_probabilities"]])
     known = group["metres"].to_numpy(np.float64)
@@ -96,11 +99,25 @@ def _choose(group: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def best_crop(textureness: np.ndarray) -> int:
-    """Return the index of the least textureness score (n,), the first of equals.
+def clipped_share(image: np.ndarray) -> float:
+    """Return the share of pixels of an (h, w, 3) uint8 crop that are burned out or pitch black."""
+    brightest = image.max(axis=2)
+    return float(((image.min(axis=2) >= 250) | (brightest <= 5)).mean())
 
-    NaN scores count as the worst. ValueError without any.
+
+def best_crop(textureness: np.ndarray, clipped: np.ndarray) -> int:
+    """Return the index of the least textureness score, the first of equals.
+
+    Parameters
+    ----------
+    textureness : (n,) float
+        NaN counts as the worst. ValueError without any.
+    clipped : (n,) float
+        Shares of :func:`clipped_share`. A burned-out crop is flat, so it scores well and shows
+        nothing: those above a quarter lose against all others.
     """
     if not len(textureness):
         raise ValueError("the best of no crops")
-    return int(np.argmin(np.where(np.isnan(textureness), np.inf, textureness)))
+    scores = np.where(np.isnan(textureness), np.inf, textureness)
+    order = np.lexsort((scores, clipped > _CLIPPED))
+    return int(order[0])
