@@ -42,9 +42,10 @@ def select_surfaces(
     """Choose a crop for every surface that a visible photo shows; write ``surfaces.parquet``.
 
     The crop with the least textureness score gives the embedding (paper section 4.3), burned-out
-    ones left aside where there are others; NaiveSynth gets the mean of the crops' codes. ``docs/conventions.md`` lists the columns. ``metres`` is the
-    side of the square that the chosen crop covers, because its texture is at that scale; where
-    that is unknown, the median over the surface's crops (NaN when none knows).
+    ones left aside where there are others; NaiveSynth gets the mean of the crops' codes.
+    ``docs/conventions.md`` lists the columns. ``metres`` is the side of the square that the chosen
+    crop covers, because its texture is at that scale; where that is unknown, the median over the
+    surface's crops (NaN when none knows).
 
     Parameters
     ----------
