@@ -12,7 +12,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -189,6 +189,7 @@ class TextureTrainer:
     def save(self, path: Path) -> None:
         """Write all that :meth:`resume` needs."""
         state = {
+            "run": self._run(),
             "step": self.step,
             "seconds": self.seconds,
             "model": self.model.state_dict(),
@@ -197,12 +198,20 @@ class TextureTrainer:
         with atomic_path(path) as temporary:
             torch.save(state, temporary)
 
-    def resume(self, path: Path) -> None:
-        """Continue from a file of :meth:`save`."""
+    def resume(self, path: Path) -> bool:
+        """Continue from a file of :meth:`save`; False for one of another run (nothing changes)."""
         state = torch.load(path, map_location=self.device, weights_only=True)
+        if state.get("run") != self._run():
+            return False
         self.step, self.seconds = int(state["step"]), float(state["seconds"])
         self.model.load_state_dict(state["model"])
         self.optimiser.load_state_dict(state["optimiser"])
+        return True
+
+    def _run(self) -> str:
+        """Return what makes a run: all but its length, which may change on the way."""
+        options = replace(self.options, steps=0)
+        return repr((self.seed, self.model.architecture, options))
 
     def _tensor(self, images: np.ndarray) -> torch.Tensor:
         tensor = torch.from_numpy(images).to(self.device).permute(0, 3, 1, 2)
@@ -243,8 +252,10 @@ def train_texture_model(
     """
     trainer = TextureTrainer(architecture, options, seed, device)
     if checkpoint is not None and checkpoint.is_file():
-        trainer.resume(checkpoint)
-        _LOGGER.info("continued from step %d", trainer.step)
+        resumed = trainer.resume(checkpoint)
+        _LOGGER.info(
+            "continued from step %d" if resumed else "other run's checkpoint, step %d", trainer.step
+        )
     weights = sampling_weights(textures, options.scanned_share)
     trainer.model.train()
     last = time.monotonic()

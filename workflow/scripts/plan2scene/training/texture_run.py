@@ -89,6 +89,8 @@ def train_texture(
     with atomic_path(card) as temporary:
         text = _card(name, data, options, len(textures), seconds / 60.0, figures)
         temporary.write_text(text, encoding="utf-8")
+    if checkpoint is not None:
+        checkpoint.unlink(missing_ok=True)
 
 
 def measure(model: TextureModel, textures: TextureSet, seed: int) -> dict[str, float]:
@@ -147,18 +149,19 @@ def _card(
         "no other textures" if data.folder is None else "real textures (train split) of a folder"
     )
     settings = ", ".join(f"{key} {value}" for key, value in asdict(options).items())
+    threads, cores = torch.get_num_threads(), os.cpu_count()
     shape = ", ".join(f"{key} {value}" for key, value in asdict(ARCHITECTURES[name]).items())
     return f"""# {name}
 
-{what} The decoder's noise is periodic, so its tiles have no seam.
+{what}
+The decoder's noise is periodic, so its tiles have no seam.
 
 - Architecture: {shape}.
 - Data: {count} textures: {data.procedural} procedural materials (seed {data.seed}) and {folder}.
 - Loss: relative Gram error of the embedded filter bank, log spectrum, colour distribution,
   cross-entropy of the substance where there is a head. No pretrained features.
 - Training: {settings}.
-- {minutes:.0f} minutes with {torch.get_num_threads()} thread(s) on a machine of
-  {os.cpu_count()} cores, shared with other work.
+- {minutes:.0f} minutes with {threads} thread(s) on a machine of {cores} cores.
 - Command: `snakemake -j1 train_{name} --configfile config/training.yaml`
 
 One clean crop of each held-out texture, embedded and decoded at 128 px (means; wrap: median;
