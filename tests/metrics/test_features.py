@@ -76,4 +76,4 @@ def test_embedded_weights_tell_substances_of_unseen_materials():
             images.append(cv2.resize(tile[:180, :180], (128, 128), interpolation=cv2.INTER_AREA))
             truth.append(index)
     _, classes = extract_features(load_features_network(MODELS / "features.safetensors"), images)
-    assert np.mean(classes == np.array(truth)) >= 0.65  # the card's figures: 0.70 to 0.78
+    assert np.mean(classes == np.array(truth)) >= 0.7  # the card says 0.83 of such windows
