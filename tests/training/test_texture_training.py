@@ -1,5 +1,8 @@
 """Training of the texture model: data, one run in small, resuming, the card."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -85,6 +88,17 @@ def test_training_is_reproducible_and_resumes(textures, tmp_path) -> None:
         np.testing.assert_allclose(continued[name], value, atol=1e-6, err_msg=name)
 
 
+def test_checkpoint_of_another_run_is_left_alone(textures, tmp_path) -> None:
+    checkpoint = tmp_path / "checkpoint.pt"
+    trainer = TextureTrainer(TINY, OPTIONS, 0)
+    trainer.step = 2
+    trainer.save(checkpoint)
+    assert TextureTrainer(TINY, replace(OPTIONS, steps=9), 0).resume(checkpoint)
+    other = TextureTrainer(TINY, OPTIONS, seed=1)
+    assert not other.resume(checkpoint)
+    assert other.step == 0
+
+
 def test_training_reduces_the_loss(textures) -> None:
     one = td.TextureSet(textures.tiles[:1], textures.substances[:1], textures.scanned[:1])
     options = TextureTraining(
@@ -124,3 +138,23 @@ def test_wrap_ratio_sees_a_seam() -> None:
     assert texture_run.wrap_ratio(ramp) > 30
     noise = np.random.default_rng(0).integers(0, 256, (64, 64, 3), dtype=np.uint8)
     assert texture_run.wrap_ratio(noise) == pytest.approx(1.0, abs=0.1)
+
+
+def test_shipped_models_fit_their_cards() -> None:
+    folder = Path(__file__).parents[2] / "resources" / "models"
+    total = 0
+    for name, architecture in texture_run.ARCHITECTURES.items():
+        path = folder / f"{name}.safetensors"
+        assert load_texture_model(path).architecture == architecture
+        assert f"# {name}" in (folder / f"{name}.md").read_text(encoding="utf-8")
+        total += path.stat().st_size
+    assert total < 20e6
+
+
+def test_shipped_texture_model_keeps_its_figures() -> None:
+    path = Path(__file__).parents[2] / "resources" / "models" / "texture.safetensors"
+    figures = texture_run.measure(load_texture_model(path), td.procedural_textures(8, 77), 0)
+    assert figures["color"] < 0.3
+    assert figures["freq"] < 0.06
+    assert figures["wrap"] < 1.2
+    assert figures["substance"] >= 0.5
