@@ -47,8 +47,8 @@ def random_view(
     """Return a random crop, scale, turn (up to 6 deg) and mirror image; outside is ignore."""
     height, width = size
     h, w = photo.labels.shape
-    # From a little more than the whole photo to a third of its side.
-    zoom = max(height / h, width / w) * float(np.exp(rng.uniform(-0.1, 0.9)))
+    # From a little more than the whole photo to half of its side.
+    zoom = max(height / h, width / w) * float(np.exp(rng.uniform(-0.1, 0.65)))
     stretch = float(np.exp(rng.normal(0, 0.08)))
     angle = np.deg2rad(np.clip(rng.normal(0, 2.5), -6, 6))
     cos, sin = np.cos(angle), np.sin(angle)
@@ -137,7 +137,7 @@ def camera_effects(image: Array, rng: np.random.Generator) -> Array:
         soft = cv2.GaussianBlur(x, (0, 0), rng.uniform(0.7, 2.0))
         x = x + rng.uniform(0.3, 1.2) * (x - soft)
     if rng.random() < 0.5:
-        x = x + rng.normal(0, rng.uniform(0.004, 0.05), x.shape).astype(np.float32)
+        x = x + rng.normal(0, rng.uniform(0.003, 0.035), x.shape).astype(np.float32)
     result = np.clip(x * 255, 0, 255).astype(np.uint8)
     if rng.random() < 0.4:
         quality = int(rng.integers(25, 92))
@@ -150,14 +150,14 @@ def _light(x: Array, rng: np.random.Generator) -> Array:
     """Return a float image under other exposure, white balance, contrast and uneven light."""
     height, width = x.shape[:2]
     if rng.random() < 0.4:
-        coarse = rng.normal(0, 0.3, (3, 4)).astype(np.float32)
+        coarse = rng.normal(0, 0.22, (3, 4)).astype(np.float32)
         field = cv2.resize(coarse, (width, height), interpolation=cv2.INTER_CUBIC)
         x = x * np.exp(field)[..., None]
-    x = x * np.exp(rng.normal(0, 0.25) + rng.normal(0, 0.08, 3)).astype(np.float32)
+    x = x * np.exp(rng.normal(0, 0.2) + rng.normal(0, 0.06, 3)).astype(np.float32)
     grey = x.mean(axis=2, keepdims=True)
     saturation = 0.0 if rng.random() < 0.05 else rng.uniform(0.3, 1.6)
     x = np.clip(grey + saturation * (x - grey), 0, None)
-    x = x ** np.float32(np.exp(rng.normal(0, 0.25)))
+    x = x ** np.float32(np.exp(rng.normal(0, 0.2)))
     middle = rng.uniform(0.3, 0.6)
-    x = middle + rng.uniform(0.65, 1.4) * (x - middle)
+    x = middle + rng.uniform(0.75, 1.3) * (x - middle)
     return np.clip(x, 0, 1).astype(np.float32)
