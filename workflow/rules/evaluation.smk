@@ -61,7 +61,11 @@ rule paper_table:
         ),
         references=house_files("reference_features.parquet"),
     output:
-        csv=f"{RESULTS}/tables/paper_table.csv",
+        csv=report(
+            f"{RESULTS}/tables/paper_table.csv",
+            caption="../report/paper_table.rst",
+            category="Evaluation",
+        ),
         parquet=f"{RESULTS}/tables/paper_table.parquet",
         plot=report(
             f"{RESULTS}/tables/paper_table.png",
