@@ -31,7 +31,7 @@ def test_same_state_same_bytes(tmp_path):
 def test_damaged_files_are_one_line(tmp_path, data):
     path = tmp_path / "x.safetensors"
     path.write_bytes(data)
-    with pytest.raises(InputError, match="x.safetensors"):
+    with pytest.raises(InputError, match=r"x\.safetensors"):
         load_model_file(path)
 
 

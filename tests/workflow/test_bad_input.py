@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import DEMO, Clone, demo_rows, make_clone, photos_of, write_table
+from clones import DEMO, Clone, demo_rows, make_clone, photos_of, write_table
 
 GOOD = demo_rows()[0] if (DEMO / "houses.tsv").is_file() else {}
 
