@@ -1,12 +1,18 @@
 """The whole workflow on two houses: what it makes, and what a change makes it do again."""
 
 import csv
+import json
 import os
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
+import trimesh
+from clones import ROOT
 from PIL import Image
+from shapely.geometry import Polygon, box
+from shapely.ops import unary_union
 
 from plan2scene.floorplans import read_plan
 from plan2scene.house_table import load_houses
@@ -24,6 +30,37 @@ def test_every_house_has_its_files(made):
         textures = made.root / "results/tiny/drop_0.0/synth" / house / "textures"
         names = {path.stem for path in textures.glob("*.png")}
         assert names == {key.filename for key in plan.surface_keys()}
+
+
+def test_floors_and_walls_of_the_glb_have_the_plans_areas(made):
+    for house in made.houses():
+        folder = made.root / "results" / "tiny" / "houses" / house
+        plan = read_plan(folder / "scene.json", house)
+        scene = trimesh.load(folder / "house.glb", force="scene")
+        areas = {
+            node: scene.geometry[scene.graph[node][1]].area for node in scene.graph.nodes_geometry
+        }
+        for room in plan.rooms:
+            outline = Polygon(room.rings[0], room.rings[1:])
+            assert areas[f"{room.id}/floor"] == pytest.approx(outline.area, rel=1e-3)
+            assert areas[f"{room.id}/ceiling"] == pytest.approx(outline.area, rel=1e-3)
+        for wall in plan.walls:
+            holes = unary_union([box(o.start, o.bottom, o.end, o.top) for o in wall.openings])
+            face = box(0, 0, wall.length, wall.height).difference(holes).area
+            name = f"{wall.room_ids[0]}/wall/{wall.id}"
+            assert areas[name] == pytest.approx(face, rel=5e-3), name
+
+
+def test_the_khronos_validator_finds_no_error(made):
+    script = ROOT / "tests" / "mesh" / "validate_gltf.cjs"
+    files = [str(made.root / f"results/tiny/houses/{h}/house.glb") for h in made.houses()]
+    if shutil.which("node") is None:
+        pytest.skip("no node to run the Khronos validator")
+    run = subprocess.run(["node", str(script), *files], capture_output=True, text=True, check=False)
+    if run.returncode != 0 and not os.environ.get("GLTF_VALIDATOR_DIR"):
+        pytest.skip("no npm package gltf-validator: install it and set GLTF_VALIDATOR_DIR")
+    assert run.returncode == 0, run.stderr
+    assert [report["numErrors"] for report in json.loads(run.stdout)] == [0] * len(files)
 
 
 def test_the_table_has_no_empty_cell(made):
