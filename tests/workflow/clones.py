@@ -70,6 +70,7 @@ def make_clone(root: Path, rows: list[dict[str, str]], **changes: object) -> Clo
     (root / "resources").mkdir()
     (root / "resources" / "models").symlink_to(ROOT / "resources" / "models")
     data = root / "data"
+    data.mkdir()
     for row in rows:
         for name in (row["plan"], row["assignment"], *(f"photos/{p}" for p in photos_of(row))):
             if name and (DEMO / name).is_file():
