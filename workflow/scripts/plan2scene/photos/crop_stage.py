@@ -119,7 +119,7 @@ def make_crops(
     crops: dict[str, list[PhotoCrop]] = {}
     for photo in sorted(rooms_of_photo):
         if photo not in cameras:
-            _log.warning("photo %s of house %s has no mask: skipped", photo, house.id)
+            _log.info("photo %s of house %s has no mask: skipped", photo, house.id)
             continue
         camera = Camera.from_json(cameras[photo], file=folder / "cameras.json")
         labels = read_label_png(folder / f"{Path(photo).stem}.png", house=house.id)
