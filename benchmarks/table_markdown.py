@@ -29,7 +29,8 @@ def main(path: Path) -> None:
     ).stdout.strip()
     print(
         f"\nPublished values (other data, other feature networks) in brackets. Data set "
-        f"{rows[0]['dataset']}, {rows[0]['houses']} houses, seed {rows[0]['seed']}; commit {commit}, "
+        f"{rows[0]['dataset']}, {rows[0]['houses']} houses, seed {rows[0]['seed']}; "
+        f"commit {commit}, "
         f"{datetime.date.today()}, {os.cpu_count()} cores, Python {platform.python_version()}."
     )
 
