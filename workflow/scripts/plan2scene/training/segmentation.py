@@ -40,7 +40,7 @@ _log = logging.getLogger("plan2scene")
 class Settings:
     """Settings of a training run (config key ``training.segmentation``)."""
 
-    steps: int = 3300  #: optimiser steps on photos and scenes
+    steps: int = 5500  #: optimiser steps on photos and scenes
     scene_steps: int = 1800  #: optimiser steps on scenes alone, before the photos
     batch: int = 8  #: views per step
     learning_rate: float = 3e-3  #: peak of the warm-up and cosine schedule
@@ -52,7 +52,7 @@ class Settings:
     small: int = 224  #: in the rest of those, and in two thirds of the steps with photos
     long_side: int = 320  #: in the last third, and at inference
     scenes: int = 1000  #: rooms of boxes that are drawn beside the photos
-    scene_share: float = 0.4  #: share of views that come from them once there are photos
+    scene_share: float = 0.35  #: share of views that come from them once there are photos
     bfloat16: bool = False  #: forward pass in bfloat16; faster on processors that have it
     evaluate_every: int = 500  #: steps between validations
     evaluate_photos: int = 200  #: photos of a validation, spread over the split
