@@ -21,6 +21,8 @@ import numpy as np
 from plan2scene.io import read_image
 from plan2scene.photos.camera import Camera, canonical, estimate_camera
 from plan2scene.photos.masks import read_label_png
+from plan2scene.photos.segmentation import load_segmenter
+from plan2scene.weights import MODELS
 
 
 @dataclass(frozen=True)
@@ -77,9 +79,13 @@ def measure(root: Path, split: str, fov_deg: float, labels: str, limit: int) -> 
     photos = list(truths(root, split))
     chosen = photos[:: max(1, len(photos) // limit)][:limit]
     results = []
+    network = load_segmenter(MODELS / "segmentation.safetensors") if labels == "network" else None
     for photo, truth, file, mask in chosen:
         image = read_image(file)
-        known = None if labels == "none" else read_label_png(mask)
+        if network is not None:
+            known = network.labels(image)
+        else:
+            known = None if labels == "none" else read_label_png(mask)
         if known is not None and labels == "rough":
             known = roughened(known, len(results))
         start = time.perf_counter()
@@ -134,7 +140,7 @@ def main() -> None:
     parser.add_argument("--split", default="val")
     parser.add_argument("--limit", type=int, default=200)
     parser.add_argument("--fov", type=float, default=60.0)
-    parser.add_argument("--labels", choices=("truth", "rough", "none"), default="none")
+    parser.add_argument("--labels", choices=("truth", "rough", "network", "none"), default="none")
     parser.add_argument("--each", action="store_true", help="one line per photo too")
     arguments = parser.parse_args()
     results = measure(
