@@ -67,6 +67,7 @@ def make_clone(root: Path, rows: list[dict[str, str]], **changes: object) -> Clo
             ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info")
         )
     shutil.copy(ROOT / "Snakefile", root)
+    (root / "profiles").symlink_to("workflow/profiles")
     (root / "resources").mkdir()
     (root / "resources" / "models").symlink_to(ROOT / "resources" / "models")
     data = root / "data"

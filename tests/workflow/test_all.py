@@ -77,6 +77,13 @@ def test_the_table_has_no_empty_cell(made):
     assert float(observed_crop["COLOR"]) == 0.0
 
 
+def test_the_default_profile_is_picked_up(made):
+    link = ROOT / "profiles"
+    assert link.resolve() == ROOT / "workflow" / "profiles"
+    run = made.snakemake("--dry-run", "all")
+    assert "profiles/default" in run.stdout.splitlines()[0]
+
+
 def test_a_second_run_does_nothing(made):
     assert made.jobs("all") == []
 
