@@ -1,0 +1,64 @@
+"""The configuration files, their schema and their documentation agree."""
+
+import json
+from dataclasses import fields
+from pathlib import Path
+
+import jsonschema
+import pytest
+import yaml
+
+from plan2scene.training.features import FeaturesTraining
+from plan2scene.training.propagation import PropagationSettings
+from plan2scene.training.segmentation import Settings
+from plan2scene.training.texture import TextureTraining
+from plan2scene.training.texture_run import TextureData
+
+ROOT = Path(__file__).parents[1]
+SCHEMA = json.loads((ROOT / "workflow" / "schemas" / "config.schema.json").read_text())
+TRAINING = SCHEMA["properties"]["training"]["properties"]
+
+
+def merged(name: str) -> dict:
+    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
+    return config | yaml.safe_load((ROOT / "config" / name).read_text())
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda p: p.name)
+def test_every_config_file_is_valid(path):
+    jsonschema.validate(merged(path.name), SCHEMA)
+
+
+@pytest.mark.parametrize("section", ["training", "photos", "textures", "dataset", "crops"])
+def test_unknown_keys_are_refused(section):
+    config = merged("training.yaml")
+    config[section]["no_such_key"] = 1
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(config, SCHEMA)
+
+
+@pytest.mark.parametrize(
+    ("section", "settings"),
+    [
+        ("texture", TextureTraining),
+        ("naivesynth", TextureTraining),
+        ("texture_data", TextureData),
+        ("features", FeaturesTraining),
+        ("segmentation", Settings),
+        ("propagation", PropagationSettings),
+    ],
+)
+def test_training_keys_are_the_fields_of_the_settings(section, settings):
+    known = {field.name for field in fields(settings)} - (
+        {"seed", "cache"} if settings is TextureData else set()
+    )
+    assert set(TRAINING[section]["propertyNames"]["enum"]) == known
+
+
+def test_every_key_is_documented():
+    text = (ROOT / "config" / "README.md").read_text()
+    for section, schema in SCHEMA["properties"].items():
+        names = schema.get("properties", {}) if section not in ("models", "training") else {}
+        for name in names or [""]:
+            key = f"{section}.{name}" if name else section
+            assert f"`{key}" in text, key
