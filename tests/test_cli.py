@@ -94,6 +94,13 @@ def test_run_refuses_a_room_the_plan_lacks_before_any_work(tmp_path, monkeypatch
     assert not (tmp_path / "out" / "work" / ".snakemake").exists()
 
 
+def test_run_refuses_a_texture_size_before_any_work(tmp_path):
+    out = tmp_path / "out"
+    with pytest.raises(cli.InputError, match="found 100"):
+        call("run", "--plan", PLAN, "--out", out, "--texture-size", "100")
+    assert not out.exists()
+
+
 @pytest.mark.parametrize("name", ["../x", ".hidden", "a b"])
 def test_a_house_id_that_is_no_file_name_is_refused(tmp_path, name):
     with pytest.raises(cli.InputError):

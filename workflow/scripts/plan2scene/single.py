@@ -13,7 +13,7 @@ from typing import Any
 
 from plan2scene.datasets import read_assignment
 from plan2scene.errors import InputError, WorkflowError
-from plan2scene.floorplans import read_plan
+from plan2scene.floorplans import read_plan, validate_house
 from plan2scene.io import atomic_path, safe_join
 from plan2scene.weights import MODELS
 
@@ -21,6 +21,8 @@ _LOG = logging.getLogger("plan2scene")
 #: Root of the clone: the Snakefile lies here.
 ROOT = MODELS.parents[1]
 DATASET = "own"
+#: Sides of a tile in pixels that the configuration allows.
+TEXTURE_SIZES = (128, 256, 512)
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,11 @@ def prepare(request: SingleHouse, work: Path) -> Path:
     The plan and photo table are read once here, so that a mistake is told before any job starts.
     Missing photos are warned of; the house goes on without them.
     """
+    if request.texture_size not in TEXTURE_SIZES:
+        raise InputError(f"a texture size of {TEXTURE_SIZES} pixels", str(request.texture_size))
     house = read_plan(request.plan, request.house, request.metres_per_pixel)
+    for line in validate_house(house, file=request.plan):
+        _LOG.warning("%s", line)
     root = work / "dataset"
     photos = root / "photos"
     photos.mkdir(parents=True, exist_ok=True)
