@@ -39,12 +39,17 @@ TILES = 40
 
 def random_scenes(count: int, *, seed: int) -> list[LabelledPhoto]:
     """Return `count` labelled pictures of random rooms; each depends on (seed, index) alone."""
+    return [photo for photo, _ in random_scenes_and_eyes(count, seed=seed)]
+
+
+def random_scenes_and_eyes(count: int, *, seed: int) -> list[tuple[LabelledPhoto, Eye]]:
+    """Return labelled pictures of random rooms, each with its camera (see `scene_camera`)."""
     if count == 0:
         return []
     paints = _paints(seed)
     found = []
     for index in range(count):
-        found.append(random_scene(paints, index, seed=seed))
+        found.append(random_scene_and_eye(paints, index, seed=seed))
         if (index + 1) % 200 == 0:
             _log.info("%d rooms of boxes drawn", index + 1)
     return found
@@ -66,6 +71,29 @@ def _paints(seed: int) -> Paints:
 
 def random_scene(paints: Paints, index: int, *, seed: int) -> LabelledPhoto:
     """Return the labelled picture of one random room."""
+    return random_scene_and_eye(paints, index, seed=seed)[0]
+
+
+def scene_camera(eye: Eye) -> dict[str, object]:
+    """Return a camera as an entry of the truth file ``cameras.json`` (see docs/conventions.md).
+
+    Keys width, height, focal_px, cx, cy (pixels), rotation (3x3 world to camera, the world has
+    y up) and position (metres).
+    """
+    height, width = eye.size
+    return {
+        "width": width,
+        "height": height,
+        "focal_px": float(eye.focal_px),
+        "cx": (width - 1) / 2,
+        "cy": (height - 1) / 2,
+        "rotation": np.asarray(eye.rotation, float).tolist(),
+        "position": np.asarray(eye.position, float).tolist(),
+    }
+
+
+def random_scene_and_eye(paints: Paints, index: int, *, seed: int) -> tuple[LabelledPhoto, Eye]:
+    """Return the labelled picture of one random room and the camera that took it."""
     rng = generator(seed, "scene", index)
     half = np.array([rng.uniform(1.1, 3.5), rng.uniform(1.12, 1.6), rng.uniform(1.1, 4.0)])
     room = _room(half, paints, rng)
@@ -80,7 +108,8 @@ def random_scene(paints: Paints, index: int, *, seed: int) -> LabelledPhoto:
     ambient = np.exp(rng.normal(-1.2, 0.4) + rng.normal(0, 0.08, 3))
     lamps += _ceiling_lamps(half, rng)
     picture = shade(bodies, seen, eye, lamps, ambient, rng)
-    return LabelledPhoto(f"room_{index}", _developed(picture, rng), seen.label.reshape(eye.size))
+    labels = seen.label.reshape(eye.size)
+    return LabelledPhoto(f"room_{index}", _developed(picture, rng), labels), eye
 
 
 def _room(half: Array, paints: Paints, rng: np.random.Generator) -> Body:
