@@ -79,6 +79,14 @@ def test_gradient_of_hsv_to_rgb_reaches_every_channel() -> None:
     assert float(hsv.grad.abs().min()) > 0
 
 
+def test_linear_light_round_trip() -> None:
+    levels = np.arange(256, dtype=np.uint8)
+    linear = colour.srgb_to_linear(levels)
+    np.testing.assert_allclose(linear, colour.srgb_to_linear(levels / 255.0), atol=1e-12)
+    np.testing.assert_allclose(colour.linear_to_srgb(linear), levels / 255.0, atol=1e-6)
+    assert linear[128] == pytest.approx(0.2158605, abs=1e-6)
+
+
 def test_lab_of_known_colours() -> None:
     rgb = np.array([[1.0, 1.0, 1.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     expected = [[100, 0, 0], [0, 0, 0], [53.24, 80.09, 67.20]]

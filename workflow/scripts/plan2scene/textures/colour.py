@@ -72,11 +72,26 @@ def delta_hsv(image: np.ndarray, median_rgb: np.ndarray) -> np.ndarray:
     return delta
 
 
+def srgb_to_linear(rgb: np.ndarray) -> np.ndarray:
+    """Return linear values (float64) of sRGB: uint8, or floats in [0, 1]; any shape."""
+    if rgb.dtype == np.uint8:
+        return _LINEAR_OF_UINT8[rgb]
+    encoded = np.asarray(rgb, dtype=np.float64)
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def linear_to_srgb(linear: np.ndarray) -> np.ndarray:
+    """Return sRGB (float64) of linear values in [0, 1], any shape; negative ones count as 0."""
+    values = np.maximum(np.asarray(linear, dtype=np.float64), 0.0)
+    return np.where(values <= 0.0031308, 12.92 * values, 1.055 * values ** (1 / 2.4) - 0.055)
+
+
+_LINEAR_OF_UINT8 = srgb_to_linear(np.arange(256) / 255.0)
+
+
 def rgb_to_lab(rgb: np.ndarray) -> np.ndarray:
     """Return CIE L*a*b* (D65) of sRGB (..., 3) in [0, 1], float64."""
-    encoded = np.asarray(rgb, dtype=np.float64)
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    ratio = linear @ _RGB_TO_XYZ.T / WHITE_D65
+    ratio = srgb_to_linear(rgb) @ _RGB_TO_XYZ.T / WHITE_D65
     cube = np.where(ratio > (6 / 29) ** 3, np.cbrt(ratio), ratio / (3 * (6 / 29) ** 2) + 4 / 29)
     x, y, z = cube[..., 0], cube[..., 1], cube[..., 2]
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
