@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.photos.camera import Camera, canonical, estimate_camera
+from plan2scene.photos.camera import HIGH_CONFIDENCE, Camera, canonical, estimate_camera
+from plan2scene.photos.exif import ExifFocal
 from plan2scene.photos.lines import detect_segments, hough_segments
 
 
@@ -81,6 +82,36 @@ def test_one_point_view_keeps_rotation_but_not_focal():
     camera = estimate_camera(image)
     assert not camera.fallback
     assert angle_deg(camera.matrix, truth) < 1.0
+
+
+def test_exif_gives_the_focal_length_of_a_one_point_view():
+    truth = rotation_of(0.0, 0.0, 0.0)
+    image, focal = checker_room(truth, 70.0, eye=np.array([0.0, 1.3, -2.0]))
+    camera = estimate_camera(image, exif=ExifFocal(focal))
+    assert camera.focal_source == "exif"
+    assert camera.focal_px == pytest.approx(focal, abs=1e-3)
+    assert angle_deg(camera.matrix, truth) < 0.5
+    assert camera.confidence >= HIGH_CONFIDENCE
+
+
+def test_exif_goes_before_vanishing_points_unless_they_contradict_it():
+    truth = rotation_of(30.0, 5.0, 1.0)
+    image, focal = checker_room(truth, 60.0)
+    near = estimate_camera(image, exif=ExifFocal(1.08 * focal))
+    assert near.focal_source == "exif"
+    assert near.focal_px == pytest.approx(1.08 * focal, abs=1e-3)
+    far = estimate_camera(image, exif=ExifFocal(1.5 * focal))
+    assert far.focal_source == "vanishing_points"
+    assert abs(far.focal_px / focal - 1) < 0.02
+    cropped = estimate_camera(image, exif=ExifFocal(1.08 * focal, cropped=True))
+    assert cropped.focal_source == "vanishing_points"
+    assert abs(cropped.focal_px / focal - 1) < 0.02
+
+
+def test_exif_where_there_are_no_lines():
+    camera = estimate_camera(np.full((120, 160, 3), 128, np.uint8), exif=ExifFocal(120.0))
+    assert (camera.fallback, camera.focal_source, camera.confidence) == (True, "exif", 0.0)
+    assert camera.focal_px == 120.0
 
 
 def test_no_lines_fall_back_to_the_constant_field_of_view():

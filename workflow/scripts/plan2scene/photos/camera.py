@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.photos.lines import border_lines, detect_segments
-from plan2scene.photos.masks import CEILING, FLOOR, IGNORE, OTHER, WALL
+from plan2scene.photos.exif import ExifFocal
+from plan2scene.photos.line_weights import weighted_segments
 from plan2scene.photos.vanishing import (
-    END_NOISE,
     Manhattan,
     Segments,
     fit_manhattan,
@@ -23,7 +22,6 @@ from plan2scene.photos.vanishing import (
 DEFAULT_FOV_DEG = 60.0
 #: Photos are reduced to this width or height (the larger) before segments are sought.
 WORKING_SIDE = 800
-MAX_SEGMENTS = 320
 #: A frame is believed with this many segments on the vertical and on the horizontal axes (or on
 #: each of the horizontal ones), ...
 MIN_VERTICAL = 3
@@ -34,11 +32,14 @@ MAX_LOG_FOCAL_SD = 0.60
 #: The standard deviation of the segments' fit is too small by about this factor: segments of one
 #: texture share their error.
 SD_INFLATION = 2.0
-#: Weight of a line along a border between wall and floor or ceiling, and of the photo's own lines
-#: there; how far its ends may be off, pixels.
-BORDER_WEIGHT = 2.0
-BORDER_NOISE = 4.0
-FOCAL_SOURCES = ("vanishing_points", "config")
+FOCAL_SOURCES = ("exif", "vanishing_points", "config")
+#: From this confidence on a camera counts as well known; later stages may rely on its focal length.
+HIGH_CONFIDENCE = 0.5
+#: A focal length of EXIF data gives way to confident vanishing points beyond this ratio: the photo
+#: was cropped or its data are another photo's.
+EXIF_TOLERANCE = 1.2
+#: Certainty of a focal length of EXIF data, as a factor of the confidence.
+EXIF_CERTAINTY = 0.95
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class Camera:
         directions, z the one nearest to the view direction. Camera axes: x right, y down,
         z forward.
     focal_source : str
-        ``vanishing_points`` or ``config`` (the constant field of view).
+        ``exif``, ``vanishing_points`` or ``config`` (the constant field of view).
     confidence : float
         0..1: support of the frame times the certainty of the focal length.
     fallback : bool
@@ -150,6 +151,7 @@ def estimate_camera(
     labels: np.ndarray | None = None,
     *,
     fov_deg: float = DEFAULT_FOV_DEG,
+    exif: ExifFocal | None = None,
     seed: int = 0,
 ) -> Camera:
     """Return focal length and rotation of a photo of a room (paper section 3.2, made metric).
@@ -162,8 +164,16 @@ def estimate_camera(
         Label mask; segments on surfaces and their borders count more than those on furniture.
     fov_deg : float
         Horizontal field of view to start from and to fall back to, degrees.
+    exif : ExifFocal, optional
+        What the photo's EXIF data say (`exif.read_exif_focal`).
     seed : int
         Seed of the vertical vanishing point's random pairs.
+
+    Notes
+    -----
+    Precedence of the focal length: EXIF, vanishing points, `fov_deg`. EXIF data give way to
+    vanishing points of high confidence that differ by more than `EXIF_TOLERANCE`; those of a
+    cropped photo only stand in for `fov_deg`.
     """
     height, width = image.shape[:2]
     scale = min(1.0, WORKING_SIDE / max(height, width))
@@ -172,41 +182,60 @@ def estimate_camera(
         size = (max(1, round(width * scale)), max(1, round(height * scale)))
         grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
     columns = grey.shape[1]
-    segments = _segments(grey, labels)
-    frame = fit_manhattan(segments, columns, fov_deg, seed)
-    return _decide(frame, segments, (width, height), columns, fov_deg)
-
-
-def _decide(
-    frame: Manhattan | None,
-    segments: Segments,
-    size: tuple[int, int],
-    columns: int,
-    fov_deg: float,
-) -> Camera:
-    """Return the camera of a fitted frame, or the constant one where the evidence is weak."""
-    width, height = size
-    focal = columns / 2 / np.tan(np.radians(fov_deg) / 2)
-    axes, source, confidence, fallback = np.diag([-1.0, -1.0, 1.0]), "config", 0.0, True
-    if frame is not None and _believed(frame):
-        spread = SD_INFLATION * frame.log_focal_sd
-        axes, fallback = frame.axes, False
-        confidence = min(1.0, frame.share / 0.8) / (1.0 + (2.0 * spread / MAX_LOG_FOCAL_SD) ** 2)
-        if spread <= MAX_LOG_FOCAL_SD:
-            focal, source = frame.focal, "vanishing_points"
-        else:
-            axes = refine_rotation(segments, axes, focal)
+    segments = weighted_segments(grey, labels)
+    known = None if exif is None or exif.focal_px is None else exif.focal_px * columns / width
+    prior = columns / 2 / np.tan(np.radians(fov_deg) / 2) if known is None else known
+    frame = fit_manhattan(segments, columns, prior, seed)
+    pose = _decide(frame, segments, prior, known is not None)
+    if frame is not None and known is not None and exif is not None and not exif.cropped:
+        pose = _with_exif(pose, fit_manhattan(segments, columns, known, seed, fixed=True), known)
     return Camera(
         width=width,
         height=height,
-        focal_px=round(float(focal) * width / columns, 4),
+        focal_px=round(float(pose.focal) * width / columns, 4),
         cx=(width - 1) / 2,
         cy=(height - 1) / 2,
-        rotation=_rows(canonical(axes)),
-        focal_source=source,
-        confidence=round(float(np.clip(confidence, 0.0, 1.0)), 4),
-        fallback=fallback,
+        rotation=_rows(canonical(pose.axes)),
+        focal_source=pose.source,
+        confidence=round(float(np.clip(pose.confidence, 0.0, 1.0)), 4),
+        fallback=pose.fallback,
     )
+
+
+@dataclass(frozen=True)
+class _Pose:
+    """What was decided about a photo, in working pixels."""
+
+    axes: np.ndarray
+    focal: float
+    source: str
+    confidence: float
+    fallback: bool
+
+
+def _decide(frame: Manhattan | None, segments: Segments, prior: float, is_exif: bool) -> _Pose:
+    """Return the fitted frame, or the prior focal length where the evidence is weak."""
+    given = "exif" if is_exif else "config"
+    if frame is None or not _believed(frame):
+        return _Pose(np.diag([-1.0, -1.0, 1.0]), prior, given, 0.0, True)
+    spread = SD_INFLATION * frame.log_focal_sd
+    confidence = min(1.0, frame.share / 0.8) / (1.0 + (2.0 * spread / MAX_LOG_FOCAL_SD) ** 2)
+    if spread <= MAX_LOG_FOCAL_SD:
+        return _Pose(frame.axes, frame.focal, "vanishing_points", confidence, False)
+    axes = refine_rotation(segments, frame.axes, prior)
+    return _Pose(axes, prior, given, confidence, False)
+
+
+def _with_exif(pose: _Pose, frame: Manhattan | None, focal: float) -> _Pose:
+    """Return the frame fitted with EXIF's focal length unless vanishing points contradict it."""
+    ratio = max(pose.focal / focal, focal / pose.focal)
+    clear = pose.source == "vanishing_points" and pose.confidence >= HIGH_CONFIDENCE
+    if clear and ratio > EXIF_TOLERANCE:
+        return pose
+    if frame is None or not _believed(frame):
+        return replace(pose, focal=focal, source="exif")
+    certainty = EXIF_CERTAINTY * min(1.0, frame.share / 0.8)
+    return _Pose(frame.axes, focal, "exif", certainty, False)
 
 
 def _believed(frame: Manhattan) -> bool:
@@ -228,57 +257,6 @@ def canonical(axes: np.ndarray) -> np.ndarray:
     turned = np.stack([np.cross(up, ahead), up, ahead], axis=1)
     left, _, right = np.linalg.svd(turned)
     return np.asarray(left @ right)
-
-
-def _segments(grey: np.ndarray, labels: np.ndarray | None) -> Segments:
-    """Return the segments of a photo and of its label mask with their weights.
-
-    Long segments say more than short ones, borders between surfaces more than what lies on a
-    floor (herringbone, rugs) or on other things.
-    """
-    rows, columns = grey.shape
-    lines = detect_segments(grey)[:MAX_SEGMENTS]
-    weight = _label_weight(lines, labels, grey.shape)
-    noise, level = np.full(len(lines), END_NOISE), np.zeros(len(lines), dtype=bool)
-    if labels is not None:
-        small = cv2.resize(labels, (columns, rows), interpolation=cv2.INTER_NEAREST)
-        borders = border_lines(small, ((WALL, FLOOR), (WALL, CEILING)))
-        lines = np.vstack([lines, borders])
-        weight = np.concatenate([weight, np.full(len(borders), BORDER_WEIGHT)])
-        noise = np.concatenate([noise, np.full(len(borders), BORDER_NOISE)])
-        level = np.concatenate([level, np.ones(len(borders), dtype=bool)])
-    length = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
-    weight = weight * np.sqrt(np.minimum(length / columns, 0.3) / 0.06)
-    return Segments(lines, ((columns - 1) / 2, (rows - 1) / 2), weight, noise, level)
-
-
-def _label_weight(
-    lines: np.ndarray, labels: np.ndarray | None, shape: tuple[int, int]
-) -> np.ndarray:
-    """Return each segment's weight.
-
-    `BORDER_WEIGHT` between wall, floor and ceiling, 1 on walls, 0.5 on floors and other things.
-    """
-    if labels is None or not len(lines):
-        return np.ones(len(lines))
-    rows, columns = shape
-    steps = np.linspace(0.1, 0.9, 5)[:, None]
-    start, end = lines[:, :2], lines[:, 2:]
-    across = (end - start)[:, ::-1] * np.array([-1.0, 1.0])
-    across *= 0.008 * columns / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-9)
-    other, floor = np.ones(len(lines), dtype=bool), np.ones(len(lines), dtype=bool)
-    sides = []
-    for side in (-1.0, 1.0):
-        points = (start + side * across)[None] + steps[..., None] * (end - start)[None]
-        x = np.clip(points[..., 0] / columns * labels.shape[1], 0, labels.shape[1] - 1)
-        y = np.clip(points[..., 1] / rows * labels.shape[0], 0, labels.shape[0] - 1)
-        seen = labels[y.astype(int), x.astype(int)]
-        sides.append(seen)
-        other &= np.isin(seen, (OTHER, IGNORE)).mean(axis=0) > 0.5
-        floor &= (seen == FLOOR).mean(axis=0) > 0.5
-    border = (sides[0] != sides[1]) & (np.isin(sides, (FLOOR, WALL, CEILING)).all(axis=0))
-    weight = np.where(other | floor, 0.5, 1.0)
-    return np.where(border.mean(axis=0) > 0.5, BORDER_WEIGHT, weight)
 
 
 def _rows(matrix: np.ndarray) -> tuple[tuple[float, float, float], ...]:

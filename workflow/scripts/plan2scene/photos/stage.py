@@ -10,7 +10,8 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_directory, read_image, safe_join, write_json
-from plan2scene.photos.camera import estimate_camera
+from plan2scene.photos.camera import Camera, estimate_camera
+from plan2scene.photos.exif import ExifFocal, read_exif_focal
 from plan2scene.photos.masks import SOURCES, labels_from_folder, write_label_png
 
 _log = logging.getLogger("plan2scene")
@@ -87,12 +88,13 @@ def make_masks(
     ----------
     photos : mapping of photo name to path
         A photo that is missing or damaged, has an unsafe name, or lacks its precomputed mask,
-        becomes a warning and is left out; the house goes on without it.
+        becomes a warning and is left out; the house goes on without it. A focal length in its
+        EXIF data that is not used becomes a warning too.
     out_dir : path
         Replaced as a whole: ``{stem}.png`` labels at the photo's size, ``cameras.json``,
         ``warnings.json`` (``docs/conventions.md``).
     fov_deg : float
-        Horizontal field of view in degrees where vanishing points do not give one.
+        Horizontal field of view in degrees where neither EXIF data nor vanishing points give one.
     source, model, precomputed_dir, threads
         As in :func:`labeller`.
     """
@@ -119,11 +121,27 @@ def make_masks(
                 warnings.append(f"photo {name} left out: {error}")
                 continue
             write_label_png(folder / f"{Path(name).stem}.png", labels)
-            cameras[name] = estimate_camera(image, labels, fov_deg=fov_deg).to_json()
-        _log.info("%d photos labelled, %d left out", len(cameras), len(warnings))
+            exif = read_exif_focal(photos[name], (image.shape[0], image.shape[1]))
+            camera = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
+            cameras[name] = camera.to_json()
+            warnings += [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
+        _log.info("%d photos labelled, %d left out", len(cameras), len(photos) - len(cameras))
         write_json(folder / "cameras.json", cameras)
         write_json(folder / "warnings.json", warnings)
     return warnings
+
+
+def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:
+    """Return why a focal length of EXIF data was not used, as lines; none where it was."""
+    if exif.warning:
+        return [exif.warning]
+    if exif.focal_px is None or camera.focal_source == "exif":
+        return []
+    reason = "the photo is cropped" if exif.cropped else "vanishing points contradict it"
+    return [
+        f"EXIF focal length of {exif.focal_px:.0f} px not used, {reason} "
+        f"({camera.focal_px:.0f} px, confidence {camera.confidence:.2f})"
+    ]
 
 
 def _refuse_equal_stems(photos: Mapping[str, Path], house: str) -> None:

@@ -99,7 +99,9 @@ def residuals(normal: np.ndarray, middle: np.ndarray, directions: np.ndarray) ->
     return np.arcsin(np.clip(off / reach, -1.0, 1.0))
 
 
-def fit_manhattan(segments: Segments, width: int, fov_deg: float, seed: int) -> Manhattan | None:
+def fit_manhattan(
+    segments: Segments, width: int, prior: float, seed: int, *, fixed: bool = False
+) -> Manhattan | None:
     """Return the best Manhattan frame and focal length, or None without enough segments.
 
     Parameters
@@ -108,16 +110,18 @@ def fit_manhattan(segments: Segments, width: int, fov_deg: float, seed: int) -> 
         Line segments about the principal point.
     width : int
         Width of the photo, pixels.
-    fov_deg : float
-        Horizontal field of view at the centre of the prior.
+    prior : float
+        Focal length at the centre of the prior, pixels.
     seed : int
         Seed of the pairs drawn for the vertical vanishing point.
+    fixed : bool
+        The focal length is `prior`; only the rotation is sought.
     """
     if len(segments.points) < 8:
         return None
-    prior = width / 2 / np.tan(np.radians(fov_deg) / 2)
-    starts = _coarse(segments, width, prior, np.random.default_rng(seed))
-    fits = [_refine(segments, axes, focal, prior) for axes, focal in starts]
+    rng = np.random.default_rng(seed)
+    starts = _coarse(segments, width, prior, rng, fixed)
+    fits = [_refine(segments, axes, focal, prior, fixed) for axes, focal in starts]
     costs = [_cost(segments, axes, focal, prior) for axes, focal in fits]
     axes, focal = fits[int(np.argmin(costs))]
     return _describe(segments, axes, focal)
@@ -164,12 +168,12 @@ def _distinct(found: np.ndarray, score: np.ndarray) -> np.ndarray:
 
 
 def _coarse(
-    segments: Segments, width: int, prior: float, rng: np.random.Generator
+    segments: Segments, width: int, prior: float, rng: np.random.Generator, fixed: bool
 ) -> list[tuple[np.ndarray, float]]:
     """Return the best start per (focal length, vertical) grid cell, the most consistent first."""
     believed = np.degrees(2 * np.arctan(width / 2 / prior))
     low, high = min(FOV_RANGE_DEG[0], believed), max(FOV_RANGE_DEG[1], believed)
-    fovs = np.radians(np.linspace(low, high, N_FOCAL))
+    fovs = np.radians([believed] if fixed else np.linspace(low, high, N_FOCAL))
     headings = np.linspace(0.0, np.pi / 2, N_HEADING, endpoint=False)
     weight = segments.weight * np.minimum(segments.length, 0.25 * width)
     weight /= weight.sum()

@@ -1,0 +1,151 @@
+"""Focal length of a photo from its EXIF data.
+
+The 35 mm equivalent is by the diagonal (CIPA DCG-001): ``focal_px = f35 / 43.27 mm * diagonal``,
+so neither the orientation nor a plain reduction of the photo changes it. Cropping does, and
+nothing in EXIF records a crop by an editor, except that the pixel dimensions noted by the camera
+may have another aspect than the photo has now.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import struct
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+_log = logging.getLogger("plan2scene")
+
+#: Formats of cameras whose EXIF block Pillow finds without decoding pixels.
+FORMATS = ("JPEG", "WEBP")
+#: Diagonal of a 36 x 24 mm frame.
+FRAME_DIAGONAL_MM = 43.2666
+#: Horizontal fields of view that are believed, degrees.
+FOV_RANGE_DEG = (30.0, 120.0)
+#: Relative difference of aspect ratios above which a photo counts as cropped.
+ASPECT_TOLERANCE = 0.02
+#: What Pillow raises on damaged EXIF data; all mean there are none.
+DAMAGE = (
+    OSError,
+    SyntaxError,
+    ValueError,
+    TypeError,
+    LookupError,
+    AttributeError,
+    ArithmeticError,
+    RuntimeError,
+    MemoryError,
+    struct.error,
+    Image.DecompressionBombError,
+)
+#: Tags of the Exif block.
+EXIF_IFD = 0x8769
+FOCAL_LENGTH = 0x920A
+FOCAL_LENGTH_35MM = 0xA405
+PIXEL_DIMENSIONS = (0xA002, 0xA003)
+FOCAL_PLANE_RESOLUTION = 0xA20E
+FOCAL_PLANE_UNIT = 0xA210
+#: Millimetres per focal plane resolution unit (inch, centimetre, millimetre).
+UNIT_MM = {2: 25.4, 3: 10.0, 4: 1.0}
+
+
+@dataclass(frozen=True)
+class ExifFocal:
+    """What a photo's EXIF data say about its focal length.
+
+    Parameters
+    ----------
+    focal_px : float or None
+        Focal length in pixels of the photo as it is, None when it is unknown or absurd.
+    cropped : bool
+        The photo's aspect is not the one that the camera noted: `focal_px` may be wrong.
+    warning : str
+        Why a focal length that was there is not used; empty otherwise.
+    """
+
+    focal_px: float | None = None
+    cropped: bool = False
+    warning: str = ""
+
+
+def read_exif_focal(path: str | os.PathLike[str], size: tuple[int, int]) -> ExifFocal:
+    """Return the focal length that the EXIF data of a photo give.
+
+    Parameters
+    ----------
+    path : path
+        The photo's file; pixels are not decoded.
+    size : (int, int)
+        Height and width of the photo in pixels, orientation applied or not.
+
+    Notes
+    -----
+    Never raises: what has no readable EXIF data has none. ``FocalLengthIn35mmFilm`` goes before
+    ``FocalLength`` with ``FocalPlaneXResolution``; a field of view outside `FOV_RANGE_DEG` is
+    refused with a warning.
+    """
+    tags = _tags(path)
+    height, width = size
+    noted = [_number(tags.get(tag)) for tag in PIXEL_DIMENSIONS]
+    equivalent = _number(tags.get(FOCAL_LENGTH_35MM))
+    if equivalent > 0:
+        focal = equivalent / FRAME_DIAGONAL_MM * float(np.hypot(width, height))
+        text = f"35 mm equivalent focal length {equivalent:g} mm"
+    else:
+        focal = _focal_of_sensor(tags, noted, size)
+        text = f"focal length {_number(tags.get(FOCAL_LENGTH)):g} mm"
+    if focal <= 0:
+        return ExifFocal()
+    fov = float(np.degrees(2 * np.arctan(width / 2 / focal)))
+    if not FOV_RANGE_DEG[0] <= fov <= FOV_RANGE_DEG[1]:
+        return ExifFocal(
+            warning=f"EXIF {text} not used: {fov:.0f} degrees wide, expected "
+            f"{FOV_RANGE_DEG[0]:.0f} to {FOV_RANGE_DEG[1]:.0f}"
+        )
+    return ExifFocal(focal, _is_cropped(noted, size))
+
+
+def _tags(path: str | os.PathLike[str]) -> dict[int, Any]:
+    """Return the tags of the Exif block; empty without a readable one."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(path, formats=FORMATS) as image:
+                return dict(image.getexif().get_ifd(EXIF_IFD))
+    except DAMAGE as error:
+        _log.debug("no EXIF data of %s: %s", path, error)
+        return {}
+
+
+def _number(value: Any) -> float:
+    """Return a tag as a finite positive float, 0 when it is none."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+        return 0.0
+    return number if np.isfinite(number) and number > 0 else 0.0
+
+
+def _focal_of_sensor(tags: dict[int, Any], noted: list[float], size: tuple[int, int]) -> float:
+    """Return the focal length in pixels from the sensor's pixel pitch, 0 when unknown.
+
+    The pitch is that of the camera's own pixels, so their noted number must be there to tell a
+    reduced photo.
+    """
+    focal, unit = _number(tags.get(FOCAL_LENGTH)), UNIT_MM.get(tags.get(FOCAL_PLANE_UNIT, 2))
+    density = _number(tags.get(FOCAL_PLANE_RESOLUTION))
+    if unit is None or min(noted) <= 0 or focal <= 0 or density <= 0:
+        return 0.0
+    return focal * density / unit * max(size) / max(noted)
+
+
+def _is_cropped(noted: list[float], size: tuple[int, int]) -> bool:
+    """Tell whether the photo's aspect differs from the noted one, either way up."""
+    if min(noted) <= 0 or min(size) <= 0:
+        return False
+    before, now = max(noted) / min(noted), max(size) / min(size)
+    return abs(before / now - 1.0) > ASPECT_TOLERANCE
