@@ -283,11 +283,11 @@ def test_every_problem_is_a_line(dataset):
     assert lines[0].startswith(f"error: file {dataset / 'houses.tsv'}, house h1: expected a plain")
     assert lines[0].endswith("found '../up.jpg'")
     assert lines[1].startswith(f"warning: file {photos / 'cut.png'}, house h1: expected an image")
-    assert lines[2] == f"warning: file {photos / 'gone.jpg'}, house h1: expected a photo, " + (
+    assert lines[2] == f"warning: file {photos / 'gone.jpg'}, house h1: expected an image, " + (
         "found no such file"
     )
-    assert lines[3] == f"warning: file {photos / 'text.jpg'}, house h1: expected an image, " + (
-        "found a file that is none"
+    assert lines[3] == f"warning: file {photos / 'text.jpg'}, house h1: expected an image (" + (
+        "JPEG, PNG, GIF, WebP, TIFF, BMP or PPM), found text"
     )
     assert lines[4] == (
         f"error: file {dataset / 'none.json'}, house h2: expected a plan, found no such file"

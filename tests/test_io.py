@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from PIL import Image
 
+from plan2scene import image_modes
 from plan2scene import io as p2s_io
 from plan2scene.errors import InputError
 
@@ -29,7 +30,7 @@ def test_every_mode_becomes_rgb(tmp_path, mode):
 def test_16_bit_keeps_its_brightness(tmp_path):
     path = tmp_path / "x.png"
     Image.fromarray(np.full((2, 2), 32768, dtype=np.uint16)).save(path)
-    assert np.all(p2s_io.read_image(path) == 127)
+    assert np.all(p2s_io.read_image(path) == 128)
 
 
 def test_transparent_pixels_are_white(tmp_path):
@@ -71,7 +72,7 @@ def test_what_is_no_image_gives_one_line(tmp_path, name):
 
 
 def test_too_many_pixels_are_refused_before_decoding(tmp_path, monkeypatch):
-    monkeypatch.setattr(p2s_io, "MAX_PIXELS", 99)
+    monkeypatch.setattr(image_modes, "MAX_PIXELS", 99)
     path = tmp_path / "x.png"
     Image.new("RGB", (10, 10)).save(path)
     with pytest.raises(InputError, match="10x10"):

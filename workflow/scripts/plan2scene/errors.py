@@ -12,11 +12,15 @@ class InputError(ValueError):
         Short phrases: ``expected="a photo in photos/"``, ``found="no such file"``.
     file, house, room : str, optional
         Where the fault is; empty parts are left out of the message.
+
+    The phrases stay readable as attributes `expected` and `found`, for a caller that knows more
+    about where than the one who raised it.
     """
 
     def __init__(
         self, expected: str, found: str, *, file: object = "", house: str = "", room: str = ""
     ) -> None:
+        self.expected, self.found = expected, found
         where = [
             f"{name} {_one_line(value)}"
             for name, value in (("file", file), ("house", house), ("room", room))

@@ -9,20 +9,21 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from plan2scene import image_modes
 from plan2scene.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
+    from PIL import Image
 
-#: Images with more pixels are refused before they are decoded (memory of a job stays bounded).
-MAX_PIXELS = 50_000_000
+_Decoded = TypeVar("_Decoded")
 #: Text inputs (plans, tables) above this many bytes are refused before they are read.
 MAX_TEXT_BYTES = 256_000_000
 #: Version of every Parquet schema in docs/conventions.md.
@@ -112,52 +113,47 @@ def safe_join(
 def read_image(path: str | os.PathLike[str], *, house: str = "") -> np.ndarray:
     """Return an image as (h, w, 3) uint8 sRGB, EXIF orientation applied, alpha over white.
 
-    Any mode Pillow knows is converted (palette, CMYK, grey, 16 bit, the first frame of an
-    animation). Raises InputError for what is no image, is truncated, or has over `MAX_PIXELS`.
+    Any mode of `image_modes.FORMATS` is converted (palette, CMYK, grey, 16 bit, float), an
+    embedded colour profile is honoured; of an animation or a file of pages the first counts.
+    Raises InputError for what is no such image, is truncated, has over `image_modes.MAX_PIXELS`
+    pixels or `image_modes.MAX_IMAGE_BYTES` bytes; the limits are checked before decoding.
     """
+    return decode_image(path, image_modes.to_srgb, house=house)
+
+
+def decode_image(
+    path: str | os.PathLike[str], decode: Callable[[Image.Image], _Decoded], *, house: str = ""
+) -> _Decoded:
+    """Return what `decode` makes of the opened Pillow image; one InputError for all that fails."""
+    import io
     import warnings
 
-    from PIL import Image, ImageOps, UnidentifiedImageError
+    from PIL import Image, UnidentifiedImageError
 
+    in_memory = isinstance(path, io.BytesIO)
+    file, head = ("" if in_memory else path), b""
     try:
+        if not in_memory:
+            image_modes.check_file(Path(path))
+            with Path(path).open("rb") as stream:
+                head = stream.read(64)
+            image_modes.check_webp(head)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            with Image.open(path) as image:
-                width, height = image.size
-                if width * height > MAX_PIXELS:
-                    raise InputError(
-                        f"an image of at most {MAX_PIXELS} pixels",
-                        f"{width}x{height}",
-                        file=path,
-                        house=house,
-                    )
-                return _to_rgb(ImageOps.exif_transpose(image))
-    except InputError:
-        raise
+            with Image.open(path, formats=image_modes.FORMATS) as image:
+                image_modes.check_size(*image.size)
+                return decode(image)
+    except InputError as error:
+        raise InputError(error.expected, error.found, file=file, house=house) from None
     except UnidentifiedImageError:
-        raise InputError("an image", "a file that is none", file=path, house=house) from None
-    except FileNotFoundError:
-        raise InputError("an image", "no such file", file=path, house=house) from None
+        expected = f"an image ({image_modes.FORMAT_NAMES})"
+        raise InputError(expected, image_modes.kind_of(head), file=file, house=house) from None
+    except Image.DecompressionBombError:
+        expected = f"an image of at most {image_modes.MAX_PIXELS} pixels"
+        raise InputError(expected, "many times as many", file=file, house=house) from None
     except Exception as error:  # decoders raise many kinds on damaged data; all mean the same
-        raise InputError(
-            "an image that decodes", f"{type(error).__name__}: {error}", file=path, house=house
-        ) from None
-
-
-def _to_rgb(image: Any) -> np.ndarray:
-    """Return a Pillow image of any mode as (h, w, 3) uint8 sRGB over white."""
-    from PIL import Image
-
-    if image.mode in ("I", "F") or image.mode.startswith("I;16"):
-        values = np.asarray(image, dtype=np.float64)
-        top = 65535.0 if values.max(initial=0) > 255 else 255.0
-        grey = np.clip(values / top * 255.0, 0, 255).astype(np.uint8)
-        return np.ascontiguousarray(np.repeat(grey[..., None], 3, axis=2))
-    if image.mode in ("RGBA", "LA", "PA") or "transparency" in image.info:
-        rgba = image.convert("RGBA")
-        white = Image.new("RGBA", rgba.size, (255, 255, 255, 255))
-        image = Image.alpha_composite(white, rgba)
-    return np.array(image.convert("RGB"))
+        found = f"{type(error).__name__}: {error}"
+        raise InputError("an image that decodes", found, file=file, house=house) from None
 
 
 def png_bytes(image: np.ndarray) -> bytes:

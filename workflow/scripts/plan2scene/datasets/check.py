@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from plan2scene.datasets.assignments import check_assignment, read_assignment
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.io import MAX_PIXELS, safe_join
+from plan2scene.io import decode_image, safe_join
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 #: A JPEG's end marker is looked for in this many last bytes (some cameras append data).
 _JPEG_TAIL = 65_536
@@ -136,23 +140,7 @@ def photo_problem(path: str | Path, *, house: str = "") -> None:
     Only the header is decoded; of a JPEG the end marker is looked for, a PNG's checksums are
     verified. Damage inside the picture of a JPEG shows only when a stage decodes it.
     """
-    from PIL import Image, UnidentifiedImageError
-
-    try:
-        with Image.open(path) as image:
-            width, height = image.size
-            kind = image.format
-            if kind == "PNG":
-                image.verify()
-    except FileNotFoundError:
-        raise InputError("a photo", "no such file", file=path, house=house) from None
-    except UnidentifiedImageError:
-        raise InputError("an image", "a file that is none", file=path, house=house) from None
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise InputError("an image that opens", str(error), file=path, house=house) from None
-    if width * height > MAX_PIXELS:
-        found = f"{width}x{height}"
-        raise InputError(f"an image of at most {MAX_PIXELS} pixels", found, file=path, house=house)
+    kind = decode_image(path, _verified_format, house=house)
     if kind == "JPEG":
         with Path(path).open("rb") as file:
             file.seek(max(0, Path(path).stat().st_size - _JPEG_TAIL))
@@ -160,3 +148,10 @@ def photo_problem(path: str | Path, *, house: str = "") -> None:
                 raise InputError(
                     "a whole JPEG", "one cut short (no end marker)", file=path, house=house
                 )
+
+
+def _verified_format(image: Image.Image) -> str:
+    """Return the format's name of an opened image, after a look at a PNG's checksums."""
+    if image.format == "PNG":
+        image.verify()
+    return image.format or ""

@@ -7,11 +7,15 @@ are other. No torch here: stages that only read masks stay light.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.io import atomic_path, safe_join
+from plan2scene.io import atomic_path, decode_image, safe_join
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 #: Label names by value.
 LABELS = ("other", "floor", "wall", "ceiling")
@@ -40,27 +44,18 @@ def read_label_png(path: str | Path, *, house: str = "") -> np.ndarray:
 
     Raises InputError for a file that is missing, no such image, or has a value that is no label.
     """
-    from PIL import Image
-
-    try:
-        with Image.open(path) as image:
-            if image.mode not in ("P", "L"):
-                raise InputError(
-                    "a palette or grey PNG of labels", f"mode {image.mode}", file=path, house=house
-                )
-            labels = np.array(image, dtype=np.uint8)
-    except InputError:
-        raise
-    except FileNotFoundError:
-        raise InputError("a label PNG", "no such file", file=path, house=house) from None
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise InputError(
-            "a label PNG that decodes", f"{type(error).__name__}: {error}", file=path, house=house
-        ) from None
+    labels = decode_image(path, _label_values, house=house)
     strange = sorted(set(np.unique(labels).tolist()) - {*range(len(LABELS)), IGNORE})
     if strange:
         raise InputError("labels 0 to 3 (or 255)", f"value {strange[0]}", file=path, house=house)
     return labels
+
+
+def _label_values(image: Image.Image) -> np.ndarray:
+    """Return the (h, w) uint8 pixel values of a palette or grey image, its colours ignored."""
+    if image.mode not in ("P", "L"):
+        raise InputError("a palette or grey PNG of labels", f"mode {image.mode}")
+    return np.array(image, dtype=np.uint8)
 
 
 def labels_from_folder(
