@@ -9,7 +9,8 @@ from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.io import image_from_bytes, read_parquet, write_json, write_png
 from plan2scene.photos.camera import Camera
-from plan2scene.photos.crop_stage import COLUMNS, CropSettings, load_crops, make_crops
+from plan2scene.photos.crop_stage import CropSettings, load_crops, make_crops
+from plan2scene.photos.crop_tables import CANDIDATE_COLUMNS, COLUMNS
 from plan2scene.photos.crops import draw_windows, medoid_index, sample_crops
 from plan2scene.photos.masks import write_label_png
 from plan2scene.photos.planes import Plane
@@ -142,6 +143,7 @@ def run(house, inputs, rooms_of_photo, **more):
         photos,
         inputs / "masks",
         inputs / "crops.parquet",
+        inputs / "candidates.parquet",
         dataset="d",
         seed=3,
         **more,
@@ -162,6 +164,45 @@ def test_stage_rows_and_round_trip(house, inputs):
     assert first.window[2] - first.window[0] == pytest.approx(first.metres)
     images = [image_from_bytes(png) for png in frame[frame.room_id == "room1"].png]
     assert frame[frame.room_id == "room1"].medoid.to_numpy().argmax() == medoid_index(images)
+
+
+def test_candidates_have_corners_on_the_photo(house, inputs):
+    run(house, inputs, {"a.png": ["room1"]})
+    crops, _ = read_parquet(inputs / "crops.parquet")
+    table, metadata = read_parquet(inputs / "candidates.parquet")
+    assert metadata["house"] == "h1"
+    assert list(table.columns) == list(CANDIDATE_COLUMNS)
+    kept = table[table.crop_id != ""]
+    assert kept.crop_id.tolist() == crops.crop_id.tolist()
+    assert (kept.reason == "").all()
+    camera, image = looking(), cv2.imread(str(inputs / "a.png"))
+    row = kept.iloc[0]
+    x0, z0, x1, z1 = row.window
+    ring = np.array([[x0, -1.5, z0], [x1, -1.5, z0], [x1, -1.5, z1], [x0, -1.5, z1]])
+    corners = np.array(row.corners).reshape(4, 2)
+    np.testing.assert_allclose(corners, camera.project(ring), atol=1e-6)
+    png = image_from_bytes(crops.png.iloc[0])
+    for (x, y), (r, c) in zip(corners, ((0, 0), (0, 127), (127, 127), (127, 0)), strict=True):
+        inner = corners.mean(axis=0) * 0.1 + np.array([x, y]) * 0.9
+        near = image[round(inner[1]), round(inner[0]), 0].astype(int)
+        pixel = png[abs(r - 6), abs(c - 6), 0].astype(int)
+        assert abs(near - pixel) < 70
+
+
+def test_rooms_of_other_heights_get_their_own_crops(inputs):
+    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0))
+    heights = {"low": 2.2, "tall": 3.6, "same": 2.2}
+    rooms = tuple(Room(name, ("Bedroom",), (ring,), h) for name, h in heights.items())
+    labels = np.full(SIZE, 2, np.uint8)
+    labels[checkered_floor(looking())[1].mask] = 1
+    labels[:60] = 3
+    write_label_png(inputs / "masks" / "a.png", labels)
+    frame = run(House("h1", rooms, ()), inputs, {"a.png": list(heights)})
+    ids = {name: set(frame[frame.room_id == name].crop_id) for name in heights}
+    assert ids["low"] == ids["same"]
+    assert ids["low"]
+    assert not ids["low"] & ids["tall"]
+    assert frame.groupby("crop_id").png.nunique().eq(1).all()
 
 
 def test_stage_is_deterministic(house, inputs):
@@ -201,7 +242,8 @@ def test_ready_crops(house, tmp_path):
         image = rng.integers(0, 255, (128, 128, 3)).astype(np.uint8)
         write_png(tmp_path / f"{name}.png", image)
     out = tmp_path / "crops.parquet"
-    frame = load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
+    drawn = tmp_path / "candidates.parquet"
+    frame = load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, dataset="d")
     assert frame.crop_id.tolist() == ["floor/x_1_0_crop2", "wall/x_1_7_crop0"]
     assert frame.plane.tolist() == [0, 7]
     assert frame.metres.isna().all()
@@ -210,4 +252,4 @@ def test_ready_crops(house, tmp_path):
     pd.testing.assert_series_equal(read.crop_id, frame.crop_id)
     write_png(tmp_path / "floor/x_1_0_crop3.png", np.zeros((64, 64, 3), np.uint8))
     with pytest.raises(InputError, match="128x128"):
-        load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
+        load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, dataset="d")

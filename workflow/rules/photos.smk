@@ -37,7 +37,8 @@ rule crops:
         photos=photos_of,
         ready=ready_crops_of,
     output:
-        f"{RESULTS}/houses/{{house}}/crops.parquet",
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        candidates=f"{RESULTS}/houses/{{house}}/candidates.parquet",
     log:
         f"logs/{DATASET}/crops/{{house}}.log",
     benchmark:

@@ -14,16 +14,18 @@ with job(snakemake.log[0]):
     rooms_of_photo: dict[str, list[str]] = {}
     for row in read_assignment(table or None, house):
         rooms_of_photo.setdefault(row.photo, []).append(row.room_id)
-    output, dataset = snakemake.output[0], params.dataset
+    crops, candidates = snakemake.output.crops, snakemake.output.candidates
+    dataset = params.dataset
     if params.source == "precomputed":
-        load_crops(house, rooms_of_photo, params.folder, output, dataset=dataset)
+        load_crops(house, rooms_of_photo, params.folder, crops, candidates, dataset=dataset)
     else:
         make_crops(
             house,
             rooms_of_photo,
             {photo: Path(params.photo_folder) / photo for photo in rooms_of_photo},
             snakemake.input.masks,
-            output,
+            crops,
+            candidates,
             dataset=dataset,
             seed=params.seed,
             settings=CropSettings(

@@ -1,28 +1,30 @@
-"""The crops stage: photos, masks and cameras of one house -> crops.parquet."""
+"""The crops stage: photos, masks and cameras of one house -> crops.parquet, candidates.parquet."""
 
 from __future__ import annotations
 
 import logging
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
-from plan2scene.io import png_bytes, read_image, read_json, write_parquet
+from plan2scene.io import read_image, read_json
 from plan2scene.photos.camera import Camera
+from plan2scene.photos.crop_tables import PhotoCandidate, write_tables
 from plan2scene.photos.crops import (
     CROP_METRES,
     CROP_PX,
     CROPS_PER_MASK,
     TRIES,
+    Candidate,
     Crop,
-    medoid_index,
-    sample_crops,
+    Verdict,
+    sample_candidates,
 )
 from plan2scene.photos.masks import read_label_png
 from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
@@ -35,21 +37,6 @@ _log = logging.getLogger("plan2scene")
 
 #: Where crops come from (config key ``crops.source``).
 SOURCES = ("sampled", "precomputed")
-#: Columns of crops.parquet with the type of an empty one (docs/conventions.md).
-COLUMNS = {
-    "crop_id": "str",
-    "photo": "str",
-    "room_id": "str",
-    "surface": "str",
-    "plane": "int64",
-    "index": "int64",
-    "window": "object",
-    "metres": "float64",
-    "sharpness": "float64",
-    "grazing_deg": "float64",
-    "medoid": "bool",
-    "png": "object",
-}
 _CROP_NAME = re.compile(r"(?P<stem>.+)_(?P<mask>\d+)_crop(?P<index>\d+)\.png")
 
 
@@ -66,21 +53,13 @@ class CropSettings:
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
 
 
-@dataclass(frozen=True)
-class PhotoCrop:
-    """A crop with the surface and plane (mask) that it is from."""
-
-    surface: str
-    plane: int
-    crop: Crop
-
-
 def make_crops(
     house: House,
     rooms_of_photo: Mapping[str, Sequence[str]],
     photos: Mapping[str, Path],
     masks_dir: str | Path,
     output: str | Path,
+    candidates: str | Path,
     *,
     dataset: str,
     seed: int,
@@ -93,13 +72,14 @@ def make_crops(
     house : House
         The plan; gives the rooms' heights.
     rooms_of_photo : mapping
-        Photo name to the rooms it shows; a photo of several rooms gives rows for each.
+        Photo name to the rooms it shows; a photo of several rooms gives rows for each, with
+        the planes at the distance that each room's own height tells.
     photos : mapping
         Photo name to its file.
     masks_dir : path
         Output of the masks stage. Photos that it left out (``warnings.json``) are skipped.
-    output : path
-        The Parquet file, ``docs/conventions.md``.
+    output, candidates : path
+        The Parquet files, ``docs/conventions.md``.
     dataset : str
         Name for the metadata.
     seed : int
@@ -110,13 +90,13 @@ def make_crops(
     Returns
     -------
     pandas.DataFrame
-        What was written.
+        The crops that were written.
     """
     chosen = CropSettings() if settings is None else settings
     check_rooms(house, rooms_of_photo)
     folder = Path(masks_dir)
     cameras = read_json(folder / "cameras.json")
-    crops: dict[str, list[PhotoCrop]] = {}
+    drawn: list[PhotoCandidate] = []
     for photo in sorted(rooms_of_photo):
         if photo not in cameras:
             _log.info("photo %s of house %s has no mask: skipped", photo, house.id)
@@ -125,49 +105,76 @@ def make_crops(
         labels = read_label_png(folder / f"{Path(photo).stem}.png", house=house.id)
         image = read_image(photos[photo], house=house.id)
         _check_sizes(image, labels, camera, photos[photo], house.id)
-        height = house.room(rooms_of_photo[photo][0]).height
-        crops[photo] = crops_of_photo(
-            image, labels, camera, height, chosen, seed=seed, names=(house.id, photo)
+        of_photo = candidates_of_photo(
+            image,
+            labels,
+            camera,
+            _by_height(house, rooms_of_photo[photo]),
+            chosen,
+            seed=seed,
+            house=house.id,
+            photo=photo,
         )
-        _log.info("%s: %d crops, camera %s", photo, len(crops[photo]), camera.focal_source)
-    return _write(crops, rooms_of_photo, output, dataset, house.id)
+        _log.info("%s: %d candidates, camera %s", photo, len(of_photo), camera.focal_source)
+        drawn += of_photo
+    return write_tables(drawn, output, candidates, dataset=dataset, house=house.id)
 
 
-def crops_of_photo(
+def _by_height(house: House, rooms: Sequence[str]) -> dict[float, tuple[str, ...]]:
+    """Return the rooms by their height in metres, in their order."""
+    groups: dict[float, list[str]] = {}
+    for room in dict.fromkeys(rooms):
+        groups.setdefault(house.room(room).height, []).append(room)
+    return {height: tuple(members) for height, members in groups.items()}
+
+
+def candidates_of_photo(
     image: np.ndarray,
     labels: np.ndarray,
     camera: Camera,
-    room_height_m: float,
+    rooms_by_height: Mapping[float, tuple[str, ...]],
     settings: CropSettings,
     *,
     seed: int,
-    names: Sequence[object],
-) -> list[PhotoCrop]:
-    """Return the crops of all planes of one photo.
+    house: str,
+    photo: str,
+) -> list[PhotoCandidate]:
+    """Return the windows drawn on all planes of one photo, for its rooms of each height.
 
-    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8; `names` are the house and photo that
-    the windows' seed derives from.
+    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8; candidates are numbered on within a
+    plane's number from one height to the next, so that crops of different images have
+    different names.
     """
-    planes = split_planes(
-        labels,
-        camera,
-        image=image,
-        camera_height_m=settings.camera_height_m,
-        room_height_m=room_height_m,
-    )
-    return [
-        PhotoCrop(plane.surface, plane.index, crop)
-        for plane in planes
-        for crop in sample_crops(
-            image,
+    found: list[PhotoCandidate] = []
+    count: dict[tuple[str, int], int] = {}
+    for height, rooms in rooms_by_height.items():
+        planes = split_planes(
+            labels,
             camera,
-            plane,
-            generator(seed, "crops", *names, plane.surface, plane.index),
-            metres=settings.metres,
-            per_mask=settings.per_mask,
-            tries=settings.tries,
+            image=image,
+            camera_height_m=settings.camera_height_m,
+            room_height_m=height,
         )
-    ]
+        for plane in planes:
+            drawn = sample_candidates(
+                image,
+                camera,
+                plane,
+                generator(seed, "crops", house, photo, plane.surface, plane.index),
+                metres=settings.metres,
+                per_mask=settings.per_mask,
+                tries=settings.tries,
+            )
+            first = count.get((plane.surface, plane.index), 0)
+            count[plane.surface, plane.index] = first + len(drawn)
+            for candidate in drawn:
+                crop = replace(candidate.crop, index=first + candidate.crop.index)
+                found.append(
+                    PhotoCandidate(
+                        photo, rooms, plane.surface, plane.index, replace(candidate, crop=crop)
+                    )
+                )
+    return found
 
 
 def load_crops(
@@ -175,10 +182,11 @@ def load_crops(
     rooms_of_photo: Mapping[str, Sequence[str]],
     folder: str | Path,
     output: str | Path,
+    candidates: str | Path,
     *,
     dataset: str,
 ) -> pd.DataFrame:
-    """Write crops.parquet from ready crops in Rent3D++'s ``surface_crops`` layout.
+    """Write both tables from ready crops in Rent3D++'s ``surface_crops`` layout.
 
     `folder` has ``{floor,wall,ceiling}/{photo stem}_{mask}_crop{k}.png`` of 128x128; their size
     in metres, window, sharpness and grazing angle are unknown (NaN). Raises InputError when
@@ -188,16 +196,20 @@ def load_crops(
     if not root.is_dir():
         raise InputError("a folder of surface crops", "no such folder", file=root, house=house.id)
     check_rooms(house, rooms_of_photo)
-    crops: dict[str, list[PhotoCrop]] = {photo: [] for photo in sorted(rooms_of_photo)}
-    photo_of_stem = {Path(photo).stem: photo for photo in crops}
+    found: list[PhotoCandidate] = []
+    photo_of_stem = {Path(photo).stem: photo for photo in rooms_of_photo}
     for surface in SURFACES:
         for path in sorted((root / surface).glob("*.png")):
             match = _CROP_NAME.fullmatch(path.name)
             if match is None or match["stem"] not in photo_of_stem:
                 continue
             crop = _ready_crop(path, int(match["index"]), house.id)
-            crops[photo_of_stem[match["stem"]]].append(PhotoCrop(surface, int(match["mask"]), crop))
-    return _write(crops, rooms_of_photo, output, dataset, house.id)
+            photo = photo_of_stem[match["stem"]]
+            rooms = tuple(dict.fromkeys(rooms_of_photo[photo]))
+            ready = Candidate(crop, Verdict())
+            found.append(PhotoCandidate(photo, rooms, surface, int(match["mask"]), ready))
+    found.sort(key=lambda item: item.photo)
+    return write_tables(found, output, candidates, dataset=dataset, house=house.id, keep_index=True)
 
 
 def _ready_crop(path: Path, index: int, house: str) -> Crop:
@@ -240,47 +252,3 @@ def _check_sizes(
             file=path,
             house=house,
         )
-
-
-def _write(
-    crops: Mapping[str, Sequence[PhotoCrop]],
-    rooms_of_photo: Mapping[str, Sequence[str]],
-    output: str | Path,
-    dataset: str,
-    house: str,
-) -> pd.DataFrame:
-    """Write one row per crop and room, the medoid of each surface marked."""
-    import pandas as pd
-
-    rows: list[dict[str, Any]] = []
-    images: dict[tuple[str, str], list[tuple[int, np.ndarray]]] = {}
-    for photo in sorted(crops):
-        encoded = [png_bytes(item.crop.image) for item in crops[photo]]
-        for room in dict.fromkeys(rooms_of_photo[photo]):
-            for item, png in zip(crops[photo], encoded, strict=True):
-                images.setdefault((room, item.surface), []).append((len(rows), item.crop.image))
-                rows.append(_row(photo, room, item, png))
-    for members in images.values():
-        rows[members[medoid_index([image for _, image in members])][0]]["medoid"] = True
-    frame = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
-    write_parquet(output, frame, {"dataset": dataset, "house": house})
-    return frame
-
-
-def _row(photo: str, room: str, item: PhotoCrop, png: bytes) -> dict[str, Any]:
-    """Return the row of one crop in one room."""
-    crop = item.crop
-    return {
-        "crop_id": f"{item.surface}/{Path(photo).stem}_{item.plane}_crop{crop.index}",
-        "photo": photo,
-        "room_id": room,
-        "surface": item.surface,
-        "plane": item.plane,
-        "index": crop.index,
-        "window": [float(value) for value in crop.window],
-        "metres": crop.metres,
-        "sharpness": crop.sharpness,
-        "grazing_deg": crop.grazing_deg,
-        "medoid": False,
-        "png": png,
-    }

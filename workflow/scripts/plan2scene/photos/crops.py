@@ -7,7 +7,7 @@ are squares in metres, so that a crop knows its scale.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -28,6 +28,8 @@ MAX_UPSAMPLING = 1.5
 LAST_UPSAMPLING = 3.0
 #: Windows that fit a plane only in fewer places than this are given up for smaller ones.
 MIN_PLACES = 64
+#: Windows drawn for each crop that is wanted, where some may be refused.
+DRAWS_PER_CROP = 2
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class Crop:
     Parameters
     ----------
     index : int
-        0..9 within its mask.
+        Number within its mask: of the crops kept, of the candidates otherwise.
     window : (4,) tuple of float
         x0 y0 x1 y1 on the rectified plane, metres.
     metres : float
@@ -48,6 +50,8 @@ class Crop:
         Angle between the view ray and the plane at its middle, degrees.
     image : (128, 128, 3) uint8
         sRGB.
+    corners : (8,) tuple of float
+        x y of the window's corners in the photo, pixels, clockwise from the top left of the crop.
     """
 
     index: int
@@ -56,6 +60,86 @@ class Crop:
     sharpness: float
     grazing_deg: float
     image: np.ndarray
+    corners: tuple[float, ...] = (float("nan"),) * 8
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is wrong with a candidate, if anything.
+
+    Parameters
+    ----------
+    reason : str
+        Empty for a good one.
+    badness : float
+        Orders the refused: where a surface has nothing good, the least bad is kept.
+    """
+
+    reason: str = ""
+    badness: float = 0.0
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A window that was drawn, and the verdict on it."""
+
+    crop: Crop
+    verdict: Verdict
+
+
+#: Judges a window: rectified plane, row, column and side in its pixels, the crop.
+Judge = Callable[[RectifiedPlane, int, int, int, Crop], Verdict]
+
+
+def sample_candidates(
+    image: np.ndarray,
+    camera: Camera,
+    plane: Plane,
+    rng: np.random.Generator,
+    *,
+    metres: Sequence[float] = CROP_METRES,
+    per_mask: int = CROPS_PER_MASK,
+    tries: int = TRIES,
+    judge: Judge | None = None,
+) -> list[Candidate]:
+    """Return the windows drawn on a plane of a photo, at most `per_mask` of them good.
+
+    Parameters
+    ----------
+    image : (h, w, 3) uint8
+        The photo, sRGB.
+    camera, plane : Camera, Plane
+        Its camera and the plane.
+    rng : numpy.random.Generator
+        Draws the windows.
+    metres : sequence of float
+        Sides to try, in this order, until one gives a good window.
+    per_mask, tries : int
+        Most crops, and most draws for each.
+    judge : Judge, optional
+        Says what is wrong with a window; without one all are good.
+    """
+    drawn: list[Candidate] = []
+    wanted = per_mask if judge is None else DRAWS_PER_CROP * per_mask
+    for upsampling in (MAX_UPSAMPLING, LAST_UPSAMPLING):
+        for side in metres:
+            density = CROP_PX / side / upsampling
+            rectified = rectify(image, camera, plane, min_density=density)
+            if rectified is None:
+                continue
+            good = 0
+            for row, column in draw_windows(rectified, side, rng, per_mask=wanted, tries=tries):
+                crop = _cut(rectified, camera, len(drawn), row, column, side)
+                verdict = Verdict()
+                if judge is not None:
+                    verdict = judge(rectified, row, column, window_pixels(rectified, side), crop)
+                drawn.append(Candidate(crop, verdict))
+                good += not verdict.reason
+                if good == per_mask:
+                    break
+            if good:
+                return drawn
+    return drawn
 
 
 def sample_crops(
@@ -68,34 +152,14 @@ def sample_crops(
     per_mask: int = CROPS_PER_MASK,
     tries: int = TRIES,
 ) -> list[Crop]:
-    """Return up to `per_mask` crops of a plane of a photo; empty when no window fits.
+    """Return up to `per_mask` crops of a plane of a photo, unjudged; empty when none fits.
 
-    Parameters
-    ----------
-    image : (h, w, 3) uint8
-        The photo, sRGB.
-    camera, plane : Camera, Plane
-        Its camera and the plane.
-    rng : numpy.random.Generator
-        Draws the windows.
-    metres : sequence of float
-        Sides to try, in this order.
-    per_mask, tries : int
-        Most crops, and most draws for each.
+    Parameters as in :func:`sample_candidates`.
     """
-    for upsampling in (MAX_UPSAMPLING, LAST_UPSAMPLING):
-        for side in metres:
-            density = CROP_PX / side / upsampling
-            rectified = rectify(image, camera, plane, min_density=density)
-            if rectified is None:
-                continue
-            windows = draw_windows(rectified, side, rng, per_mask=per_mask, tries=tries)
-            if windows:
-                return [
-                    _cut(rectified, index, row, column, side)
-                    for index, (row, column) in enumerate(windows)
-                ]
-    return []
+    drawn = sample_candidates(
+        image, camera, plane, rng, metres=metres, per_mask=per_mask, tries=tries
+    )
+    return [candidate.crop for candidate in drawn]
 
 
 def window_pixels(rectified: RectifiedPlane, metres: float) -> int:
@@ -137,7 +201,9 @@ def draw_windows(
     return chosen
 
 
-def _cut(rectified: RectifiedPlane, index: int, row: int, column: int, metres: float) -> Crop:
+def _cut(
+    rectified: RectifiedPlane, camera: Camera, index: int, row: int, column: int, metres: float
+) -> Crop:
     """Return one window as a crop."""
     side = window_pixels(rectified, metres)
     patch = rectified.image[row : row + side, column : column + side]
@@ -155,7 +221,22 @@ def _cut(rectified: RectifiedPlane, index: int, row: int, column: int, metres: f
         sharpness=density * covered / CROP_PX,
         grazing_deg=grazing,
         image=patch,
+        corners=window_corners(rectified, camera, window),
     )
+
+
+def window_corners(
+    rectified: RectifiedPlane, camera: Camera, window: tuple[float, float, float, float]
+) -> tuple[float, ...]:
+    """Return x y in the photo (8 floats, pixels) of a window's corners.
+
+    Clockwise from the top left of the rectified image; a ceiling's run the other way round in
+    the photo.
+    """
+    x0, y0, x1, y1 = window
+    flat = np.array([[x0, y0, 1.0], [x1, y0, 1.0], [x1, y1, 1.0], [x0, y1, 1.0]])
+    image = flat @ rectified.axes @ (camera.intrinsics @ camera.matrix).T
+    return tuple(float(value) for value in (image[:, :2] / image[:, 2:]).ravel())
 
 
 def medoid_index(images: Sequence[np.ndarray]) -> int:
