@@ -1,0 +1,431 @@
+"""Damaged and odd images: each gives the right pixels or one clear line, and memory stays low."""
+
+from __future__ import annotations
+
+import io
+import os
+import struct
+import subprocess
+import sys
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image, ImageCms
+from PIL.PngImagePlugin import PngInfo
+
+from plan2scene import image_modes
+from plan2scene.errors import InputError
+from plan2scene.io import read_image
+
+#: What is drawn: four flat quarters, no two alike however the picture is turned.
+QUARTERS = ((200, 40, 30), (40, 160, 60), (30, 60, 190), (230, 220, 60))
+WIDTH, HEIGHT = 48, 32
+GREYS = (30, 90, 160, 240)
+
+
+def drawn() -> np.ndarray:
+    """Return (32, 48, 3) uint8: quarters, row by row."""
+    return in_quarters(np.array(QUARTERS, np.uint8))
+
+
+def in_quarters(values: np.ndarray) -> np.ndarray:
+    picture = np.zeros((HEIGHT, WIDTH, *values.shape[1:]), values.dtype)
+    for k, value in enumerate(values):
+        row, column = divmod(k, 2)
+        picture[row * 16 : row * 16 + 16, column * 24 : column * 24 + 24] = value
+    return picture
+
+
+def grey(levels: tuple[int, ...] = GREYS) -> np.ndarray:
+    return np.repeat(in_quarters(np.array(levels, np.uint8))[..., None], 3, axis=2)
+
+
+def saved(image: Image.Image, form: str, **options: object) -> bytes:
+    buffer = io.BytesIO()
+    image.save(buffer, format=form, **options)
+    return buffer.getvalue()
+
+
+def rgb() -> Image.Image:
+    return Image.fromarray(drawn())
+
+
+def chunk(kind: bytes, body: bytes) -> bytes:
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+
+def png(width: int, height: int, kind: int, depth: int, rows: bytes) -> bytes:
+    head = struct.pack(">IIBBBBB", width, height, depth, kind, 0, 0, 0)
+    body = chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + body
+
+
+def rgb16_png() -> bytes:
+    values = drawn().astype(">u2") * 257
+    return png(WIDTH, HEIGHT, 2, 16, b"".join(b"\0" + row.tobytes() for row in values))
+
+
+def turned(orientation: int) -> bytes:
+    """Return a JPEG whose stored pixels become `drawn` when the orientation is applied."""
+    stored = {
+        1: lambda a: a,
+        2: lambda a: a[:, ::-1],
+        3: lambda a: a[::-1, ::-1],
+        4: lambda a: a[::-1],
+        5: lambda a: a.transpose(1, 0, 2),
+        6: lambda a: np.rot90(a, 1),
+        7: lambda a: np.rot90(a[:, ::-1], -1),
+        8: lambda a: np.rot90(a, -1),
+    }[orientation](drawn())
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    return saved(Image.fromarray(np.ascontiguousarray(stored)), "JPEG", quality=95, exif=exif)
+
+
+def jpeg(**options: object) -> bytes:
+    return saved(rgb(), "JPEG", quality=95, **options)
+
+
+#: Red, green and blue of Display P3 in the profile's space (D50), as phones embed them.
+P3 = np.array(
+    [[0.51512, 0.2412, -0.00105], [0.29198, 0.69225, 0.04189], [0.1571, 0.06657, 0.78407]]
+)
+
+
+def p3_profile() -> tuple[bytes, np.ndarray]:
+    """Return sRGB's profile with P3's primaries and another name; and sRGB's own primaries."""
+    profile = bytearray(ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes())
+    own = np.zeros((3, 3))
+    for k in range(struct.unpack_from(">I", profile, 128)[0]):
+        name, offset, size = struct.unpack_from(">4sII", profile, 132 + 12 * k)
+        if name in (b"rXYZ", b"gXYZ", b"bXYZ"):
+            row = b"rgb".index(name[:1])
+            own[row] = np.array(struct.unpack_from(">3i", profile, offset + 8)) / 65536
+            struct.pack_into(">3i", profile, offset + 8, *np.rint(P3[row] * 65536).astype(int))
+        if name == b"desc":
+            text = profile[offset : offset + size]
+            profile[offset : offset + size] = text.replace(
+                "sRGB".encode("utf-16-be"), "wide".encode("utf-16-be")
+            )
+    return bytes(profile), own
+
+
+def wide_gamut(form: str, **options: object) -> bytes:
+    """Return `drawn` written with P3 numbers: other values, the same colours."""
+    profile, own = p3_profile()
+    x = drawn() / 255.0
+    linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+    linear = np.clip(linear @ own @ np.linalg.inv(P3), 0, 1)
+    x = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    values = np.rint(255 * x).astype(np.uint8)
+    assert np.abs(values.astype(int) - drawn()).max() > 10  # so the profile matters
+    return saved(Image.fromarray(values), form, icc_profile=profile, **options)
+
+
+def with_alpha(mode: str) -> bytes:
+    """Return a PNG whose last quarter is fully transparent."""
+    alpha = in_quarters(np.array([255, 255, 255, 0], np.uint8))
+    image = rgb().convert("L" if mode == "LA" else "RGB")
+    image.putalpha(Image.fromarray(alpha))
+    return saved(image, "PNG")
+
+
+def luma() -> tuple[int, ...]:
+    return tuple(int(v) for v in np.asarray(rgb().convert("L"))[[0, 0, 16, 16], [0, 24, 0, 24]])
+
+
+def white_last(picture: np.ndarray) -> np.ndarray:
+    picture = picture.copy()
+    picture[16:, 24:] = 255
+    return picture
+
+
+def palette_png(transparent: bool) -> bytes:
+    image = Image.fromarray(in_quarters(np.arange(4, dtype=np.uint8)), mode="P")
+    image.putpalette([v for colour in QUARTERS for v in colour])
+    return saved(image, "PNG", **({"transparency": 3} if transparent else {}))
+
+
+def animated(form: str) -> bytes:
+    other = Image.fromarray(255 - drawn())
+    options = {"lossless": True} if form == "WEBP" else {}
+    return saved(rgb(), form, save_all=True, append_images=[other, other], duration=50, **options)
+
+
+def one_bit() -> bytes:
+    return saved(Image.fromarray(grey((0, 255, 255, 0))[..., 0]).convert("1"), "PNG")
+
+
+def grey16(form: str) -> bytes:
+    values = in_quarters(np.array(GREYS, np.uint16)) * 257
+    return saved(Image.fromarray(values), form)
+
+
+def float_tiff(white: float) -> bytes:
+    values = in_quarters(np.array(GREYS, np.float32)) / 255 * white
+    values[0, 0] = np.nan
+    return saved(Image.fromarray(values), "TIFF")
+
+
+def int32_tiff() -> bytes:
+    return saved(Image.fromarray(in_quarters(np.array(GREYS, np.int32)) * 257), "TIFF")
+
+
+def damaged_exif() -> bytes:
+    good = turned(6)
+    place = good.index(b"Exif")
+    return good[: place + 6] + b"\xff" * 12 + good[place + 18 :]
+
+
+def damaged_icc() -> bytes:
+    return jpeg(icc_profile=b"\x00\x00\x02\x00lcms" + b"\xa5" * 500)
+
+
+def png_with(*extra: bytes) -> bytes:
+    """Return the PNG of `drawn` with more chunks after its header."""
+    whole = saved(rgb(), "PNG")
+    return whole[:33] + b"".join(extra) + whole[33:]
+
+
+def large_text() -> bytes:
+    info = PngInfo()
+    info.add_text("Comment", "a" * 500_000, zip=True)
+    return saved(rgb(), "PNG", pnginfo=info)
+
+
+def nan_as_black(picture: np.ndarray) -> np.ndarray:
+    picture = picture.copy()
+    picture[0, 0] = 0
+    return picture
+
+
+#: name: (bytes, expected pixels, largest error per channel)
+WORKS: dict[str, tuple[Callable[[], bytes], Callable[[], np.ndarray], int]] = {
+    "rgb.png": (lambda: saved(rgb(), "PNG"), drawn, 0),
+    "rgb.bmp": (lambda: saved(rgb(), "BMP"), drawn, 0),
+    "rgb.webp": (lambda: saved(rgb(), "WEBP", lossless=True), drawn, 0),
+    "rgb.ppm": (lambda: saved(rgb(), "PPM"), drawn, 0),
+    "wrong_name.gif": (lambda: saved(rgb(), "PNG"), drawn, 0),
+    "no_suffix": (lambda: saved(rgb(), "PNG"), drawn, 0),
+    "progressive.jpg": (lambda: jpeg(progressive=True), drawn, 12),
+    "cmyk.jpg": (lambda: saved(rgb().convert("CMYK"), "JPEG", quality=95), drawn, 12),
+    "cmyk.tif": (lambda: saved(rgb().convert("CMYK"), "TIFF"), drawn, 0),
+    "grey.jpg": (lambda: saved(Image.fromarray(grey()[..., 0]), "JPEG", quality=95), grey, 8),
+    "grey16.png": (lambda: grey16("PNG"), grey, 0),
+    "grey16.tif": (lambda: grey16("TIFF"), grey, 0),
+    "rgb16.png": (rgb16_png, drawn, 0),
+    "int32.tif": (int32_tiff, grey, 0),
+    "float_to_1.tif": (lambda: float_tiff(1.0), lambda: nan_as_black(grey()), 0),
+    "float_to_255.tif": (lambda: float_tiff(255.0), lambda: nan_as_black(grey()), 0),
+    "palette.png": (lambda: palette_png(False), drawn, 0),
+    "palette_transparent.png": (lambda: palette_png(True), lambda: white_last(drawn()), 0),
+    "alpha.png": (lambda: with_alpha("RGBA"), lambda: white_last(drawn()), 0),
+    "grey_alpha.png": (lambda: with_alpha("LA"), lambda: white_last(grey(luma())), 0),
+    "one_bit.png": (one_bit, lambda: grey((0, 255, 255, 0)), 0),
+    "animated.gif": (lambda: animated("GIF"), drawn, 0),
+    "animated.png": (lambda: animated("PNG"), drawn, 0),
+    "animated.webp": (lambda: animated("WEBP"), drawn, 0),
+    "pages.tif": (lambda: animated("TIFF"), drawn, 0),
+    "two_pictures.jpg": (
+        lambda: saved(rgb(), "MPO", save_all=True, append_images=[rgb()], quality=95),
+        drawn,
+        12,
+    ),
+    "garbage_after.jpg": (lambda: jpeg() + os.urandom(5000), drawn, 12),
+    "damaged_exif.jpg": (damaged_exif, lambda: np.ascontiguousarray(np.rot90(drawn())), 12),
+    "damaged_icc.jpg": (damaged_icc, drawn, 12),
+    "wide_gamut.jpg": (lambda: wide_gamut("JPEG", quality=95), drawn, 14),
+    "wide_gamut.png": (lambda: wide_gamut("PNG"), drawn, 2),
+    "empty_chunk.png": (lambda: png_with(chunk(b"teSt", b""), chunk(b"tEXt", b"")), drawn, 0),
+    # The compressed pixels carry a checksum of their own, which holds.
+    "wrong_checksum.png": (lambda: wrong_checksum(b"IDAT"), drawn, 0),
+    "large_text.png": (large_text, drawn, 0),
+    **{
+        f"turned_{k}.jpg": (lambda k=k: turned(k), drawn, 12)  # type: ignore[misc]
+        for k in range(1, 9)
+    },
+}
+
+
+@pytest.mark.parametrize("name", sorted(WORKS))
+def test_odd_but_whole_images_give_the_pixels_that_were_drawn(tmp_path: Path, name: str) -> None:
+    make, expected, tolerance = WORKS[name]
+    path = tmp_path / name
+    path.write_bytes(make())
+    found = read_image(path)
+    wanted = expected()
+    assert found.shape == wanted.shape
+    assert found.dtype == np.uint8
+    # JPEG blurs across the border of two quarters: only flat parts are compared exactly.
+    error = np.abs(found.astype(int) - wanted)
+    if tolerance > 2:
+        rows, columns = wanted.shape[:2]
+        error = error[[6, 6, -7, -7], [8, columns - 9, 8, columns - 9]]
+        assert rows >= 32 and columns >= 32
+    assert error.max() <= tolerance, name
+
+
+@pytest.mark.parametrize("size", [(1, 1), (20000, 10), (10, 20000), (1, 5000)])
+def test_extreme_shapes_are_read(tmp_path: Path, size: tuple[int, int]) -> None:
+    Image.new("RGB", size, (9, 8, 7)).save(tmp_path / "x.png")
+    image = read_image(tmp_path / "x.png")
+    assert image.shape == (size[1], size[0], 3)
+    assert np.all(image == (9, 8, 7))
+
+
+def wrong_checksum(kind: bytes) -> bytes:
+    whole = bytearray(saved(rgb(), "PNG"))
+    place = whole.index(kind)
+    size = struct.unpack_from(">I", whole, place - 4)[0]
+    whole[place + 4 + size] ^= 0xFF
+    return bytes(whole)
+
+
+def cut(whole: bytes, share: float) -> bytes:
+    return whole[: int(share * len(whole))]
+
+
+def noise(form: str) -> bytes:
+    values = np.random.default_rng(0).integers(0, 256, (64, 64, 3), dtype=np.uint8)
+    return saved(Image.fromarray(values), form)
+
+
+#: name: (bytes, words of the line)
+FAILS: dict[str, tuple[Callable[[], bytes], str]] = {
+    "cut.jpg": (lambda: cut(noise("JPEG"), 0.5), "truncated"),
+    "cut_header.jpg": (lambda: noise("JPEG")[:40], "Truncated"),
+    "cut.png": (lambda: cut(noise("PNG"), 0.5), "truncated"),
+    "cut.gif": (lambda: cut(noise("GIF"), 0.5), "truncated"),
+    "cut.webp": (lambda: cut(noise("WEBP"), 0.5), "webp"),
+    "cut.tif": (lambda: cut(noise("TIFF"), 0.5), "decodes"),
+    "cut.bmp": (lambda: cut(noise("BMP"), 0.5), "truncated"),
+    "wrong_checksum_head.png": (lambda: wrong_checksum(b"IHDR"), "PNG"),
+    "broken_zip.png": (lambda: png(4, 4, 2, 8, b"\0" * 9), "truncated"),
+    "no_pixels.png": (lambda: png(0, 0, 2, 8, b""), "found"),
+    "header_only.png": (lambda: b"\x89PNG\r\n\x1a\n" + b"\0" * 40, "PNG"),
+    "renamed_text.jpg": (lambda: b"Kitchen, north wall\n", "found text"),
+    "renamed.svg.png": (lambda: b'<svg xmlns="http://www.w3.org/2000/svg"/>', "SVG"),
+    "renamed_page.jpg": (lambda: b"<!DOCTYPE html><html></html>", "HTML"),
+    "renamed.pdf.jpg": (lambda: b"%PDF-1.7\n", "PDF"),
+    "postscript.jpg": (lambda: b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n", "PostScript"),
+    "phone.heic": (lambda: b"\0\0\0\x18ftypheic\0\0\0\0mif1heic" + b"\0" * 99, "HEIF"),
+    "zeros.jpg": (lambda: b"\0" * 4096, "none"),
+    "random.jpg": (lambda: np.random.default_rng(1).bytes(4096), "found"),
+    "empty.jpg": (lambda: b"", "empty"),
+}
+
+
+@pytest.mark.parametrize("name", sorted(FAILS))
+def test_damaged_images_give_one_clear_line(tmp_path: Path, name: str) -> None:
+    make, words = FAILS[name]
+    path = tmp_path / name
+    path.write_bytes(make())
+    with pytest.raises(InputError) as error:
+        read_image(path, house="h1")
+    line = str(error.value)
+    assert line.startswith(f"file {path}, house h1: expected an image")
+    assert words in line
+    assert "\n" not in line
+    assert len(line) < 600
+
+
+def test_folders_and_pipes_are_no_images(tmp_path: Path) -> None:
+    (tmp_path / "folder.jpg").mkdir()
+    os.mkfifo(tmp_path / "pipe.jpg")  # opening it would wait for ever
+    (tmp_path / "gone.jpg").symlink_to(tmp_path / "nowhere")
+    found = {"folder.jpg": "a folder", "pipe.jpg": "no plain file", "gone.jpg": "no such file"}
+    for name, words in found.items():
+        with pytest.raises(InputError, match=f"{name}.* found {words}"):
+            read_image(tmp_path / name)
+
+
+def test_a_file_of_too_many_bytes_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "big.png"
+    path.write_bytes(saved(rgb(), "PNG"))
+    os.truncate(path, image_modes.MAX_IMAGE_BYTES + 1)  # sparse: takes no room on the disk
+    with pytest.raises(InputError, match=f"at most {image_modes.MAX_IMAGE_BYTES} bytes"):
+        read_image(path)
+
+
+def riff(kind: bytes, body: bytes) -> bytes:
+    data = b"WEBP" + kind + struct.pack("<I", len(body)) + body
+    return b"RIFF" + struct.pack("<I", len(data)) + data
+
+
+def bombs() -> dict[str, bytes]:
+    """Return small files that declare huge pictures, or unpack to much."""
+    side = 60000
+    whole = saved(rgb(), "JPEG", quality=90)
+    place = whole.index(b"\xff\xc0")
+    huge_jpeg = whole[: place + 5] + struct.pack(">HH", side, side) + whole[place + 9 :]
+    bmp = bytearray(saved(rgb(), "BMP"))
+    struct.pack_into("<ii", bmp, 18, side, side)
+    gif = bytearray(saved(rgb(), "GIF"))
+    struct.pack_into("<HH", gif, 6, side, side)
+    tif = saved(rgb(), "TIFF")
+    for tag in (256, 257):
+        place = tif.index(struct.pack("<HHI", tag, 4, 1))
+        tif = tif[: place + 8] + struct.pack("<I", side) + tif[place + 12 :]
+    text = b"Comment\0\0" + zlib.compress(b"\0" * 300_000_000, 9)
+    profile = b"x\0\0" + zlib.compress(b"\0" * 300_000_000, 9)
+    return {
+        "bomb.png": png(side, side, 2, 8, b"\0" * 1000),
+        "bomb_near_limit.png": png(8000, 7000, 6, 16, b"\0" * 1000),
+        "bomb.jpg": huge_jpeg,
+        "bomb.bmp": bytes(bmp),
+        "bomb.gif": bytes(gif),
+        "bomb.tif": tif,
+        "bomb.ppm": f"P6 {side} {side} 255\n".encode(),
+        "bomb_lossy.webp": riff(b"VP8 ", b"\0\0\0\x9d\x01\x2a\xff\x3f\xff\x3f" + b"\0" * 99),
+        "bomb_lossless.webp": riff(b"VP8L", b"\x2f" + b"\xff" * 99),
+        "bomb_canvas.webp": riff(b"VP8X", b"\0\0\0\0" + b"\xff\x3f\0" * 2),
+        "bomb_text.png": png_with(chunk(b"zTXt", text)),
+        "bomb_profile.png": png_with(chunk(b"iCCP", profile)),
+    }
+
+
+READ_ALL = """
+import resource, sys
+from PIL import Image, ImageCms
+from plan2scene.errors import InputError
+from plan2scene.io import read_image
+Image.init()
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+# What the process has mapped by now, and 120 MB more.
+mapped = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (mapped + 120_000_000,) * 2)
+for path in sys.argv[1:]:
+    try:
+        print("image", read_image(path).shape)
+    except InputError as error:
+        print("line", error)
+print("megabytes", (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) // 1024)
+"""
+
+
+def test_bombs_are_refused_with_little_memory(tmp_path: Path) -> None:
+    files = bombs()
+    for name, data in files.items():
+        (tmp_path / name).write_bytes(data)
+    environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    paths = [str(tmp_path / name) for name in files]
+    run = subprocess.run(
+        [sys.executable, "-c", READ_ALL, *paths],
+        env=environment,
+        text=True,
+        capture_output=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    *lines, last = run.stdout.splitlines()
+    assert len(lines) == len(files)
+    for path, line in zip(paths, lines, strict=True):
+        if path.endswith(("_text.png", "_profile.png")):
+            continue  # the picture is sound: it may be read or refused, within the memory
+        assert line.startswith(f"line file {path}: expected an image"), line
+        if "near_limit" not in path:
+            assert f"at most {image_modes.MAX_PIXELS} pixels" in line
+    assert int(last.split()[1]) < 120, run.stdout
