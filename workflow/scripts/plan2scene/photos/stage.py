@@ -16,6 +16,9 @@ from plan2scene.photos.masks import SOURCES, labels_from_folder, write_label_png
 
 _log = logging.getLogger("plan2scene")
 
+#: Photos with a shorter side, pixels, are left out: they show no surface that a crop could use.
+MIN_SIDE_PX = 32
+
 #: Given a photo's name and its (h, w, 3) pixels, returns its (h, w) labels.
 Labeller = Callable[[str, np.ndarray], np.ndarray]
 
@@ -87,9 +90,9 @@ def make_masks(
     Parameters
     ----------
     photos : mapping of photo name to path
-        A photo that is missing or damaged, has an unsafe name, or lacks its precomputed mask,
-        becomes a warning and is left out; the house goes on without it. A focal length in its
-        EXIF data that is not used becomes a warning too.
+        A photo that is missing, damaged or tiny, has an unsafe name, or lacks its precomputed
+        mask, becomes a warning and is left out; the house goes on without it. A focal length in
+        its EXIF data that is not used becomes a warning too.
     out_dir : path
         Replaced as a whole: ``{stem}.png`` labels at the photo's size, ``cameras.json``,
         ``warnings.json`` (``docs/conventions.md``).
@@ -115,6 +118,7 @@ def make_masks(
             try:
                 safe_join("", name, house=house)
                 image = read_image(photos[name], house=house)
+                _refuse_tiny(image, photos[name], house)
                 labels = label(name, image)
             except InputError as error:
                 _log.warning("photo %s left out: %s", name, error)
@@ -129,6 +133,18 @@ def make_masks(
         write_json(folder / "cameras.json", cameras)
         write_json(folder / "warnings.json", warnings)
     return warnings
+
+
+def _refuse_tiny(image: np.ndarray, path: Path, house: str) -> None:
+    """Raise InputError for a photo with a side below `MIN_SIDE_PX`."""
+    height, width = image.shape[:2]
+    if min(height, width) < MIN_SIDE_PX:
+        raise InputError(
+            f"a photo of at least {MIN_SIDE_PX} pixels a side",
+            f"{width}x{height}",
+            file=path,
+            house=house,
+        )
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:
