@@ -10,7 +10,7 @@ import yaml
 
 from plan2scene.training.features import FeaturesTraining
 from plan2scene.training.propagation import PropagationSettings
-from plan2scene.training.segmentation import Settings
+from plan2scene.training.segmentation_loop import Settings
 from plan2scene.training.texture import TextureTraining
 from plan2scene.training.texture_run import TextureData
 

@@ -9,6 +9,7 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
+from plan2scene.photos.camera import Camera
 from plan2scene.photos.segmentation import (
     SegmentationNet,
     Segmenter,
@@ -16,6 +17,7 @@ from plan2scene.photos.segmentation import (
     network_size,
     upsampled_argmax,
 )
+from plan2scene.training.segmentation_loop import with_elevation
 from plan2scene.weights import save_model_file
 
 TINY = {"widths": [8, 8, 8, 8, 8], "depths": [1, 1, 1, 1], "decoder": 16, "long_side": 64}
@@ -85,12 +87,35 @@ def test_labels_of_a_mirrored_photo_are_mirrored() -> None:
     assert np.allclose(mirrored[:, ::-1], segmenter.probabilities(image), atol=1e-4)
 
 
-def test_a_batch_of_mixed_sizes_gives_the_labels_of_each() -> None:
-    segmenter = Segmenter(_tiny())
-    images = [_photo(50, 70), _photo(70, 50, 1), _photo(50, 70, 2)]
-    for image, labels in zip(images, segmenter.label_batch(images), strict=True):
-        agreement = (labels == segmenter.labels(image)).mean()
-        assert agreement > 0.999  # sums are ordered differently in a batch
+def test_network_without_camera_answers_as_before_it_was_told() -> None:
+    plain = _tiny()
+    told = with_elevation(plain, plain.long_side).eval()
+    x = torch.rand(1, 3, 64, 96)
+    sine = torch.rand(1, 64, 96) * 2 - 1
+    assert torch.equal(told(x), plain(x))
+    assert torch.equal(told(x, sine), plain(x))  # new weights are zero until trained
+    with torch.no_grad():
+        told.stem[0][0].weight[:, 5:] = 0.3  # type: ignore[index]
+    assert not torch.allclose(told(x, sine), plain(x))
+    assert not torch.allclose(told(x, sine), told(x))
+
+
+def test_segmenter_tells_the_network_where_the_horizon_is() -> None:
+    """A network that reads the elevation alone labels what is below the horizon floor."""
+    network = SegmentationNet(**TINY, elevation=True).eval()  # type: ignore[arg-type]
+    seen = []
+    network.register_forward_pre_hook(lambda _m, args: seen.append(args[1]))
+    tilt = np.deg2rad(10)  # looks down: the horizon is above the middle
+    up = (0.0, -np.cos(tilt), -np.sin(tilt))
+    rotation = np.stack([(1, 0, 0), up, np.cross((1, 0, 0), up)], 1)
+    camera = Camera(64, 48, 40.0, 31.5, 23.5, tuple(map(tuple, rotation)), "config", 1.0, False)
+    Segmenter(network).labels(_photo(48, 64), camera)
+    mirrored, sine = (x[0].numpy() for x in seen)
+    assert np.allclose(mirrored[:, ::-1], sine)
+    below = sine < 0
+    horizon = 48 / 2 - 40 * np.tan(tilt)  # rows of the photo
+    rows = (np.arange(sine.shape[0]) + 0.5) / sine.shape[0] * 48
+    assert np.array_equal(below.all(axis=1), rows > horizon)
 
 
 def test_weights_file_round_trip(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -11,20 +12,23 @@ from plan2scene.io import write_json, write_png
 from plan2scene.photos.masks import CEILING, FLOOR, IGNORE, OTHER, WALL, write_label_png
 from plan2scene.photos.segmentation import SegmentationNet, load_segmenter
 from plan2scene.training import segmentation_scenes
-from plan2scene.training.segmentation import (
-    Average,
-    Settings,
-    segmentation_loss,
-    train,
-    train_segmentation,
-    train_start,
-)
+from plan2scene.training.segmentation import draw_scenes, train_segmentation, train_start
 from plan2scene.training.segmentation_augment import random_view, recolour_labels, training_sample
 from plan2scene.training.segmentation_data import (
+    Gaze,
     LabelledPhoto,
     confusion,
     read_labelled_photos,
+    read_scenes,
     scores,
+    write_scenes,
+)
+from plan2scene.training.segmentation_loop import (
+    Average,
+    Elevations,
+    Settings,
+    segmentation_loss,
+    train,
 )
 from plan2scene.training.segmentation_raycast import Body, Eye, cast, plain, surfels
 from plan2scene.training.segmentation_scenes import random_scenes
@@ -159,10 +163,12 @@ def test_train_segmentation_writes_weights_and_card(
     model, card = tmp_path / "m.safetensors", tmp_path / "m.md"
     start = tmp_path / "start.safetensors"
     save_model_file(start, _tiny().state_dict(), _tiny().architecture)
+    scenes = tmp_path / "scenes.parquet"
+    write_scenes(scenes, [_striped(5), _striped(6)], {})
     sides = {"scene_side": 64, "small": 64, "long_side": 64}
     settings = {"steps": 2, "scene_steps": 1, "batch": 2, "scenes": 2, **sides}
     found = train_segmentation(
-        tmp_path / "data", start, model, card, settings=settings, seed=0, threads=1
+        tmp_path / "data", scenes, start, model, card, settings=settings, seed=0, threads=1
     )
     text = card.read_text()
     assert f"**{found.mean_iou:.3f}**" in text
@@ -175,11 +181,34 @@ def test_start_is_trained_without_a_data_set(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(segmentation_scenes, "TILES", 2)
-    path = tmp_path / "start.safetensors"
+    scenes, path = tmp_path / "scenes.parquet", tmp_path / "start.safetensors"
     settings = {"scene_steps": 1, "batch": 1, "scenes": 2, "scene_side": 64, "small": 64}
-    found = train_start(path, settings=settings, seed=0, threads=1)
+    draw_scenes(scenes, settings=settings, seed=0)
+    found = train_start(scenes, path, settings=settings, seed=0, threads=1)
     assert 0 <= found.mean_iou <= 1
-    assert load_segmenter(path).network.architecture == SegmentationNet().architecture
+    assert load_segmenter(path).network.architecture == SegmentationNet(elevation=True).architecture
+
+
+def test_drawn_scenes_come_back_as_they_were_written(tmp_path: Path) -> None:
+    told = dataclasses.replace(_striped(1), gaze=Gaze((0.0, -0.8, -0.6), 0.75))
+    write_scenes(tmp_path / "s.parquet", [told, _striped(2)], {})
+    first, second = read_scenes(tmp_path / "s.parquet")
+    assert np.array_equal(first.image, told.image)
+    assert np.array_equal(first.labels, told.labels)
+    assert first.gaze == told.gaze
+    assert second.gaze is None
+
+
+def test_elevations_follow_the_gaze_and_are_sometimes_unknown() -> None:
+    photo = dataclasses.replace(_striped(1), gaze=Gaze((0.0, -1.0, 0.0), 0.75))
+    exact = Settings(gaze_known=1.0, gaze_noise_deg=0.0)
+    sine = Elevations([photo], exact, np.random.default_rng(0))[0]
+    height = photo.labels.shape[0]
+    assert (sine[: height // 2] > 0).all()  # a level camera has its horizon in the middle
+    assert (sine[height // 2 :] < 0).all()
+    never = Elevations([photo], Settings(gaze_known=0.0), np.random.default_rng(0))
+    assert np.isnan(never[0]).all()
+    assert np.isnan(Elevations([_striped(1)], exact, np.random.default_rng(0))[0]).all()
 
 
 def test_a_split_without_photos_is_an_error(tmp_path: Path) -> None:

@@ -1,5 +1,28 @@
+rule segmentation_scenes:
+    # Rooms of boxes drawn with labels and cameras; needs no data set.
+    output:
+        "results/training/segmentation_scenes.parquet",
+    log:
+        "logs/training/segmentation_scenes.log",
+    benchmark:
+        "logs/training/benchmarks/segmentation_scenes.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=4000,
+    params:
+        settings=config.get("training", {}).get("segmentation", {}),
+        seed=config["seed"],
+        code=code_hash("training.segmentation_scenes"),
+    script:
+        "../scripts/segmentation_scenes.py"
+
+
 rule segmentation_start:
-    # Drawn rooms of boxes -> weights that know floors, walls and ceilings; needs no data set.
+    # Drawn rooms of boxes -> weights that know floors, walls and ceilings.
+    input:
+        "results/training/segmentation_scenes.parquet",
     output:
         "results/training/segmentation_start.safetensors",
     log:
@@ -23,6 +46,7 @@ rule train_segmentation:
     # Photos and truth masks of the synthetic train split -> the network, scored on the val split.
     input:
         table=DATA_ROOT / config["dataset"]["table"],
+        scenes="results/training/segmentation_scenes.parquet",
         start="results/training/segmentation_start.safetensors",
     output:
         model=f"{TRAINED}/segmentation.safetensors",

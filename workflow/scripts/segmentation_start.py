@@ -5,6 +5,7 @@ from plan2scene.training.segmentation import train_start
 
 with job(snakemake.log[0]):
     train_start(
+        snakemake.input[0],
         snakemake.output[0],
         settings=snakemake.params.settings,
         seed=snakemake.params.seed,

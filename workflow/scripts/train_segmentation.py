@@ -8,6 +8,7 @@ from plan2scene.training.segmentation import train_segmentation
 with job(snakemake.log[0]):
     train_segmentation(
         Path(snakemake.input.table).parent,
+        snakemake.input.scenes,
         snakemake.input.start,
         snakemake.output.model,
         snakemake.output.card,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import cv2
 import numpy as np
@@ -18,6 +18,8 @@ from torch import nn
 from torch.nn import functional as F
 
 from plan2scene.errors import InputError
+from plan2scene.photos.camera import Camera
+from plan2scene.photos.elevation import elevation_map
 from plan2scene.photos.masks import LABELS
 from plan2scene.weights import load_model_file
 
@@ -25,14 +27,6 @@ from plan2scene.weights import load_model_file
 _MEAN, _STD = 0.5, 0.25
 #: Input height and width are multiples of this (the encoder's coarsest stride).
 STRIDE = 32
-
-
-class LabelSource(Protocol):
-    """What turns a photo into labels: the embedded network, or a pretrained one."""
-
-    def labels(self, image: np.ndarray) -> np.ndarray:
-        """Return (h, w) uint8 labels of a (h, w, 3) uint8 sRGB photo."""
-        ...
 
 
 def _conv(n_in: int, n_out: int, size: int, stride: int = 1, groups: int = 1) -> nn.Sequential:
@@ -119,6 +113,8 @@ class SegmentationNet(nn.Module):
         Channels of the decoder at strides 16 and 8; half of it at 4, a quarter at 2.
     long_side : int
         Pixels of the longer side that photos are scaled to before inference.
+    elevation : bool
+        Whether the network also sees how far above the horizon each pixel looks, where known.
 
     Shapes: (n, 3, h, w) float32 in [0, 1], h and w multiples of 32 -> (n, 4, h / 2, w / 2).
     """
@@ -130,17 +126,21 @@ class SegmentationNet(nn.Module):
         depths: Sequence[int] = (2, 3, 5, 3),
         decoder: int = 64,
         long_side: int = 320,
+        elevation: bool = False,
     ) -> None:
         super().__init__()
         self.long_side = long_side
+        self.elevation = elevation
         self.architecture: dict[str, Any] = {
             "widths": list(widths),
             "depths": list(depths),
             "decoder": decoder,
             "long_side": long_side,
+            "elevation": elevation,
         }
         # Two more channels hold row and column in [-1, 1]: floors are mostly low in a photo.
-        self.stem = nn.Sequential(_conv(5, widths[0], 3, stride=2), nn.Hardswish())
+        channels = 7 if elevation else 5
+        self.stem = nn.Sequential(_conv(channels, widths[0], 3, stride=2), nn.Hardswish())
         self.stages = nn.ModuleList(
             nn.Sequential(
                 InvertedResidual(n_in, n_out, stride=2, expansion=2 if k == 0 else 4),
@@ -161,12 +161,21 @@ class SegmentationNet(nn.Module):
         )
         self.head = nn.Conv2d(decoder // 4, len(LABELS), 3, padding=1)
 
-    def forward(self, x: torch.Tensor) -> torch.Tensor:
-        """Return logits; see the class for shapes."""
+    def forward(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> torch.Tensor:
+        """Return logits; see the class for shapes.
+
+        `elevation` is (n, h, w) float32, the sine of :func:`.elevation.elevation_map`; NaN where
+        it is not known. A network that was made without it ignores it.
+        """
         n, _, h, w = x.shape
         rows = torch.linspace(-1, 1, h, device=x.device).view(1, 1, h, 1).expand(n, 1, h, w)
         columns = torch.linspace(-1, 1, w, device=x.device).view(1, 1, 1, w).expand(n, 1, h, w)
-        y = self.stem(torch.cat([(x - _MEAN) / _STD, rows, columns], dim=1))
+        planes = [(x - _MEAN) / _STD, rows, columns]
+        if self.elevation:
+            sine = x.new_full((n, h, w), torch.nan) if elevation is None else elevation
+            known = ~sine.isnan()
+            planes += [(2 * sine).where(known, 0)[:, None], known[:, None].to(x.dtype)]
+        y = self.stem(torch.cat(planes, dim=1))
         skips = [y]
         for stage in self.stages:
             y = stage(y)
@@ -220,49 +229,43 @@ class Segmenter:
         self.network = network.eval()
 
     @torch.inference_mode()
-    def _logits(self, images: Sequence[np.ndarray]) -> np.ndarray:
-        """Return (n, 4, h', w') float32 logits of photos of one size, at half network size."""
-        size = (images[0].shape[0], images[0].shape[1])
-        height, width = network_size(size, self.network.long_side)
-        small = [
-            cv2.resize(
-                image,
-                (width, height),
-                interpolation=cv2.INTER_AREA if image.shape[1] > width else cv2.INTER_LINEAR,
-            )
-            for image in images
-        ]
-        batch = torch.stack([to_tensor(image) for image in small])
-        mirrored = self.network(batch.flip(3)).flip(3)
-        logits = (self.network(batch) + mirrored) / 2
-        return np.ascontiguousarray(logits.numpy())
+    def _logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
+        """Return (4, h', w') float32 logits of a photo at half network size."""
+        size = network_size((image.shape[0], image.shape[1]), self.network.long_side)
+        shrinks = image.shape[1] > size[1]
+        small = cv2.resize(
+            image, size[::-1], interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+        )
+        batch = to_tensor(small)[None]
+        sine = None if camera is None else torch.from_numpy(_elevation(camera, size))[None]
+        mirrored = self.network(batch.flip(3), None if sine is None else sine.flip(2)).flip(3)
+        logits = (self.network(batch, sine) + mirrored) / 2
+        return np.ascontiguousarray(logits[0].numpy())
 
-    def labels(self, image: np.ndarray) -> np.ndarray:
+    def labels(self, image: np.ndarray, camera: Camera | None = None) -> np.ndarray:
         """Return (h, w) uint8 labels (0 other, 1 floor, 2 wall, 3 ceiling) of a photo.
 
         Parameters
         ----------
         image : (h, w, 3) uint8 sRGB
             Any size; masks come back at that size.
+        camera : Camera, optional
+            The photo's, where one is known well: the network then knows where the horizon is.
         """
-        return self.label_batch([image])[0]
+        return upsampled_argmax(self._logits(image, camera), (image.shape[0], image.shape[1]))
 
-    def label_batch(self, images: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Return the labels of several photos; those of one size go through together."""
-        result: dict[int, np.ndarray] = {}
-        for size in sorted({image.shape[:2] for image in images}):
-            chosen = [i for i, image in enumerate(images) if image.shape[:2] == size]
-            for i, logits in zip(chosen, self._logits([images[i] for i in chosen]), strict=True):
-                result[i] = upsampled_argmax(logits, size)
-        return [result[i] for i in range(len(images))]
-
-    def probabilities(self, image: np.ndarray) -> np.ndarray:
+    def probabilities(self, image: np.ndarray, camera: Camera | None = None) -> np.ndarray:
         """Return (h, w, 4) float32 label probabilities of a (h, w, 3) uint8 sRGB photo."""
         height, width = image.shape[:2]
-        logits = self._logits([image])[0].transpose(1, 2, 0)
+        logits = self._logits(image, camera).transpose(1, 2, 0)
         large = cv2.resize(logits, (width, height), interpolation=cv2.INTER_LINEAR)
         large = np.exp(large - large.max(axis=2, keepdims=True))
         return (large / large.sum(axis=2, keepdims=True)).astype(np.float32)
+
+
+def _elevation(camera: Camera, size: tuple[int, int]) -> np.ndarray:
+    """Return the elevation map of a photo's camera at the network's size."""
+    return elevation_map(camera.matrix[:, 1], camera.focal_px, (camera.height, camera.width), size)
 
 
 def load_segmenter(path: str | Path) -> Segmenter:

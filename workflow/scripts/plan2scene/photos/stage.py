@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +20,21 @@ _log = logging.getLogger("plan2scene")
 #: Photos with a shorter side, pixels, are left out: they show no surface that a crop could use.
 MIN_SIDE_PX = 32
 
-#: Given a photo's name and its (h, w, 3) pixels, returns its (h, w) labels.
-Labeller = Callable[[str, np.ndarray], np.ndarray]
+
+@dataclass(frozen=True)
+class Labeller:
+    """What labels photos.
+
+    Parameters
+    ----------
+    first : callable
+        Given a photo's name and its (h, w, 3) pixels, returns its (h, w) labels.
+    told : callable, optional
+        Given the pixels and a camera that was found with the first labels, labels again.
+    """
+
+    first: Callable[[str, np.ndarray], np.ndarray]
+    told: Callable[[np.ndarray, Camera], np.ndarray] | None = None
 
 
 def labeller(
@@ -53,8 +67,10 @@ def labeller(
                 house=house,
             )
         folder = Path(precomputed_dir)
-        return lambda photo, image: labels_from_folder(
-            folder, photo, (image.shape[0], image.shape[1]), house=house
+        return Labeller(
+            lambda photo, image: labels_from_folder(
+                folder, photo, (image.shape[0], image.shape[1]), house=house
+            )
         )
     if source not in SOURCES:
         raise InputError(f"a mask source of {', '.join(SOURCES)}", source, house=house)
@@ -67,11 +83,14 @@ def labeller(
         from plan2scene.photos.segmentation_pretrained import load_pretrained
 
         pretrained = load_pretrained(model)
-        return lambda _photo, image: pretrained.labels(image)
+        return Labeller(lambda _photo, image: pretrained.labels(image))
     from plan2scene.photos.segmentation import load_segmenter
 
     embedded = load_segmenter(model)
-    return lambda _photo, image: embedded.labels(image)
+    return Labeller(
+        lambda _photo, image: embedded.labels(image),
+        embedded.labels if embedded.network.elevation else None,
+    )
 
 
 def make_masks(
@@ -119,14 +138,17 @@ def make_masks(
                 safe_join("", name, house=house)
                 image = read_image(photos[name], house=house)
                 _refuse_tiny(image, photos[name], house)
-                labels = label(name, image)
+                labels = label.first(name, image)
             except InputError as error:
                 _log.warning("photo %s left out: %s", name, error)
                 warnings.append(f"photo {name} left out: {error}")
                 continue
-            write_label_png(folder / f"{Path(name).stem}.png", labels)
             exif = read_exif_focal(photos[name], (image.shape[0], image.shape[1]))
             camera = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
+            if label.told is not None and not camera.fallback:
+                labels = label.told(image, camera)
+                camera = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
+            write_label_png(folder / f"{Path(name).stem}.png", labels)
             cameras[name] = camera.to_json()
             warnings += [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
         _log.info("%d photos labelled, %d left out", len(cameras), len(photos) - len(cameras))
