@@ -2,76 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from plan2scene.photos.masks import OTHER, WALL
-from plan2scene.training.segmentation_raycast import Array, Body, Lamp, Paint, plain
+from plan2scene.training.segmentation_paints import Paints
+from plan2scene.training.segmentation_raycast import Array, Body, Paint, plain
+from plan2scene.training.segmentation_spots import Spot
 
 Rng = np.random.Generator
 
 
-@dataclass(frozen=True, eq=False)
-class Paints:
-    """Tiles by substance, and how surfaces draw from them."""
-
-    tiles: Mapping[str, Sequence[Paint]]
-
-    def of(self, substance: str, rng: Rng) -> Paint:
-        """Return a random tile of a substance."""
-        tiles = self.tiles[substance]
-        return tiles[int(rng.integers(len(tiles)))]
-
-    def floor(self, rng: Rng) -> Paint:
-        """Return what a floor may have."""
-        return self.of(str(rng.choice(["wood", "carpet", "tile"], p=[0.5, 0.25, 0.25])), rng)
-
-    def wall(self, rng: Rng) -> Paint:
-        """Return what a wall may have, mostly light plain paint."""
-        if rng.random() < 0.6:
-            colour = rng.uniform(0.25, 0.95) * np.exp(rng.normal(0, 0.12, 3))
-            return plain(np.clip(colour, 0.02, 0.98), 0.1 * float(rng.random()))
-        substance = str(rng.choice(["plaster", "tile", "wood"], p=[0.8, 0.14, 0.06]))
-        return self.of(substance, rng)
-
-    def thing(self, rng: Rng) -> Paint:
-        """Return what furniture may have."""
-        if rng.random() < 0.55:
-            grey = rng.beta(0.8, 1.2)
-            colour = grey * np.exp(rng.normal(0, rng.choice([0.05, 0.5]), 3))
-            return plain(np.clip(colour, 0.01, 0.97), float(rng.random()) ** 3)
-        substance = str(rng.choice(["wood", "carpet", "plaster", "tile"], p=[0.5, 0.3, 0.1, 0.1]))
-        return self.of(substance, rng)
-
-
-@dataclass(frozen=True, eq=False)
-class _Spot:
-    """A place on the floor with a heading; makes parts given in its own frame."""
-
-    x: float
-    z: float
-    yaw: float
-
-    def part(
-        self,
-        centre: Sequence[float],
-        size: Sequence[float] | Array,
-        paint: Paint,
-        *,
-        round: bool = False,
-        glow: float = 0.0,
-    ) -> Body:
-        """Return a box (or ellipsoid) of full `size` at `centre`, both metres in this frame."""
-        cos, sin = np.cos(self.yaw), np.sin(self.yaw)
-        x, y, z = centre
-        world = np.array([self.x + cos * x + sin * z, y, self.z - sin * x + cos * z])
-        half = np.maximum(np.array(size, float) / 2, 0.004)
-        return Body(world, half, self.yaw, (OTHER,), (paint,), round=round, glow=glow)
-
-
-def _legs(spot: _Spot, w: float, d: float, h: float, paint: Paint, rng: Rng) -> list[Body]:
+def _legs(spot: Spot, w: float, d: float, h: float, paint: Paint, rng: Rng) -> list[Body]:
     """Return four legs under a top of w x d at height h."""
     t = rng.uniform(0.025, 0.08)
     return [
@@ -81,7 +23,7 @@ def _legs(spot: _Spot, w: float, d: float, h: float, paint: Paint, rng: Rng) -> 
     ]
 
 
-def _table(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
+def _table(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     w, d, h = rng.uniform(0.4, 2.0), rng.uniform(0.4, 1.0), rng.uniform(0.35, 0.95)
     top = paints.thing(rng)
     things = [spot.part((0, h, 0), (w, rng.uniform(0.02, 0.06), d), top)]
@@ -89,7 +31,7 @@ def _table(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
     return things + _clutter(spot, w, d, h, paints, rng)
 
 
-def _clutter(spot: _Spot, w: float, d: float, h: float, paints: Paints, rng: Rng) -> list[Body]:
+def _clutter(spot: Spot, w: float, d: float, h: float, paints: Paints, rng: Rng) -> list[Body]:
     """Return small things on a top."""
     things = []
     for _ in range(int(rng.integers(0, 6))):
@@ -99,7 +41,7 @@ def _clutter(spot: _Spot, w: float, d: float, h: float, paints: Paints, rng: Rng
     return things
 
 
-def _chair(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
+def _chair(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     w, h, paint = rng.uniform(0.38, 0.55), rng.uniform(0.4, 0.5), paints.thing(rng)
     back = rng.uniform(0.3, 0.6)
     return [
@@ -109,7 +51,7 @@ def _chair(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
     ]
 
 
-def _sofa(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
+def _sofa(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     w, d, paint = rng.uniform(0.8, 2.6), rng.uniform(0.75, 1.0), paints.thing(rng)
     seat, back, arm = rng.uniform(0.35, 0.48), rng.uniform(0.7, 1.0), rng.uniform(0.1, 0.25)
     things = [
@@ -124,7 +66,7 @@ def _sofa(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
     return things
 
 
-def _bed(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
+def _bed(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     w, h, cover = rng.uniform(0.9, 1.9), rng.uniform(0.35, 0.6), paints.thing(rng)
     white = plain(rng.uniform(0.5, 0.95) * np.ones(3))
     things = [
@@ -140,7 +82,7 @@ def _bed(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
     return things
 
 
-def _cabinet(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
+def _cabinet(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     w, d = rng.uniform(0.4, 2.4), rng.uniform(0.3, 0.65)
     h = float(rng.choice([rng.uniform(0.4, 1.0), rng.uniform(1.4, 2.4)]))
     paint = paints.thing(rng)
@@ -155,7 +97,7 @@ def _cabinet(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
     return things + _clutter(spot, w, d, h, paints, rng)
 
 
-def _shelf(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
+def _shelf(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     w, d, h, paint = rng.uniform(0.5, 1.8), 0.3, rng.uniform(0.8, 2.2), paints.thing(rng)
     things = [spot.part((s * w / 2, h / 2, 0), (0.03, h, d), paint) for s in (-1, 1)]
     if rng.random() < 0.6:
@@ -171,7 +113,7 @@ def _shelf(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
     return things
 
 
-def _plant(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
+def _plant(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     things = [spot.part((0, 0.2, 0), (0.3, 0.4, 0.3), paints.thing(rng), round=rng.random() < 0.5)]
     h, spread = rng.uniform(0.6, 1.9), rng.uniform(0.15, 0.45)
     for _ in range(int(rng.integers(8, 22))):
@@ -181,7 +123,7 @@ def _plant(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
     return things
 
 
-def _floor_lamp(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
+def _floor_lamp(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     h, paint = rng.uniform(1.2, 1.8), paints.thing(rng)
     return [
         spot.part((0, 0.015, 0), (0.3, 0.03, 0.3), paint),
@@ -196,7 +138,7 @@ def _floor_lamp(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
     ]
 
 
-def _heap(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
+def _heap(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     """Return a heap of anything: boxes and ellipsoids of all sizes."""
     things, y = [], 0.0
     for _ in range(int(rng.integers(1, 5))):
@@ -207,14 +149,14 @@ def _heap(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
     return things
 
 
-def _rug(spot: _Spot, paints: Paints, rng: Rng) -> list[Body]:
+def _rug(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     size = (rng.uniform(0.8, 3.0), 0.015, rng.uniform(0.6, 2.2))
     paint = paints.of("carpet", rng) if rng.random() < 0.6 else paints.thing(rng)
     border = spot.part((0, 0.004, 0), (size[0] + 0.12, 0.012, size[2] + 0.12), paints.thing(rng))
     return [spot.part((0, 0.008, 0), size, paint), *([border] if rng.random() < 0.5 else [])]
 
 
-_MAKERS: Sequence[tuple[float, Callable[[_Spot, Paints, Rng], list[Body]]]] = (
+_MAKERS: Sequence[tuple[float, Callable[[Spot, Paints, Rng], list[Body]]]] = (
     (2.0, _table),
     (2.5, _chair),
     (1.5, _sofa),
@@ -247,84 +189,5 @@ def furnish(half: Array, paints: Paints, rng: Rng) -> list[Body]:
             place[axis] = sign * (half[2 * axis] - rng.uniform(0.2, 0.5))
             # The back is at -z of the piece's frame and stands against the wall.
             yaw = [-sign * np.pi / 2, np.pi * (sign > 0)][axis] + rng.normal(0, 0.02)
-        bodies += make(_Spot(float(place[0]), float(place[1]), float(yaw)), paints, rng)
+        bodies += make(Spot(float(place[0]), float(place[1]), float(yaw)), paints, rng)
     return bodies
-
-
-def hang_on_walls(half: Array, paints: Paints, rng: Rng) -> tuple[list[Body], list[Lamp]]:
-    """Return doors, windows, pictures, curtains, skirting and the light of windows."""
-    bodies: list[Body] = []
-    lamps: list[Lamp] = []
-    skirting = plain(rng.uniform(0.1, 0.95) * np.ones(3)) if rng.random() < 0.7 else None
-    frame = plain(rng.uniform(0.05, 0.95) * np.exp(rng.normal(0, 0.05, 3)))
-    for axis in (0, 2):
-        for sign in (-1, 1):
-            along = 2 - axis
-            yaw = {0: -sign * np.pi / 2, 2: np.pi * (sign > 0)}[axis]
-            place = [0.0, 0.0]
-            place[axis // 2] = sign * half[axis]
-            wall = _Spot(place[0], place[1], float(yaw))
-            length = 2 * half[along]
-            if skirting:
-                part = wall.part((0, 0.05, 0), (length, rng.uniform(0.1, 0.3), 0.03), skirting)
-                bodies.append(Body(part.centre, part.half, part.yaw, (WALL,), (skirting,)))
-            for _ in range(int(rng.integers(0, 4))):
-                made, light = _on_wall(wall, length, float(2 * half[1]), frame, paints, rng)
-                bodies += made
-                lamps += light
-    return bodies, lamps
-
-
-def _on_wall(
-    wall: _Spot, length: float, height: float, frame: Paint, paints: Paints, rng: Rng
-) -> tuple[list[Body], list[Lamp]]:
-    """Return one thing on a wall: window, door, picture, or a flat thing such as a radiator."""
-    u = rng.uniform(-0.45, 0.45) * length
-    kind = str(rng.choice(["window", "door", "picture", "flat"], p=[0.3, 0.2, 0.35, 0.15]))
-    if kind == "window":
-        return _window(wall, u, height, frame, paints, rng)
-    if kind == "door":
-        w, h = rng.uniform(0.7, 1.0), min(2.0 + rng.uniform(0, 0.2), height - 0.1)
-        leaf = paints.thing(rng)
-        return [
-            wall.part((u, h / 2, 0), (w + 0.16, h + 0.08, 0.05), frame),
-            wall.part((u, h / 2 - 0.02, 0), (w, h - 0.06, 0.07), leaf),
-            wall.part((u + w * 0.4, 1.0, 0.06), (0.12, 0.03, 0.05), plain(np.ones(3) * 0.4, 0.8)),
-        ], []
-    w, h = rng.uniform(0.2, 1.3), rng.uniform(0.2, 1.0)
-    if kind == "picture":
-        y = rng.uniform(1.0, 1.9)
-        return [
-            wall.part((u, y, 0), (w + 0.06, h + 0.06, 0.03), paints.thing(rng)),
-            wall.part((u, y, 0), (w, h, 0.04), paints.thing(rng)),
-        ], []
-    y = float(rng.choice([0.4, 1.5, 2.0]))
-    return [wall.part((u, y, 0), (w, h, rng.uniform(0.05, 0.5)), paints.thing(rng))], []
-
-
-def _window(
-    wall: _Spot, u: float, height: float, frame: Paint, paints: Paints, rng: Rng
-) -> tuple[list[Body], list[Lamp]]:
-    """Return a window with panes, often curtains, and its daylight."""
-    w, h = rng.uniform(0.5, 2.2), rng.uniform(0.6, 1.6)
-    y = min(rng.uniform(0.8, 1.2) + h / 2, height - 0.05 - h / 2)
-    sky = plain(np.clip(rng.uniform(0.2, 1.0) * np.array([0.9, 0.97, 1.05]), 0, 1))
-    glow = float(rng.choice([0.3, 2.0, 6.0]))
-    bodies = [
-        wall.part((u, y, 0), (w + 0.14, h + 0.14, 0.06), frame),
-        wall.part((u, y, 0), (w, h, 0.07), sky, glow=glow),
-    ]
-    for i in range(1, int(rng.integers(1, 4))):
-        bodies.append(wall.part((u - w / 2 + i * w / 3, y, 0), (0.05, h, 0.09), frame))
-    if rng.random() < 0.5:
-        cloth, drop = paints.thing(rng), rng.uniform(0, y - h / 2)
-        bottom, top = drop, min(y + h / 2 + 0.15, height)
-        for side in (-1, 1):
-            wide = rng.uniform(0.15, 0.6)
-            for fold in np.linspace(-0.5, 0.5, 5):
-                place = (u + side * (w / 2 + 0.05) + fold * wide, (top + bottom) / 2, 0.08)
-                size = (wide / 4, top - bottom, rng.uniform(0.05, 0.12))
-                bodies.append(wall.part(place, size, cloth))
-    centre = wall.part((u, y, 0.35), (1, 1, 1), sky).centre
-    strength = np.exp(rng.normal(0.5, 0.8)) * min(glow, 2.0)
-    return bodies, [Lamp(centre, strength * np.array([0.95, 1.0, 1.05]), 0.6)]

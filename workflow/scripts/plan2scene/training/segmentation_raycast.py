@@ -1,19 +1,23 @@
-"""A small ray caster for rooms of boxes and ellipsoids, in NumPy.
+"""A small ray caster for rooms of boxes, ellipsoids and cut-out cards, in NumPy.
 
 It makes labelled pictures of endless variety at a fraction of a path tracer's cost; it is not
-meant to look real. Lengths in metres, y up; colours are linear unless said otherwise.
+meant to look real. Lengths in metres, y up; colours are linear unless said otherwise. Light is
+in ``segmentation_shading``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
 
 Array = np.ndarray
 _FAR = np.float32(1e6)
+#: The axes (across, along) of the texture on a face, by the face's normal axis.
+_FACE_AXES = ((2, 1), (0, 2), (0, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +29,7 @@ class Paint:
     levels : tuple of (n, n, 3) float32 linear
         Each half the size of the one before; the last is 1x1.
     size_m : float
-        Metres that a tile covers.
+        Metres that a tile covers; 0 stretches one tile over each face.
     gloss : float
         Strength of highlights, 0 matt.
     """
@@ -47,7 +51,7 @@ def tiled(albedo: Array, size_m: float, gloss: float = 0.0) -> Paint:
     while level.shape[0] > 1:
         side = max(1, level.shape[0] // 2)
         level = cv2.resize(level, (side, side), interpolation=cv2.INTER_AREA)
-        levels.append(level)
+        levels.append(level.reshape(side, side, 3))
     return Paint(tuple(levels), size_m, gloss)
 
 
@@ -55,8 +59,19 @@ def tiled(albedo: Array, size_m: float, gloss: float = 0.0) -> Paint:
 class Body:
     """A box or an ellipsoid, turned about the vertical; `hollow` is the room, seen from inside.
 
-    `paints` has one entry, or six: -x, +x, -y, +y, -z, +z faces as seen from outside. `labels`
-    likewise.
+    Attributes
+    ----------
+    centre, half : (3,) float
+        Middle in the world and half the size along the body's own axes, metres.
+    yaw, tilt : float
+        Turn about the vertical, then about the body's own x axis, radians.
+    paints, labels : tuple
+        One entry, or six: -x, +x, -y, +y, -z, +z faces as seen from outside.
+    stencil : (n, m) bool, optional
+        Cuts a box's thinnest axis out to a shape: rows run down (or along z), columns along x
+        (or z); rays pass where it is False.
+    mirror : float
+        Share of light that it mirrors: near 1 a mirror, about 0.3 a polished floor.
     """
 
     centre: Array
@@ -67,6 +82,28 @@ class Body:
     round: bool = False
     hollow: bool = False
     glow: float = 0.0
+    tilt: float = 0.0
+    stencil: Array | None = None
+    mirror: float = 0.0
+
+    @cached_property
+    def turn(self) -> Array:
+        """(3, 3) float32: world to body axes."""
+        cos, sin = np.cos(self.yaw), np.sin(self.yaw)
+        about_y = np.array([[cos, 0, -sin], [0, 1, 0], [sin, 0, cos]])
+        cos, sin = np.cos(self.tilt), np.sin(self.tilt)
+        about_x = np.array([[1, 0, 0], [0, cos, sin], [0, -sin, cos]])
+        return (about_x @ about_y).astype(np.float32)
+
+    @cached_property
+    def span(self) -> Array:
+        """(3,) float32: `half`."""
+        return self.half.astype(np.float32)
+
+    def local(self, points: Array) -> Array:
+        """Return world points (..., 3) in the body's frame, metres, float32."""
+        moved = points.astype(np.float32) - self.centre.astype(np.float32)
+        return np.asarray(moved @ self.turn.T)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,43 +139,59 @@ class Eye:
         return (camera @ self.rotation).astype(np.float32)
 
 
-def _turned(vectors: Array, yaw: float) -> Array:
-    """Return vectors (..., 3) in a frame turned by `yaw` about y."""
-    cos, sin = np.float32(np.cos(yaw)), np.float32(np.sin(yaw))
-    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
-    return np.stack([cos * x - sin * z, y, sin * x + cos * z], axis=-1)
-
-
 def _least(v: Array) -> Array:
     """Return the least of three components; faster than a reduction over so short an axis."""
     least: Array = np.minimum(np.minimum(v[..., 0], v[..., 1]), v[..., 2])
     return least
 
 
+def _argmax(v: Array) -> tuple[Array, Array]:
+    """Return the greatest of three components and which it is."""
+    x, y, z = v[..., 0], v[..., 1], v[..., 2]
+    axis = (y > x).astype(np.int8)
+    top = np.maximum(x, y)
+    third = z > top
+    axis[third] = 2
+    return np.maximum(top, z), axis
+
+
 def _hit(body: Body, origin: Array, rays: Array) -> tuple[Array, Array]:
-    """Return (distance, face 0..5) of each ray (..., 3); no hit is far away."""
-    start = _turned((origin - body.centre).astype(np.float32), body.yaw) / body.half
-    way = _turned(rays, body.yaw) / body.half.astype(np.float32)
+    """Return (distance, face 0..5) of each ray (..., 3) from `origin` (3,) or (..., 3).
+
+    No hit is far away.
+    """
+    start = body.local(origin) / body.span
+    way = (rays @ body.turn.T) / body.span
     if body.round:
         a = (way * way).sum(-1)
         b = (way * start).sum(-1)
-        c = (start * start).sum(-1) - 1
+        c = (start * start).sum(-1) - np.float32(1)
         root = b * b - a * c
         t = (-b - np.sqrt(np.maximum(root, 0))) / a
         return np.where((root > 0) & (t > 1e-3), t, _FAR), np.zeros(t.shape, np.int8)
     way = np.where(np.abs(way) < 1e-9, np.float32(1e-9), way)
-    first = (-np.sign(way) - start) / way
-    last = (np.sign(way) - start) / way
+    inverse = 1 / way
+    middle, reach = -start * inverse, np.abs(inverse)
     if body.hollow:
-        axis = last.argmin(-1)
-        t = np.take_along_axis(last, axis[..., None], -1)[..., 0]
-        side = np.take_along_axis(way, axis[..., None], -1)[..., 0] > 0
-        return t, (2 * axis + side).astype(np.int8)
-    axis = first.argmax(-1)
-    enter = np.take_along_axis(first, axis[..., None], -1)[..., 0]
-    side = np.take_along_axis(way, axis[..., None], -1)[..., 0] < 0
-    hit = (enter > 1e-3) & (enter < _least(last))
+        last, axis = _argmax(-(middle + reach))
+        side = np.take_along_axis(way, axis[..., None].astype(np.intp), -1)[..., 0] > 0
+        return -last, (2 * axis + side).astype(np.int8)
+    enter, axis = _argmax(middle - reach)
+    side = np.take_along_axis(way, axis[..., None].astype(np.intp), -1)[..., 0] < 0
+    hit = (enter > 1e-3) & (enter < _least(middle + reach))
+    if body.stencil is not None:
+        hit &= _kept(body.stencil, body.span, start + way * enter[..., None])
     return np.where(hit, enter, _FAR), (2 * axis + side).astype(np.int8)
+
+
+def _kept(stencil: Array, span: Array, unit: Array) -> Array:
+    """Return where points (..., 3) of a box, in halves of its size, are inside the stencil."""
+    rows, columns = stencil.shape
+    across, along = _FACE_AXES[int(span.argmin())]
+    flip = -1 if along == 1 else 1
+    u = np.clip((unit[..., across] + 1) * (columns / 2), 0, columns - 1).astype(np.intp)
+    v = np.clip((flip * unit[..., along] + 1) * (rows / 2), 0, rows - 1).astype(np.intp)
+    return np.asarray(stencil[v, u])
 
 
 def _window(body: Body, eye: Eye) -> tuple[slice, slice] | None:
@@ -146,8 +199,8 @@ def _window(body: Body, eye: Eye) -> tuple[slice, slice] | None:
     height, width = eye.size
     if body.hollow:
         return slice(0, height), slice(0, width)
-    corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T * body.half
-    seen = (_turned(corners, -body.yaw) + body.centre - eye.position) @ eye.rotation.T
+    corners = _CORNERS * body.span
+    seen = (corners @ body.turn + body.centre - eye.position) @ eye.rotation.T
     if (seen[:, 2] < 0.05).all():
         return None
     if (seen[:, 2] < 0.05).any():
@@ -155,14 +208,17 @@ def _window(body: Body, eye: Eye) -> tuple[slice, slice] | None:
     xy = seen[:, :2] / seen[:, 2:] * eye.focal_px + [(width - 1) / 2, (height - 1) / 2]
     low = np.floor(xy.min(0)).astype(int)
     high = np.ceil(xy.max(0)).astype(int) + 1
-    rows = slice(int(np.clip(low[1], 0, height)), int(np.clip(high[1], 0, height)))
-    columns = slice(int(np.clip(low[0], 0, width)), int(np.clip(high[0], 0, width)))
+    rows = slice(max(0, min(height, low[1])), max(0, min(height, high[1])))
+    columns = slice(max(0, min(width, low[0])), max(0, min(width, high[0])))
     return (rows, columns) if rows.start < rows.stop and columns.start < columns.stop else None
+
+
+_CORNERS = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T.astype(np.float32)
 
 
 @dataclass(frozen=True, eq=False)
 class Hits:
-    """What each pixel sees: (h, w) index of the body, face, and distance along the ray."""
+    """What each ray sees: index of the body, face, and distance along the ray, rays' shape."""
 
     body: Array
     face: Array
@@ -171,24 +227,37 @@ class Hits:
 
 def cast(bodies: list[Body], eye: Eye, rays: Array) -> Hits:
     """Return the nearest hit of every pixel's ray."""
-    index = np.zeros(eye.size, np.int16)
-    face = np.zeros(eye.size, np.int8)
-    distance = np.full(eye.size, _FAR)
+    hits = _nothing(eye.size)
     for k, body in enumerate(bodies):
         window = _window(body, eye)
-        if window is None:
-            continue
-        t, side = _hit(body, eye.position, rays[window])
-        nearer = t < distance[window]
-        distance[window][nearer] = t[nearer]
-        face[window][nearer] = side[nearer]
-        index[window][nearer] = k
-    return Hits(index, face, distance)
+        if window is not None:
+            _nearer(hits, k, window, *_hit(body, eye.position, rays[window]))
+    return hits
+
+
+def cast_from(bodies: list[Body], origins: Array, rays: Array) -> Hits:
+    """Return the nearest hit of rays (n, 3) that start at `origins` (n, 3)."""
+    hits = _nothing((len(rays),))
+    for k, body in enumerate(bodies):
+        _nearer(hits, k, (slice(None),), *_hit(body, origins, rays))
+    return hits
+
+
+def _nothing(shape: tuple[int, ...]) -> Hits:
+    return Hits(np.zeros(shape, np.int16), np.zeros(shape, np.int8), np.full(shape, _FAR))
+
+
+def _nearer(hits: Hits, k: int, window: tuple[slice, ...], t: Array, side: Array) -> None:
+    """Write the hits of body k that are nearer than those before into `hits`."""
+    nearer = t < hits.distance[window]
+    hits.distance[window][nearer] = t[nearer]
+    hits.face[window][nearer] = side[nearer]
+    hits.body[window][nearer] = k
 
 
 def _seen_faces(hits: Hits) -> Iterator[tuple[int, int, Array]]:
     """Yield (body, face, flat pixel indices) of each visible face."""
-    key = hits.body.ravel().astype(np.int32) * 8 + hits.face.ravel()
+    key = hits.body.ravel() * np.int16(8) + hits.face.ravel()
     order = np.argsort(key, kind="stable")
     values, starts = np.unique(key[order], return_index=True)
     for value, pixels in zip(values, np.split(order, starts[1:]), strict=True):
@@ -196,129 +265,73 @@ def _seen_faces(hits: Hits) -> Iterator[tuple[int, int, Array]]:
 
 
 def _texel(paint: Paint, uv: Array, footprint: Array) -> Array:
-    """Return (n, 3) linear colours at metric positions; `footprint` is metres per pixel."""
+    """Return (n, 3) linear colours at positions in tiles; `footprint` is tiles per pixel."""
     base = paint.levels[0].shape[0]
-    wanted = np.log2(np.maximum(footprint / paint.size_m * base, 1))
-    level = np.clip(np.round(wanted), 0, len(paint.levels) - 1).astype(int)
+    if base == 1:
+        return np.broadcast_to(paint.levels[0][0, 0], (len(uv), 3))
+    wanted = np.log2(np.maximum(footprint * base, 1))
+    level = np.clip(np.round(wanted), 0, len(paint.levels) - 1).astype(np.int8)
     colours = np.empty((len(uv), 3), np.float32)
-    for k in np.unique(level):
+    for k in range(int(level.min()), int(level.max()) + 1):
         tile = paint.levels[k]
-        chosen = level == k
-        cell = np.floor(uv[chosen] / paint.size_m * tile.shape[0]).astype(int) % tile.shape[0]
+        chosen = np.flatnonzero(level == k)
+        cell = np.floor(uv[chosen] * tile.shape[0]).astype(np.int32) % tile.shape[0]
         colours[chosen] = tile[cell[:, 1], cell[:, 0]]
     return colours
 
 
 @dataclass(frozen=True, eq=False)
 class Surfels:
-    """What is seen, per pixel (flat): point, normal, linear albedo, gloss, glow, label."""
+    """What is seen, per ray (flat): point, normal, linear albedo, gloss, glow, mirror, label."""
 
     point: Array
     normal: Array
     albedo: Array
     gloss: Array
     glow: Array
+    mirror: Array
     label: Array
 
 
-def surfels(bodies: list[Body], eye: Eye, rays: Array, hits: Hits) -> Surfels:
-    """Return the surface seen by each pixel."""
+def surfels(
+    bodies: list[Body], eye: Eye, rays: Array, hits: Hits, origins: Array | None = None
+) -> Surfels:
+    """Return the surface that each ray sees; rays start at the eye unless `origins` are given."""
     flat = rays.reshape(-1, 3)
     distance = hits.distance.reshape(-1, 1)
-    point = (eye.position + flat * distance).astype(np.float32)
-    normal = np.zeros_like(point)
-    albedo = np.zeros_like(point)
-    gloss, glow = np.zeros(len(point), np.float32), np.zeros(len(point), np.float32)
+    start = (eye.position if origins is None else origins).astype(np.float32)
+    point = start + flat * distance
+    normal, albedo = np.zeros_like(point), np.zeros_like(point)
+    gloss, glow, mirror = np.zeros((3, len(point)), np.float32)
     label = np.zeros(len(point), np.uint8)
     for k, side, pixels in _seen_faces(hits):
         body = bodies[k]
-        local = _turned(point[pixels] - body.centre, body.yaw)
-        if body.round:
-            n = local / body.half**2
-            uv = local[:, [0, 1]] + local[:, [2, 2]]
-            n = n / np.linalg.norm(n, axis=1, keepdims=True)
-        else:
-            axis, sign = side // 2, (1 if side % 2 else -1) * (-1 if body.hollow else 1)
-            n = np.zeros_like(local)
-            n[:, axis] = sign
-            uv = local[:, [(2, 1), (0, 2), (0, 1)][axis]]
-        normal[pixels] = _turned(n, -body.yaw)
         paint = body.paints[side if len(body.paints) > 1 else 0]
-        facing = np.abs((normal[pixels] * flat[pixels]).sum(1)) / np.linalg.norm(
-            flat[pixels], axis=1
-        )
-        footprint = distance[pixels, 0] / eye.focal_px / np.sqrt(np.maximum(facing, 0.05))
-        albedo[pixels] = _texel(paint, uv, footprint)
-        gloss[pixels], glow[pixels] = paint.gloss, body.glow
+        n, uv = _on_face(body, side, body.local(point[pixels]), paint.size_m)
+        normal[pixels] = n @ body.turn
+        facing = np.abs((normal[pixels] * flat[pixels]).sum(1))
+        facing /= np.sqrt((flat[pixels] ** 2).sum(1))
+        metres = distance[pixels, 0] / np.float32(eye.focal_px) / np.sqrt(np.maximum(facing, 0.05))
+        tile = paint.size_m or 2 * float(np.median(body.half))
+        albedo[pixels] = _texel(paint, uv, metres / np.float32(tile))
+        gloss[pixels], glow[pixels], mirror[pixels] = paint.gloss, body.glow, body.mirror
         label[pixels] = body.labels[side if len(body.labels) > 1 else 0]
-    return Surfels(point, normal, albedo, gloss, glow, label)
+    return Surfels(point, normal, albedo, gloss, glow, mirror, label)
 
 
-def shadow(
-    bodies: list[Body], seen: Surfels, eye: Eye, lamp: Lamp, rng: np.random.Generator
-) -> Array:
-    """Return (h, w) float32 share of a lamp's light that arrives, soft by its size.
-
-    Cast on a grid of every fourth pixel with a jittered lamp, then blurred.
-    """
-    height, width = eye.size
-    points = seen.point.reshape(height, width, 3)[::4, ::4]
-    normals = seen.normal.reshape(height, width, 3)[::4, ::4]
-    aim = lamp.position + rng.normal(0, lamp.radius / 2, points.shape).astype(np.float32)
-    start = (points + 0.02 * normals).astype(np.float32)
-    way = (aim - start).astype(np.float32)
-    lit = np.ones(points.shape[:2], np.float32)
-    for body in bodies:
-        if body.hollow or body.glow > 0 or max(body.half) < 0.06:
-            continue
-        lit[_blocked(body, start, way)] = 0
-    lit = cv2.blur(lit, (3, 3))
-    return cv2.resize(lit, (width, height), interpolation=cv2.INTER_LINEAR)
-
-
-def _blocked(body: Body, start: Array, way: Array) -> Array:
-    """Return where a body lies between `start` and `start + way` (...)."""
-    half = body.half.astype(np.float32)
-    a = _turned(start - body.centre.astype(np.float32), body.yaw) / half
-    b = _turned(way, body.yaw) / half
+def _on_face(body: Body, side: int, local: Array, size_m: float) -> tuple[Array, Array]:
+    """Return (normal, position in tiles) of points (n, 3) on a face, in the body's frame."""
     if body.round:
-        t = np.clip(-(a * b).sum(-1) / np.maximum((b * b).sum(-1), 1e-9), 0, 1)
-        return ((a + t[..., None] * b) ** 2).sum(-1) < 1
-    b = np.where(np.abs(b) < 1e-9, np.float32(1e-9), b)
-    sign = np.sign(b)
-    first = -_least((sign + a) / b)
-    last = _least((sign - a) / b)
-    return (first < last) & (last > 0.001) & (first < 0.98)
-
-
-def shade(
-    bodies: list[Body],
-    seen: Surfels,
-    eye: Eye,
-    lamps: list[Lamp],
-    ambient: Array,
-    rng: np.random.Generator,
-) -> Array:
-    """Return the (h, w, 3) float32 linear picture: lamps, highlights, light from all around."""
-    height, width = eye.size
-    room = bodies[0]
-    view = eye.position - seen.point
-    view = view / np.linalg.norm(view, axis=1, keepdims=True)
-    corner = np.sort(room.half - np.abs(seen.point - room.centre), axis=1)
-    # A surface of the room has distance 0 to itself; the next two are its neighbours.
-    near = np.clip(corner[:, 1:], 0, None)
-    occlusion = (1 - 0.35 * np.exp(-near / 0.35)).prod(axis=1)
-    light = ambient * (occlusion * (0.85 + 0.15 * seen.normal[:, 1]))[:, None]
-    shine = np.zeros_like(light)
-    for lamp in lamps:
-        to = lamp.position - seen.point
-        square = (to * to).sum(1)
-        to = to / np.sqrt(square)[:, None]
-        arrives = shadow(bodies, seen, eye, lamp, rng).ravel() / (square + 0.15)
-        light += (np.maximum((seen.normal * to).sum(1), 0) * arrives)[:, None] * lamp.colour
-        halfway = to + view
-        halfway /= np.linalg.norm(halfway, axis=1, keepdims=True)
-        peak = np.maximum((seen.normal * halfway).sum(1), 0) ** 60
-        shine += (peak * arrives * seen.gloss * 4)[:, None] * lamp.colour
-    picture = seen.albedo * (light + seen.glow[:, None]) + shine
-    return picture.reshape(height, width, 3).astype(np.float32)
+        n = local / body.span**2
+        n /= np.sqrt((n * n).sum(1, keepdims=True))
+        return n, (local[:, [0, 1]] + local[:, [2, 2]]) / np.float32(size_m or 1)
+    axis, sign = side // 2, (1 if side % 2 else -1) * (-1 if body.hollow else 1)
+    n = np.zeros_like(local)
+    n[:, axis] = sign
+    axes = list(_FACE_AXES[axis])
+    if size_m:
+        return n, local[:, axes] / np.float32(size_m)
+    uv = (local[:, axes] / body.span[axes] + 1) * np.float32(0.4999)
+    if axes[1] == 1:
+        uv[:, 1] = np.float32(0.9999) - uv[:, 1]
+    return n, uv
