@@ -98,9 +98,20 @@ def named_assignment_of(wildcards):
 
 
 def label_model_of(wildcards):
-    """Return the segmentation model; none where labels are read from a folder."""
-    return (
-        [] if config["photos"]["masks"] == "precomputed" else model_of("segmentation")
+    """Return the segmentation model; none where labels are read from a folder.
+
+    Of a pretrained network on disk its files; one of the hub is no file, its commit is a param.
+    """
+    source = config["photos"]["masks"]
+    if source == "embedded":
+        return model_of("segmentation")
+    folder = config["photos"]["pretrained"]["path"]
+    if source == "precomputed" or not folder:
+        return []
+    return sorted(
+        str(path)
+        for pattern in ("*.json", "*.safetensors")
+        for path in Path(folder).glob(pattern)
     )
 
 

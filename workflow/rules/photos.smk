@@ -20,6 +20,7 @@ rule masks:
         photo_folder=str(DATA_ROOT / "photos"),
         source=config["photos"]["masks"],
         masks_folder=config["photos"]["masks_folder"],
+        pretrained=config["photos"]["pretrained"],
         fov_deg=config["photos"]["fov_deg"],
         code=code_hash(
             "photos.stage", "photos.segmentation", "photos.segmentation_pretrained"

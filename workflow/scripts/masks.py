@@ -6,14 +6,21 @@ from plan2scene.jobs import job
 from plan2scene.photos.stage import make_masks
 
 with job(snakemake.log[0]):
+    params = snakemake.params
+    pretrained = None
+    if params.source == "pretrained":
+        from plan2scene.photos.segmentation_pretrained import Checkpoint
+
+        pretrained = Checkpoint(**params.pretrained)
     # All names of the house table: the stage says which photos are missing or unsafe.
     make_masks(
-        {name: Path(snakemake.params.photo_folder) / name for name in snakemake.params.names},
+        {name: Path(params.photo_folder) / name for name in params.names},
         snakemake.output[0],
         house=snakemake.wildcards.house,
-        source=snakemake.params.source,
+        source=params.source,
         model=snakemake.input.model or None,
-        precomputed_dir=snakemake.params.masks_folder,
-        fov_deg=snakemake.params.fov_deg,
+        precomputed_dir=params.masks_folder,
+        pretrained=pretrained,
+        fov_deg=params.fov_deg,
         threads=snakemake.threads,
     )

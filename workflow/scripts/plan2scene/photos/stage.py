@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from plan2scene.io import atomic_directory, read_image, safe_join, write_json
 from plan2scene.photos.camera import Camera, estimate_camera
 from plan2scene.photos.exif import ExifFocal, read_exif_focal
 from plan2scene.photos.masks import SOURCES, labels_from_folder, write_label_png
+
+if TYPE_CHECKING:
+    from plan2scene.photos.segmentation_pretrained import Checkpoint
 
 _log = logging.getLogger("plan2scene")
 
@@ -42,6 +46,7 @@ def labeller(
     *,
     model: str | Path | None = None,
     precomputed_dir: str | Path | None = None,
+    pretrained: Checkpoint | None = None,
     threads: int = 1,
     house: str = "",
 ) -> Labeller:
@@ -51,9 +56,11 @@ def labeller(
     ----------
     source : {"embedded", "precomputed", "pretrained"}
     model : path
-        Embedded: the safetensors file. Pretrained: the folder of an ADE20K checkpoint.
+        Embedded: the safetensors file.
     precomputed_dir : path
         Precomputed: the folder of ``{stem}.png``.
+    pretrained : Checkpoint
+        Pretrained: where the ADE20K network is.
     threads : int
         Processor threads of a network.
 
@@ -62,7 +69,7 @@ def labeller(
     if source == "precomputed":
         if not precomputed_dir or not Path(precomputed_dir).is_dir():
             raise InputError(
-                "a folder of label PNGs (masks.precomputed_dir)",
+                "a folder of label PNGs (photos.masks_folder)",
                 f"no such folder {precomputed_dir or ''}".strip(),
                 house=house,
             )
@@ -74,19 +81,19 @@ def labeller(
         )
     if source not in SOURCES:
         raise InputError(f"a mask source of {', '.join(SOURCES)}", source, house=house)
-    if not model:
+    if not (pretrained if source == "pretrained" else model):
         raise InputError(f"a model for mask source {source}", "none", house=house)
     import torch
 
     torch.set_num_threads(threads)
-    if source == "pretrained":
+    if source == "pretrained" and pretrained:
         from plan2scene.photos.segmentation_pretrained import load_pretrained
 
-        pretrained = load_pretrained(model)
-        return Labeller(lambda _photo, image: pretrained.labels(image))
+        ade20k = load_pretrained(pretrained)
+        return Labeller(lambda _photo, image: ade20k.labels(image))
     from plan2scene.photos.segmentation import load_segmenter
 
-    embedded = load_segmenter(model)
+    embedded = load_segmenter(str(model))
     return Labeller(
         lambda _photo, image: embedded.labels(image),
         embedded.labels if embedded.network.elevation else None,
@@ -102,6 +109,7 @@ def make_masks(
     fov_deg: float,
     model: str | Path | None = None,
     precomputed_dir: str | Path | None = None,
+    pretrained: Checkpoint | None = None,
     threads: int = 1,
 ) -> list[str]:
     """Write the masks folder of a house and return its warnings.
@@ -117,7 +125,7 @@ def make_masks(
         ``warnings.json`` (``docs/conventions.md``).
     fov_deg : float
         Horizontal field of view in degrees where neither EXIF data nor vanishing points give one.
-    source, model, precomputed_dir, threads
+    source, model, precomputed_dir, pretrained, threads
         As in :func:`labeller`.
     """
     _refuse_equal_stems(photos, house)
@@ -131,6 +139,7 @@ def make_masks(
                     source,
                     model=model,
                     precomputed_dir=precomputed_dir,
+                    pretrained=pretrained,
                     threads=threads,
                     house=house,
                 )
