@@ -22,7 +22,8 @@ def main(path: Path) -> None:
         cells = []
         for name in FIGURES:
             published = row[f"{name.split()[0]} published"]
-            cells.append(f"{float(row[name]):.3f} ({published})")
+            known = "" if published == "none" else f" ({published})"
+            cells.append(f"{float(row[name]):.3f}{known}")
         print(f"| {row['method']} | {row['column']} | {row['n']} | " + " | ".join(cells) + " |")
     commit = subprocess.run(
         ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True

@@ -169,6 +169,20 @@ def test_table_counts_and_averages_the_right_surfaces(results):
     assert (results / "tables" / "t.png").stat().st_size > 5000
 
 
+def test_a_method_that_the_paper_has_not_reads_none(results):
+    for path in sorted(results.glob("drop_*/synth/*/metrics.parquet")):
+        frame, metadata = read_parquet(path)
+        target = results / path.relative_to(results).as_posix().replace("synth", "exemplar")
+        target.parent.mkdir(parents=True)
+        write_parquet(target, frame.assign(method="exemplar"), metadata)
+    _, wide = _table(results, _request(methods=(*METHODS, "exemplar")))
+    rows = wide[wide["method"] == "exemplar"]
+    assert len(rows) == 3
+    for name in METRICS:
+        assert set(rows[f"{name} published"]) == {"none"}
+    assert float(rows.iloc[0]["COLOR"]) == float(wide[wide["method"] == "synth"].iloc[0]["COLOR"])
+
+
 def test_each_surface_counts_once_for_fid_however_many_crops_it_has(results):
     # The floor has three crops, the wall one: the weighted reference mean is that of surfaces.
     tidy, _ = _table(results, _request())

@@ -99,6 +99,7 @@ def files(tmp_path):
             "room_id": [c.key.room_id for c in CROPS],
             "surface": [c.key.surface for c in CROPS],
             "metres": [0.5, 0.5, float("nan"), 0.5, 0.5],
+            "sharpness": [1.0, 1.0, float("nan"), 1.0, 0.1],
             "png": [c.png for c in CROPS],
         }
     )
@@ -139,8 +140,9 @@ def _make(files, method, out="out", **changes):
         "size_px": 128,
         "seam_correction": False,
     } | changes
-    if method in ("synth", "naivesynth"):
-        settings["model"] = files / f"{method}.safetensors"
+    if method not in ("crop", "retrieve"):
+        name = "synth" if method == "exemplar" else method
+        settings["model"] = files / f"{name}.safetensors"
     make_textures(
         method,
         files / "propagated.parquet",
@@ -154,12 +156,12 @@ def _make(files, method, out="out", **changes):
     return files / out, listing["surfaces"]
 
 
-@pytest.mark.parametrize("method", ["crop", "retrieve", "naivesynth", "synth"])
+@pytest.mark.parametrize("method", ["crop", "retrieve", "naivesynth", "synth", "exemplar"])
 def test_every_surface_gets_a_tile_the_same_again(files, method):
     folder, surfaces = _make(files, method, size_px=48)
     assert set(surfaces) == {f"{k.room_id}/{k.surface}" for k in PLAN.surface_keys()}
     again, _ = _make(files, method, out="again", size_px=48)
-    side = 48 if method in ("synth", "naivesynth") else SIZE
+    side = SIZE if method in ("crop", "retrieve") else 48
     for key in PLAN.surface_keys():
         path = folder / f"{key.filename}.png"
         assert read_image(path).shape == (side, side, 3)
@@ -211,6 +213,33 @@ def test_decoded_tiles_need_no_correction_and_have_the_size_asked_for(files):
     folder, surfaces = _make(files, "synth", size_px=40, seam_correction=True)
     assert read_image(folder / "hall_wall.png").shape == (40, 40, 3)
     assert not any(entry["seam_corrected"] for entry in surfaces.values())
+
+
+def test_exemplars_are_of_the_surface_s_crops_and_say_so(files):
+    folder, surfaces = _make(files, "exemplar", seam_correction=True)
+    assert surfaces["bed1/floor"]["source"] == "exemplar of 3 crops"
+    assert surfaces["bed1/floor"]["size_m"] == pytest.approx(0.5)
+    assert np.median(read_image(folder / "bed1_floor.png")) == pytest.approx(100, abs=6)
+    assert wrap_ratio(read_image(folder / "bed1_floor.png")) < 1.3
+    assert surfaces["hall/wall"]["source"].startswith("decoded from propagation: none of 1 crops")
+    assert "decoded" in surfaces["bath/wall"]["source"]  # no exemplar of a wall is good
+    assert not any(entry["seam_corrected"] for entry in surfaces.values())
+
+
+def test_unobserved_surfaces_take_the_nearest_exemplar_in_their_colour(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    near = np.r_[np.zeros(8), 0.75, 0.8, 0.8].astype(np.float32)
+    far = np.r_[np.zeros(8), 0.0, 0.0, 1.0].astype(np.float32)
+    codes = {("bed2", "floor"): near, ("hall", "floor"): near, ("bath", "floor"): far}
+    table["embedding"] = [
+        codes.get((row.room_id, row.surface), row.embedding) for row in table.itertuples()
+    ]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    folder, surfaces = _make(files, "exemplar")
+    assert surfaces["bed2/floor"]["source"].startswith("exemplar of hall, recoloured by")
+    median = np.median(read_image(folder / "bed2_floor.png").reshape(-1, 3), axis=0)
+    np.testing.assert_allclose(median, np.array([0.75, 0.8, 0.8]) * 255, atol=2)
+    assert "dE2000 away" in surfaces["bath/floor"]["source"]
 
 
 def test_wrong_requests_are_refused(files):

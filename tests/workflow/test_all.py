@@ -18,7 +18,7 @@ from plan2scene.floorplans import read_plan
 from plan2scene.house_table import load_houses
 from plan2scene.provenance import file_hash
 
-METHODS = {"crop", "retrieve", "naivesynth", "synth"}
+METHODS = {"crop", "retrieve", "naivesynth", "synth", "exemplar"}
 
 
 def test_every_house_has_its_files(made):
@@ -68,7 +68,7 @@ def test_the_table_has_no_empty_cell(made):
     path = made.root / "results" / "tiny" / "tables" / "paper_table.csv"
     rows = list(csv.DictReader(path.open()))
     assert {row["method"] for row in rows} == METHODS
-    assert len(rows) == 12
+    assert len(rows) == 15
     figures = [
         name for name in rows[0] if name.split()[0] in {"COLOR", "FREQ", "SUBS", "FID", "TILE"}
     ]

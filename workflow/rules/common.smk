@@ -150,5 +150,5 @@ def ready_crops_of(wildcards):
 
 def decoder_of(wildcards):
     """Return the texture model of a method; none where nothing is decoded."""
-    models = {"synth": "texture", "naivesynth": "naivesynth"}
+    models = {"synth": "texture", "naivesynth": "naivesynth", "exemplar": "texture"}
     return model_of(models[wildcards.method]) if wildcards.method in models else []

@@ -24,6 +24,7 @@ class Method(enum.StrEnum):
     retrieve = "retrieve"
     naivesynth = "naivesynth"
     synth = "synth"
+    exemplar = "exemplar"
 
 
 def _house_id(plan: Path, given: str | None) -> str:

@@ -13,7 +13,7 @@ from plan2scene.metrics.published import METRICS, TABLE_COLUMNS
 if TYPE_CHECKING:
     import pandas as pd
 
-_COLOURS = ("#9aa5b1", "#d9a441", "#6c8ebf", "#3a7d44")
+_COLOURS = ("#9aa5b1", "#d9a441", "#6c8ebf", "#3a7d44", "#a4508b")
 
 
 def plot_table(tidy: pd.DataFrame, output: str | Path) -> None:

@@ -29,6 +29,8 @@ _LOGGER = logging.getLogger("plan2scene")
 _SURFACE = ["house", "room_id", "surface"]
 #: What a cell holds when no surface of any house falls into its column.
 NO_SURFACES = "n=0"
+#: What a cell reads for a method that the paper does not have.
+UNPUBLISHED = "none"
 
 
 @dataclass(frozen=True)
@@ -206,7 +208,9 @@ def _tidy_rows(
         "seed": request.seed,
         "version": plan2scene.__version__,
     }
-    published = dict(zip(METRICS, PUBLISHED[method][column], strict=True))
+    unpublished = (float("nan"),) * len(METRICS)
+    figures = PUBLISHED[method][column] if method in PUBLISHED else unpublished
+    published = dict(zip(METRICS, figures, strict=True))
     return [
         {
             **common,
@@ -231,6 +235,7 @@ def _wide(tidy: pd.DataFrame) -> pd.DataFrame:
             network = "" if cell.features == "none" else f" ({cell.features})"
             row[f"{cell.metric}{network}"] = f"{cell.value:.4f}" if cell.n else NO_SURFACES
         for cell in group.itertuples():
-            row[f"{cell.metric} published"] = f"{cell.published:g}"
+            known = cell.published == cell.published
+            row[f"{cell.metric} published"] = f"{cell.published:g}" if known else UNPUBLISHED
         rows.append({**row, **{k: first[k] for k in ("missing", "dataset", "seed", "version")}})
     return pd.DataFrame(rows)

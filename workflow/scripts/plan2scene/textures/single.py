@@ -38,7 +38,8 @@ def tile_from_crops(
         Crops of the surface; their middle squares are used at 128 px.
     method : str
         ``crop`` (medoid crop, seam-corrected), ``retrieve`` (nearest procedural tile),
-        ``naivesynth`` (decoded mean embedding), ``synth`` (decoded selected embedding).
+        ``naivesynth`` (decoded mean embedding), ``synth`` (decoded selected embedding),
+        ``exemplar`` (of the crops themselves; as ``synth`` where they are too poor).
         ValueError for another one.
     """
     import cv2
@@ -47,6 +48,15 @@ def tile_from_crops(
     from plan2scene.textures.seams import make_seamless
 
     crops = [square_crop(image) for image in images]
+    if method == "exemplar":
+        from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+
+        unknown = float("nan")
+        known = [ExemplarCrop(crop, unknown, unknown) for crop in crops]
+        made = make_exemplar(known, size_px=size_px)
+        if made is not None:
+            return made.image
+        method = "synth"
     if method in ("synth", "naivesynth"):
         return _decoded(np.stack(crops), method, size_px, seed, models)
     reference = crops[medoid_index(crops)]
@@ -56,7 +66,9 @@ def tile_from_crops(
         library = generated_library(LIBRARY_TILES, seed, size_px)
         return make_seamless(library.tiles[library.nearest(reference)])[0]
     if method != "crop":
-        raise ValueError(f"expected crop, retrieve, naivesynth or synth, found {method!r}")
+        raise ValueError(
+            f"expected crop, retrieve, naivesynth, synth or exemplar, found {method!r}"
+        )
     if size_px != CROP_PX:
         reference = cv2.resize(reference, (size_px, size_px), interpolation=cv2.INTER_AREA)
     return make_seamless(reference)[0]

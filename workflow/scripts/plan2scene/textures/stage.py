@@ -4,19 +4,22 @@
 ``retrieve``    the library's tile nearest to that crop
 ``naivesynth``  the unmodified texture model, decoded from the mean of the crops' embeddings
 ``synth``       the paper's model, decoded from the selected or propagated embedding
+``exemplar``    tiles of the surfaces' own crops (:mod:`plan2scene.textures.exemplar`); where that
+                cannot be, as ``synth``
 
 Seam correction is a switch per method. The metrics read the very tiles written here, and the
 paper compares Crop and Retrieve as they are (a corrected crop's TILE would not be Crop's), so
 both are left alone by default; a decoder with periodic noise tiles by construction and is never
 touched. Crops stay at their 128 px whatever `size_px` is: more pixels would add nothing.
-Torch is imported for the two decoded methods only.
+Torch is imported only where something is decoded.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,15 +31,16 @@ from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, read_parquet, write_json, write_png
 from plan2scene.seeds import generator
 from plan2scene.textures.baselines import Choice, Crop, choose_crop, usual_substance
+from plan2scene.textures.exemplar.house import HouseExemplar, house_exemplars
 from plan2scene.textures.retrieval import TextureLibrary, read_library
 from plan2scene.textures.seams import make_seamless
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Methods of the texture stage, in the order of the paper's table.
-METHODS = ("crop", "retrieve", "naivesynth", "synth")
-_SYNTHESISED = ("naivesynth", "synth")
+#: Methods of the texture stage, those of the paper's table first and in its order.
+METHODS = ("crop", "retrieve", "naivesynth", "synth", "exemplar")
+_SYNTHESISED = ("naivesynth", "synth", "exemplar")
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +80,7 @@ def make_textures(
     hidden_photos : collection of str
         Photos whose crops are not to be seen at this drop fraction.
     model : path, optional
-        Weights of the texture model; needed by ``synth`` and ``naivesynth``.
+        Weights of the texture model; needed by ``synth``, ``naivesynth`` and ``exemplar``.
     size_px : int
         Side of decoded tiles in pixels.
     seam_correction : bool
@@ -86,14 +90,21 @@ def make_textures(
         raise InputError(f"a method of {', '.join(METHODS)}", method, house=house)
     plan = read_scene_json(scene_json, house)
     surfaces, _ = read_parquet(propagated)
-    visible = visible_crops(read_parquet(crops)[0], hidden_photos)
+    crop_table = read_parquet(crops)[0]
     if method in _SYNTHESISED:
         if model is None:
             raise InputError(f"a texture model for method {method}", "none", house=house)
-        tiles = _decoded(
-            method, propagated, surfaces, model, house=house, seed=seed, size_px=size_px
+        decode = partial(
+            _decoded, propagated, surfaces, model, house=house, seed=seed, size_px=size_px
         )
+        if method == "exemplar":
+            made, reasons = house_exemplars(surfaces, crop_table, hidden_photos, size_px)
+            decoded = decode("synth") if reasons else {}
+            tiles = _with_exemplars(surfaces, made, decoded, reasons)
+        else:
+            tiles = decode(method)
     else:
+        visible = visible_crops(crop_table, hidden_photos)
         tiles = _baseline(method, plan, surfaces, visible, read_library(library), seed)
     _write(out_dir, method, surfaces, tiles, seam_correction)
 
@@ -163,10 +174,10 @@ def _usual_tile(plan: House, key: SurfaceKey, library: TextureLibrary, seed: int
 
 
 def _decoded(
-    method: str,
     propagated: str | Path,
     surfaces: pd.DataFrame,
     model: str | Path,
+    method: str,
     *,
     house: str,
     seed: int,
@@ -184,6 +195,27 @@ def _decoded(
     for row in surfaces.itertuples():
         key = SurfaceKey(row.room_id, row.surface)
         tiles[key] = Tile(images[key], float(row.metres), str(row.source), periodic)
+    return tiles
+
+
+def _with_exemplars(
+    surfaces: pd.DataFrame,
+    made: Mapping[SurfaceKey, HouseExemplar],
+    decoded: Mapping[SurfaceKey, Tile],
+    reasons: Mapping[SurfaceKey, str],
+) -> dict[SurfaceKey, Tile]:
+    """Return the exemplars, and decoded tiles where there are none with the reason why."""
+    tiles = {}
+    for row in surfaces.itertuples():
+        key = SurfaceKey(row.room_id, row.surface)
+        if key in made:
+            size = made[key].size_m
+            size_m = size if math.isfinite(size) else float(row.metres)
+            tiles[key] = Tile(made[key].image, size_m, made[key].source, True)
+        else:
+            tile = decoded[key]
+            source = f"decoded from {tile.source}: {reasons[key]}"
+            tiles[key] = replace(tile, source=source)
     return tiles
 
 

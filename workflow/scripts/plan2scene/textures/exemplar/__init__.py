@@ -1,0 +1,1 @@
+"""Exemplar textures: seamless tiles from the photos' own crops (method ``exemplar``)."""

@@ -1,0 +1,138 @@
+"""Exemplar textures of a whole house.
+
+Observed surfaces get a tile of their own crops. An unobserved one gets the nearest good exemplar
+of the house (same kind of surface, same substance, nearest embedding), recoloured to the colour
+predicted for it; where there is none near enough, its predicted embedding is decoded. Each tile's
+source says which way it went.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from plan2scene.house import SurfaceKey
+from plan2scene.io import image_from_bytes
+from plan2scene.textures.colour import (
+    as_uint8,
+    delta_e_2000,
+    linear_to_srgb,
+    median_colour,
+    rgb_to_lab,
+    srgb_to_linear,
+)
+from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Largest colour difference (CIEDE2000) that an exemplar is recoloured over.
+MAX_RECOLOUR = 25.0
+
+
+@dataclass(frozen=True, eq=False)
+class HouseExemplar:
+    """A surface's tile (s, s, 3) uint8 sRGB, its side in metres (NaN unknown), its source."""
+
+    image: np.ndarray
+    size_m: float
+    source: str
+
+
+def house_exemplars(
+    propagated: pd.DataFrame,
+    crops: pd.DataFrame,
+    hidden_photos: Collection[str],
+    size_px: int,
+) -> tuple[dict[SurfaceKey, HouseExemplar], dict[SurfaceKey, str]]:
+    """Return the surfaces that exemplars serve, and the others with the reason why not.
+
+    Parameters
+    ----------
+    propagated, crops : DataFrame
+        ``propagated.parquet`` and ``crops.parquet`` (docs/conventions.md).
+    hidden_photos : collection of str
+        Photos whose crops are not to be seen.
+    """
+    rows = {SurfaceKey(row.room_id, row.surface): row for row in propagated.itertuples()}
+    own: dict[SurfaceKey, Exemplar] = {}
+    poor: dict[SurfaceKey, str] = {}
+    for key, group in _crops_by_surface(crops, hidden_photos).items():
+        if key not in rows:
+            continue
+        made = make_exemplar(group, size_px=size_px)
+        if made is None:
+            poor[key] = f"none of {len(group)} crops is sharp enough"
+        else:
+            own[key] = made
+    tiles = {
+        key: HouseExemplar(made.image, made.size_m, f"exemplar of {made.crops} crops")
+        for key, made in own.items()
+    }
+    for key, row in rows.items():
+        if key not in tiles and key not in poor:
+            found = _nearest(key, row, rows, own)
+            if isinstance(found, str):
+                poor[key] = found
+            else:
+                tiles[key] = found
+    return tiles, poor
+
+
+def _crops_by_surface(
+    crops: pd.DataFrame, hidden_photos: Collection[str]
+) -> dict[SurfaceKey, list[ExemplarCrop]]:
+    """Return the visible crops of each surface, in the file's order."""
+    found: dict[SurfaceKey, list[ExemplarCrop]] = {}
+    for row in crops[~crops["photo"].isin(set(hidden_photos))].itertuples():
+        crop = ExemplarCrop(image_from_bytes(row.png), float(row.metres), float(row.sharpness))
+        found.setdefault(SurfaceKey(row.room_id, row.surface), []).append(crop)
+    return found
+
+
+def _nearest(
+    key: SurfaceKey,
+    row: Any,
+    rows: Mapping[SurfaceKey, Any],
+    own: Mapping[SurfaceKey, Exemplar],
+) -> HouseExemplar | str:
+    """Return the recoloured exemplar nearest to an unobserved surface, or why there is none."""
+    wanted = np.asarray(row.embedding, dtype=np.float64)
+    pool = [
+        other
+        for other in own
+        if other.surface == key.surface and rows[other].substance == row.substance
+    ]
+    if not pool:
+        return f"no exemplar of a {row.substance} {key.surface} in the house"
+    distances = [np.abs(np.asarray(rows[other].embedding) - wanted).mean() for other in pool]
+    nearest = pool[int(np.argmin(distances))]
+    made = own[nearest]
+    tone = np.clip(wanted[-3:], 0.0, 1.0)
+    away = colour_difference(made.image, tone)
+    if away > MAX_RECOLOUR:
+        return f"the nearest exemplar, of {nearest.room_id}, is {away:.0f} dE2000 away"
+    return HouseExemplar(
+        recoloured(made.image, tone),
+        made.size_m,
+        f"exemplar of {nearest.room_id}, recoloured by {away:.1f} dE2000",
+    )
+
+
+def colour_difference(image: np.ndarray, tone: np.ndarray) -> float:
+    """Return the CIEDE2000 difference of a uint8 image's median colour to sRGB `tone` (3,)."""
+    return float(delta_e_2000(rgb_to_lab(median_colour(image)), rgb_to_lab(tone)))
+
+
+def recoloured(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
+    """Return a (h, w, 3) uint8 sRGB image whose median colour is sRGB `tone`, (3,) in [0, 1].
+
+    Each channel's linear values are scaled: what another pigment of the same grain reflects.
+    """
+    linear = srgb_to_linear(image)
+    median = np.maximum(srgb_to_linear(median_colour(image)), 1e-3)
+    factor = np.maximum(srgb_to_linear(tone), 1e-3) / median
+    return as_uint8(linear_to_srgb(np.minimum(linear * factor, 1.0)))

@@ -1,0 +1,93 @@
+"""Light of several crops of one surface: highlights found, slow shading taken out.
+
+One crop cannot tell shading from slow variation of the material; several can: the material's
+share is common to all, and at middle frequencies it is all there is. So each crop's slow cosine
+terms are brought down to the least power that the crops and the neighbouring frequencies agree
+on, not to zero: stucco keeps its relief. Images are (n, s, s, 3) float sRGB in [0, 1]; light is
+taken as a factor on these values.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from scipy.fft import dctn, idctn
+
+_BLACK = 4.0 / 255.0  # keeps logarithms finite
+_SLOW = 14  # cosine terms up to this index (half waves per crop) may hold light
+_CERTAIN = 4  # up to this index nearly all is light
+_HIGHLIGHT = 0.2  # log excess over the crop's median that only a highlight has
+_MOST = 0.3  # a crop of which more than this is 'highlight' shows a bright pattern instead
+
+
+def log_luma(images: np.ndarray) -> np.ndarray:
+    """Return the log of the grey value of (..., 3) images."""
+    return np.log(images @ np.array([0.299, 0.587, 0.114]) + _BLACK)
+
+
+def highlights(images: np.ndarray) -> np.ndarray:
+    """Return (n, s, s) bool: pixels that a highlight or a lamp burns out.
+
+    Blobs far brighter than their crop. What most crops show is the pattern, not a highlight.
+    """
+    masks = np.zeros(images.shape[:3], dtype=bool)
+    for mask, luma in zip(masks, log_luma(images), strict=True):
+        smooth = cv2.GaussianBlur(luma, (0, 0), images.shape[1] / 25)
+        excess = smooth - np.median(smooth)
+        core = (excess > _HIGHLIGHT).astype(np.uint8)
+        if core.any() and core.mean() < _MOST:
+            wide = cv2.dilate(core, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (9, 9)))
+            mask[:] = wide > 0
+    usual = masks.any(axis=(1, 2)).mean() > 0.5
+    return np.zeros_like(masks) if usual else masks
+
+
+def flatten(images: np.ndarray, masks: np.ndarray, keep: np.ndarray | None = None) -> np.ndarray:
+    """Return the images under even light, each with its own median brightness.
+
+    Parameters
+    ----------
+    images : (n, s, s, 3) float
+        sRGB in [0, 1].
+    masks : (n, s, s) bool
+        Highlights: they neither count nor get any better.
+    keep : (s, s) bool, optional
+        Cosine terms of the material's pattern, left alone.
+    """
+    luma = np.stack([_filled(*pair) for pair in zip(log_luma(images), masks, strict=True)])
+    terms = dctn(luma, axes=(1, 2), norm="ortho")
+    index = np.arange(luma.shape[1])
+    radius = np.hypot(index[:, None], index[None, :])
+    light = np.zeros_like(terms)
+    for ring, share in _shares(terms, radius):
+        light[:, ring] = terms[:, ring] * share[:, None]
+    if keep is not None:
+        light[:, keep] = 0.0
+    field = idctn(light, axes=(1, 2), norm="ortho")
+    field -= np.median(field, axis=(1, 2), keepdims=True)
+    return np.clip(images * np.exp(-field)[..., None], 0.0, 1.0)
+
+
+def _filled(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Return (s, s) log values with masked ones replaced by their surroundings' mean."""
+    if not mask.any():
+        return luma
+    weight = (~mask).astype(np.float64)
+    sigma = luma.shape[0] / 10
+    near = cv2.GaussianBlur(luma * weight, (0, 0), sigma)
+    near /= np.maximum(cv2.GaussianBlur(weight, (0, 0), sigma), 1e-3)
+    return np.where(mask, near, luma)
+
+
+def _shares(terms: np.ndarray, radius: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return rings of cosine terms, (s, s) bool, with the share of them that is light, (n,)."""
+    rings = [(radius >= k - 0.5) & (radius < k + 0.5) for k in range(1, 2 * _SLOW)]
+    power = np.stack([(terms[:, ring] ** 2).mean(axis=1) for ring in rings])  # (rings, n)
+    beyond = float(np.median(power[_SLOW:]))
+    result = []
+    for k, (ring, own) in enumerate(zip(rings[:_SLOW], power[:_SLOW], strict=True), start=1):
+        usual = beyond * (_SLOW / k) ** 0.5
+        material = usual if k <= _CERTAIN else max(usual, float(np.sort(own)[len(own) // 3]))
+        amplitude = np.sqrt(np.minimum(1.0, material / np.maximum(own, 1e-12)))
+        result.append((ring, 1.0 - amplitude))
+    return result

@@ -1,0 +1,163 @@
+"""A seamless tile from the photo crops of one surface.
+
+Highlights are found and light is evened out over all crops together, their colours are brought
+to what most of them show, and a torus is quilted from them. The tile covers as many metres as
+photo pixels of the crops fill: crops are enlarged photo patches, so it is larger than a crop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from plan2scene.textures.colour import as_uint8
+from plan2scene.textures.exemplar.light import flatten, highlights
+from plan2scene.textures.exemplar.quilt import Source, quilt
+
+#: Side of the torus in pixels; larger tiles are enlarged from it (crops hold no more detail).
+WORK_PX = 128
+#: Crops that take part, the best first.
+MAX_CROPS = 10
+_LARGEST = 2.0  # side of the tile over the side of a crop
+_LEAST_SHARP = 0.2  # photo pixels per crop pixel under which a crop shows no texture
+_MOST_SPOILED = 0.5  # share of burned-out or masked pixels from which a crop is useless
+_SMALLEST_PX = 32  # crops that fill less of the tile only make seams
+
+
+@dataclass(frozen=True, eq=False)
+class ExemplarCrop:
+    """A crop to learn a surface from.
+
+    Attributes
+    ----------
+    image : (128, 128, 3) uint8
+        sRGB.
+    metres : float
+        Side of the square that it covers; NaN when unknown.
+    sharpness : float
+        Photo pixels per crop pixel; NaN when unknown.
+    """
+
+    image: np.ndarray
+    metres: float
+    sharpness: float
+
+
+@dataclass(frozen=True, eq=False)
+class Exemplar:
+    """A tile made of crops.
+
+    Attributes
+    ----------
+    image : (s, s, 3) uint8
+        sRGB, repeats in both directions.
+    size_m : float
+        Metres that it covers; NaN when no crop knows its scale.
+    crops : int
+        How many crops it was made of.
+    """
+
+    image: np.ndarray
+    size_m: float
+    crops: int
+
+
+def spoiled_share(image: np.ndarray) -> float:
+    """Return the share of an (h, w, 3) uint8 crop that is burned out or pitch black."""
+    return float(((image.min(axis=2) >= 252) | (image.max(axis=2) <= 4)).mean())
+
+
+def usable(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
+    """Return the crops that show a texture: neither burned out nor enlarged beyond use."""
+    return [
+        crop
+        for crop in crops
+        if not crop.sharpness < _LEAST_SHARP and spoiled_share(crop.image) < _MOST_SPOILED
+    ]
+
+
+def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | None:
+    """Return a seamless tile of the surface that `crops` show; None when all are too poor.
+
+    Nothing is drawn: same crops and size, same bytes.
+
+    Parameters
+    ----------
+    crops : sequence of ExemplarCrop
+        Crops of one surface, of any scales; those of unknown scale count as the median one.
+    size_px : int
+        Side of the tile in pixels.
+    """
+    good = usable(crops)
+    if not good:
+        return None
+    images = np.stack([crop.image for crop in good]).astype(np.float64) / 255.0
+    masks = highlights(images)
+    flat = flatten(images, masks)
+    tones = np.stack([np.median(i[~m], axis=0) for i, m in zip(flat, masks, strict=True)])
+    tone = consensus(tones)
+    flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
+    scales, size_m = tile_scale(good)
+    order = [k for k in _ranking(images, flat, masks) if scales[k] * WORK_PX >= _SMALLEST_PX]
+    order = (order or [int(scales.argmax())])[:MAX_CROPS]
+    sources = [_source(flat[k], masks[k], scales[k] * WORK_PX) for k in order]
+    canvas = quilt(sources, WORK_PX)
+    image = _toned(canvas.solve(), tone)
+    return Exemplar(as_uint8(enlarged(image, size_px)), size_m, len(order))
+
+
+def tile_scale(crops: Sequence[ExemplarCrop]) -> tuple[np.ndarray, float]:
+    """Return each crop's side over the tile's, (n,) at most 1, and the tile's side in metres."""
+    metres = np.array([crop.metres for crop in crops], dtype=np.float64)
+    sharp = np.array([crop.sharpness for crop in crops], dtype=np.float64)
+    known = np.isfinite(metres)
+    usual = float(np.median(metres[known])) if known.any() else 1.0
+    metres = np.where(known, metres, usual)
+    sharp = np.clip(np.where(np.isfinite(sharp), sharp, 1.0), 1.0 / _LARGEST, 1.0)
+    size = max(float(np.median(metres / sharp)), float(metres.max()))
+    return metres / size, size if known.any() else float("nan")
+
+
+def consensus(tones: np.ndarray) -> np.ndarray:
+    """Return the mean (3,) of the middle half of the crops' colours (n, 3)."""
+    cut = len(tones) // 4
+    return np.sort(tones, axis=0)[cut : len(tones) - cut].mean(axis=0)
+
+
+def enlarged(image: np.ndarray, size_px: int) -> np.ndarray:
+    """Return a periodic (s, s, 3) image at `size_px`, still periodic (cubic interpolation)."""
+    if image.shape[0] == size_px:
+        return image
+    pad = 8
+    side = image.shape[0]
+    wide = np.pad(image, ((pad, pad), (pad, pad), (0, 0)), mode="wrap").astype(np.float32)
+    position = (np.arange(size_px) + 0.5) * side / size_px - 0.5 + pad
+    across, down = np.meshgrid(position.astype(np.float32), position.astype(np.float32))
+    if size_px < side:
+        wide = cv2.GaussianBlur(wide, (0, 0), 0.45 * side / size_px)
+    return cv2.remap(wide, across, down, cv2.INTER_CUBIC)
+
+
+def _ranking(images: np.ndarray, flat: np.ndarray, masks: np.ndarray) -> np.ndarray:
+    """Return the crops' indices, those that needed the least repair of their light first."""
+    repair = np.log((images.mean(axis=3) + 0.02) / (flat.mean(axis=3) + 0.02)).std(axis=(1, 2))
+    return np.argsort(2.0 * masks.mean(axis=(1, 2)) + repair, kind="stable")
+
+
+def _source(image: np.ndarray, mask: np.ndarray, side_px: float) -> Source:
+    """Return a crop at the torus's scale."""
+    side = max(8, round(side_px))
+    small = cv2.resize(image.astype(np.float32), (side, side), interpolation=cv2.INTER_AREA)
+    share = cv2.resize((~mask).astype(np.float32), (side, side), interpolation=cv2.INTER_AREA)
+    valid = share > 0.99
+    valid[[0, -1]] = valid[:, [0, -1]] = False  # its borders do not join each other
+    return Source(small, valid)
+
+
+def _toned(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
+    """Return the image scaled to the median colour `tone`."""
+    median = np.median(image.reshape(-1, 3), axis=0)
+    return np.clip(image * (tone / np.maximum(median, 1 / 255)), 0.0, 1.0)
