@@ -33,7 +33,7 @@ _log = logging.getLogger("plan2scene")
 def draw_scenes(output: str | Path, *, settings: Mapping[str, Any], seed: int) -> None:
     """Draw the rooms of boxes that training uses beside photos and write them to a Parquet file."""
     chosen = Settings.of(settings)
-    drawn = random_scenes_and_eyes(chosen.scenes, seed=seed)
+    drawn = random_scenes_and_eyes(chosen.scenes, seed=seed, textures=chosen.textures)
     scenes = [replace(photo, gaze=gaze_of(scene_camera(eye))) for photo, eye in drawn]
     write_scenes(output, scenes, {"dataset": "training", "house": ""})
 

@@ -117,8 +117,7 @@ def light_at(small: Buffers, small_hits: Truth, guide: Buffers, hits: Truth) -> 
     light, lit = demodulate(np.maximum(small.radiance - emitted, 0), small.albedo)
     light = clamp_fireflies(light, lit)
     light = filter_light(light, small_hits.normal, small_hits.position, lit.astype(np.float32))
-    light = upsample(light, (small_hits.normal, small_hits.position), (hits.normal, hits.position))
-    return (light * guide.albedo + guide.radiance).astype(np.float32)
+    return upsample(light, (small_hits.normal, small_hits.position), (hits.normal, hits.position))
 
 
 def camera_record(scene: RoomScene, view: View, size: tuple[int, int]) -> dict[str, Any]:
