@@ -11,12 +11,8 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.photos.exif import ExifFocal
 from plan2scene.photos.line_weights import weighted_segments
-from plan2scene.photos.vanishing import (
-    Manhattan,
-    Segments,
-    fit_manhattan,
-    refine_rotation,
-)
+from plan2scene.photos.manhattan import Manhattan, fit_manhattan, refine_rotation
+from plan2scene.photos.vanishing import Segments
 
 #: Horizontal field of view of the paper's reference, degrees (method section "Surface crops").
 DEFAULT_FOV_DEG = 60.0
@@ -26,14 +22,14 @@ WORKING_SIDE = 800
 #: each of the horizontal ones), ...
 MIN_VERTICAL = 3
 MIN_HORIZONTAL = 5
-#: ... with this share of the segments' weight; the focal length below this relative spread.
+#: ... with this share of the segments' weight; the focal length below this relative spread, which
+#: is nearly that of the prior alone.
 MIN_SHARE = 0.30
-MAX_LOG_FOCAL_SD = 0.60
-#: The standard deviation of the segments' fit is too small by about this factor: segments of one
-#: texture share their error.
-SD_INFLATION = 2.0
+FULL_SHARE = 0.7
+MAX_LOG_FOCAL_SD = 0.30
 FOCAL_SOURCES = ("exif", "vanishing_points", "config")
-#: From this confidence on a camera counts as well known; later stages may rely on its focal length.
+#: From this confidence on a camera counts as well known: more likely than not its focal length is
+#: within 15 %. Later stages may rely on it.
 HIGH_CONFIDENCE = 0.5
 #: A focal length of EXIF data gives way to confident vanishing points beyond this ratio: the photo
 #: was cropped or its data are another photo's.
@@ -59,7 +55,8 @@ class Camera:
     focal_source : str
         ``exif``, ``vanishing_points`` or ``config`` (the constant field of view).
     confidence : float
-        0..1: support of the frame times the certainty of the focal length.
+        0..1: the probability that the focal length is within 15 %, times the support of the
+        frame; high from `HIGH_CONFIDENCE` on.
     fallback : bool
         True when no frame was found: a level camera that looks straight at a wall.
     """
@@ -218,11 +215,10 @@ def _decide(frame: Manhattan | None, segments: Segments, prior: float, is_exif: 
     given = "exif" if is_exif else "config"
     if frame is None or not _believed(frame):
         return _Pose(np.diag([-1.0, -1.0, 1.0]), prior, given, 0.0, True)
-    spread = SD_INFLATION * frame.log_focal_sd
-    confidence = min(1.0, frame.share / 0.8) / (1.0 + (2.0 * spread / MAX_LOG_FOCAL_SD) ** 2)
-    if spread <= MAX_LOG_FOCAL_SD:
+    confidence = frame.certainty * _support(frame)
+    if frame.log_focal_sd <= MAX_LOG_FOCAL_SD:
         return _Pose(frame.axes, frame.focal, "vanishing_points", confidence, False)
-    axes = refine_rotation(segments, frame.axes, prior)
+    axes = refine_rotation(segments, frame, prior)
     return _Pose(axes, prior, given, confidence, False)
 
 
@@ -234,8 +230,13 @@ def _with_exif(pose: _Pose, frame: Manhattan | None, focal: float) -> _Pose:
         return pose
     if frame is None or not _believed(frame):
         return replace(pose, focal=focal, source="exif")
-    certainty = EXIF_CERTAINTY * min(1.0, frame.share / 0.8)
+    certainty = EXIF_CERTAINTY * _support(frame)
     return _Pose(frame.axes, focal, "exif", certainty, False)
+
+
+def _support(frame: Manhattan) -> float:
+    """Return 0..1: how much of a photo's lines follow the frame, 1 from `FULL_SHARE` on."""
+    return min(1.0, frame.share / FULL_SHARE)
 
 
 def _believed(frame: Manhattan) -> bool:
