@@ -11,7 +11,13 @@ def make(tmp_path, small_house):
     folder = tmp_path / "houses" / "small"
     folder.mkdir(parents=True)
     write_scene_json(small_house, folder / "scene.json")
-    for name in ("viewer.html", "house.glb", "house.scene.json", "preview.png"):
+    for name in (
+        "viewer.html",
+        "house.glb",
+        "house.scene.json",
+        "preview.png",
+        "contact_sheet.png",
+    ):
         (folder / name).write_bytes(b"x")
     (tmp_path / "tables").mkdir()
     rows = "method,n,color,note\nsynth,12,0.123456,a<b\ncrop,7,,none\n"

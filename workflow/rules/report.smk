@@ -1,3 +1,38 @@
+rule contact_sheet:
+    # What became of each photo of a house on the way to crops, to look at.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        assignment=assignment_of,
+        photos=photos_of,
+        masks=masks_of,
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        candidates=f"{RESULTS}/houses/{{house}}/candidates.parquet",
+    output:
+        report(
+            f"{RESULTS}/houses/{{house}}/contact_sheet.png",
+            caption="../report/contact_sheet.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "photos to crops"},
+        ),
+    log:
+        f"logs/{DATASET}/contact_sheet/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/contact_sheet/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        names=photo_names_of,
+        photo_folder=str(DATA_ROOT / "photos"),
+        camera_height_m=config["photos"]["camera_height_m"],
+        code=code_hash("photos.contact_sheet", "floorplans.scene_json", "datasets"),
+    script:
+        "../scripts/contact_sheet.py"
+
+
 rule index_page:
     # One page that links every house's files, the table and the plot.
     input:
@@ -5,6 +40,7 @@ rule index_page:
         glbs=house_files("house.glb"),
         previews=house_files("preview.png"),
         viewers=house_files("viewer.html"),
+        sheets=house_files("contact_sheet.png"),
         table=f"{RESULTS}/tables/paper_table.csv",
         plot=f"{RESULTS}/tables/paper_table.png",
     output:

@@ -17,7 +17,12 @@ from plan2scene.mesh.polygons import room_polygon
 
 _FOLDER = Path(__file__).parent / "viewer"
 #: Files of a house that the page links, with their names for people.
-_FILES = (("viewer.html", "Open in 3D"), ("house.glb", "GLB"), ("house.scene.json", "scene.json"))
+_FILES = (
+    ("viewer.html", "Open in 3D"),
+    ("house.glb", "GLB"),
+    ("house.scene.json", "scene.json"),
+    ("contact_sheet.png", "photos"),
+)
 
 
 def write_index(
