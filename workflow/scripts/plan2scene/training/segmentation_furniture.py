@@ -75,7 +75,7 @@ _ROOMS: Mapping[str, Mapping[Maker, float]] = {
 }
 _SHARES = {"any": 0.32, "living": 0.18, "bed": 0.16, "office": 0.12, "kitchen": 0.08, "bath": 0.06}
 #: Most pieces of a kind of room.
-_MOST = {"any": 15, "living": 12, "bed": 9, "office": 12, "kitchen": 9, "bath": 6}
+_MOST = {"any": 18, "living": 14, "bed": 12, "office": 13, "kitchen": 11, "bath": 8}
 
 
 def furnish(half: Array, paints: Paints, rng: Rng) -> list[Body]:
@@ -92,7 +92,7 @@ def furnish(half: Array, paints: Paints, rng: Rng) -> list[Body]:
     kind = str(rng.choice(kinds, p=shares / shares.sum()))
     makers, weights = list(_ROOMS[kind]), np.array(list(_ROOMS[kind].values()), float)
     bodies: list[Body] = []
-    for _ in range(int(rng.integers(0 if kind == "any" else 2, _MOST[kind]))):
+    for _ in range(int(rng.integers(0 if kind == "any" else 3, _MOST[kind]))):
         make = makers[int(rng.choice(len(makers), p=weights / weights.sum()))]
         against = make not in (rug, somebody, office_chair) and rng.random() < 0.72
         bodies += make(_place(half, against, rng), paints, rng)

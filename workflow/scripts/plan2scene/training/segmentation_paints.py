@@ -59,7 +59,7 @@ class Paints:
 
     def wall(self, rng: Rng) -> Paint:
         """Return what a wall may have: light paint, strong colours, paper, brick, boards, tile."""
-        p = [0.5, 0.16, 0.12, 0.07, 0.08, 0.04, 0.03]
+        p = [0.55, 0.11, 0.13, 0.08, 0.07, 0.04, 0.02]
         kinds = ["light", "plaster", "strong", "pattern", "tile", "wood", "poster"]
         kind = str(rng.choice(kinds, p=p))
         if kind == "light":

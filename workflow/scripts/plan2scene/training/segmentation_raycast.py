@@ -72,6 +72,8 @@ class Body:
         (or z); rays pass where it is False.
     mirror : float
         Share of light that it mirrors: near 1 a mirror, about 0.3 a polished floor.
+    beyond : Body, optional
+        A hollow body, listed too, that rays enter here: an open door to the next room.
     """
 
     centre: Array
@@ -85,6 +87,7 @@ class Body:
     tilt: float = 0.0
     stencil: Array | None = None
     mirror: float = 0.0
+    beyond: Body | None = None
 
     @cached_property
     def turn(self) -> Array:
@@ -226,12 +229,13 @@ class Hits:
 
 
 def cast(bodies: list[Body], eye: Eye, rays: Array) -> Hits:
-    """Return the nearest hit of every pixel's ray."""
+    """Return the nearest hit of every pixel's ray; the first body is the room."""
     hits = _nothing(eye.size)
     for k, body in enumerate(bodies):
-        window = _window(body, eye)
+        window = None if body.hollow and k else _window(body, eye)
         if window is not None:
             _nearer(hits, k, window, *_hit(body, eye.position, rays[window]))
+    _enter(hits, bodies, np.broadcast_to(eye.position, rays.shape), rays)
     return hits
 
 
@@ -239,8 +243,23 @@ def cast_from(bodies: list[Body], origins: Array, rays: Array) -> Hits:
     """Return the nearest hit of rays (n, 3) that start at `origins` (n, 3)."""
     hits = _nothing((len(rays),))
     for k, body in enumerate(bodies):
-        _nearer(hits, k, (slice(None),), *_hit(body, origins, rays))
+        if not body.hollow or k == 0:
+            _nearer(hits, k, (slice(None),), *_hit(body, origins, rays))
+    _enter(hits, bodies, origins, rays)
     return hits
+
+
+def _enter(hits: Hits, bodies: list[Body], origins: Array, rays: Array) -> None:
+    """Let the rays that meet an opening go on to the inside of what lies beyond."""
+    places = {id(body): k for k, body in enumerate(bodies)}
+    for k, body in enumerate(bodies):
+        if body.beyond is None:
+            continue
+        here = hits.body == k
+        if here.any():
+            t, side = _hit(body.beyond, origins[here], rays[here])
+            hits.distance[here], hits.face[here] = t, side
+            hits.body[here] = places[id(body.beyond)]
 
 
 def _nothing(shape: tuple[int, ...]) -> Hits:

@@ -8,10 +8,12 @@ learn by heart.
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from plan2scene.photos.masks import OTHER
 from plan2scene.seeds import generator
 from plan2scene.training.segmentation_data import LabelledPhoto
 from plan2scene.training.segmentation_furniture import furnish
@@ -25,7 +27,7 @@ from plan2scene.training.segmentation_rooms import (
     wall_blocks,
     wall_trim,
 )
-from plan2scene.training.segmentation_shading import Sun, shade
+from plan2scene.training.segmentation_shading import Sun, shade, soft_edges
 from plan2scene.training.segmentation_views import developed, random_eye
 from plan2scene.training.segmentation_wallthings import hang_on_walls
 
@@ -91,19 +93,36 @@ def random_scene_and_eye(paints: Paints, index: int, *, seed: int) -> tuple[Labe
     """Return the labelled picture of one random room and the camera that took it."""
     rng = generator(seed, "scene", index)
     half = random_half(rng)
-    bodies, lamps, panes = _contents(half, paints, rng)
-    eye = random_eye(half, rng)
-    room = bodies[0]
-    bodies = [room] + [b for b in bodies[1:] if not _too_near(b, room, eye.position)]
+    everything, lamps, panes = _contents(half, paints, rng)
+    eye, bodies = _view(everything, rng)
     rays = eye.rays()
-    seen = surfels(bodies, eye, rays, cast(bodies, eye, rays))
+    hits = cast(bodies, eye, rays)
+    seen = surfels(bodies, eye, rays, hits)
     ambient = np.exp(rng.normal(-1.2, 0.6) + rng.normal(0, 0.08, 3))
     lamps = sorted(lamps, key=lambda lamp: -float(lamp.colour.sum()))[:3]
     lamps += _ceiling_lamps(half, rng)
     sun = _sun(panes, ambient, rng)
     picture = shade(bodies, seen, eye, lamps, ambient, rng, sun)
+    picture = soft_edges(picture, hits.body)
     labels = seen.label.reshape(eye.size)
     return LabelledPhoto(f"room_{index}", developed(picture, rng), labels), eye
+
+
+def _view(everything: list[Body], rng: np.random.Generator) -> tuple[Eye, list[Body]]:
+    """Return a camera that mostly sees several things, and the bodies not in its way."""
+    room, wanted = everything[0], rng.uniform(0, 0.55)
+    for _ in range(4):
+        eye = random_eye(room.half, rng)
+        bodies = [room] + [b for b in everything[1:] if not _too_near(b, room, eye.position)]
+        coarse = replace(
+            eye, focal_px=eye.focal_px / 10, size=(eye.size[0] // 10, eye.size[1] // 10)
+        )
+        rays = coarse.rays()
+        labels = surfels(bodies, coarse, rays, cast(bodies, coarse, rays)).label
+        shares = np.bincount(labels, minlength=256) / labels.size
+        if (shares[OTHER] > wanted and shares.max() < 0.8) or rng.random() < 0.05:
+            break
+    return eye, bodies
 
 
 def _contents(
@@ -112,13 +131,15 @@ def _contents(
     """Return the room (first) and all in it, the lights of windows and panels, and the panes."""
     room = shell(half, paints, rng)
     bodies = [room, *polished(room, rng), *wall_blocks(room, rng), *wall_trim(room, paints, rng)]
-    hung, lamps, panes = hang_on_walls(half, paints, rng)
+    hung, lamps, panes = hang_on_walls(room, paints, rng)
     overhead, panels = above(room, paints, rng)
     return bodies + hung + overhead + furnish(half, paints, rng), lamps + panels, panes
 
 
 def _too_near(body: Body, room: Body, position: Array) -> bool:
     """Return whether a thing would fill the view: the camera is in it or almost."""
+    if body.hollow or body.beyond is not None:
+        return False
     if max(body.half[0], body.half[2]) > 0.8 * min(room.half[0], room.half[2]):
         inside = np.abs(body.local(position)) < body.half + 0.05  # floors, slopes, trim
         return bool(inside.all())

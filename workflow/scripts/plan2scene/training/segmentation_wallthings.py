@@ -5,12 +5,12 @@ All of it is labelled other.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from plan2scene.training.segmentation_paints import Paints
-from plan2scene.training.segmentation_raycast import Array, Body, Lamp, Paint, plain
+from plan2scene.training.segmentation_raycast import Body, Lamp, Paint, plain
 from plan2scene.training.segmentation_spots import Spot, wall_spots
 
 Rng = np.random.Generator
@@ -37,6 +37,7 @@ class _Wall:
     height: float
     frame: Paint
     paints: Paints
+    room: Body
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,21 +50,21 @@ class Hung:
 
 
 def hang_on_walls(
-    half: Array, paints: Paints, rng: Rng
+    room: Body, paints: Paints, rng: Rng
 ) -> tuple[list[Body], list[Lamp], list[Body]]:
     """Return things on walls, the light of windows, and the panes of windows.
 
     Parameters
     ----------
-    half : (3,) float64
-        Half the room's size in metres; the room is centred on x = z = 0, its floor at y = 0.
+    room : Body
+        The hollow box of the room, centred on x = z = 0, its floor at y = 0.
     """
     frame = plain(rng.uniform(0.03, 0.95) * np.exp(rng.normal(0, 0.05, 3)))
     found = Hung([], [], [])
     kinds, shares = list(_KINDS), np.array(list(_KINDS.values()))
-    for spot, length in wall_spots(half):
-        wall = _Wall(spot, length, 2 * float(half[1]), frame, paints)
-        for _ in range(int(rng.integers(0, 5))):
+    for spot, length in wall_spots(room.half):
+        wall = _Wall(spot, length, 2 * float(room.half[1]), frame, paints, room)
+        for _ in range(int(rng.integers(0, 6))):
             kind = str(rng.choice(kinds, p=shares / shares.sum()))
             u = float(rng.uniform(-0.47, 0.47)) * length
             if kind == "window":
@@ -78,7 +79,7 @@ def hang_on_walls(
 
 
 def _door(wall: _Wall, u: float, rng: Rng) -> list[Body]:
-    """Return a door in its frame: closed, ajar, glazed, or open on a dark room."""
+    """Return a door in its frame: closed, glazed, or open on the next room."""
     w, h = rng.uniform(0.65, 1.0), min(2.0 + rng.uniform(0, 0.2), wall.height - 0.1)
     part, leaf = wall.spot.part, wall.paints.hard(rng)
     bodies = [part((u, h / 2, 0), (w + 0.16, h + 0.08, 0.05), wall.frame)]
@@ -94,13 +95,27 @@ def _door(wall: _Wall, u: float, rng: Rng) -> list[Body]:
                 size = (w / columns - 0.14, h / rows - 0.16, 0.02)
                 bodies.append(part(place, size, panel))
         return bodies
-    beyond = plain(np.exp(rng.uniform(-4, -0.7)) * np.ones(3))
-    if rng.random() < 0.4:
-        beyond = wall.paints.of("poster", rng, 0.0)
-    bodies.append(part((u, h / 2 - 0.02, 0), (w, h - 0.06, 0.06), beyond, glow=rng.uniform(0, 0.6)))
-    hinge = wall.spot.at(u - w / 2, 0.03, float(rng.uniform(-2.4, -0.6)))
-    bodies.append(hinge.part((w / 2, h / 2, 0), (w, h - 0.06, 0.04), leaf))
+    opening = part((u, h / 2 - 0.02, 0), (w, h - 0.04, 0.06), plain(np.zeros(3)))
+    beyond = _next_room(wall, u, w, h, rng)
+    bodies += [replace(opening, beyond=beyond), beyond]
+    if rng.random() < 0.7:
+        hinge = wall.spot.at(u - w / 2, 0.03, float(rng.uniform(-2.4, -0.6)))
+        bodies.append(hinge.part((w / 2, h / 2, 0), (w, h - 0.06, 0.04), leaf))
     return bodies
+
+
+def _next_room(wall: _Wall, u: float, w: float, h: float, rng: Rng) -> Body:
+    """Return the hollow box of an empty room behind a door of size (w, h) at u."""
+    size = np.array([w + rng.uniform(0.3, 4), max(h + 0.1, wall.height), rng.uniform(0.8, 5)])
+    middle = u + rng.uniform(-0.5, 0.5) * (size[0] - w)
+    paint, room = wall.paints.wall(rng), wall.room
+    if rng.random() < 0.5:
+        paint = room.paints[0]
+    floor = room.paints[2] if rng.random() < 0.6 else wall.paints.floor(rng)
+    sides = (paint, paint, floor, room.paints[3], paint, paint)
+    # Its front is the opening's front, so that every ray that enters is inside.
+    box = wall.spot.part((middle, size[1] / 2, 0.03 - size[2] / 2), size, paint)
+    return replace(box, paints=sides, labels=room.labels, hollow=True)
 
 
 def _flat(wall: _Wall, kind: str, u: float, rng: Rng) -> list[Body]:
