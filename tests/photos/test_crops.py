@@ -144,6 +144,7 @@ def run(house, inputs, rooms_of_photo, **more):
         inputs / "masks",
         inputs / "crops.parquet",
         inputs / "candidates.parquet",
+        inputs / "light.json",
         dataset="d",
         seed=3,
         **more,
@@ -242,8 +243,8 @@ def test_ready_crops(house, tmp_path):
         image = rng.integers(0, 255, (128, 128, 3)).astype(np.uint8)
         write_png(tmp_path / f"{name}.png", image)
     out = tmp_path / "crops.parquet"
-    drawn = tmp_path / "candidates.parquet"
-    frame = load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, dataset="d")
+    drawn, light = tmp_path / "candidates.parquet", tmp_path / "light.json"
+    frame = load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, light, dataset="d")
     assert frame.crop_id.tolist() == ["floor/x_1_0_crop2", "wall/x_1_7_crop0"]
     assert frame.plane.tolist() == [0, 7]
     assert frame.metres.isna().all()
@@ -252,4 +253,4 @@ def test_ready_crops(house, tmp_path):
     pd.testing.assert_series_equal(read.crop_id, frame.crop_id)
     write_png(tmp_path / "floor/x_1_0_crop3.png", np.zeros((64, 64, 3), np.uint8))
     with pytest.raises(InputError, match="128x128"):
-        load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, dataset="d")
+        load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, light, dataset="d")

@@ -40,6 +40,7 @@ rule crops:
     output:
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         candidates=f"{RESULTS}/houses/{{house}}/candidates.parquet",
+        light=f"{RESULTS}/houses/{{house}}/light.json",
     log:
         f"logs/{DATASET}/crops/{{house}}.log",
     benchmark:
@@ -57,6 +58,10 @@ rule crops:
         metres=config["crops"]["metres"],
         per_mask=config["crops"]["per_mask"],
         tries=config["crops"]["tries"],
+        filter=config["crops"]["filter"],
+        white_balance=config["crops"]["white_balance"],
+        exposure=config["crops"]["exposure"],
+        flatten=config["crops"]["flatten"],
         camera_height_m=config["photos"]["camera_height_m"],
         seed=config["seed"],
         code=code_hash("photos.crop_stage", "floorplans.scene_json", "datasets"),

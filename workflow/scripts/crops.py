@@ -14,18 +14,18 @@ with job(snakemake.log[0]):
     rooms_of_photo: dict[str, list[str]] = {}
     for row in read_assignment(table or None, house):
         rooms_of_photo.setdefault(row.photo, []).append(row.room_id)
-    crops, candidates = snakemake.output.crops, snakemake.output.candidates
+    output = snakemake.output
+    paths = (output.crops, output.candidates, output.light)
     dataset = params.dataset
     if params.source == "precomputed":
-        load_crops(house, rooms_of_photo, params.folder, crops, candidates, dataset=dataset)
+        load_crops(house, rooms_of_photo, params.folder, *paths, dataset=dataset)
     else:
         make_crops(
             house,
             rooms_of_photo,
             {photo: Path(params.photo_folder) / photo for photo in rooms_of_photo},
             snakemake.input.masks,
-            crops,
-            candidates,
+            *paths,
             dataset=dataset,
             seed=params.seed,
             settings=CropSettings(
@@ -33,5 +33,9 @@ with job(snakemake.log[0]):
                 per_mask=params.per_mask,
                 tries=params.tries,
                 camera_height_m=params.camera_height_m,
+                filter=params.filter,
+                white_balance=params.white_balance,
+                exposure=params.exposure,
+                flatten=params.flatten,
             ),
         )

@@ -6,6 +6,7 @@ import logging
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,8 +14,17 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
-from plan2scene.io import read_image, read_json
+from plan2scene.io import read_image, read_json, write_json
 from plan2scene.photos.camera import Camera
+from plan2scene.photos.crop_filter import inner_plane, judge_of
+from plan2scene.photos.crop_light import (
+    SurfaceColour,
+    estimate_light,
+    flatten,
+    gains_of,
+    relight,
+    surface_colours,
+)
 from plan2scene.photos.crop_tables import PhotoCandidate, write_tables
 from plan2scene.photos.crops import (
     CROP_METRES,
@@ -27,7 +37,7 @@ from plan2scene.photos.crops import (
     sample_candidates,
 )
 from plan2scene.photos.masks import read_label_png
-from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
+from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
 from plan2scene.seeds import generator
 
 if TYPE_CHECKING:
@@ -44,13 +54,19 @@ _CROP_NAME = re.compile(r"(?P<stem>.+)_(?P<mask>\d+)_crop(?P<index>\d+)\.png")
 class CropSettings:
     """How windows are drawn: see :func:`plan2scene.photos.crops.sample_crops`.
 
-    `camera_height_m` is the prior of :func:`plan2scene.photos.planes.split_planes`.
+    `camera_height_m` is the prior of :func:`plan2scene.photos.planes.split_planes`. The others
+    switch :mod:`plan2scene.photos.crop_filter` and the corrections of
+    :mod:`plan2scene.photos.crop_light`.
     """
 
     metres: tuple[float, ...] = CROP_METRES
     per_mask: int = CROPS_PER_MASK
     tries: int = TRIES
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
+    filter: bool = True
+    white_balance: bool = True
+    exposure: bool = True
+    flatten: bool = True
 
 
 def make_crops(
@@ -60,6 +76,7 @@ def make_crops(
     masks_dir: str | Path,
     output: str | Path,
     candidates: str | Path,
+    light: str | Path,
     *,
     dataset: str,
     seed: int,
@@ -78,8 +95,8 @@ def make_crops(
         Photo name to its file.
     masks_dir : path
         Output of the masks stage. Photos that it left out (``warnings.json``) are skipped.
-    output, candidates : path
-        The Parquet files, ``docs/conventions.md``.
+    output, candidates, light : path
+        The Parquet files and light.json, ``docs/conventions.md``.
     dataset : str
         Name for the metadata.
     seed : int
@@ -97,6 +114,7 @@ def make_crops(
     folder = Path(masks_dir)
     cameras = read_json(folder / "cameras.json")
     drawn: list[PhotoCandidate] = []
+    colours: list[SurfaceColour] = []
     for photo in sorted(rooms_of_photo):
         if photo not in cameras:
             _log.info("photo %s of house %s has no mask: skipped", photo, house.id)
@@ -115,9 +133,44 @@ def make_crops(
             house=house.id,
             photo=photo,
         )
+        colours += surface_colours(image, labels, photo, list(dict.fromkeys(rooms_of_photo[photo])))
         _log.info("%s: %d candidates, camera %s", photo, len(of_photo), camera.focal_source)
         drawn += of_photo
+    gains = photo_gains(colours, chosen)
+    write_light(light, gains, chosen)
+    drawn = [corrected(item, gains, chosen) for item in drawn]
     return write_tables(drawn, output, candidates, dataset=dataset, house=house.id)
+
+
+def photo_gains(colours: Sequence[SurfaceColour], settings: CropSettings) -> dict[str, np.ndarray]:
+    """Return the factors (3,) on the linear RGB of each photo with known surfaces."""
+    return {
+        photo: gains_of(light, white_balance=settings.white_balance, exposure=settings.exposure)
+        for photo, light in estimate_light(colours).items()
+    }
+
+
+def corrected(
+    item: PhotoCandidate, gains: Mapping[str, np.ndarray], settings: CropSettings
+) -> PhotoCandidate:
+    """Return a candidate with its image flattened and under the reference light."""
+    image = item.candidate.crop.image
+    if settings.flatten:
+        image = flatten(image)
+    if item.photo in gains:
+        image = relight(image, gains[item.photo])
+    crop = replace(item.candidate.crop, image=image)
+    return replace(item, candidate=replace(item.candidate, crop=crop))
+
+
+def write_light(
+    path: str | Path, gains: Mapping[str, np.ndarray], settings: CropSettings | None
+) -> None:
+    """Write light.json; `settings` None where crops are taken as they are."""
+    names = ("filter", "white_balance", "exposure", "flatten")
+    on = {name: bool(settings is not None and getattr(settings, name)) for name in names}
+    photos = {photo: [round(float(gain), 6) for gain in gains[photo]] for photo in sorted(gains)}
+    write_json(path, {**on, "gains": photos})
 
 
 def _by_height(house: House, rooms: Sequence[str]) -> dict[float, tuple[str, ...]]:
@@ -156,15 +209,8 @@ def candidates_of_photo(
             room_height_m=height,
         )
         for plane in planes:
-            drawn = sample_candidates(
-                image,
-                camera,
-                plane,
-                generator(seed, "crops", house, photo, plane.surface, plane.index),
-                metres=settings.metres,
-                per_mask=settings.per_mask,
-                tries=settings.tries,
-            )
+            rng = generator(seed, "crops", house, photo, plane.surface, plane.index)
+            drawn = candidates_of_plane(image, camera, plane, settings, rng)
             first = count.get((plane.surface, plane.index), 0)
             count[plane.surface, plane.index] = first + len(drawn)
             for candidate in drawn:
@@ -177,12 +223,41 @@ def candidates_of_photo(
     return found
 
 
+def candidates_of_plane(
+    image: np.ndarray,
+    camera: Camera,
+    plane: Plane,
+    settings: CropSettings,
+    rng: np.random.Generator,
+) -> list[Candidate]:
+    """Return the windows drawn on a plane; near its border only when none inside is good."""
+    sample = partial(
+        sample_candidates,
+        image,
+        camera,
+        rng=rng,
+        metres=settings.metres,
+        per_mask=settings.per_mask,
+        tries=settings.tries,
+    )
+    if not settings.filter:
+        return sample(plane)
+    drawn = sample(inner_plane(plane, image), judge=judge_of(plane, inside=True))
+    if any(not candidate.verdict.reason for candidate in drawn):
+        return drawn
+    for candidate in sample(plane, judge=judge_of(plane, inside=False)):
+        crop = replace(candidate.crop, index=len(drawn))
+        drawn.append(replace(candidate, crop=crop))
+    return drawn
+
+
 def load_crops(
     house: House,
     rooms_of_photo: Mapping[str, Sequence[str]],
     folder: str | Path,
     output: str | Path,
     candidates: str | Path,
+    light: str | Path,
     *,
     dataset: str,
 ) -> pd.DataFrame:
@@ -209,6 +284,7 @@ def load_crops(
             ready = Candidate(crop, Verdict())
             found.append(PhotoCandidate(photo, rooms, surface, int(match["mask"]), ready))
     found.sort(key=lambda item: item.photo)
+    write_light(light, {}, None)
     return write_tables(found, output, candidates, dataset=dataset, house=house.id, keep_index=True)
 
 

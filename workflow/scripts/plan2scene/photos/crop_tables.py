@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plan2scene.io import png_bytes, write_parquet
-from plan2scene.photos.crops import Candidate, medoid_index
+from plan2scene.photos.crops import GRAVE, Candidate, medoid_index
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,8 +45,8 @@ CANDIDATE_COLUMNS = {
     "crop_id": "str",
     "corners": "object",
 }
-#: Crops kept of a surface that has no good one.
-LAST_RESORT = 3
+#: Crops kept of a surface that has no good one: with mild faults only, and with grave ones.
+LAST_RESORT, WORST_RESORT = 10, 3
 #: Reason of such a crop is this and what is wrong with it.
 LAST_RESORT_PREFIX = "last resort: "
 
@@ -93,7 +93,7 @@ class Kept:
 
 
 def choose_kept(candidates: Sequence[PhotoCandidate], *, keep_index: bool = False) -> Kept:
-    """Keep the good candidates; of a surface that has none, the `LAST_RESORT` least bad.
+    """Keep the good candidates; of a surface that has none, the least bad.
 
     A surface that a photo shows thus stays observed; its crops' reasons begin with
     `LAST_RESORT_PREFIX`. With `keep_index` the crops keep their candidates' numbers, else they
@@ -111,7 +111,9 @@ def choose_kept(candidates: Sequence[PhotoCandidate], *, keep_index: bool = Fals
         kept = [number for number in numbers if not verdicts[number].reason]
         if not kept:
             kept = sorted(numbers, key=lambda number: (verdicts[number].badness, number))
-            kept = kept[:LAST_RESORT]
+            mild = verdicts[kept[0]].badness < GRAVE
+            kept = [k for k in kept if (verdicts[k].badness < GRAVE) == mild]
+            kept = kept[: LAST_RESORT if mild else WORST_RESORT]
             for number in kept:
                 reasons[number, room] = LAST_RESORT_PREFIX + verdicts[number].reason
         rooms.update((number, room) for number in kept)

@@ -63,6 +63,10 @@ class Crop:
     corners: tuple[float, ...] = (float("nan"),) * 8
 
 
+#: Badness of a window that may show something else.
+GRAVE = 1.0
+
+
 @dataclass(frozen=True)
 class Verdict:
     """What is wrong with a candidate, if anything.
@@ -72,7 +76,8 @@ class Verdict:
     reason : str
         Empty for a good one.
     badness : float
-        Orders the refused: where a surface has nothing good, the least bad is kept.
+        Orders the refused: where a surface has nothing good, the least bad is kept. From `GRAVE`
+        on it may not show the surface; below, it shows it poorly.
     """
 
     reason: str = ""
