@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -148,9 +149,10 @@ def decode_image(
     except UnidentifiedImageError:
         expected = f"an image ({image_modes.FORMAT_NAMES})"
         raise InputError(expected, image_modes.kind_of(head), file=file, house=house) from None
-    except Image.DecompressionBombError:
+    except Image.DecompressionBombError as error:  # Pillow's own limit, before the size is known
+        count = re.search(r"\d+", str(error))
         expected = f"an image of at most {image_modes.MAX_PIXELS} pixels"
-        raise InputError(expected, "many times as many", file=file, house=house) from None
+        raise InputError(expected, count[0] if count else "more", file=file, house=house) from None
     except Exception as error:  # decoders raise many kinds on damaged data; all mean the same
         found = f"{type(error).__name__}: {error}"
         raise InputError("an image that decodes", found, file=file, house=house) from None
