@@ -142,7 +142,12 @@ class Eye:
         return (camera @ self.rotation).astype(np.float32)
 
 
-def _least(v: Array) -> Array:
+def dot(a: Array, b: Array) -> Array:
+    """Return the dot products of vectors (..., 3) without a temporary of their size."""
+    return np.asarray(np.einsum("...i,...i->...", a, b))
+
+
+def least(v: Array) -> Array:
     """Return the least of three components; faster than a reduction over so short an axis."""
     least: Array = np.minimum(np.minimum(v[..., 0], v[..., 1]), v[..., 2])
     return least
@@ -166,9 +171,8 @@ def _hit(body: Body, origin: Array, rays: Array) -> tuple[Array, Array]:
     start = body.local(origin) / body.span
     way = (rays @ body.turn.T) / body.span
     if body.round:
-        a = (way * way).sum(-1)
-        b = (way * start).sum(-1)
-        c = (start * start).sum(-1) - np.float32(1)
+        a, b = dot(way, way), dot(way, start)
+        c = dot(start, start) - np.float32(1)
         root = b * b - a * c
         t = (-b - np.sqrt(np.maximum(root, 0))) / a
         return np.where((root > 0) & (t > 1e-3), t, _FAR), np.zeros(t.shape, np.int8)
@@ -181,7 +185,7 @@ def _hit(body: Body, origin: Array, rays: Array) -> tuple[Array, Array]:
         return -last, (2 * axis + side).astype(np.int8)
     enter, axis = _argmax(middle - reach)
     side = np.take_along_axis(way, axis[..., None].astype(np.intp), -1)[..., 0] < 0
-    hit = (enter > 1e-3) & (enter < _least(middle + reach))
+    hit = (enter > 1e-3) & (enter < least(middle + reach))
     if body.stencil is not None:
         hit &= _kept(body.stencil, body.span, start + way * enter[..., None])
     return np.where(hit, enter, _FAR), (2 * axis + side).astype(np.int8)
@@ -205,6 +209,10 @@ def _window(body: Body, eye: Eye) -> tuple[slice, slice] | None:
     corners = _CORNERS * body.span
     seen = (corners @ body.turn + body.centre - eye.position) @ eye.rotation.T
     if (seen[:, 2] < 0.05).all():
+        return None
+    # Outside one side of the view's pyramid, which holds for corners behind the camera too.
+    side = np.abs(seen[:, :2]) * eye.focal_px > np.array([width, height]) / 2 * seen[:, 2:]
+    if ((side & (seen[:, :2] > 0)).all(0) | (side & (seen[:, :2] < 0)).all(0)).any():
         return None
     if (seen[:, 2] < 0.05).any():
         return slice(0, height), slice(0, width)
@@ -328,8 +336,8 @@ def surfels(
         paint = body.paints[side if len(body.paints) > 1 else 0]
         n, uv = _on_face(body, side, body.local(point[pixels]), paint.size_m)
         normal[pixels] = n @ body.turn
-        facing = np.abs((normal[pixels] * flat[pixels]).sum(1))
-        facing /= np.sqrt((flat[pixels] ** 2).sum(1))
+        facing = np.abs(dot(normal[pixels], flat[pixels]))
+        facing /= np.sqrt(dot(flat[pixels], flat[pixels]))
         metres = distance[pixels, 0] / np.float32(eye.focal_px) / np.sqrt(np.maximum(facing, 0.05))
         tile = paint.size_m or 2 * float(np.median(body.half))
         albedo[pixels] = _texel(paint, uv, metres / np.float32(tile))
@@ -342,7 +350,7 @@ def _on_face(body: Body, side: int, local: Array, size_m: float) -> tuple[Array,
     """Return (normal, position in tiles) of points (n, 3) on a face, in the body's frame."""
     if body.round:
         n = local / body.span**2
-        n /= np.sqrt((n * n).sum(1, keepdims=True))
+        n /= np.sqrt(dot(n, n))[:, None]
         return n, (local[:, [0, 1]] + local[:, [2, 2]]) / np.float32(size_m or 1)
     axis, sign = side // 2, (1 if side % 2 else -1) * (-1 if body.hollow else 1)
     n = np.zeros_like(local)

@@ -13,8 +13,9 @@ from plan2scene.training.segmentation_raycast import (
     Eye,
     Lamp,
     Surfels,
-    _least,
     cast_from,
+    dot,
+    least,
     surfels,
 )
 
@@ -42,12 +43,13 @@ def _blocked(body: Body, start: Array, way: Array) -> Array:
     a = body.local(start) / body.span
     b = (way @ body.turn.T) / body.span
     if body.round:
-        t = np.clip(-(a * b).sum(-1) / np.maximum((b * b).sum(-1), 1e-9), 0, 1)
-        return np.asarray(((a + t[..., None] * b) ** 2).sum(-1) < 1)
+        t = np.clip(-dot(a, b) / np.maximum(dot(b, b), 1e-9), 0, 1)
+        near = a + t[..., None] * b
+        return dot(near, near) < 1
     inverse = 1 / np.where(np.abs(b) < 1e-9, np.float32(1e-9), b)
     middle, reach = -a * inverse, np.abs(inverse)
-    first = -_least(reach - middle)
-    last = _least(middle + reach)
+    first = -least(reach - middle)
+    last = least(middle + reach)
     return np.asarray((first < last) & (last > 0.001) & (first < 0.98))
 
 
@@ -75,7 +77,7 @@ def shadow(
     way = lamp.position.astype(np.float32) + jitter - start
     flat_start, flat_way = start.reshape(-1, 3), way.reshape(-1, 3)
     lit = np.ones(len(flat_start), np.float32)
-    left = np.flatnonzero((flat_way * normals.reshape(-1, 3)).sum(1) > 0)
+    left = np.flatnonzero(dot(flat_way, normals.reshape(-1, 3)) > 0)
     for body in bodies:
         if not _casts(body):
             continue
@@ -117,8 +119,8 @@ def _reflected(bodies: list[Body], seen: Surfels, eye: Eye, ambient: Array, pixe
     """Return (n, 3) light that comes to pixels from what lies in the mirror direction."""
     view = seen.point[pixels] - eye.position.astype(np.float32)
     normal = seen.normal[pixels]
-    rays = view - 2 * (view * normal).sum(1, keepdims=True) * normal
-    rays /= np.sqrt((rays * rays).sum(1, keepdims=True))
+    rays = view - 2 * dot(view, normal)[:, None] * normal
+    rays /= np.sqrt(dot(rays, rays))[:, None]
     origins = seen.point[pixels] + np.float32(0.01) * normal
     there = surfels(bodies, eye, rays, cast_from(bodies, origins, rays), origins)
     shaded = 0.8 + 0.2 * there.normal[:, 1]
@@ -143,7 +145,7 @@ def reflections(bodies: list[Body], seen: Surfels, eye: Eye, ambient: Array) -> 
         picture = cv2.GaussianBlur(picture[:height, :width], (3, 3), 0)
     # Gloss of a floor rises towards grazing; a true mirror (share over 0.6) is one everywhere.
     view = eye.position.astype(np.float32) - seen.point
-    cos = np.abs((view * seen.normal).sum(1)) / np.sqrt((view * view).sum(1))
+    cos = np.abs(dot(view, seen.normal)) / np.sqrt(dot(view, view))
     share = np.where(share > 0.6, share, share * (0.15 + 0.85 * (1 - cos) ** 3))
     return share[:, None], picture.reshape(-1, 3)
 
@@ -161,7 +163,7 @@ def shade(
     height, width = eye.size
     room = bodies[0]
     view = eye.position.astype(np.float32) - seen.point
-    view /= np.sqrt((view * view).sum(1, keepdims=True))
+    view /= np.sqrt(dot(view, view))[:, None]
     corner = np.sort(room.span - np.abs(seen.point - room.centre.astype(np.float32)), axis=1)
     # A surface of the room has distance 0 to itself; the next two are its neighbours.
     near = np.clip(corner[:, 1:], 0, None)
@@ -171,14 +173,14 @@ def shade(
     shine = np.zeros_like(light)
     for lamp in lamps:
         to = lamp.position.astype(np.float32) - seen.point
-        square = (to * to).sum(1)
+        square = dot(to, to)
         to /= np.sqrt(square)[:, None]
         colour = lamp.colour.astype(np.float32)
         arrives = shadow(bodies, seen, eye, lamp, rng).ravel() / (square + np.float32(0.15))
-        light += (np.maximum((seen.normal * to).sum(1), 0) * arrives)[:, None] * colour
+        light += (np.maximum(dot(seen.normal, to), 0) * arrives)[:, None] * colour
         halfway = to + view
-        halfway /= np.sqrt((halfway * halfway).sum(1, keepdims=True))
-        peak = np.maximum((seen.normal * halfway).sum(1), 0) ** 60
+        halfway /= np.sqrt(dot(halfway, halfway))[:, None]
+        peak = np.maximum(dot(seen.normal, halfway), 0) ** 60
         shine += (peak * arrives * seen.gloss * 4)[:, None] * colour
     if sun is not None:
         light += sunlight(bodies, seen, sun)[:, None] * sun.colour.astype(np.float32)

@@ -70,7 +70,7 @@ def heap(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
 
 def rug(spot: Spot, paints: Paints, rng: Rng) -> list[Body]:
     """Return a rug: oblong with or without a border, round, or a hide."""
-    size = (rng.uniform(0.6, 3.0), 0.012, rng.uniform(0.5, 2.2))
+    size = (rng.uniform(0.6, 2.3), 0.012, rng.uniform(0.5, 1.7))
     paint = paints.cloth(rng)
     if rng.random() < 0.25:
         shape = disc() if rng.random() < 0.5 else rag(rng)
