@@ -100,11 +100,16 @@ def plane_name(plane: Plane) -> str:
 
 
 def _tag(picture: np.ndarray, text: str, middle: tuple[int, int]) -> None:
-    """Write a small label into `picture`, centred on a pixel."""
+    """Write a small label into `picture`, centred on a pixel as far as it stays inside."""
     from PIL import Image, ImageDraw
 
     canvas = Image.fromarray(picture)
     draw = ImageDraw.Draw(canvas)
+    half = draw.textlength(text, font=font(11)) / 2 + 3
+    middle = (
+        round(np.clip(middle[0], half, max(half, canvas.width - half))),
+        round(np.clip(middle[1], 8, max(8, canvas.height - 8))),
+    )
     box = draw.textbbox(middle, text, font=font(11), anchor="mm")
     draw.rectangle((box[0] - 2, box[1] - 1, box[2] + 2, box[3] + 1), fill=(0, 0, 0))
     draw.text(middle, text, font=font(11), fill=(255, 255, 255), anchor="mm")

@@ -37,10 +37,10 @@ from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
 #: Photos on a sheet; of houses with more the first are shown, the rest counted.
 MAX_PHOTOS = 20
 #: Height and width of a panel, of the crops' panel's width, and of what is between, pixels.
-PANEL, CROPS_WIDTH, GAP = (225, 300), 462, 8
+PANEL, CROPS_WIDTH, GAP = (225, 300), 468, 8
 TITLE, CAPTION, HEADER = 20, 18, 44
 #: Crops and rejected windows shown of one photo, side of one, and of its cell with text.
-COLUMNS, KEPT_ROWS, THUMB, CELL = 7, 1, 48, (81, 66)
+COLUMNS, KEPT_ROWS, THUMB, CELL = 6, 1, 50, (83, 78)
 ROW = TITLE + PANEL[0] + CAPTION + 2 * GAP
 WIDTH = 4 * (PANEL[1] + GAP) + CROPS_WIDTH + 2 * GAP
 
@@ -270,6 +270,9 @@ def _draw_crops(sheet: Any, corner: tuple[int, int], photo: _Photo) -> None:
         sheet.paste(Image.fromarray(thumb), (left + 2, top + 2))
         for k, line in enumerate([window.name, *_reason_lines(draw, window)]):
             draw.text((left, top + THUMB + 4 + 9 * k), line, font=font(9), fill=INK)
+    if not kept and photo.camera is not None:
+        text = "no crop kept" if out else "no window fits on a plane"
+        draw.text((corner[0], corner[1] + 20), text, font=font(12), fill=REJECTED)
     counts = count_windows(photo.windows)
     shown = f"{counts['kept'] + counts['last_resort']} kept, {counts['rejected']} rejected"
     draw.text((corner[0], corner[1] - TITLE + 2), shown, font=font(13), fill=INK)
@@ -286,9 +289,7 @@ def _reason_lines(draw: Any, window: Window) -> list[str]:
             lines[-1] = longer
         else:
             lines.append(part)
-    if len(lines) > 2:
-        lines = [lines[0] + ",", f"{lines[1]} …"]
-    return lines
+    return lines if len(lines) <= 2 else [lines[0] + ",", f"{lines[1]} …"]
 
 
 def _wrapped(text: str, width: int) -> list[str]:
