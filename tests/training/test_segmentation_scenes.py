@@ -9,8 +9,17 @@ from plan2scene.io import write_png
 from plan2scene.photos.masks import CEILING, FLOOR, IGNORE, OTHER, WALL
 from plan2scene.training import segmentation_furniture as furniture
 from plan2scene.training import segmentation_paints
+from plan2scene.training.segmentation_bodies import (
+    Body,
+    Eye,
+    Lamp,
+    plain,
+)
 from plan2scene.training.segmentation_paints import Paints, random_paints
-from plan2scene.training.segmentation_raycast import Body, Eye, Lamp, cast, plain, surfels
+from plan2scene.training.segmentation_raycast import (
+    cast,
+    surfels,
+)
 from plan2scene.training.segmentation_rooms import above, wall_trim
 from plan2scene.training.segmentation_scenes import (
     random_scene_and_eye,

@@ -14,6 +14,11 @@ from plan2scene.photos.segmentation import SegmentationNet, load_segmenter
 from plan2scene.training import segmentation_paints
 from plan2scene.training.segmentation import draw_scenes, train_segmentation, train_start
 from plan2scene.training.segmentation_augment import random_view, recolour_labels, training_sample
+from plan2scene.training.segmentation_bodies import (
+    Body,
+    Eye,
+    plain,
+)
 from plan2scene.training.segmentation_data import (
     Gaze,
     LabelledPhoto,
@@ -30,7 +35,10 @@ from plan2scene.training.segmentation_loop import (
     segmentation_loss,
     train,
 )
-from plan2scene.training.segmentation_raycast import Body, Eye, cast, plain, surfels
+from plan2scene.training.segmentation_raycast import (
+    cast,
+    surfels,
+)
 from plan2scene.training.segmentation_scenes import random_scenes
 from plan2scene.weights import save_model_file
 

@@ -6,8 +6,11 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from plan2scene.training.segmentation_bodies import (
+    Array,
+    Body,
+)
 from plan2scene.training.segmentation_paints import Paints
-from plan2scene.training.segmentation_raycast import Array, Body
 from plan2scene.training.segmentation_seating import bed, chair, office_chair, sofa
 from plan2scene.training.segmentation_spots import Spot
 from plan2scene.training.segmentation_storage import cabinet, desk, kitchen, shelf, table

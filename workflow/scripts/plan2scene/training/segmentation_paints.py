@@ -12,7 +12,12 @@ import numpy as np
 from plan2scene.seeds import generator
 from plan2scene.synthetic.materials import load_texture_folder, random_material
 from plan2scene.training import segmentation_patterns as patterns
-from plan2scene.training.segmentation_raycast import Array, Paint, plain, tiled
+from plan2scene.training.segmentation_bodies import (
+    Array,
+    Paint,
+    plain,
+    tiled,
+)
 
 Rng = np.random.Generator
 #: Tiles of each kind that paints are drawn from.

@@ -5,8 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from plan2scene.photos.masks import CEILING, FLOOR, IGNORE, OTHER, WALL
+from plan2scene.training.segmentation_bodies import (
+    Array,
+    Body,
+    Lamp,
+    Paint,
+    plain,
+)
 from plan2scene.training.segmentation_paints import Paints
-from plan2scene.training.segmentation_raycast import Array, Body, Lamp, Paint, plain
 from plan2scene.training.segmentation_spots import Spot, wall_spots
 
 Rng = np.random.Generator

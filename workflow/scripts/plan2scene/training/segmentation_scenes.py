@@ -15,10 +15,19 @@ import numpy as np
 
 from plan2scene.photos.masks import OTHER
 from plan2scene.seeds import generator
+from plan2scene.training.segmentation_bodies import (
+    Array,
+    Body,
+    Eye,
+    Lamp,
+)
 from plan2scene.training.segmentation_data import LabelledPhoto
 from plan2scene.training.segmentation_furniture import furnish
 from plan2scene.training.segmentation_paints import Paints, random_paints
-from plan2scene.training.segmentation_raycast import Array, Body, Eye, Lamp, cast, surfels
+from plan2scene.training.segmentation_raycast import (
+    cast,
+    surfels,
+)
 from plan2scene.training.segmentation_rooms import (
     above,
     polished,

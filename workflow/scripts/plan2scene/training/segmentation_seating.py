@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from plan2scene.training.segmentation_bodies import (
+    Body,
+    Paint,
+    plain,
+)
 from plan2scene.training.segmentation_paints import Paints
-from plan2scene.training.segmentation_raycast import Body, Paint, plain
 from plan2scene.training.segmentation_spots import Spot
 from plan2scene.training.segmentation_stencils import bars, disc, rag
 

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from plan2scene.training.segmentation_raycast import (
+from plan2scene.training.segmentation_bodies import (
     Array,
     Body,
     Eye,
     Lamp,
+)
+from plan2scene.training.segmentation_raycast import (
     Surfels,
     cast_from,
     dot,

@@ -8,7 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from plan2scene.photos.masks import OTHER
-from plan2scene.training.segmentation_raycast import Array, Body, Paint
+from plan2scene.training.segmentation_bodies import (
+    Array,
+    Body,
+    Paint,
+)
 
 
 @dataclass(frozen=True, eq=False)

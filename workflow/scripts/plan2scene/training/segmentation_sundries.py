@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from plan2scene.training.segmentation_bodies import (
+    Body,
+    plain,
+)
 from plan2scene.training.segmentation_paints import Paints
-from plan2scene.training.segmentation_raycast import Body, plain
 from plan2scene.training.segmentation_spots import Spot
 from plan2scene.training.segmentation_stencils import bars, disc, foliage, person, rag
 

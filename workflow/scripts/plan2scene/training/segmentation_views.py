@@ -5,7 +5,10 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from plan2scene.training.segmentation_raycast import Array, Eye
+from plan2scene.training.segmentation_bodies import (
+    Array,
+    Eye,
+)
 
 Rng = np.random.Generator
 #: Sizes (height, width) of the pictures in pixels, and how often they occur.

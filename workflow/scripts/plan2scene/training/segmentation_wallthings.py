@@ -9,8 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from plan2scene.training.segmentation_bodies import (
+    Body,
+    Lamp,
+    Paint,
+    plain,
+)
 from plan2scene.training.segmentation_paints import Paints
-from plan2scene.training.segmentation_raycast import Body, Lamp, Paint, plain
 from plan2scene.training.segmentation_spots import Spot, wall_spots
 
 Rng = np.random.Generator
