@@ -27,7 +27,7 @@ from plan2scene.training.segmentation_scenes import (
     random_scenes_and_eyes,
     scene_camera,
 )
-from plan2scene.training.segmentation_shading import Sun, reflections, shadow, sunlight
+from plan2scene.training.segmentation_shading import Sun, contact, reflections, shadow, sunlight
 from plan2scene.training.segmentation_spots import Spot, wall_spots
 
 _WHITE = (plain(np.ones(3)),)
@@ -248,3 +248,16 @@ def test_a_shadow_is_even_under_a_thing_and_absent_elsewhere() -> None:
     assert (floor & below).sum() > 50
     assert lit[floor & below].mean() < 0.25
     assert lit[floor & away].min() > 0.99
+
+
+def test_floor_darkens_towards_what_stands_on_it() -> None:
+    room, eye = _room(), _eye((120, 160), 80.0)
+    thing = Body(np.array([0.0, 0.3, 1.5]), np.full(3, 0.3), 0.0, (OTHER,), _WHITE)
+    rays = eye.rays()
+    seen = surfels([room, thing], eye, rays, cast([room, thing], eye, rays))
+    share = contact([room, thing], seen, eye)
+    away = np.abs(seen.point[:, 0])
+    beside = (seen.label == FLOOR) & (np.abs(seen.point[:, 2] - 1.5) < 0.2)
+    assert share[beside & (away < 0.4)].mean() < 0.85
+    assert share[beside & (away > 1.5)].min() > 0.99
+    assert (share[seen.label == OTHER] == 1).all()

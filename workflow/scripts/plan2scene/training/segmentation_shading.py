@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from plan2scene.photos.masks import OTHER
 from plan2scene.training.segmentation_bodies import (
     Array,
     Body,
@@ -93,6 +94,29 @@ def shadow(
     return np.asarray(cv2.resize(grid, (width, height), interpolation=cv2.INTER_LINEAR))
 
 
+def contact(bodies: list[Body], seen: Surfels, eye: Eye) -> Array:
+    """Return (n,) float32 share of the light from all around that things let through to the room.
+
+    Floors and walls darken towards what stands on or against them; found for every fourth pixel.
+    """
+    height, width = eye.size
+    grid = seen.point.reshape(height, width, 3)[::4, ::4]
+    points = grid.reshape(-1, 3)
+    share = np.ones(len(points), np.float32)
+    for body in bodies:
+        if not _casts(body) or body.stencil is not None or body.labels != (OTHER,):
+            continue
+        apart = points - body.centre.astype(np.float32)
+        reach = np.float32((np.linalg.norm(body.half) + 0.5) ** 2)
+        near = np.flatnonzero(dot(apart, apart) < reach)
+        if len(near):
+            out = np.maximum(np.abs(apart[near] @ body.turn.T) - body.span, 0)
+            share[near] *= 1 - 0.35 * np.exp(np.sqrt(dot(out, out)) / np.float32(-0.12))
+    small = cv2.blur(np.maximum(share, 0.25).reshape(grid.shape[:2]), (3, 3))
+    full = cv2.resize(small, (width, height), interpolation=cv2.INTER_LINEAR).ravel()
+    return np.where(seen.label == OTHER, 1, full).astype(np.float32)
+
+
 def sunlight(bodies: list[Body], seen: Surfels, sun: Sun) -> Array:
     """Return (n,) float32: the sun's light on each pixel, hard-edged."""
     light = np.zeros(len(seen.point), np.float32)
@@ -171,6 +195,7 @@ def shade(
     near = np.clip(corner[:, 1:], 0, None)
     occlusion = (1 - 0.35 * np.exp(near / np.float32(-0.35))).prod(axis=1)
     occlusion *= 0.85 + 0.15 * seen.normal[:, 1]
+    occlusion *= contact(bodies, seen, eye)
     light = ambient.astype(np.float32) * occlusion[:, None]
     shine = np.zeros_like(light)
     for lamp in lamps:

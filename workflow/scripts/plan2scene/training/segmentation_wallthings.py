@@ -150,15 +150,7 @@ def _flat(wall: _Wall, kind: str, u: float, rng: Rng) -> list[Body]:
             part((u, 1.5, 0), (w, h, 0.04), top),
         ]
     if kind == "cupboard":
-        w, h, d = rng.uniform(0.4, 2.0), rng.uniform(0.2, 0.9), rng.uniform(0.15, 0.4)
-        y, paint = rng.uniform(1.4, 1.9), paints.hard(rng)
-        front = paints.of("books", rng, 0.0) if rng.random() < 0.4 else paint
-        doors = max(1, round(w / 0.5))
-        bodies = [part((u, y, d / 2), (w, h, d), paint)]
-        for k in range(doors):
-            place = (u + (k + 0.5) * w / doors - w / 2, y, d)
-            bodies.append(part(place, (w / doors - 0.02, h - 0.03, 0.02), front))
-        return bodies
+        return _cupboard(wall, u, rng)
     if kind == "switch":
         y = float(rng.choice([0.3, 1.1]))
         white = plain(np.ones(3) * rng.uniform(0.5, 0.95))
@@ -167,6 +159,19 @@ def _flat(wall: _Wall, kind: str, u: float, rng: Rng) -> list[Body]:
         r = rng.uniform(0.2, 0.4)
         return [part((u, rng.uniform(1.7, 2.1), 0), (r, r, 0.06), paints.thing(rng), round=True)]
     return _pictures(wall, u, rng)
+
+
+def _cupboard(wall: _Wall, u: float, rng: Rng) -> list[Body]:
+    """Return a row of wall cupboards, or an open shelf of books."""
+    w, h, d = rng.uniform(0.4, 2.0), rng.uniform(0.2, 0.9), rng.uniform(0.15, 0.4)
+    y, paint = rng.uniform(1.4, 1.9), wall.paints.hard(rng)
+    front = wall.paints.of("books", rng, 0.0) if rng.random() < 0.4 else paint
+    doors = max(1, round(w / 0.5))
+    bodies = [wall.spot.part((u, y, d / 2), (w, h, d), paint)]
+    for k in range(doors):
+        place = (u + (k + 0.5) * w / doors - w / 2, y, d)
+        bodies.append(wall.spot.part(place, (w / doors - 0.02, h - 0.03, 0.02), front))
+    return bodies
 
 
 def _pictures(wall: _Wall, u: float, rng: Rng) -> list[Body]:
