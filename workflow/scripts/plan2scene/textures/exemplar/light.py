@@ -13,11 +13,16 @@ import cv2
 import numpy as np
 from scipy.fft import dctn, idctn
 
+from plan2scene.textures.colour import as_uint8, srgb_to_linear
+
 _BLACK = 4.0 / 255.0  # keeps logarithms finite
 _SLOW = 14  # cosine terms up to this index (half waves per crop) may hold light
 _CERTAIN = 4  # up to this index nearly all is light
 _HIGHLIGHT = 0.2  # log excess over the crop's median that only a highlight has
-_MOST = 0.3  # a crop of which more than this is 'highlight' shows a bright pattern instead
+_ADDED_WHITE = 0.06  # linear share of white that a highlight adds at least
+_NEARLY_WHITE = 0.35  # the same where the surface itself is too bright for a log excess
+_OUTSTANDING = 2.0  # added white over the crops' usual, where most of them seem to have some
+_MOST = 0.6  # a crop of which more than this is 'highlight' shows a bright pattern instead
 
 
 def log_luma(images: np.ndarray) -> np.ndarray:
@@ -28,18 +33,32 @@ def log_luma(images: np.ndarray) -> np.ndarray:
 def highlights(images: np.ndarray) -> np.ndarray:
     """Return (n, s, s) bool: pixels that a highlight or a lamp burns out.
 
-    Blobs far brighter than their crop. What most crops show is the pattern, not a highlight.
+    Blobs far brighter than their crop, to which white was added: brighter light alone leaves the
+    least channel of a dark or coloured surface low. Thin bright joints do not count, and what
+    most crops show is the pattern.
     """
     masks = np.zeros(images.shape[:3], dtype=bool)
-    for mask, luma in zip(masks, log_luma(images), strict=True):
-        smooth = cv2.GaussianBlur(luma, (0, 0), images.shape[1] / 25)
-        excess = smooth - np.median(smooth)
-        core = (excess > _HIGHLIGHT).astype(np.uint8)
+    peaks = np.zeros(len(images))
+    for k, image in enumerate(images):
+        body = cv2.morphologyEx(
+            as_uint8(image), cv2.MORPH_OPEN, np.ones((9, 9))
+        )  # no bright joints
+        body = cv2.medianBlur(body, images.shape[1] // 10 | 1)  # nor dark ones
+        body = cv2.GaussianBlur(body / 255.0, (0, 0), images.shape[1] / 40)
+        luma = log_luma(body)
+        excess = luma - np.median(luma)
+        floor = srgb_to_linear(body.min(axis=2))
+        usual_floor = np.median(floor)
+        added = (floor - usual_floor) / (1.0 - usual_floor + 1e-3)
+        peaks[k] = added.max()
+        strong = (excess > _HIGHLIGHT) & (added > _ADDED_WHITE)
+        core = (strong | ((excess > 0.0) & (added > _NEARLY_WHITE))).astype(np.uint8)
         if core.any() and core.mean() < _MOST:
             wide = cv2.dilate(core, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (9, 9)))
-            mask[:] = wide > 0
-    usual = masks.any(axis=(1, 2)).mean() > 0.5
-    return np.zeros_like(masks) if usual else masks
+            masks[k] = wide > 0
+    if masks.any(axis=(1, 2)).mean() > 0.5:
+        masks[peaks < _OUTSTANDING * np.median(peaks)] = False
+    return masks
 
 
 def flatten(images: np.ndarray, masks: np.ndarray, keep: np.ndarray | None = None) -> np.ndarray:

@@ -15,7 +15,8 @@ import numpy as np
 
 from plan2scene.textures.colour import as_uint8
 from plan2scene.textures.exemplar.light import flatten, highlights
-from plan2scene.textures.exemplar.quilt import Source, quilt
+from plan2scene.textures.exemplar.quilt import quilt
+from plan2scene.textures.exemplar.straighten import find_pattern, straightened
 
 #: Side of the torus in pixels; larger tiles are enlarged from it (crops hold no more detail).
 WORK_PX = 128
@@ -24,6 +25,7 @@ MAX_CROPS = 10
 _LARGEST = 2.0  # side of the tile over the side of a crop
 _LEAST_SHARP = 0.2  # photo pixels per crop pixel under which a crop shows no texture
 _MOST_SPOILED = 0.5  # share of burned-out or masked pixels from which a crop is useless
+_WHITE = 0.96  # channel value from which a crop's colour may be burned out
 _SMALLEST_PX = 32  # crops that fill less of the tile only make seams
 
 
@@ -58,11 +60,14 @@ class Exemplar:
         Metres that it covers; NaN when no crop knows its scale.
     crops : int
         How many crops it was made of.
+    periods : (int, int)
+        How often its pattern repeats in it along x and y; 0 where it has no period.
     """
 
     image: np.ndarray
     size_m: float
     crops: int
+    periods: tuple[int, int]
 
 
 def spoiled_share(image: np.ndarray) -> float:
@@ -100,13 +105,17 @@ def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | 
     tones = np.stack([np.median(i[~m], axis=0) for i, m in zip(flat, masks, strict=True)])
     tone = consensus(tones)
     flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
-    scales, size_m = tile_scale(good)
-    order = [k for k in _ranking(images, flat, masks) if scales[k] * WORK_PX >= _SMALLEST_PX]
-    order = (order or [int(scales.argmax())])[:MAX_CROPS]
-    sources = [_source(flat[k], masks[k], scales[k] * WORK_PX) for k in order]
+    sides, size_m = tile_scale(good)
+    known = np.isfinite([crop.metres for crop in good]).all()
+    lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
+    order = [k for k in _ranking(images, flat, masks) if fits[k]]
+    large = [k for k in order if sides[k] * WORK_PX >= _SMALLEST_PX]
+    order = (large or [int(sides.argmax())])[:MAX_CROPS]
+    sources = [straightened(flat[k], masks[k], sides[k], lattices[k], cut, WORK_PX) for k in order]
+    size_m *= float(np.sqrt(cut.wide * cut.high))
     canvas = quilt(sources, WORK_PX)
     image = _toned(canvas.solve(), tone)
-    return Exemplar(as_uint8(enlarged(image, size_px)), size_m, len(order))
+    return Exemplar(as_uint8(enlarged(image, size_px)), size_m, len(order), (cut.columns, cut.rows))
 
 
 def tile_scale(crops: Sequence[ExemplarCrop]) -> tuple[np.ndarray, float]:
@@ -122,8 +131,11 @@ def tile_scale(crops: Sequence[ExemplarCrop]) -> tuple[np.ndarray, float]:
 
 
 def consensus(tones: np.ndarray) -> np.ndarray:
-    """Return the mean (3,) of the middle half of the crops' colours (n, 3)."""
-    cut = len(tones) // 4
+    """Return the mean (3,) of the middle half of the crops' colours (n, 3) in [0, 1].
+
+    The median where crops of a white surface burn out: too bright ones all read 1.
+    """
+    cut = (len(tones) - 1) // 2 if tones.max() > _WHITE else len(tones) // 4
     return np.sort(tones, axis=0)[cut : len(tones) - cut].mean(axis=0)
 
 
@@ -145,16 +157,6 @@ def _ranking(images: np.ndarray, flat: np.ndarray, masks: np.ndarray) -> np.ndar
     """Return the crops' indices, those that needed the least repair of their light first."""
     repair = np.log((images.mean(axis=3) + 0.02) / (flat.mean(axis=3) + 0.02)).std(axis=(1, 2))
     return np.argsort(2.0 * masks.mean(axis=(1, 2)) + repair, kind="stable")
-
-
-def _source(image: np.ndarray, mask: np.ndarray, side_px: float) -> Source:
-    """Return a crop at the torus's scale."""
-    side = max(8, round(side_px))
-    small = cv2.resize(image.astype(np.float32), (side, side), interpolation=cv2.INTER_AREA)
-    share = cv2.resize((~mask).astype(np.float32), (side, side), interpolation=cv2.INTER_AREA)
-    valid = share > 0.99
-    valid[[0, -1]] = valid[:, [0, -1]] = False  # its borders do not join each other
-    return Source(small, valid)
 
 
 def _toned(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
