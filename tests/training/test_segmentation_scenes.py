@@ -258,6 +258,6 @@ def test_floor_darkens_towards_what_stands_on_it() -> None:
     share = contact([room, thing], seen, eye)
     away = np.abs(seen.point[:, 0])
     beside = (seen.label == FLOOR) & (np.abs(seen.point[:, 2] - 1.5) < 0.2)
-    assert share[beside & (away < 0.4)].mean() < 0.85
+    assert share[beside & (away < 0.4)].mean() < 0.9  # 0.85 at 0.1 m, before the blur
     assert share[beside & (away > 1.5)].min() > 0.99
     assert (share[seen.label == OTHER] == 1).all()
