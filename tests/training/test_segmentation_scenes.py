@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from plan2scene.io import write_png
 from plan2scene.photos.masks import CEILING, FLOOR, IGNORE, OTHER, WALL
 from plan2scene.training import segmentation_furniture as furniture
-from plan2scene.training import segmentation_paints
+from plan2scene.training import segmentation_paints, segmentation_scenes
 from plan2scene.training.segmentation_bodies import (
     Body,
     Eye,
@@ -261,3 +262,28 @@ def test_floor_darkens_towards_what_stands_on_it() -> None:
     assert share[beside & (away < 0.4)].mean() < 0.9  # 0.85 at 0.1 m, before the blur
     assert share[beside & (away > 1.5)].min() > 0.99
     assert (share[seen.label == OTHER] == 1).all()
+
+
+def test_labels_lie_on_the_surfaces_they_name(
+    paints: Paints, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken: list[Surfels] = []
+
+    def kept(*args: Any) -> Surfels:
+        taken.append(surfels(*args))
+        return taken[-1]
+
+    monkeypatch.setattr(segmentation_scenes, "surfels", kept)
+    walls, level = 0, 0
+    for index in range(6):
+        photo, _ = random_scene_and_eye(paints, index, seed=23)
+        seen = taken[-1]
+        assert np.array_equal(seen.label, photo.labels.ravel())
+        assert np.isfinite(seen.point).all()
+        # Floors are at y 0 (a polish lies a millimetre above), ceilings are overhead.
+        assert np.abs(seen.point[seen.label == FLOOR][:, 1]).max(initial=0) < 0.002
+        assert seen.point[seen.label == CEILING][:, 1].min(initial=9) > 0.5
+        walls += int((seen.label == WALL).sum())
+        level += int((np.abs(seen.normal[seen.label == WALL][:, 1]) > 0.1).sum())
+    assert walls > 1000
+    assert level < 0.01 * walls  # only the tops of skirtings and dados
