@@ -18,6 +18,7 @@ from plan2scene.training.segmentation_bodies import (
 )
 from plan2scene.training.segmentation_paints import Paints, random_paints
 from plan2scene.training.segmentation_raycast import (
+    Surfels,
     cast,
     surfels,
 )
