@@ -118,7 +118,7 @@ def test_highlights_are_found_and_patterns_are_not() -> None:
     crops = degrade(tile, 3)
     found = highlights(np.stack([crop.image for crop in crops]) / 255.0)
     for crop, mask in zip(crops, found, strict=True):
-        assert mask.any() == crop.highlight
+        assert (mask.mean() > 0.1) == crop.highlight
     checker = np.kron(np.indices((4, 4)).sum(0) % 2, np.ones((32, 32)))[..., None] * 0.6 + 0.2
     assert not highlights(np.repeat(checker[None], 3, axis=3)[[0, 0, 0]]).any()
 

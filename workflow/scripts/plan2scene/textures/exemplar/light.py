@@ -17,6 +17,7 @@ from plan2scene.textures.colour import as_uint8, srgb_to_linear
 
 _BLACK = 4.0 / 255.0  # keeps logarithms finite
 _SLOW = 14  # cosine terms up to this index (half waves per crop) may hold light
+_CHI_SQUARE_MEDIAN = 0.455  # of one degree of freedom, over its mean
 _CERTAIN = 4  # up to this index nearly all is light
 _HIGHLIGHT = 0.2  # log excess over the crop's median that only a highlight has
 _ADDED_WHITE = 0.06  # linear share of white that a highlight adds at least
@@ -102,7 +103,9 @@ def _shares(terms: np.ndarray, radius: np.ndarray) -> list[tuple[np.ndarray, np.
     """Return rings of cosine terms, (s, s) bool, with the share of them that is light, (n,)."""
     rings = [(radius >= k - 0.5) & (radius < k + 0.5) for k in range(1, 2 * _SLOW)]
     power = np.stack([(terms[:, ring] ** 2).mean(axis=1) for ring in rings])  # (rings, n)
-    beyond = float(np.median(power[_SLOW:]))
+    # A lattice has few strong terms per ring: the median tells what lies between them.
+    middle = [np.median(terms[:, ring] ** 2) for ring in rings[_SLOW:]]
+    beyond = float(np.median(middle)) / _CHI_SQUARE_MEDIAN
     result = []
     for k, (ring, own) in enumerate(zip(rings[:_SLOW], power[:_SLOW], strict=True), start=1):
         usual = beyond * (_SLOW / k) ** 0.5
