@@ -10,6 +10,7 @@ from PIL import Image
 from plan2scene.errors import InputError
 from plan2scene.io import write_png
 from plan2scene.photos import masks
+from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.stage import labeller, make_masks
 
 
@@ -65,6 +66,26 @@ def test_labels_from_folder_needs_the_photos_size(tmp_path: Path) -> None:
     assert np.array_equal(found[1:], labels[1:])
     with pytest.raises(InputError, match=r"expected .*60x80.*found 80x60"):
         masks.labels_from_folder(tmp_path, "room.jpg", (80, 60))
+
+
+def test_large_photos_and_their_masks_are_reduced_together(tmp_path: Path) -> None:
+    labels = np.zeros((1800, 3200), np.uint8)
+    labels[900:, :] = masks.FLOOR
+    labels[:, 1600:] = masks.WALL
+    colours = np.array([[10, 20, 30], [200, 100, 50], [90, 180, 240]], np.uint8)
+    write_png(tmp_path / "room.png", colours[labels])
+    photo = read_photo(tmp_path / "room.png")
+    assert photo.shape == (900, 1600, 3)
+    masks.write_label_png(tmp_path / "masks" / "room.png", labels)
+    found = masks.labels_from_folder(tmp_path / "masks", "room.png", (900, 1600))
+    assert np.array_equal(colours[found], photo)
+    masks.write_label_png(tmp_path / "masks" / "room.png", found)
+    assert np.array_equal(
+        masks.labels_from_folder(tmp_path / "masks", "room.png", (900, 1600)), found
+    )
+    with pytest.raises(InputError, match=r"1600x900, found 1800x3200"):
+        masks.write_label_png(tmp_path / "masks" / "room.png", labels.T)
+        masks.labels_from_folder(tmp_path / "masks", "room.png", (900, 1600))
 
 
 def test_overlay_mixes_label_colours() -> None:

@@ -17,7 +17,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.io import read_image, read_json, write_png
+from plan2scene.io import read_json, write_png
 from plan2scene.photos import contact_panels as panels
 from plan2scene.photos.camera import Camera
 from plan2scene.photos.contact_panels import INK, PAPER, fit, font
@@ -32,15 +32,16 @@ from plan2scene.photos.contact_windows import (
     thumbnail,
 )
 from plan2scene.photos.masks import LABELS, read_label_png
+from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
 
 #: Photos on a sheet; of houses with more the first are shown, the rest counted.
 MAX_PHOTOS = 20
 #: Height and width of a panel, of the crops' panel's width, and of what is between, pixels.
-PANEL, CROPS_WIDTH, GAP = (225, 300), 468, 8
+PANEL, CROPS_WIDTH, GAP = (225, 300), 492, 8
 TITLE, CAPTION, HEADER = 20, 18, 44
 #: Crops and rejected windows shown of one photo, side of one, and of its cell with text.
-COLUMNS, KEPT_ROWS, THUMB, CELL = 6, 1, 50, (83, 78)
+COLUMNS, KEPT_ROWS, THUMB, CELL = 6, 1, 50, (83, 82)
 ROW = TITLE + PANEL[0] + CAPTION + 2 * GAP
 WIDTH = 4 * (PANEL[1] + GAP) + CROPS_WIDTH + 2 * GAP
 
@@ -125,7 +126,7 @@ def _read(
     if path is None:
         return replace(empty, note="not in the house table")
     try:
-        full = read_image(path, house=house)
+        full = read_photo(path, house=house)
     except InputError as error:
         return replace(empty, note=str(error))
     photo = replace(empty, image=fit(full, PANEL), full=full)

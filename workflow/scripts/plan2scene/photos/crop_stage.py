@@ -31,6 +31,7 @@ from plan2scene.photos.crops import (
     CROP_PX,
     CROPS_PER_MASK,
     TRIES,
+from plan2scene.photos.photo_files import read_photo
     Candidate,
     Crop,
     Verdict,
@@ -121,7 +122,7 @@ def make_crops(
             continue
         camera = Camera.from_json(cameras[photo], file=folder / "cameras.json")
         labels = read_label_png(folder / f"{Path(photo).stem}.png", house=house.id)
-        image = read_image(photos[photo], house=house.id)
+        image = read_photo(photos[photo], house=house.id)
         _check_sizes(image, labels, camera, photos[photo], house.id)
         of_photo = candidates_of_photo(
             image,

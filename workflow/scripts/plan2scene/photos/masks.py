@@ -13,6 +13,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_path, decode_image, safe_join
+from plan2scene.photos.photo_files import reduced_size
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -66,19 +67,28 @@ def labels_from_folder(
     Parameters
     ----------
     size : (height, width)
-        Of the photo; a mask of another size is refused, since it may be turned or cropped.
+        Of the photo as :func:`plan2scene.photos.photo_files.read_photo` gives it. The mask has
+        that size or the one before the reduction; of any other it is refused, since it may be
+        turned or cropped.
 
     Pixels marked 255 become 0 (other): nothing is taken from them.
     """
     path = safe_join(folder, f"{Path(photo).stem}.png", house=house)
     labels = read_label_png(path, house=house)
-    if labels.shape != tuple(size):
+    found = (labels.shape[0], labels.shape[1])
+    if reduced_size(found) != tuple(size):
         raise InputError(
             f"a mask of the photo's size {size[1]}x{size[0]}",
-            f"{labels.shape[1]}x{labels.shape[0]}",
+            f"{found[1]}x{found[0]}",
             file=path,
             house=house,
         )
+    if found != tuple(size):
+        rows, columns = (
+            np.minimum((np.arange(new) + 0.5) * old / new, old - 1).astype(int)
+            for new, old in zip(size, found, strict=True)
+        )
+        labels = labels[np.ix_(rows, columns)]
     return np.where(labels == IGNORE, OTHER, labels).astype(np.uint8)
 
 

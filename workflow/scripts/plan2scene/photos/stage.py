@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.io import atomic_directory, read_image, safe_join, write_json
+from plan2scene.io import atomic_directory, safe_join, write_json
 from plan2scene.photos.camera import Camera, estimate_camera
 from plan2scene.photos.exif import ExifFocal, read_exif_focal
 from plan2scene.photos.masks import SOURCES, labels_from_folder, write_label_png
+from plan2scene.photos.photo_files import read_photo
 
 if TYPE_CHECKING:
     from plan2scene.photos.segmentation_pretrained import Checkpoint
@@ -121,8 +122,8 @@ def make_masks(
         mask, becomes a warning and is left out; the house goes on without it. A focal length in
         its EXIF data that is not used becomes a warning too.
     out_dir : path
-        Replaced as a whole: ``{stem}.png`` labels at the photo's size, ``cameras.json``,
-        ``warnings.json`` (``docs/conventions.md``).
+        Replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
+        ``cameras.json``, ``warnings.json`` (``docs/conventions.md``).
     fov_deg : float
         Horizontal field of view in degrees where neither EXIF data nor vanishing points give one.
     source, model, precomputed_dir, pretrained, threads
@@ -145,7 +146,7 @@ def make_masks(
                 )
             try:
                 safe_join("", name, house=house)
-                image = read_image(photos[name], house=house)
+                image = read_photo(photos[name], house=house)
                 _refuse_tiny(image, photos[name], house)
                 labels = label.first(name, image)
             except InputError as error:
