@@ -31,13 +31,13 @@ from plan2scene.photos.crops import (
     CROP_PX,
     CROPS_PER_MASK,
     TRIES,
-from plan2scene.photos.photo_files import read_photo
     Candidate,
     Crop,
     Verdict,
     sample_candidates,
 )
 from plan2scene.photos.masks import read_label_png
+from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
 from plan2scene.seeds import generator
 
