@@ -26,6 +26,7 @@ MAX_IMAGE_BYTES = 200_000_000
 FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "TIFF", "BMP", "PPM")
 FORMAT_NAMES = "JPEG, PNG, GIF, WebP, TIFF, BMP or PPM"
 _MAX_ICC_BYTES = 4_000_000
+_BAND_ROWS = 256
 #: EXIF orientation -> Pillow's transposition that makes the picture upright.
 _UPRIGHT = {
     2: "FLIP_LEFT_RIGHT",
@@ -127,7 +128,12 @@ def to_srgb(image: Image.Image) -> np.ndarray:
         white = Image.new("RGB", colour.size, (255, 255, 255))
         white.paste(colour, mask=alpha)
         colour = white
-    return np.array(colour)
+    # In bands: the whole picture at once would be held three times over.
+    pixels = np.empty((colour.height, colour.width, 3), np.uint8)
+    for top in range(0, colour.height, _BAND_ROWS):
+        band = (0, top, colour.width, min(top + _BAND_ROWS, colour.height))
+        pixels[top : top + _BAND_ROWS] = np.asarray(colour.crop(band))
+    return pixels
 
 
 def _upright(image: Image.Image) -> Image.Image:
@@ -178,7 +184,7 @@ def _profiled(image: Image.Image, profile: object) -> Image.Image:
         converted = _by_profile(image, profile)
         if converted is not None:
             return converted
-    return image.convert("RGB")
+    return image if image.mode == "RGB" else image.convert("RGB")
 
 
 def _by_profile(image: Image.Image, profile: bytes) -> Image.Image | None:
