@@ -1,50 +1,85 @@
-"""Rotation and focal length of estimated cameras against the truth of a synthetic data set.
+"""Cameras, rectified planes and scale against the truth of a synthetic data set; real photos.
 
-``python benchmarks/cameras.py ROOT [--limit N] [--fov DEG] [--split SPLIT] [--labels KIND]``
+``python benchmarks/cameras.py ROOT [--labels KIND ...] [--split SPLIT] [--limit N]``
+``python benchmarks/cameras.py --real FOLDER [--labels KIND ...]``
 
-ROOT has the layout of docs/conventions.md with ``truth/{split}/{house}/cameras.json``. A rotation
-is compared up to quarter turns about the vertical, as the heading of a Manhattan frame is.
+ROOT has the layout of docs/conventions.md with ``truth/{split}/{house}/``. A rotation is compared
+up to quarter turns about the vertical, as the heading of a Manhattan frame is. FOLDER has
+``index.csv`` (name, fx in pixels), ``{name}.jpg`` and ``{name}.mask.png``.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
+from plane_errors import PlaneError, plane_errors
 
+from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.io import read_image
-from plan2scene.photos.camera import Camera, canonical, estimate_camera
+from plan2scene.photos.camera import (
+    DEFAULT_FOV_DEG,
+    HIGH_CONFIDENCE,
+    Camera,
+    canonical,
+    estimate_camera,
+)
+from plan2scene.photos.exif import read_exif_focal
 from plan2scene.photos.masks import read_label_png
+from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
 from plan2scene.photos.segmentation import load_segmenter
 from plan2scene.weights import MODELS
+
+KINDS = ("truth", "rough", "network", "none")
+#: What a plane counts as square within, degrees.
+SQUARE_DEG = 2.0
 
 
 @dataclass(frozen=True)
 class Result:
-    """Errors of one photo: degrees, relative focal length, seconds."""
+    """Errors of one photo: degrees, relative focal length and camera heights, seconds."""
 
     photo: str
     rotation_deg: float
     tilt_deg: float
     focal: float
-    source: str
-    fallback: bool
-    confidence: float
+    camera: Camera
     seconds: float
+    prior_scale: float = float("nan")
+    room_scale: float = float("nan")
+    planes: list[PlaneError] = field(default_factory=list)
 
 
-def truths(root: Path, split: str) -> Iterator[tuple[str, Camera, Path, Path]]:
-    """Yield photo name, true camera, photo file and true mask of every photo of a split."""
+@dataclass(frozen=True)
+class Photo:
+    """A photo with its truth."""
+
+    name: str
+    truth: Mapping[str, Any]
+    house_truth: Path
+    plan: Path
+    file: Path
+
+    @property
+    def mask(self) -> Path:
+        """Return its true label mask."""
+        return self.house_truth / "masks" / f"{Path(self.name).stem}.png"
+
+
+def photos_of(root: Path, split: str) -> Iterator[Photo]:
+    """Yield every photo of a split."""
     for file in sorted((root / "truth" / split).glob("*/cameras.json")):
-        for photo, value in sorted(json.loads(file.read_text()).items()):
-            mask = file.parent / "masks" / f"{Path(photo).stem}.png"
-            yield photo, Camera.from_json(value, file=file), root / "photos" / photo, mask
+        plan = root / "archs_no_objects" / split / f"{file.parent.name}.scene.json"
+        for name, value in sorted(json.loads(file.read_text()).items()):
+            yield Photo(name, value, file.parent, plan, root / "photos" / name)
 
 
 def rotation_error_deg(estimate: Camera, truth: Camera) -> tuple[float, float]:
@@ -74,87 +109,156 @@ def roughened(labels: np.ndarray, seed: int) -> np.ndarray:
     return cv2.remap(labels, moved[0], moved[1], cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
 
 
-def measure(root: Path, split: str, fov_deg: float, labels: str, limit: int) -> list[Result]:
+def labeller(kind: str) -> Callable[[np.ndarray, Path], np.ndarray | None]:
+    """Return what gives the labels of a photo and its true mask file, by kind."""
+    if kind == "network":
+        network = load_segmenter(MODELS / "segmentation.safetensors")
+        return lambda image, _mask: network.labels(image)
+    if kind == "rough":
+        return lambda _image, mask: roughened(read_label_png(mask), len(mask.name))
+    if kind == "truth":
+        return lambda _image, mask: read_label_png(mask)
+    return lambda _image, _mask: None
+
+
+def measure(root: Path, split: str, fov_deg: float, kind: str, limit: int) -> list[Result]:
     """Return the errors of up to `limit` photos, spread over the split."""
-    photos = list(truths(root, split))
-    chosen = photos[:: max(1, len(photos) // limit)][:limit]
+    photos = list(photos_of(root, split))
+    label = labeller(kind)
+    return [
+        _of_photo(photo, label, fov_deg)
+        for photo in photos[:: max(1, len(photos) // limit)][:limit]
+    ]
+
+
+def _of_photo(
+    photo: Photo, label: Callable[[np.ndarray, Path], np.ndarray | None], fov_deg: float
+) -> Result:
+    """Return the errors of one photo."""
+    truth = Camera.from_json(photo.truth, file=photo.name)
+    image = read_image(photo.file)
+    labels = label(image, photo.mask)
+    start = time.perf_counter()
+    estimate = estimate_camera(image, labels, fov_deg=fov_deg)
+    seconds = time.perf_counter() - start
+    rotation, tilt = rotation_error_deg(estimate, truth)
+    focal = estimate.focal_px / truth.focal_px - 1
+    if labels is None:
+        return Result(photo.name, rotation, tilt, focal, estimate, seconds)
+    height = photo.truth["position"][1]
+    room = read_scene_json(photo.plan, photo.house_truth.name).room(photo.truth["room_id"])
+    alone = split_planes(labels, estimate, image=image, camera_height_m=DEFAULT_CAMERA_HEIGHT_M)
+    known = split_planes(labels, estimate, image=image, room_height_m=room.height)
+    errors = plane_errors(
+        photo.name,
+        photo.truth,
+        photo.house_truth / "planes" / photo.mask.name,
+        estimate,
+        known,
+    )
+    scale = [p[0].camera_height_m / height - 1 if p else float("nan") for p in (alone, known)]
+    return Result(
+        photo.name, rotation, tilt, focal, estimate, seconds, scale[0], scale[1], list(errors)
+    )
+
+
+def measure_real(folder: Path, fov_deg: float, kind: str) -> list[Result]:
+    """Return the focal errors of a folder of annotated photos."""
+    label = labeller(kind)
     results = []
-    network = load_segmenter(MODELS / "segmentation.safetensors") if labels == "network" else None
-    for photo, truth, file, mask in chosen:
-        image = read_image(file)
-        if network is not None:
-            known = network.labels(image)
-        else:
-            known = None if labels == "none" else read_label_png(mask)
-        if known is not None and labels == "rough":
-            known = roughened(known, len(results))
+    with (folder / "index.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        path = folder / f"{row['name']}.jpg"
+        image = read_image(path)
+        labels = label(image, folder / f"{row['name']}.mask.png")
         start = time.perf_counter()
-        estimate = estimate_camera(image, known, fov_deg=fov_deg)
+        exif = read_exif_focal(path, (image.shape[0], image.shape[1]))
+        estimate = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
         seconds = time.perf_counter() - start
-        rotation, tilt = rotation_error_deg(estimate, truth)
-        results.append(
-            Result(
-                photo,
-                rotation,
-                tilt,
-                estimate.focal_px / truth.focal_px - 1,
-                estimate.focal_source,
-                estimate.fallback,
-                estimate.confidence,
-                seconds,
-            )
-        )
+        nan = float("nan")
+        focal = estimate.focal_px / float(row["fx"]) - 1
+        results.append(Result(row["name"], nan, nan, focal, estimate, seconds))
     return results
 
 
-def table(results: list[Result]) -> str:
-    """Return the summary: all photos, then those by source of the focal length."""
-    groups = {
-        "all": results,
-        "vanishing_points": [r for r in results if r.source == "vanishing_points"],
-        "config": [r for r in results if r.source == "config" and not r.fallback],
-        "fallback": [r for r in results if r.fallback],
-    }
-    lines = [
-        "| photos | n | rotation deg median | 90 % | tilt deg median | 90 % "
-        "| focal error % median | 90 % | seconds |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    for name, group in groups.items():
-        if not group:
-            continue
-        columns = [
-            np.percentile([getattr(r, field) for r in group], q)
-            for field in ("rotation_deg", "tilt_deg")
-            for q in (50, 90)
-        ]
-        columns += [np.percentile([100 * abs(r.focal) for r in group], q) for q in (50, 90)]
-        columns.append(np.mean([r.seconds for r in group]))
-        lines.append(f"| {name} | {len(group)} | " + " | ".join(f"{c:.2f}" for c in columns) + " |")
+def figures(results: Sequence[Result]) -> dict[str, str]:
+    """Return the figures of a set of photos by name."""
+    found: dict[str, str] = {"photos": str(len(results))}
+
+    def add(name: str, values: Sequence[float], digits: int = 2) -> None:
+        kept = np.abs([value for value in values if np.isfinite(value)])
+        if len(kept):
+            half, most = np.percentile(kept, [50, 90])
+            found[name] = f"{half:.{digits}f} / {most:.{digits}f}"
+
+    add("rotation, deg", [r.rotation_deg for r in results])
+    add("tilt, deg", [r.tilt_deg for r in results])
+    add("focal length, %", [100 * r.focal for r in results], 1)
+    high = [r for r in results if r.camera.confidence >= HIGH_CONFIDENCE]
+    found["share of high confidence, %"] = f"{100 * len(high) / max(1, len(results)):.0f}"
+    add("focal length at high confidence, %", [100 * r.focal for r in high], 1)
+    low = [r for r in results if r.camera.confidence < HIGH_CONFIDENCE]
+    add("focal length at low confidence, %", [100 * r.focal for r in low], 1)
+    planes = [plane for r in results for plane in r.planes]
+    if planes:
+        add("checker lines off square, deg", [p.square_deg for p in planes])
+        add("checker lines off the axes, deg", [p.direction_deg for p in planes])
+        within = np.mean([p.square_deg <= SQUARE_DEG for p in planes])
+        found[f"planes within {SQUARE_DEG:g} deg of square, %"] = f"{100 * within:.0f}"
+        add("scale, height prior alone, %", [100 * r.prior_scale for r in results], 1)
+        add("scale, room known, %", [100 * r.room_scale for r in results], 1)
+        add("distance of a plane, room known, %", [100 * p.distance for p in planes], 1)
+    found["seconds per photo"] = f"{np.mean([r.seconds for r in results]):.2f}"
+    return found
+
+
+def table(columns: Mapping[str, dict[str, str]]) -> str:
+    """Return figures as a Markdown table with one column per kind of labels."""
+    names = list(dict.fromkeys(name for column in columns.values() for name in column))
+    lines = ["| median / 90 % | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
+    for name in names:
+        cells = [column.get(name, "") for column in columns.values()]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
+
+
+def _print_each(results: Sequence[Result]) -> None:
+    """Print one line per photo, the most certain first."""
+    for r in sorted(results, key=lambda r: -r.camera.confidence):
+        print(
+            f"{r.photo}: rotation {r.rotation_deg:.2f}, tilt {r.tilt_deg:.2f}, focal "
+            f"{100 * r.focal:+.1f} %, {r.camera.focal_source}, "
+            f"confidence {r.camera.confidence:.2f}, scale {100 * r.prior_scale:+.0f} %, "
+            f"with the room {100 * r.room_scale:+.0f} %"
+        )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("root", type=Path)
+    parser.add_argument("root", type=Path, nargs="?")
+    parser.add_argument("--real", type=Path, help="a folder of annotated real photos")
     parser.add_argument("--split", default="val")
     parser.add_argument("--limit", type=int, default=200)
-    parser.add_argument("--fov", type=float, default=60.0)
-    parser.add_argument("--labels", choices=("truth", "rough", "network", "none"), default="none")
+    parser.add_argument("--fov", type=float, default=DEFAULT_FOV_DEG)
+    parser.add_argument("--labels", choices=KINDS, nargs="+", default=["truth", "network"])
     parser.add_argument("--each", action="store_true", help="one line per photo too")
     arguments = parser.parse_args()
-    results = measure(
-        arguments.root, arguments.split, arguments.fov, arguments.labels, arguments.limit
-    )
-    if not results:
-        raise SystemExit(f"no photos with truth in {arguments.root / 'truth' / arguments.split}")
-    if arguments.each:
-        for r in sorted(results, key=lambda r: -r.rotation_deg):
-            print(
-                f"{r.photo}: rotation {r.rotation_deg:.2f}, tilt {r.tilt_deg:.2f}, "
-                f"focal {100 * r.focal:+.1f} %, {r.source}, confidence {r.confidence:.2f}"
-            )
-    print(table(results))
+    if arguments.root is None and arguments.real is None:
+        parser.error("a data set (ROOT) or --real FOLDER")
+    columns = {}
+    for kind in arguments.labels:
+        if arguments.real is not None:
+            results = measure_real(arguments.real, arguments.fov, kind)
+        else:
+            results = measure(arguments.root, arguments.split, arguments.fov, kind, arguments.limit)
+        if not results:
+            raise SystemExit(f"no photos with truth in {arguments.real or arguments.root}")
+        if arguments.each:
+            print(f"masks: {kind}")
+            _print_each(results)
+        columns[f"masks: {kind}"] = figures(results)
+    print(table(columns))
 
 
 if __name__ == "__main__":

@@ -34,6 +34,8 @@ HIGH_CONFIDENCE = 0.5
 #: A focal length of EXIF data gives way to confident vanishing points beyond this ratio: the photo
 #: was cropped or its data are another photo's.
 EXIF_TOLERANCE = 1.2
+#: Factor of the confidence where the focal length is not measured at all: never high.
+GIVEN_CERTAINTY = 0.49
 #: Certainty of a focal length of EXIF data, as a factor of the confidence.
 EXIF_CERTAINTY = 0.95
 
@@ -219,7 +221,7 @@ def _decide(frame: Manhattan | None, segments: Segments, prior: float, is_exif: 
     if frame.log_focal_sd <= MAX_LOG_FOCAL_SD:
         return _Pose(frame.axes, frame.focal, "vanishing_points", confidence, False)
     axes = refine_rotation(segments, frame, prior)
-    return _Pose(axes, prior, given, confidence, False)
+    return _Pose(axes, prior, given, GIVEN_CERTAINTY * confidence, False)
 
 
 def _with_exif(pose: _Pose, frame: Manhattan | None, focal: float) -> _Pose:

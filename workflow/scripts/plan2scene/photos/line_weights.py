@@ -14,13 +14,19 @@ MAX_SEGMENTS = 320
 #: there; how far its ends may be off, pixels.
 BORDER_WEIGHT = 2.0
 BORDER_NOISE = 4.0
+#: Neighbours of nearly the same direction among which a segment still counts in full; how far they
+#: may be (share of the photo's width), and their direction (radians).
+CROWD = 2.0
+CROWD_REACH = 0.2
+CROWD_ANGLE = np.radians(8.0)
 
 
 def weighted_segments(grey: np.ndarray, labels: np.ndarray | None) -> Segments:
     """Return the segments of a photo and of its label mask with their weights.
 
     Long segments say more than short ones, borders between surfaces more than what lies on a
-    floor (herringbone, rugs) or on other things.
+    floor (herringbone, rugs) or on other things, and the many parallel segments of a pattern
+    (trellis wallpaper, diagonal tiles) less than as many single ones.
     """
     rows, columns = grey.shape
     lines = detect_segments(grey)[:MAX_SEGMENTS]
@@ -35,7 +41,18 @@ def weighted_segments(grey: np.ndarray, labels: np.ndarray | None) -> Segments:
         level = np.concatenate([level, np.ones(len(borders), dtype=bool)])
     length = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
     weight = weight * np.sqrt(np.minimum(length / columns, 0.3) / 0.06)
+    weight = weight / np.sqrt(1.0 + _neighbours(lines, columns) / CROWD)
     return Segments(lines, ((columns - 1) / 2, (rows - 1) / 2), weight, noise, level)
+
+
+def _neighbours(lines: np.ndarray, columns: int) -> np.ndarray:
+    """Return how many other segments are near and nearly parallel, (n,) float64."""
+    middle = (lines[:, :2] + lines[:, 2:]) / (2.0 * columns)
+    along = lines[:, 2:] - lines[:, :2]
+    angle = np.arctan2(along[:, 1], along[:, 0])
+    turn = np.abs((angle[:, None] - angle + np.pi / 2) % np.pi - np.pi / 2) / CROWD_ANGLE
+    apart = ((middle[:, None] - middle) ** 2).sum(axis=-1) / CROWD_REACH**2
+    return np.asarray(np.exp(-0.5 * (apart + turn**2)).sum(axis=1) - 1.0)
 
 
 def _label_weight(

@@ -28,10 +28,10 @@ N_FREE = 8
 SIGMA_LOG_FOCAL = 0.35
 SIGMA_PITCH = np.radians(12.0)
 SIGMA_ROLL = np.radians(5.0)
-SIGMA_BEND = 0.04
+SIGMA_BEND = 0.03
 BEND_RANGE = (-0.4, 0.25)
-#: Segments of one texture share their error: so many count as one independent of each other.
-CORRELATION = 3.0
+#: Segments share errors (of the lens, of one texture): so many count as one independent one.
+CORRELATION = 1.4
 #: Widths of the reweighting, in noise of a segment, and that of the cost.
 REWEIGHTING = (5.0, 4.0, 3.0, 2.2, 1.5, 1.5, 1.5)
 COST_WIDTH = 1.5

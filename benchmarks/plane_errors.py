@@ -1,0 +1,113 @@
+"""How far rectified planes and their scale are off, against the truth of a synthetic photo."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from plan2scene.photos.camera import Camera
+from plan2scene.photos.planes import Plane
+from plan2scene.photos.rectification import MIN_GRAZING_DEG, plane_axes
+
+#: Half the side of a checker, metres, and how many are laid on a plane at most.
+HALF_CHECKER_M = 0.1
+CHECKERS = 9
+#: Smallest plane looked at, share of the photo's pixels.
+MIN_SHARE = 0.01
+
+
+@dataclass(frozen=True)
+class PlaneError:
+    """Errors of one true plane of a photo.
+
+    `square_deg`: largest angle by which the lines of a checker on it miss a right angle once
+    rectified; `direction_deg`: largest angle to the rectified image's axes (up to quarter turns);
+    `distance`: estimated over true distance from the camera, minus 1.
+    """
+
+    photo: str
+    surface: str
+    square_deg: float
+    direction_deg: float
+    distance: float
+    scale_source: str
+
+
+def plane_errors(
+    photo: str,
+    truth: Mapping[str, Any],
+    plane_file: Path,
+    estimate: Camera,
+    planes: list[Plane],
+) -> Iterator[PlaneError]:
+    """Yield the errors of every true plane that an estimated one covers.
+
+    `truth` is the photo's entry of ``cameras.json``, `plane_file` its image of plane indices.
+    """
+    camera = Camera.from_json(truth)
+    with Image.open(plane_file) as image:
+        indices = np.asarray(image)
+    for index, value in enumerate(truth["planes"]):
+        seen = indices == index
+        if seen.mean() < MIN_SHARE:
+            continue
+        covered = [int((plane.mask & seen).sum()) for plane in planes]
+        if not covered or max(covered) < 0.25 * seen.sum():
+            continue
+        plane = planes[int(np.argmax(covered))]
+        normal = np.array(value["normal"])
+        distance = float(normal @ np.array(truth["position"]) - value["offset"])
+        pixels = np.argwhere(seen & plane.mask)[:, ::-1]
+        square, direction = _checkers(camera, normal, distance, estimate, plane, pixels)
+        if np.isfinite(square):
+            yield PlaneError(
+                photo,
+                str(value["surface"]),
+                square,
+                direction,
+                -plane.offset / distance - 1,
+                plane.scale_source,
+            )
+
+
+def _checkers(
+    camera: Camera,
+    normal: np.ndarray,
+    distance: float,
+    estimate: Camera,
+    plane: Plane,
+    pixels: np.ndarray,
+) -> tuple[float, float]:
+    """Return the largest angles off square and off the axes; NaN where all is too oblique."""
+    rays = camera.rays(pixels)
+    steep = -(rays @ normal) > np.sin(np.radians(MIN_GRAZING_DEG))
+    if not steep.any():
+        return float("nan"), float("nan")
+    reach = distance / -(rays[steep] @ normal)
+    points = (rays[steep] * reach[:, None])[
+        np.linspace(0, steep.sum() - 1, CHECKERS).round().astype(int)
+    ]
+    down = np.array([0.0, -1.0, 0.0]) if abs(normal[1]) < 0.5 else np.array([0.0, 0.0, 1.0])
+    across = np.cross(normal, down)
+    square, direction = [0.0], [0.0]
+    for point in points:
+        lines = []
+        for axis in (across, down):
+            ends = np.stack([point - HALF_CHECKER_M * axis, point + HALF_CHECKER_M * axis])
+            seen = estimate.rays(camera.project(ends))
+            onto = seen * (plane.offset / (seen @ np.array(plane.normal)))[:, None]
+            line = (onto[1] - onto[0]) @ plane_axes(plane)[:2].T
+            lines.append(np.degrees(np.arctan2(line[1], line[0])))
+        square.append(_off_quarter(lines[1] - lines[0]))
+        direction += [_off_quarter(line) for line in lines]
+    return max(square), max(direction)
+
+
+def _off_quarter(angle_deg: float) -> float:
+    """Return the distance of an angle to the next multiple of 90 degrees."""
+    return float(abs((angle_deg + 45.0) % 90.0 - 45.0))
