@@ -9,7 +9,8 @@ from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.io import image_from_bytes, read_parquet, write_json, write_png
 from plan2scene.photos.camera import Camera
-from plan2scene.photos.crop_stage import CropSettings, load_crops, make_crops
+from plan2scene.photos.crop_candidates import CropSettings
+from plan2scene.photos.crop_stage import load_crops, make_crops
 from plan2scene.photos.crop_tables import CANDIDATE_COLUMNS, COLUMNS
 from plan2scene.photos.crops import draw_windows, medoid_index, sample_crops
 from plan2scene.photos.masks import write_label_png

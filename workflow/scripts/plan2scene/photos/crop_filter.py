@@ -13,7 +13,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from plan2scene.photos.crops import GRAVE, Crop, Judge, Verdict
+from plan2scene.photos.crops import GRAVE, Candidate, Crop, Judge, Verdict
 from plan2scene.photos.planes import Plane
 from plan2scene.photos.rectification import RectifiedPlane
 from plan2scene.textures.colour import rgb_to_lab, srgb_to_linear
@@ -25,32 +25,42 @@ BLIND_MARGIN_SHARE = 0.025
 #: Grey levels per pixel (Sobel on a photo blurred by 1 px) that make an edge.
 EDGE_GRADIENT = 6.0
 #: Largest share of burned out or black pixels of a window.
-CLIPPED_SHARE = 0.01
+CLIPPED_SHARE = 0.001
 #: A pixel is clipped when its least channel is at or above, or its greatest at or below this.
-CLIPPED_LEVELS = (6, 249)
-#: Blocks of a crop along each side when outliers are looked for.
-BLOCKS = 16
-#: A block is an outlier beyond this many L*a*b* units, L* counted half, plus a multiple of the
-#: blocks' own spread (median absolute deviation).
-BLOCK_LIMIT, BLOCK_SPREAD = 6.0, 5.0
-#: Share of a crop's blocks that is an object when they are in one piece.
-OBJECT_SHARE = 0.015
-#: The same for a window's mean colour against those of all windows of the plane.
+CLIPPED_LEVELS = (2, 249)
+#: Things that stand out are looked for among the mean colours of a crop's blocks, small and large:
+#: blocks along a side, weight of L*, least distance of an outlier (L*a*b*), multiple of the blocks'
+#: own spread that is added to it, and the sum of distances, in outliers just beyond, of a thing.
+#: Large blocks look for colours, which light leaves alone.
+BLOCK_SCALES = ((32, 1.0, 3.0, 5.0, 2.5), (8, 0.3, 2.0, 3.0, 3.0))
+#: Share of all that stands out that a thing has in one piece; what patterns have is scattered.
+ONE_PIECE = 0.6
+#: Least distance and multiple of the spread for a window's mean colour, L* counted half, to be
+#: unlike those of all windows of the plane.
 WINDOW_LIMIT, WINDOW_SPREAD = 8.0, 5.0
 #: Step of log luminance, after smooth shading is taken away, that is a shadow's edge.
-SHADOW_STEP = 0.22
+SHADOW_STEP = 0.2
+#: Least change of log luminance over an eighth of a crop that is an edge, not shading.
+EDGE_STEP = 0.12
 #: Difference in a*b* above which a step is a thing, not a shadow.
 SHADOW_CHROMA = 6.0
 #: Most pieces into which a step divides a window; patterns have more.
 STEP_PIECES = 3
 #: Least photo pixels per crop pixel, and least angle to the plane, of a good crop.
 MIN_SHARPNESS = 0.5
-MIN_GRAZING_DEG = 25.0
+MIN_GRAZING_DEG = 20.0
+
+#: Groups of a surface's windows farther than this from most of the others (L*a*b*, L* counted
+#: half) are of something else.
+GROUP_LIMIT = 10.0
+#: Least share of a surface's windows that can outvote the rest.
+MAJORITY = 0.6
 
 #: Reasons from the worst to the mildest. The last three take away quality, not truth.
 REASONS = (
     "border",
     "clutter",
+    "unlike the rest",
     "highlight",
     "shadow edge",
     "not sharp",
@@ -116,6 +126,12 @@ def judge_of(plane: Plane, *, inside: bool) -> Judge:
     return judge
 
 
+def with_fault(candidate: Candidate, fault: str) -> Candidate:
+    """Return a candidate with one more fault."""
+    faults = [reason for reason in candidate.verdict.reason.split(", ") if reason]
+    return replace(candidate, verdict=verdict_of([*faults, fault], candidate.crop))
+
+
 def verdict_of(faults: list[str], crop: Crop) -> Verdict:
     """Return the verdict: the faults from the worst to the mildest, and how bad that is.
 
@@ -158,17 +174,18 @@ def has_object(image: np.ndarray) -> bool:
     Smooth shading is taken away first. Patterns raise the blocks' own spread, or stand out in
     many pieces.
     """
-    blocks = cv2.resize(image, (BLOCKS, BLOCKS), interpolation=cv2.INTER_AREA)
-    lab = rgb_to_lab(blocks / 255.0)
-    lab[..., 0] = 0.5 * (lab[..., 0] - smooth_field(lab[..., 0]))
-    away = np.linalg.norm(lab - np.median(lab, axis=(0, 1)), axis=-1)
-    spread = float(np.median(away))
-    outlier = away > BLOCK_LIMIT + BLOCK_SPREAD * spread
-    if not outlier.any():
-        return False
-    _, _, stats, _ = cv2.connectedComponentsWithStats(outlier.astype(np.uint8), connectivity=8)
-    largest = stats[1:, cv2.CC_STAT_AREA].max()
-    return bool(largest >= OBJECT_SHARE * BLOCKS**2 and largest >= 0.6 * outlier.sum())
+    for blocks, weight, limit, multiple, thing in BLOCK_SCALES:
+        small = cv2.resize(image, (blocks, blocks), interpolation=cv2.INTER_AREA)
+        lab = rgb_to_lab(small / 255.0)
+        lab[..., 0] = weight * (lab[..., 0] - smooth_field(lab[..., 0]))
+        away = np.linalg.norm(lab - np.median(lab, axis=(0, 1)), axis=-1)
+        beyond = away / (limit + multiple * float(np.median(away)))
+        beyond[beyond <= 1.0] = 0.0
+        _, pieces = cv2.connectedComponents((beyond > 0).astype(np.uint8), connectivity=8)
+        sums = np.bincount(pieces.ravel(), weights=beyond.ravel())
+        if sums.max() >= max(thing, ONE_PIECE * sums.sum()):
+            return True
+    return False
 
 
 def step_of(image: np.ndarray) -> str | None:
@@ -179,13 +196,16 @@ def step_of(image: np.ndarray) -> str | None:
     rest = log - smooth_field(log)
     if np.percentile(rest, 97) - np.percentile(rest, 3) < SHADOW_STEP:
         return None
+    slopes = [log[:, 8:] - log[:, :-8], log[8:] - log[:-8]]
+    if max(np.percentile(np.abs(slope), 98) for slope in slopes) < EDGE_STEP:
+        return None
     scaled = cv2.normalize(log, None, 0, 255, cv2.NORM_MINMAX).astype(np.uint8)
     _, bright = cv2.threshold(scaled, 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
-    pieces = 0
+    areas = []
     for side in (bright, 1 - bright):
-        _, _, stats, _ = cv2.connectedComponentsWithStats(side, connectivity=4)
-        pieces += int((stats[1:, cv2.CC_STAT_AREA] >= 0.01 * side.size).sum())
-    if pieces > STEP_PIECES or bright.all() or not bright.any():
+        stats = cv2.connectedComponentsWithStats(side, connectivity=4)[2]
+        areas += [area for area in stats[1:, cv2.CC_STAT_AREA] if area >= 0.02 * side.size]
+    if len(areas) > STEP_PIECES or sum(areas) < 0.9 * bright.size or bright.all():
         return None
     lab = rgb_to_lab(smooth / 255.0)
     ab = [np.median(lab[side > 0][:, 1:], axis=0) for side in (bright, 1 - bright)]
@@ -239,3 +259,28 @@ def is_unlike(patch: np.ndarray, middle: np.ndarray, spread: float) -> bool:
     """Tell whether a window's mean colour is far from those of its plane."""
     lab = rgb_to_lab(patch.reshape(-1, 3).mean(axis=0) / 255.0) * np.array([0.5, 1.0, 1.0])
     return bool(np.linalg.norm(lab - middle) > WINDOW_LIMIT + WINDOW_SPREAD * spread)
+
+
+def outvoted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Tell which groups of windows of one surface look unlike most of the others.
+
+    Parameters
+    ----------
+    colours : (n, 3) float
+        L*a*b* of each group (a plane of a photo) under the common light.
+    weights : (n,) float
+        Windows of each group.
+
+    Returns
+    -------
+    (n,) bool
+        All False where no colour has a clear majority: a wardrobe taken for a wall can be told
+        by the room's other walls only.
+    """
+    points = colours * np.array([0.5, 1.0, 1.0])
+    distance = np.linalg.norm(points[:, None] - points[None], axis=-1)
+    support = (distance <= GROUP_LIMIT) @ weights
+    best = int(np.argmax(support))
+    if support[best] < MAJORITY * weights.sum():
+        return np.zeros(len(colours), dtype=bool)
+    return np.asarray(distance[best] > GROUP_LIMIT)

@@ -36,9 +36,9 @@ ALBEDO = {
 LIGHT = ((-0.45, 0.4), (0.0, 0.2), (0.0, 0.2))
 #: How much the light on one surface differs from the photo's (standard deviations).
 LOCAL_LIGHT = {
-    "ceiling": (0.25, 0.05, 0.06),
-    "wall": (0.2, 0.05, 0.06),
-    "floor": (0.35, 0.12, 0.15),
+    "ceiling": (0.15, 0.05, 0.06),
+    "wall": (0.12, 0.05, 0.06),
+    "floor": (0.2, 0.12, 0.15),
 }
 #: Residuals beyond this many standard deviations count less.
 HUBER = 1.5

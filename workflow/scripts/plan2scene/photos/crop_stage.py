@@ -5,8 +5,6 @@ from __future__ import annotations
 import logging
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,30 +14,17 @@ from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
 from plan2scene.io import read_image, read_json, write_json
 from plan2scene.photos.camera import Camera
-from plan2scene.photos.crop_filter import inner_plane, judge_of
-from plan2scene.photos.crop_light import (
-    SurfaceColour,
-    estimate_light,
-    flatten,
-    gains_of,
-    relight,
-    surface_colours,
+from plan2scene.photos.crop_candidates import (
+    CropSettings,
+    candidates_of_photo,
+    rooms_by_height,
 )
+from plan2scene.photos.crop_house import agreeing, corrected
+from plan2scene.photos.crop_light import SurfaceColour, estimate_light, gains_of, surface_colours
 from plan2scene.photos.crop_tables import PhotoCandidate, write_tables
-from plan2scene.photos.crops import (
-    CROP_METRES,
-    CROP_PX,
-    CROPS_PER_MASK,
-    TRIES,
-    Candidate,
-    Crop,
-    Verdict,
-    sample_candidates,
-)
+from plan2scene.photos.crops import CROP_PX, Candidate, Crop, Verdict
 from plan2scene.photos.masks import read_label_png
 from plan2scene.photos.photo_files import read_photo
-from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
-from plan2scene.seeds import generator
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,25 +34,6 @@ _log = logging.getLogger("plan2scene")
 #: Where crops come from (config key ``crops.source``).
 SOURCES = ("sampled", "precomputed")
 _CROP_NAME = re.compile(r"(?P<stem>.+)_(?P<mask>\d+)_crop(?P<index>\d+)\.png")
-
-
-@dataclass(frozen=True)
-class CropSettings:
-    """How windows are drawn: see :func:`plan2scene.photos.crops.sample_crops`.
-
-    `camera_height_m` is the prior of :func:`plan2scene.photos.planes.split_planes`. The others
-    switch :mod:`plan2scene.photos.crop_filter` and the corrections of
-    :mod:`plan2scene.photos.crop_light`.
-    """
-
-    metres: tuple[float, ...] = CROP_METRES
-    per_mask: int = CROPS_PER_MASK
-    tries: int = TRIES
-    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
-    filter: bool = True
-    white_balance: bool = True
-    exposure: bool = True
-    flatten: bool = True
 
 
 def make_crops(
@@ -128,7 +94,7 @@ def make_crops(
             image,
             labels,
             camera,
-            _by_height(house, rooms_of_photo[photo]),
+            rooms_by_height(house, rooms_of_photo[photo]),
             chosen,
             seed=seed,
             house=house.id,
@@ -137,34 +103,19 @@ def make_crops(
         colours += surface_colours(image, labels, photo, list(dict.fromkeys(rooms_of_photo[photo])))
         _log.info("%s: %d candidates, camera %s", photo, len(of_photo), camera.focal_source)
         drawn += of_photo
-    gains = photo_gains(colours, chosen)
-    write_light(light, gains, chosen)
-    drawn = [corrected(item, gains, chosen) for item in drawn]
+    lights = estimate_light(colours)
+    if chosen.filter:
+        drawn = agreeing(drawn, lights)
+    gains = {
+        photo: gains_of(value, white_balance=chosen.white_balance, exposure=chosen.exposure)
+        for photo, value in lights.items()
+    }
+    _write_light(light, gains, chosen)
+    drawn = [corrected(item, gains, flat=chosen.flatten) for item in drawn]
     return write_tables(drawn, output, candidates, dataset=dataset, house=house.id)
 
 
-def photo_gains(colours: Sequence[SurfaceColour], settings: CropSettings) -> dict[str, np.ndarray]:
-    """Return the factors (3,) on the linear RGB of each photo with known surfaces."""
-    return {
-        photo: gains_of(light, white_balance=settings.white_balance, exposure=settings.exposure)
-        for photo, light in estimate_light(colours).items()
-    }
-
-
-def corrected(
-    item: PhotoCandidate, gains: Mapping[str, np.ndarray], settings: CropSettings
-) -> PhotoCandidate:
-    """Return a candidate with its image flattened and under the reference light."""
-    image = item.candidate.crop.image
-    if settings.flatten:
-        image = flatten(image)
-    if item.photo in gains:
-        image = relight(image, gains[item.photo])
-    crop = replace(item.candidate.crop, image=image)
-    return replace(item, candidate=replace(item.candidate, crop=crop))
-
-
-def write_light(
+def _write_light(
     path: str | Path, gains: Mapping[str, np.ndarray], settings: CropSettings | None
 ) -> None:
     """Write light.json; `settings` None where crops are taken as they are."""
@@ -172,84 +123,6 @@ def write_light(
     on = {name: bool(settings is not None and getattr(settings, name)) for name in names}
     photos = {photo: [round(float(gain), 6) for gain in gains[photo]] for photo in sorted(gains)}
     write_json(path, {**on, "gains": photos})
-
-
-def _by_height(house: House, rooms: Sequence[str]) -> dict[float, tuple[str, ...]]:
-    """Return the rooms by their height in metres, in their order."""
-    groups: dict[float, list[str]] = {}
-    for room in dict.fromkeys(rooms):
-        groups.setdefault(house.room(room).height, []).append(room)
-    return {height: tuple(members) for height, members in groups.items()}
-
-
-def candidates_of_photo(
-    image: np.ndarray,
-    labels: np.ndarray,
-    camera: Camera,
-    rooms_by_height: Mapping[float, tuple[str, ...]],
-    settings: CropSettings,
-    *,
-    seed: int,
-    house: str,
-    photo: str,
-) -> list[PhotoCandidate]:
-    """Return the windows drawn on all planes of one photo, for its rooms of each height.
-
-    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8; candidates are numbered on within a
-    plane's number from one height to the next, so that crops of different images have
-    different names.
-    """
-    found: list[PhotoCandidate] = []
-    count: dict[tuple[str, int], int] = {}
-    for height, rooms in rooms_by_height.items():
-        planes = split_planes(
-            labels,
-            camera,
-            image=image,
-            camera_height_m=settings.camera_height_m,
-            room_height_m=height,
-        )
-        for plane in planes:
-            rng = generator(seed, "crops", house, photo, plane.surface, plane.index)
-            drawn = candidates_of_plane(image, camera, plane, settings, rng)
-            first = count.get((plane.surface, plane.index), 0)
-            count[plane.surface, plane.index] = first + len(drawn)
-            for candidate in drawn:
-                crop = replace(candidate.crop, index=first + candidate.crop.index)
-                found.append(
-                    PhotoCandidate(
-                        photo, rooms, plane.surface, plane.index, replace(candidate, crop=crop)
-                    )
-                )
-    return found
-
-
-def candidates_of_plane(
-    image: np.ndarray,
-    camera: Camera,
-    plane: Plane,
-    settings: CropSettings,
-    rng: np.random.Generator,
-) -> list[Candidate]:
-    """Return the windows drawn on a plane; near its border only when none inside is good."""
-    sample = partial(
-        sample_candidates,
-        image,
-        camera,
-        rng=rng,
-        metres=settings.metres,
-        per_mask=settings.per_mask,
-        tries=settings.tries,
-    )
-    if not settings.filter:
-        return sample(plane)
-    drawn = sample(inner_plane(plane, image), judge=judge_of(plane, inside=True))
-    if any(not candidate.verdict.reason for candidate in drawn):
-        return drawn
-    for candidate in sample(plane, judge=judge_of(plane, inside=False)):
-        crop = replace(candidate.crop, index=len(drawn))
-        drawn.append(replace(candidate, crop=crop))
-    return drawn
 
 
 def load_crops(
@@ -285,7 +158,7 @@ def load_crops(
             ready = Candidate(crop, Verdict())
             found.append(PhotoCandidate(photo, rooms, surface, int(match["mask"]), ready))
     found.sort(key=lambda item: item.photo)
-    write_light(light, {}, None)
+    _write_light(light, {}, None)
     return write_tables(found, output, candidates, dataset=dataset, house=house.id, keep_index=True)
 
 

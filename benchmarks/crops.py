@@ -1,0 +1,321 @@
+"""Crops against the truth of a synthetic data set, with each correction on and off.
+
+``python benchmarks/crops.py ROOT [--split SPLIT] [--masks true network] [--work DIR]``
+
+ROOT has the layout of docs/conventions.md with ``truth/{split}/{house}``. Cameras are estimated
+from the masks; the windows' seed is 0. Per combination of corrections:
+
+- crops kept, of how many windows drawn; surfaces without a crop that have one without the filter;
+  surfaces that live on last resorts;
+- wrong surface: share of the kept crops whose quad in the photo holds the centre of any pixel that
+  truly is of another surface or of none (furniture, doors), and the same with over 1 % of the
+  quad's pixels; other plane: any pixel of another plane (the next wall is of the same surface);
+- colour: per surface (room, floor/wall/ceiling) the median per channel over all pixels of its
+  kept crops, against the median of the true albedo tile, as CIEDE2000. "Within 3" compares as
+  they are. "Within 3, light level free" first scales the tile's linear RGB by one factor so that
+  its luminance is the crops': the albedo under the photo's light, which the white balance should
+  have made neutral, but whose brightness at that place is not the albedo's fault. The same
+  comparison is repeated per photo of each surface, where a single tinted photo cannot hide;
+- COLOR and FREQ of each surface's medoid crop against the true tile at the crop's scale.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pandas as pd
+
+from plan2scene.datasets import read_assignment
+from plan2scene.floorplans.scene_json import read_scene_json
+from plan2scene.house import House
+from plan2scene.house_table import load_houses
+from plan2scene.io import image_from_bytes, read_image, read_json, read_parquet
+from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.freq import freq_distance
+from plan2scene.photos.crop_candidates import CropSettings
+from plan2scene.photos.crop_stage import make_crops
+from plan2scene.photos.crop_tables import LAST_RESORT_PREFIX
+from plan2scene.photos.crops import CROP_PX
+from plan2scene.photos.masks import CEILING, FLOOR, WALL, read_label_png
+from plan2scene.photos.stage import make_masks
+from plan2scene.textures.colour import (
+    delta_e_2000,
+    linear_to_srgb,
+    rgb_to_lab,
+    srgb_to_linear,
+)
+from plan2scene.weights import MODELS
+
+LABEL = {"floor": FLOOR, "wall": WALL, "ceiling": CEILING}
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+#: Corrections on in each line of the table.
+VARIANTS = (
+    (),
+    ("filter",),
+    ("filter", "white_balance"),
+    ("filter", "exposure"),
+    ("filter", "flatten"),
+    ("filter", "white_balance", "exposure"),
+    ("white_balance", "exposure", "flatten"),
+    ("filter", "white_balance", "exposure", "flatten"),
+)
+
+
+@dataclass(frozen=True)
+class Source:
+    """A house of the data set with its photos and truth."""
+
+    house: House
+    rooms_of_photo: dict[str, list[str]]
+    photos: dict[str, Path]
+    truth: Path
+
+
+def sources(root: Path, split: str) -> Iterator[Source]:
+    """Yield the houses of a split that have photos."""
+    table = load_houses(root / "houses.tsv", splits=[split])
+    for name, row in table.iterrows():
+        house = read_scene_json(root / str(row["plan"]), str(name))
+        rooms: dict[str, list[str]] = {}
+        for entry in read_assignment(root / str(row["assignment"]), house):
+            rooms.setdefault(entry.photo, []).append(entry.room_id)
+        if rooms:
+            photos = {photo: root / "photos" / photo for photo in rooms}
+            yield Source(house, rooms, photos, root / "truth" / split / str(name))
+
+
+def masks_of(source: Source, kind: str, work: Path) -> Path:
+    """Return the folder of masks and cameras of a house, made unless it is there."""
+    folder = work / kind / source.house.id
+    if not folder.is_dir():
+        make_masks(
+            source.photos,
+            folder,
+            house=source.house.id,
+            source="precomputed" if kind == "true" else "embedded",
+            fov_deg=60.0,
+            model=MODELS / "segmentation.safetensors",
+            precomputed_dir=source.truth / "masks",
+        )
+    return folder
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Labels (h, w), plane ids (h, w) of a photo, per file."""
+
+    labels: np.ndarray
+    planes: np.ndarray
+
+
+def touched(corners: np.ndarray, surface: str, truth: Truth) -> tuple[float, float]:
+    """Return the shares of a quad's pixels of another surface and of another plane.
+
+    `corners` (4, 2) pixels x y; a pixel counts when its centre is inside. The plane is the
+    commonest one of the surface in the quad.
+    """
+    low = np.maximum(np.floor(corners.min(axis=0)).astype(int), 0)
+    size = np.array(truth.labels.shape)[::-1]
+    high = np.minimum(np.ceil(corners.max(axis=0)).astype(int) + 1, size)
+    if (high <= low).any():
+        return 1.0, 1.0
+    x, y = np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]))
+    edge = np.roll(corners, -1, axis=0) - corners
+    side = [e[0] * (y - c[1]) - e[1] * (x - c[0]) for e, c in zip(edge, corners, strict=True)]
+    inside = np.all([s > 0 for s in side], axis=0) | np.all([s < 0 for s in side], axis=0)
+    labels = truth.labels[low[1] : high[1], low[0] : high[0]][inside]
+    planes = truth.planes[low[1] : high[1], low[0] : high[0]][inside]
+    right = labels == LABEL[surface]
+    if not right.any():
+        return 1.0, 1.0
+    plane = np.bincount(planes[right]).argmax()
+    return float(1 - right.mean()), float((planes != plane).mean())
+
+
+def tile_window(tile: np.ndarray, size_m: float, metres: float) -> np.ndarray:
+    """Return `metres` of a repeated tile (n, n, 3) uint8 as a crop of 128 px."""
+    side = max(1, round(tile.shape[0] * metres / size_m))
+    count = -(-side // tile.shape[0])
+    window = np.tile(tile, (count, count, 1))[:side, :side]
+    shrink = cv2.INTER_AREA if side > CROP_PX else cv2.INTER_CUBIC
+    return cv2.resize(window, (CROP_PX, CROP_PX), interpolation=shrink)
+
+
+def differences(crop_rgb: np.ndarray, tile_rgb: np.ndarray) -> tuple[float, float]:
+    """Return CIEDE2000 of two sRGB colours in [0, 1], and the same with the light level free."""
+    linear, true = srgb_to_linear(crop_rgb), srgb_to_linear(tile_rgb)
+    level = float(linear @ LUMINANCE) / max(float(true @ LUMINANCE), 1e-6)
+    lit = linear_to_srgb(np.clip(true * level, 0, 1))
+    lab = rgb_to_lab(np.stack([crop_rgb, tile_rgb, lit]))
+    return float(delta_e_2000(lab[0], lab[1])), float(delta_e_2000(lab[0], lab[2]))
+
+
+def median_of(images: list[np.ndarray]) -> np.ndarray:
+    """Return the median (3,) in [0, 1] over all pixels of uint8 crops."""
+    return np.median(np.concatenate([i.reshape(-1, 3) for i in images]), axis=0) / 255.0
+
+
+def measure_house(
+    source: Source, masks: Path, settings: CropSettings, out: Path
+) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Return tables of the kept crops, of the surfaces, and of the surfaces per photo."""
+    paths = [out / name for name in ("crops.parquet", "candidates.parquet", "light.json")]
+    make_crops(
+        source.house,
+        source.rooms_of_photo,
+        source.photos,
+        masks,
+        *paths,
+        dataset="benchmark",
+        seed=0,
+        settings=settings,
+    )
+    crops = read_parquet(paths[0])[0]
+    candidates = read_parquet(paths[1])[0]
+    candidates = candidates[candidates.crop_id != ""].reset_index(drop=True)
+    crops = crops.assign(
+        reason=candidates.reason, corners=candidates.corners, house=source.house.id
+    )
+    crops["drawn"] = len(read_parquet(paths[1])[0]) / max(len(crops), 1)
+    truth = {
+        photo: Truth(
+            read_label_png(source.truth / "masks" / f"{Path(photo).stem}.png"),
+            read_image(source.truth / "planes" / f"{Path(photo).stem}.png")[..., 0],
+        )
+        for photo in set(crops.photo)
+    }
+    shares = [
+        touched(np.array(row.corners).reshape(4, 2), row.surface, truth[row.photo])
+        for row in crops.itertuples()
+    ]
+    crops["wrong"] = [share[0] for share in shares]
+    crops["other_plane"] = [share[1] for share in shares]
+    crops["image"] = [image_from_bytes(png) for png in crops.png]
+    return crops, _surfaces(crops, source, []), _surfaces(crops, source, ["photo"])
+
+
+def _surfaces(crops: pd.DataFrame, source: Source, more: list[str]) -> pd.DataFrame:
+    """Return a row per surface (and per value of the columns `more`) with its colour errors."""
+    sizes = read_json(source.truth / "materials.json")
+    rows: list[dict[str, Any]] = []
+    for key, group in crops.groupby(["room_id", "surface", *more], sort=True):
+        room, surface = key[0], key[1]
+        tile = read_image(source.truth / "materials" / f"{room}_{surface}.png")
+        reference = group[group.medoid] if group.medoid.any() else group.iloc[:1]
+        medoid = reference.iloc[0]
+        true = tile_window(tile, sizes[f"{room}/{surface}"]["size_m"], float(medoid.metres))
+        median = median_of(list(group.image))
+        absolute, free = differences(median, median_of([tile]))
+        rows.append(
+            {
+                "house": source.house.id,
+                "surface": surface,
+                "room_id": room,
+                "absolute": absolute,
+                "free": free,
+                "color": color_distance(medoid.image, true),
+                "freq": freq_distance(medoid.image, true),
+                "last": group.reason.str.startswith(LAST_RESORT_PREFIX).all(),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+COLUMNS = (
+    "corrections",
+    "crops (drawn)",
+    "surfaces",
+    "lost",
+    "last resorts",
+    "wrong surface %",
+    "over 1 % of it",
+    "other plane %",
+    "within 3 %",
+    "median dE",
+    "within 3 %, level free",
+    "median dE, level free",
+    "the same per photo %",
+    "COLOR",
+    "FREQ",
+)
+
+
+def line(name: str, tables: list[tuple[pd.DataFrame, ...]], first: set[Any] | None) -> list[str]:
+    """Return one line of the table."""
+    crops, surfaces, by_photo = (
+        pd.concat([table[k] for table in tables], ignore_index=True) for k in range(3)
+    )
+    seen = set(zip(surfaces.house, surfaces.room_id, surfaces.surface, strict=True))
+    lost = len(first - seen) if first is not None else 0
+    drawn = sum(round(len(t[0]) * t[0].drawn.iloc[0]) for t in tables if len(t[0]))
+    return [
+        name or "none",
+        f"{len(crops)} ({drawn})",
+        str(len(surfaces)),
+        str(lost),
+        str(int(surfaces["last"].sum())),
+        f"{100 * (crops.wrong > 0).mean():.1f}",
+        f"{100 * (crops.wrong > 0.01).mean():.1f}",
+        f"{100 * (crops.other_plane > 0).mean():.1f}",
+        f"{100 * (surfaces.absolute <= 3).mean():.0f}",
+        f"{surfaces.absolute.median():.1f}",
+        f"{100 * (surfaces.free <= 3).mean():.0f}",
+        f"{surfaces.free.median():.1f}",
+        f"{100 * (by_photo.free <= 3).mean():.0f}",
+        f"{surfaces.color.mean():.3f}",
+        f"{surfaces.freq.mean():.4f}",
+    ]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("root", type=Path)
+    parser.add_argument("--split", default="val")
+    parser.add_argument("--masks", nargs="+", choices=("true", "network"), default=["network"])
+    parser.add_argument("--work", type=Path, help="folder in which masks are kept for later runs")
+    parser.add_argument("--only", nargs="+", help="lines: corrections joined by +, or none")
+    parser.add_argument("--by-surface", action="store_true", help="colour by kind of surface too")
+    arguments = parser.parse_args()
+    logging.getLogger("plan2scene").setLevel(logging.WARNING)
+    houses = list(sources(arguments.root, arguments.split))
+    if not houses:
+        raise SystemExit(f"no photos in the split {arguments.split} of {arguments.root}")
+    variants: tuple[tuple[str, ...], ...] = VARIANTS
+    if arguments.only:
+        variants = tuple(() if v == "none" else tuple(v.split("+")) for v in arguments.only)
+    with tempfile.TemporaryDirectory() as temporary:
+        work = arguments.work or Path(temporary)
+        for kind in arguments.masks:
+            print(f"\nMasks: {kind}\n\n| " + " | ".join(COLUMNS) + " |")
+            print("|" + "---|" * len(COLUMNS))
+            first: set[Any] | None = None
+            for variant in variants:
+                settings = CropSettings(
+                    filter="filter" in variant,
+                    white_balance="white_balance" in variant,
+                    exposure="exposure" in variant,
+                    flatten="flatten" in variant,
+                )
+                tables = [
+                    measure_house(s, masks_of(s, kind, work), settings, Path(temporary))
+                    for s in houses
+                ]
+                cells = line(" + ".join(variant), tables, first)
+                print("| " + " | ".join(cells) + " |", flush=True)
+                found = pd.concat([table[1] for table in tables])
+                if first is None:
+                    first = set(zip(found.house, found.room_id, found.surface, strict=True))
+                if arguments.by_surface:
+                    print(found.groupby("surface")[["absolute", "free"]].describe().T)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,120 @@
+"""Candidates of a photo: its planes for rooms of each height, and the windows drawn on them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from plan2scene.house import House
+from plan2scene.photos.camera import Camera
+from plan2scene.photos.crop_filter import inner_plane, judge_of
+from plan2scene.photos.crop_tables import PhotoCandidate
+from plan2scene.photos.crops import (
+    CROP_METRES,
+    CROPS_PER_MASK,
+    TRIES,
+    Candidate,
+    sample_candidates,
+)
+from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
+from plan2scene.seeds import generator
+
+
+@dataclass(frozen=True)
+class CropSettings:
+    """How windows are drawn: see :func:`plan2scene.photos.crops.sample_candidates`.
+
+    `camera_height_m` is the prior of :func:`plan2scene.photos.planes.split_planes`. The others
+    switch :mod:`plan2scene.photos.crop_filter` and the corrections of
+    :mod:`plan2scene.photos.crop_light`.
+    """
+
+    metres: tuple[float, ...] = CROP_METRES
+    per_mask: int = CROPS_PER_MASK
+    tries: int = TRIES
+    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
+    filter: bool = True
+    white_balance: bool = True
+    exposure: bool = True
+    flatten: bool = True
+
+
+def rooms_by_height(house: House, rooms: Sequence[str]) -> dict[float, tuple[str, ...]]:
+    """Return the rooms by their height in metres, in their order."""
+    groups: dict[float, list[str]] = {}
+    for room in dict.fromkeys(rooms):
+        groups.setdefault(house.room(room).height, []).append(room)
+    return {height: tuple(members) for height, members in groups.items()}
+
+
+def candidates_of_photo(
+    image: np.ndarray,
+    labels: np.ndarray,
+    camera: Camera,
+    rooms_by_height: Mapping[float, tuple[str, ...]],
+    settings: CropSettings,
+    *,
+    seed: int,
+    house: str,
+    photo: str,
+) -> list[PhotoCandidate]:
+    """Return the windows drawn on all planes of one photo, for its rooms of each height.
+
+    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8; candidates are numbered on within a
+    plane's number from one height to the next, so that crops of different images have
+    different names.
+    """
+    found: list[PhotoCandidate] = []
+    count: dict[tuple[str, int], int] = {}
+    for height, rooms in rooms_by_height.items():
+        planes = split_planes(
+            labels,
+            camera,
+            image=image,
+            camera_height_m=settings.camera_height_m,
+            room_height_m=height,
+        )
+        for plane in planes:
+            rng = generator(seed, "crops", house, photo, plane.surface, plane.index)
+            drawn = candidates_of_plane(image, camera, plane, settings, rng)
+            first = count.get((plane.surface, plane.index), 0)
+            count[plane.surface, plane.index] = first + len(drawn)
+            for candidate in drawn:
+                crop = replace(candidate.crop, index=first + candidate.crop.index)
+                found.append(
+                    PhotoCandidate(
+                        photo, rooms, plane.surface, plane.index, replace(candidate, crop=crop)
+                    )
+                )
+    return found
+
+
+def candidates_of_plane(
+    image: np.ndarray,
+    camera: Camera,
+    plane: Plane,
+    settings: CropSettings,
+    rng: np.random.Generator,
+) -> list[Candidate]:
+    """Return the windows drawn on a plane; near its border only when none inside is good."""
+    sample = partial(
+        sample_candidates,
+        image,
+        camera,
+        rng=rng,
+        metres=settings.metres,
+        per_mask=settings.per_mask,
+        tries=settings.tries,
+    )
+    if not settings.filter:
+        return sample(plane)
+    drawn = sample(inner_plane(plane, image), judge=judge_of(plane, inside=True))
+    if any(not candidate.verdict.reason for candidate in drawn):
+        return drawn
+    for candidate in sample(plane, judge=judge_of(plane, inside=False)):
+        crop = replace(candidate.crop, index=len(drawn))
+        drawn.append(replace(candidate, crop=crop))
+    return drawn
