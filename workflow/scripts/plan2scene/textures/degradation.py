@@ -31,6 +31,8 @@ class Degradation:
         Range of the factor on the window's side.
     rotation_deg : float
         Largest slant to either side.
+    turn_deg : float
+        Turn of all crops, before the slant.
     gain : float
         Largest deviation of the smooth gain field from 1.
     shadow_share, highlight_share : float
@@ -45,6 +47,7 @@ class Degradation:
     window_share: float = 0.75
     scale: tuple[float, float] = (0.8, 1.25)
     rotation_deg: float = 3.0
+    turn_deg: float = 0.0
     gain: float = 0.25
     shadow_share: float = 1 / 3
     highlight_share: float = 1 / 6
@@ -110,7 +113,7 @@ def _spoil(
     """Return one crop; light acts on linear values, the cast, blur and JPEG on sRGB ones."""
     rng = np.random.default_rng(seed)
     side = how.window_share * float(rng.uniform(*how.scale))
-    angle = float(rng.uniform(-how.rotation_deg, how.rotation_deg))
+    angle = how.turn_deg + float(rng.uniform(-how.rotation_deg, how.rotation_deg))
     view = window(tile, rng.uniform(0.0, 1.0, 2), side, angle)
     values = srgb_to_linear(view)
     values *= gain_field(rng, how.gain)[..., None]

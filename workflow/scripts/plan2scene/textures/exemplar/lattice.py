@@ -16,11 +16,12 @@ import numpy as np
 _STEP_DEG = 0.25
 _SPECTRUM = 256  # side of the padded spectrum
 _BANDS = (8, 90)  # radii of it that hold patterns
-_LEAST_PEAK = 0.3  # autocorrelation that a period needs
+_LEAST_PEAK = 0.25  # autocorrelation that a period needs, over the root of the overlap's share
 _LEAST_RISE = 0.15  # and its rise over the valley before it
 _SHARE_OF_BEST = 0.8  # the smallest lag this near to the best one is the period
+_DIAGONAL = 0.85  # share of the upright pattern's peaks that a diagonal one needs
 _SHORTEST = 5.0  # px
-_LONGEST = 0.62  # of the side
+_LONGEST = 0.8  # of the side
 
 
 @dataclass(frozen=True)
@@ -58,15 +59,14 @@ def find_lattice(luma: np.ndarray, mask: np.ndarray) -> CropLattice:
     weight = (~mask).astype(np.float64)
     values = _band(luma, weight)
     angle, clear = _orientation(values, weight)
-    results = {}
-    for turn in (angle, angle - 45.0 if angle > 0 else angle + 45.0):
-        results[turn] = _periods(*_turned(values, weight, turn))
-        if abs(turn) <= 22.5:
-            break
-    scores = {turn: sum(peaks) for turn, (_, peaks) in results.items()}
-    best = max(scores.values())
-    chosen = min((t for t in scores if scores[t] >= 0.85 * best), key=abs)
-    return CropLattice(chosen, clear, *results[chosen])
+    periods, peaks = _periods(*_turned(values, weight, angle))
+    if abs(angle) > 22.5 and np.isfinite(periods).all():
+        # Tiles laid diagonally repeat along the crop's axes, too: no need to turn them upright.
+        less = angle - 45.0 if angle > 0 else angle + 45.0
+        others, heights = _periods(*_turned(values, weight, less))
+        if sum(heights) >= _DIAGONAL * sum(peaks) and np.isfinite(others).all():
+            angle, periods, peaks = less, others, heights
+    return CropLattice(angle, clear, periods, peaks)
 
 
 def agreed_periods(
@@ -92,7 +92,9 @@ def agreed_periods(
             apart = np.abs(np.log(known[:, None] / known[None, :]))
             closeness = np.exp(-((apart / tolerance) ** 2)).sum(axis=1)
             near = known[apart[int(closeness.argmax())] < tolerance]
-            if len(near) >= len(periods) / 2:
+            # Crops that are too small for a period have no say on it.
+            voters = int((_LONGEST * sides > np.median(near)).sum())
+            if len(near) >= max(voters, 2 if len(periods) > 2 else 1) / 2:
                 period = float(np.median(near))
         agreed.append(period)
     return agreed[0], agreed[1]
@@ -181,22 +183,28 @@ def _periods(
     product = np.fft.irfft2(np.abs(f_values) ** 2, shape)
     energy = np.fft.irfft2(f_square.conj() * f_weight, shape)
     there, back = energy, np.roll(energy[::-1, ::-1], (1, 1), (0, 1))
-    enough = overlap > 0.08 * side**2
-    score = np.where(enough, product / np.sqrt(np.maximum(there * back, 1e-9)), -1.0)
+    score = np.where(
+        overlap > 0.08 * side**2, product / np.sqrt(np.maximum(there * back, 1e-9)), -1.0
+    )
     longest = int(_LONGEST * side)
     near = np.r_[0, 1, 2 * side - 1]
     along_x = score[near, : longest + 1].max(axis=0)
     along_y = score[: longest + 1, near].max(axis=1)
-    x, y = _first_period(along_x), _first_period(along_y)
+    least = _LEAST_PEAK / np.sqrt(np.maximum(overlap / weight.sum(), 0.01))
+    x = _first_period(along_x, least[0, : longest + 1])
+    y = _first_period(along_y, least[: longest + 1, 0])
     return (x[0], y[0]), (x[1], y[1])
 
 
-def _first_period(curve: np.ndarray) -> tuple[float, float]:
-    """Return the period of an autocorrelation curve over lags 0.., and its height there."""
+def _first_period(curve: np.ndarray, least: np.ndarray) -> tuple[float, float]:
+    """Return the period of an autocorrelation curve over lags 0.., and its height there.
+
+    `least`: the height that a period needs at each lag.
+    """
     lags = np.arange(1, len(curve) - 1)
     tops = lags[(curve[1:-1] >= curve[:-2]) & (curve[1:-1] > curve[2:]) & (lags >= _SHORTEST)]
     valley = np.minimum.accumulate(curve)
-    tops = tops[(curve[tops] > _LEAST_PEAK) & (curve[tops] - valley[tops] > _LEAST_RISE)]
+    tops = tops[(curve[tops] > least[tops]) & (curve[tops] - valley[tops] > _LEAST_RISE)]
     if not len(tops):
         return float("nan"), 0.0
     first = int(tops[curve[tops] >= _SHARE_OF_BEST * curve[tops].max()][0])

@@ -62,12 +62,16 @@ class Exemplar:
         How many crops it was made of.
     periods : (int, int)
         How often its pattern repeats in it along x and y; 0 where it has no period.
+    period_m : (float, float)
+        Its periods in metres (in sides of the median crop where no scale is known); NaN where it
+        has none.
     """
 
     image: np.ndarray
     size_m: float
     crops: int
     periods: tuple[int, int]
+    period_m: tuple[float, float]
 
 
 def spoiled_share(image: np.ndarray) -> float:
@@ -112,10 +116,18 @@ def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | 
     large = [k for k in order if sides[k] * WORK_PX >= _SMALLEST_PX]
     order = (large or [int(sides.argmax())])[:MAX_CROPS]
     sources = [straightened(flat[k], masks[k], sides[k], lattices[k], cut, WORK_PX) for k in order]
-    size_m *= float(np.sqrt(cut.wide * cut.high))
     canvas = quilt(sources, WORK_PX)
     image = _toned(canvas.solve(), tone)
-    return Exemplar(as_uint8(enlarged(image, size_px)), size_m, len(order), (cut.columns, cut.rows))
+    return Exemplar(
+        as_uint8(enlarged(image, size_px)),
+        size_m * float(np.sqrt(cut.wide * cut.high)),
+        len(order),
+        (cut.columns, cut.rows),
+        (
+            size_m * cut.wide / cut.columns if cut.columns else float("nan"),
+            size_m * cut.high / cut.rows if cut.rows else float("nan"),
+        ),
+    )
 
 
 def tile_scale(crops: Sequence[ExemplarCrop]) -> tuple[np.ndarray, float]:

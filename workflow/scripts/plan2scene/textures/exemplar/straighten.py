@@ -81,15 +81,27 @@ def find_pattern(
 
 
 def _usual_turns(lattices: list[CropLattice]) -> list[CropLattice]:
-    """Return the lattices, unclear and odd angles replaced by the usual one (0 without any)."""
-    clear = [lattice.angle_deg for lattice in lattices if lattice.clear]
-    usual = float(np.median(clear)) if 2 * len(clear) >= len(lattices) else 0.0
-    return [
-        lattice
-        if lattice.clear and abs(lattice.angle_deg - usual) < _ODD_TURN
-        else replace(lattice, angle_deg=usual, periods=(np.nan, np.nan), peaks=(0.0, 0.0))
-        for lattice in lattices
-    ]
+    """Return the lattices with angles near the usual one; it replaces unclear and odd ones.
+
+    Angles are known up to quarter turns: one that is nearer after a quarter turn takes it, its
+    axes exchanged. Without a usual angle it is 0.
+    """
+    quarters = np.radians([4.0 * lattice.angle_deg for lattice in lattices if lattice.clear])
+    usual = 0.0
+    if 2 * len(quarters) >= len(lattices):
+        usual = float(np.degrees(np.angle(np.exp(1j * quarters).mean())) / 4.0)
+    result = []
+    for lattice in lattices:
+        away = (lattice.angle_deg - usual + 45.0) % 90.0 - 45.0
+        if not lattice.clear or abs(away) > _ODD_TURN:
+            nothing = (float("nan"), float("nan"))
+            result.append(replace(lattice, angle_deg=usual, periods=nothing, peaks=(0.0, 0.0)))
+        elif abs(usual + away - lattice.angle_deg) > 1.0:
+            turned = replace(lattice, periods=lattice.periods[::-1], peaks=lattice.peaks[::-1])
+            result.append(replace(turned, angle_deg=usual + away))
+        else:
+            result.append(lattice)
+    return result
 
 
 def straightened(

@@ -1,0 +1,275 @@
+"""Texture methods against clean tiles: seams, regular patterns, photo-like crops.
+
+``python benchmarks/exemplar.py seams    --textures FOLDER [--split val]``
+``python benchmarks/exemplar.py patterns [--cases 20]``
+``python benchmarks/exemplar.py methods  --textures FOLDER [--split val] [--seeds 3] [--sheet PNG]``
+
+FOLDER has a folder of tileable images per substance and an ``index.csv`` with columns id, split.
+Tables are Markdown, seconds those of the processor. The crops are those of ``plan2scene.textures.degradation``; wrap ratios are
+``plan2scene.textures.seams.wrap_ratio``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+from exemplar_patterns import pattern_rows
+
+from plan2scene.io import write_png
+from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.freq import freq_distance
+from plan2scene.metrics.tile import tile_score
+from plan2scene.seeds import derive_seed
+from plan2scene.synthetic.materials import load_texture_folder
+from plan2scene.textures.colour import delta_e_2000, median_colour, rgb_to_lab
+from plan2scene.textures.degradation import DegradedCrop, degrade, window
+from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+from plan2scene.textures.retrieval import generated_library
+from plan2scene.textures.seams import make_seamless, wrap_ratio
+from plan2scene.textures.single import CROP_PX, LIBRARY_TILES
+
+ROLLS = 8
+FIGURES = ("COLOR", "FREQ", "TILE", "dE2000", "wrap 50 %", "wrap 90 %", "rolled 90 %", "light", "s")
+
+
+def light_residue(tile: np.ndarray) -> float:
+    """Return the standard deviation of the sigma-12 blur of a tile's grey values, wrapped."""
+    grey = cv2.cvtColor(tile, cv2.COLOR_RGB2GRAY).astype(np.float64)
+    margin = 48
+    wide = cv2.copyMakeBorder(grey, margin, margin, margin, margin, cv2.BORDER_WRAP)
+    return float(cv2.GaussianBlur(wide, (0, 0), 12.0)[margin:-margin, margin:-margin].std())
+
+
+def flattened(crop: np.ndarray) -> np.ndarray:
+    """Return a crop divided by its sigma-12 blur, its median colour kept: the simple method."""
+    values = crop.astype(np.float64) + 1.0
+    even = values / cv2.GaussianBlur(values, (0, 0), 12.0)
+    even *= np.median(values, axis=(0, 1)) / np.median(even, axis=(0, 1))
+    return np.clip(np.rint(even - 1.0), 0, 255).astype(np.uint8)
+
+
+def rolled_ratios(tile: np.ndarray, seed: int) -> list[float]:
+    """Return the wrap ratios of a tile at eight random rolls."""
+    rng = np.random.default_rng(seed)
+    return [wrap_ratio(np.roll(tile, rng.integers(0, len(tile), 2), (0, 1))) for _ in range(ROLLS)]
+
+
+def figures(tile: np.ndarray, clean: np.ndarray, seconds: float, seed: int) -> list[float]:
+    """Return a method's figures on one texture: errors, seams, light (1 where within bounds)."""
+    away = delta_e_2000(rgb_to_lab(median_colour(tile)), rgb_to_lab(median_colour(clean)))
+    dark = light_residue(tile) <= 1.25 * light_residue(clean) + 0.3
+    return [
+        color_distance(tile, clean),
+        freq_distance(tile, clean),
+        tile_score(tile),
+        float(away),
+        wrap_ratio(tile),
+        float(dark),
+        seconds,
+        *rolled_ratios(tile, seed),
+    ]
+
+
+def summary(rows: np.ndarray) -> list[float]:
+    """Return :data:`FIGURES` of figures (n, 7 + rolls)."""
+    mean = rows.mean(axis=0)
+    wraps, rolled = rows[:, 4], rows[:, 7:]
+    return [
+        *mean[:4],
+        float(np.percentile(wraps, 50)),
+        float(np.percentile(wraps, 90)),
+        float(np.percentile(rolled, 90)),
+        mean[5],
+        mean[6],
+    ]
+
+
+def print_table(
+    name: str, columns: Sequence[str], rows: Sequence[tuple[str, Sequence[str]]]
+) -> None:
+    print(f"\n| {name} | " + " | ".join(columns) + " |")
+    print("|---" * (1 + len(columns)) + "|")
+    for label, cells in rows:
+        print(f"| {label} | " + " | ".join(cells) + " |")
+
+
+def exemplar_method(crops: Sequence[DegradedCrop], known: bool) -> np.ndarray:
+    """Return the exemplar; `known`: the crops come with their scales (a tile is 1 m)."""
+    scale = [crop.side if known else float("nan") for crop in crops]
+    sharp = [crop.side if known else 0.75 for crop in crops]
+    made = make_exemplar(
+        [ExemplarCrop(c.image, m, s) for c, m, s in zip(crops, scale, sharp, strict=True)],
+        size_px=CROP_PX,
+    )
+    # A burned-out surface has none; the stage then decodes, the benchmark counts the crop.
+    return crops[0].image if made is None else made.image
+
+
+def synth_method() -> Callable[[Sequence[DegradedCrop]], np.ndarray]:
+    """Return the method synth with the shipped model."""
+    from plan2scene.textures.embedding import embed_crops
+    from plan2scene.textures.model import load_texture_model
+    from plan2scene.textures.selection import best_crop, clipped_share
+    from plan2scene.textures.synthesis import decode_textures
+    from plan2scene.weights import MODELS
+
+    model = load_texture_model(MODELS / "texture.safetensors")
+
+    def decode(crops: Sequence[DegradedCrop]) -> np.ndarray:
+        images = np.stack([crop.image for crop in crops])
+        found = embed_crops(model, images, seed=0, textureness=True)
+        clipped = np.array([clipped_share(image) for image in images])
+        best = best_crop(found.textureness, clipped)
+        return decode_textures(model, found.codes[[best]], [derive_seed(0, "tile")], CROP_PX)[0]
+
+    return decode
+
+
+def methods(with_synth: bool) -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
+    """Return the methods by name, each from crops to a tile."""
+    library = generated_library(LIBRARY_TILES, 0, CROP_PX)
+    found: dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]] = {
+        "crop": lambda crops: crops[0].image,
+        "flattened": lambda crops: flattened(crops[0].image),
+        "flattened, seams corrected": lambda crops: make_seamless(flattened(crops[0].image))[0],
+        "retrieve": lambda crops: library.tiles[library.nearest(crops[0].image)],
+    }
+    if with_synth:
+        found["synth"] = synth_method()
+    found["exemplar, scale unknown"] = lambda crops: exemplar_method(crops, known=False)
+    found["exemplar"] = lambda crops: exemplar_method(crops, known=True)
+    return found
+
+
+def run_methods(args: argparse.Namespace) -> None:
+    textures = load_texture_folder(args.textures, split=args.split, size_px=CROP_PX)
+    chosen = methods(not args.no_synth)
+    results: dict[str, list[np.ndarray]] = {name: [] for name in ("clean", *chosen)}
+    tiles: dict[str, list[np.ndarray]] = {name: [] for name in results}
+    for seed in range(args.seeds):
+        found: dict[str, list[list[float]]] = {name: [] for name in results}
+        for k, texture in enumerate(textures):
+            clean = texture.albedo
+            crops = degrade(clean, derive_seed(seed, texture.name))
+            found["clean"].append(figures(clean, clean, 0.0, k))
+            if seed == 0:
+                tiles["clean"].append(clean)
+            for name, method in chosen.items():
+                start = time.process_time()
+                tile = method(crops)
+                seconds = time.process_time() - start
+                found[name].append(figures(tile, clean, seconds, k))
+                if seed == 0:
+                    tiles[name].append(tile)
+        for name, rows in found.items():
+            results[name].append(np.array(rows))
+    print(f"{len(textures)} textures, split {args.split}, {args.seeds} seeds")
+    rows = [(name, _spread([summary(part) for part in parts])) for name, parts in results.items()]
+    print_table("method", FIGURES, rows)
+    _by_substance(results, np.array([texture.substance for texture in textures]))
+    if args.sheet:
+        _sheet(args.sheet, tiles, results["exemplar"][0][:, 0], args.pick)
+
+
+def _spread(values: Sequence[Sequence[float]]) -> list[str]:
+    mean, spread = np.mean(values, axis=0), np.std(values, axis=0)
+    if len(values) == 1:
+        return [f"{m:.3f}" for m in mean]
+    return [f"{m:.3f} +- {s:.3f}" for m, s in zip(mean, spread, strict=True)]
+
+
+def _by_substance(results: dict[str, list[np.ndarray]], substances: np.ndarray) -> None:
+    """Print a table of the means per substance."""
+    rows = []
+    for substance in dict.fromkeys(substances):
+        own = substances == substance
+        for name in ("clean", "crop", "synth", "exemplar"):
+            if name in results:
+                part = np.concatenate([result[own] for result in results[name]])
+                rows.append((f"{substance}, {name}", [f"{v:.3f}" for v in summary(part)]))
+    print_table("substance, method", FIGURES, rows)
+
+
+def _sheet(path: Path, tiles: dict[str, list[np.ndarray]], error: np.ndarray, pick: str) -> None:
+    """Write a picture of the methods' tiles, 2x2: best, median and worst textures by COLOR."""
+    order = np.argsort(error, kind="stable")
+    if pick == "all":
+        chosen = list(range(len(order)))
+    else:
+        middle = len(order) // 2
+        chosen = [*order[:3], *order[middle - 1 : middle + 2], *order[-3:]]
+    names = [n for n in ("clean", "crop", "synth", "exemplar") if tiles.get(n)]
+    rows = [
+        np.hstack(
+            [np.pad(np.tile(tiles[n][k], (2, 2, 1)), ((2, 2), (2, 2), (0, 0))) for n in names]
+        )
+        for k in chosen
+    ]
+    write_png(path, np.vstack(rows))
+
+
+def run_seams(args: argparse.Namespace) -> None:
+    """Windows of 96 px enlarged to 128 at random offsets, corrected each on its own."""
+    textures = load_texture_folder(args.textures, split=args.split, size_px=CROP_PX)
+    rng = np.random.default_rng(derive_seed(0, "seams"))
+    rows: dict[str, list[list[float]]] = {"clean": [], "window": [], "corrected": []}
+    for k, texture in enumerate(textures):
+        view = window(texture.albedo, rng.uniform(0.0, 1.0, 2), 0.75, 0.0)
+        start = time.process_time()
+        corrected, changed = make_seamless(view)
+        seconds = time.process_time() - start
+        for name, tile, share, spent in (
+            ("clean", texture.albedo, 0.0, 0.0),
+            ("window", view, 0.0, 0.0),
+            ("corrected", corrected, float(changed.mean()), seconds),
+        ):
+            rows[name].append([wrap_ratio(tile), share, spent, *rolled_ratios(tile, k)])
+    cells = []
+    for name, values in rows.items():
+        table = np.array(values)
+        wrap, rolled = table[:, 0], table[:, 3:]
+        numbers = [
+            *np.percentile(wrap, [50, 90]),
+            *np.percentile(rolled, [50, 90]),
+            *table[:, 1:3].mean(axis=0),
+            table[:, 2].max(),
+        ]
+        cells.append((name, [f"{v:.3f}" for v in numbers]))
+    columns = ("wrap 50 %", "90 %", "rolled 50 %", "90 %", "changed", "mean s", "longest s")
+    print_table("tile", columns, cells)
+
+
+def run_patterns(args: argparse.Namespace) -> None:
+    columns = ("cases", "period within 3 %", "autocorrelation of truth's", "at least 0.9")
+    rows = [row for turn in (0.0, 20.0, 45.0) for row in pattern_rows(args.cases, turn)]
+    print_table("pattern, turned by up to", columns, rows)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    commands = parser.add_subparsers(dest="command", required=True)
+    for name, run in (("seams", run_seams), ("methods", run_methods)):
+        command = commands.add_parser(name)
+        command.set_defaults(run=run)
+        command.add_argument("--textures", type=Path, required=True)
+        command.add_argument("--split", default="val")
+        if name == "methods":
+            command.add_argument("--seeds", type=int, default=3)
+            command.add_argument("--no-synth", action="store_true")
+            command.add_argument("--sheet", type=Path)
+            command.add_argument("--pick", choices=("nine", "all"), default="nine")
+    command = commands.add_parser("patterns")
+    command.set_defaults(run=run_patterns)
+    command.add_argument("--cases", type=int, default=20)
+    args = parser.parse_args()
+    cv2.setNumThreads(1)
+    args.run(args)
+
+
+if __name__ == "__main__":
+    main()
