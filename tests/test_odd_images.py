@@ -393,7 +393,9 @@ from PIL import Image, ImageCms
 from plan2scene.errors import InputError
 from plan2scene.io import read_image
 Image.init()
-before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+# Not ru_maxrss: that one begins with the parent's.
+peak = lambda: int(open("/proc/self/status").read().split("VmHWM:")[1].split()[0])
+before = peak()
 # What the process has mapped by now, and 120 MB more.
 mapped = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (mapped + 120_000_000,) * 2)
@@ -402,7 +404,7 @@ for path in sys.argv[1:]:
         print("image", read_image(path).shape)
     except InputError as error:
         print("line", error)
-print("megabytes", (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) // 1024)
+print("megabytes", (peak() - before) // 1024)
 """
 
 
@@ -428,4 +430,4 @@ def test_bombs_are_refused_with_little_memory(tmp_path: Path) -> None:
         assert line.startswith(f"line file {path}: expected an image"), line
         if "near_limit" not in path:
             assert f"at most {image_modes.MAX_PIXELS} pixels" in line
-    assert int(last.split()[1]) < 120, run.stdout
+    assert 0 <= int(last.split()[1]) < 120, run.stdout

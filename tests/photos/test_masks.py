@@ -57,6 +57,41 @@ def test_read_label_png_refuses_what_is_no_mask(tmp_path: Path) -> None:
         masks.read_label_png(tmp_path / "grey.png")
 
 
+def test_palette_colours_do_not_matter_but_values_do(tmp_path: Path) -> None:
+    labels = _labels()
+    own = Image.fromarray(labels, mode="P")
+    own.putpalette([255, 0, 255, 9, 9, 9, 0, 0, 0, 1, 2, 3])
+    own.save(tmp_path / "own.png")
+    Image.fromarray(labels).save(tmp_path / "grey.png")
+    for name in ("own.png", "grey.png"):
+        assert np.array_equal(masks.read_label_png(tmp_path / name), labels)
+    own.putpixel((3, 3), 4)
+    own.save(tmp_path / "four.png")
+    with pytest.raises(InputError, match=r"labels 0 to 3 \(or 255\), found value 4"):
+        masks.read_label_png(tmp_path / "four.png")
+
+
+@pytest.mark.parametrize("mode", ["1", "LA", "RGBA", "I;16"])
+def test_masks_of_other_modes_are_refused(tmp_path: Path, mode: str) -> None:
+    if mode == "I;16":
+        image = Image.fromarray(_labels().astype(np.uint16))
+    else:
+        image = Image.fromarray(_labels()).convert(mode)
+    image.save(tmp_path / "a.png")
+    with pytest.raises(InputError, match=f"a palette or grey PNG of labels, found mode {mode}"):
+        masks.read_label_png(tmp_path / "a.png")
+
+
+def test_damaged_and_huge_masks_are_one_line(tmp_path: Path) -> None:
+    masks.write_label_png(tmp_path / "a.png", _labels())
+    (tmp_path / "cut.png").write_bytes((tmp_path / "a.png").read_bytes()[:-40])
+    with pytest.raises(InputError, match=r"cut\.png.*decodes"):
+        masks.read_label_png(tmp_path / "cut.png")
+    Image.new("L", (9000, 6000)).save(tmp_path / "huge.png")
+    with pytest.raises(InputError, match="found 9000x6000"):
+        masks.read_label_png(tmp_path / "huge.png")
+
+
 def test_labels_from_folder_needs_the_photos_size(tmp_path: Path) -> None:
     labels = _labels()
     labels[0, 0] = masks.IGNORE
