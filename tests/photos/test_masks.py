@@ -60,7 +60,7 @@ def test_read_label_png_refuses_what_is_no_mask(tmp_path: Path) -> None:
 def test_palette_colours_do_not_matter_but_values_do(tmp_path: Path) -> None:
     labels = _labels()
     own = Image.fromarray(labels, mode="P")
-    own.putpalette([255, 0, 255, 9, 9, 9, 0, 0, 0, 1, 2, 3])
+    own.putpalette([255, 0, 255, 9, 9, 9, 0, 0, 0, 1, 2, 3, 5, 5, 5])
     own.save(tmp_path / "own.png")
     Image.fromarray(labels).save(tmp_path / "grey.png")
     for name in ("own.png", "grey.png"):
