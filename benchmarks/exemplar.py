@@ -5,8 +5,8 @@
 ``python benchmarks/exemplar.py methods  --textures FOLDER [--split val] [--seeds 3] [--sheet PNG]``
 
 FOLDER has a folder of tileable images per substance and an ``index.csv`` with columns id, split.
-Tables are Markdown, seconds those of the processor. The crops are those of ``plan2scene.textures.degradation``; wrap ratios are
-``plan2scene.textures.seams.wrap_ratio``.
+Tables are Markdown, seconds those of the processor. The crops are those of
+``plan2scene.textures.degradation``; wrap ratios are ``plan2scene.textures.seams.wrap_ratio``.
 """
 
 from __future__ import annotations

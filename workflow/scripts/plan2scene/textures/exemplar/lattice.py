@@ -64,7 +64,8 @@ def find_lattice(luma: np.ndarray, mask: np.ndarray) -> CropLattice:
         # Tiles laid diagonally repeat along the crop's axes, too: no need to turn them upright.
         less = angle - 45.0 if angle > 0 else angle + 45.0
         others, heights = _periods(*_turned(values, weight, less))
-        if sum(heights) >= _DIAGONAL * sum(peaks) and np.isfinite(others).all():
+        # (of squares, that is: diagonal periods of other tiles are long)
+        if max(others) < 1.6 * max(periods) and sum(heights) >= _DIAGONAL * sum(peaks):
             angle, periods, peaks = less, others, heights
     return CropLattice(angle, clear, periods, peaks)
 
