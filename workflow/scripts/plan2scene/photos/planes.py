@@ -15,7 +15,8 @@ import numpy as np
 from plan2scene.photos.camera import Camera
 from plan2scene.photos.lines import detect_segments
 from plan2scene.photos.masks import CEILING, FLOOR, WALL
-from plan2scene.photos.walls import WallLine, trace_walls
+from plan2scene.photos.wall_lines import WallLine
+from plan2scene.photos.walls import trace_walls
 
 #: Walls kept per photo, the largest first (paper: the 10 largest planes).
 MAX_WALLS = 10
@@ -121,8 +122,8 @@ def split_planes(
 
 
 def _wall_normal(line: WallLine) -> tuple[float, float, float]:
-    """Return the inward normal of the wall x = +-d or z = +-d."""
-    return (-float(line.sign), 0.0, 0.0) if line.axis == 0 else (0.0, 0.0, -float(line.sign))
+    """Return the inward normal of a wall."""
+    return (0.0 - line.outward[0], 0.0, 0.0 - line.outward[1])
 
 
 def _without_specks(mask: np.ndarray, smallest: float) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Walls of a photo in plan view: which wall a viewing direction meets.
 
-In the Manhattan frame every wall is x = +-d or z = +-d (d metres from the camera). The foot of a
+In the Manhattan frame nearly every wall is x = +-d or z = +-d (d metres from the camera); a bay
+window's or a slanted one has a normal of its own where its foot shows it. The foot of a
 wall, where wall pixels stand on floor pixels, lies on the floor plane, so its slope below the
 horizon gives the distance; its top under the ceiling likewise. Viewing directions are binned by
 azimuth (not by image column: with a pitched camera a vertical crease is no column), and the
@@ -15,6 +16,14 @@ import numpy as np
 
 from plan2scene.photos.camera import Camera
 from plan2scene.photos.wall_borders import N_BINS, Borders, facing_votes, find_borders
+from plan2scene.photos.wall_lines import (
+    DISTANCE_RANGE_M,
+    MIN_FACING,
+    OWN,
+    UNSEEN_LINES,
+    WallLine,
+    likely_walls,
+)
 
 #: Angular noise of a mask's border (radians), and the cost at which a point is an outlier.
 BORDER_NOISE = np.radians(0.5)
@@ -26,10 +35,9 @@ BEYOND_NOISE = np.radians(1.5)
 CREASE = 14.0
 JUMP = 28.0
 UNSEEN = 0.4
+#: Further cost of a crease with a wall that faces neither Manhattan direction.
+SLANT = 16.0
 NEARER = 0.05
-MAX_CANDIDATES = 8
-#: Bins with a foot or top that suggest a wall.
-MIN_SUPPORT = 4
 #: Bins on both sides of a crease that must show something for it to be believed.
 CREASE_BINS = 6
 #: Cost per bin of each segment that runs along the other kind of wall, and its bound.
@@ -39,23 +47,6 @@ MAX_VOTES = 1.5
 HEIGHT_RANGE_M = (0.8, 2.1)
 HEIGHT_SPREAD_M = 0.25
 MIN_BINS = 8
-UNSEEN_DISTANCES_M = (3.0, 2.2, 1.6, 1.1, 0.7, 0.4)
-DISTANCE_RANGE_M = (0.3, 15.0)
-#: Cosine to a wall's direction below which no wall is believed (about 85 degrees from its normal).
-MIN_FACING = 0.08
-
-
-@dataclass(frozen=True)
-class WallLine:
-    """The wall ``sign * (x if axis == 0 else z) = distance``, metres from the camera.
-
-    `seen` tells whether its foot or top was seen.
-    """
-
-    axis: int
-    sign: int
-    distance: float
-    seen: bool
 
 
 @dataclass(frozen=True)
@@ -143,55 +134,13 @@ def _solve(
 ) -> tuple[list[WallLine], np.ndarray, float]:
     """Return the possible walls, the wall of each bin, and what that costs."""
     distances = np.stack([height / -borders.foot, above / borders.top], axis=1)
-    lines = _candidates(borders, distances)
-    lines += UNSEEN_LINES
+    lines = likely_walls(borders, distances) + list(UNSEEN_LINES)
     costs = _costs(borders, lines, height, above)
     axes = np.array([line.axis for line in lines])
-    against = np.minimum(VOTE * facing[:, ::-1], MAX_VOTES)[:, axes]
+    contrary = np.column_stack([facing[:, ::-1], facing.max(axis=1)])
+    against = np.minimum(VOTE * contrary, MAX_VOTES)[:, axes]
     path, total = _cheapest(costs + np.where(np.isnan(borders.reach[:, :1]), 0.0, against), axes)
     return lines, path, total
-
-
-def _candidates(borders: Borders, distances: np.ndarray) -> list[WallLine]:
-    """Return the walls that most feet and tops lie on, the best supported first."""
-    found: list[tuple[float, WallLine]] = []
-    for axis in (0, 1):
-        for sign in (1, -1):
-            facing = sign * borders.direction[:, axis]
-            offset = (distances * facing[:, None])[facing > MIN_FACING]
-            offset = np.sort(offset[~np.isnan(offset)])
-            low, high = DISTANCE_RANGE_M
-            offset = offset[(offset >= low) & (offset <= high)]
-            found += [
-                (count, WallLine(axis, sign, distance, True))
-                for count, distance in _peaks(offset)
-                if count >= MIN_SUPPORT
-            ]
-    found.sort(key=lambda item: -item[0])
-    return [line for _, line in found[:MAX_CANDIDATES]]
-
-
-def _peaks(offset: np.ndarray) -> list[tuple[int, float]]:
-    """Return (count, median) of the densest groups of sorted distances within +-6 %."""
-    groups: list[tuple[int, float]] = []
-    left = offset
-    while len(left) >= MIN_SUPPORT and len(groups) < 4:
-        first = np.searchsorted(left, left / 1.06)
-        last = np.searchsorted(left, left * 1.06, side="right")
-        best = int(np.argmax(last - first))
-        group = left[first[best] : last[best]]
-        groups.append((len(group), float(np.median(group))))
-        left = np.concatenate([left[: first[best]], left[last[best] :]])
-    return groups
-
-
-#: Walls for where neither foot nor top is seen: the farthest that no wall pixel contradicts fits.
-UNSEEN_LINES = tuple(
-    WallLine(axis, sign, distance, False)
-    for axis in (0, 1)
-    for sign in (1, -1)
-    for distance in UNSEEN_DISTANCES_M
-)
 
 
 def _costs(borders: Borders, lines: list[WallLine], height: float, above: float) -> np.ndarray:
@@ -199,7 +148,7 @@ def _costs(borders: Borders, lines: list[WallLine], height: float, above: float)
     costs = np.zeros((N_BINS, len(lines)))
     has_wall = ~np.isnan(borders.reach[:, 0])
     for index, line in enumerate(lines):
-        facing = line.sign * borders.direction[:, line.axis]
+        facing = borders.direction @ np.array(line.outward)
         visible = facing > MIN_FACING
         reach = line.distance / np.where(visible, facing, 1.0)
         for slope, expected in ((borders.foot, -height / reach), (borders.top, above / reach)):
@@ -220,7 +169,8 @@ def _costs(borders: Borders, lines: list[WallLine], height: float, above: float)
 
 def _cheapest(costs: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, float]:
     """Return the wall (b,) of each bin on the path of least cost, creases included; the cost."""
-    turn = np.where(axes[:, None] == axes[None], JUMP, CREASE)
+    turn = np.where((axes[:, None] == axes[None]) & (axes != OWN), JUMP, CREASE)
+    turn = turn + SLANT * ((axes[:, None] == OWN) | (axes[None] == OWN))
     np.fill_diagonal(turn, 0.0)
     total = costs[0].copy()
     back = np.zeros(costs.shape, dtype=int)
@@ -248,7 +198,8 @@ def _settle_creases(
     settled = path.copy()
     for crease in np.nonzero(np.diff(path))[0]:
         first, second = lines[path[crease]], lines[path[crease + 1]]
-        if first.axis == second.axis or not (first.seen and second.seen):
+        meeting = first.meets(second)
+        if meeting is None or not (first.seen and second.seen):
             continue
         start = int(crease)
         while start >= 0 and blind[start] and path[start] == path[crease]:
@@ -256,8 +207,7 @@ def _settle_creases(
         end = int(crease) + 1
         while end < len(path) and blind[end] and path[end] == path[crease + 1]:
             end += 1
-        corner = {line.axis: line.sign * line.distance for line in (first, second)}
-        meet = int(np.searchsorted(azimuth, np.arctan2(corner[0], corner[1])))
+        meet = int(np.searchsorted(azimuth, np.arctan2(meeting[0], meeting[1])))
         meet = int(np.clip(meet, start + 1, end))
         settled[start + 1 : meet] = path[crease]
         settled[meet:end] = path[crease + 1]
@@ -286,12 +236,13 @@ def _joined(
         if known not in done and other not in done:
             done.add(known if (path == known).sum() >= (path == other).sum() else other)
         known, other = (known, other) if known in done else (other, known)
-        if joined[known].axis == joined[other].axis or blind[near].mean() > 0.5:
+        if joined[known].meets(joined[other]) is None or blind[near].mean() > 0.5:
             continue
         angle = (azimuth[crease] + azimuth[crease + 1]) / 2
-        share = np.abs([np.sin(angle), np.cos(angle)])
-        reach = joined[known].distance / max(float(share[joined[known].axis]), 1e-3)
-        distance = float(np.clip(reach * share[joined[other].axis], *DISTANCE_RANGE_M))
+        toward = np.array([np.sin(angle), np.cos(angle)])
+        share = [abs(float(toward @ np.array(joined[i].outward))) for i in (known, other)]
+        reach = joined[known].distance / max(share[0], 1e-3)
+        distance = float(np.clip(reach * share[1], *DISTANCE_RANGE_M))
         joined[other] = replace(joined[other], distance=distance, seen=joined[known].seen)
         done.add(other)
     return joined
