@@ -38,10 +38,10 @@ from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
 #: Photos on a sheet; of houses with more the first are shown, the rest counted.
 MAX_PHOTOS = 20
 #: Height and width of a panel, of the crops' panel's width, and of what is between, pixels.
-PANEL, CROPS_WIDTH, GAP = (225, 300), 492, 8
+PANEL, CROPS_WIDTH, GAP = (225, 300), 516, 8
 TITLE, CAPTION, HEADER = 20, 18, 44
 #: Crops and rejected windows shown of one photo, side of one, and of its cell with text.
-COLUMNS, KEPT_ROWS, THUMB, CELL = 6, 1, 50, (83, 82)
+COLUMNS, KEPT_ROWS, THUMB, CELL = 6, 1, 50, (83, 86)
 ROW = TITLE + PANEL[0] + CAPTION + 2 * GAP
 WIDTH = 4 * (PANEL[1] + GAP) + CROPS_WIDTH + 2 * GAP
 
@@ -239,11 +239,12 @@ def _camera_text(camera: Camera) -> str:
     """Return field of view, where it is from, tilt and confidence in a line."""
     fov = np.degrees(2 * np.arctan(camera.width / 2 / camera.focal_px))
     up = camera.matrix[:, 1]
-    pitch = -np.degrees(np.arcsin(np.clip(up[2], -1, 1)))
+    down = round(-float(np.degrees(np.arcsin(np.clip(up[2], -1, 1)))))
     roll = np.degrees(np.arctan2(up[0], -up[1]))
     source = camera.focal_source.replace("_", " ")
-    frame = ", no frame" if camera.fallback else f", pitch {pitch:+.0f}°, roll {roll:+.0f}°"
-    return f"{fov:.0f}° ({source}), confidence {camera.confidence:.2f}{frame}"
+    tilt = f"{abs(down)}° {'down' if down >= 0 else 'up'}, roll {round(float(roll)):+d}°"
+    frame = "no frame found" if camera.fallback else tilt
+    return f"{fov:.0f}° ({source}), confidence {camera.confidence:.2f}, {frame}"
 
 
 def _planes_text(planes: Sequence[Any]) -> str:
@@ -286,7 +287,7 @@ def _reason_lines(draw: Any, window: Window) -> list[str]:
     lines = window.faults[:1]
     for part in window.faults[1:]:
         longer = f"{lines[-1]}, {part}"
-        if draw.textlength(longer, font=font(9)) <= CELL[1] - 2:
+        if draw.textlength(longer, font=font(9)) <= CELL[1] - 4:
             lines[-1] = longer
         else:
             lines.append(part)
