@@ -276,7 +276,8 @@ def _draw_crops(sheet: Any, corner: tuple[int, int], photo: _Photo) -> None:
         text = "no crop kept" if out else "no window fits on a plane"
         draw.text((corner[0], corner[1] + 20), text, font=font(12), fill=REJECTED)
     counts = count_windows(photo.windows)
-    shown = f"{counts['kept'] + counts['last_resort']} kept, {counts['rejected']} rejected"
+    names = (("kept", "kept"), ("last_resort", "for want of better ones"), ("rejected", "rejected"))
+    shown = ", ".join(f"{counts[key]} {name}" for key, name in names)
     draw.text((corner[0], corner[1] - TITLE + 2), shown, font=font(13), fill=INK)
 
 
