@@ -7,6 +7,7 @@ from pathlib import Path
 import jsonschema
 import pytest
 import yaml
+from snakemake.utils import update_config
 
 from plan2scene.training.features import FeaturesTraining
 from plan2scene.training.propagation import PropagationSettings
@@ -20,8 +21,10 @@ TRAINING = SCHEMA["properties"]["training"]["properties"]
 
 
 def merged(name: str) -> dict:
+    """Return config.yaml with the keys of another file in it, one by one as Snakemake does."""
     config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
-    return config | yaml.safe_load((ROOT / "config" / name).read_text())
+    update_config(config, yaml.safe_load((ROOT / "config" / name).read_text()))
+    return config
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda p: p.name)

@@ -8,14 +8,22 @@ from pathlib import Path
 import pandas as pd
 from snakemake.utils import validate
 
-from plan2scene.house_table import hidden_photo_names, load_houses, photo_paths
+from plan2scene.datasets.layout import find_layout
+from plan2scene.house_table import (
+    chosen_crops,
+    hidden_photo_names,
+    load_houses,
+    photo_paths,
+    table_of,
+)
 from plan2scene.errors import InputError
 from plan2scene.provenance import code_hash
 
 validate(config, schema="../schemas/config.schema.json")
 
 DATASET = config["dataset"]["name"]
-DATA_ROOT = Path(config["dataset"]["root"])
+LAYOUT = find_layout(config["dataset"]["root"])
+DATA_ROOT = LAYOUT.root
 RESULTS = f"results/{DATASET}"
 # Relative to the working directory, which need not be the clone (`plan2scene run`).
 MODELS = os.path.relpath(Path(workflow.basedir) / "resources" / "models")
@@ -26,8 +34,13 @@ METHODS = config["methods"]
 DROPS = [f"{drop:.1f}" for drop in config["drops"]]
 
 try:
+    # A table that is worked out is made once, by the main process: jobs read it.
+    TABLE = table_of(
+        config["dataset"], RESULTS, make=workflow.is_main_process, warn=sys.stderr
+    )
+    config["crops"] |= chosen_crops(LAYOUT, config["crops"])
     HOUSES = load_houses(
-        DATA_ROOT / config["dataset"]["table"],
+        TABLE,
         splits=config["dataset"]["splits"],
         # A data set that this workflow is about to make has no table yet.
         may_be_absent="synthetic" in config or "training" in config,
@@ -55,6 +68,13 @@ def assignment_of(wildcards):
     return str(path) if name and path.is_file() else []
 
 
+def object_boxes_of(wildcards):
+    """Return the object boxes of a house; empty when the data set has none."""
+    split = HOUSES.loc[wildcards.house, "split"]
+    path = LAYOUT.object_boxes(split, wildcards.house)
+    return str(path) if path.is_file() else []
+
+
 def photo_names_of(wildcards):
     """Return all photo names that the house table gives a house."""
     return [name for name in HOUSES.loc[wildcards.house, "photos"].split("|") if name]
@@ -62,16 +82,13 @@ def photo_names_of(wildcards):
 
 def photos_of(wildcards):
     """Return the photos of a house that exist; what is missing is the job's to report."""
-    return [
-        str(path)
-        for path in photo_paths(DATA_ROOT / "photos", photo_names_of(wildcards))
-    ]
+    return [str(path) for path in photo_paths(LAYOUT.photos, photo_names_of(wildcards))]
 
 
 def hidden_photos(wildcards):
     """Return the photos of a house that are hidden at a drop fraction, sorted."""
     return hidden_photo_names(
-        DATA_ROOT / "unobserved_photos.json",
+        LAYOUT.unobserved,
         wildcards.drop,
         photo_names_of(wildcards),
         seed=config["seed"],

@@ -3,6 +3,7 @@ rule floorplan:
     input:
         plan=plan_of,
         assignment=assignment_of,
+        object_boxes=object_boxes_of,
     output:
         f"{RESULTS}/houses/{{house}}/scene.json",
     log:
@@ -18,7 +19,7 @@ rule floorplan:
         # What the house table names: of a file that is missing the job says which.
         plan=lambda wildcards: str(DATA_ROOT / HOUSES.loc[wildcards.house, "plan"]),
         assignment=named_assignment_of,
-        photos=str(DATA_ROOT / "photos"),
+        photos=str(LAYOUT.photos),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         code=code_hash("floorplans"),
     script:

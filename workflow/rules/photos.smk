@@ -17,7 +17,7 @@ rule masks:
         mem_mb=1500,
     params:
         names=photo_names_of,
-        photo_folder=str(DATA_ROOT / "photos"),
+        photo_folder=str(LAYOUT.photos),
         source=config["photos"]["masks"],
         masks_folder=config["photos"]["masks_folder"],
         pretrained=config["photos"]["pretrained"],
@@ -51,7 +51,7 @@ rule crops:
     resources:
         mem_mb=1000,
     params:
-        photo_folder=str(DATA_ROOT / "photos"),
+        photo_folder=str(LAYOUT.photos),
         dataset=DATASET,
         source=config["crops"]["source"],
         folder=config["crops"]["folder"],

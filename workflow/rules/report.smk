@@ -26,7 +26,7 @@ rule contact_sheet:
         mem_mb=1000,
     params:
         names=photo_names_of,
-        photo_folder=str(DATA_ROOT / "photos"),
+        photo_folder=str(LAYOUT.photos),
         camera_height_m=config["photos"]["camera_height_m"],
         code=code_hash("photos.contact_sheet", "floorplans.scene_json", "datasets"),
     script:

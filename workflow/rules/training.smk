@@ -45,7 +45,7 @@ rule segmentation_start:
 rule train_segmentation:
     # Photos and truth masks of the synthetic train split -> the network, scored on the val split.
     input:
-        table=DATA_ROOT / config["dataset"]["table"],
+        table=TABLE,
         scenes="results/training/segmentation_scenes.parquet",
         start="results/training/segmentation_start.safetensors",
     output:

@@ -10,5 +10,6 @@ with job(snakemake.log[0]):
         house_id=snakemake.wildcards.house,
         assignment=snakemake.params.assignment,
         photos_dir=snakemake.params.photos,
+        object_boxes=snakemake.input.object_boxes or None,
         metres_per_pixel=snakemake.params.metres_per_pixel,
     )

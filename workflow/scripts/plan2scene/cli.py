@@ -131,6 +131,8 @@ def check(
     """Tell what would go wrong, before anything runs."""
     from plan2scene.datasets import check_dataset, check_plan
 
+    if not target.exists():
+        raise InputError("a data set's folder or a plan", "no such file or folder", file=target)
     if target.is_dir():
         problems = check_dataset(target, metres_per_pixel=metres_per_pixel)
     else:

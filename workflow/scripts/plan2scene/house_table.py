@@ -1,15 +1,17 @@
 """What the workflow reads while it builds its job graph: the house table and hidden photos.
 
-Nothing of a house itself is opened here; a fault of one house is its own jobs' to report.
+Nothing of a house itself is opened here but its photo table, and that only where the house table
+is worked out from the data lists; a fault of one house is its own jobs' to report.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TextIO
 
-from plan2scene.datasets import read_house_table, read_unobserved
+from plan2scene.datasets import make_house_table, read_house_table, read_unobserved
+from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.errors import InputError
 from plan2scene.io import safe_join
 from plan2scene.seeds import generator
@@ -38,6 +40,61 @@ def load_houses(path: Path, *, splits: Sequence[str], may_be_absent: bool = Fals
             file=path,
         )
     return chosen if chosen.index.name == "house" else chosen.set_index("house")
+
+
+def table_of(
+    dataset: Mapping[str, Any], results: str | Path, *, make: bool, warn: TextIO | None = None
+) -> Path:
+    """Return the path of the house table, worked out from the data lists where none is named.
+
+    Parameters
+    ----------
+    dataset : mapping
+        The section ``dataset`` of the configuration.
+    results : path
+        Folder of this data set's results: a table that is worked out is written here, the data
+        set itself is never written to.
+    make : bool
+        Work it out anew (reads every photo table) though there is one; it is written only when
+        it differs.
+    warn : text file, optional
+        Gets a line of what the table goes on without.
+
+    Raises
+    ------
+    InputError
+        One line, where there is no data set under ``dataset.root``.
+    """
+    layout = find_layout(dataset["root"])
+    if dataset["table"] is not None:
+        return layout.data / dataset["table"]
+    path = Path(results) / "houses.tsv"
+    if make or not path.is_file():
+        architecture = dataset.get("architecture", "bare")
+        lines = make_house_table(dataset["root"], path, architecture=architecture)
+        if lines and warn is not None:
+            more = f" (and {len(lines) - 1} more: plan2scene check)" if len(lines) > 1 else ""
+            warn.write(f"plan2scene: warning: {lines[0]}{more}\n")
+    return path
+
+
+def chosen_crops(layout: Layout, crops: Mapping[str, Any]) -> dict[str, Any]:
+    """Return ``{"source", "folder"}`` of the section ``crops``, the choice ``auto`` made.
+
+    Ready crops of Rent3D++ are taken where the data set has them (or a folder is named), else
+    crops are sampled from the photos.
+    """
+    source, folder = crops["source"], crops["folder"]
+    if source == "sampled":
+        return {"source": source, "folder": folder}
+    if folder is None and layout.surface_crops is not None:
+        folder = str(layout.surface_crops)
+    if source == "auto":
+        source = "sampled" if folder is None else "precomputed"
+    if source == "precomputed" and folder is None:
+        expected = "crops.folder, or surface_crops/ with the data set"
+        raise InputError(expected, "neither", file=layout.processed)
+    return {"source": source, "folder": folder}
 
 
 def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plan2scene.datasets.assignments import check_assignment, read_assignment
+from plan2scene.datasets.copy_check import missing_parts
+from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
 from plan2scene.house import House
@@ -53,32 +55,38 @@ def check_dataset(
     """Return the problems of a data set (docs/conventions.md): table, plans, assignments, photos.
 
     Without a house table one is worked out from the data lists (nothing is written to `root`).
+    Of a Rent3D++ copy as unpacked, parts that are missing as a whole come first.
     """
     import tempfile
 
-    root = Path(root)
+    layout = find_layout(root)
     problems: list[Problem] = []
     try:
-        if (root / table).is_file():
-            houses = read_house_table(root / table)
+        if (layout.data / table).is_file():
+            houses = read_house_table(layout.data / table)
         else:
             with tempfile.TemporaryDirectory() as folder:
                 lines = make_house_table(root, Path(folder) / table)
                 houses = read_house_table(Path(folder) / table)
-            problems += [Problem("warning", f"no {table}; " + line) for line in lines]
+            # What a copy as unpacked never has is no fault of it.
+            note = "" if layout.is_rent3dpp else f"no {table}; "
+            problems += [Problem("warning", note + line) for line in lines]
     except InputError as error:
         return [Problem("error", str(error))]
+    rows = houses.to_dict("records")
+    if layout.is_rent3dpp:
+        problems += [Problem("warning", line) for line in missing_parts(layout, rows)]
     known: set[str] = set()
     checked: set[str] = set()
-    for row in houses.to_dict("records"):
+    for row in rows:
         known |= set(row["photos"].split("|"))
-        problems += _check_house(root, root / table, row, metres_per_pixel, checked)
-    problems += _check_unobserved(root / "unobserved_photos.json", known)
+        problems += _check_house(layout, layout.data / table, row, metres_per_pixel, checked)
+    problems += _check_unobserved(layout.unobserved, known)
     return problems
 
 
 def _check_house(
-    root: Path,
+    layout: Layout,
     table: Path,
     row: dict[str, str],
     metres_per_pixel: float | None,
@@ -87,13 +95,15 @@ def _check_house(
     """Yield the problems of one house; photos in `checked` were opened for another house."""
     house_id = row["house"]
     names = {name for name in row["photos"].split("|") if name}
-    house, problems = check_plan(root / row["plan"], house_id, metres_per_pixel)
+    house, problems = check_plan(layout.root / row["plan"], house_id, metres_per_pixel)
     yield from problems
-    file = root / row["assignment"] if row["assignment"] else None
+    if house is not None:
+        yield from _check_boxes(layout.object_boxes(row["split"], house_id), house)
+    file = layout.root / row["assignment"] if row["assignment"] else None
     try:
         rows = read_assignment(file, house, house_id=house_id)
         if house is not None:
-            for line in check_assignment(house, rows, root / "photos", file=file or ""):
+            for line in check_assignment(house, rows, layout.photos, file=file or ""):
                 yield Problem("warning", line)
     except InputError as error:
         yield Problem("error", str(error))
@@ -105,7 +115,7 @@ def _check_house(
     assigned = {row.photo for row in rows}
     for photo in sorted(names):
         try:
-            path = safe_join(root / "photos", photo, file=table, house=house_id)
+            path = safe_join(layout.photos, photo, file=table, house=house_id)
         except InputError as error:
             yield Problem("error", str(error))
             continue
@@ -117,6 +127,15 @@ def _check_house(
         except InputError as error:
             # The masks stage leaves the photo out and the house goes on.
             yield Problem("warning", str(error))
+
+
+def _check_boxes(path: Path, house: House) -> Iterator[Problem]:
+    """Yield what is wrong with the object boxes of a house, where it has any."""
+    from plan2scene.floorplans import add_object_boxes
+
+    if path.is_file():
+        for line in add_object_boxes(house, path)[1]:
+            yield Problem("warning", line)
 
 
 def _check_unobserved(path: Path, known: set[str]) -> Iterator[Problem]:

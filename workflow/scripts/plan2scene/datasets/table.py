@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plan2scene.datasets.assignments import read_rows
+from plan2scene.datasets.layout import Layout, require_data_set
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_path, read_json, read_text, safe_join
 
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
 
 COLUMNS = ("house", "split", "plan", "assignment", "photos")
 SPLITS = ("train", "val", "test")
-#: Where the plans of a Rent3D++ data set lie, the first that exists is taken.
-PLAN_FOLDERS = ("archs_no_objects", "full_archs")
 _NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")
 
 
@@ -69,62 +68,77 @@ def _check_row(row: dict[str, str], seen: set[str], path: str | Path) -> None:
         safe_join("", row["assignment"], file=path, house=house)
 
 
-def make_house_table(root: str | Path, output: str | Path | None = None) -> list[str]:
+def make_house_table(
+    root: str | Path, output: str | Path | None = None, *, architecture: str = "bare"
+) -> list[str]:
     """Write ``houses.tsv`` for a data set in the Rent3D++ layout; return warnings.
 
     Parameters
     ----------
     root : path
-        Holds ``data_lists/{split}.txt``, plans ``{archs_no_objects,full_archs}/{split}/
-        {house}.scene.json`` and, where a house has photos, ``photo_assignments/{split}/
-        {house}.photoroom.csv`` with either header.
+        As :func:`plan2scene.datasets.layout.find_layout`. Holds ``data_lists/{split}.txt``, plans
+        ``{archs_no_objects,full_archs}/{split}/{house}.scene.json`` and, where a house has
+        photos, ``photo_assignments/{split}/{house}.photoroom.csv`` with either header.
     output : path, optional
-        Default ``root/houses.tsv``.
+        Default ``houses.tsv`` beside the data lists. Not touched when its content is the same.
+    architecture : str
+        ``bare`` or ``full``: which plan is taken where a house has both.
 
     Raises
     ------
     InputError
-        No data lists, or a house in two of them. A missing plan or a bad photo table is a
-        warning here and the house's own jobs' to report.
+        No data lists, no houses in them, or a house in two of them. A missing plan or a bad photo
+        table is a warning here and the house's own jobs' to report.
     """
-    root = Path(root)
+    layout = require_data_set(root)
     warnings: list[str] = []
     rows: dict[str, list[str]] = {}
-    lists = [(split, root / "data_lists" / f"{split}.txt") for split in SPLITS]
+    lists = [(split, layout.data / "data_lists" / f"{split}.txt") for split in SPLITS]
     if not any(file.is_file() for _, file in lists):
-        raise InputError("data_lists/train.txt, val.txt or test.txt", "none", file=root)
+        raise InputError("train.txt, val.txt or test.txt", "none", file=layout.data / "data_lists")
     for split, file in lists:
         names = read_text(file).split() if file.is_file() else []
         for house in names:
             if house in rows:
                 raise InputError("each house once", f"{house} twice", file=file, house=house)
-            rows[house] = _row(root, split, house, warnings)
+            rows[house] = _row(layout, split, house, architecture, warnings)
             _check_row(dict(zip(COLUMNS, rows[house], strict=True)), set(), file)
-    with atomic_path(output or root / "houses.tsv") as temporary:
-        lines = ["\t".join(COLUMNS), *("\t".join(row) for row in rows.values())]
-        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    if not rows:
+        raise InputError("at least one house", "none", file=layout.data / "data_lists")
+    lines = ["\t".join(COLUMNS), *("\t".join(row) for row in rows.values())]
+    text = "\n".join(lines) + "\n"
+    path = Path(output) if output else layout.data / "houses.tsv"
+    if not path.is_file() or path.read_bytes() != text.encode():
+        with atomic_path(path) as temporary:
+            temporary.write_bytes(text.encode())
     return warnings
 
 
-def _row(root: Path, split: str, house: str, warnings: list[str]) -> list[str]:
+def _row(
+    layout: Layout, split: str, house: str, architecture: str, warnings: list[str]
+) -> list[str]:
     """Return the row of a house."""
-    plans = [f"{folder}/{split}/{house}.scene.json" for folder in PLAN_FOLDERS]
-    plan = next((name for name in plans if (root / name).is_file()), None)
+    folders = layout.plan_folders(split, architecture)
+    plans = [folder / f"{house}.scene.json" for folder in folders]
+    plan = next((path for path in plans if path.is_file()), None)
     if plan is None:
         plan = plans[0]
-        warnings.append(str(InputError("a plan", "no such file", file=root / plan, house=house)))
-    assignment = f"photo_assignments/{split}/{house}.photoroom.csv"
+        warnings.append(str(InputError("a plan", "no such file", file=plan, house=house)))
+    elif architecture == "full" and plan.parent.parent.name != "full_archs":
+        expected = f"{house}.scene.json in {folders[0]}"
+        line = InputError(expected, f"only {plan}", file=layout.root, house=house)
+        warnings.append(str(line))
+    assignment = layout.assignment(split, house)
     photos: list[str] = []
-    if (root / assignment).is_file():
+    if assignment.is_file():
         try:
-            for _, photo in read_rows(root / assignment, house_id=house):
-                safe_join("", photo, file=root / assignment, house=house)
+            for _, photo in read_rows(assignment, house_id=house):
+                safe_join("", photo, file=assignment, house=house)
                 photos.append(photo)
         except InputError as error:
             warnings.append(str(error))
-    else:
-        assignment = ""
-    return [house, split, plan, assignment, "|".join(dict.fromkeys(photos))]
+    named = layout.relative(assignment) if assignment.is_file() else ""
+    return [house, split, layout.relative(plan), named, "|".join(dict.fromkeys(photos))]
 
 
 def read_unobserved(path: str | Path) -> dict[str, list[str]]:

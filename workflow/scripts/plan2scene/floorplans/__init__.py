@@ -7,6 +7,11 @@ from pathlib import Path
 
 from plan2scene.datasets.assignments import check_assignment, read_assignment
 from plan2scene.errors import InputError
+from plan2scene.floorplans.object_boxes import (
+    add_object_boxes,
+    check_object_boxes,
+    read_object_boxes,
+)
 from plan2scene.floorplans.parse import parse_json
 from plan2scene.floorplans.plan_json import FORMAT, house_of_plan, plan_schema, read_plan_json
 from plan2scene.floorplans.r2v import house_of_r2v, read_r2v
@@ -22,10 +27,13 @@ from plan2scene.house import House
 from plan2scene.io import read_text
 
 __all__ = [
+    "add_object_boxes",
+    "check_object_boxes",
     "house_faults",
     "house_to_scene",
     "import_plan",
     "plan_schema",
+    "read_object_boxes",
     "read_plan",
     "read_plan_json",
     "read_r2v",
@@ -71,12 +79,14 @@ def import_plan(
     metres_per_pixel: float | None = None,
     assignment: str | Path | None = None,
     photos_dir: str | Path | None = None,
+    object_boxes: str | Path | None = None,
 ) -> House:
     """Read, check and write a plan as scene.json; warnings go to the log. Return the house.
 
     `assignment` is the house's photo table: its rooms and photo names are checked here, so that
     a wrong table stops the house before any photo is worked on. An empty one, or "" for a house
     that has none, is a warning, and so is a photo that `photos_dir` lacks; None asks for no check.
+    Boxes of an `object_boxes` file become the house's icons; a faulty file is a warning.
     """
     house = read_plan(path, house_id, metres_per_pixel)
     warnings = validate_house(house, file=path)
@@ -84,6 +94,9 @@ def import_plan(
         rows = read_assignment(assignment, house)
         if photos_dir is not None or not rows:
             warnings += check_assignment(house, rows, photos_dir or "", file=assignment)
+    if object_boxes:
+        house, lines = add_object_boxes(house, object_boxes)
+        warnings += lines
     for line in warnings:
         _LOGGER.warning("%s", line)
     write_scene_json(house, output)

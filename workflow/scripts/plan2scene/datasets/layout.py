@@ -1,0 +1,106 @@
+"""Where the parts of a data set lie on disk: ours, or a copy of Rent3D++ as it was unpacked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from plan2scene.errors import InputError
+
+#: Folders of a Rent3D++ copy that hold what its authors call input, looked for in this order.
+_INPUT_FOLDERS = ("input", "data/input")
+#: Which plans are read: of bare rooms, or with object models placed in them.
+ARCHITECTURES = ("bare", "full")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The folders of one data set.
+
+    Attributes
+    ----------
+    root : Path
+        Paths in the house table are relative to it.
+    data : Path
+        Holds ``data_lists/``, ``archs_no_objects/``, ``photo_assignments/``, ``photos/``,
+        ``object_aabbs/`` and ``unobserved_photos.json``: `root` or a folder in it.
+    processed : Path
+        Holds ``full_archs/`` and ``surface_crops/``; need not exist.
+    """
+
+    root: Path
+    data: Path
+    processed: Path
+
+    @property
+    def is_rent3dpp(self) -> bool:
+        """Whether it is a copy of Rent3D++ as unpacked (``input/`` beside ``processed/``)."""
+        return self.data != self.root
+
+    @property
+    def photos(self) -> Path:
+        """Folder of the photos."""
+        return self.data / "photos"
+
+    @property
+    def unobserved(self) -> Path:
+        """The list of photos to hide; need not exist."""
+        return self.data / "unobserved_photos.json"
+
+    @property
+    def surface_crops(self) -> Path | None:
+        """Folder of ready crops, None where there is none."""
+        folder = self.processed / "surface_crops"
+        return folder if folder.is_dir() else None
+
+    def plan_folders(self, split: str, architecture: str = "bare") -> list[Path]:
+        """Return where the plans of a split may lie, the wanted architecture first."""
+        bare = [self.data / "archs_no_objects" / split]
+        full = [self.processed / "full_archs" / split, self.data / "full_archs" / split]
+        return [*full, *bare] if architecture == "full" else [*bare, *full]
+
+    def assignment(self, split: str, house: str) -> Path:
+        """Return where the photo table of a house lies, there or not."""
+        return self.data / "photo_assignments" / split / f"{house}.photoroom.csv"
+
+    def object_boxes(self, split: str, house: str) -> Path:
+        """Return where the object boxes of a house lie, there or not."""
+        return self.data / "object_aabbs" / split / f"{house}.objectaabb.json"
+
+    def relative(self, path: Path) -> str:
+        """Return a path as the house table writes it."""
+        return path.relative_to(self.root).as_posix()
+
+
+def find_layout(root: str | Path) -> Layout:
+    """Return the layout of a data set, told by where its ``data_lists/`` are.
+
+    `root` is a folder in our own layout (docs/conventions.md), or of a Rent3D++ copy any of: the
+    folder with ``input/`` and ``processed/``, the one with ``data/`` above it, or ``input/``
+    itself. A folder that is none of these counts as our own layout: its readers say what is
+    missing.
+    """
+    root = Path(root)
+    if (root / "data_lists").is_dir() or (root / "houses.tsv").is_file():
+        absolute = root.absolute()
+        if absolute.name == "input" and (absolute.parent / "processed").is_dir():
+            return Layout(root.parent, root, root.parent / "processed")
+        return Layout(root, root, root / "processed")
+    for name in _INPUT_FOLDERS:
+        data = root / name
+        if (data / "data_lists").is_dir():
+            return Layout(root, data, data.parent / "processed")
+    return Layout(root, root, root / "processed")
+
+
+def require_data_set(root: str | Path) -> Layout:
+    """Return the layout of a data set; InputError, one line, where there is none."""
+    layout = find_layout(root)
+    if layout.is_rent3dpp or (layout.data / "data_lists").is_dir():
+        return layout
+    found = "none of these" if Path(root).is_dir() else "no such folder"
+    raise InputError(
+        "a Rent3D++ copy (data_lists/ in it, in its input/ or in its data/input/)",
+        found,
+        file=root,
+    )
