@@ -20,6 +20,7 @@ _LEAST_PEAK = 0.25  # autocorrelation that a period needs, over the root of the 
 _LEAST_RISE = 0.15  # and its rise over the valley before it
 _SHARE_OF_BEST = 0.8  # the smallest lag this near to the best one is the period
 _DIAGONAL = 0.85  # share of the upright pattern's peaks that a diagonal one needs
+_SQUARE = 0.08  # log ratio of the sides of square tiles
 _SHORTEST = 5.0  # px
 _LONGEST = 0.8  # of the side
 
@@ -60,11 +61,10 @@ def find_lattice(luma: np.ndarray, mask: np.ndarray) -> CropLattice:
     values = _band(luma, weight)
     angle, clear = _orientation(values, weight)
     periods, peaks = _periods(*_turned(values, weight, angle))
-    if abs(angle) > 22.5 and np.isfinite(periods).all():
-        # Tiles laid diagonally repeat along the crop's axes, too: no need to turn them upright.
+    if abs(angle) > 22.5 and abs(np.log(periods[0] / periods[1])) < _SQUARE:  # False for NaN
+        # Square tiles laid diagonally repeat along the crop's axes, too: they stay so.
         less = angle - 45.0 if angle > 0 else angle + 45.0
         others, heights = _periods(*_turned(values, weight, less))
-        # (of squares, that is: diagonal periods of other tiles are long)
         if max(others) < 1.6 * max(periods) and sum(heights) >= _DIAGONAL * sum(peaks):
             angle, periods, peaks = less, others, heights
     return CropLattice(angle, clear, periods, peaks)

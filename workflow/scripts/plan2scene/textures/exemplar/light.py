@@ -18,7 +18,7 @@ from plan2scene.textures.colour import as_uint8, srgb_to_linear
 _BLACK = 4.0 / 255.0  # keeps logarithms finite
 _SLOW = 14  # cosine terms up to this index (half waves per crop) may hold light
 _CHI_SQUARE_MEDIAN = 0.455  # of one degree of freedom, over its mean
-_CERTAIN = 4  # up to this index nearly all is light
+_CERTAIN = 3  # up to this index nearly all is light
 _HIGHLIGHT = 0.2  # log excess over the crop's median that only a highlight has
 _ADDED_WHITE = 0.06  # linear share of white that a highlight adds at least
 _NEARLY_WHITE = 0.35  # the same where the surface itself is too bright for a log excess
