@@ -37,13 +37,13 @@ from plan2scene.datasets import read_assignment
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import House
 from plan2scene.house_table import load_houses
-from plan2scene.io import image_from_bytes, read_image, read_json, read_parquet
+from plan2scene.io import read_image, read_json
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.freq import freq_distance
 from plan2scene.photos.crop_candidates import CropSettings
-from plan2scene.photos.crop_stage import make_crops
-from plan2scene.photos.crop_tables import LAST_RESORT_PREFIX
-from plan2scene.photos.crops import CROP_PX
+from plan2scene.photos.crop_stage import draw_candidates, under_common_light
+from plan2scene.photos.crop_tables import LAST_RESORT_PREFIX, PhotoCandidate, choose_kept
+from plan2scene.photos.crops import CROP_PX, medoid_index
 from plan2scene.photos.masks import CEILING, FLOOR, WALL, read_label_png
 from plan2scene.photos.stage import make_masks
 from plan2scene.textures.colour import (
@@ -163,43 +163,67 @@ def median_of(images: list[np.ndarray]) -> np.ndarray:
     return np.median(np.concatenate([i.reshape(-1, 3) for i in images]), axis=0) / 255.0
 
 
-def measure_house(
-    source: Source, masks: Path, settings: CropSettings, out: Path
-) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """Return tables of the kept crops, of the surfaces, and of the surfaces per photo."""
-    paths = [out / name for name in ("crops.parquet", "candidates.parquet", "light.json")]
-    make_crops(
+@dataclass(frozen=True)
+class Drawn:
+    """Candidates of a house, each photo's light, and the shares of wrong pixels of each."""
+
+    source: Source
+    candidates: list[PhotoCandidate]
+    lights: dict[str, np.ndarray]
+    touched: list[tuple[float, float]]
+
+
+def draw(source: Source, masks: Path, *, filtered: bool) -> Drawn:
+    """Return the windows of a house, judged when `filtered`."""
+    candidates, lights = draw_candidates(
         source.house,
         source.rooms_of_photo,
         source.photos,
         masks,
-        *paths,
-        dataset="benchmark",
         seed=0,
-        settings=settings,
+        settings=CropSettings(filter=filtered),
     )
-    crops = read_parquet(paths[0])[0]
-    candidates = read_parquet(paths[1])[0]
-    candidates = candidates[candidates.crop_id != ""].reset_index(drop=True)
-    crops = crops.assign(
-        reason=candidates.reason, corners=candidates.corners, house=source.house.id
-    )
-    crops["drawn"] = len(read_parquet(paths[1])[0]) / max(len(crops), 1)
     truth = {
         photo: Truth(
             read_label_png(source.truth / "masks" / f"{Path(photo).stem}.png"),
             read_image(source.truth / "planes" / f"{Path(photo).stem}.png")[..., 0],
         )
-        for photo in set(crops.photo)
+        for photo in {item.photo for item in candidates}
     }
     shares = [
-        touched(np.array(row.corners).reshape(4, 2), row.surface, truth[row.photo])
-        for row in crops.itertuples()
+        touched(
+            np.array(item.candidate.crop.corners).reshape(4, 2), item.surface, truth[item.photo]
+        )
+        for item in candidates
     ]
-    crops["wrong"] = [share[0] for share in shares]
-    crops["other_plane"] = [share[1] for share in shares]
-    crops["image"] = [image_from_bytes(png) for png in crops.png]
-    return crops, _surfaces(crops, source, []), _surfaces(crops, source, ["photo"])
+    return Drawn(source, candidates, lights, shares)
+
+
+def measure_house(
+    drawn: Drawn, settings: CropSettings
+) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Return tables of the kept crops, of the surfaces, and of the surfaces per photo."""
+    kept = choose_kept(drawn.candidates)
+    rows = []
+    for number, room in sorted(kept.rooms):
+        item = drawn.candidates[number]
+        only = under_common_light([item], drawn.lights, settings)[0][0]
+        rows.append(
+            {
+                "house": drawn.source.house.id,
+                "photo": item.photo,
+                "room_id": room,
+                "surface": item.surface,
+                "reason": kept.reasons[number, room],
+                "metres": item.candidate.crop.metres,
+                "wrong": drawn.touched[number][0],
+                "other_plane": drawn.touched[number][1],
+                "image": only.candidate.crop.image,
+                "drawn": len(drawn.candidates),
+            }
+        )
+    crops = pd.DataFrame(rows)
+    return crops, _surfaces(crops, drawn.source, []), _surfaces(crops, drawn.source, ["photo"])
 
 
 def _surfaces(crops: pd.DataFrame, source: Source, more: list[str]) -> pd.DataFrame:
@@ -209,8 +233,7 @@ def _surfaces(crops: pd.DataFrame, source: Source, more: list[str]) -> pd.DataFr
     for key, group in crops.groupby(["room_id", "surface", *more], sort=True):
         room, surface = key[0], key[1]
         tile = read_image(source.truth / "materials" / f"{room}_{surface}.png")
-        reference = group[group.medoid] if group.medoid.any() else group.iloc[:1]
-        medoid = reference.iloc[0]
+        medoid = group.iloc[medoid_index(list(group.image))]
         true = tile_window(tile, sizes[f"{room}/{surface}"]["size_m"], float(medoid.metres))
         median = median_of(list(group.image))
         absolute, free = differences(median, median_of([tile]))
@@ -255,7 +278,7 @@ def line(name: str, tables: list[tuple[pd.DataFrame, ...]], first: set[Any] | No
     )
     seen = set(zip(surfaces.house, surfaces.room_id, surfaces.surface, strict=True))
     lost = len(first - seen) if first is not None else 0
-    drawn = sum(round(len(t[0]) * t[0].drawn.iloc[0]) for t in tables if len(t[0]))
+    drawn = sum(int(table[0].drawn.iloc[0]) for table in tables if len(table[0]))
     return [
         name or "none",
         f"{len(crops)} ({drawn})",
@@ -297,6 +320,7 @@ def main() -> None:
             print(f"\nMasks: {kind}\n\n| " + " | ".join(COLUMNS) + " |")
             print("|" + "---|" * len(COLUMNS))
             first: set[Any] | None = None
+            windows: dict[bool, list[Drawn]] = {}
             for variant in variants:
                 settings = CropSettings(
                     filter="filter" in variant,
@@ -304,10 +328,11 @@ def main() -> None:
                     exposure="exposure" in variant,
                     flatten="flatten" in variant,
                 )
-                tables = [
-                    measure_house(s, masks_of(s, kind, work), settings, Path(temporary))
-                    for s in houses
-                ]
+                if settings.filter not in windows:
+                    windows[settings.filter] = [
+                        draw(s, masks_of(s, kind, work), filtered=settings.filter) for s in houses
+                    ]
+                tables = [measure_house(d, settings) for d in windows[settings.filter]]
                 cells = line(" + ".join(variant), tables, first)
                 print("| " + " | ".join(cells) + " |", flush=True)
                 found = pd.concat([table[1] for table in tables])

@@ -215,7 +215,7 @@ def test_stage_is_deterministic(house, inputs):
 
 
 def test_stage_settings_are_used(house, inputs):
-    settings = CropSettings(metres=(0.5,), per_mask=3)
+    settings = CropSettings(metres=(0.5,), per_mask=3, filter=False)
     frame = run(house, inputs, {"a.png": ["room1"]}, settings=settings)
     assert len(frame) == 3
     assert frame.metres.to_numpy() == pytest.approx(0.5, abs=0.01)

@@ -10,8 +10,8 @@ import numpy as np
 
 from plan2scene.house import House
 from plan2scene.photos.camera import Camera
-from plan2scene.photos.crop_filter import inner_plane, judge_of
-from plan2scene.photos.crop_tables import PhotoCandidate
+from plan2scene.photos.crop_filter import inner_plane, judge_of, with_fault
+from plan2scene.photos.crop_tables import WORST_RESORT, PhotoCandidate
 from plan2scene.photos.crops import (
     CROP_METRES,
     CROPS_PER_MASK,
@@ -106,15 +106,17 @@ def candidates_of_plane(
         camera,
         rng=rng,
         metres=settings.metres,
-        per_mask=settings.per_mask,
         tries=settings.tries,
     )
     if not settings.filter:
-        return sample(plane)
-    drawn = sample(inner_plane(plane, image), judge=judge_of(plane, inside=True))
-    if any(not candidate.verdict.reason for candidate in drawn):
-        return drawn
-    for candidate in sample(plane, judge=judge_of(plane, inside=False)):
-        crop = replace(candidate.crop, index=len(drawn))
-        drawn.append(replace(candidate, crop=crop))
+        return sample(plane, per_mask=settings.per_mask)
+    inner = inner_plane(plane, image)
+    drawn = sample(inner, per_mask=settings.per_mask, judge=judge_of(inside=True))
+    if all(candidate.verdict.reason for candidate in drawn):
+        few = min(WORST_RESORT, settings.per_mask)
+        for candidate in sample(plane, per_mask=few, judge=judge_of(inside=False)):
+            crop = replace(candidate.crop, index=len(drawn))
+            drawn.append(replace(candidate, crop=crop))
+    if plane.scale_source == "prior":  # no other window of the plane would be better
+        drawn = [with_fault(candidate, "unknown distance") for candidate in drawn]
     return drawn

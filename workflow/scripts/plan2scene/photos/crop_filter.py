@@ -101,8 +101,8 @@ def inner_mask(mask: np.ndarray, image: np.ndarray) -> np.ndarray:
     return inner
 
 
-def judge_of(plane: Plane, *, inside: bool) -> Judge:
-    """Return the judge of a plane's windows; `inside` tells that they keep off its border."""
+def judge_of(*, inside: bool) -> Judge:
+    """Return the judge of one plane's windows; `inside` tells that they keep off its border."""
     typical: dict[tuple[int, int, int], tuple[np.ndarray, float]] = {}
 
     def judge(rectified: RectifiedPlane, row: int, column: int, side: int, crop: Crop) -> Verdict:
@@ -119,8 +119,6 @@ def judge_of(plane: Plane, *, inside: bool) -> Judge:
             faults.append("not sharp")
         if crop.grazing_deg < MIN_GRAZING_DEG:
             faults.append("oblique")
-        if plane.scale_source == "prior":
-            faults.append("unknown distance")
         return verdict_of(faults, crop)
 
     return judge

@@ -77,6 +77,28 @@ def make_crops(
         The crops that were written.
     """
     chosen = CropSettings() if settings is None else settings
+    drawn, lights = draw_candidates(
+        house, rooms_of_photo, photos, masks_dir, seed=seed, settings=chosen
+    )
+    drawn, gains = under_common_light(drawn, lights, chosen)
+    _write_light(light, gains, chosen)
+    return write_tables(drawn, output, candidates, dataset=dataset, house=house.id)
+
+
+def draw_candidates(
+    house: House,
+    rooms_of_photo: Mapping[str, Sequence[str]],
+    photos: Mapping[str, Path],
+    masks_dir: str | Path,
+    *,
+    seed: int,
+    settings: CropSettings,
+) -> tuple[list[PhotoCandidate], dict[str, np.ndarray]]:
+    """Return the candidates of all photos of a house, as photographed, and each photo's light.
+
+    Parameters as in :func:`make_crops`; light as of
+    :func:`plan2scene.photos.crop_light.estimate_light`.
+    """
     check_rooms(house, rooms_of_photo)
     folder = Path(masks_dir)
     cameras = read_json(folder / "cameras.json")
@@ -95,7 +117,7 @@ def make_crops(
             labels,
             camera,
             rooms_by_height(house, rooms_of_photo[photo]),
-            chosen,
+            settings,
             seed=seed,
             house=house.id,
             photo=photo,
@@ -104,15 +126,18 @@ def make_crops(
         _log.info("%s: %d candidates, camera %s", photo, len(of_photo), camera.focal_source)
         drawn += of_photo
     lights = estimate_light(colours)
-    if chosen.filter:
-        drawn = agreeing(drawn, lights)
+    return (agreeing(drawn, lights) if settings.filter else drawn), lights
+
+
+def under_common_light(
+    drawn: Sequence[PhotoCandidate], lights: Mapping[str, np.ndarray], settings: CropSettings
+) -> tuple[list[PhotoCandidate], dict[str, np.ndarray]]:
+    """Return the candidates with corrected images, and the factors (3,) on each photo's light."""
     gains = {
-        photo: gains_of(value, white_balance=chosen.white_balance, exposure=chosen.exposure)
+        photo: gains_of(value, white_balance=settings.white_balance, exposure=settings.exposure)
         for photo, value in lights.items()
     }
-    _write_light(light, gains, chosen)
-    drawn = [corrected(item, gains, flat=chosen.flatten) for item in drawn]
-    return write_tables(drawn, output, candidates, dataset=dataset, house=house.id)
+    return [corrected(item, gains, flat=settings.flatten) for item in drawn], gains
 
 
 def _write_light(

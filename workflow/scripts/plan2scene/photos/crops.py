@@ -29,7 +29,7 @@ LAST_UPSAMPLING = 3.0
 #: Windows that fit a plane only in fewer places than this are given up for smaller ones.
 MIN_PLACES = 64
 #: Windows drawn for each crop that is wanted, where some may be refused.
-DRAWS_PER_CROP = 4
+DRAWS_PER_CROP = 3
 
 
 @dataclass(frozen=True)
