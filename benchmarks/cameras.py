@@ -35,6 +35,7 @@ from plan2scene.photos.camera import (
 from plan2scene.photos.exif import read_exif_focal
 from plan2scene.photos.masks import read_label_png
 from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
+from plan2scene.photos.room_size import room_extent
 from plan2scene.photos.segmentation import load_segmenter
 from plan2scene.weights import MODELS
 
@@ -54,6 +55,7 @@ class Result:
     camera: Camera
     seconds: float
     prior_scale: float = float("nan")
+    extent_scale: float = float("nan")
     room_scale: float = float("nan")
     planes: list[PlaneError] = field(default_factory=list)
 
@@ -148,7 +150,11 @@ def _of_photo(
     height = photo.truth["position"][1]
     room = read_scene_json(photo.plan, photo.house_truth.name).room(photo.truth["room_id"])
     alone = split_planes(labels, estimate, image=image, camera_height_m=DEFAULT_CAMERA_HEIGHT_M)
-    known = split_planes(labels, estimate, image=image, room_height_m=room.height)
+    extent = room_extent(room)
+    only = split_planes(labels, estimate, image=image, room_extent_m=extent)
+    known = split_planes(
+        labels, estimate, image=image, room_height_m=room.height, room_extent_m=extent
+    )
     errors = plane_errors(
         photo.name,
         photo.truth,
@@ -156,10 +162,8 @@ def _of_photo(
         estimate,
         known,
     )
-    scale = [p[0].camera_height_m / height - 1 if p else float("nan") for p in (alone, known)]
-    return Result(
-        photo.name, rotation, tilt, focal, estimate, seconds, scale[0], scale[1], list(errors)
-    )
+    scale = [p[0].camera_height_m / height - 1 if p else float("nan") for p in (alone, only, known)]
+    return Result(photo.name, rotation, tilt, focal, estimate, seconds, *scale, planes=list(errors))
 
 
 def measure_real(folder: Path, fov_deg: float, kind: str) -> list[Result]:
@@ -207,8 +211,9 @@ def figures(results: Sequence[Result]) -> dict[str, str]:
         within = np.mean([p.square_deg <= SQUARE_DEG for p in planes])
         found[f"planes within {SQUARE_DEG:g} deg of square, %"] = f"{100 * within:.0f}"
         add("scale, height prior alone, %", [100 * r.prior_scale for r in results], 1)
-        add("scale, room known, %", [100 * r.room_scale for r in results], 1)
-        add("distance of a plane, room known, %", [100 * p.distance for p in planes], 1)
+        add("scale, room's extent known, %", [100 * r.extent_scale for r in results], 1)
+        add("scale, room's height and extent known, %", [100 * r.room_scale for r in results], 1)
+        add("distance of a plane, both known, %", [100 * p.distance for p in planes], 1)
     found["seconds per photo"] = f"{np.mean([r.seconds for r in results]):.2f}"
     return found
 
@@ -230,7 +235,7 @@ def _print_each(results: Sequence[Result]) -> None:
             f"{r.photo}: rotation {r.rotation_deg:.2f}, tilt {r.tilt_deg:.2f}, focal "
             f"{100 * r.focal:+.1f} %, {r.camera.focal_source}, "
             f"confidence {r.camera.confidence:.2f}, scale {100 * r.prior_scale:+.0f} %, "
-            f"with the room {100 * r.room_scale:+.0f} %"
+            f"with the extent {100 * r.extent_scale:+.0f} %, the room {100 * r.room_scale:+.0f} %"
         )
 
 

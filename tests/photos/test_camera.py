@@ -76,12 +76,89 @@ def test_rotation_and_focal_of_a_checkered_room(heading, pitch, roll, fov):
     assert abs(camera.focal_px / focal - 1) < 0.02
 
 
+def room_drawing(rotation, fov_deg, clutter=0, bend=0.0, seed=0):
+    """Lines of a furnished room: walls, windows, doors, panels, turned boxes, stray lines.
+
+    `bend` moves points at radius r (in half diagonals) to ``r (1 + bend r^2)``: lens distortion.
+    """
+    rng = np.random.default_rng(seed)
+    width, height = 480, 360
+    focal = width / 2 / np.tan(np.radians(fov_deg) / 2)
+    eye = np.array([-1.2, 1.5, -1.6])
+    lines = []
+
+    def box(low, high, turn_deg=0.0):
+        corners = np.array(
+            [[(low, high)[k][j] for j, k in enumerate(bits)] for bits in np.ndindex(2, 2, 2)]
+        )
+        t = np.radians(turn_deg)
+        spin = np.array([[np.cos(t), 0, np.sin(t)], [0, 1, 0], [-np.sin(t), 0, np.cos(t)]])
+        middle = corners.mean(axis=0)
+        corners = (corners - middle) @ spin.T + middle
+        for a in range(8):
+            for axis in (1, 2, 4):
+                if not a & axis:
+                    lines.append((corners[a], corners[a | axis]))
+
+    low, high = np.array([-2.0, 0.0, -2.2]), np.array([2.2, 2.6, 2.8])
+    box(low, high)
+    for start in (-1.5, -0.2, 1.1):
+        box([start, 0.9, 2.79], [start + 0.9, 2.1, 2.8])
+        box([2.19, 0.0 if start > 1 else 0.9, start], [2.2, 2.1, start + 0.8])
+        box([-2.0, 0.8, start], [-1.99, 2.0, start + 0.9])
+    box([0.9, 0.0, 0.5], [2.0, 0.8, 2.4])
+    box([-0.6, 0.0, 1.6], [0.3, 0.5, 2.4], 33.0)
+    image = np.full((2 * height, 2 * width), 200, np.uint8)
+    for first, second in lines:
+        steps = np.linspace(0, 1, 60)[:, None]
+        seen = ((1 - steps) * first + steps * second - eye) @ rotation.T
+        seen = seen[seen[:, 2] > 0.05]
+        flat = seen[:, :2] / seen[:, 2:] * focal
+        radius = (flat**2).sum(axis=1) / ((width**2 + height**2) / 4)
+        flat = (flat * (1 + bend * np.minimum(radius, 4)[:, None]) + [width / 2, height / 2]) * 2
+        flat = np.clip(flat, -5000, 5000)
+        cv2.polylines(image, [(flat * 16).round().astype(np.int32)], False, 60, 3, cv2.LINE_AA, 4)
+    for _ in range(clutter):
+        middle = rng.uniform([0, 0], [2 * width, 2 * height])
+        angle, reach = rng.uniform(0, np.pi), rng.uniform(20, 70)
+        along = reach * np.array([np.cos(angle), np.sin(angle)])
+        ends = [tuple((middle + sign * along).round().astype(int).tolist()) for sign in (-1, 1)]
+        cv2.line(image, ends[0], ends[1], 90, 3, cv2.LINE_AA)
+    small = cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA)
+    return np.repeat(small[..., None], 3, axis=2), focal
+
+
+ODD = {
+    "tilted phone": ((-35.0, 12.0, 20.0, 70.0), {}, 1.0, 0.06),
+    "steep": ((-40.0, 20.0, -8.0, 70.0), {}, 1.0, 0.06),
+    "no floor": ((-30.0, -18.0, 2.0, 60.0), {}, 1.0, 0.08),
+    "wide": ((-35.0, 6.0, -2.0, 108.0), {}, 1.0, 0.06),
+    "narrow": ((-40.0, 4.0, 3.0, 42.0), {}, 2.0, 0.15),
+    "clutter": ((-35.0, 6.0, 2.0, 75.0), {"clutter": 90}, 2.0, 0.10),
+    "barrel": ((-35.0, 6.0, 2.0, 85.0), {"bend": -0.1}, 2.5, 0.12),
+    "pincushion": ((-35.0, 6.0, 2.0, 85.0), {"bend": 0.05}, 2.0, 0.12),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_odd_photos_of_a_furnished_room(name):
+    (heading, pitch, roll, fov), drawing, degrees, share = ODD[name]
+    truth = rotation_of(heading, pitch, roll)
+    image, focal = room_drawing(truth, fov, **drawing)
+    camera = estimate_camera(image)
+    assert not camera.fallback
+    assert angle_deg(camera.matrix, truth) < degrees
+    assert abs(camera.focal_px / focal - 1) < share
+    assert camera.confidence >= HIGH_CONFIDENCE
+
+
 def test_one_point_view_keeps_rotation_but_not_focal():
     truth = rotation_of(0.0, 0.0, 0.0)
-    image, _ = checker_room(truth, 70.0, eye=np.array([0.0, 1.3, -2.0]))
+    image, _ = checker_room(truth, 85.0, eye=np.array([0.0, 1.3, -2.0]))
     camera = estimate_camera(image)
     assert not camera.fallback
     assert angle_deg(camera.matrix, truth) < 1.0
+    assert camera.confidence < HIGH_CONFIDENCE
 
 
 def test_exif_gives_the_focal_length_of_a_one_point_view():

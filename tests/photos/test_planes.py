@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from plan2scene.house import Room
 from plan2scene.photos.camera import Camera
 from plan2scene.photos.masks import CEILING, FLOOR, OTHER, WALL
 from plan2scene.photos.planes import split_planes
+from plan2scene.photos.room_size import room_extent
 
 SIZE = (360, 480)
 LOW = np.array([-1.8, 0.0, -2.0])
@@ -92,6 +94,38 @@ def test_prior_where_the_room_height_is_unknown():
     assert planes["floor"].offset == -1.6
     assert planes["floor"].scale_source == "camera_height"
     assert planes["ceiling"].scale_source == "prior"
+
+
+@pytest.mark.parametrize("extent", [(4.0, 4.6), (4.6, 4.0)])
+def test_opposite_walls_give_the_scale_where_the_plan_tells_their_distance(extent):
+    eye = np.array([0.2, 1.2, -1.2])
+    labels, _, camera = box_view(0.0, 12.0, eye, fov_deg=95.0)
+    labels[labels == CEILING] = OTHER
+    floor = split_planes(labels, camera, camera_height_m=1.5, room_extent_m=extent)[0]
+    assert floor.scale_source == "room_extent"
+    assert floor.camera_height_m == pytest.approx(1.2, rel=0.05)
+    # The prior already fits a room of 1.25 times the size: nothing to correct.
+    larger = (1.25 * extent[0], 1.25 * extent[1])
+    floor = split_planes(labels, camera, camera_height_m=1.5, room_extent_m=larger)[0]
+    assert floor.camera_height_m == pytest.approx(1.5, rel=0.05)
+
+
+def test_a_wall_cannot_be_farther_than_the_room_is_large():
+    eye = np.array([-1.3, 1.1, -1.5])
+    labels, _, camera = box_view(-40.0, 10.0, eye)
+    labels[labels == CEILING] = OTHER
+    floor = split_planes(labels, camera, camera_height_m=1.6, room_extent_m=(4.0, 4.6))[0]
+    assert floor.scale_source == "room_extent"
+    assert floor.camera_height_m < 1.35
+    unknown = split_planes(labels, camera, camera_height_m=1.6)[0]
+    assert (unknown.camera_height_m, unknown.scale_source) == (1.6, "camera_height")
+
+
+def test_extent_of_rectangles_only():
+    square = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
+    assert sorted(room_extent(Room("r", ("Bedroom",), (square,), 2.5))) == [3.0, 4.0]
+    corner = ((0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0))
+    assert room_extent(Room("r", ("Bedroom",), (corner,), 2.5)) is None
 
 
 def test_furniture_along_the_foot_hides_no_corner():

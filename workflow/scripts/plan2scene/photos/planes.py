@@ -15,6 +15,7 @@ import numpy as np
 from plan2scene.photos.camera import Camera
 from plan2scene.photos.lines import detect_segments
 from plan2scene.photos.masks import CEILING, FLOOR, WALL
+from plan2scene.photos.room_size import RoomSize
 from plan2scene.photos.wall_lines import WallLine
 from plan2scene.photos.walls import trace_walls
 
@@ -44,7 +45,8 @@ class Plane:
         Its pixels.
     scale_source : str
         What gave the distance: ``camera_height`` (prior), ``room_height`` (floor and ceiling seen
-        with a known room height), or ``prior`` (nothing seen that tells it).
+        with a known room height), ``room_extent`` (walls farther, or opposite ones farther apart
+        or nearer, than the plan has them), or ``prior`` (nothing seen that tells it).
     camera_height_m : float
         Height of the camera above the floor, metres.
     """
@@ -65,6 +67,7 @@ def split_planes(
     image: np.ndarray | None = None,
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M,
     room_height_m: float | None = None,
+    room_extent_m: tuple[float, float] | None = None,
 ) -> list[Plane]:
     """Return the planes of a photo: floor, ceiling, then walls by size.
 
@@ -81,6 +84,9 @@ def split_planes(
     room_height_m : float, optional
         Height of the room from the plan. Where one wall shows both its foot and its top, it
         gives the camera's height.
+    room_extent_m : (float, float), optional
+        Sides of the room's rectangle in the plan (`room_size.room_extent`). They bound the
+        camera's height, or give it where opposite walls are seen, unless `room_height_m` does.
     """
     room = DEFAULT_ROOM_HEIGHT_M if room_height_m is None else room_height_m
     prior = min(camera_height_m, 0.8 * room)
@@ -91,11 +97,11 @@ def split_planes(
         labels,
         camera,
         prior,
-        room,
+        RoomSize(room, room_extent_m),
         solve_height=room_height_m is not None,
         segments=segments,
     )
-    scale = "room_height" if traced.height_solved else "camera_height"
+    scale = traced.scale_source
     smallest = MIN_SHARE * labels.size
     height = traced.camera_height_m
     planes: list[Plane] = []

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plan2scene.photos.camera import Camera
+from plan2scene.photos.room_size import RoomSize, extent_misfit, wall_spans
 from plan2scene.photos.wall_borders import N_BINS, Borders, facing_votes, find_borders
 from plan2scene.photos.wall_lines import (
     DISTANCE_RANGE_M,
@@ -47,6 +48,8 @@ MAX_VOTES = 1.5
 HEIGHT_RANGE_M = (0.8, 2.1)
 HEIGHT_SPREAD_M = 0.25
 MIN_BINS = 8
+#: Height above the camera of walls whose top is not asked, metres.
+TALL_M = 10.0
 
 
 @dataclass(frozen=True)
@@ -61,36 +64,40 @@ class TracedWalls:
         Index into `lines` of the wall that a pixel's azimuth meets; -1 for none.
     camera_height_m : float
         Height of the camera above the floor, metres.
-    height_solved : bool
-        True when the room's height gave it, False for the prior.
+    scale_source : str
+        What gave it: ``room_height``, ``room_extent`` or ``camera_height`` (the prior).
     """
 
     lines: list[WallLine]
     owner: np.ndarray
     camera_height_m: float
-    height_solved: bool
+    scale_source: str
 
 
 def trace_walls(
     labels: np.ndarray,
     camera: Camera,
     camera_height_m: float,
-    room_height_m: float,
+    room: RoomSize,
     *,
     solve_height: bool,
     segments: np.ndarray | None = None,
 ) -> TracedWalls:
     """Return the walls that a label mask shows; parameters as in `planes.split_planes`.
 
+    `solve_height` tells whether the room's height is known and may give the camera's.
     `segments` (s, 4), pixels, are line segments of the photo: horizontal ones on a wall tell
     which way it faces where neither its foot nor its top is seen.
     """
     borders = find_borders(labels, camera)
     facing = facing_votes(segments, labels, camera, borders.bins)
-    found = _camera_height(borders, facing, camera_height_m, room_height_m, solve_height)
-    solved = found is not None
-    height = camera_height_m if found is None else found
-    lines, path, _ = _solve(borders, facing, height, room_height_m - height)
+    height, source = camera_height_m, "camera_height"
+    found = _camera_height(borders, facing, height, room.height_m) if solve_height else None
+    if found is not None:
+        height, source = found, "room_height"
+    elif (fitting := _height_by_extent(borders, facing, height, room)) is not None:
+        height, source = fitting, "room_extent"
+    lines, path, _ = _solve(borders, facing, height, room.height_m - height)
     blind = np.isnan(borders.foot) & np.isnan(borders.top) & (facing.sum(axis=1) == 0.0)
     path = _settle_creases(path, lines, borders, blind)
     lines = _joined(path, lines, borders, blind)
@@ -99,11 +106,11 @@ def trace_walls(
     rank = np.full(len(lines) + 1, -1)
     rank[used] = np.arange(len(used))
     owner = rank[path][borders.bins]
-    return TracedWalls([lines[index] for index in used], owner.astype(np.int16), height, solved)
+    return TracedWalls([lines[index] for index in used], owner.astype(np.int16), height, source)
 
 
 def _camera_height(
-    borders: Borders, facing: np.ndarray, prior: float, room_height_m: float, solve: bool
+    borders: Borders, facing: np.ndarray, prior: float, room_height_m: float
 ) -> float | None:
     """Return the camera's height from feet and tops of walls; None when too few are seen.
 
@@ -111,7 +118,7 @@ def _camera_height(
     then tell it exactly.
     """
     low, high = HEIGHT_RANGE_M[0], min(HEIGHT_RANGE_M[1], 0.9 * room_height_m)
-    if not solve or high <= low:
+    if high <= low:
         return None
     if min(np.isfinite(borders.foot).sum(), np.isfinite(borders.top).sum()) < MIN_BINS:
         return None
@@ -127,6 +134,26 @@ def _camera_height(
         return float(np.clip(np.median(each), low, high))
     finer = np.arange(max(low, best - 0.08), min(high, best + 0.09), 0.02)
     return float(min(finer.tolist(), key=cost))
+
+
+def _height_by_extent(
+    borders: Borders, facing: np.ndarray, prior: float, room: RoomSize
+) -> float | None:
+    """Return the camera's height at which walls fit the room's extent; None if any height does.
+
+    Only feet are asked: distances by them grow in proportion to the camera's height.
+    """
+    if room.extent_m is None:
+        return None
+    feet = replace(borders, top=np.full(N_BINS, np.nan))
+    lines, path, _ = _solve(feet, facing, prior, TALL_M)
+    spans = wall_spans(lines, path, np.isfinite(borders.foot))
+    low, high = HEIGHT_RANGE_M[0], min(HEIGHT_RANGE_M[1], 0.9 * room.height_m)
+    heights = np.append(np.arange(low, high, 0.01), prior)
+    misfit = np.array([extent_misfit(spans, room.extent_m, h / prior) for h in heights.tolist()])
+    if misfit[-1] == 0.0:
+        return None
+    return float(heights[int(np.argmin(misfit + ((heights - prior) / HEIGHT_SPREAD_M) ** 2))])
 
 
 def _solve(
