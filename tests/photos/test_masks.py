@@ -123,6 +123,15 @@ def test_large_photos_and_their_masks_are_reduced_together(tmp_path: Path) -> No
         masks.labels_from_folder(tmp_path / "masks", "room.png", (900, 1600))
 
 
+@pytest.mark.parametrize("size", [(1, 1), (10, 20000), (64, 6400), (40, 31)])
+def test_tiny_photos_and_narrow_strips_are_refused(tmp_path: Path, size: tuple[int, int]) -> None:
+    write_png(tmp_path / "a.png", np.zeros((*size, 3), np.uint8))
+    with pytest.raises(InputError, match=f"at least 32 pixels.*found {size[1]}x{size[0]}"):
+        read_photo(tmp_path / "a.png")
+    write_png(tmp_path / "b.png", np.zeros((32, 32, 3), np.uint8))
+    assert read_photo(tmp_path / "b.png").shape == (32, 32, 3)
+
+
 def test_overlay_mixes_label_colours() -> None:
     image = np.full((1, 2, 3), 100, np.uint8)
     picture = masks.overlay(image, np.array([[masks.FLOOR, masks.IGNORE]], np.uint8))

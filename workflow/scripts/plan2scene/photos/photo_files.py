@@ -7,11 +7,14 @@ import os
 import cv2
 import numpy as np
 
+from plan2scene.errors import InputError
 from plan2scene.io import read_image
 
 #: Longer side, pixels, that photos are reduced to. At 60 degrees a wall 2.5 m away then has 550
 #: pixels a metre: more than the densest crop (128 pixels of 0.35 m) can hold.
 MAX_SIDE = 1600
+#: Photos that are narrower, as they are or once reduced, show no surface that a crop could use.
+MIN_SIDE = 32
 
 
 def reduced_size(size: tuple[int, int]) -> tuple[int, int]:
@@ -23,11 +26,18 @@ def reduced_size(size: tuple[int, int]) -> tuple[int, int]:
 def read_photo(path: str | os.PathLike[str], *, house: str = "") -> np.ndarray:
     """Return a photo as (h, w, 3) uint8 sRGB, its longer side at most `MAX_SIDE`.
 
-    Masks, cameras and windows are in the pixels of this picture. Errors as of
-    :func:`plan2scene.io.read_image`.
+    Masks, cameras and windows are in the pixels of this picture. Raises InputError as
+    :func:`plan2scene.io.read_image` does, and for a side below `MIN_SIDE`.
     """
     image = read_image(path, house=house)
     height, width = reduced_size((image.shape[0], image.shape[1]))
+    if min(height, width) < MIN_SIDE:
+        raise InputError(
+            f"a photo of at least {MIN_SIDE} pixels a side and no narrow strip",
+            f"{image.shape[1]}x{image.shape[0]}",
+            file=path,
+            house=house,
+        )
     if (height, width) == image.shape[:2]:
         return image
     return cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA)

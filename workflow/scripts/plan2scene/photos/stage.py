@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger("plan2scene")
 
-#: Photos with a shorter side, pixels, are left out: they show no surface that a crop could use.
-MIN_SIDE_PX = 32
-
 
 @dataclass(frozen=True)
 class Labeller:
@@ -147,7 +144,6 @@ def make_masks(
             try:
                 safe_join("", name, house=house)
                 image = read_photo(photos[name], house=house)
-                _refuse_tiny(image, photos[name], house)
                 labels = label.first(name, image)
             except InputError as error:
                 _log.warning("photo %s left out: %s", name, error)
@@ -165,18 +161,6 @@ def make_masks(
         write_json(folder / "cameras.json", cameras)
         write_json(folder / "warnings.json", warnings)
     return warnings
-
-
-def _refuse_tiny(image: np.ndarray, path: Path, house: str) -> None:
-    """Raise InputError for a photo with a side below `MIN_SIDE_PX`."""
-    height, width = image.shape[:2]
-    if min(height, width) < MIN_SIDE_PX:
-        raise InputError(
-            f"a photo of at least {MIN_SIDE_PX} pixels a side",
-            f"{width}x{height}",
-            file=path,
-            house=house,
-        )
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:
