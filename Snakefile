@@ -11,6 +11,7 @@ report: "workflow/report/workflow.rst"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/checkpoints.smk"
 include: "workflow/rules/floorplans.smk"
 include: "workflow/rules/photos.smk"
 include: "workflow/rules/embeddings.smk"

@@ -9,7 +9,9 @@ import pandas as pd
 from snakemake.utils import validate
 
 from plan2scene.datasets.layout import find_layout
+from plan2scene.datasets.table import SPLITS
 from plan2scene.house_table import (
+    check_official,
     chosen_crops,
     hidden_photo_names,
     load_houses,
@@ -39,11 +41,19 @@ try:
         config["dataset"], RESULTS, make=workflow.is_main_process, warn=sys.stderr
     )
     config["crops"] |= chosen_crops(LAYOUT, config["crops"])
+    check_official(config)
     HOUSES = load_houses(
         TABLE,
         splits=config["dataset"]["splits"],
         # A data set that this workflow is about to make has no table yet.
         may_be_absent="synthetic" in config or "training" in config,
+    )
+    # Houses of other splits are asked for by name, or for the means of released weights.
+    ALL_HOUSES = load_houses(TABLE, splits=SPLITS, may_be_absent=True)
+    MEANS_HOUSES = (
+        list(load_houses(TABLE, splits=config["official"]["means_splits"]).index)
+        if config["weights"] == "official"
+        else []
     )
 except InputError as error:
     sys.exit(f"plan2scene: {error}")
@@ -57,27 +67,29 @@ wildcard_constraints:
 
 def plan_of(wildcards):
     """Return the plan of a house; empty when it is missing (the job then says so)."""
-    path = DATA_ROOT / HOUSES.loc[wildcards.house, "plan"]
+    path = DATA_ROOT / ALL_HOUSES.loc[wildcards.house, "plan"]
     return str(path) if path.is_file() else []
 
 
 def assignment_of(wildcards):
     """Return the photo table of a house; empty when the house has none."""
-    name = HOUSES.loc[wildcards.house, "assignment"]
+    name = ALL_HOUSES.loc[wildcards.house, "assignment"]
     path = DATA_ROOT / name
     return str(path) if name and path.is_file() else []
 
 
 def object_boxes_of(wildcards):
     """Return the object boxes of a house; empty when the data set has none."""
-    split = HOUSES.loc[wildcards.house, "split"]
+    split = ALL_HOUSES.loc[wildcards.house, "split"]
     path = LAYOUT.object_boxes(split, wildcards.house)
     return str(path) if path.is_file() else []
 
 
 def photo_names_of(wildcards):
     """Return all photo names that the house table gives a house."""
-    return [name for name in HOUSES.loc[wildcards.house, "photos"].split("|") if name]
+    return [
+        name for name in ALL_HOUSES.loc[wildcards.house, "photos"].split("|") if name
+    ]
 
 
 def photos_of(wildcards):
@@ -97,8 +109,12 @@ def hidden_photos(wildcards):
 
 
 def model_of(name):
-    """Return the path of a model: the configured one, else the embedded one."""
-    return config["models"].get(name) or f"{MODELS}/{name}.safetensors"
+    """Return the path of a model: the configured one, a released one, else the embedded one."""
+    if config["models"].get(name):
+        return config["models"][name]
+    if config["weights"] == "official" and config["official"].get(name):
+        return f"{RESULTS}/weights/{name}.safetensors"
+    return f"{MODELS}/{name}.safetensors"
 
 
 def house_files(*names):
@@ -110,7 +126,7 @@ def house_files(*names):
 
 def named_assignment_of(wildcards):
     """Return the photo table that the house table names, there or not; "" for none."""
-    name = HOUSES.loc[wildcards.house, "assignment"]
+    name = ALL_HOUSES.loc[wildcards.house, "assignment"]
     return str(DATA_ROOT / name) if name else ""
 
 

@@ -162,6 +162,32 @@ def import_plan_file(
     print(out)
 
 
+@app.command("convert-checkpoint")
+def convert(
+    network: Annotated[str, typer.Argument(help="texture, naivesynth, propagation or features.")],
+    checkpoint: Annotated[Path, typer.Argument(help="A file the paper's authors released.")],
+    out: Annotated[Path, typer.Option(help="The safetensors file to write.")],
+    substances: Annotated[
+        str, typer.Option(help="Order of its substance classes.")
+    ] = "wood,plaster,carpet,tile",
+    means: Annotated[
+        Path | None, typer.Option(help="Weights of a propagation network to take the means of.")
+    ] = None,
+) -> None:
+    """Convert released weights; a file that carries code is refused."""
+    from plan2scene.checkpoints.convert import convert_checkpoint
+    from plan2scene.propagation.model import load_propagation
+
+    convert_checkpoint(
+        network,
+        checkpoint,
+        out,
+        substances=[name.strip() for name in substances.split(",")],
+        means=load_propagation(means)[1] if means else None,
+    )
+    print(out)
+
+
 def main() -> None:
     """Entry point: a fault of the input is one line on stderr and exit code 1."""
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(message)s")

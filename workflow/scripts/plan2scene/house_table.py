@@ -97,6 +97,19 @@ def chosen_crops(layout: Layout, crops: Mapping[str, Any]) -> dict[str, Any]:
     return {"source": source, "folder": folder}
 
 
+def check_official(config: Mapping[str, Any]) -> None:
+    """Raise InputError, one line, where ``weights: official`` lacks a checkpoint it needs."""
+    if config["weights"] != "official":
+        return
+    given = config["official"]
+    for name in ("texture", "propagation", "naivesynth"):
+        # A propagation network knows the embeddings of one texture model only.
+        if given[name] is None and name != "naivesynth":
+            raise InputError(f"a path for official.{name}", "null", file="configuration")
+        if given[name] is not None and not Path(given[name]).is_file():
+            raise InputError(f"a checkpoint (official.{name})", "no such file", file=given[name])
+
+
 def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:
     """Return the paths of those photos that exist; unsafe names are left out."""
     found = []

@@ -5,7 +5,9 @@ Images are ``(n, 3, h, w) float32``; RGB, saturation, value and hue in [0, 1].
 
 from __future__ import annotations
 
+import numpy as np
 import torch
+from PIL import Image
 
 
 def rgb_to_hsv(rgb: torch.Tensor) -> torch.Tensor:
@@ -22,6 +24,13 @@ def rgb_to_hsv(rgb: torch.Tensor) -> torch.Tensor:
     hue = torch.where(chroma > 0, torch.remainder(hue / 6.0, 1.0), torch.zeros_like(hue))
     bright = torch.where(value > 0, value, torch.ones_like(value))
     return torch.stack([hue, chroma / bright, value], dim=1)
+
+
+def rgb_to_hsv_8_bit(rgb: torch.Tensor) -> torch.Tensor:
+    """As :func:`rgb_to_hsv`, cut to Pillow's 8 bits as the reference does; without gradients."""
+    images = (rgb.detach() * 255.0).round().to(torch.uint8).permute(0, 2, 3, 1).cpu().numpy()
+    cut = np.stack([np.array(Image.fromarray(image).convert("HSV")) for image in images])
+    return torch.from_numpy(cut).permute(0, 3, 1, 2).to(rgb) / 255.0
 
 
 def hsv_to_rgb(hsv: torch.Tensor) -> torch.Tensor:

@@ -46,7 +46,8 @@ class Architecture:
     substances : int
         Classes of the substance head, 0 for none.
     periodic : bool
-        Noise on a torus, so that textures tile; False is the reference's noise.
+        Noise on a torus, so that textures tile; False is the reference's noise, and its HSV of
+        8 bits that the residual encoder is given (it moves embeddings by some hundredths).
     encoder : str
         ``"resnet"`` (the paper's, of delta-HSV or RGB) or ``"statistics"`` (of RGB).
     """
@@ -89,11 +90,14 @@ class TextureModel(nn.Module):
             median = colour_torch.median_colour(rgb) if self.architecture.delta_hsv else None
             return self.embed(self.encoder.code(rgb), median)
         if self.architecture.delta_hsv:
-            return self.encode_hsv(colour_torch.rgb_to_hsv(rgb))
+            exact = self.architecture.periodic
+            return self.encode_hsv(
+                colour_torch.rgb_to_hsv(rgb) if exact else colour_torch.rgb_to_hsv_8_bit(rgb)
+            )
         return self.embed(self.encoder.code(2.0 * rgb - 1.0), None)
 
     def encode_hsv(self, hsv: torch.Tensor) -> Encoding:
-        """As :meth:`encode`, from HSV (the reference's own input, which it rounds to 8 bits)."""
+        """As :meth:`encode`, from HSV (the reference's own input, which has 8 bits)."""
         median = colour_torch.median_colour(colour_torch.hsv_to_rgb(hsv))
         centre = colour_torch.rgb_to_hsv(median[:, :, None, None])
         return self.embed(self.encoder.code(colour_torch.wrap_hue(hsv - centre)), median)

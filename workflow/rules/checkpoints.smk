@@ -1,0 +1,51 @@
+# Config `weights: official`: the authors' released checkpoints as weight files of this program.
+wildcard_constraints:
+    network="texture|naivesynth",
+
+
+rule convert_checkpoint:
+    # Tensors only: a file that carries code is refused, one of another network too.
+    input:
+        lambda wildcards: config["official"][wildcards.network],
+    output:
+        f"{RESULTS}/weights/{{network}}.safetensors",
+    log:
+        f"logs/{DATASET}/convert_checkpoint/{{network}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/convert_checkpoint/{{network}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        substances=config["official"]["substances"],
+        code=code_hash("checkpoints.convert"),
+    script:
+        "../scripts/convert_checkpoint.py"
+
+
+rule convert_propagation:
+    # The network, and the means over training surfaces that its checkpoint comes without.
+    input:
+        checkpoint=lambda wildcards: config["official"]["propagation"],
+        scenes=expand(f"{RESULTS}/houses/{{house}}/scene.json", house=MEANS_HOUSES),
+        surfaces=expand(
+            f"{RESULTS}/drop_0.0/{{house}}/surfaces.parquet", house=MEANS_HOUSES
+        ),
+    output:
+        f"{RESULTS}/weights/propagation.safetensors",
+    log:
+        f"logs/{DATASET}/convert_propagation.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/convert_propagation.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        houses=MEANS_HOUSES,
+        code=code_hash("checkpoints.convert", "checkpoints.means"),
+    script:
+        "../scripts/convert_propagation.py"

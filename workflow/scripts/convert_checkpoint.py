@@ -1,0 +1,12 @@
+"""Rule convert_checkpoint: a released checkpoint of the texture model -> our weight file."""
+
+from plan2scene.checkpoints.convert import convert_checkpoint
+from plan2scene.jobs import job
+
+with job(snakemake.log[0]):
+    convert_checkpoint(
+        snakemake.wildcards.network,
+        snakemake.input[0],
+        snakemake.output[0],
+        substances=snakemake.params.substances,
+    )
