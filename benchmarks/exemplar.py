@@ -1,10 +1,11 @@
 """Texture methods against clean tiles: seams, regular patterns, photo-like crops.
 
-``python benchmarks/exemplar.py seams    --textures FOLDER [--split val]``
+``python benchmarks/exemplar.py seams    [--textures FOLDER] [--split val]``
 ``python benchmarks/exemplar.py patterns [--cases 20]``
-``python benchmarks/exemplar.py methods  --textures FOLDER [--split val] [--seeds 3] [--sheet PNG]``
+``python benchmarks/exemplar.py methods  [--textures FOLDER] [--seeds 3] [--sheet PNG]``
 
-FOLDER has a folder of tileable images per substance and an ``index.csv`` with columns id, split.
+FOLDER has a folder of tileable images per substance and an ``index.csv`` with columns id, split;
+without one the textures are 60 procedural materials.
 Tables are Markdown, seconds those of the processor. The crops are those of
 ``plan2scene.textures.degradation``; wrap ratios are ``plan2scene.textures.seams.wrap_ratio``.
 """
@@ -20,12 +21,14 @@ import cv2
 import numpy as np
 from exemplar_patterns import pattern_rows
 
+from plan2scene.house import SUBSTANCES
 from plan2scene.io import write_png
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.freq import freq_distance
 from plan2scene.metrics.tile import tile_score
 from plan2scene.seeds import derive_seed
-from plan2scene.synthetic.materials import load_texture_folder
+from plan2scene.synthetic.materials import load_texture_folder, random_material
+from plan2scene.synthetic.materials.material import Material
 from plan2scene.textures.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.textures.degradation import DegradedCrop, degrade, window
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
@@ -34,7 +37,19 @@ from plan2scene.textures.seams import make_seamless, wrap_ratio
 from plan2scene.textures.single import CROP_PX, LIBRARY_TILES
 
 ROLLS = 8
+PROCEDURAL = 15  # materials of each substance where no folder is given
 FIGURES = ("COLOR", "FREQ", "TILE", "dE2000", "wrap 50 %", "wrap 90 %", "rolled 90 %", "light", "s")
+
+
+def load_textures(args: argparse.Namespace) -> list[Material]:
+    """Return the folder's textures of a split, else procedural ones that no model has seen."""
+    if args.textures:
+        return load_texture_folder(args.textures, split=args.split, size_px=CROP_PX)[:: args.every]
+    return [
+        random_material(name, derive_seed(0, "exemplar benchmark", name, k), size_px=CROP_PX)
+        for name in SUBSTANCES
+        for k in range(0, PROCEDURAL, args.every)
+    ]
 
 
 def light_residue(tile: np.ndarray) -> float:
@@ -147,7 +162,7 @@ def methods(with_synth: bool) -> dict[str, Callable[[Sequence[DegradedCrop]], np
 
 
 def run_methods(args: argparse.Namespace) -> None:
-    textures = load_texture_folder(args.textures, split=args.split, size_px=CROP_PX)
+    textures = load_textures(args)
     chosen = methods(not args.no_synth)
     results: dict[str, list[np.ndarray]] = {name: [] for name in ("clean", *chosen)}
     tiles: dict[str, list[np.ndarray]] = {name: [] for name in results}
@@ -168,7 +183,8 @@ def run_methods(args: argparse.Namespace) -> None:
                     tiles[name].append(tile)
         for name, rows in found.items():
             results[name].append(np.array(rows))
-    print(f"{len(textures)} textures, split {args.split}, {args.seeds} seeds")
+    kind = f"split {args.split}" if args.textures else "procedural"
+    print(f"{len(textures)} textures, {kind}, {args.seeds} seeds")
     rows = [(name, _spread([summary(part) for part in parts])) for name, parts in results.items()]
     print_table("method", FIGURES, rows)
     _by_substance(results, np.array([texture.substance for texture in textures]))
@@ -215,7 +231,7 @@ def _sheet(path: Path, tiles: dict[str, list[np.ndarray]], error: np.ndarray, pi
 
 def run_seams(args: argparse.Namespace) -> None:
     """Windows of 96 px enlarged to 128 at random offsets, corrected each on its own."""
-    textures = load_texture_folder(args.textures, split=args.split, size_px=CROP_PX)
+    textures = load_textures(args)
     rng = np.random.default_rng(derive_seed(0, "seams"))
     rows: dict[str, list[list[float]]] = {"clean": [], "window": [], "corrected": []}
     for k, texture in enumerate(textures):
@@ -256,8 +272,9 @@ def main() -> None:
     for name, run in (("seams", run_seams), ("methods", run_methods)):
         command = commands.add_parser(name)
         command.set_defaults(run=run)
-        command.add_argument("--textures", type=Path, required=True)
+        command.add_argument("--textures", type=Path)
         command.add_argument("--split", default="val")
+        command.add_argument("--every", type=int, default=1, help="take each n-th texture")
         if name == "methods":
             command.add_argument("--seeds", type=int, default=3)
             command.add_argument("--no-synth", action="store_true")

@@ -62,7 +62,7 @@ def highlights(images: np.ndarray) -> np.ndarray:
     return masks
 
 
-def flatten(images: np.ndarray, masks: np.ndarray, keep: np.ndarray | None = None) -> np.ndarray:
+def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
     """Return the images under even light, each with its own median brightness.
 
     Parameters
@@ -71,8 +71,6 @@ def flatten(images: np.ndarray, masks: np.ndarray, keep: np.ndarray | None = Non
         sRGB in [0, 1].
     masks : (n, s, s) bool
         Highlights: they neither count nor get any better.
-    keep : (s, s) bool, optional
-        Cosine terms of the material's pattern, left alone.
     """
     luma = np.stack([_filled(*pair) for pair in zip(log_luma(images), masks, strict=True)])
     terms = dctn(luma, axes=(1, 2), norm="ortho")
@@ -81,8 +79,6 @@ def flatten(images: np.ndarray, masks: np.ndarray, keep: np.ndarray | None = Non
     light = np.zeros_like(terms)
     for ring, share in _shares(terms, radius):
         light[:, ring] = terms[:, ring] * share[:, None]
-    if keep is not None:
-        light[:, keep] = 0.0
     field = idctn(light, axes=(1, 2), norm="ortho")
     field -= np.median(field, axis=(1, 2), keepdims=True)
     return np.clip(images * np.exp(-field)[..., None], 0.0, 1.0)

@@ -103,17 +103,11 @@ def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | 
     good = usable(crops)
     if not good:
         return None
-    images = np.stack([crop.image for crop in good]).astype(np.float64) / 255.0
-    masks = highlights(images)
-    flat = flatten(images, masks)
-    tones = np.stack([np.median(i[~m], axis=0) for i, m in zip(flat, masks, strict=True)])
-    tone = consensus(tones)
-    flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
+    flat, masks, tone, order = _evened(good)
     sides, size_m = tile_scale(good)
     known = np.isfinite([crop.metres for crop in good]).all()
     lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
-    order = [k for k in _ranking(images, flat, masks) if fits[k]]
-    large = [k for k in order if sides[k] * WORK_PX >= _SMALLEST_PX]
+    large = [k for k in order if fits[k] and sides[k] * WORK_PX >= _SMALLEST_PX]
     order = (large or [int(sides.argmax())])[:MAX_CROPS]
     sources = [straightened(flat[k], masks[k], sides[k], lattices[k], cut, WORK_PX) for k in order]
     canvas = quilt(sources, WORK_PX)
@@ -128,6 +122,23 @@ def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | 
             size_m * cut.high / cut.rows if cut.rows else float("nan"),
         ),
     )
+
+
+def _evened(
+    crops: Sequence[ExemplarCrop],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
+    """Return crops of one colour under even light, spoiled pixels, the colour, the best first."""
+    images = np.stack([crop.image for crop in crops]).astype(np.float64) / 255.0
+    masks = highlights(images)
+    flat = flatten(images, masks)
+    tones = np.stack([np.median(i[~m], axis=0) for i, m in zip(flat, masks, strict=True)])
+    tone = consensus(tones)
+    flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
+    # Those that needed the least repair of their light come first.
+    repair = np.log((images.mean(axis=3) + 0.02) / (flat.mean(axis=3) + 0.02)).std(axis=(1, 2))
+    spoiled = masks.mean(axis=(1, 2))
+    order = np.argsort(2.0 * spoiled + repair, kind="stable")
+    return flat, masks, tone, [int(k) for k in order]
 
 
 def tile_scale(crops: Sequence[ExemplarCrop]) -> tuple[np.ndarray, float]:
@@ -163,12 +174,6 @@ def enlarged(image: np.ndarray, size_px: int) -> np.ndarray:
     if size_px < side:
         wide = cv2.GaussianBlur(wide, (0, 0), 0.45 * side / size_px)
     return cv2.remap(wide, across, down, cv2.INTER_CUBIC)
-
-
-def _ranking(images: np.ndarray, flat: np.ndarray, masks: np.ndarray) -> np.ndarray:
-    """Return the crops' indices, those that needed the least repair of their light first."""
-    repair = np.log((images.mean(axis=3) + 0.02) / (flat.mean(axis=3) + 0.02)).std(axis=(1, 2))
-    return np.argsort(2.0 * masks.mean(axis=(1, 2)) + repair, kind="stable")
 
 
 def _toned(image: np.ndarray, tone: np.ndarray) -> np.ndarray:

@@ -37,8 +37,6 @@ class Canvas:
     filled : (s, s) bool
     down, right : (s, s, 3) float32
         Gradient from each pixel to its lower and right neighbour.
-    seam : (s, s) float32
-        Cost of the joints at each pixel.
     """
 
     size: int
@@ -46,14 +44,12 @@ class Canvas:
     filled: np.ndarray = field(init=False)
     down: np.ndarray = field(init=False)
     right: np.ndarray = field(init=False)
-    seam: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
         shape = (self.size, self.size)
         self.image = np.zeros((*shape, 3), np.float32)
         self.filled = np.zeros(shape, bool)
         self.down, self.right = np.zeros_like(self.image), np.zeros_like(self.image)
-        self.seam = np.zeros(shape, np.float32)
 
     def laid(self, source: Source, offset: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
         """Return a source's pixels and validity on the torus, its corner at `offset`."""
@@ -86,8 +82,6 @@ class Canvas:
 
     def _merge(self, patch: np.ndarray, valid: np.ndarray, taken: np.ndarray) -> None:
         """Take pixels and gradients of a patch; joints get the mean of both sides' gradients."""
-        gap = np.where((self.filled & valid)[..., None], np.abs(self.image - patch), 0.0).sum(2)
-        self.seam[taken] = 0.0
         for axis, own in ((0, self.down), (1, self.right)):
             beside = np.roll(taken, -1, axis)
             patch_step = np.roll(patch, -1, axis) - patch
@@ -100,7 +94,6 @@ class Canvas:
             own[both] = (own[both] + patch_step[both]) / 2
             single = joint & ~known & possible
             own[single] = patch_step[single]
-            self.seam[joint] += (gap + np.roll(gap, -1, axis))[joint]
         self.image[taken] = patch[taken]
         self.filled |= taken
 
