@@ -1,11 +1,12 @@
 """Cameras, rectified planes and scale against the truth of a synthetic data set; real photos.
 
-``python benchmarks/cameras.py ROOT [--labels KIND ...] [--split SPLIT] [--limit N]``
+``python benchmarks/cameras.py ROOT [--labels KIND ...] [--split SPLIT] [--limit N] [--bend K]``
 ``python benchmarks/cameras.py --real FOLDER [--labels KIND ...]``
 
 ROOT has the layout of docs/conventions.md with ``truth/{split}/{house}/``. A rotation is compared
-up to quarter turns about the vertical, as the heading of a Manhattan frame is. FOLDER has
-``index.csv`` (name, fx in pixels), ``{name}.jpg`` and ``{name}.mask.png``.
+up to quarter turns about the vertical, as the heading of a Manhattan frame is. With ``--bend`` a
+lens moves points at radius r, in half diagonals, to ``r (1 + K r^2)``. FOLDER has ``index.csv``
+(name, fx in pixels), ``{name}.jpg`` and ``{name}.mask.png``.
 """
 
 from __future__ import annotations
@@ -123,29 +124,50 @@ def labeller(kind: str) -> Callable[[np.ndarray, Path], np.ndarray | None]:
     return lambda _image, _mask: None
 
 
-def measure(root: Path, split: str, fov_deg: float, kind: str, limit: int) -> list[Result]:
+def bent(image: np.ndarray, bend: float, interpolation: int) -> np.ndarray:
+    """Return an image or label mask as a lens of that distortion shows it; black where unknown."""
+    height, width = image.shape[:2]
+    y, x = np.mgrid[0:height, 0:width].astype(np.float32)
+    x, y = x - (width - 1) / 2, y - (height - 1) / 2
+    straight = np.ones_like(x)
+    for _ in range(8):
+        radius = (x**2 + y**2) * straight**2 / ((width**2 + height**2) / 4)
+        straight = 1 / (1 + bend * radius)
+    at_x, at_y = x * straight + (width - 1) / 2, y * straight + (height - 1) / 2
+    return cv2.remap(image, at_x, at_y, interpolation)
+
+
+def measure(
+    root: Path, split: str, fov_deg: float, kind: str, limit: int, bend: float = 0.0
+) -> list[Result]:
     """Return the errors of up to `limit` photos, spread over the split."""
     photos = list(photos_of(root, split))
     label = labeller(kind)
     return [
-        _of_photo(photo, label, fov_deg)
+        _of_photo(photo, label, fov_deg, bend)
         for photo in photos[:: max(1, len(photos) // limit)][:limit]
     ]
 
 
 def _of_photo(
-    photo: Photo, label: Callable[[np.ndarray, Path], np.ndarray | None], fov_deg: float
+    photo: Photo,
+    label: Callable[[np.ndarray, Path], np.ndarray | None],
+    fov_deg: float,
+    bend: float,
 ) -> Result:
-    """Return the errors of one photo."""
+    """Return the errors of one photo; of planes only where it is not bent."""
     truth = Camera.from_json(photo.truth, file=photo.name)
     image = read_image(photo.file)
     labels = label(image, photo.mask)
+    if bend:
+        image = bent(image, bend, cv2.INTER_LINEAR)
+        labels = None if labels is None else bent(labels, bend, cv2.INTER_NEAREST)
     start = time.perf_counter()
     estimate = estimate_camera(image, labels, fov_deg=fov_deg)
     seconds = time.perf_counter() - start
     rotation, tilt = rotation_error_deg(estimate, truth)
     focal = estimate.focal_px / truth.focal_px - 1
-    if labels is None:
+    if labels is None or bend:
         return Result(photo.name, rotation, tilt, focal, estimate, seconds)
     height = photo.truth["position"][1]
     room = read_scene_json(photo.plan, photo.house_truth.name).room(photo.truth["room_id"])
@@ -247,6 +269,7 @@ def main() -> None:
     parser.add_argument("--limit", type=int, default=200)
     parser.add_argument("--fov", type=float, default=DEFAULT_FOV_DEG)
     parser.add_argument("--labels", choices=KINDS, nargs="+", default=["truth", "network"])
+    parser.add_argument("--bend", type=float, default=0.0, help="radial distortion to apply")
     parser.add_argument("--each", action="store_true", help="one line per photo too")
     arguments = parser.parse_args()
     if arguments.root is None and arguments.real is None:
