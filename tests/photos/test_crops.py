@@ -233,8 +233,8 @@ def test_house_without_photos_has_an_empty_table(house, inputs):
 def test_unknown_room_and_wrong_size(house, inputs):
     with pytest.raises(InputError, match=r"house h1, room attic: expected a room of the plan"):
         run(house, inputs, {"a.png": ["attic"]})
-    write_png(inputs / "a.png", np.zeros((10, 12, 3), np.uint8))
-    with pytest.raises(InputError, match="size 12x10"):
+    write_png(inputs / "a.png", np.zeros((40, 44, 3), np.uint8))
+    with pytest.raises(InputError, match="size 44x40"):
         run(house, inputs, {"a.png": ["room1"]})
 
 

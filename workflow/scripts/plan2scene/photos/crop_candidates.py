@@ -39,7 +39,7 @@ class CropSettings:
     filter: bool = True
     white_balance: bool = True
     exposure: bool = True
-    flatten: bool = True
+    flatten: bool = False
 
 
 def rooms_by_height(house: House, rooms: Sequence[str]) -> dict[float, tuple[str, ...]]:
