@@ -34,6 +34,7 @@ from plan2scene.photos.contact_windows import (
 from plan2scene.photos.masks import LABELS, read_label_png
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
+from plan2scene.photos.room_size import RoomSize, room_extent
 
 #: Photos on a sheet; of houses with more the first are shown, the rest counted.
 MAX_PHOTOS = 20
@@ -107,8 +108,9 @@ def write_contact_sheet(
     for row, name in enumerate(shown):
         rooms = tuple(rooms_of_photo.get(name, ()))
         photo = _read(name, photos.get(name), rooms, windows.get(name, ()), masks_dir, house.id)
-        room_height = house.room(rooms[0]).height if rooms else None
-        _draw_row(sheet, HEADER + row * ROW, photo, room_height, camera_height_m)
+        room = house.room(rooms[0]) if rooms else None
+        room_size = RoomSize(room.height, room_extent(room)) if room else None
+        _draw_row(sheet, HEADER + row * ROW, photo, room_size, camera_height_m)
     write_png(output, np.asarray(sheet))
     return {"photos": len(shown), **counts}
 
@@ -168,7 +170,7 @@ def _header(
 
 
 def _draw_row(
-    sheet: Any, top: int, photo: _Photo, room_height_m: float | None, camera_height_m: float
+    sheet: Any, top: int, photo: _Photo, room_size: RoomSize | None, camera_height_m: float
 ) -> None:
     """Draw one photo's row at `top`."""
     from PIL import Image, ImageDraw
@@ -178,7 +180,7 @@ def _draw_row(
     rooms = ", ".join(photo.rooms) or "no room"
     draw.text((GAP, top + 4), f"{photo.name}  ({rooms})", font=font(13), fill=INK)
     top += TITLE + 2
-    found = _panels(photo, room_height_m, camera_height_m)
+    found = _panels(photo, room_size, camera_height_m)
     for k, (picture, caption) in enumerate(found):
         left = GAP + k * (PANEL[1] + GAP)
         sheet.paste(Image.fromarray(picture), (left, top))
@@ -191,7 +193,7 @@ def _draw_row(
 
 
 def _panels(
-    photo: _Photo, room_height_m: float | None, camera_height_m: float
+    photo: _Photo, room_size: RoomSize | None, camera_height_m: float
 ) -> list[tuple[np.ndarray, str]]:
     """Return the panels of a photo with their captions, as far as it got."""
     if photo.image is None or photo.full is None:
@@ -211,7 +213,8 @@ def _panels(
         camera,
         image=image,
         camera_height_m=camera_height_m,
-        room_height_m=room_height_m,
+        room_height_m=room_size.height_m if room_size else None,
+        room_extent_m=room_size.extent_m if room_size else None,
     )
     small = (photo.image.shape[0], photo.image.shape[1])
     thin = [

@@ -1,4 +1,4 @@
-"""Candidates of a photo: its planes for rooms of each height, and the windows drawn on them."""
+"""Candidates of a photo: its planes for rooms of each size, and the windows drawn on them."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from plan2scene.photos.crops import (
     sample_candidates,
 )
 from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
+from plan2scene.photos.room_size import RoomSize, room_extent
 from plan2scene.seeds import generator
 
 
@@ -42,40 +43,42 @@ class CropSettings:
     flatten: bool = False
 
 
-def rooms_by_height(house: House, rooms: Sequence[str]) -> dict[float, tuple[str, ...]]:
-    """Return the rooms by their height in metres, in their order."""
-    groups: dict[float, list[str]] = {}
-    for room in dict.fromkeys(rooms):
-        groups.setdefault(house.room(room).height, []).append(room)
-    return {height: tuple(members) for height, members in groups.items()}
+def rooms_by_size(house: House, rooms: Sequence[str]) -> dict[RoomSize, tuple[str, ...]]:
+    """Return the rooms by their height and extent in the plan, in their order."""
+    groups: dict[RoomSize, list[str]] = {}
+    for name in dict.fromkeys(rooms):
+        room = house.room(name)
+        groups.setdefault(RoomSize(room.height, room_extent(room)), []).append(name)
+    return {size: tuple(members) for size, members in groups.items()}
 
 
 def candidates_of_photo(
     image: np.ndarray,
     labels: np.ndarray,
     camera: Camera,
-    rooms_by_height: Mapping[float, tuple[str, ...]],
+    rooms_by_size: Mapping[RoomSize, tuple[str, ...]],
     settings: CropSettings,
     *,
     seed: int,
     house: str,
     photo: str,
 ) -> list[PhotoCandidate]:
-    """Return the windows drawn on all planes of one photo, for its rooms of each height.
+    """Return the windows drawn on all planes of one photo, for its rooms of each size.
 
     `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8; candidates are numbered on within a
-    plane's number from one height to the next, so that crops of different images have
+    plane's number from one size to the next, so that crops of different images have
     different names.
     """
     found: list[PhotoCandidate] = []
     count: dict[tuple[str, int], int] = {}
-    for height, rooms in rooms_by_height.items():
+    for size, rooms in rooms_by_size.items():
         planes = split_planes(
             labels,
             camera,
             image=image,
             camera_height_m=settings.camera_height_m,
-            room_height_m=height,
+            room_height_m=size.height_m,
+            room_extent_m=size.extent_m,
         )
         for plane in planes:
             rng = generator(seed, "crops", house, photo, plane.surface, plane.index)

@@ -17,7 +17,7 @@ from plan2scene.photos.camera import Camera
 from plan2scene.photos.crop_candidates import (
     CropSettings,
     candidates_of_photo,
-    rooms_by_height,
+    rooms_by_size,
 )
 from plan2scene.photos.crop_house import agreeing, corrected
 from plan2scene.photos.crop_light import SurfaceColour, estimate_light, gains_of, surface_colours
@@ -116,7 +116,7 @@ def draw_candidates(
             image,
             labels,
             camera,
-            rooms_by_height(house, rooms_of_photo[photo]),
+            rooms_by_size(house, rooms_of_photo[photo]),
             settings,
             seed=seed,
             house=house.id,
