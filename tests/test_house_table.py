@@ -3,7 +3,7 @@ import json
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.house_table import hidden_photo_names, load_houses, photo_paths
+from plan2scene.house_table import check_official, hidden_photo_names, load_houses, photo_paths
 
 HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
 
@@ -50,3 +50,16 @@ def test_without_a_list_photos_are_hidden_by_seed_and_nested(tmp_path):
     }
     assert [len(names) for names in hidden.values()] == [2, 6, 10]
     assert hidden["0.2"] < hidden["0.6"] < hidden["1.0"]
+
+
+def test_official_weights_need_their_checkpoints(tmp_path):
+    there = tmp_path / "a.ckpt"
+    there.write_bytes(b"")
+    given = {"texture": str(there), "propagation": str(there), "naivesynth": None}
+    check_official({"weights": "official", "official": given})
+    check_official({"weights": "embedded", "official": {"texture": None, "propagation": None}})
+    for name in ("texture", "propagation"):
+        with pytest.raises(InputError, match=f"a path for official.{name}, found null"):
+            check_official({"weights": "official", "official": given | {name: None}})
+    with pytest.raises(InputError, match=r"official\.naivesynth\), found no such file"):
+        check_official({"weights": "official", "official": given | {"naivesynth": "no.ckpt"}})

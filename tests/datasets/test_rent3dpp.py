@@ -13,6 +13,7 @@ from plan2scene.datasets.layout import find_layout
 from plan2scene.errors import InputError
 from plan2scene.floorplans import (
     add_object_boxes,
+    check_object_boxes,
     import_plan,
     read_object_boxes,
     read_plan,
@@ -262,3 +263,14 @@ def test_ready_crops_are_used_where_there_are_some(copy, source):
     assert chosen_crops(without, other) == {"source": "precomputed", "folder": "other"}
     with pytest.raises(InputError, match=r"crops\.folder"):
         chosen_crops(without, auto | {"source": "precomputed"})
+
+
+@pytest.mark.shared
+def test_boxes_of_the_reference_converter_fit_its_plan():
+    folder = Path(__file__).parents[3] / "shared" / "samples" / "r2v"
+    if not folder.is_dir():
+        pytest.skip("no shared samples beside the repository")
+    boxes = read_object_boxes(folder / "sample_input.objectaabb.json", "sample")
+    house = read_plan(folder / "sample_input.scene.json", "sample")
+    assert {box.type for box in boxes} >= {"toilet", "cooking_counter", "washing_basin"}
+    assert check_object_boxes(house, boxes) == []
