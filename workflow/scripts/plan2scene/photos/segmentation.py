@@ -27,6 +27,8 @@ from plan2scene.weights import load_model_file
 _MEAN, _STD = 0.5, 0.25
 #: Input height and width are multiples of this (the encoder's coarsest stride).
 STRIDE = 32
+#: Sizes that a photo is seen at, relative to the network's.
+SCALES = (1.0, 1.4)
 
 
 def _conv(n_in: int, n_out: int, size: int, stride: int = 1, groups: int = 1) -> nn.Sequential:
@@ -221,17 +223,30 @@ def upsampled_argmax(logits: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 class Segmenter:
     """Labels photos by a :class:`SegmentationNet`.
 
-    Each photo is also seen mirrored and the two answers are averaged: it costs little at this
-    size and steadies the borders.
+    Each photo is seen at two sizes, at each of them also mirrored, and the answers are averaged:
+    the smaller tells what is what, the larger where it ends.
     """
 
     def __init__(self, network: SegmentationNet) -> None:
         self.network = network.eval()
 
-    @torch.inference_mode()
     def _logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
-        """Return (4, h', w') float32 logits of a photo at half network size."""
-        size = network_size((image.shape[0], image.shape[1]), self.network.long_side)
+        """Return (4, h', w') float32 logits of a photo at half the larger network size."""
+        photo_size = (image.shape[0], image.shape[1])
+        sides = sorted(round(self.network.long_side * scale) for scale in SCALES)
+        sizes = [network_size(photo_size, side) for side in sides]
+        columns, rows = sizes[-1][1] // 2, sizes[-1][0] // 2
+        total = np.zeros((len(LABELS), rows, columns), np.float32)
+        for size in sizes:
+            for k, plane in enumerate(self._logits_at(image, camera, size)):
+                total[k] += cv2.resize(plane, (columns, rows), interpolation=cv2.INTER_LINEAR)
+        return total / len(sizes)
+
+    @torch.inference_mode()
+    def _logits_at(
+        self, image: np.ndarray, camera: Camera | None, size: tuple[int, int]
+    ) -> np.ndarray:
+        """Return (4, h / 2, w / 2) float32 logits of a photo seen at `size` (h, w)."""
         shrinks = image.shape[1] > size[1]
         small = cv2.resize(
             image, size[::-1], interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
