@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 import subprocess
 import sys
 from pathlib import Path
@@ -9,10 +10,12 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
+from plan2scene.photos import segmentation
 from plan2scene.photos.camera import Camera
 from plan2scene.photos.segmentation import (
     SegmentationNet,
     Segmenter,
+    labels_told_camera,
     load_segmenter,
     network_size,
     upsampled_argmax,
@@ -141,3 +144,26 @@ def test_weights_of_another_network_are_refused(tmp_path: Path) -> None:
 def test_reading_masks_does_not_import_torch() -> None:
     code = "import sys, plan2scene.photos.stage; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_labels_are_made_again_once_a_camera_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = Segmenter(SegmentationNet(**TINY, elevation=True))  # type: ignore[arg-type]
+    image = _photo(48, 64)
+    camera = Camera.from_json(
+        {
+            "width": 64,
+            "height": 48,
+            "focal_px": 40.0,
+            "cx": 31.5,
+            "cy": 23.5,
+            "rotation": [[-1, 0, 0], [0, -1, 0], [0, 0, 1]],
+        }
+    )
+    monkeypatch.setattr(segmentation, "estimate_camera", lambda *_: camera)
+    assert np.array_equal(labels_told_camera(told, image), told.labels(image, camera))
+    unknown = dataclasses.replace(camera, fallback=True)
+    monkeypatch.setattr(segmentation, "estimate_camera", lambda *_: unknown)
+    assert np.array_equal(labels_told_camera(told, image), told.labels(image))
+    plain = Segmenter(_tiny())
+    monkeypatch.setattr(segmentation, "estimate_camera", lambda *_: pytest.fail("not needed"))
+    assert np.array_equal(labels_told_camera(plain, image), plain.labels(image))

@@ -43,7 +43,7 @@ def run_house(
     photos_dir: Annotated[
         Path | None, typer.Option(help="Folder of the photos; default: beside the table.")
     ] = None,
-    method: Annotated[Method, typer.Option(help="How textures are made.")] = Method.synth,
+    method: Annotated[Method, typer.Option(help="How textures are made.")] = Method.exemplar,
     cores: Annotated[int, typer.Option(min=1)] = 2,
     house: Annotated[str | None, typer.Option(help="House id; default: the plan's name.")] = None,
     metres_per_pixel: Annotated[
@@ -77,7 +77,7 @@ def label_photos(
 ) -> None:
     """Write label images (0 other, 1 floor, 2 wall, 3 ceiling) at the photos' size."""
     from plan2scene.io import read_image, write_png
-    from plan2scene.photos.segmentation import load_segmenter
+    from plan2scene.photos.segmentation import labels_told_camera, load_segmenter
     from plan2scene.weights import MODELS
 
     targets = [out / f"{photo.stem}.png" for photo in photos]
@@ -88,7 +88,7 @@ def label_photos(
     failed = 0
     for photo, target in zip(photos, targets, strict=True):
         try:
-            write_png(target, segmenter.labels(read_image(photo)))
+            write_png(target, labels_told_camera(segmenter, read_image(photo)))
             print(target)
         except InputError as error:
             print(f"ERROR {error}", file=sys.stderr)
@@ -101,7 +101,7 @@ def label_photos(
 def make_texture(
     crops: Annotated[list[Path], typer.Argument(help="Crops of one surface.")],
     out: Annotated[Path, typer.Option(help="The tile (PNG).")],
-    method: Annotated[Method, typer.Option(help="How the tile is made.")] = Method.synth,
+    method: Annotated[Method, typer.Option(help="How the tile is made.")] = Method.exemplar,
     size: Annotated[int, typer.Option(min=64, max=1024, help="Pixels of the tile.")] = 128,
     seed: Annotated[int, typer.Option(min=0)] = 0,
 ) -> None:

@@ -18,7 +18,7 @@ from torch import nn
 from torch.nn import functional as F
 
 from plan2scene.errors import InputError
-from plan2scene.photos.camera import Camera
+from plan2scene.photos.camera import Camera, estimate_camera
 from plan2scene.photos.elevation import elevation_map
 from plan2scene.photos.masks import LABELS
 from plan2scene.weights import load_model_file
@@ -281,6 +281,18 @@ class Segmenter:
 def _elevation(camera: Camera, size: tuple[int, int]) -> np.ndarray:
     """Return the elevation map of a photo's camera at the network's size."""
     return elevation_map(camera.matrix[:, 1], camera.focal_px, (camera.height, camera.width), size)
+
+
+def labels_told_camera(segmenter: Segmenter, image: np.ndarray) -> np.ndarray:
+    """Return labels as the masks stage makes them: again, once the first ones gave a camera.
+
+    `image` is (h, w, 3) uint8 sRGB without EXIF data, labels are (h, w) uint8.
+    """
+    labels = segmenter.labels(image)
+    if not segmenter.network.elevation:
+        return labels
+    camera = estimate_camera(image, labels)
+    return labels if camera.fallback else segmenter.labels(image, camera)
 
 
 def load_segmenter(path: str | Path) -> Segmenter:

@@ -45,7 +45,7 @@ class Settings:
     ema_decay: float = 0.998  #: of the averaged weights, which are what is kept
     scene_side: int = 192  #: longer side of views in two thirds of the steps on scenes, pixels
     small: int = 224  #: in the rest of those, and in two thirds of the steps with photos
-    long_side: int = 320  #: in the last third, and at inference
+    long_side: int = 320  #: in the last third, and the smaller of two sizes at inference
     scenes: int = 2500  #: rooms of boxes that are drawn beside the photos
     textures: str | None = None  #: folder of real tiles for rooms of boxes (train split)
     scene_share: float = 0.35  #: share of views that come from them once there are photos
