@@ -1,4 +1,4 @@
-"""Rule segmentation_scenes: drawn rooms of boxes with labels, for the segmentation network."""
+"""Rule segmentation_scenes: drawn rooms with labels, for the segmentation network."""
 
 from plan2scene.jobs import job
 from plan2scene.training.segmentation import draw_scenes

@@ -1,4 +1,4 @@
-"""Rule segmentation_start: rooms of boxes -> weights that training on photos starts from."""
+"""Rule segmentation_start: drawn rooms -> weights that training on photos starts from."""
 
 from plan2scene.jobs import job
 from plan2scene.training.segmentation import train_start

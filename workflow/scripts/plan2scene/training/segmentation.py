@@ -31,7 +31,7 @@ _log = logging.getLogger("plan2scene")
 
 
 def draw_scenes(output: str | Path, *, settings: Mapping[str, Any], seed: int) -> None:
-    """Draw the rooms of boxes that training uses beside photos and write them to a Parquet file."""
+    """Draw the drawn rooms that training uses beside photos and write them to a Parquet file."""
     chosen = Settings.of(settings)
     drawn = random_scenes_and_eyes(chosen.scenes, seed=seed, textures=chosen.textures)
     scenes = [replace(photo, gaze=gaze_of(scene_camera(eye))) for photo, eye in drawn]
@@ -46,7 +46,7 @@ def train_start(
     seed: int,
     threads: int,
 ) -> Scores:
-    """Train on rooms of boxes alone and write the weights that training on photos starts from.
+    """Train on drawn rooms alone and write the weights that training on photos starts from.
 
     The scores are on a tenth of the rooms (at most 100), which training did not see.
     """
@@ -142,11 +142,11 @@ rugs and pictures are other. `plan2scene.photos.segmentation.SegmentationNet`, {
 parameters, float16; photos are scaled to {network.long_side} pixels on their longer side.
 
 - Data: {counts["photos"]} rendered photos of the synthetic train split and {counts["scenes"]}
-  drawn rooms of boxes (`training.segmentation_scenes`); no real photo.
+  drawn rooms (`training.segmentation_scenes`); no real photo.
 - Held out: {counts["held_out"]} rendered photos of the val split (other houses).
 - Command: `snakemake train_segmentation`
 - Seed {seed}; {used}.
-- {settings.scene_steps} steps on rooms of boxes alone (rule `segmentation_start`), then
+- {settings.scene_steps} steps on drawn rooms alone (rule `segmentation_start`), then
   {settings.steps} with photos; the best of the validations was step {step} of these, which took
   {seconds / 60:.0f} minutes on {device}, {os.cpu_count()} cores, torch {torch.__version__}.
 

@@ -46,8 +46,8 @@ class Settings:
     scene_side: int = 192  #: longer side of views in two thirds of the steps on scenes, pixels
     small: int = 224  #: in the rest of those, and in two thirds of the steps with photos
     long_side: int = 320  #: in the last third, and the smaller of two sizes at inference
-    scenes: int = 2500  #: rooms of boxes that are drawn beside the photos
-    textures: str | None = None  #: folder of real tiles for rooms of boxes (train split)
+    scenes: int = 2500  #: rooms that are drawn beside the photos
+    textures: str | None = None  #: folder of real tiles for drawn rooms (train split)
     scene_share: float = 0.35  #: share of views that come from them once there are photos
     gaze_known: float = 0.6  #: share of views whose camera the network is told
     gaze_noise_deg: float = 1.5  #: standard deviation of what it is told, per axis
