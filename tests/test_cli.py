@@ -9,6 +9,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from plan2scene import cli
+from plan2scene.errors import InputError
 from plan2scene.floorplans import read_plan
 from plan2scene.synthetic.materials import random_material
 
@@ -105,3 +106,18 @@ def test_run_refuses_a_texture_size_before_any_work(tmp_path):
 def test_a_house_id_that_is_no_file_name_is_refused(tmp_path, name):
     with pytest.raises(cli.InputError):
         call("run", "--plan", PLAN, "--out", tmp_path, "--house", name)
+
+
+def test_checkpoints_are_converted_and_those_of_other_networks_refused(tmp_path):
+    import torch
+
+    from plan2scene.propagation.network import PropagationNetwork
+
+    path, out = tmp_path / "gnn.ckpt", tmp_path / "o.safetensors"
+    torch.save({"model_state_dict": PropagationNetwork().state_dict()}, path)
+    means = ROOT / "resources" / "models" / "propagation.safetensors"
+    code, output = call("convert-checkpoint", "propagation", path, "--out", out, "--means", means)
+    assert (code, output.strip()) == (0, str(out))
+    assert out.is_file()
+    with pytest.raises(InputError, match=r"tensor encoder\..* missing, 13 unknown"):
+        call("convert-checkpoint", "texture", path, "--out", tmp_path / "t.safetensors")
