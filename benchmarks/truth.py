@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from plan2scene.io import read_image, read_json
@@ -30,6 +31,7 @@ def errors(truth: Path, textures: Path, *, observed: bool) -> list[tuple[float, 
         if surface["observed"] != observed or not (truth / "materials" / name).is_file():
             continue
         made, true = read_image(textures / name), read_image(truth / "materials" / name)
+        true = cv2.resize(true, made.shape[1::-1], interpolation=cv2.INTER_AREA)
         labs = [rgb_to_lab(median_colour(tile)[None]) for tile in (made, true)]
         found.append((float(delta_e_2000(*labs)[0]), color_distance(made, true)))
     return found
