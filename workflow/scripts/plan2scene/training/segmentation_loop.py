@@ -151,53 +151,65 @@ def train(
     start : SegmentationNet, optional
         Weights to start from; random ones (by `seed`) when None.
     """
-    device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     torch.manual_seed(derive_seed(seed, "segmentation", "weights") % 2**32)
     network = SegmentationNet(long_side=settings.long_side, elevation=True)
     if start:
         network = with_elevation(start, settings.long_side)
-    network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-    average = Average(network, settings.ema_decay)
-    optimiser = torch.optim.AdamW(
-        _parameter_groups(network, settings.weight_decay), lr=learning_rate
-    )
-    warm_up = min(300, steps // 10 + 1)
-    schedule = torch.optim.lr_scheduler.LambdaLR(
-        optimiser, lambda step: _learning_rate(step, warm_up, steps)
-    )
+    descent = Descent(network, settings, steps=steps, learning_rate=learning_rate)
     rng = generator(seed, "segmentation", "views")
     cameras = estimated_cameras(held_out)
-    best: tuple[float, dict[str, torch.Tensor], Scores, int] | None = None
+    best: tuple[Scores, dict[str, torch.Tensor], int] | None = None
     running, started = 0.0, time.monotonic()
     for step in range(1, steps + 1):
         long = sides[0] if step <= steps * 2 / 3 else sides[1]
-        images, sine, labels = _batch(photos, scenes, settings, long, rng)
-        with torch.autocast(device.type, torch.bfloat16, enabled=settings.bfloat16):
-            logits = network.train()(images.to(device), sine.to(device))
-        loss = segmentation_loss(logits.float(), labels.to(device), settings.dice)
-        optimiser.zero_grad()
-        loss.backward()
-        nn.utils.clip_grad_norm_(network.parameters(), 5.0)
-        optimiser.step()
-        schedule.step()
-        average.update(network)
-        running += loss.item()
+        running += descent.step(*_batch(photos, scenes, settings, long, rng))
         if step % 100 == 0:
             pace = (time.monotonic() - started) / step
             _log.info("step %d loss %.4f %.2f s/step", step, running / 100, pace)
             running = 0.0
         if step % settings.evaluate_every == 0 or step == steps:
-            found = evaluate(average.network, held_out, cameras)
+            found = evaluate(descent.average.network, held_out, cameras)
             _log.info("step %d held out %s", step, scores_line(found))
-            if best is None or found.mean_iou > best[0]:
-                state = {
-                    k: v.detach().cpu().clone() for k, v in average.network.state_dict().items()
-                }
-                best = (found.mean_iou, state, found, step)
+            if best is None or found.mean_iou > best[0].mean_iou:
+                state = descent.average.network.state_dict()
+                best = (found, {k: v.detach().cpu().clone() for k, v in state.items()}, step)
     if best is None:
         raise InputError("training steps above 0", str(steps))
     network.cpu().load_state_dict(best[1])
-    return network.eval(), best[2], best[3]
+    return network.eval(), best[0], best[2]
+
+
+class Descent:
+    """The optimiser of a training run: AdamW, warm-up and cosine schedule, averaged weights."""
+
+    def __init__(
+        self, network: SegmentationNet, settings: Settings, *, steps: int, learning_rate: float
+    ) -> None:
+        self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
+        network.to(self.device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+        self.network, self.settings = network, settings
+        self.average = Average(network, settings.ema_decay)
+        self.optimiser = torch.optim.AdamW(
+            _parameter_groups(network, settings.weight_decay), lr=learning_rate
+        )
+        warm_up = min(300, steps // 10 + 1)
+        self.schedule = torch.optim.lr_scheduler.LambdaLR(
+            self.optimiser, lambda step: _learning_rate(step, warm_up, steps)
+        )
+
+    def step(self, images: torch.Tensor, sine: torch.Tensor, labels: torch.Tensor) -> float:
+        """Take one step on a batch (see :func:`_batch`) and return its loss."""
+        device, settings = self.device, self.settings
+        with torch.autocast(device.type, torch.bfloat16, enabled=settings.bfloat16):
+            logits = self.network.train()(images.to(device), sine.to(device))
+        loss = segmentation_loss(logits.float(), labels.to(device), settings.dice)
+        self.optimiser.zero_grad()
+        loss.backward()
+        nn.utils.clip_grad_norm_(self.network.parameters(), 5.0)
+        self.optimiser.step()
+        self.schedule.step()
+        self.average.update(self.network)
+        return float(loss.item())
 
 
 def _parameter_groups(network: nn.Module, decay: float) -> list[dict[str, Any]]:
