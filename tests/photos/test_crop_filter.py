@@ -149,6 +149,10 @@ def test_a_surface_without_good_windows_keeps_its_least_bad():
     assert kept.reasons[0, "r1"] == "clutter"
     kept = choose_kept([place(bad)] * 9)
     assert len(kept.rooms) == WORST_RESORT
+    # With grave faults every photo has a say, not only the one whose windows look least bad.
+    worse = Candidate(crop, verdict_of(["border", "clutter"], crop))
+    kept = choose_kept([*[place(bad)] * 5, *[place(worse, photo="b.png")] * 5])
+    assert kept.rooms == {(number, "r1") for number in (0, 1, 2, 5, 6, 7)}
     # A room that has a good one elsewhere refuses what another must keep.
     shared = [place(mild, rooms=("r1", "r2")), place(good, photo="b.png", rooms=("r2",))]
     kept = choose_kept(shared)

@@ -11,6 +11,7 @@ from plan2scene.textures.exemplar.lattice import find_lattice, whole_periods
 from plan2scene.textures.exemplar.light import flatten, highlights, log_luma
 from plan2scene.textures.exemplar.make import (
     ExemplarCrop,
+    alike,
     consensus,
     enlarged,
     make_exemplar,
@@ -176,3 +177,13 @@ def test_recolouring_hits_the_colour_and_keeps_the_grain() -> None:
     result = recoloured(image, tone)
     np.testing.assert_allclose(median_colour(result), tone, atol=2 / 255)
     assert result.std() > 5
+
+
+def test_crops_of_another_thing_are_left_out() -> None:
+    def plain(*colour: int) -> ExemplarCrop:
+        return ExemplarCrop(np.full((128, 128, 3), colour, np.uint8), 1.0, 1.0)
+
+    wood = [plain(150, 110, 70), plain(165, 120, 75), plain(140, 105, 65)]
+    bedspread = [plain(230, 230, 240), plain(235, 228, 240)]
+    assert alike([*bedspread, *wood]) == wood
+    assert alike(wood) == wood

@@ -45,7 +45,8 @@ CANDIDATE_COLUMNS = {
     "crop_id": "str",
     "corners": "object",
 }
-#: Crops kept of a surface that has no good one: with mild faults only, and with grave ones.
+#: Crops kept of a surface that has no good one: with mild faults only, and of each photo with grave
+#: ones.
 LAST_RESORT, WORST_RESORT = 10, 3
 #: Reason of such a crop is this and what is wrong with it.
 LAST_RESORT_PREFIX = "last resort: "
@@ -113,7 +114,7 @@ def choose_kept(candidates: Sequence[PhotoCandidate], *, keep_index: bool = Fals
             kept = sorted(numbers, key=lambda number: (verdicts[number].badness, number))
             mild = verdicts[kept[0]].badness < GRAVE
             kept = [k for k in kept if (verdicts[k].badness < GRAVE) == mild]
-            kept = kept[: LAST_RESORT if mild else WORST_RESORT]
+            kept = kept[:LAST_RESORT] if mild else _few_of_each(kept, candidates)
             for number in kept:
                 reasons[number, room] = LAST_RESORT_PREFIX + verdicts[number].reason
         rooms.update((number, room) for number in kept)
@@ -126,6 +127,14 @@ def choose_kept(candidates: Sequence[PhotoCandidate], *, keep_index: bool = Fals
         count[key] = rank + 1
         crop_index[number] = item.candidate.crop.index if keep_index else rank
     return Kept(reasons, crop_index, rooms)
+
+
+def _few_of_each(numbers: Sequence[int], candidates: Sequence[PhotoCandidate]) -> list[int]:
+    """Return the first `WORST_RESORT` of each photo, so that no single photo has the only word."""
+    few: dict[str, list[int]] = {}
+    for number in numbers:
+        few.setdefault(candidates[number].photo, []).append(number)
+    return sorted(number for members in few.values() for number in members[:WORST_RESORT])
 
 
 def write_tables(

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from plan2scene.textures.colour import as_uint8
+from plan2scene.textures.colour import as_uint8, delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.textures.exemplar.light import flatten, highlights
 from plan2scene.textures.exemplar.quilt import quilt
 from plan2scene.textures.exemplar.straighten import find_pattern, straightened
@@ -26,6 +26,7 @@ _LARGEST = 2.0  # side of the tile over the side of a crop
 _LEAST_SHARP = 0.2  # photo pixels per crop pixel under which a crop shows no texture
 _MOST_SPOILED = 0.5  # share of burned-out or masked pixels from which a crop is useless
 _WHITE = 0.96  # channel value from which a crop's colour may be burned out
+_ALIKE_DE = 20.0  # CIEDE2000 beyond which crops are of different things; light gives less
 _SMALLEST_PX = 32  # crops that fill less of the tile only make seams
 
 
@@ -88,6 +89,18 @@ def usable(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
     ]
 
 
+def alike(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
+    """Return the crops whose colour is near that of the one most like all others.
+
+    Where masks err, crops of one surface show different things; patches of a rug in a floor are
+    worse than fewer crops.
+    """
+    labs = np.stack([rgb_to_lab(median_colour(crop.image)) for crop in crops])
+    apart = delta_e_2000(labs[:, None], labs[None])
+    middle = int(apart.sum(axis=1).argmin())
+    return [crop for crop, far in zip(crops, apart[middle], strict=True) if far <= _ALIKE_DE]
+
+
 def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | None:
     """Return a seamless tile of the surface that `crops` show; None when all are too poor.
 
@@ -103,6 +116,7 @@ def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | 
     good = usable(crops)
     if not good:
         return None
+    good = alike(good)
     flat, masks, tone, order = _evened(good)
     sides, size_m = tile_scale(good)
     known = np.isfinite([crop.metres for crop in good]).all()
