@@ -20,7 +20,7 @@ rule segmentation_scenes:
 
 
 rule segmentation_start:
-    # Drawn rooms of boxes -> weights that know floors, walls and ceilings.
+    # Drawn rooms -> weights that know floors, walls and ceilings.
     input:
         "results/training/segmentation_scenes.parquet",
     output:
