@@ -5,6 +5,7 @@ import pytest
 
 from plan2scene.metrics.color import color_distance, color_histogram
 from plan2scene.metrics.freq import freq_distance, frequency_profile, periodic_component
+from plan2scene.metrics.images import grey
 from plan2scene.metrics.tile import tile_score, tile_scores
 
 
@@ -77,6 +78,29 @@ def test_histogram_agrees_with_colorsys():
     assert np.array_equal(color_histogram(image), expected.ravel())
 
 
+def test_colours_on_an_edge_of_hue_fall_where_the_reference_rounds_them():
+    import colorsys
+
+    levels = np.arange(256)
+    colours = []
+    for span in range(5, 256, 5):  # the hue is k / 10 only where the span is a multiple of 5
+        middle = np.array([0, 1, 2, 3, 4, 5]) * span // 5
+        bottom = levels[: 256 - span : 7]
+        top = np.broadcast_to(bottom + span, (6, len(bottom)))
+        low = np.broadcast_to(bottom, top.shape)
+        order = [top, low + middle[:, None], low]
+        for axes in ((0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)):
+            colours.append(np.stack([order[i] for i in axes], axis=-1).reshape(-1, 3))
+    pixels = np.concatenate(colours).astype(np.uint8)
+    expected = [
+        int(np.searchsorted(np.arange(1, 10) / 10, colorsys.rgb_to_hls(*pixel)[0], "right"))
+        for pixel in pixels / 255
+    ]
+    found = color_histogram(pixels[:, None, None, :]).reshape(-1, 10, 9).sum(axis=-1)
+    assert np.array_equal(found.argmax(axis=1), expected)
+    assert len(set(expected)) == 10
+
+
 def test_constant_images():
     white = np.full((128, 128, 3), 255, np.uint8)
     red = np.zeros_like(white)
@@ -90,6 +114,50 @@ def test_periodic_component_of_a_periodic_image_with_equal_borders_is_itself():
     rows = np.sin(np.linspace(0, np.pi, 32))
     image = np.outer(rows, rows)  # opposite borders are equal, so there are no jumps
     assert np.allclose(periodic_component(image), image)
+
+
+@pytest.mark.parametrize("size", [32, 31])
+def test_periodic_component_solves_the_poisson_equation_of_its_jumps(size):
+    image = np.random.default_rng(4).uniform(0, 255, (size, size))
+    smooth = image - periodic_component(image)
+    jumps = np.zeros_like(image)
+    jumps[0] += image[-1] - image[0]
+    jumps[-1] -= image[-1] - image[0]
+    jumps[:, 0] += image[:, -1] - image[:, 0]
+    jumps[:, -1] -= image[:, -1] - image[:, 0]
+    neighbours = sum(np.roll(smooth, s, axis=a) for s in (1, -1) for a in (0, 1))
+    assert np.allclose(neighbours - 4 * smooth, jumps, atol=1e-9)
+    assert smooth.mean() == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("size", [64, 63])
+def test_frequency_profile_is_the_mean_over_rings_of_the_whole_spectrum(size):
+    image = np.random.default_rng(5).integers(0, 256, (size, size, 3), dtype=np.uint8)
+    component = np.abs(periodic_component(grey(image)))
+    spectrum = np.fft.fftshift(np.abs(np.fft.fft2(component))) / size**2
+    offset = np.arange(size) - size // 2
+    radius = np.hypot(offset[:, None], offset[None, :]).astype(int)
+    expected = [spectrum[radius == r].mean() for r in range(1, size // 2)]
+    profile = frequency_profile(image)
+    assert profile[0] == 0.0
+    assert np.allclose(profile[1:], expected, atol=1e-6)
+
+
+def test_tile_is_the_norm_of_the_weighted_spectrum(crops):
+    grid = crops[1]
+    offset = np.arange(128) - 63.5
+    window = np.exp(-(offset[:, None] ** 2 + offset[None, :] ** 2) / (2 * 21.0**2))
+    window /= window.sum()
+    window[64, 64] = 0.0
+    expected = np.linalg.norm(np.fft.fftshift(np.fft.fft2(grey(grid))) * window)
+    assert tile_score(grid) == pytest.approx(expected, abs=1e-9)
+
+
+def test_grey_is_pillows():
+    from PIL import Image
+
+    image = np.random.default_rng(6).integers(0, 256, (64, 64, 3), dtype=np.uint8)
+    assert np.array_equal(grey(image), np.asarray(Image.fromarray(image).convert("L")))
 
 
 def test_wrong_inputs_are_refused(crops):

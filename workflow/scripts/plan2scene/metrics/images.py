@@ -7,6 +7,7 @@ from PIL import Image
 
 #: Side in pixels at which the paper compares textures.
 METRIC_SIZE = 128
+_LUMA = np.array([19595, 38470, 7471], dtype=np.float32) / np.float32(65536)
 
 
 def require_images(images: np.ndarray) -> np.ndarray:
@@ -33,6 +34,7 @@ def grey(images: np.ndarray) -> np.ndarray:
     Rounded to integers with Pillow's fixed-point weights (ITU-R BT.601), as the reference does:
     the third decimal of FREQ depends on it.
     """
-    weights = np.array([19595, 38470, 7471], dtype=np.int64)
-    luma = (require_images(images).astype(np.int64) @ weights + 0x8000) >> 16
-    return luma.astype(np.float64)
+    pixels = require_images(images)
+    # Products and sums stay below 2^24 / 65536 in steps of 1 / 65536: exact in float32.
+    luma = pixels.reshape(-1, 3).astype(np.float32) @ _LUMA
+    return np.floor(luma + np.float32(0.5)).astype(np.float64).reshape(pixels.shape[:-1])

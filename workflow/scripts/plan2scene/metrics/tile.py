@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+from scipy import fft
 
-from plan2scene.metrics.images import METRIC_SIZE, grey
+from plan2scene.metrics.images import METRIC_SIZE, grey, require_images
 
 _SIGMA = 21.0
 
@@ -26,13 +27,34 @@ def _window() -> np.ndarray:
     return window
 
 
+@cache
+def _half_weights() -> np.ndarray:
+    """Return (128 * 65 * 2,) weights of the squared parts of a flat half spectrum.
+
+    The squared window, with that of the mirrored frequency (of equal amplitude) added where the
+    half spectrum leaves it out; each weight twice, for the real and the imaginary part.
+    """
+    squares = np.fft.ifftshift(_window() ** 2)
+    half = METRIC_SIZE // 2
+    mirrored = np.roll(squares[::-1, ::-1], 1, axis=(0, 1))
+    weights = squares[:, : half + 1].copy()
+    weights[:, 1:half] += mirrored[:, 1:half]
+    return np.repeat(weights.ravel(), 2)
+
+
+def _score(luma: np.ndarray) -> float:
+    """Return the TILE score of one (128, 128) float64 luma image."""
+    parts = fft.rfft2(luma).view(np.float64).ravel()
+    return float(np.sqrt((parts * parts) @ _half_weights()))
+
+
 def tile_scores(images: np.ndarray) -> np.ndarray:
     """Return (...) float64 TILE scores of (..., 128, 128, 3) uint8 sRGB images; 0 is best."""
-    luma = grey(images)
-    if luma.shape[-1] != METRIC_SIZE:
-        raise ValueError(f"expected {METRIC_SIZE} px images, found {luma.shape[-1]} px")
-    spectrum = np.fft.fftshift(np.fft.fft2(luma), axes=(-2, -1))
-    return np.linalg.norm(spectrum * _window(), axis=(-2, -1))
+    pixels = require_images(images)
+    if pixels.shape[-2] != METRIC_SIZE:
+        raise ValueError(f"expected {METRIC_SIZE} px images, found {pixels.shape[-2]} px")
+    scores = [_score(grey(image)) for image in pixels.reshape(-1, *pixels.shape[-3:])]
+    return np.array(scores).reshape(pixels.shape[:-3])
 
 
 def tile_score(image: np.ndarray) -> float:
