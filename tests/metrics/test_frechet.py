@@ -1,4 +1,4 @@
-"""The Frechet distance against closed forms, and where a covariance is singular."""
+"""The Frechet distance against closed forms and torchmetrics, also where a covariance is singular."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def test_a_shift_costs_its_squared_length():
 
 def test_one_dimension_has_a_closed_form():
     a, b = _samples(400, 1, 3, 1.0, 2.0), _samples(500, 1, 4, -1.0, 0.5)
-    expected = (a.mean() - b.mean()) ** 2 + (a.std() - b.std()) ** 2
+    expected = (a.mean() - b.mean()) ** 2 + (a.std(ddof=1) - b.std(ddof=1)) ** 2
     assert frechet_distance(a, b) == pytest.approx(expected, rel=1e-9)
 
 
@@ -34,15 +34,33 @@ def test_agrees_with_the_matrix_square_root():
     rng = np.random.default_rng(5)
     a = rng.normal(size=(500, 4)) @ rng.normal(size=(4, 4))
     b = rng.normal(size=(500, 4)) @ rng.normal(size=(4, 4)) + 1.0
-    share = 4 / 504
-    covariances = []
-    for features in (a, b):
-        c = np.cov(features.T, bias=True)
-        covariances.append((1 - share) * c + share * np.diag(np.diag(c)))
+    covariances = [np.cov(features.T) for features in (a, b)]
     root = sqrtm(covariances[0] @ covariances[1]).real
     expected = ((a.mean(0) - b.mean(0)) ** 2).sum()
     expected += np.trace(covariances[0] + covariances[1] - 2 * root)
     assert frechet_distance(a, b) == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize(("n", "m", "d"), [(300, 200, 8), (40, 90, 24), (9, 30, 16)])
+def test_is_that_of_torchmetrics(n, m, d):
+    torch = pytest.importorskip("torch")
+    fid = pytest.importorskip("torchmetrics.image.fid")
+
+    class Given(torch.nn.Module):
+        """Takes (n, d) features as they are."""
+
+        num_features = d
+
+        def forward(self, features):
+            return features
+
+    a, b = _samples(n, d, 6, 0.4, 2.0), _samples(m, d, 7)
+    metric = fid.FrechetInceptionDistance(feature=Given(), normalize=True).set_dtype(torch.float64)
+    metric.update(torch.from_numpy(b), real=True)
+    metric.update(torch.from_numpy(a), real=False)
+    # It takes roots of eigenvalues of the product: rounding shows where that is singular.
+    tolerance = 1e-9 if n > d else 1e-5
+    assert frechet_distance(a, b) == pytest.approx(float(metric.compute()), rel=tolerance)
 
 
 def test_symmetric_and_finite_with_fewer_samples_than_dimensions():
@@ -54,13 +72,16 @@ def test_symmetric_and_finite_with_fewer_samples_than_dimensions():
 
 
 def test_weights_count_like_repetitions():
-    a, b = _samples(60, 3, 8), _samples(20, 3, 9, 0.5)
-    counts = np.random.default_rng(0).integers(1, 5, 20)
-    repeated = np.repeat(b, counts, axis=0)
-    weighted = frechet_distance(a, b, counts.astype(float))
-    # Only the effective size, which shrinkage depends on, may differ.
-    assert weighted == pytest.approx(frechet_distance(a, repeated), rel=0.1)
-    assert frechet_distance(a, b, np.full(20, 3.0)) == pytest.approx(frechet_distance(a, b))
+    a, b = _samples(6000, 3, 8), _samples(2000, 3, 9, 0.5)
+    rng = np.random.default_rng(0)
+    counts_a, counts_b = rng.integers(1, 5, 6000), rng.integers(1, 5, 2000)
+    weighted = frechet_distance(a, b, counts_a.astype(float), counts_b.astype(float))
+    repeated = frechet_distance(np.repeat(a, counts_a, axis=0), np.repeat(b, counts_b, axis=0))
+    # They differ by the unbiased covariance's n / (n - 1), which takes rows for n.
+    assert weighted == pytest.approx(repeated, rel=1e-3)
+    assert abs(weighted / frechet_distance(a, b) - 1) > 2e-3
+    plain = frechet_distance(a, b)
+    assert frechet_distance(a, b, None, np.full(2000, 3.0)) == pytest.approx(plain)
 
 
 def test_bad_sets_are_refused():
@@ -69,4 +90,4 @@ def test_bad_sets_are_refused():
     with pytest.raises(ValueError, match="features"):
         frechet_distance(np.zeros((3, 5)), np.zeros((3, 4)))
     with pytest.raises(ValueError, match="weights"):
-        frechet_distance(np.zeros((3, 4)), np.zeros((3, 4)), np.zeros(3))
+        frechet_distance(np.zeros((3, 4)), np.zeros((3, 4)), None, np.zeros(3))
