@@ -11,16 +11,18 @@ import subprocess
 import sys
 from pathlib import Path
 
-FIGURES = ("COLOR", "FREQ", "SUBS (embedded)", "FID (embedded)", "TILE")
+from plan2scene.metrics.published import METRICS
 
 
 def main(path: Path) -> None:
     rows = list(csv.DictReader(path.open(encoding="utf-8")))
-    print("| method | surfaces | n | " + " | ".join(FIGURES) + " |")
-    print("|---" * (3 + len(FIGURES)) + "|")
+    # "SUBS (network)", but not "SUBS published".
+    figures = [name for name in rows[0] if name.split(" (")[0] in METRICS]
+    print("| method | surfaces | n | " + " | ".join(figures) + " |")
+    print("|---" * (3 + len(figures)) + "|")
     for row in rows:
         cells = []
-        for name in FIGURES:
+        for name in figures:
             published = row[f"{name.split()[0]} published"]
             known = "" if published == "none" else f" ({published})"
             cells.append(f"{float(row[name]):.3f}{known}")

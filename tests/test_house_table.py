@@ -3,7 +3,13 @@ import json
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.house_table import check_official, hidden_photo_names, load_houses, photo_paths
+from plan2scene.house_table import (
+    check_metrics,
+    check_official,
+    hidden_photo_names,
+    load_houses,
+    photo_paths,
+)
 
 HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
 
@@ -63,3 +69,11 @@ def test_official_weights_need_their_checkpoints(tmp_path):
             check_official({"weights": "official", "official": given | {name: None}})
     with pytest.raises(InputError, match=r"official\.naivesynth\), found no such file"):
         check_official({"weights": "official", "official": given | {"naivesynth": "no.ckpt"}})
+
+
+def test_networks_of_the_metrics_must_be_there(tmp_path):
+    there = tmp_path / "a.pth"
+    there.write_bytes(b"")
+    check_metrics({"vgg16": None, "inception": str(there)})
+    with pytest.raises(InputError, match=r"metrics\.vgg16\), found no such file"):
+        check_metrics({"vgg16": "no.ckpt", "inception": None})

@@ -217,7 +217,7 @@ def test_classifier_round_trip(tmp_path):
     assert shapes["classifier.6.weight"] == (4, 4096)
     torch.save({"model_params": {}, "model_state_dict": small.state_dict()}, tmp_path / "c")
     with pytest.raises(InputError, match=r"shape \(64, 3, 3, 3\) of tensor features\.0\.weight"):
-        convert_checkpoint("features", tmp_path / "c", tmp_path / "o")
+        convert_checkpoint("vgg16", tmp_path / "c", tmp_path / "o")
 
 
 @pytest.mark.parametrize("old", [False, True])

@@ -12,7 +12,8 @@ from plan2scene.io import png_bytes, read_parquet, write_parquet, write_png
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.frechet import frechet_distance
 from plan2scene.metrics.freq import freq_distance
-from plan2scene.metrics.published import METRICS, PUBLISHED
+from plan2scene.metrics.kernel import kernel_distance
+from plan2scene.metrics.published import METRICS, published_value
 from plan2scene.metrics.stage import measure_house, reference_features
 from plan2scene.metrics.table import TableRequest, paper_table, partial_table
 from plan2scene.metrics.tile import tile_score
@@ -163,8 +164,18 @@ def test_table_counts_and_averages_the_right_surfaces(results):
     expected = frechet_distance(np.stack(unobserved["features"]), np.stack(walls["features"]))
     assert cells["synth", "unobserved", "FID"] == pytest.approx(expected, rel=1e-6)
     row = wide[(wide["method"] == "synth") & (wide["column"] == "all")].iloc[0]
-    for name, figure in zip(METRICS, PUBLISHED["synth"]["all"], strict=True):
-        assert float(row[f"{name} published"]) == figure
+    paper = {"COLOR": 0.591, "FREQ": 0.034, "SUBS": 0.392, "FID": 196.2, "TILE": 17.6}
+    for name, figure in paper.items():
+        assert float(row[f"{name} published"]) == figure == published_value("synth", "all", name)
+    assert row["KID published"] == row["KID difference"] == "none"
+    # Only what is of one network's scale is subtracted.
+    assert row["SUBS difference"] == row["FID difference"] == "other network"
+    assert float(row["TILE difference"]) == pytest.approx(float(row["TILE"]) - 17.6, abs=1e-4)
+    assert row["images"] == row["n"]
+    assert f"numpy {np.__version__}" in row["packages"]
+    kid = kernel_distance(np.stack(unobserved["features"]), np.stack(walls["features"]))
+    assert cells["synth", "unobserved", "KID"] == pytest.approx(kid, rel=1e-6)
+    assert float(row["KID (embedded)"]) == pytest.approx(cells["synth", "all", "KID"], abs=1e-3)
     assert float(row["FID (embedded)"]) == pytest.approx(cells["synth", "all", "FID"], abs=1e-3)
     assert (results / "tables" / "t.png").stat().st_size > 5000
 

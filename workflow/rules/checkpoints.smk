@@ -1,12 +1,13 @@
-# Config `weights: official`: the authors' released checkpoints as weight files of this program.
+# Config `weights: official`: the authors' released checkpoints as weight files of this program;
+# config `metrics`: the networks that SUBS, FID and KID are made with.
 wildcard_constraints:
-    network="texture|naivesynth",
+    network="texture|naivesynth|vgg16|inception",
 
 
 rule convert_checkpoint:
     # Tensors only: a file that carries code is refused, one of another network too.
     input:
-        lambda wildcards: config["official"][wildcards.network],
+        lambda wildcards: (config["official"] | config["metrics"])[wildcards.network],
     output:
         f"{RESULTS}/weights/{{network}}.safetensors",
     log:
@@ -17,7 +18,7 @@ rule convert_checkpoint:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=1500,
+        mem_mb=2500,
     params:
         substances=config["official"]["substances"],
         code=code_hash("checkpoints.convert"),

@@ -11,6 +11,7 @@ from snakemake.utils import validate
 from plan2scene.datasets.layout import find_layout
 from plan2scene.datasets.table import SPLITS
 from plan2scene.house_table import (
+    check_metrics,
     check_official,
     chosen_crops,
     hidden_photo_names,
@@ -42,6 +43,7 @@ try:
     )
     config["crops"] |= chosen_crops(LAYOUT, config["crops"])
     check_official(config)
+    check_metrics(config["metrics"])
     HOUSES = load_houses(
         TABLE,
         splits=config["dataset"]["splits"],
@@ -185,3 +187,25 @@ def decoder_of(wildcards):
     """Return the texture model of a method; none where nothing is decoded."""
     models = {"synth": "texture", "naivesynth": "naivesynth", "exemplar": "texture"}
     return model_of(models[wildcards.method]) if wildcards.method in models else []
+
+
+def metric_model(network):
+    """Return the weights of a metric's network: the configured one's, else the embedded."""
+    if config["metrics"][network]:
+        return f"{RESULTS}/weights/{network}.safetensors"
+    return model_of("features")
+
+
+def decoded_again(source):
+    """Return an input function: that of `source` where a method's noise is drawn again."""
+
+    def files(wildcards):
+        drawn = wildcards.method in ("synth", "naivesynth")
+        return source(wildcards) if drawn and config["metrics"]["fid_seeds"] > 1 else []
+
+    return files
+
+
+def propagated_of(wildcards):
+    """Return the propagated embeddings of a house."""
+    return f"{RESULTS}/drop_{wildcards.drop}/{wildcards.house}/propagated.parquet"

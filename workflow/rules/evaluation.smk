@@ -2,12 +2,22 @@
 TABLE_DROP = "0.6" if "0.6" in DROPS else max(DROPS)
 
 
+# The networks behind FID and KID, and behind SUBS: converted ones where they are given.
+FEATURES = metric_model("inception")
+SUBSTANCES = metric_model("vgg16")
+METRIC_MEMORY = 3000 if FEATURES != SUBSTANCES else 1000
+
+
 rule metrics:
     # COLOR, FREQ, TILE, SUBS and features of each surface that any crop shows.
     input:
         textures=f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/textures",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        model=model_of("features"),
+        model=FEATURES,
+        substance_model=SUBSTANCES,
+        # For further images of FID and KID; empty where there is one of each surface.
+        propagated=decoded_again(propagated_of),
+        decoder=decoded_again(decoder_of),
     output:
         f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/metrics.parquet",
     log:
@@ -18,10 +28,16 @@ rule metrics:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=1000,
+        mem_mb=METRIC_MEMORY,
     params:
         hidden=hidden_photos,
         dataset=DATASET,
+        images=config["metrics"]["fid_seeds"],
+        seed=config["seed"],
+        size_px=config["textures"]["size_px"],
+        seam_correction=lambda wildcards: config["textures"]["seam_correction"][
+            wildcards.method
+        ],
         code=code_hash("metrics.stage"),
     script:
         "../scripts/metrics.py"
@@ -31,7 +47,7 @@ rule reference_features:
     # Features of every crop: what FID compares the textures with.
     input:
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        model=model_of("features"),
+        model=FEATURES,
     output:
         f"{RESULTS}/houses/{{house}}/reference_features.parquet",
     log:
@@ -42,7 +58,7 @@ rule reference_features:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=1000,
+        mem_mb=METRIC_MEMORY,
     params:
         dataset=DATASET,
         code=code_hash("metrics.stage"),
@@ -51,7 +67,7 @@ rule reference_features:
 
 
 rule paper_table:
-    # The paper's table 1 over all houses, with the published figures beside ours.
+    # The paper's table 1 over all houses: published figures and differences beside ours.
     input:
         metrics=expand(
             f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/metrics.parquet",
@@ -67,6 +83,7 @@ rule paper_table:
             category="Evaluation",
         ),
         parquet=f"{RESULTS}/tables/paper_table.parquet",
+        latex=f"{RESULTS}/tables/paper_table.tex",
         plot=report(
             f"{RESULTS}/tables/paper_table.png",
             caption="../report/paper_table.rst",

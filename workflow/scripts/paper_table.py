@@ -10,6 +10,7 @@ with job(snakemake.log[0]):
         snakemake.output.csv,
         snakemake.output.parquet,
         snakemake.output.plot,
+        snakemake.output.latex,
         request=TableRequest(
             dataset=snakemake.params.dataset,
             houses=tuple(snakemake.params.houses),

@@ -164,7 +164,9 @@ def import_plan_file(
 
 @app.command("convert-checkpoint")
 def convert(
-    network: Annotated[str, typer.Argument(help="texture, naivesynth, propagation or features.")],
+    network: Annotated[
+        str, typer.Argument(help="One of texture, naivesynth, propagation, vgg16, inception.")
+    ],
     checkpoint: Annotated[Path, typer.Argument(help="A file the paper's authors released.")],
     out: Annotated[Path, typer.Option(help="The safetensors file to write.")],
     substances: Annotated[

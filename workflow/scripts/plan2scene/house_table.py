@@ -110,6 +110,13 @@ def check_official(config: Mapping[str, Any]) -> None:
             raise InputError(f"a checkpoint (official.{name})", "no such file", file=given[name])
 
 
+def check_metrics(section: Mapping[str, Any]) -> None:
+    """Raise InputError, one line, where a network of section ``metrics`` is no file."""
+    for name in ("vgg16", "inception"):
+        if section[name] is not None and not Path(section[name]).is_file():
+            raise InputError(f"a checkpoint (metrics.{name})", "no such file", file=section[name])
+
+
 def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:
     """Return the paths of those photos that exist; unsafe names are left out."""
     found = []

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import hashlib
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 
 PACKAGE = Path(__file__).parent
@@ -77,3 +78,8 @@ def code_hash(*modules: str) -> str:
 def file_hash(path: str | Path) -> str:
     """Return 16 hex digits of a file's SHA-256 (names the weights that made a table)."""
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
+
+
+def package_versions(*packages: str) -> str:
+    """Return ``name version`` of installed packages, separated by commas."""
+    return ", ".join(f"{name} {version(name)}" for name in packages)

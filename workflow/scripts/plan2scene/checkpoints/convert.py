@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from plan2scene.propagation.prior import TypeMeans
 
 #: Networks that have released checkpoints.
-NETWORKS = ("texture", "naivesynth", "propagation", "features")
+NETWORKS = ("texture", "naivesynth", "propagation", "vgg16", "inception")
 #: What the authors' files call our substances.
 _SYNONYMS = {"painted": "plaster", "plastered": "plaster", "smalltile": "tile"}
 
@@ -38,7 +38,9 @@ def convert_checkpoint(
     Parameters
     ----------
     network : str
-        One of :data:`NETWORKS`; ``texture`` is version 1 or 2, which have one structure.
+        One of :data:`NETWORKS`; ``texture`` is version 1 or 2, which have one structure,
+        ``vgg16`` the substance classifier, ``inception`` no checkpoint of the authors but
+        InceptionV3's weights as torchvision or pytorch-fid name them.
     checkpoint : path
         File of ``torch.save``; nothing in it is run.
     output : path
@@ -59,8 +61,10 @@ def convert_checkpoint(
     order = _class_order(substances)
     if network == "propagation":
         _convert_propagation(state, checkpoint, output, means)
-    elif network == "features":
+    elif network == "vgg16":
         _convert_classifier(state, checkpoint, output, order)
+    elif network == "inception":
+        _convert_inception(state, checkpoint, output)
     else:
         _convert_texture(state, checkpoint, output, order, naive=network == "naivesynth")
 
@@ -133,3 +137,26 @@ def _convert_classifier(
     for name in ("classifier.6.weight", "classifier.6.bias"):
         fitted[name] = fitted[name][order]
     save_model_file(output, fitted, {"network": "vgg16", "divisor": 1}, half=False)
+
+
+def _convert_inception(
+    state: dict[str, torch.Tensor], checkpoint: str | Path, output: str | Path
+) -> None:
+    """Write InceptionV3 without its classes, whose number says which variant it is."""
+    from plan2scene.metrics.inception import NETWORK, VARIANTS, InceptionV3
+
+    classes = next((len(v) for name, v in state.items() if name.endswith("fc.bias")), None)
+    if classes not in VARIANTS:
+        expected = f"fc.bias of {' or '.join(str(n) for n in VARIANTS)} classes"
+        raise InputError(expected, str(classes or "none"), file=checkpoint)
+    counter = "num_batches_tracked"  # of training
+    with torch.device("meta"):
+        shapes = _shapes(InceptionV3(VARIANTS[classes]))
+    fitted = fitted_state(
+        {name: value for name, value in state.items() if not name.endswith(counter)},
+        {name: shape for name, shape in shapes.items() if not name.endswith(counter)},
+        checkpoint,
+        dropped=("fc.", "AuxLogits."),
+    )
+    architecture = {"network": NETWORK, "variant": VARIANTS[classes], "divisor": 1}
+    save_model_file(output, fitted, architecture, half=False)

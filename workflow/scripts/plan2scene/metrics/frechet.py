@@ -8,8 +8,8 @@ import numpy as np
 def frechet_distance(
     features_a: np.ndarray,
     features_b: np.ndarray,
-    weights_a: np.ndarray | None = None,
     weights_b: np.ndarray | None = None,
+    weights_a: np.ndarray | None = None,
 ) -> float:
     """Return the squared Frechet distance of two feature sets taken as Gaussians; 0 is best.
 
@@ -24,7 +24,7 @@ def frechet_distance(
         Predictions.
     features_b : (m, d) float
         References.
-    weights_a, weights_b : (n,), (m,) float, optional
+    weights_b, weights_a : (m,), (n,) float, optional
         Non-negative shares of the samples (equal when None); their scale is of no matter.
 
     Raises
@@ -55,4 +55,4 @@ def _moments(features: np.ndarray, weights: np.ndarray | None) -> tuple[np.ndarr
     mean = share @ features
     unbiased = count / (count - 1) if count > 1 else 0.0
     root = (features - mean) * np.sqrt(share * unbiased)[:, None]
-    return mean, np.linalg.qr(root, mode="r") if count > dimension else root
+    return mean, np.asarray(np.linalg.qr(root, mode="r")) if count > dimension else root

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plan2scene.io import atomic_path
-from plan2scene.metrics.published import METRICS, TABLE_COLUMNS
+from plan2scene.metrics.published import METRICS, TABLE_COLUMNS, comparable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,12 +20,12 @@ def plot_table(tidy: pd.DataFrame, output: str | Path) -> None:
     """Write a PNG of the tidy table of :func:`plan2scene.metrics.table.paper_table`.
 
     A panel per metric, a group of bars per column. Published figures are drawn where they are
-    of one scale: not for FID, whose network differs.
+    of one scale: not where they come from another network.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(15, 3.6), layout="constrained")
+    figure = Figure(figsize=(17, 3.6), layout="constrained")
     FigureCanvasAgg(figure)
     methods = list(dict.fromkeys(tidy["method"]))
     for axes, metric in zip(figure.subplots(1, len(METRICS)), METRICS, strict=True):
@@ -36,20 +36,19 @@ def plot_table(tidy: pd.DataFrame, output: str | Path) -> None:
             place = np.arange(len(TABLE_COLUMNS)) + (i - (len(methods) - 1) / 2) * width
             values = [cells.loc[(method, column), "value"] for column in TABLE_COLUMNS]
             axes.bar(place, values, 0.92 * width, color=_COLOURS[i % len(_COLOURS)], label=method)
-            if metric != "FID":
+            if comparable(metric, network):
                 marks = [cells.loc[(method, column), "published"] for column in TABLE_COLUMNS]
                 label = "published" if i == 0 else None
                 axes.plot(place, marks, "D", color="black", markersize=4, mfc="none", label=label)
         axes.set_xticks(range(len(TABLE_COLUMNS)), TABLE_COLUMNS)
         axes.set_title(metric if network == "none" else f"{metric} ({network})")
         axes.spines[["top", "right"]].set_visible(False)
-        axes.set_ylim(bottom=0)
+        if cells["value"].min() >= 0:  # KID may fall below
+            axes.set_ylim(bottom=0, top=None if cells["value"].max() > 0 else 1)
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
     dataset, n = tidy["dataset"].iloc[0], tidy.groupby("column", sort=False)["n"].max()
     counts = ", ".join(f"{name} {count}" for name, count in n.items())
-    figure.suptitle(
-        f"{dataset}: lower is better; surfaces: {counts}. Published: Rent3D++, VGG-16 for SUBS."
-    )
+    figure.suptitle(f"{dataset}: lower is better; surfaces: {counts}. Published: Rent3D++.")
     with atomic_path(output) as temporary:
         figure.savefig(temporary, dpi=110, metadata={"Software": None})

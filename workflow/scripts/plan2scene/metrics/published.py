@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-#: Metrics in the paper's order.
-METRICS = ("COLOR", "FREQ", "SUBS", "FID", "TILE")
+_PAPER_METRICS = ("COLOR", "FREQ", "SUBS", "FID", "TILE")
+#: Metrics of our table: the paper's in its order, and KID, which depends on no set's size.
+METRICS = (*_PAPER_METRICS, "KID")
+#: The networks of the published figures; ours by another one are not of their scale.
+PUBLISHED_NETWORKS: Mapping[str, str] = {"SUBS": "vgg16", "FID": "inception"}
 #: Columns: surfaces observed at drop 0.0, and those unobserved and all at drop 0.6.
 TABLE_COLUMNS = ("observed", "unobserved", "all")
-#: ``PUBLISHED[method][column]`` in the order of :data:`METRICS`. SUBS is by VGG-16 and FID by
-#: InceptionV3.
-PUBLISHED: Mapping[str, Mapping[str, tuple[float, ...]]] = {
+#: ``_TABLE[method][column]`` in the paper's order. SUBS is by VGG-16 and FID by InceptionV3.
+_TABLE: Mapping[str, Mapping[str, tuple[float, ...]]] = {
     "crop": {
         "observed": (0.0, 0.0, 0.0, 0.0, 38.1),
         "unobserved": (0.768, 0.026, 0.345, 57.2, 40.6),
@@ -32,3 +34,15 @@ PUBLISHED: Mapping[str, Mapping[str, tuple[float, ...]]] = {
         "all": (0.591, 0.034, 0.392, 196.2, 17.6),
     },
 }
+
+
+def published_value(method: str, column: str, metric: str) -> float:
+    """Return the paper's figure; NaN for a method or metric that it does not have."""
+    if method not in _TABLE or metric not in _PAPER_METRICS:
+        return float("nan")
+    return _TABLE[method][column][_PAPER_METRICS.index(metric)]
+
+
+def comparable(metric: str, network: str) -> bool:
+    """Return whether a figure made with `network` is of the published figures' scale."""
+    return PUBLISHED_NETWORKS.get(metric, network) == network

@@ -12,13 +12,10 @@ from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES, SurfaceKey
 from plan2scene.io import image_from_bytes, read_image, read_json, read_parquet, write_parquet
 from plan2scene.metrics.color import color_histogram
-from plan2scene.metrics.features import (
-    FEATURE_NETWORK,
-    extract_features,
-    load_features_network,
-)
 from plan2scene.metrics.freq import frequency_profile
 from plan2scene.metrics.images import METRIC_SIZE, metric_image
+from plan2scene.metrics.networks import describe, features_of, network_name
+from plan2scene.metrics.resampling import FurtherSeeds, further_images
 from plan2scene.metrics.tile import tile_scores
 from plan2scene.photos.crops import medoid_index
 from plan2scene.provenance import file_hash
@@ -28,7 +25,7 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     *("house", "room_id", "surface", "observed", "method", "drop", "color", "freq", "tile"),
-    *("subs", "substance_predicted", "substance_reference", "features"),
+    *("subs", "substance_predicted", "substance_reference", "features", "further_features"),
 )
 
 
@@ -43,6 +40,8 @@ def measure_house(
     method: str,
     drop: str,
     hidden_photos: Collection[str],
+    substance_model: str | Path | None = None,
+    further: FurtherSeeds | None = None,
 ) -> None:
     """Write ``metrics.parquet`` (docs/conventions.md): a row per surface that has any crop.
 
@@ -53,12 +52,16 @@ def measure_house(
     crops : path
         ``crops.parquet`` of the house, hidden photos included.
     model : path
-        Weights of the features network.
+        Weights of the network whose features FID and KID compare.
     drop : str
         Share of photos hidden, one decimal.
     hidden_photos : collection of str
         Photos hidden at this drop: an observed surface is compared with the medoid of its
         visible crops, any other with the medoid over all photos.
+    substance_model : path, optional
+        Weights of the network that SUBS asks; None: `model`.
+    further : FurtherSeeds, optional
+        Decode more images of each surface for FID and KID; None for a method that has one image.
     """
     import pandas as pd
 
@@ -82,7 +85,9 @@ def measure_house(
         tile = read_image(Path(textures) / f"{key.filename}.png", house=house)
         predictions.append(metric_image(tile))
         truths.append(visible if entry["observed"] and visible is not None else every)
-    values = _measure(predictions, truths, model)
+    values = _measure(predictions, truths, model, substance_model or model)
+    more = further_images(further, keys, method=method, house=house) if further else []
+    values["further_features"] = _grouped(model, more, len(keys))
     frame = pd.DataFrame(
         {
             "house": house,
@@ -95,8 +100,25 @@ def measure_house(
         },
         columns=list(COLUMNS),
     )
-    metadata = {"dataset": dataset, "house": house, "model": file_hash(model)}
-    write_parquet(output, frame, {**metadata, "features": FEATURE_NETWORK})
+    metadata = {"dataset": dataset, "house": house, **_networks(model, substance_model or model)}
+    write_parquet(output, frame, metadata)
+
+
+def _networks(model: str | Path, substance_model: str | Path) -> dict[str, str]:
+    """Return the metadata that names both networks and their weights."""
+    return {
+        "features": network_name(model),
+        "model": file_hash(model),
+        "substances": network_name(substance_model),
+        "substance_model": file_hash(substance_model),
+    }
+
+
+def _grouped(model: str | Path, images: list[np.ndarray], count: int) -> list[np.ndarray]:
+    """Return for each of `count` surfaces the features of its further images, one after another."""
+    if not images:
+        return [np.zeros(0, np.float32)] * count
+    return list(features_of(model, images).reshape(count, -1))
 
 
 def reference_images(
@@ -118,17 +140,19 @@ def reference_images(
 
 
 def _measure(
-    predictions: list[np.ndarray], references: list[np.ndarray], model: str | Path
+    predictions: list[np.ndarray],
+    references: list[np.ndarray],
+    model: str | Path,
+    substance_model: str | Path,
 ) -> dict[str, object]:
     """Return the metric columns of paired (128, 128, 3) uint8 images."""
-    network = load_features_network(model)
     count = len(predictions)
-    features, classes = extract_features(network, predictions + references)
     shape = (-1, METRIC_SIZE, METRIC_SIZE, 3)
     predicted = np.array(predictions, dtype=np.uint8).reshape(shape)
     wanted = np.array(references, dtype=np.uint8).reshape(shape)
     if not count:
         return {name: [] for name in COLUMNS[6:]}
+    features, classes = describe(model, substance_model, predictions, references)
     histograms = np.abs(color_histogram(predicted) - color_histogram(wanted)).sum(axis=-1)
     profiles = np.abs(frequency_profile(predicted) - frequency_profile(wanted))
     return {
@@ -138,7 +162,7 @@ def _measure(
         "subs": (classes[:count] != classes[count:]).astype(np.int64),
         "substance_predicted": [SUBSTANCES[c] for c in classes[:count]],
         "substance_reference": [SUBSTANCES[c] for c in classes[count:]],
-        "features": list(features[:count]),
+        "features": list(features),
     }
 
 
@@ -149,8 +173,7 @@ def reference_features(
     import pandas as pd
 
     table, _ = read_parquet(crops)
-    network = load_features_network(model)
-    features, _ = extract_features(network, [image_from_bytes(png) for png in table["png"]])
+    features = features_of(model, [image_from_bytes(png) for png in table["png"]])
     frame = pd.DataFrame(
         {
             "crop_id": table["crop_id"],
@@ -160,4 +183,4 @@ def reference_features(
         }
     )
     metadata = {"dataset": dataset, "house": house, "model": file_hash(model)}
-    write_parquet(output, frame, {**metadata, "features": FEATURE_NETWORK})
+    write_parquet(output, frame, {**metadata, "features": network_name(model)})

@@ -1,36 +1,41 @@
 """The paper's table 1 over all houses: method x (observed, unobserved, all) x metric.
 
 Observed is measured at drop 0.0; Unobserved and All at the table's drop (0.6 in the paper), with
-references from the hidden photos too. FID compares the predictions with all crops of the same
-surfaces, each surface counting once however many crops it has.
+references from the hidden photos too. FID and KID compare the predictions with all crops of the
+same surfaces (:mod:`plan2scene.metrics.distances`).
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 import plan2scene
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_path, read_parquet, write_parquet
-from plan2scene.metrics.frechet import frechet_distance
+from plan2scene.metrics.distances import SURFACE, feature_distances
+from plan2scene.metrics.latex import latex_table
 from plan2scene.metrics.plot import plot_table
-from plan2scene.metrics.published import METRICS, PUBLISHED, TABLE_COLUMNS
+from plan2scene.metrics.published import METRICS, TABLE_COLUMNS, comparable, published_value
+from plan2scene.provenance import package_versions
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _LOGGER = logging.getLogger("plan2scene")
-_SURFACE = ["house", "room_id", "surface"]
 #: What a cell holds when no surface of any house falls into its column.
-NO_SURFACES = "n=0"
+NOSURFACES = "n=0"
 #: What a cell reads for a method that the paper does not have.
 UNPUBLISHED = "none"
+#: What a difference reads where the published figure comes from another network.
+OTHER_NETWORK = "other network"
+#: Metrics of a network, and the metadata of metrics.parquet that names it.
+_NETWORK_KEYS = {"SUBS": "substances", "FID": "features", "KID": "features"}
+#: Packages whose versions a table names: those that its figures are computed with.
+_PACKAGES = ("numpy", "scipy", "opencv-python-headless", "pillow", "torch")
 
 
 @dataclass(frozen=True)
@@ -61,10 +66,11 @@ def paper_table(
     output_csv: str | Path,
     output_parquet: str | Path,
     output_plot: str | Path,
+    output_latex: str | Path | None = None,
     *,
     request: TableRequest,
 ) -> pd.DataFrame:
-    """Write the table as CSV, as tidy Parquet and as a plot; return the tidy table.
+    """Write the table as CSV, tidy Parquet, plot and (where asked) LaTeX; return the tidy table.
 
     Parameters
     ----------
@@ -73,24 +79,29 @@ def paper_table(
     reference_files : iterable of path
         ``reference_features.parquet`` of the houses.
 
-    The CSV has a row per method and column: n surfaces, houses counted, houses missing, each
-    metric and the published figure beside it. No cell is empty: where no surface falls into a
-    column its metrics read ``n=0``. SUBS and FID carry the name of their network.
+    The CSV has a row per method and column: n surfaces, images of them for FID and KID, houses
+    counted, each metric, the published figure and ours minus it, houses missing, seed and
+    versions. No cell is empty: where no surface falls into a column its metrics read ``n=0``.
+    SUBS, FID and KID carry the name of their network; a difference is given only where it is
+    that of the published figure.
     """
     import pandas as pd
 
-    metrics, network = _read_metrics(metrics_files)
+    metrics, networks = _read_metrics(metrics_files)
     references = _read_references(reference_files)
     rows = []
     for method in request.methods:
         for column in TABLE_COLUMNS:
             part, missing = _select(metrics, method, column, request)
-            rows += _tidy_rows(part, references, method, column, missing, network, request)
+            rows += _tidy_rows(part, references, method, column, missing, networks, request)
     tidy = pd.DataFrame(rows)
     write_parquet(output_parquet, tidy, {"dataset": request.dataset, "seed": request.seed})
     with atomic_path(output_csv) as temporary:
         _wide(tidy).to_csv(temporary, index=False, lineterminator="\n")
     plot_table(tidy, output_plot)
+    if output_latex is not None:
+        with atomic_path(output_latex) as temporary:
+            temporary.write_text(latex_table(tidy), encoding="utf-8")
     return tidy
 
 
@@ -130,19 +141,22 @@ def partial_table(
     return output
 
 
-def _read_metrics(files: Iterable[str | Path]) -> tuple[pd.DataFrame, str]:
-    """Return all houses' metrics, and the name of the one network that SUBS and FID come from."""
+def _read_metrics(files: Iterable[str | Path]) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Return all houses' metrics, and the name of each metric's network (``none`` without)."""
     import pandas as pd
 
-    frames, networks = [], {}
+    names = ("features", "model", "substances", "substance_model")
+    frames, found = [], set()
     for file in files:
         frame, metadata = read_parquet(file)
-        networks[str(metadata.get("features")), str(metadata.get("model"))] = file
+        found.add(tuple(str(metadata.get(name)) for name in names))
         frames.append(frame)
-    if len(networks) != 1:
-        raise InputError("metrics of one features network", str(sorted(networks)))
+    if len(found) != 1:
+        raise InputError("metrics of one features network", str(sorted(found)))
+    known = dict(zip(names, found.pop(), strict=True))
+    networks = {name: known.get(_NETWORK_KEYS.get(name, ""), "none") for name in METRICS}
     filled = [frame for frame in frames if len(frame)] or frames[:1]
-    return pd.concat(filled, ignore_index=True), next(iter(networks))[0]
+    return pd.concat(filled, ignore_index=True), networks
 
 
 def _read_references(files: Iterable[str | Path]) -> pd.DataFrame:
@@ -155,7 +169,7 @@ def _read_references(files: Iterable[str | Path]) -> pd.DataFrame:
         frames.append(frame.assign(house=metadata["house"]))
     filled = [frame for frame in frames if len(frame)]
     if not filled:
-        return pd.DataFrame(columns=[*_SURFACE, "features"])
+        return pd.DataFrame(columns=[*SURFACE, "features"])
     return pd.concat(filled, ignore_index=True)
 
 
@@ -172,22 +186,13 @@ def _select(
     return part, missing
 
 
-def _frechet(part: pd.DataFrame, references: pd.DataFrame) -> float:
-    """Return the Frechet distance of predictions to the crops of their surfaces."""
-    crops = references.merge(part[_SURFACE].drop_duplicates(), on=_SURFACE)
-    if crops.empty:
-        raise InputError("reference features of the measured surfaces", "none")
-    weights = 1.0 / crops.groupby(_SURFACE)["features"].transform("size").to_numpy(dtype=float)
-    return frechet_distance(np.stack(part["features"]), np.stack(crops["features"]), weights)
-
-
 def _tidy_rows(
     part: pd.DataFrame,
     references: pd.DataFrame,
     method: str,
     column: str,
     missing: Sequence[str],
-    network: str,
+    networks: Mapping[str, str],
     request: TableRequest,
 ) -> list[dict[str, object]]:
     """Return a row per metric of one method and column."""
@@ -195,47 +200,75 @@ def _tidy_rows(
         _LOGGER.warning("no surface counts for method %s, column %s", method, column)
         values = dict.fromkeys(METRICS, float("nan"))
     else:
-        values = {name: float(part[name.lower()].mean()) for name in METRICS if name != "FID"}
-        values["FID"] = _frechet(part, references)
+        paired = [name for name in METRICS if name not in ("FID", "KID")]
+        values = {name: float(part[name.lower()].mean()) for name in paired}
+        values |= feature_distances(part, references)
     common = {
         "dataset": request.dataset,
         "method": method,
         "column": column,
         "drop": "0.0" if column == "observed" else request.drop,
         "n": len(part),
+        "images": _image_count(part),
         "houses": int(part["house"].nunique()),
         "missing": " ".join(missing) or "none",
         "seed": request.seed,
         "version": plan2scene.__version__,
+        "packages": package_versions(*_PACKAGES),
     }
-    unpublished = (float("nan"),) * len(METRICS)
-    figures = PUBLISHED[method][column] if method in PUBLISHED else unpublished
-    published = dict(zip(METRICS, figures, strict=True))
-    return [
-        {
-            **common,
-            "metric": name,
-            "features": network if name in ("SUBS", "FID") else "none",
-            "value": values[name],
-            "published": published[name],
-        }
-        for name in METRICS
-    ]
+    rows: list[dict[str, object]] = []
+    for name in METRICS:
+        published = published_value(method, column, name)
+        same_scale = comparable(name, networks[name])
+        rows.append(
+            {
+                **common,
+                "metric": name,
+                "features": networks[name],
+                "value": values[name],
+                "published": published,
+                "difference": values[name] - published if same_scale else float("nan"),
+            }
+        )
+    return rows
+
+
+def _image_count(part: pd.DataFrame) -> int:
+    """Return how many images of its surfaces FID and KID look at."""
+    pairs = zip(part["features"], part["further_features"], strict=True)
+    return sum(1 + len(more) // len(first) for first, more in pairs)
 
 
 def _wide(tidy: pd.DataFrame) -> pd.DataFrame:
-    """Return a row per method and column, metrics side by side, published figures after them."""
+    """Return a row per method and column: metrics, published figures, differences side by side."""
     import pandas as pd
 
     rows = []
     for _, group in tidy.groupby(["method", "column"], sort=False):
         first = group.iloc[0]
-        row = {name: first[name] for name in ("method", "column", "drop", "n", "houses")}
+        row = {name: first[name] for name in ("method", "column", "drop", "n", "images", "houses")}
         for cell in group.itertuples():
             network = "" if cell.features == "none" else f" ({cell.features})"
-            row[f"{cell.metric}{network}"] = f"{cell.value:.4f}" if cell.n else NO_SURFACES
+            row[f"{cell.metric}{network}"] = _figure(cell.value, cell.n)
         for cell in group.itertuples():
             known = cell.published == cell.published
             row[f"{cell.metric} published"] = f"{cell.published:g}" if known else UNPUBLISHED
-        rows.append({**row, **{k: first[k] for k in ("missing", "dataset", "seed", "version")}})
+        for cell in group.itertuples():
+            row[f"{cell.metric} difference"] = _difference(cell)
+        last = ("missing", "dataset", "seed", "version", "packages")
+        rows.append({**row, **{name: first[name] for name in last}})
     return pd.DataFrame(rows)
+
+
+def _figure(value: float, n: int) -> str:
+    """Return a cell's figure; how many surfaces there are where they are too few for one."""
+    return f"{value:.4f}" if value == value else f"n={n}"
+
+
+def _difference(cell: Any) -> str:
+    """Return ours minus the published figure as the CSV has it."""
+    if cell.published != cell.published:
+        return UNPUBLISHED
+    if not comparable(cell.metric, cell.features):
+        return OTHER_NETWORK
+    return f"{cell.difference:+.4f}" if cell.difference == cell.difference else f"n={cell.n}"

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 import torch
 from torch import nn
 
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
+from plan2scene.metrics.images import metric_image
 from plan2scene.weights import load_model_file
 
 #: Output channels of the 3x3 convolutions; None is a 2x2 max-pool (Simonyan 2015, column D).
@@ -24,6 +27,7 @@ _HIDDEN = 4096
 #: Means and deviations of ImageNet, which VGG's weights expect taken off.
 _MEAN, _STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 _SIDE = 224
+_BATCH = 8
 
 
 class VggClassifier(nn.Module):
@@ -77,3 +81,17 @@ def load_vgg_classifier(path: str | Path) -> VggClassifier:
     except RuntimeError as error:
         raise InputError("weights that fit a VGG-16", str(error), file=path) from None
     return model.eval()
+
+
+def classify_substances(model: VggClassifier, images: Sequence[np.ndarray]) -> np.ndarray:
+    """Return (n,) int64 indices into ``SUBSTANCES`` of (h, w, 3) uint8 sRGB images.
+
+    Taken at the metrics' 128 pixels first, so that both sides of a pair come from one size.
+    """
+    classes = np.zeros(len(images), np.int64)
+    with torch.inference_mode():
+        for start in range(0, len(images), _BATCH):
+            batch = np.stack([metric_image(image) for image in images[start : start + _BATCH]])
+            rgb = torch.from_numpy(batch).permute(0, 3, 1, 2).float() / 255.0
+            classes[start : start + _BATCH] = model(rgb).argmax(dim=1).numpy()
+    return classes
