@@ -6,7 +6,7 @@ import pytest
 
 from plan2scene.house import SUBSTANCES
 from plan2scene.synthetic.materials import random_material
-from plan2scene.textures.seams import make_seamless, wrap_ratio
+from plan2scene.textures.seams import make_seamless, with_calm_border, wrap_ratio
 
 
 def _window(substance, seed, side=96):
@@ -89,6 +89,18 @@ def test_only_the_direction_that_needs_it_is_repaired():
     assert wrap_ratio(image) > 3.0
     assert wrap_ratio(result) < 1.3
     assert not changed[:, 24:40].any()  # the band lies at the left and right borders
+
+
+def test_calm_border_is_a_roll_that_takes_joints_off_the_border():
+    tile = np.full((64, 64, 3), 150, np.uint8)
+    tile += np.random.default_rng(0).integers(0, 6, (64, 64, 1)).astype(np.uint8)
+    tile[::16] = tile[:, ::16] = 90  # joints on the border
+    calm = with_calm_border(tile)
+    assert wrap_ratio(tile) > 3.0
+    assert wrap_ratio(calm) < 1.0
+    rolls = [np.roll(tile, (i, j), (0, 1)) for i in range(64) for j in range(64)]
+    assert any(np.array_equal(calm, roll) for roll in rolls)
+    assert np.array_equal(with_calm_border(calm), calm)
 
 
 def test_same_bytes_again_and_any_layout():

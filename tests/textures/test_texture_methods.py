@@ -219,7 +219,7 @@ def test_exemplars_are_of_the_surface_s_crops_and_say_so(files):
     folder, surfaces = _make(files, "exemplar", seam_correction=True)
     assert surfaces["bed1/floor"]["source"] == "exemplar of 3 crops"
     assert surfaces["bed1/floor"]["size_m"] == pytest.approx(0.5)
-    assert np.median(read_image(folder / "bed1_floor.png")) == pytest.approx(100, abs=6)
+    assert np.median(read_image(folder / "bed1_floor.png")) == pytest.approx(100, abs=10)
     assert wrap_ratio(read_image(folder / "bed1_floor.png")) < 1.5 < wrap_ratio(_image(100))
     assert surfaces["hall/wall"]["source"].startswith("decoded from propagation: none of 1 crops")
     assert "decoded" in surfaces["bath/wall"]["source"]  # no exemplar of a wall is good

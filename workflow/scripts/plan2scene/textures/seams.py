@@ -96,6 +96,22 @@ def make_seamless(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return result, (result != image).any(axis=2)
 
 
+def with_calm_border(image: np.ndarray) -> np.ndarray:
+    """Return a tiling (h, w, 3) uint8 texture rolled so that its border lies where it is calm.
+
+    A roll changes no texture that repeats. It takes a pattern's joint off the border, where
+    renderers that do not filter around it, or that cut the tile, would show it. Along an axis
+    whose border is no steeper than usual nothing moves.
+    """
+    for axis in (0, 1):
+        across, interior = _steps(_require(image), axis)
+        if across > max(interior.mean(), _FLAT_STEP):
+            steps = np.r_[across, interior]  # before each line
+            around = (np.roll(steps, 1) + 2.0 * steps + np.roll(steps, -1)) / 4.0
+            image = np.roll(image, -int(around.argmin()), axis=axis)
+    return np.ascontiguousarray(image)
+
+
 def _repair_columns(image: np.ndarray, *, closed: bool) -> np.ndarray:
     """Return (h, w, 3) uint8 `image` with its last column leading into its first.
 

@@ -33,7 +33,7 @@ from plan2scene.seeds import generator
 from plan2scene.textures.baselines import Choice, Crop, choose_crop, usual_substance
 from plan2scene.textures.exemplar.house import HouseExemplar, house_exemplars
 from plan2scene.textures.retrieval import TextureLibrary, read_library
-from plan2scene.textures.seams import make_seamless
+from plan2scene.textures.seams import make_seamless, with_calm_border
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -236,6 +236,7 @@ def _write(
             if seam_correction and not tile.tiles_by_construction:
                 image, changed = make_seamless(image)
                 corrected = bool(changed.any())
+                image = with_calm_border(image) if corrected else image
             write_png(folder / f"{key.filename}.png", image)
             entries[f"{key.room_id}/{key.surface}"] = {
                 "size_m": tile.size_m,

@@ -17,6 +17,7 @@ from plan2scene.textures.colour import as_uint8, delta_e_2000, median_colour, rg
 from plan2scene.textures.exemplar.light import flatten, highlights
 from plan2scene.textures.exemplar.quilt import quilt
 from plan2scene.textures.exemplar.straighten import find_pattern, straightened
+from plan2scene.textures.seams import with_calm_border
 
 #: Side of the torus in pixels; larger tiles are enlarged from it (crops hold no more detail).
 WORK_PX = 128
@@ -25,7 +26,8 @@ MAX_CROPS = 10
 _LARGEST = 2.0  # side of the tile over the side of a crop
 _LEAST_SHARP = 0.2  # photo pixels per crop pixel under which a crop shows no texture
 _MOST_SPOILED = 0.5  # share of burned-out or masked pixels from which a crop is useless
-_WHITE = 0.96  # channel value from which a crop's colour may be burned out
+_WHITE = 0.96  # channel value beyond which in all channels a crop's colour is burned out
+_REPAIR = 0.03  # log repair of the light below which crops count alike for the brightness
 _ALIKE_DE = 20.0  # CIEDE2000 beyond which crops are of different things; light gives less
 _SMALLEST_PX = 32  # crops that fill less of the tile only make seams
 
@@ -127,7 +129,7 @@ def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | 
     canvas = quilt(sources, WORK_PX)
     image = _toned(canvas.solve(), tone)
     return Exemplar(
-        as_uint8(enlarged(image, size_px)),
+        with_calm_border(as_uint8(enlarged(image, size_px))),
         size_m * float(np.sqrt(cut.wide * cut.high)),
         len(order),
         (cut.columns, cut.rows),
@@ -146,10 +148,10 @@ def _evened(
     masks = highlights(images)
     flat = flatten(images, masks)
     tones = np.stack([np.median(i[~m], axis=0) for i, m in zip(flat, masks, strict=True)])
-    tone = consensus(tones)
-    flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
-    # Those that needed the least repair of their light come first.
+    # Those that needed the least repair of their light come first, and say how bright it is.
     repair = np.log((images.mean(axis=3) + 0.02) / (flat.mean(axis=3) + 0.02)).std(axis=(1, 2))
+    tone = consensus(tones, repair)
+    flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
     spoiled = masks.mean(axis=(1, 2))
     order = np.argsort(2.0 * spoiled + repair, kind="stable")
     return flat, masks, tone, [int(k) for k in order]
@@ -167,13 +169,29 @@ def tile_scale(crops: Sequence[ExemplarCrop]) -> tuple[np.ndarray, float]:
     return metres / size, size if known.any() else float("nan")
 
 
-def consensus(tones: np.ndarray) -> np.ndarray:
-    """Return the mean (3,) of the middle half of the crops' colours (n, 3) in [0, 1].
+def consensus(tones: np.ndarray, repair: np.ndarray) -> np.ndarray:
+    """Return the colour (3,) that crops agree on.
 
-    The median where crops of a white surface burn out: too bright ones all read 1.
+    A cast may go either way in each crop: the mean of their chroma (log ratios of the channels)
+    has the least error. Shading mostly darkens and spoils some crops more than others: the level
+    is the mean weighted by how little their light had to be repaired. Where half of the crops of
+    a white surface burn out it is the median; fewer of them have no say.
+
+    Parameters
+    ----------
+    tones : (n, 3) float
+        Median colours of the crops, sRGB in [0, 1].
+    repair : (n,) float
+        Standard deviation of the log light that was taken out of each.
     """
-    cut = (len(tones) - 1) // 2 if tones.max() > _WHITE else len(tones) // 4
-    return np.sort(tones, axis=0)[cut : len(tones) - cut].mean(axis=0)
+    burned = tones.min(axis=1) > _WHITE
+    if 2 * burned.sum() >= len(tones):
+        return np.median(tones, axis=0)
+    logs = np.log(np.maximum(tones[~burned], 1 / 255))
+    levels = logs.mean(axis=1)
+    weights = 1.0 / (_REPAIR + repair[~burned]) ** 2
+    chroma = (logs - levels[:, None]).mean(axis=0)
+    return np.minimum(np.exp(chroma + np.average(levels, weights=weights)), 1.0)
 
 
 def enlarged(image: np.ndarray, size_px: int) -> np.ndarray:
