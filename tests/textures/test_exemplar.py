@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from plan2scene.metrics.color import color_distance
 from plan2scene.textures.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.textures.degradation import Degradation, degrade, window
 from plan2scene.textures.exemplar.cut import minimum_cut
@@ -39,6 +40,10 @@ def steepest_line(tile):
     values = tile.astype(float)
     steps = [np.abs(values - np.roll(values, 1, axis)).mean((1 - axis, 2)) for axis in (0, 1)]
     return max(step.max() for step in steps)
+
+
+def detail(tile):
+    return np.abs(np.diff(tile.astype(float), axis=0)).mean()
 
 
 def crops_of(tile, seed=0, **changes):
@@ -184,6 +189,35 @@ def test_enlarged_tiles_repeat() -> None:
     larger = enlarged(image, 256)
     expected = 0.5 + 0.3 * np.sin(2 * np.pi * (np.arange(256) + 0.5) / 64)
     np.testing.assert_allclose(larger[:, 5, 0], expected, atol=5e-3)
+
+
+def test_larger_tiles_show_more_metres_at_the_same_detail() -> None:
+    tile = grid(5, 5)
+    crops = crops_of(tile)
+    small, large, huge = (make_exemplar(crops, size_px=size) for size in (128, 256, 512))
+    assert large.image.shape == (256, 256, 3)
+    assert large.size_m == pytest.approx(2 * small.size_m, rel=0.01)
+    assert large.periods == (2 * small.periods[0], 2 * small.periods[1])
+    # An enlargement would halve the steps from pixel to pixel.
+    assert detail(large.image) == pytest.approx(detail(small.image), rel=0.15)
+    assert color_distance(large.image, np.tile(small.image, (2, 2, 1))) < 0.1
+    for made in (small, large, huge):
+        assert wrap_ratio(made.image) < 1.1
+        assert steepest_line(made.image) < 1.2 * steepest_line(tile)
+
+
+def test_a_tile_of_512_px_is_the_256_px_one_enlarged() -> None:
+    crops = crops_of(grid(4, 8, bond=0.5))
+    large, huge = (make_exemplar(crops, size_px=size) for size in (256, 512))
+    assert huge.size_m == large.size_m
+    halved = huge.image.reshape(256, 2, 256, 2, 3).mean(axis=(1, 3))
+    assert np.abs(halved - large.image).mean() < 3.0
+
+
+def test_one_crop_makes_a_tile_of_its_own_metres_at_any_size() -> None:
+    crop = crops_of(grid(5, 5))[:1]
+    sizes = [make_exemplar(crop, size_px=size).size_m for size in (64, 128, 256, 512)]
+    assert sizes == pytest.approx([sizes[0]] * 4)
 
 
 def test_recolouring_hits_the_colour_and_keeps_the_grain() -> None:

@@ -2,7 +2,8 @@
 
 Highlights are found and light is evened out over all crops together, their colours are brought
 to what most of them show, and a torus is quilted from them. The tile covers as many metres as
-photo pixels of the crops fill: crops are enlarged photo patches, so it is larger than a crop.
+photo pixels of the crops fill: crops are enlarged photo patches, so it is larger than a crop. A
+tile of 256 px or more covers twice as many metres with the same detail and repeats half as often.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from plan2scene.textures.exemplar.quilt import quilt
 from plan2scene.textures.exemplar.straighten import find_pattern, straightened
 from plan2scene.textures.seams import with_calm_border
 
-#: Side of the torus in pixels; larger tiles are enlarged from it (crops hold no more detail).
+#: Side of the torus in pixels for tiles of up to this size; larger ones get twice as much.
 WORK_PX = 128
 #: Crops that take part, the best first.
 MAX_CROPS = 10
@@ -119,17 +120,18 @@ def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | 
     if not good:
         return None
     good = alike(good)
+    work = work_size(size_px, len(good))
     flat, masks, tone, order = _evened(good)
-    sides, size_m = tile_scale(good)
+    sides, size_m = tile_scale(good, work / WORK_PX)
     known = np.isfinite([crop.metres for crop in good]).all()
     lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
-    large = [k for k in order if fits[k] and sides[k] * WORK_PX >= _SMALLEST_PX]
+    large = [k for k in order if fits[k] and sides[k] * work >= _SMALLEST_PX]
     order = (large or [int(sides.argmax())])[:MAX_CROPS]
-    sources = [straightened(flat[k], masks[k], sides[k], lattices[k], cut, WORK_PX) for k in order]
-    canvas = quilt(sources, WORK_PX)
-    image = _toned(canvas.solve(), tone)
+    sources = [straightened(flat[k], masks[k], sides[k], lattices[k], cut, work) for k in order]
+    canvas = quilt(sources, work)
+    image = with_calm_border(as_uint8(_toned(canvas.solve(), tone)))
     return Exemplar(
-        with_calm_border(as_uint8(enlarged(image, size_px))),
+        as_uint8(enlarged(image / 255.0, size_px)),
         size_m * float(np.sqrt(cut.wide * cut.high)),
         len(order),
         (cut.columns, cut.rows),
@@ -157,15 +159,27 @@ def _evened(
     return flat, masks, tone, [int(k) for k in order]
 
 
-def tile_scale(crops: Sequence[ExemplarCrop]) -> tuple[np.ndarray, float]:
-    """Return each crop's side over the tile's, (n,) at most 1, and the tile's side in metres."""
+def work_size(size_px: int, crops: int) -> int:
+    """Return the side in pixels of the torus that a tile of `size_px` is quilted on.
+
+    A tile of more pixels than it has is enlarged: crops hold no more detail. One crop alone has
+    nothing to cover more metres with than itself.
+    """
+    return 2 * WORK_PX if size_px > WORK_PX and crops >= 2 else WORK_PX
+
+
+def tile_scale(crops: Sequence[ExemplarCrop], extent: float = 1.0) -> tuple[np.ndarray, float]:
+    """Return each crop's side over the tile's, (n,) at most 1, and the tile's side in metres.
+
+    `extent`: how many times the metres that crops have pixels for it covers.
+    """
     metres = np.array([crop.metres for crop in crops], dtype=np.float64)
     sharp = np.array([crop.sharpness for crop in crops], dtype=np.float64)
     known = np.isfinite(metres)
     usual = float(np.median(metres[known])) if known.any() else 1.0
     metres = np.where(known, metres, usual)
     sharp = np.clip(np.where(np.isfinite(sharp), sharp, 1.0), 1.0 / _LARGEST, 1.0)
-    size = max(float(np.median(metres / sharp)), float(metres.max()))
+    size = max(float(np.median(metres / sharp)), float(metres.max())) * extent
     return metres / size, size if known.any() else float("nan")
 
 
