@@ -7,7 +7,6 @@ from plan2scene.metrics.color import color_distance
 from plan2scene.textures.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.textures.degradation import Degradation, degrade, window
 from plan2scene.textures.exemplar.cut import minimum_cut
-from plan2scene.textures.exemplar.house import recoloured
 from plan2scene.textures.exemplar.lattice import find_lattice, whole_periods
 from plan2scene.textures.exemplar.light import flatten, highlights, log_luma
 from plan2scene.textures.exemplar.make import (
@@ -218,14 +217,6 @@ def test_one_crop_makes_a_tile_of_its_own_metres_at_any_size() -> None:
     crop = crops_of(grid(5, 5))[:1]
     sizes = [make_exemplar(crop, size_px=size).size_m for size in (64, 128, 256, 512)]
     assert sizes == pytest.approx([sizes[0]] * 4)
-
-
-def test_recolouring_hits_the_colour_and_keeps_the_grain() -> None:
-    image = grid(5, 5)
-    tone = np.array([0.3, 0.45, 0.4])
-    result = recoloured(image, tone)
-    np.testing.assert_allclose(median_colour(result), tone, atol=2 / 255)
-    assert result.std() > 5
 
 
 def test_crops_of_another_thing_are_left_out() -> None:

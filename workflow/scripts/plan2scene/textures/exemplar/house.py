@@ -1,9 +1,10 @@
 """Exemplar textures of a whole house.
 
-Observed surfaces get a tile of their own crops. An unobserved one gets the nearest good exemplar
-of the house (same kind of surface, same substance, nearest embedding), recoloured to the colour
-predicted for it; where there is none near enough, its predicted embedding is decoded. Each tile's
-source says which way it went.
+Observed surfaces get a tile of their own crops. An unobserved one gets the exemplar of the house
+that is nearest to what is predicted for it (same kind of surface, the predicted substance if any
+has it, nearest embedding) as it is: a house repeats its materials, and their colours are surer
+than predicted ones. Where it is far from the predicted colour, the predicted embedding is decoded.
+Each tile's source says which way it went.
 """
 
 from __future__ import annotations
@@ -16,21 +17,14 @@ import numpy as np
 
 from plan2scene.house import SurfaceKey
 from plan2scene.io import image_from_bytes
-from plan2scene.textures.colour import (
-    as_uint8,
-    delta_e_2000,
-    linear_to_srgb,
-    median_colour,
-    rgb_to_lab,
-    srgb_to_linear,
-)
+from plan2scene.textures.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Largest colour difference (CIEDE2000) that an exemplar is recoloured over.
-MAX_RECOLOUR = 25.0
+#: Largest difference (CIEDE2000) of an exemplar's colour to the predicted one.
+MAX_AWAY = 25.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,40 +93,22 @@ def _nearest(
     rows: Mapping[SurfaceKey, Any],
     own: Mapping[SurfaceKey, Exemplar],
 ) -> HouseExemplar | str:
-    """Return the recoloured exemplar nearest to an unobserved surface, or why there is none."""
+    """Return the exemplar nearest to an unobserved surface, or why there is none."""
     wanted = np.asarray(row.embedding, dtype=np.float64)
-    pool = [
-        other
-        for other in own
-        if other.surface == key.surface and rows[other].substance == row.substance
-    ]
+    pool = [other for other in own if other.surface == key.surface]
     if not pool:
-        return f"no exemplar of a {row.substance} {key.surface} in the house"
+        return f"no exemplar of a {key.surface} in the house"
+    pool = [other for other in pool if rows[other].substance == row.substance] or pool
     distances = [np.abs(np.asarray(rows[other].embedding) - wanted).mean() for other in pool]
     nearest = pool[int(np.argmin(distances))]
     made = own[nearest]
-    tone = np.clip(wanted[-3:], 0.0, 1.0)
-    away = colour_difference(made.image, tone)
-    if away > MAX_RECOLOUR:
+    away = colour_difference(made.image, np.clip(wanted[-3:], 0.0, 1.0))
+    if away > MAX_AWAY:
         return f"the nearest exemplar, of {nearest.room_id}, is {away:.0f} dE2000 away"
-    return HouseExemplar(
-        recoloured(made.image, tone),
-        made.size_m,
-        f"exemplar of {nearest.room_id}, recoloured by {away:.1f} dE2000",
-    )
+    source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 from the predicted colour"
+    return HouseExemplar(made.image, made.size_m, source)
 
 
 def colour_difference(image: np.ndarray, tone: np.ndarray) -> float:
     """Return the CIEDE2000 difference of a uint8 image's median colour to sRGB `tone` (3,)."""
     return float(delta_e_2000(rgb_to_lab(median_colour(image)), rgb_to_lab(tone)))
-
-
-def recoloured(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
-    """Return a (h, w, 3) uint8 sRGB image whose median colour is sRGB `tone`, (3,) in [0, 1].
-
-    Each channel's linear values are scaled: what another pigment of the same grain reflects.
-    """
-    linear = srgb_to_linear(image)
-    median = np.maximum(srgb_to_linear(median_colour(image)), 1e-3)
-    factor = np.maximum(srgb_to_linear(tone), 1e-3) / median
-    return as_uint8(linear_to_srgb(np.minimum(linear * factor, 1.0)))
