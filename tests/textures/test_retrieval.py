@@ -20,11 +20,23 @@ def _flat(*levels):
     return TextureLibrary(names, ("tile",) * len(levels), tiles, np.ones(len(levels)))
 
 
-def test_nearest_has_the_least_pixel_l1():
+def test_nearest_has_the_nearest_colour():
     library = _flat(10, 100, 200, 250)
-    assert library.nearest(np.full((128, 128, 3), 140, np.uint8)) == 1
+    assert library.nearest(np.full((128, 128, 3), 130, np.uint8)) == 1
     assert library.nearest(np.full((128, 128, 3), 255, np.uint8)) == 3
-    assert library.nearest(np.full((128, 128, 3), 55, np.uint8)) == 0  # of equals the first
+    twins = _flat(10, 100, 100)
+    assert twins.nearest(np.full((128, 128, 3), 100, np.uint8)) == 1  # of equals the first
+
+
+def test_nearest_is_as_coarse_wherever_it_lies():
+    rng = np.random.default_rng(0)
+    fine = rng.integers(80, 160, (128, 128, 1)).astype(np.uint8).repeat(3, axis=2)
+    coarse = fine[:16, :16].repeat(8, axis=0).repeat(8, axis=1)
+    tiles = np.stack([fine, coarse])
+    library = TextureLibrary(("fine", "coarse"), ("tile",) * 2, tiles, np.ones(2))
+    for roll in (5, 60):
+        assert library.nearest(np.roll(fine, roll, axis=0)) == 0
+        assert library.nearest(np.roll(coarse, roll, axis=1)) == 1
 
 
 def test_a_tile_of_the_library_is_nearest_to_itself():

@@ -13,7 +13,7 @@ from plan2scene.weights import MODELS
 #: Side of the crops that the models were trained on.
 CROP_PX = 128
 #: Tiles of each substance in the library that method retrieve chooses from.
-LIBRARY_TILES = 15
+LIBRARY_TILES = 60
 
 
 def square_crop(image: np.ndarray) -> np.ndarray:
