@@ -129,7 +129,7 @@ def synth_method() -> Callable[[Sequence[DegradedCrop]], np.ndarray]:
     """Return the method synth with the shipped model."""
     from plan2scene.textures.embedding import embed_crops
     from plan2scene.textures.model import load_texture_model
-    from plan2scene.textures.selection import best_crop, clipped_share
+    from plan2scene.textures.selection import clipped_share, surface_embedding
     from plan2scene.textures.synthesis import decode_textures
     from plan2scene.weights import MODELS
 
@@ -139,8 +139,8 @@ def synth_method() -> Callable[[Sequence[DegradedCrop]], np.ndarray]:
         images = np.stack([crop.image for crop in crops])
         found = embed_crops(model, images, seed=0, textureness=True)
         clipped = np.array([clipped_share(image) for image in images])
-        best = best_crop(found.textureness, clipped)
-        return decode_textures(model, found.codes[[best]], [derive_seed(0, "tile")], CROP_PX)[0]
+        _, code = surface_embedding(found.codes, found.textureness, clipped)
+        return decode_textures(model, code[None], [derive_seed(0, "tile")], CROP_PX)[0]
 
     return decode
 

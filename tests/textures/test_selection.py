@@ -6,7 +6,12 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.io import png_bytes, read_parquet, write_parquet
-from plan2scene.textures.selection import best_crop, clipped_share, select_surfaces
+from plan2scene.textures.selection import (
+    best_crop,
+    clipped_share,
+    select_surfaces,
+    surface_embedding,
+)
 
 # (photo, room, surface, textureness, grey level, metres)
 CROPS = [
@@ -55,7 +60,7 @@ def test_least_textureness_wins(files) -> None:
     assert frame.index.tolist() == [("r1", "floor"), ("r1", "wall"), ("r2", "wall")]
     row = frame.loc[("r1", "floor")]
     assert row["crop_id"] == "floor/b_0_crop2"
-    assert row["embedding"].tolist() == [2.0] * 11
+    assert row["embedding"].tolist() == [2.0] * 8 + [1.0] * 3  # colour: the median of all
     assert row["naive_embedding"].tolist() == [1.0] * 8
     assert row["medoid_id"] == "floor/b_0_crop2"  # grey 110 is nearest to the mean 136.7
     assert row["substance"] == "wood"
@@ -100,6 +105,18 @@ def test_burned_out_crops_lose_where_there_are_others() -> None:
     scores = np.array([0.1, 0.5, 0.4])
     assert best_crop(scores, np.array([0.9, 0.0, 0.1])) == 2
     assert best_crop(scores, np.array([0.9, 0.8, 1.0])) == 0
+
+
+def test_all_crops_that_are_not_burned_out_give_the_colour() -> None:
+    codes = np.arange(44, dtype=np.float32).reshape(4, 11)
+    scores, clipped = np.array([0.3, 0.1, 0.2, 0.05]), np.array([0.0, 0.1, 0.0, 0.9])
+    index, embedding = surface_embedding(codes, scores, clipped)
+    assert index == 1
+    assert embedding[:8].tolist() == codes[1, :8].tolist()
+    assert embedding[8:].tolist() == np.median(codes[:3, 8:], axis=0).tolist()
+    _, burned = surface_embedding(codes, scores, np.full(4, 0.9))
+    assert burned[8:].tolist() == np.median(codes[:, 8:], axis=0).tolist()
+    assert codes[1, 8] == 19.0  # the crops' own are left alone
 
 
 def test_clipped_share() -> None:

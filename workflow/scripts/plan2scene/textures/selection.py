@@ -41,8 +41,9 @@ def select_surfaces(
 ) -> pd.DataFrame:
     """Choose a crop for every surface that a visible photo shows; write ``surfaces.parquet``.
 
-    The crop with the least textureness score gives the embedding (paper section 4.3), burned-out
-    ones left aside where there are others; NaiveSynth gets the mean of the crops' codes.
+    The crop with the least textureness score gives the code (paper section 4.3), burned-out ones
+    left aside where there are others, and all crops give the colour (:func:`surface_embedding`);
+    NaiveSynth gets the mean of the crops' codes.
     ``docs/conventions.md`` lists the columns. ``metres`` is the side of the square that the chosen
     crop covers, because its texture is at that scale; where that is unknown, the median over the
     surface's crops (NaN when none knows).
@@ -80,7 +81,10 @@ def _choose(group: pd.DataFrame) -> dict[str, Any]:
     """Return the row of one surface from its visible crops."""
     images = [image_from_bytes(data) for data in group["png"]]
     scores = group["textureness"].to_numpy(np.float64)
-    best = group.iloc[best_crop(scores, np.array([clipped_share(image) for image in images]))]
+    clipped = np.array([clipped_share(image) for image in images])
+    codes = np.stack([np.asarray(code, np.float32) for code in group["embedding"]])
+    index, embedding = surface_embedding(codes, scores, clipped)
+    best = group.iloc[index]
     medoid = group.iloc[medoid_index(images)]
     naive = np.stack([np.asarray(code, np.float32) for code in group["naive_embedding"]])
     votes = np.stack([np.asarray(p, np.float32) for p in group["substance_probabilities"]])
@@ -92,12 +96,34 @@ def _choose(group: pd.DataFrame) -> dict[str, Any]:
     return {
         "crop_id": best["crop_id"],
         "medoid_id": medoid["crop_id"],
-        "embedding": np.asarray(best["embedding"], np.float32),
+        "embedding": embedding,
         "naive_embedding": naive.mean(axis=0),
         "substance": SUBSTANCES[int(votes.mean(axis=0).argmax())],
         "metres": metres,
         "n_crops": len(group),
     }
+
+
+def surface_embedding(
+    codes: np.ndarray, textureness: np.ndarray, clipped: np.ndarray
+) -> tuple[int, np.ndarray]:
+    """Return the index of the crop that stands for a surface, and the surface's embedding (d,).
+
+    Light and casts differ from crop to crop and the score does not see them: the colour is the
+    median of all crops that are not burned out (of all where all are), the rest the crop's.
+
+    Parameters
+    ----------
+    codes : (n, d) float32
+        Embeddings of the crops, each with its median R, G, B in [0, 1] last.
+    textureness, clipped : (n,) float
+        As for :func:`best_crop`.
+    """
+    index = best_crop(textureness, clipped)
+    good = clipped <= _CLIPPED if (clipped <= _CLIPPED).any() else np.ones(len(codes), dtype=bool)
+    embedding = codes[index].copy()
+    embedding[-3:] = np.median(codes[good, -3:], axis=0)
+    return index, embedding
 
 
 def clipped_share(image: np.ndarray) -> float:

@@ -79,7 +79,7 @@ def _decoded(crops: np.ndarray, method: str, size_px: int, seed: int, models: Pa
     from plan2scene.textures.embedding import embed_crops
     from plan2scene.textures.model import load_texture_model
     from plan2scene.textures.seams import make_seamless
-    from plan2scene.textures.selection import best_crop, clipped_share
+    from plan2scene.textures.selection import clipped_share, surface_embedding
     from plan2scene.textures.synthesis import decode_textures
 
     name = "texture" if method == "synth" else "naivesynth"
@@ -88,7 +88,7 @@ def _decoded(crops: np.ndarray, method: str, size_px: int, seed: int, models: Pa
     embeddings = embed_crops(model, crops, seed=seed, textureness=selected)
     if selected:
         clipped = np.array([clipped_share(crop) for crop in crops])
-        code = embeddings.codes[best_crop(embeddings.textureness, clipped)]
+        _, code = surface_embedding(embeddings.codes, embeddings.textureness, clipped)
     else:
         code = embeddings.codes.mean(axis=0)
     tile = decode_textures(model, code[None], [derive_seed(seed, "tile", method)], size_px)[0]
