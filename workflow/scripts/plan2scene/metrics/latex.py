@@ -57,7 +57,8 @@ def _cells(cells: pd.DataFrame) -> dict[str, str]:
     for cell in cells.itertuples():
         small = cell.metric == "FID" and cell.features != "inception"
         decimals = _SMALL_FID if small else _DECIMALS[cell.metric]
-        text = f"{cell.value:.{decimals}f}" if cell.value == cell.value else "--"
+        rounded = round(cell.value, decimals) + 0.0  # never -0.000
+        text = f"{rounded:.{decimals}f}" if cell.value == cell.value else "--"
         published = f" ({cell.published:.{_DECIMALS[cell.metric]}f})"
         texts[cell.method] = (text, published if cell.published == cell.published else "")
         if text != "--" and (cell.method, cell.column) != _COMPARED_WITH_ITSELF:

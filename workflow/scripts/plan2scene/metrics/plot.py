@@ -13,7 +13,7 @@ from plan2scene.metrics.published import METRICS, TABLE_COLUMNS, comparable
 if TYPE_CHECKING:
     import pandas as pd
 
-_COLOURS = ("#9aa5b1", "#d9a441", "#6c8ebf", "#3a7d44", "#a4508b")
+_COLOURS = ("#9aa5b1", "#d9a441", "#6c8ebf", "#3a7d44", "#a4508b", "#c8654f", "#5b5b5b", "#7fc0b0")
 
 
 def plot_table(tidy: pd.DataFrame, output: str | Path) -> None:
@@ -40,7 +40,7 @@ def plot_table(tidy: pd.DataFrame, output: str | Path) -> None:
                 marks = [cells.loc[(method, column), "published"] for column in TABLE_COLUMNS]
                 label = "published" if i == 0 else None
                 axes.plot(place, marks, "D", color="black", markersize=4, mfc="none", label=label)
-        axes.set_xticks(range(len(TABLE_COLUMNS)), TABLE_COLUMNS)
+        axes.set_xticks(range(len(TABLE_COLUMNS)), TABLE_COLUMNS, fontsize=8)
         axes.set_title(metric if network == "none" else f"{metric} ({network})")
         axes.spines[["top", "right"]].set_visible(False)
         if cells["value"].min() >= 0:  # KID may fall below

@@ -262,7 +262,7 @@ def _wide(tidy: pd.DataFrame) -> pd.DataFrame:
 
 def _figure(value: float, n: int) -> str:
     """Return a cell's figure; how many surfaces there are where they are too few for one."""
-    return f"{value:.4f}" if value == value else f"n={n}"
+    return f"{round(value, 4) + 0.0:.4f}" if value == value else f"n={n}"  # never -0.0000
 
 
 def _difference(cell: Any) -> str:
