@@ -6,15 +6,17 @@ import pytest
 import torch
 
 from plan2scene.house import SurfaceKey
-from plan2scene.io import write_parquet
+from plan2scene.io import png_bytes, read_parquet, write_json, write_parquet, write_png
 from plan2scene.metrics.distances import feature_distances
 from plan2scene.metrics.frechet import frechet_distance
 from plan2scene.metrics.kernel import kernel_distance
+from plan2scene.metrics.networks import features_of
 from plan2scene.metrics.resampling import FurtherSeeds, further_images
+from plan2scene.metrics.stage import measure_house
 from plan2scene.textures.model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.seams import make_seamless
 from plan2scene.textures.synthesis import synthesise_surfaces
-from plan2scene.weights import save_model_file
+from plan2scene.weights import MODELS, save_model_file
 
 KEYS = [SurfaceKey("r1", "floor"), SurfaceKey("r1", "wall"), SurfaceKey("r2", "floor")]
 
@@ -76,6 +78,31 @@ def test_one_image_or_no_surface_is_nothing(seeds):
     assert further_images(seeds, [], method="synth", house="h") == []
     one = FurtherSeeds(**{**vars(seeds), "count": 1})
     assert further_images(one, KEYS, method="synth", house="h") == []
+
+
+def test_the_metrics_stage_keeps_their_features(seeds, tmp_path):
+    rng = np.random.default_rng(4)
+    image = rng.integers(0, 256, (128, 128, 3), dtype=np.uint8)
+    write_png(tmp_path / "textures" / "r1_floor.png", image)
+    write_json(
+        tmp_path / "textures" / "textures.json",
+        {"method": "synth", "surfaces": {"r1/floor": {"observed": True}}},
+    )
+    columns = ["crop_id", "photo", "room_id", "surface", "png"]
+    crops = pd.DataFrame([("a", "p.jpg", "r1", "floor", png_bytes(image))], columns=columns)
+    write_parquet(tmp_path / "crops.parquet", crops, {"house": "h"})
+    model, names = MODELS / "features.safetensors", {"dataset": "d", "house": "h"}
+    given = (tmp_path / "textures", tmp_path / "crops.parquet", model)
+    names |= {"method": "synth", "drop": "0.0", "hidden_photos": []}
+    measure_house(*given, tmp_path / "one.parquet", **names)
+    measure_house(*given, tmp_path / "four.parquet", **names, further=seeds)
+    one, four = (read_parquet(tmp_path / f"{n}.parquet")[0].iloc[0] for n in ("one", "four"))
+    assert len(one["further_features"]) == 0
+    images = further_images(seeds, KEYS[:1], method="synth", house="h")
+    expected = features_of(model, images).ravel()
+    assert np.allclose(four["further_features"], expected, atol=1e-5)
+    assert one["color"] == four["color"] == 0.0
+    assert np.array_equal(one["features"], four["features"])
 
 
 def test_each_surface_counts_once_however_many_images_it_has():

@@ -16,7 +16,7 @@ from plan2scene.synthetic.rent3dpp import write_rent3dpp_copy
 from plan2scene.textures.model import Architecture, TextureModel
 
 TABLE = "results/rent3dpp/tables/paper_table.csv"
-CONFIG = ("--configfile", "config/rent3dpp.yaml", "--config")
+CONFIG = ("--configfile", "config/rent3dpp.yaml", "two_seeds.yaml", "--config")
 
 
 def write_crops(results: Path, row: dict[str, str]) -> None:
@@ -51,6 +51,7 @@ def place(tmp_path_factory) -> Clone:
     }
     for name, network in networks.items():
         torch.save({"model_state_dict": network.state_dict(), "epoch": 1}, root / f"{name}.ckpt")
+    (clone.root / "two_seeds.yaml").write_text("metrics: {fid_seeds: 2}\n")  # 24 take long
     return clone
 
 
@@ -73,6 +74,8 @@ def test_one_command_makes_the_table(place):
     assert run.returncode == 0, run.stdout[-3000:]
     rows = list(csv.DictReader((place.root / TABLE).read_text().splitlines()))
     assert {row["method"] for row in rows} == {"synth"}
+    assert all(int(row["images"]) == 2 * int(row["n"]) for row in rows)
+    assert "\\bottomrule" in (place.root / TABLE).with_suffix(".tex").read_text()
     assert not (root / "copy/input/houses.tsv").exists()
     made = place.root / "results/rent3dpp"
     crops = pd.read_parquet(made / "houses" / test["house"] / "crops.parquet")
