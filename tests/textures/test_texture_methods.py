@@ -11,11 +11,19 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_writer import write_scene_json
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.io import png_bytes, read_image, write_parquet
-from plan2scene.textures.baselines import Crop, choose_crop, usual_substance
+from plan2scene.mesh.house_mesh import build_parts
+from plan2scene.mesh.textures import load_textures
+from plan2scene.textures.baselines import (
+    Crop,
+    choose_crop,
+    largest_crop,
+    surface_extent,
+    usual_substance,
+)
 from plan2scene.textures.model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.retrieval import read_library, write_library
 from plan2scene.textures.seams import wrap_ratio
-from plan2scene.textures.stage import make_textures
+from plan2scene.textures.stage import METHODS, make_textures
 from plan2scene.weights import save_model_file
 
 SIZE = 128
@@ -140,7 +148,7 @@ def _make(files, method, out="out", **changes):
         "size_px": 128,
         "seam_correction": False,
     } | changes
-    if method not in ("crop", "retrieve"):
+    if method in ("naivesynth", "synth", "exemplar"):
         name = "synth" if method == "exemplar" else method
         settings["model"] = files / f"{name}.safetensors"
     make_textures(
@@ -156,12 +164,12 @@ def _make(files, method, out="out", **changes):
     return files / out, listing["surfaces"]
 
 
-@pytest.mark.parametrize("method", ["crop", "retrieve", "naivesynth", "synth", "exemplar"])
+@pytest.mark.parametrize("method", METHODS)
 def test_every_surface_gets_a_tile_the_same_again(files, method):
     folder, surfaces = _make(files, method, size_px=48)
     assert set(surfaces) == {f"{k.room_id}/{k.surface}" for k in PLAN.surface_keys()}
     again, _ = _make(files, method, out="again", size_px=48)
-    side = SIZE if method in ("crop", "retrieve") else 48
+    side = 48 if method in ("naivesynth", "synth", "exemplar") else SIZE
     for key in PLAN.surface_keys():
         path = folder / f"{key.filename}.png"
         assert read_image(path).shape == (side, side, 3)
@@ -194,6 +202,44 @@ def test_retrieve_takes_library_tiles_with_their_size(files):
     assert np.array_equal(read_image(folder / "bed1_floor.png"), library.tiles[index])
     assert surfaces["bed1/floor"]["size_m"] == pytest.approx(library.size_m[index])
     assert library.names[index] in surfaces["bed1/floor"]["source"]
+
+
+def test_medoid_colour_is_the_median_of_the_medoid_everywhere(files):
+    folder, surfaces = _make(files, "medoid_colour", seam_correction=True)
+    tile = read_image(folder / "bed1_floor.png")
+    median = np.sort(_image(100).reshape(-1, 3), axis=0)[(SIZE * SIZE - 1) // 2]
+    assert (tile == median).all()
+    assert surfaces["bed1/floor"]["source"] == "median colour of b"
+    assert not surfaces["bed1/floor"]["seam_corrected"]
+    assert (
+        "of hall" in surfaces["bath/floor"]["source"] or "bed1" in surfaces["bath/floor"]["source"]
+    )
+
+
+def test_projection_stretches_the_largest_sharp_crop_once_over_the_surface(files):
+    crops = pd.read_parquet(files / "crops.parquet")
+    crops["metres"] = [0.499, 0.501, float("nan"), 0.5, 0.5]
+    crops["sharpness"] = [1.5, 1.0, 9.0, 1.0, 0.1]
+    write_parquet(files / "crops.parquet", crops, {"house": "h1"})
+    folder, surfaces = _make(files, "projection")
+    assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(60))
+    assert surfaces["bed1/floor"]["source"] == "a, stretched"
+    textures = load_textures(folder, PLAN)
+    for part in build_parts(PLAN):
+        if part.surface is not None:
+            turns = textures[part.surface].turns(part.uv)
+            assert turns.min() >= -1e-6 and turns.max() <= 1 + 1e-6, part.name
+    assert surfaces["hall/floor"]["origin_m"] == [6.0, 0.0]
+    assert surface_extent(PLAN, SurfaceKey("hall", "wall")) == (12.0, (0.0, 0.0))
+
+
+def test_crops_of_unknown_size_are_the_last_to_be_stretched():
+    known, unknown = (
+        Crop(name, CROPS[0].key, CROPS[0].png, metres)
+        for name, metres in (("k", 0.3), ("u", np.nan))
+    )
+    assert largest_crop([unknown, known]) is known
+    assert largest_crop([unknown, unknown]) is unknown
 
 
 def test_crops_of_hidden_photos_are_not_seen(files):

@@ -25,6 +25,8 @@ class Method(enum.StrEnum):
     naivesynth = "naivesynth"
     synth = "synth"
     exemplar = "exemplar"
+    medoid_colour = "medoid_colour"
+    projection = "projection"
 
 
 def _house_id(plan: Path, given: str | None) -> str:

@@ -91,7 +91,7 @@ class _Document:
         }
         tile = None if part.surface is None else self.textures.get(part.surface)
         if part.uv is not None and tile is not None:
-            uv = (part.uv / tile.size_m).astype(np.float32)
+            uv = tile.turns(part.uv).astype(np.float32)
             attributes["TEXCOORD_0"] = self._accessor(uv, "VEC2")
         if part.colours is not None:
             colours = linear(part.colours).astype(np.float32)

@@ -63,8 +63,8 @@ def _part_lines(
 ) -> list[str]:
     """Return a part's OBJ lines; adds the materials it needs."""
     tile = None if part.surface is None else textures.get(part.surface)
-    size = 1.0 if tile is None else tile.size_m
-    uv = np.zeros((len(part.vertices), 2)) if part.uv is None else part.uv / size
+    uv = np.zeros((len(part.vertices), 2)) if part.uv is None else part.uv
+    uv = uv if tile is None or part.uv is None else tile.turns(uv)
     lines = [f"o {part.name}"]
     lines += [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in part.vertices]
     lines += [f"vt {u:.6f} {-v:.6f}" for u, v in uv]

@@ -109,7 +109,7 @@ def soup_of(parts: list[MeshPart], textures: Mapping[SurfaceKey, TileTexture]) -
                 index[tile.digest] = len(pyramids)
                 pyramids.append(mipmaps(image_from_bytes(tile.png)))
             number = index[tile.digest]
-            uv = (part.uv / tile.size_m)[part.faces]
+            uv = tile.turns(part.uv)[part.faces]
         rows["corners"].append(part.vertices[part.faces])
         rows["normals"].append(part.normals[part.faces[:, 0]])
         rows["uv"].append(uv)

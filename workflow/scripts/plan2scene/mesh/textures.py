@@ -7,6 +7,8 @@ import logging
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from plan2scene.errors import InputError
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import png_bytes, read_image, read_json
@@ -31,6 +33,8 @@ class TileTexture:
         One of ``house.SUBSTANCES``.
     source : str
         Where it comes from, in words.
+    origin_m : (2,) tuple of float
+        Where a tile begins in a part's texture coordinates, metres.
     """
 
     png: bytes
@@ -38,11 +42,16 @@ class TileTexture:
     observed: bool | None = None
     substance: str | None = None
     source: str = ""
+    origin_m: tuple[float, float] = (0.0, 0.0)
 
     @property
     def digest(self) -> str:
         """Hash of the pixels' file: equal textures are embedded once."""
         return hashlib.sha256(self.png).hexdigest()
+
+    def turns(self, uv: np.ndarray) -> np.ndarray:
+        """Return texture coordinates (..., 2) in tiles, from metres."""
+        return np.asarray((uv - np.array(self.origin_m)) / self.size_m)
 
 
 def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileTexture]:
@@ -85,6 +94,19 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house: str) -> 
             house=house,
             room=key.room_id,
         )
+    origin = entry.get("origin_m", [0.0, 0.0])
+    if not (
+        isinstance(origin, list)
+        and len(origin) == 2
+        and all(isinstance(v, int | float) and abs(v) < 1e6 for v in origin)
+    ):
+        raise InputError(
+            "an origin_m of two numbers of metres",
+            str(origin),
+            file=root / "textures.json",
+            house=house,
+            room=key.room_id,
+        )
     file = root / f"{key.filename}.png"
     try:
         data = file.read_bytes()
@@ -99,4 +121,5 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house: str) -> 
         observed=observed if isinstance(observed, bool) else None,
         substance=str(substance) if substance else None,
         source=str(entry.get("source", "")),
+        origin_m=(float(origin[0]), float(origin[1])),
     )

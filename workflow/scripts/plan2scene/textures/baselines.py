@@ -1,4 +1,11 @@
-"""Crop baseline: the photo crop that stands for each surface (paper section 5).
+"""The photo crop that stands for each surface: what the baselines' tiles are made of.
+
+Crop (paper section 5) puts it on the surface as it is; two from related work make more of it:
+
+``medoid_colour``  one flat colour, the crop's median (IM2CAD, Izadinia et al. 2017, section 4.4)
+``projection``     the photo region itself, stretched over the surface, so that it does not repeat
+                   (Rent3D, Liu et al. 2015). A crop is at most a metre wide: the largest good one
+                   of the surface is taken, the sharpest of equals
 
 An observed surface gets its reference crop, the medoid of its visible crops. For an unobserved
 one a random crop is drawn from the first of these pools that is not empty:
@@ -13,7 +20,8 @@ A house without any visible crop has none: the stage then takes a tile of the li
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +30,7 @@ from plan2scene.house import House, SurfaceKey
 from plan2scene.io import image_from_bytes
 from plan2scene.photos.crops import medoid_index
 from plan2scene.seeds import generator
+from plan2scene.textures.colour import as_uint8, median_colour
 
 #: Substance of a surface that nothing is known of, by surface; wet rooms have tiled floors.
 _USUAL_SUBSTANCE = {"floor": "wood", "wall": "plaster", "ceiling": "plaster"}
@@ -30,12 +39,16 @@ _TILED_ROOMS = frozenset({"Bathroom", "Balcony", "Terrace", "Outdoor"})
 
 @dataclass(frozen=True)
 class Crop:
-    """A visible crop of a surface: PNG bytes of 128x128 sRGB, and the metres it covers."""
+    """A visible crop of a surface: PNG bytes of 128x128 sRGB, and the metres it covers.
+
+    `metres` and `sharpness` (photo pixels per crop pixel) are NaN where unknown.
+    """
 
     crop_id: str
     key: SurfaceKey
     png: bytes
     metres: float
+    sharpness: float = math.nan
 
     def image(self) -> np.ndarray:
         """Return the pixels, (128, 128, 3) uint8 sRGB."""
@@ -50,7 +63,31 @@ class Choice:
     source: str
 
 
-def choose_crop(plan: House, key: SurfaceKey, crops: Sequence[Crop], seed: int) -> Choice | None:
+def medoid_crop(crops: Sequence[Crop]) -> Crop:
+    """Return the crop nearest to the mean of a surface's crops (paper, reference crop)."""
+    return crops[medoid_index([crop.image() for crop in crops])]
+
+
+def largest_crop(crops: Sequence[Crop]) -> Crop:
+    """Return the crop that covers most, the sharpest of equals, the first of those.
+
+    Windows are cut to whole pixels, so sides within a centimetre count as equal; unknown values
+    count as nothing.
+    """
+    known = [
+        (round(np.nan_to_num(crop.metres), 2), float(np.nan_to_num(crop.sharpness)))
+        for crop in crops
+    ]
+    return crops[known.index(max(known))]
+
+
+def choose_crop(
+    plan: House,
+    key: SurfaceKey,
+    crops: Sequence[Crop],
+    seed: int,
+    own_crop: Callable[[Sequence[Crop]], Crop] = medoid_crop,
+) -> Choice | None:
     """Return the crop that stands for a surface; None for a house without any crop.
 
     Parameters
@@ -61,10 +98,12 @@ def choose_crop(plan: House, key: SurfaceKey, crops: Sequence[Crop], seed: int) 
         All visible crops of the house, in a stable order.
     seed : int
         Global seed; the choice depends on it, the house and the surface alone.
+    own_crop : callable
+        Which of its own crops an observed surface gets.
     """
     own = [crop for crop in crops if crop.key == key]
     if own:
-        crop = own[medoid_index([crop.image() for crop in own])]
+        crop = own_crop(own)
         return Choice(crop, crop.crop_id)
     types = set(plan.room(key.room_id).types)
     same_surface = [crop for crop in crops if crop.key.surface == key.surface]
@@ -82,6 +121,30 @@ def choose_crop(plan: House, key: SurfaceKey, crops: Sequence[Crop], seed: int) 
             crop = pool[int(rng.integers(len(pool)))]
             return Choice(crop, f"{name}: {crop.crop_id} of {crop.key.room_id}")
     return None
+
+
+def flat_image(image: np.ndarray) -> np.ndarray:
+    """Return an (h, w, 3) uint8 sRGB image of one colour: the median of another's."""
+    return np.broadcast_to(as_uint8(median_colour(image)), image.shape).copy()
+
+
+def surface_extent(plan: House, key: SurfaceKey) -> tuple[float, tuple[float, float]]:
+    """Return the side of the square that holds a surface, and where it begins, metres.
+
+    In the texture coordinates of the mesh: floors and ceilings are (x, z), a room's walls are one
+    strip along its outline (or a column's in it), from the ceiling down.
+    """
+    room = plan.room(key.room_id)
+    if key.surface == "wall":
+        return max(room.height, *(_length(np.array(ring)) for ring in room.rings)), (0.0, 0.0)
+    points = np.array(room.rings[0])
+    low, high = points.min(axis=0), points.max(axis=0)
+    return float((high - low).max()), (float(low[0]), float(low[1]))
+
+
+def _length(ring: np.ndarray) -> float:
+    """Return the length of a closed (n, 2) ring."""
+    return float(np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1).sum())
 
 
 def usual_substance(plan: House, key: SurfaceKey) -> str:

@@ -2,6 +2,7 @@
 
 ``crop``        the reference crop (:mod:`plan2scene.textures.baselines`)
 ``retrieve``    the library's tile nearest to that crop
+``medoid_colour``, ``projection``  its colour alone, the photo region stretched (same module)
 ``naivesynth``  the unmodified texture model, decoded from the mean of the crops' embeddings
 ``synth``       the paper's model, decoded from the selected or propagated embedding
 ``exemplar``    tiles of the surfaces' own crops (:mod:`plan2scene.textures.exemplar`); where that
@@ -30,7 +31,16 @@ from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, read_parquet, write_json, write_png
 from plan2scene.seeds import generator
-from plan2scene.textures.baselines import Choice, Crop, choose_crop, usual_substance
+from plan2scene.textures.baselines import (
+    Choice,
+    Crop,
+    choose_crop,
+    flat_image,
+    largest_crop,
+    medoid_crop,
+    surface_extent,
+    usual_substance,
+)
 from plan2scene.textures.exemplar.house import HouseExemplar, house_exemplars
 from plan2scene.textures.retrieval import TextureLibrary, read_library
 from plan2scene.textures.seams import make_seamless, with_calm_border
@@ -39,18 +49,22 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: Methods of the texture stage, those of the paper's table first and in its order.
-METHODS = ("crop", "retrieve", "naivesynth", "synth", "exemplar")
+METHODS = ("crop", "retrieve", "naivesynth", "synth", "exemplar", "medoid_colour", "projection")
 _SYNTHESISED = ("naivesynth", "synth", "exemplar")
 
 
 @dataclass(frozen=True, eq=False)
 class Tile:
-    """A surface's texture: (s, s, 3) uint8 sRGB, metres it covers, what it was made of."""
+    """A surface's texture: (s, s, 3) uint8 sRGB, metres it covers, what it was made of.
+
+    `origin_m` is where a tile begins in the mesh's texture coordinates, metres.
+    """
 
     image: np.ndarray
     size_m: float
     source: str
     tiles_by_construction: bool = False
+    origin_m: tuple[float, float] = (0.0, 0.0)
 
 
 def make_textures(
@@ -113,7 +127,13 @@ def visible_crops(frame: pd.DataFrame, hidden_photos: Collection[str]) -> list[C
     """Return the crops of ``crops.parquet`` whose photo is not hidden, in the file's order."""
     hidden = set(hidden_photos)
     return [
-        Crop(row.crop_id, SurfaceKey(row.room_id, row.surface), row.png, float(row.metres))
+        Crop(
+            row.crop_id,
+            SurfaceKey(row.room_id, row.surface),
+            row.png,
+            float(row.metres),
+            float(row.sharpness),
+        )
         for row in frame.itertuples()
         if row.photo not in hidden
     ]
@@ -127,9 +147,9 @@ def _baseline(
     library: TextureLibrary,
     seed: int,
 ) -> dict[SurfaceKey, Tile]:
-    """Return the tiles of methods crop and retrieve."""
+    """Return the tiles of the methods that decode nothing."""
     make: Callable[[Choice, float], Tile]
-    if method == "crop":
+    if method != "retrieve":
         make = _crop_tile
     else:
         nearest: dict[str, int] = {}  # rooms often fall back on one crop
@@ -143,11 +163,20 @@ def _baseline(
     tiles = {}
     for row in surfaces.itertuples():
         key = SurfaceKey(row.room_id, row.surface)
-        choice = choose_crop(plan, key, crops, seed)
+        own_crop = largest_crop if method == "projection" else medoid_crop
+        choice = choose_crop(plan, key, crops, seed, own_crop)
         if choice is None:
-            tiles[key] = _usual_tile(plan, key, library, seed)
+            tile = _usual_tile(plan, key, library, seed)
         else:
-            tiles[key] = make(choice, float(row.metres))
+            tile = make(choice, float(row.metres))
+        if method == "medoid_colour":
+            flat, source = flat_image(tile.image), f"median colour of {tile.source}"
+            tile = replace(tile, image=flat, source=source, tiles_by_construction=True)
+        elif method == "projection":
+            size_m, origin_m = surface_extent(plan, key)
+            source = f"{tile.source}, stretched"
+            tile = replace(tile, size_m=size_m, origin_m=origin_m, source=source)
+        tiles[key] = tile
     return tiles
 
 
@@ -245,4 +274,6 @@ def _write(
                 "seam_corrected": corrected,
                 "source": tile.source,
             }
+            if any(tile.origin_m):
+                entries[f"{key.room_id}/{key.surface}"]["origin_m"] = list(tile.origin_m)
         write_json(folder / "textures.json", {"method": method, "surfaces": entries})
