@@ -1,0 +1,66 @@
+# On demand: what the parts of method synth are worth, `snakemake -j2 ablation`.
+ABLATION_DROPS = sorted({"0.0", TABLE_DROP})
+
+
+rule ablation_house:
+    # A house by every variant of the method: one job.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
+        library=f"{RESULTS}/texture_library.parquet",
+        texture=model_of("texture"),
+        naivesynth=model_of("naivesynth"),
+        propagation=model_of("propagation"),
+        features=model_of("features"),
+    output:
+        f"{RESULTS}/houses/{{house}}/ablation.parquet",
+    log:
+        f"logs/{DATASET}/ablation_house/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/ablation_house/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        dataset=DATASET,
+        hidden=hidden_at_drops(ABLATION_DROPS),
+        seed=config["seed"],
+        size_px=config["textures"]["size_px"],
+        code=code_hash("evaluation.ablation"),
+    script:
+        "../scripts/ablation_house.py"
+
+
+rule ablation:
+    # The second table over all houses.
+    input:
+        ablations=house_files("ablation.parquet"),
+        references=house_files("reference_features.parquet"),
+    output:
+        csv=report(
+            f"{RESULTS}/tables/ablation.csv",
+            caption="../report/ablation.rst",
+            category="Evaluation",
+        ),
+        markdown=f"{RESULTS}/tables/ablation.md",
+        latex=f"{RESULTS}/tables/ablation.tex",
+    log:
+        f"logs/{DATASET}/ablation.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/ablation.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        dataset=DATASET,
+        houses=list(HOUSES.index),
+        drop=TABLE_DROP,
+        seed=config["seed"],
+        code=code_hash("evaluation.ablation"),
+    script:
+        "../scripts/ablation.py"

@@ -1,0 +1,91 @@
+# On demand: every metric against the share of hidden photos, `snakemake -j2 sweep`.
+from plan2scene.evaluation.drops import SWEEP_DROPS, hidden_at
+
+
+def hidden_at_drops(drops):
+    """Return an input function: drop fraction to the photos of a house hidden at it."""
+
+    def hidden(wildcards):
+        return {
+            drop: hidden_at(
+                LAYOUT.unobserved,
+                drop,
+                photo_names_of(wildcards),
+                seed=config["seed"],
+                house=wildcards.house,
+            )
+            for drop in drops
+        }
+
+    return hidden
+
+
+rule sweep_house:
+    # A house at all drops by all methods: one job, for as jobs of their own it is mostly starts.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
+        library=f"{RESULTS}/texture_library.parquet",
+        texture=model_of("texture"),
+        naivesynth=model_of("naivesynth"),
+        propagation=model_of("propagation"),
+        features=model_of("features"),
+    output:
+        f"{RESULTS}/houses/{{house}}/sweep.parquet",
+    log:
+        f"logs/{DATASET}/sweep_house/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/sweep_house/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        dataset=DATASET,
+        hidden=hidden_at_drops(SWEEP_DROPS),
+        seam_correction={
+            method: config["textures"]["seam_correction"][method] for method in METHODS
+        },
+        seed=config["seed"],
+        size_px=config["textures"]["size_px"],
+        code=code_hash("evaluation.sweep"),
+    script:
+        "../scripts/sweep_house.py"
+
+
+rule sweep:
+    # The curves over all houses.
+    input:
+        sweeps=house_files("sweep.parquet"),
+        references=house_files("reference_features.parquet"),
+    output:
+        csv=report(
+            f"{RESULTS}/tables/sweep.csv",
+            caption="../report/sweep.rst",
+            category="Evaluation",
+        ),
+        plot=report(
+            f"{RESULTS}/tables/sweep.png",
+            caption="../report/sweep.rst",
+            category="Evaluation",
+        ),
+    log:
+        f"logs/{DATASET}/sweep.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/sweep.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        dataset=DATASET,
+        houses=list(HOUSES.index),
+        methods=METHODS,
+        drops=list(SWEEP_DROPS),
+        seed=config["seed"],
+        code=code_hash("evaluation.sweep"),
+    script:
+        "../scripts/sweep.py"

@@ -1,0 +1,1 @@
+"""What the paper's supplement asks of a data set: sweeps over drops, ablations, a user study."""

@@ -1,0 +1,137 @@
+"""One house through selection, propagation, textures and metrics in one process.
+
+The workflow makes these steps as jobs of their own. A sweep or an ablation repeats them dozens
+of times per house; as jobs, most of their time would be the start of processes. The functions
+are those of the stages, so the figures are theirs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from plan2scene.io import read_parquet
+from plan2scene.metrics.stage import measure_house
+from plan2scene.propagation.stage import propagate_house
+from plan2scene.textures.selection import select_surfaces
+from plan2scene.textures.stage import make_textures
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class HouseFiles:
+    """Files of one house that do not depend on the drop, and the tiles Retrieve takes from."""
+
+    house: str
+    dataset: str
+    scene: Path
+    crops: Path
+    embeddings: Path
+    library: Path
+
+
+@dataclass(frozen=True)
+class Models:
+    """Weights of all stages."""
+
+    texture: Path
+    naivesynth: Path
+    propagation: Path
+    features: Path
+
+    def decoder(self, method: str) -> Path | None:
+        """Return the texture model of a method; None where nothing is decoded."""
+        models = {"synth": self.texture, "naivesynth": self.naivesynth, "exemplar": self.texture}
+        return models.get(method)
+
+
+@dataclass(frozen=True)
+class Textures:
+    """How tiles are made: the global seed, pixels of a side, seam correction or not."""
+
+    seed: int
+    size_px: int
+    seam_correction: bool
+
+
+def propagated_at(
+    files: HouseFiles, models: Models, hidden_photos: Collection[str], folder: Path
+) -> tuple[Path, Path]:
+    """Write ``surfaces.parquet`` and ``propagated.parquet`` to `folder`; return both paths."""
+    surfaces, propagated = folder / "surfaces.parquet", folder / "propagated.parquet"
+    select_surfaces(
+        files.embeddings,
+        files.crops,
+        hidden_photos,
+        surfaces,
+        house=files.house,
+        dataset=files.dataset,
+    )
+    propagate_house(
+        files.scene,
+        surfaces,
+        propagated,
+        house=files.house,
+        dataset=files.dataset,
+        propagation_model=models.propagation,
+        texture_model=models.texture,
+    )
+    return surfaces, propagated
+
+
+def measured(
+    method: str,
+    propagated: Path,
+    files: HouseFiles,
+    models: Models,
+    hidden_photos: Collection[str],
+    folder: Path,
+    *,
+    textures: Textures,
+    drop: str,
+    decoder: Path | None = None,
+    name: str | None = None,
+) -> pd.DataFrame:
+    """Return the metrics of one method's textures, the columns of ``metrics.parquet``.
+
+    Parameters
+    ----------
+    folder : path
+        Tiles are written below it.
+    decoder : path, optional
+        Weights to decode with; the method's when None.
+    name : str, optional
+        Stands in the column ``method``; the method itself when None.
+    """
+    name = name or method
+    tiles, output = folder / f"{name}_textures", folder / f"{name}.parquet"
+    make_textures(
+        method,
+        propagated,
+        files.crops,
+        files.scene,
+        tiles,
+        house=files.house,
+        hidden_photos=hidden_photos,
+        library=files.library,
+        model=decoder or models.decoder(method),
+        seed=textures.seed,
+        size_px=textures.size_px,
+        seam_correction=textures.seam_correction,
+    )
+    measure_house(
+        tiles,
+        files.crops,
+        models.features,
+        output,
+        dataset=files.dataset,
+        house=files.house,
+        method=name,
+        drop=drop,
+        hidden_photos=hidden_photos,
+    )
+    return read_parquet(output)[0]

@@ -1,0 +1,17 @@
+"""Rule sweep: all houses' sweeps -> every metric against the share of hidden photos."""
+
+from plan2scene.evaluation.sweep import sweep_table
+from plan2scene.jobs import job
+
+with job(snakemake.log[0]):
+    sweep_table(
+        snakemake.input.sweeps,
+        snakemake.input.references,
+        snakemake.output.csv,
+        snakemake.output.plot,
+        dataset=snakemake.params.dataset,
+        houses=snakemake.params.houses,
+        methods=snakemake.params.methods,
+        drops=snakemake.params.drops,
+        seed=snakemake.params.seed,
+    )

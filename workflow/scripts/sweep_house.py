@@ -1,0 +1,30 @@
+"""Rule sweep_house: a house at every share of hidden photos -> metrics of all methods."""
+
+from pathlib import Path
+
+from plan2scene.evaluation.houses import HouseFiles, Models
+from plan2scene.evaluation.sweep import sweep_house
+from plan2scene.jobs import job
+
+with job(snakemake.log[0]):
+    sweep_house(
+        HouseFiles(
+            house=snakemake.wildcards.house,
+            dataset=snakemake.params.dataset,
+            scene=Path(snakemake.input.scene),
+            crops=Path(snakemake.input.crops),
+            embeddings=Path(snakemake.input.embeddings),
+            library=Path(snakemake.input.library),
+        ),
+        Models(
+            texture=Path(snakemake.input.texture),
+            naivesynth=Path(snakemake.input.naivesynth),
+            propagation=Path(snakemake.input.propagation),
+            features=Path(snakemake.input.features),
+        ),
+        snakemake.output[0],
+        hidden=snakemake.params.hidden,
+        seam_correction=snakemake.params.seam_correction,
+        seed=snakemake.params.seed,
+        size_px=snakemake.params.size_px,
+    )
