@@ -17,7 +17,7 @@ from plan2scene.metrics.images import metric_image
 from plan2scene.metrics.stage import reference_images
 from plan2scene.textures.stage import METHODS
 
-HIDDEN = {"0.0": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}
+HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}
 NAMES = [f"{i}.jpg" for i in range(10)]
 
 
@@ -65,7 +65,7 @@ def test_every_method_is_measured_at_every_drop(swept):
     assert len(count) == len(METHODS) * len(HIDDEN)
     assert set(count) == {4}  # the surfaces that any crop shows
     seen = frame[frame["method"] == "synth"].groupby("drop")["observed"].sum()
-    assert seen.to_dict() == {"0.0": 4, "0.5": 2, "1.0": 0}
+    assert seen.to_dict() == {"0.0": 4, "0.1": 4, "0.5": 2, "1.0": 0}
     assert np.isfinite(frame[["color", "freq", "tile"]].to_numpy()).all()
 
 

@@ -64,7 +64,8 @@ except InputError as error:
 wildcard_constraints:
     house=r"[A-Za-z0-9_][A-Za-z0-9_.-]*",
     drop=r"[01]\.\d",
-    method="|".join(METHODS),
+    # The user study may compare others than the table.
+    method="|".join(sorted({*METHODS, *sum(config["study"]["pairs"], [])})),
 
 
 def plan_of(wildcards):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plan2scene.io import read_parquet
+from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.stage import measure_house
 from plan2scene.propagation.stage import propagate_house
 from plan2scene.textures.selection import select_surfaces
@@ -111,7 +111,7 @@ def measured(
     tiles, output = folder / f"{name}_textures", folder / f"{name}.parquet"
     make_textures(
         method,
-        propagated,
+        _measurable(propagated, files.crops, folder / f"{name}_measurable.parquet"),
         files.crops,
         files.scene,
         tiles,
@@ -135,3 +135,15 @@ def measured(
         hidden_photos=hidden_photos,
     )
     return read_parquet(output)[0]
+
+
+def _measurable(propagated: Path, crops: Path, output: Path) -> Path:
+    """Write the rows of ``propagated.parquet`` that any crop shows; return the path.
+
+    The others have no reference: their tiles would be made and looked at by nobody.
+    """
+    frame, metadata = read_parquet(propagated)
+    shown = read_parquet(crops)[0][["room_id", "surface"]].drop_duplicates()
+    kept = frame.merge(shown, on=["room_id", "surface"], how="inner")
+    write_parquet(output, kept, metadata)
+    return output

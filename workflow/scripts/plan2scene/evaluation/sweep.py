@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.aggregate import (
     COLUMNS,
@@ -18,6 +19,9 @@ from plan2scene.evaluation.sweep_plot import plot_sweep
 from plan2scene.io import atomic_path, write_parquet
 from plan2scene.metrics.features import FEATURE_NETWORK
 from plan2scene.provenance import file_hash
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def sweep_house(
@@ -41,28 +45,46 @@ def sweep_house(
     """
     import pandas as pd
 
+    done: dict[frozenset[str], pd.DataFrame] = {}
     frames = []
     for drop, photos in hidden.items():
-        with TemporaryDirectory() as name:
-            folder = Path(name)
-            _, propagated = propagated_at(files, models, photos, folder)
-            for method, correct in seam_correction.items():
-                textures = Textures(seed, size_px, correct)
-                frames.append(
-                    measured(
-                        method,
-                        propagated,
-                        files,
-                        models,
-                        photos,
-                        folder,
-                        textures=textures,
-                        drop=drop,
-                    )
-                )
+        key = frozenset(photos)  # a house of few photos hides the same at several drops
+        if key not in done:
+            done[key] = _at_drop(files, models, photos, seam_correction, seed, size_px)
+        frames.append(done[key].assign(drop=drop))
     metadata = {"dataset": files.dataset, "house": files.house, "features": FEATURE_NETWORK}
     frame = pd.concat([f for f in frames if len(f)] or frames[:1], ignore_index=True)
     write_parquet(output, frame, {**metadata, "model": file_hash(models.features)})
+
+
+def _at_drop(
+    files: HouseFiles,
+    models: Models,
+    hidden_photos: Sequence[str],
+    seam_correction: Mapping[str, bool],
+    seed: int,
+    size_px: int,
+) -> pd.DataFrame:
+    """Return the metrics of all methods with those photos hidden."""
+    import pandas as pd
+
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        _, propagated = propagated_at(files, models, hidden_photos, folder)
+        frames = [
+            measured(
+                method,
+                propagated,
+                files,
+                models,
+                hidden_photos,
+                folder,
+                textures=Textures(seed, size_px, correct),
+                drop="",
+            )
+            for method, correct in seam_correction.items()
+        ]
+    return pd.concat([f for f in frames if len(f)] or frames[:1], ignore_index=True)
 
 
 def sweep_table(

@@ -4,27 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from importlib.util import find_spec
+from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
-from shapely.geometry import MultiPolygon, Polygon
-from shapely.ops import polylabel, unary_union
+from shapely.geometry import Polygon
+from shapely.ops import unary_union
 
 from plan2scene.floorplans import read_scene_json
-from plan2scene.house import House, Room, SurfaceKey
+from plan2scene.house import House, SurfaceKey
 from plan2scene.io import write_png
 from plan2scene.mesh.glb import linear
 from plan2scene.mesh.house_mesh import Assembly, assemble
+from plan2scene.mesh.labels import SECTION_COLOUR, annotate
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
-from plan2scene.mesh.polygons import room_polygon, triangulate
+from plan2scene.mesh.polygons import triangulate
 from plan2scene.mesh.raster import Camera, Soup, attributes, look_at, sample, soup_of, visible
 from plan2scene.mesh.textures import TileTexture, load_textures
 
 BACKGROUND: Colour = (247, 246, 243)
-SECTION_COLOUR: Colour = (52, 50, 48)
 WINDOW_COLOUR: Colour = (176, 205, 216)
 #: Height in metres at which the plan view cuts the house open.
 CUT = 1.7
@@ -37,6 +36,19 @@ _SUN = np.array([-0.45, 0.78, 0.43]) / np.linalg.norm([-0.45, 0.78, 0.43])
 _SKY, _GROUND, _SUNLIGHT = 0.82, 0.55, 0.30
 #: How far corners darken, metres, and how much.
 _CORNER_REACH, _CORNER_DARK = 0.22, 0.42
+
+
+@dataclass(frozen=True)
+class _View:
+    """Where a perspective view is from, and its field of view, degrees."""
+
+    elevation_deg: float
+    azimuth_deg: float
+    fov_deg: float
+
+
+_OBLIQUE = _View(61.0, 24.0, 28.0)  # from the upper south-east
+_FROM_ABOVE = _View(90.0, 0.0, 50.0)
 
 
 def build_preview(
@@ -53,8 +65,23 @@ def render_preview(
     """Return (side, 2 side, 3) uint8 sRGB: plan view with room names, and oblique view."""
     assembly = assemble(house)
     plan = _plan_view(house, assembly, textures, side)
-    oblique = _oblique_view(house, assembly, textures, side)
+    oblique = _view(house, assembly, textures, side, _OBLIQUE)
     return np.concatenate([plan, oblique], axis=1)
+
+
+def render_plan(house: House, captions: Mapping[str, str], side: int = SIDE) -> np.ndarray:
+    """Return the plan view in plain colours, (side, side, 3) uint8 sRGB.
+
+    `captions` holds a line for a room's label in place of its area, by room id.
+    """
+    return _plan_view(house, assemble(house), {}, side, captions)
+
+
+def render_from_above(
+    house: House, textures: Mapping[SurfaceKey, TileTexture], side: int = SIDE
+) -> np.ndarray:
+    """Return the perspective view from straight above without ceilings, (side, side, 3) uint8."""
+    return _view(house, assemble(house), textures, side, _FROM_ABOVE)
 
 
 def _extent(house: House) -> tuple[np.ndarray, np.ndarray]:
@@ -65,7 +92,11 @@ def _extent(house: House) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _plan_view(
-    house: House, assembly: Assembly, textures: Mapping[SurfaceKey, TileTexture], side: int
+    house: House,
+    assembly: Assembly,
+    textures: Mapping[SurfaceKey, TileTexture],
+    side: int,
+    captions: Mapping[str, str] | None = None,
 ) -> np.ndarray:
     """Return the orthographic view from above of what is below `CUT`."""
     low, high = _extent(house)
@@ -78,7 +109,14 @@ def _plan_view(
     soup = soup_of(parts, textures)
     below = soup.corners[..., 1].min(axis=1) <= CUT + 2e-3
     image = _draw(soup, camera, below & ~soup.glass, house)
-    return _annotate(image, house, camera)
+    small = _small(image)
+    scale = camera.scale / SUPERSAMPLING
+
+    def project(point: tuple[float, float]) -> tuple[float, float]:
+        x, y = camera.project(np.array([point[0], 0.0, point[1]]))[:2] / SUPERSAMPLING
+        return float(x), float(y)
+
+    return annotate(small, house, captions or {}, project, scale)
 
 
 def _section(assembly: Assembly) -> list[MeshPart]:
@@ -111,10 +149,14 @@ def _section(assembly: Assembly) -> list[MeshPart]:
     return parts
 
 
-def _oblique_view(
-    house: House, assembly: Assembly, textures: Mapping[SurfaceKey, TileTexture], side: int
+def _view(
+    house: House,
+    assembly: Assembly,
+    textures: Mapping[SurfaceKey, TileTexture],
+    side: int,
+    view: _View,
 ) -> np.ndarray:
-    """Return the perspective view from the upper south-east without ceilings."""
+    """Return a perspective view without ceilings that the house fills."""
     low, high = _extent(house)
     height = max((wall.height for wall in house.walls), default=2.5)
     corners = np.array(
@@ -122,7 +164,7 @@ def _oblique_view(
     )
     target = corners.mean(axis=0)
     size = (side * SUPERSAMPLING, side * SUPERSAMPLING)
-    elevation, azimuth = math.radians(61.0), math.radians(24.0)
+    elevation, azimuth = math.radians(view.elevation_deg), math.radians(view.azimuth_deg)
     direction = np.array(
         [
             math.sin(azimuth) * math.cos(elevation),
@@ -130,7 +172,7 @@ def _oblique_view(
             math.cos(azimuth) * math.cos(elevation),
         ]
     )
-    focal = size[1] / (2 * math.tan(math.radians(28.0) / 2))
+    focal = size[1] / (2 * math.tan(math.radians(view.fov_deg) / 2))
     distance = 2.2 * float(np.linalg.norm(high - low)) + height
     for _ in range(3):  # the distance at which the house fills the view, by proportion
         camera = look_at(target + distance * direction, target, focal, size, perspective=True)
@@ -217,73 +259,3 @@ def _small(image: np.ndarray) -> np.ndarray:
     mean = image.reshape(height, k, width, k, 3).mean(axis=(1, 3)).clip(0, 1)
     encoded = np.where(mean <= 0.0031308, 12.92 * mean, 1.055 * mean ** (1 / 2.4) - 0.055)
     return np.round(encoded * 255).astype(np.uint8)
-
-
-def room_title(room: Room) -> str:
-    """Return a room's name for people: its types."""
-    return " / ".join(room.types)
-
-
-def _annotate(image: np.ndarray, house: House, camera: Camera) -> np.ndarray:
-    """Return the plan view with room names and areas, and a scale bar."""
-    picture = Image.fromarray(_small(image))
-    draw = ImageDraw.Draw(picture)
-    taken: list[tuple[float, ...]] = []
-    for room in sorted(house.rooms, key=lambda room: -room_polygon(room).area):
-        whole = room_polygon(room)
-        point = _label_point(max(whole.geoms, key=lambda p: p.area))
-        x, y = camera.project(np.array([point[0], 0.0, point[1]]))[:2] / SUPERSAMPLING
-        title = room_title(room)
-        # A small room gets a small label, and none where a larger room's label is.
-        for text, size in ((f"{title}\n{whole.area:.1f} m²", 15), (title, 11)):
-            if _label(draw, text, (float(x), float(y)), size, taken, whole, camera):
-                break
-    metre = camera.scale / SUPERSAMPLING
-    x0, y0 = 24, picture.height - 26
-    draw.rectangle([x0, y0, x0 + metre, y0 + 5], fill=SECTION_COLOUR)
-    draw.text((x0 + metre + 8, y0 + 2), "1 m", fill=SECTION_COLOUR, font=_font(14), anchor="lm")
-    return np.asarray(picture)
-
-
-def _label_point(polygon: Polygon) -> tuple[float, float]:
-    """Return a point well inside a room: its centroid when that is inside, else the pole."""
-    centre = polygon.centroid
-    point = centre if polygon.buffer(-0.3).contains(centre) else polylabel(polygon, 0.05)
-    return float(point.x), float(point.y)
-
-
-def _label(
-    draw: ImageDraw.ImageDraw,
-    text: str,
-    centre: tuple[float, float],
-    size: int,
-    taken: list[tuple[float, ...]],
-    room: MultiPolygon,
-    camera: Camera,
-) -> bool:
-    """Write text on a light plate if there is room for it; return whether it was written."""
-    font = _font(size)
-    box = draw.multiline_textbbox(centre, text, font=font, anchor="mm", align="center")
-    plate = (box[0] - 6, box[1] - 5, box[2] + 6, box[3] + 5)
-    metre = camera.scale / SUPERSAMPLING
-    width, height = (plate[2] - plate[0]) / metre, (plate[3] - plate[1]) / metre
-    if width * height > 1.2 * room.area or any(_overlap(plate, other) for other in taken):
-        return False
-    taken.append(plate)
-    draw.rounded_rectangle(plate, radius=6, fill=(250, 249, 246))
-    draw.multiline_text(centre, text, font=font, anchor="mm", align="center", fill=(40, 38, 36))
-    return True
-
-
-def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
-    """Return whether two boxes (left, top, right, bottom) overlap."""
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
-
-
-def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return the font that matplotlib ships (Pillow's own lacks a superscript 2)."""
-    package = find_spec("matplotlib")
-    if package is None or not package.submodule_search_locations:
-        return ImageFont.load_default(size)
-    folder = Path(package.submodule_search_locations[0]) / "mpl-data" / "fonts" / "ttf"
-    return ImageFont.truetype(folder / "DejaVuSans.ttf", size)

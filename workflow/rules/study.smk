@@ -1,0 +1,99 @@
+# On demand: the user study. `snakemake -j2 study` makes the form and its key; with the files that
+# people hand in under config["study"]["answers"], `snakemake study_result` their preferences.
+from plan2scene.evaluation.study_form import study_houses
+
+STUDY = config["study"]
+STUDY_METHODS = list(
+    dict.fromkeys(method for pair in STUDY["pairs"] for method in pair)
+)
+STUDY_HOUSES = study_houses(list(HOUSES.index), STUDY["houses"], seed=config["seed"])
+
+
+def study_answers_of(wildcards):
+    """Return the answer files that were handed in; the job says so when there are none."""
+    folder = STUDY["answers"]
+    return sorted(str(path) for path in Path(folder).glob("*.csv")) if folder else []
+
+
+rule study_house:
+    # Plan, photos and a render by each method, all photos visible.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        assignment=assignment_of,
+        photos=photos_of,
+        textures=[
+            f"{RESULTS}/drop_0.0/{method}/{{house}}/textures"
+            for method in STUDY_METHODS
+        ],
+    output:
+        directory(f"{RESULTS}/study/houses/{{house}}"),
+    log:
+        f"logs/{DATASET}/study_house/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/study_house/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        methods=STUDY_METHODS,
+        names=photo_names_of,
+        photo_folder=str(LAYOUT.photos),
+        code=code_hash("evaluation.study_sheet", "datasets"),
+    script:
+        "../scripts/study_house.py"
+
+
+rule study:
+    # One offline page that asks, and which method was on which side.
+    input:
+        sheets=expand(f"{RESULTS}/study/houses/{{house}}", house=STUDY_HOUSES),
+    output:
+        form=report(
+            f"{RESULTS}/study/form.html",
+            caption="../report/study.rst",
+            category="Evaluation",
+        ),
+        key=f"{RESULTS}/study/key.csv",
+    log:
+        f"logs/{DATASET}/study.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/study.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+    params:
+        houses=STUDY_HOUSES,
+        pairs=STUDY["pairs"],
+        seed=config["seed"],
+        code=code_hash("evaluation.study_form"),
+        page=file_hash(PACKAGE / "evaluation" / "study_form.html"),
+    script:
+        "../scripts/study.py"
+
+
+rule study_result:
+    # Preferences with 95 % intervals.
+    input:
+        key=f"{RESULTS}/study/key.csv",
+        answers=study_answers_of,
+    output:
+        csv=f"{RESULTS}/tables/study.csv",
+        text=f"{RESULTS}/tables/study.txt",
+    log:
+        f"logs/{DATASET}/study_result.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/study_result.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+    params:
+        pairs=STUDY["pairs"],
+        code=code_hash("evaluation.study_answers"),
+    script:
+        "../scripts/study_result.py"

@@ -1,0 +1,14 @@
+"""Rule study: what the study shows of each house -> the form and its key."""
+
+from plan2scene.evaluation.study_form import write_study
+from plan2scene.jobs import job
+
+with job(snakemake.log[0]):
+    write_study(
+        snakemake.input.sheets,
+        snakemake.output.form,
+        snakemake.output.key,
+        houses=snakemake.params.houses,
+        pairs=snakemake.params.pairs,
+        seed=snakemake.params.seed,
+    )
