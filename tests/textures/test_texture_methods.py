@@ -1,6 +1,7 @@
 """Baselines and the texture stage on a small house, and the metrics of what it makes."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -20,6 +21,7 @@ from plan2scene.textures.baselines import (
     surface_extent,
     usual_substance,
 )
+from plan2scene.textures.crop_pool import read_pool, write_pool
 from plan2scene.textures.model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.retrieval import read_library, write_library
 from plan2scene.textures.seams import wrap_ratio
@@ -88,6 +90,39 @@ def test_then_the_same_surface_then_anything_then_nothing():
     ceiling = choose_crop(PLAN, SurfaceKey("bath", "ceiling"), CROPS, 0)
     assert "another surface" in ceiling.source
     assert choose_crop(PLAN, SurfaceKey("bath", "wall"), [], 0) is None
+
+
+def test_crops_of_other_houses_come_after_rooms_of_the_type_and_before_the_rest(files):
+    crops = pd.read_parquet(files / "crops.parquet")
+    write_parquet(files / "other.parquet", crops.assign(medoid=[1, 0, 0, 1, 1]), {"house": "o"})
+    write_pool(
+        [files / "scene.json"],
+        [files / "other.parquet"],
+        ["o"],
+        files / "pool.parquet",
+        dataset="d",
+    )
+    pool = read_pool(files / "pool.parquet", but="h1")
+    assert [(p.house, p.crop.crop_id, p.types) for p in pool] == [
+        ("o", "a", ("Bedroom",)),
+        ("o", "d", ("Corridor",)),
+        ("o", "e", ("Corridor",)),
+    ]
+    assert read_pool(files / "pool.parquet", but="o") == []
+    of_bath = [replace(p, types=("Bathroom",)) for p in pool if p.crop.crop_id == "d"]
+    key = SurfaceKey("bath", "floor")
+    wanted = choose_crop(PLAN, key, CROPS[:3], 0, others=of_bath)
+    assert wanted.source == "such a room of another house: d of hall"
+    assert "another floor of the house" in choose_crop(PLAN, key, CROPS[:3], 0, others=pool).source
+    wall = choose_crop(PLAN, SurfaceKey("bath", "wall"), CROPS[:3], 0, others=pool)
+    assert wall.source == "a wall of another house: e of hall"
+    own = choose_crop(PLAN, SurfaceKey("bed2", "floor"), CROPS, 0, others=pool)
+    assert "a room of its type" in own.source
+    folder, surfaces = _make(
+        files, "crop", hidden_photos=["p1.jpg", "p2.jpg"], crop_pool=files / "pool.parquet"
+    )
+    assert surfaces["bed1/floor"]["source"] == "such a room of another house: a of bed1"
+    assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(60))
 
 
 def test_usual_substances():

@@ -52,6 +52,10 @@ try:
     )
     # Houses of other splits are asked for by name, or for the means of released weights.
     ALL_HOUSES = load_houses(TABLE, splits=SPLITS, may_be_absent=True)
+    # Whose crops the copying methods may take where their own house has none.
+    POOL_HOUSES = list(
+        ALL_HOUSES.index[ALL_HOUSES["split"].isin(config["textures"]["crop_pool"])]
+    )
     MEANS_HOUSES = (
         list(load_houses(TABLE, splits=config["official"]["means_splits"]).index)
         if config["weights"] == "official"
@@ -210,3 +214,9 @@ def decoded_again(source):
 def propagated_of(wildcards):
     """Return the propagated embeddings of a house."""
     return f"{RESULTS}/drop_{wildcards.drop}/{wildcards.house}/propagated.parquet"
+
+
+def crop_pool_of(wildcards):
+    """Return the crops of other houses; none where none are configured or nothing is copied."""
+    copied = wildcards.method not in ("synth", "naivesynth", "exemplar")
+    return f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES and copied else []

@@ -27,6 +27,7 @@ rule sweep_house:
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
         library=f"{RESULTS}/texture_library.parquet",
+        pool=f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else [],
         texture=model_of("texture"),
         naivesynth=model_of("naivesynth"),
         propagation=model_of("propagation"),

@@ -21,6 +21,30 @@ rule texture_library:
         "../scripts/texture_library.py"
 
 
+rule crop_pool:
+    # On request: crops of other houses, for those that have none of a kind.
+    input:
+        scenes=expand(f"{RESULTS}/houses/{{house}}/scene.json", house=POOL_HOUSES),
+        crops=expand(f"{RESULTS}/houses/{{house}}/crops.parquet", house=POOL_HOUSES),
+    output:
+        f"{RESULTS}/crop_pool.parquet",
+    log:
+        f"logs/{DATASET}/crop_pool.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/crop_pool.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        houses=POOL_HOUSES,
+        dataset=DATASET,
+        code=code_hash("textures.crop_pool"),
+    script:
+        "../scripts/crop_pool.py"
+
+
 rule textures:
     # A tile for every surface of a house, by one method.
     input:
@@ -28,6 +52,7 @@ rule textures:
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         propagated=f"{RESULTS}/drop_{{drop}}/{{house}}/propagated.parquet",
         library=f"{RESULTS}/texture_library.parquet",
+        pool=crop_pool_of,
         model=decoder_of,
     output:
         directory(f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/textures"),

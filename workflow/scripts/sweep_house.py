@@ -15,6 +15,7 @@ with job(snakemake.log[0]):
             crops=Path(snakemake.input.crops),
             embeddings=Path(snakemake.input.embeddings),
             library=Path(snakemake.input.library),
+            crop_pool=Path(snakemake.input.pool) if snakemake.input.get("pool") else None,
         ),
         Models(
             texture=Path(snakemake.input.texture),

@@ -17,4 +17,5 @@ with job(snakemake.log[0]):
         seed=snakemake.params.seed,
         size_px=snakemake.params.size_px,
         seam_correction=snakemake.params.seam_correction,
+        crop_pool=snakemake.input.get("pool") or None,
     )

@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HouseFiles:
-    """Files of one house that do not depend on the drop, and the tiles Retrieve takes from."""
+    """Files of one house that do not depend on the drop, and what baselines take from elsewhere.
+
+    `library` are the tiles of Retrieve, `crop_pool` crops of other houses (None without).
+    """
 
     house: str
     dataset: str
@@ -32,6 +35,7 @@ class HouseFiles:
     crops: Path
     embeddings: Path
     library: Path
+    crop_pool: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -122,6 +126,7 @@ def measured(
         seed=textures.seed,
         size_px=textures.size_px,
         seam_correction=textures.seam_correction,
+        crop_pool=files.crop_pool,
     )
     measure_house(
         tiles,

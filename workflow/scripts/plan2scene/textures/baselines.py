@@ -11,11 +11,13 @@ An observed surface gets its reference crop, the medoid of its visible crops. Fo
 one a random crop is drawn from the first of these pools that is not empty:
 
 1. same surface type in rooms of the house that share a room type with its room,
-2. same surface type in the house (the paper looks into the training set before; a data set need
-   not have one),
-3. any surface of the house.
+2. the same in other houses (the paper's training set), where there is a pool of them
+   (:mod:`plan2scene.textures.crop_pool`, config key ``textures.crop_pool``),
+3. same surface type in the house,
+4. same surface type in other houses,
+5. any surface of the house.
 
-A house without any visible crop has none: the stage then takes a tile of the library.
+Where all are empty the stage takes a tile of the library.
 """
 
 from __future__ import annotations
@@ -56,6 +58,15 @@ class Crop:
 
 
 @dataclass(frozen=True)
+class PoolCrop:
+    """The reference crop of a surface of another house, and the types of its room."""
+
+    house: str
+    types: tuple[str, ...]
+    crop: Crop
+
+
+@dataclass(frozen=True)
 class Choice:
     """The crop chosen for a surface, and how it was found."""
 
@@ -87,8 +98,9 @@ def choose_crop(
     crops: Sequence[Crop],
     seed: int,
     own_crop: Callable[[Sequence[Crop]], Crop] = medoid_crop,
+    others: Sequence[PoolCrop] = (),
 ) -> Choice | None:
-    """Return the crop that stands for a surface; None for a house without any crop.
+    """Return the crop that stands for a surface; None where there is none at all.
 
     Parameters
     ----------
@@ -100,6 +112,8 @@ def choose_crop(
         Global seed; the choice depends on it, the house and the surface alone.
     own_crop : callable
         Which of its own crops an observed surface gets.
+    others : sequence of PoolCrop
+        Crops of other houses.
     """
     own = [crop for crop in crops if crop.key == key]
     if own:
@@ -107,12 +121,18 @@ def choose_crop(
         return Choice(crop, crop.crop_id)
     types = set(plan.room(key.room_id).types)
     same_surface = [crop for crop in crops if crop.key.surface == key.surface]
+    elsewhere = [other for other in others if other.crop.key.surface == key.surface]
     pools = (
         (
             "a room of its type",
             [c for c in same_surface if types & set(plan.room(c.key.room_id).types)],
         ),
+        (
+            "such a room of another house",
+            [other.crop for other in elsewhere if types & set(other.types)],
+        ),
         (f"another {key.surface} of the house", same_surface),
+        (f"a {key.surface} of another house", [other.crop for other in elsewhere]),
         ("another surface of the house", list(crops)),
     )
     for name, pool in pools:

@@ -34,6 +34,7 @@ from plan2scene.seeds import generator
 from plan2scene.textures.baselines import (
     Choice,
     Crop,
+    PoolCrop,
     choose_crop,
     flat_image,
     largest_crop,
@@ -41,6 +42,7 @@ from plan2scene.textures.baselines import (
     surface_extent,
     usual_substance,
 )
+from plan2scene.textures.crop_pool import read_pool
 from plan2scene.textures.exemplar.house import HouseExemplar, house_exemplars
 from plan2scene.textures.retrieval import TextureLibrary, read_library
 from plan2scene.textures.seams import make_seamless, with_calm_border
@@ -81,6 +83,7 @@ def make_textures(
     seed: int,
     size_px: int,
     seam_correction: bool,
+    crop_pool: str | Path | None = None,
 ) -> None:
     """Write ``{room_id}_{surface}.png`` and ``textures.json`` (docs/conventions.md) to `out_dir`.
 
@@ -99,6 +102,8 @@ def make_textures(
         Side of decoded tiles in pixels.
     seam_correction : bool
         Repair what does not tile by construction.
+    crop_pool : path, optional
+        Crops of other houses (:mod:`plan2scene.textures.crop_pool`), for methods that copy them.
     """
     if method not in METHODS:
         raise InputError(f"a method of {', '.join(METHODS)}", method, house=house)
@@ -119,7 +124,8 @@ def make_textures(
             tiles = decode(method)
     else:
         visible = visible_crops(crop_table, hidden_photos)
-        tiles = _baseline(method, plan, surfaces, visible, read_library(library), seed)
+        others = read_pool(crop_pool, but=house) if crop_pool else []
+        tiles = _baseline(method, plan, surfaces, visible, others, read_library(library), seed)
     _write(out_dir, method, surfaces, tiles, seam_correction)
 
 
@@ -144,6 +150,7 @@ def _baseline(
     plan: House,
     surfaces: pd.DataFrame,
     crops: list[Crop],
+    others: list[PoolCrop],
     library: TextureLibrary,
     seed: int,
 ) -> dict[SurfaceKey, Tile]:
@@ -164,7 +171,7 @@ def _baseline(
     for row in surfaces.itertuples():
         key = SurfaceKey(row.room_id, row.surface)
         own_crop = largest_crop if method == "projection" else medoid_crop
-        choice = choose_crop(plan, key, crops, seed, own_crop)
+        choice = choose_crop(plan, key, crops, seed, own_crop, others)
         if choice is None:
             tile = _usual_tile(plan, key, library, seed)
         else:

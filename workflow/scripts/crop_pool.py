@@ -1,0 +1,13 @@
+"""Rule crop_pool: crops of the pool's houses -> one crop per surface of them."""
+
+from plan2scene.jobs import job
+from plan2scene.textures.crop_pool import write_pool
+
+with job(snakemake.log[0]):
+    write_pool(
+        snakemake.input.scenes,
+        snakemake.input.crops,
+        snakemake.params.houses,
+        snakemake.output[0],
+        dataset=snakemake.params.dataset,
+    )
