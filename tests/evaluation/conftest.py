@@ -87,7 +87,7 @@ def models(tmp_path_factory):
         paths["propagation"], PropagationNetwork(16, 2).eval(), means, width=16, layers=2
     )
     save_features_network(SubstanceNetwork((4, 6), feature_dim=6).eval(), paths["features"])
-    return Models(**paths)
+    return Models(**paths, substances=paths["features"])
 
 
 @pytest.fixture(scope="session")

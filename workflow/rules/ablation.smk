@@ -12,7 +12,8 @@ rule ablation_house:
         texture=model_of("texture"),
         naivesynth=model_of("naivesynth"),
         propagation=model_of("propagation"),
-        features=model_of("features"),
+        features=FEATURES,
+        substances=SUBSTANCES,
     output:
         f"{RESULTS}/houses/{{house}}/ablation.parquet",
     log:
@@ -23,7 +24,7 @@ rule ablation_house:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=2000,
+        mem_mb=max(2000, METRIC_MEMORY),
     params:
         dataset=DATASET,
         hidden=hidden_at_drops(ABLATION_DROPS),

@@ -31,7 +31,8 @@ rule sweep_house:
         texture=model_of("texture"),
         naivesynth=model_of("naivesynth"),
         propagation=model_of("propagation"),
-        features=model_of("features"),
+        features=FEATURES,
+        substances=SUBSTANCES,
     output:
         f"{RESULTS}/houses/{{house}}/sweep.parquet",
     log:
@@ -42,7 +43,7 @@ rule sweep_house:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=2000,
+        mem_mb=max(2000, METRIC_MEMORY),
     params:
         dataset=DATASET,
         hidden=hidden_at_drops(SWEEP_DROPS),

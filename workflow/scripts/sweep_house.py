@@ -22,6 +22,7 @@ with job(snakemake.log[0]):
             naivesynth=Path(snakemake.input.naivesynth),
             propagation=Path(snakemake.input.propagation),
             features=Path(snakemake.input.features),
+            substances=Path(snakemake.input.substances),
         ),
         snakemake.output[0],
         hidden=snakemake.params.hidden,

@@ -8,7 +8,6 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.aggregate import (
-    METRICS,
     metric_title,
     read_houses,
     read_references,
@@ -20,6 +19,7 @@ from plan2scene.evaluation.houses import (
     Models,
     Textures,
     measured,
+    metadata_of,
     propagated_at,
 )
 from plan2scene.evaluation.variants import (
@@ -32,9 +32,8 @@ from plan2scene.evaluation.variants import (
 )
 from plan2scene.floorplans import read_scene_json
 from plan2scene.io import atomic_path, read_parquet, write_parquet
-from plan2scene.metrics.features import FEATURE_NETWORK
+from plan2scene.metrics.published import METRICS
 from plan2scene.propagation.stage import propagate_house
-from plan2scene.provenance import file_hash
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,9 +67,8 @@ def ablate_house(
                 frames.append(
                     _measured(variant, propagated, files, models, photos, seed, size_px, drop)
                 )
-    metadata = {"dataset": files.dataset, "house": files.house, "features": FEATURE_NETWORK}
     frame = pd.concat([f for f in frames if len(f)] or frames[:1], ignore_index=True)
-    write_parquet(output, frame, {**metadata, "model": file_hash(models.features)})
+    write_parquet(output, frame, metadata_of(files, models))
 
 
 def _propagated(
@@ -155,7 +153,7 @@ def ablation_table(
     Observed surfaces at drop 0.0, unobserved and all at `drop`, as in the paper's table 1. Rows
     that would need other weights are named below the table.
     """
-    metrics, network = read_houses(ablations)
+    metrics, networks = read_houses(ablations)
     tidy = tidy_table(
         metrics,
         read_references(references),
@@ -164,12 +162,12 @@ def ablation_table(
         houses=houses,
         dataset=dataset,
         seed=seed,
-        features=network,
+        networks=networks,
     )
     wide = wide_table(tidy).rename(columns={"method": "variant"})
     described = {variant.name: variant.description for variant in VARIANTS}
     wide.insert(1, "description", wide["variant"].map(described))
-    shown = [metric_title(name, network if name in ("SUBS", "FID") else "none") for name in METRICS]
+    shown = [metric_title(name, networks[name]) for name in METRICS]
     with atomic_path(output_csv) as temporary:
         wide.to_csv(temporary, index=False, lineterminator="\n")
     for path, text in (

@@ -6,38 +6,36 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 import plan2scene
 from plan2scene.errors import InputError
 from plan2scene.io import read_parquet
-from plan2scene.metrics.frechet import frechet_distance
+from plan2scene.metrics.distances import SURFACE, feature_distances
+from plan2scene.metrics.published import METRICS, TABLE_COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Metrics in the paper's order; SUBS and FID are of the network that the files name.
-METRICS = ("COLOR", "FREQ", "SUBS", "FID", "TILE")
-#: Which surfaces count: those that a visible photo shows, the others with a reference, both.
-COLUMNS = ("observed", "unobserved", "all")
-#: What a cell holds when no surface of any house falls into it.
-NO_SURFACES = "n=0"
-_SURFACE = ["house", "room_id", "surface"]
+#: Metrics of a network, and the metadata of metrics.parquet that names it.
+_NETWORK_KEYS = {"SUBS": "substances", "FID": "features", "KID": "features"}
+#: Metadata that all houses must share.
+NETWORK_METADATA = ("features", "model", "substances", "substance_model")
 
 
-def read_houses(files: Iterable[str | Path]) -> tuple[pd.DataFrame, str]:
-    """Return the rows of all houses' metrics and the name of their one features network."""
+def read_houses(files: Iterable[str | Path]) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Return the rows of all houses, and the name of each metric's network (``none`` without)."""
     import pandas as pd
 
-    frames, networks = [], {}
+    frames, found = [], set()
     for file in files:
         frame, metadata = read_parquet(file)
-        networks[str(metadata.get("features")), str(metadata.get("model"))] = file
+        found.add(tuple(str(metadata.get(name)) for name in NETWORK_METADATA))
         frames.append(frame)
-    if len(networks) != 1:
-        raise InputError("metrics of one features network", str(sorted(networks)))
+    if len(found) != 1:
+        raise InputError("metrics of one features network", str(sorted(found)))
+    known = dict(zip(NETWORK_METADATA, found.pop(), strict=True))
+    networks = {name: known.get(_NETWORK_KEYS.get(name, ""), "none") for name in METRICS}
     filled = [frame for frame in frames if len(frame)] or frames[:1]
-    return pd.concat(filled, ignore_index=True), next(iter(networks))[0]
+    return pd.concat(filled, ignore_index=True), networks
 
 
 def read_references(files: Iterable[str | Path]) -> pd.DataFrame:
@@ -49,23 +47,20 @@ def read_references(files: Iterable[str | Path]) -> pd.DataFrame:
         frame, metadata = read_parquet(file)
         frames.append(frame.assign(house=metadata["house"]))
     filled = [frame for frame in frames if len(frame)]
-    return pd.concat(filled, ignore_index=True) if filled else frames[0]
+    if not filled:
+        return pd.DataFrame(columns=[*SURFACE, "features"])
+    return pd.concat(filled, ignore_index=True)
 
 
 def surface_means(part: pd.DataFrame, references: pd.DataFrame) -> dict[str, float]:
-    """Return each metric over the surfaces of `part`; NaN without any.
-
-    FID compares the tiles with all crops of the same surfaces, each surface counting once.
-    """
+    """Return each metric over the surfaces of `part`; NaN without any."""
     if part.empty:
         return dict.fromkeys(METRICS, float("nan"))
-    values = {name: float(part[name.lower()].mean()) for name in METRICS if name != "FID"}
-    crops = references.merge(part[_SURFACE].drop_duplicates(), on=_SURFACE)
-    if crops.empty:
-        raise InputError("reference features of the measured surfaces", "none")
-    weights = 1.0 / crops.groupby(_SURFACE)["features"].transform("size").to_numpy(dtype=float)
-    fid = frechet_distance(np.stack(part["features"]), np.stack(crops["features"]), weights)
-    return {name: fid if name == "FID" else values[name] for name in METRICS}
+    paired = {
+        name: float(part[name.lower()].mean()) for name in METRICS if name not in ("FID", "KID")
+    }
+    found = paired | feature_distances(part, references)
+    return {name: found[name] for name in METRICS}
 
 
 def tidy_table(
@@ -77,7 +72,7 @@ def tidy_table(
     houses: Sequence[str],
     dataset: str,
     seed: int,
-    features: str,
+    networks: dict[str, str],
 ) -> pd.DataFrame:
     """Return a row per method, drop, column and metric.
 
@@ -87,13 +82,15 @@ def tidy_table(
     Parameters
     ----------
     drops_of : dict
-        For each of :data:`COLUMNS` the drops it is measured at.
+        For each of ``TABLE_COLUMNS`` the drops it is measured at.
+    networks : dict
+        Each metric's network, of :func:`read_houses`.
     """
     import pandas as pd
 
     rows: list[dict[str, object]] = []
     for method in methods:
-        for column in COLUMNS:
+        for column in TABLE_COLUMNS:
             for drop in drops_of[column]:
                 whole = metrics[(metrics["method"] == method) & (metrics["drop"] == drop)]
                 missing = sorted(set(houses) - set(whole["house"]))
@@ -110,8 +107,7 @@ def tidy_table(
                 }
                 after = {"dataset": dataset, "seed": seed, "version": plan2scene.__version__}
                 for metric, value in surface_means(part, references).items():
-                    network = features if metric in ("SUBS", "FID") else "none"
-                    cell = {"metric": metric, "features": network, "value": value}
+                    cell = {"metric": metric, "features": networks[metric], "value": value}
                     rows.append({**common, **cell, **after})
     return pd.DataFrame(rows)
 
@@ -119,7 +115,7 @@ def tidy_table(
 def wide_table(tidy: pd.DataFrame) -> pd.DataFrame:
     """Return a row per method, drop and column, its metrics side by side as text.
 
-    SUBS and FID carry the name of their network; no cell is empty: ``n=0`` where no surface is.
+    Metrics of a network carry its name; no cell is empty: ``n=0`` where no surface is.
     """
     import pandas as pd
 
@@ -130,7 +126,7 @@ def wide_table(tidy: pd.DataFrame) -> pd.DataFrame:
         row = {name: first[name] for name in (*keys, "n", "houses")}
         for cell in group.itertuples():
             row[metric_title(cell.metric, cell.features)] = (
-                f"{cell.value:.4f}" if cell.n else NO_SURFACES
+                f"{cell.value:.4f}" if cell.value == cell.value else f"n={cell.n}"
             )
         rows.append({**row, **{k: first[k] for k in ("missing", "dataset", "seed", "version")}})
     return pd.DataFrame(rows)

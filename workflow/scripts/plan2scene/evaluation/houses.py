@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.metrics.networks import network_name
 from plan2scene.metrics.stage import measure_house
 from plan2scene.propagation.stage import propagate_house
+from plan2scene.provenance import file_hash
 from plan2scene.textures.selection import select_surfaces
 from plan2scene.textures.stage import make_textures
 
@@ -40,12 +42,13 @@ class HouseFiles:
 
 @dataclass(frozen=True)
 class Models:
-    """Weights of all stages."""
+    """Weights of all stages; `features` are those of FID and KID, `substances` of SUBS."""
 
     texture: Path
     naivesynth: Path
     propagation: Path
     features: Path
+    substances: Path
 
     def decoder(self, method: str) -> Path | None:
         """Return the texture model of a method; None where nothing is decoded."""
@@ -138,8 +141,21 @@ def measured(
         method=name,
         drop=drop,
         hidden_photos=hidden_photos,
+        substance_model=models.substances,
     )
     return read_parquet(output)[0]
+
+
+def metadata_of(files: HouseFiles, models: Models) -> dict[str, str]:
+    """Return the metadata of a file of metrics: the house, and the networks behind them."""
+    return {
+        "dataset": files.dataset,
+        "house": files.house,
+        "features": network_name(models.features),
+        "model": file_hash(models.features),
+        "substances": network_name(models.substances),
+        "substance_model": file_hash(models.substances),
+    }
 
 
 def _measurable(propagated: Path, crops: Path, output: Path) -> Path:

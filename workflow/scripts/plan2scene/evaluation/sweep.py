@@ -8,17 +8,22 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.aggregate import (
-    COLUMNS,
     read_houses,
     read_references,
     tidy_table,
     wide_table,
 )
-from plan2scene.evaluation.houses import HouseFiles, Models, Textures, measured, propagated_at
+from plan2scene.evaluation.houses import (
+    HouseFiles,
+    Models,
+    Textures,
+    measured,
+    metadata_of,
+    propagated_at,
+)
 from plan2scene.evaluation.sweep_plot import plot_sweep
 from plan2scene.io import atomic_path, write_parquet
-from plan2scene.metrics.features import FEATURE_NETWORK
-from plan2scene.provenance import file_hash
+from plan2scene.metrics.published import TABLE_COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,9 +57,8 @@ def sweep_house(
         if key not in done:
             done[key] = _at_drop(files, models, photos, seam_correction, seed, size_px)
         frames.append(done[key].assign(drop=drop))
-    metadata = {"dataset": files.dataset, "house": files.house, "features": FEATURE_NETWORK}
     frame = pd.concat([f for f in frames if len(f)] or frames[:1], ignore_index=True)
-    write_parquet(output, frame, {**metadata, "model": file_hash(models.features)})
+    write_parquet(output, frame, metadata_of(files, models))
 
 
 def _at_drop(
@@ -104,16 +108,16 @@ def sweep_table(
     A row per method, drop and column (observed, unobserved, all); ``n=0`` where a column has no
     surface, as observed at 1.0.
     """
-    metrics, network = read_houses(sweeps)
+    metrics, networks = read_houses(sweeps)
     tidy = tidy_table(
         metrics,
         read_references(references),
         methods=methods,
-        drops_of=dict.fromkeys(COLUMNS, drops),
+        drops_of=dict.fromkeys(TABLE_COLUMNS, drops),
         houses=houses,
         dataset=dataset,
         seed=seed,
-        features=network,
+        networks=networks,
     )
     with atomic_path(output_csv) as temporary:
         wide_table(tidy).to_csv(temporary, index=False, lineterminator="\n")

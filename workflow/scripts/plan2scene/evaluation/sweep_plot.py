@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plan2scene.evaluation.aggregate import COLUMNS, METRICS, metric_title
+from plan2scene.evaluation.aggregate import metric_title
 from plan2scene.io import atomic_path
+from plan2scene.metrics.published import METRICS, TABLE_COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,11 +28,11 @@ def plot_sweep(tidy: pd.DataFrame, output: str | Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(15, 8), layout="constrained")
+    figure = Figure(figsize=(17, 8), layout="constrained")
     FigureCanvasAgg(figure)
-    panels = figure.subplots(len(COLUMNS), len(METRICS), sharex=True, sharey="col")
+    panels = figure.subplots(len(TABLE_COLUMNS), len(METRICS), sharex=True, sharey="col")
     methods = list(dict.fromkeys(tidy["method"]))
-    for column, line in zip(COLUMNS, panels, strict=True):
+    for column, line in zip(TABLE_COLUMNS, panels, strict=True):
         for metric, axes in zip(METRICS, line, strict=True):
             cells = tidy[(tidy["metric"] == metric) & (tidy["column"] == column)]
             for method, (colour, marker) in zip(methods, _STYLES * len(methods), strict=False):
@@ -41,10 +42,11 @@ def plot_sweep(tidy: pd.DataFrame, output: str | Path) -> None:
                     drops, own["value"], color=colour, marker=marker, markersize=4, label=method
                 )
             axes.spines[["top", "right"]].set_visible(False)
-            axes.set_ylim(bottom=0)
-            if column == COLUMNS[0]:
+            if metric != "KID":  # unbiased, so it may be negative
+                axes.set_ylim(bottom=0)
+            if column == TABLE_COLUMNS[0]:
                 axes.set_title(metric_title(metric, cells["features"].iloc[0]))
-            if column == COLUMNS[-1]:
+            if column == TABLE_COLUMNS[-1]:
                 axes.set_xlabel("share of photos hidden")
         line[0].set_ylabel(f"{column} surfaces")
     handles, labels = figure.axes[0].get_legend_handles_labels()
