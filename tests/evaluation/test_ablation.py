@@ -66,8 +66,19 @@ def test_a_random_crop_is_one_of_the_visible_ones(files, models, tmp_path):
         )
         row = frame.set_index(["room_id", "surface"]).loc["bed", "floor"]
         drawn.add(row["crop_id"])
-        np.testing.assert_array_equal(row["embedding"], _codes(tables[2], [row["crop_id"]])[0])
+        code = _codes(tables[2], [row["crop_id"]])[0]
+        np.testing.assert_array_equal(row["embedding"][:8], code[:8])
+        colours = np.median(_codes(tables[2], ["a", "b"])[:, 8:], axis=0)
+        np.testing.assert_allclose(row["embedding"][8:], colours, rtol=1e-6)
     assert drawn == {"a", "b"}
+
+
+def test_the_paper_s_colour_is_the_selected_crop_s(files, models, tmp_path):
+    surfaces, _ = propagated_at(files, models, [], tmp_path)
+    tables = tuple(read_parquet(p)[0] for p in (surfaces, files.crops, files.embeddings)) + (None,)
+    frame = _select(tables, [], crop_colour=True)
+    for row in frame.itertuples():
+        np.testing.assert_array_equal(row.embedding, _codes(tables[2], [row.crop_id])[0])
 
 
 def test_rgb_decodes_the_code_of_the_selected_crop(tables):

@@ -33,8 +33,10 @@ class Variant:
     description : str
         For people.
     select : str
-        Crop of an observed surface: ``textureness`` (the method's), ``random`` or ``mean`` (no
-        crop, the mean embedding).
+        Crop whose code an observed surface gets: ``textureness`` (the method's), ``random`` or
+        ``mean`` (no crop, the mean embedding).
+    crop_colour : bool
+        The selected crop's own colour in place of the median over the surface's crops.
     propagate : str
         Embedding of an unobserved surface: ``graph`` (the method's), ``no_graph``,
         ``room_type_mean``, ``house_mean`` or ``nearest_room``.
@@ -49,6 +51,7 @@ class Variant:
     name: str
     description: str
     select: str = "textureness"
+    crop_colour: bool = False
     propagate: str = "graph"
     rgb: bool = False
     plane_noise: bool = False
@@ -58,6 +61,7 @@ class Variant:
 VARIANTS = (
     Variant("synth", "the whole method"),
     Variant("random_crop", "no textureness: a random crop of the surface", select="random"),
+    Variant("crop_colour", "the selected crop's own colour, as in the paper", crop_colour=True),
     Variant("mean_embedding", "no selection: the mean of the crops' embeddings", select="mean"),
     Variant(
         "rgb",
@@ -114,9 +118,12 @@ def selected(
         else:
             chosen = group[group["crop_id"] == row["crop_id"]].iloc[0]
         if variant.select == "random":
-            row["crop_id"], row["embedding"] = chosen["crop_id"], chosen["embedding"]
+            row["crop_id"] = chosen["crop_id"]
+            row["embedding"] = np.concatenate([chosen["embedding"][:-3], row["embedding"][-3:]])
             if np.isfinite(chosen["metres"]):
                 row["metres"] = float(chosen["metres"])
+        if variant.crop_colour:
+            row["embedding"] = np.asarray(chosen["embedding"], np.float32)
         if variant.select == "mean":
             row["embedding"] = _mean(group["embedding"])
             row["crop_id"] = f"mean of {len(group)} crops"
