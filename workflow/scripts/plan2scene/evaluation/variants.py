@@ -14,8 +14,8 @@ from plan2scene.evaluation.houses import Models
 from plan2scene.house import SURFACES, House, SurfaceKey
 from plan2scene.propagation.graph import house_graph
 from plan2scene.propagation.model import load_propagation
+from plan2scene.propagation.predict import predict
 from plan2scene.propagation.prior import TypeMeans
-from plan2scene.propagation.stage import predict
 from plan2scene.seeds import generator
 from plan2scene.weights import load_model_file, save_model_file
 
@@ -164,7 +164,8 @@ def predicted(
     predict_one: Callable[[SurfaceKey], np.ndarray]
     if variant.propagate == "no_graph":
         graph = house_graph(plan, seen)
-        output = predict(network, replace(graph, edges=np.zeros((2, 0), dtype=np.int64)))
+        bare = replace(graph, edges=np.zeros((2, 0), dtype=np.int64))
+        output = predict(network, bare).embedding
 
         def predict_one(key: SurfaceKey) -> np.ndarray:
             return np.asarray(

@@ -1,8 +1,10 @@
-"""Loading the propagation model: the network and the room-type means in one file."""
+"""Loading a propagation model: a network and the room-type means in one file."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import torch
 from torch import nn
@@ -10,27 +12,46 @@ from torch import nn
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.propagation.network import PropagationNetwork
+from plan2scene.propagation.pointer import PointerNetwork
 from plan2scene.propagation.prior import TypeMeans
 from plan2scene.weights import load_model_file, save_model_file
 
 _PRIOR = "prior."
+#: Networks by the name that the files hold: the paper's, and the embedded one.
+NETWORKS: Mapping[str, type[PropagationNetwork] | type[PointerNetwork]] = {
+    "gated": PropagationNetwork,
+    "pointer": PointerNetwork,
+}
 
 
 def save_propagation(
-    path: str | Path, network: PropagationNetwork, means: TypeMeans, *, width: int, layers: int
+    path: str | Path,
+    network: PropagationNetwork | PointerNetwork,
+    means: TypeMeans,
+    **sizes: int,
 ) -> None:
-    """Write network and means as one safetensors file (float32: it is small)."""
+    """Write network and means as one safetensors file (float32: it is small).
+
+    `sizes` are the arguments of the network's constructor.
+    """
+    kind = next(name for name, cls in NETWORKS.items() if type(network) is cls)
     state = {f"network.{k}": v for k, v in network.state_dict().items()}
     state[_PRIOR + "embedding"] = torch.from_numpy(means.embedding)
     state[_PRIOR + "naive"] = torch.from_numpy(means.naive)
-    save_model_file(path, state, {"width": width, "layers": layers}, half=False)
+    save_model_file(path, state, {"network": kind, **sizes}, half=False)
 
 
-def load_propagation(path: str | Path) -> tuple[PropagationNetwork, TypeMeans]:
+def load_propagation(
+    path: str | Path,
+) -> tuple[PropagationNetwork | PointerNetwork, TypeMeans]:
     """Return (network in evaluation mode, means) of a file of :func:`save_propagation`."""
     state, architecture = load_model_file(path)
+    sizes: dict[str, Any] = dict(architecture)
+    kind = sizes.pop("network", "gated")
+    if kind not in NETWORKS:
+        raise InputError(f"a propagation network of {', '.join(NETWORKS)}", str(kind), file=path)
     try:
-        network = PropagationNetwork(**architecture)
+        network = NETWORKS[kind](**sizes)
         network.load_state_dict(
             {k.removeprefix("network."): v for k, v in state.items() if k.startswith("network.")}
         )

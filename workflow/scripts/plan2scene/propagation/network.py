@@ -43,5 +43,8 @@ class PropagationNetwork(nn.Module):
 
     def forward(self, x: Tensor, edge_index: Tensor) -> Tensor:
         """Return the predicted embedding of every surface of every room."""
-        hidden = torch.relu(self.conv1(self.linear1(x), edge_index))
-        return self.linear2(hidden).reshape(-1, len(SURFACES), EMBEDDING_SIZE)
+        return self.linear2(self.hidden(x, edge_index)).reshape(-1, len(SURFACES), EMBEDDING_SIZE)
+
+    def hidden(self, x: Tensor, edge_index: Tensor) -> Tensor:
+        """Return what the network knows of every room, (n, width)."""
+        return torch.relu(self.conv1(self.linear1(x), edge_index))

@@ -11,23 +11,14 @@ import torch
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import SUBSTANCES, SURFACES, House, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.propagation.graph import HouseGraph, house_graph
+from plan2scene.propagation.graph import house_graph
 from plan2scene.propagation.model import load_propagation, load_substance_head
-from plan2scene.propagation.network import PropagationNetwork
+from plan2scene.propagation.predict import Prediction, predict
 from plan2scene.propagation.prior import TypeMeans
 from plan2scene.provenance import file_hash
 
 #: Metres that a tile covers where the house shows no scale at all.
 DEFAULT_METRES = 1.0
-
-
-def predict(network: PropagationNetwork, graph: HouseGraph) -> np.ndarray:
-    """Return predictions for every surface, (n, 3, 11) float32; colours clipped to [0, 1]."""
-    with torch.no_grad():
-        x = torch.from_numpy(graph.node_features(graph.observed))
-        output = network(x, torch.from_numpy(graph.edges)).numpy()
-    output[..., 8:] = np.clip(output[..., 8:], 0.0, 1.0)
-    return output
 
 
 def _metres(known: Mapping[SurfaceKey, float], key: SurfaceKey) -> float:
@@ -64,8 +55,7 @@ def propagate_house(
     for key in plan.surface_keys():
         row = observed.get(key)
         if row is None:
-            i, j = graph.room_ids.index(key.room_id), SURFACES.index(key.surface)
-            values = _predicted_row(plan, key, predicted[i, j], means, head)
+            values = _predicted_row(plan, key, graph.room_ids, predicted, means, head)
         else:
             values = {
                 "observed": True,
@@ -73,12 +63,13 @@ def propagate_house(
                 "naive_embedding": np.asarray(row.naive_embedding, dtype=np.float32),
                 "substance": row.substance,
                 "source": row.crop_id,
+                "confidence": 1.0,
             }
         rows.append(
             {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)} | values
         )
     columns = ["room_id", "surface", "observed", "embedding", "naive_embedding"]
-    columns += ["substance", "metres", "source"]
+    columns += ["substance", "metres", "source", "confidence"]
     write_parquet(
         output,
         pd.DataFrame(rows, columns=columns),
@@ -87,9 +78,16 @@ def propagate_house(
 
 
 def _predicted_row(
-    plan: House, key: SurfaceKey, embedding: np.ndarray, means: TypeMeans, head: torch.nn.Linear
+    plan: House,
+    key: SurfaceKey,
+    room_ids: tuple[str, ...],
+    predicted: Prediction,
+    means: TypeMeans,
+    head: torch.nn.Linear,
 ) -> dict[str, object]:
     """Return the values of a surface that no visible photo shows."""
+    place = room_ids.index(key.room_id), SURFACES.index(key.surface)
+    embedding, alike = predicted.embedding[place], int(predicted.alike[place])
     _, naive = means.predict(plan.room(key.room_id).types, key.surface)
     with torch.no_grad():
         logits = head(torch.from_numpy(embedding[:8])[None])[0]
@@ -98,5 +96,6 @@ def _predicted_row(
         "embedding": embedding,
         "naive_embedding": naive.astype(np.float32),
         "substance": SUBSTANCES[int(logits.argmax())],
-        "source": "propagated",
+        "source": "propagated" if alike < 0 else f"propagated, like {room_ids[alike]}",
+        "confidence": float(predicted.confidence[place]),
     }

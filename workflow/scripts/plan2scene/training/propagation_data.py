@@ -1,8 +1,8 @@
 """Training houses of the propagation network: plans, styles and crops, without any rendering.
 
-A photo's crop of a surface is imitated by a metric window of its clean tile under the light of
-its room (one gain and tint for a room, as one photo would have), which is what the embeddings of
-photographed surfaces vary by.
+A photo's crop of a surface is imitated by a metric window of its clean tile, as soft as crops of
+photos are, under what the light corrections leave of the light of its room (one gain and tint for
+a room, as one photo would have): that is what the embeddings of photographed surfaces vary by.
 """
 
 from __future__ import annotations
@@ -20,6 +20,11 @@ from plan2scene.seeds import derive_seed, generator
 #: Sides of the metric windows that crops are cut at (the crop stage's usual sizes).
 WINDOW_METRES = (0.5, 0.75, 1.0)
 CROP = 128
+#: Standard deviations of what white balance and exposure leave of the light (measured on rendered
+#: photos of the validation split, docs/measurements.md: median dE2000 3.7, of it 1.6 in colour).
+EXPOSURE, TINT = 0.055, 0.012
+#: Share of a crop's pixels along a side that the photo had (the crop table's sharpness).
+SHARPNESS = (0.4, 1.0)
 _LOG = logging.getLogger("plan2scene")
 
 
@@ -59,6 +64,15 @@ def lit(crop: np.ndarray, rng: np.random.Generator, tint: np.ndarray) -> np.ndar
     return np.clip(crop * field[..., None] * tint, 0, 255).astype(np.uint8)
 
 
+def softened(crop: np.ndarray, sharpness: float) -> np.ndarray:
+    """Return a (128, 128, 3) uint8 crop enlarged from `sharpness` of its pixels along a side."""
+    import cv2
+
+    side = max(round(CROP * sharpness), 8)
+    small = cv2.resize(crop, (side, side), interpolation=cv2.INTER_AREA)
+    return cv2.resize(small, (CROP, CROP), interpolation=cv2.INTER_CUBIC)
+
+
 def _house_crops(house: House, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Return crops (n, 3, 128, 128, 3) uint8 and substances (n, 3) int of a house's surfaces."""
     from plan2scene.house import SUBSTANCES
@@ -69,13 +83,14 @@ def _house_crops(house: House, seed: int) -> tuple[np.ndarray, np.ndarray]:
     substances = np.zeros(crops.shape[:2], dtype=np.int64)
     for i, room in enumerate(house.rooms):
         rng = generator(seed, house.id, room.id, "light")
-        tint = rng.normal(0.9, 0.08) * (1.0 + rng.normal(0.0, 0.04, 3))
+        tint = rng.normal(1.0, EXPOSURE) * (1.0 + rng.normal(0.0, TINT, 3))
         for j, surface in enumerate(SURFACES):
             material = materials[SurfaceKey(room.id, surface)]
             window = metric_window(
                 material.albedo, material.size_m, rng.choice(WINDOW_METRES), rng.random(2)
             )
-            crops[i, j] = lit(window, rng, tint)
+            soft = softened(window, float(rng.uniform(*SHARPNESS)))
+            crops[i, j] = lit(soft, rng, tint)
             substances[i, j] = SUBSTANCES.index(material.substance)
     return crops, substances
 

@@ -1,0 +1,136 @@
+"""The pointer network: pairs, mixtures and their medians."""
+
+import numpy as np
+import pytest
+import torch
+
+from plan2scene.errors import InputError
+from plan2scene.propagation.graph import HouseGraph
+from plan2scene.propagation.model import load_propagation, save_propagation
+from plan2scene.propagation.network import PropagationNetwork
+from plan2scene.propagation.pointer import (
+    Inputs,
+    Mixture,
+    PointerNetwork,
+    doors_between,
+    log_likelihood,
+    room_pairs,
+    weighted_median,
+)
+from plan2scene.propagation.predict import mixture_medians, predict
+from plan2scene.propagation.prior import TypeMeans
+from plan2scene.weights import save_model_file
+
+
+def chain(rooms: int, observed: np.ndarray | None = None) -> HouseGraph:
+    """Return rooms in a row, a door between neighbours."""
+    rng = np.random.default_rng(rooms)
+    links = [(i, i + 1) for i in range(rooms - 1)]
+    edges = np.array(sorted([*links, *((b, a) for a, b in links)]), dtype=np.int64).reshape(-1, 2)
+    types = np.eye(12, dtype=np.float32)[rng.integers(12, size=rooms)]
+    seen = np.ones((rooms, 3), dtype=bool) if observed is None else observed
+    values = rng.normal(size=(rooms, 3, 11)).astype(np.float32) * seen[..., None]
+    return HouseGraph(tuple(f"r{i}" for i in range(rooms)), types, edges.T, values, seen)
+
+
+def test_doors_on_the_shortest_way():
+    doors = doors_between(6, chain(6).edges)
+    assert doors[0].tolist() == [4, 1, 2, 3, 4, 4]
+    assert doors[2].tolist() == [2, 1, 4, 1, 2, 3]
+
+
+def test_pairs_are_all_other_rooms_with_their_facts():
+    graph = chain(4)
+    graph.types[:] = np.eye(12, dtype=np.float32)[[1, 1, 2, 3]]
+    pairs, facts = room_pairs(graph)
+    assert pairs.shape == (2, 12) and (pairs[0] != pairs[1]).all()
+    known = {(int(a), int(b)): row.tolist() for (a, b), row in zip(pairs.T, facts, strict=True)}
+    assert known[0, 1] == [1, 0, 0, 0, 1]  # one door, same type
+    assert known[0, 3] == [0, 0, 1, 0, 0]
+
+
+def test_weighted_median_of_known_values():
+    values = np.array([[0.0, 9.0], [1.0, 8.0], [5.0, 1.0]])
+    assert weighted_median(values, np.array([0.2, 0.2, 0.6])).tolist() == [5.0, 1.0]
+    assert weighted_median(values, np.array([0.3, 0.4, 0.3])).tolist() == [1.0, 8.0]
+
+
+def test_weights_sum_to_one_and_unseen_surfaces_have_none():
+    observed = np.ones((5, 3), dtype=bool)
+    observed[1, 0] = observed[3] = False
+    graph = chain(5, observed)
+    torch.manual_seed(0)
+    network = PointerNetwork().eval()
+    pairs, facts = room_pairs(graph)
+    x = torch.from_numpy(graph.node_features(observed))
+    inputs = Inputs(x, torch.from_numpy(graph.edges), torch.from_numpy(pairs), torch.tensor(facts))
+    with torch.no_grad():
+        mixture = network(inputs)
+    copies = mixture.log_copies.exp()
+    total = mixture.log_own.exp().index_add(0, inputs.pairs[0], copies)
+    assert torch.allclose(total, torch.ones(5, 3), atol=1e-5)
+    assert (copies[pairs[1] == 3] == 0).all() and (copies[pairs[1] == 1][:, 0] == 0).all()
+    assert (copies[pairs[1] == 1][:, 1:] > 0).all()
+
+
+def test_likelihood_is_that_of_the_mixture():
+    """Two rooms, one component each: densities worked out by hand."""
+    values = torch.zeros(2, 3, 11)
+    values[1] = 2.0
+    inputs = Inputs(
+        torch.zeros(2, 48),
+        torch.zeros(2, 0).long(),
+        torch.tensor([[0, 1], [1, 0]]),
+        torch.ones(2, 5),
+    )
+    half = torch.full((2, 3), np.log(0.5))
+    mixture = Mixture(torch.ones(2, 3, 11), torch.ones(2, 3, 11), torch.ones(3, 11), half, half)
+    wanted = torch.zeros(2, 3, dtype=torch.bool)
+    wanted[0, 1] = True
+    found = log_likelihood(mixture, inputs, values, wanted)
+    own, copied = (np.exp(-11.0 * gap) / 2.0**11 for gap in (1.0, 2.0))
+    assert found.item() == pytest.approx(np.log(0.5 * own + 0.5 * copied), abs=1e-4)
+
+
+def test_medians_take_the_likelier_side_and_name_it():
+    graph = chain(3)
+    pairs, _ = room_pairs(graph)
+    copies = torch.full((6, 3), -torch.inf)
+    copies[(pairs[0] == 0) & (pairs[1] == 2)] = np.log(0.7)
+    own = torch.full((3, 3), np.log(1.0))
+    own[0] = np.log(0.3)
+    mixture = Mixture(torch.zeros(3, 3, 11), torch.ones(3, 3, 11), torch.ones(3, 11), own, copies)
+    medians, confidence, alike = mixture_medians(mixture, graph.embeddings, pairs)
+    assert np.allclose(medians[0], graph.embeddings[2])
+    assert np.allclose(medians[1:], 0.0)
+    assert np.allclose(confidence[:, 0], [0.7, 0.0, 0.0], atol=1e-6)
+    assert alike[:, 0].tolist() == [2, -1, -1]
+
+
+def test_nothing_visible_and_a_single_room_work():
+    torch.manual_seed(0)
+    network = PointerNetwork().eval()
+    for graph in (chain(1), chain(4, np.zeros((4, 3), dtype=bool))):
+        found = predict(network, graph)
+        assert np.isfinite(found.embedding).all()
+        assert np.allclose(found.confidence, 0.0, atol=1e-6)
+        assert (found.alike == -1).all()
+
+
+def test_both_networks_come_back_from_their_files(tmp_path):
+    means = TypeMeans(np.zeros((12, 3, 11), np.float32), np.zeros((12, 3, 8), np.float32))
+    graph = chain(4)
+    torch.manual_seed(1)
+    for network in (PointerNetwork().eval(), PropagationNetwork().eval()):
+        path = tmp_path / f"{type(network).__name__}.safetensors"
+        save_propagation(path, network, means)
+        loaded, _ = load_propagation(path)
+        assert type(loaded) is type(network)
+        assert np.array_equal(predict(loaded, graph).embedding, predict(network, graph).embedding)
+    assert np.isnan(predict(loaded, graph).confidence).all()
+
+
+def test_a_file_of_another_network_is_refused(tmp_path):
+    save_model_file(tmp_path / "x", {"a": torch.zeros(1)}, {"network": "oracle"})
+    with pytest.raises(InputError, match="gated, pointer"):
+        load_propagation(tmp_path / "x")
