@@ -34,7 +34,7 @@ rule all:
     default_target: True
     input:
         house_files("house.glb", "house.scene.json", "preview.png", "viewer.html"),
-        house_files("contact_sheet.png"),
+        house_files("contact_sheet.png", "texture_sheet.png"),
         f"{RESULTS}/tables/paper_table.csv",
         f"{RESULTS}/index.html",
 

@@ -14,6 +14,7 @@ from plan2scene.propagation.pointer import (
     PointerNetwork,
     doors_between,
     log_likelihood,
+    robust_centre,
     room_pairs,
     weighted_median,
 )
@@ -53,6 +54,14 @@ def test_weighted_median_of_known_values():
     values = np.array([[0.0, 9.0], [1.0, 8.0], [5.0, 1.0]])
     assert weighted_median(values, np.array([0.2, 0.2, 0.6])).tolist() == [5.0, 1.0]
     assert weighted_median(values, np.array([0.3, 0.4, 0.3])).tolist() == [1.0, 8.0]
+
+
+def test_robust_centre_averages_what_agrees_and_ignores_the_rest():
+    values = np.array([[1.0], [1.2], [1.4], [50.0]])
+    weights = np.array([0.3, 0.3, 0.3, 0.1])
+    near = robust_centre(values, weights, np.array([0.5]))
+    assert near[0] == pytest.approx(1.2 + 0.1 * 0.5)  # the stray one pulls by its reach only
+    assert robust_centre(values, weights, np.array([0.0]))[0] == pytest.approx(1.2)
 
 
 def test_weights_sum_to_one_and_unseen_surfaces_have_none():
@@ -99,9 +108,12 @@ def test_medians_take_the_likelier_side_and_name_it():
     copies[(pairs[0] == 0) & (pairs[1] == 2)] = np.log(0.7)
     own = torch.full((3, 3), np.log(1.0))
     own[0] = np.log(0.3)
-    mixture = Mixture(torch.zeros(3, 3, 11), torch.ones(3, 3, 11), torch.ones(3, 11), own, copies)
+    mixture = Mixture(
+        torch.zeros(3, 3, 11), torch.ones(3, 3, 11), torch.full((3, 11), 0.01), own, copies
+    )
     medians, confidence, alike = mixture_medians(mixture, graph.embeddings, pairs)
-    assert np.allclose(medians[0], graph.embeddings[2])
+    reach = 2.0 * 0.01  # the regression, far away, pulls by no more than its share of that
+    assert np.abs(medians[0] - graph.embeddings[2]).max() <= 0.3 * reach + 1e-6
     assert np.allclose(medians[1:], 0.0)
     assert np.allclose(confidence[:, 0], [0.7, 0.0, 0.0], atol=1e-6)
     assert alike[:, 0].tolist() == [2, -1, -1]

@@ -17,7 +17,9 @@ def test_the_middle_square_is_used():
     assert square_crop(image).shape == (128, 128, 3)
 
 
-@pytest.mark.parametrize("method", ["crop", "retrieve", "naivesynth", "synth", "exemplar"])
+@pytest.mark.parametrize(
+    "method", ["crop", "retrieve", "naivesynth", "synth", "synth-large", "exemplar"]
+)
 def test_every_method_gives_a_tile_that_repeats(method):
     tile = tile_from_crops(CROPS, method, size_px=128, seed=0)
     assert tile.shape == (128, 128, 3) and tile.dtype == np.uint8

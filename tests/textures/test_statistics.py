@@ -1,12 +1,11 @@
-"""Texture statistics: alike textures are close, others are not; VGG-19 loads and pads by one."""
-
-import itertools
+"""Texture statistics: alike textures are close, others are not."""
 
 import numpy as np
 import pytest
 import torch
 
-from plan2scene.errors import InputError
+from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.freq import freq_distance, periodic_component
 from plan2scene.textures import statistics as st
 
 
@@ -70,50 +69,50 @@ def test_distances_have_gradients() -> None:
         assert float(image.grad.abs().sum()) > 0
 
 
-@pytest.fixture(scope="module")
-def vgg_file(tmp_path_factory):
-    """Random weights under torchvision's names."""
-    torch.manual_seed(0)
-    shapes = {}
-    channels, index = 3, 0
-    for outputs in st._VGG19:
-        if outputs == "pool":
-            index += 1
-            continue
-        shapes[f"features.{index}.weight"] = (outputs, channels, 3, 3)
-        shapes[f"features.{index}.bias"] = (outputs,)
-        channels, index = outputs, index + 2
-    state = {name: torch.randn(shape) * 0.05 for name, shape in shapes.items()}
-    path = tmp_path_factory.mktemp("vgg") / "vgg19.pth"
-    torch.save(state, path)
-    return path
+def test_moments_tell_joints_from_weave() -> None:
+    filters = st.FilterBankStatistics()
+    joints = torch.full((1, 3, 128, 128), 0.7)
+    joints[:, :, ::32] = 0.3
+    joints[:, :, :, ::32] = 0.3
+    both = filters.moments(torch.cat([joints, stripes(4, size=128)]))
+    named = filters.bank.shape[0] - st._RANDOM_FILTERS
+    first = slice(filters.bank.shape[0] + named, filters.bank.shape[0] + 2 * named)
+    assert float(both[0, first].max()) > float(both[1, first].max()) + 1.0  # log kurtosis
+    assert bool(torch.isfinite(filters.moments(torch.zeros(1, 3, 128, 128))).all())
 
 
-def test_vgg_taps_and_circular_padding(vgg_file) -> None:
-    vgg = st.load_statistics("pretrained", vgg_file)
-    image = torch.rand(1, 3, 32, 32)
-    assert [g.shape[1] for g in vgg.grams(image)] == [64, 128, 256, 512, 512]
-    for mine, theirs in itertools.islice(
-        zip(vgg.grams(torch.roll(image, (16, 16), (2, 3))), vgg.grams(image), strict=True), 5
-    ):
-        np.testing.assert_allclose(mine, theirs, rtol=1e-3, atol=1e-5)
-    assert float(vgg.distance(image, image)) == 0.0
-    assert float(vgg.distance(image.flip(1), image)) > 0.0
+def test_colour_quantiles_of_known_values() -> None:
+    ramp = torch.linspace(0.0, 1.0, 64 * 64).view(1, 1, 64, 64).expand(1, 3, 64, 64)
+    found = st.colour_quantiles(ramp)[0]
+    assert float(found[0]) == pytest.approx(0.5, abs=0.01)
+    assert found[1:3].abs().max() < 1e-5
+    assert found[3:9].square().tolist() == pytest.approx(
+        [0.48, 0.4, 0.25, 0.25, 0.4, 0.48], abs=0.01
+    )
+    assert (found[3:6] < 0).all() and (found[6:9] > 0).all()
 
 
-def test_vgg_weights_of_another_shape_are_refused(vgg_file, tmp_path) -> None:
-    state = torch.load(vgg_file, weights_only=True)
-    del state["features.28.weight"]
-    torch.save(state, tmp_path / "bad.pth")
-    with pytest.raises(InputError, match=r"features\.28\.weight"):
-        st.VggStatistics(tmp_path / "bad.pth")
-    (tmp_path / "text.pth").write_text("no weights")
-    with pytest.raises(InputError, match=r"text\.pth"):
-        st.VggStatistics(tmp_path / "text.pth")
+def test_frequency_distance_is_freq_and_has_gradients() -> None:
+    rng = np.random.default_rng(1)
+    images = rng.integers(0, 256, (2, 128, 128, 3), dtype=np.uint8)
+    images[1] = np.cumsum(images[1].astype(float), axis=0).astype(np.uint8) // 2
+    tile = np.rint(periodic_component(images[0].mean(2)))[..., None].clip(0, 255).astype(np.uint8)
+    tile = np.repeat(tile, 3, axis=2)
+    mine, theirs = (torch.from_numpy(i[None]).permute(0, 3, 1, 2) / 255 for i in (tile, images[1]))
+    mine.requires_grad_()
+    found = st.frequency_distance(mine, theirs)
+    assert float(found) == pytest.approx(freq_distance(tile, images[1]), rel=0.05)
+    found.sum().backward()
+    assert mine.grad is not None and bool(torch.isfinite(mine.grad).all())
 
 
-def test_unknown_source_is_refused() -> None:
-    with pytest.raises(InputError, match="resnet"):
-        st.load_statistics("resnet")
-    with pytest.raises(InputError, match="with a file"):
-        st.load_statistics("pretrained")
+def test_histogram_distance_is_nearly_color_and_has_gradients() -> None:
+    rng = np.random.default_rng(0)
+    images = rng.integers(0, 256, (2, 1, 64, 64, 3), dtype=np.uint8)
+    images[1] = np.clip(images[1] * 0.6, 0, 255).astype(np.uint8)
+    mine, theirs = (torch.from_numpy(i).permute(0, 3, 1, 2).float() / 255 for i in images)
+    found = st.histogram_distance(mine, theirs)
+    assert float(found) == pytest.approx(color_distance(images[0, 0], images[1, 0]), abs=0.02)
+    grey = torch.full((1, 3, 64, 64), 0.5).requires_grad_()
+    st.histogram_distance(grey, theirs).sum().backward()
+    assert grey.grad is not None and bool(torch.isfinite(grey.grad).all())

@@ -11,7 +11,7 @@ import torch
 from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_writer import write_scene_json
 from plan2scene.house import House, Room, SurfaceKey
-from plan2scene.io import png_bytes, read_image, write_parquet
+from plan2scene.io import image_from_bytes, png_bytes, read_image, write_parquet
 from plan2scene.mesh.house_mesh import build_parts
 from plan2scene.mesh.textures import load_textures
 from plan2scene.textures.baselines import (
@@ -21,6 +21,7 @@ from plan2scene.textures.baselines import (
     surface_extent,
     usual_substance,
 )
+from plan2scene.textures.constrained import even_crop
 from plan2scene.textures.crop_pool import read_pool, write_pool
 from plan2scene.textures.model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.retrieval import read_library, write_library
@@ -29,6 +30,8 @@ from plan2scene.textures.stage import METHODS, make_textures
 from plan2scene.weights import save_model_file
 
 SIZE = 128
+#: Methods that have a tile of the size asked for.
+DECODED = ("naivesynth", "synth", "synth-large", "exemplar")
 
 
 def _room(room_id, kind, x):
@@ -183,8 +186,8 @@ def _make(files, method, out="out", **changes):
         "size_px": 128,
         "seam_correction": False,
     } | changes
-    if method in ("naivesynth", "synth", "exemplar"):
-        name = "synth" if method == "exemplar" else method
+    if method in DECODED:
+        name = "naivesynth" if method == "naivesynth" else "synth"
         settings["model"] = files / f"{name}.safetensors"
     make_textures(
         method,
@@ -204,7 +207,7 @@ def test_every_surface_gets_a_tile_the_same_again(files, method):
     folder, surfaces = _make(files, method, size_px=48)
     assert set(surfaces) == {f"{k.room_id}/{k.surface}" for k in PLAN.surface_keys()}
     again, _ = _make(files, method, out="again", size_px=48)
-    side = 48 if method in ("naivesynth", "synth", "exemplar") else SIZE
+    side = 48 if method in DECODED else SIZE
     for key in PLAN.surface_keys():
         path = folder / f"{key.filename}.png"
         assert read_image(path).shape == (side, side, 3)
@@ -294,6 +297,28 @@ def test_decoded_tiles_need_no_correction_and_have_the_size_asked_for(files):
     folder, surfaces = _make(files, "synth", size_px=40, seam_correction=True)
     assert read_image(folder / "hall_wall.png").shape == (40, 40, 3)
     assert not any(entry["seam_corrected"] for entry in surfaces.values())
+
+
+def test_synth_large_has_the_statistics_of_the_selected_crop(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    crops = pd.read_parquet(files / "crops.parquet")
+    mine = crops[(crops["room_id"] == "bed1") & (crops["surface"] == "floor")]
+    own = mine.iloc[0]
+    rows = list(zip(table["room_id"], table["surface"], table["source"], strict=True))
+    table["source"] = [own["crop_id"] if r[:2] == ("bed1", "floor") else r[2] for r in rows]
+    crop = image_from_bytes(own["png"])
+    tone = np.median(crop.reshape(-1, 3), axis=0) / 255
+    table["embedding"] = [np.r_[code[:8], tone].astype(np.float32) for code in table["embedding"]]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    plain, _ = _make(files, "synth", out="plain")
+    large, surfaces = _make(files, "synth-large", out="large")
+    before, after = (read_image(f / "bed1_floor.png") for f in (plain, large))
+    others = [image_from_bytes(png) for png in mine["png"][1:]]
+    even = even_crop(image_from_bytes(own["png"]), others, tone, SIZE)
+    assert abs(after.std() - even.std()) < 0.5 < abs(before.std() - even.std())
+    assert surfaces["bed1/floor"]["source"] == f"{own['crop_id']}, its statistics"
+    same = "bath_wall.png"  # no crop: as decoded
+    assert (plain / same).read_bytes() == (large / same).read_bytes()
 
 
 def test_exemplars_are_of_the_surface_s_crops_and_say_so(files):

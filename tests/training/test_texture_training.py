@@ -21,7 +21,8 @@ from plan2scene.training.texture import (
 TINY = Architecture(width=4, encoder="statistics")
 OPTIONS = TextureTraining(
     warm_up=16,
-    steps=3,
+    steps=2,
+    finish=1,
     batch=2,
     tile_batch=1,
     tile_share=0.3,

@@ -17,6 +17,7 @@ def make(tmp_path, small_house):
         "house.scene.json",
         "preview.png",
         "contact_sheet.png",
+        "texture_sheet.png",
     ):
         (folder / name).write_bytes(b"x")
     (tmp_path / "tables").mkdir()

@@ -29,6 +29,7 @@ def test_every_house_has_its_files(made):
         assert (folder / "viewer.html").stat().st_size > (folder / "house.glb").stat().st_size
         assert Image.open(folder / "preview.png").size[0] > 400
         assert Image.open(folder / "contact_sheet.png").size[0] > 1000
+        assert Image.open(folder / "texture_sheet.png").size[0] > 1000
         textures = made.root / "results/tiny/drop_0.0/synth" / house / "textures"
         names = {path.stem for path in textures.glob("*.png")}
         assert names == {key.filename for key in plan.surface_keys()}

@@ -190,7 +190,8 @@ def ready_crops_of(wildcards):
 
 def decoder_of(wildcards):
     """Return the texture model of a method; none where nothing is decoded."""
-    models = {"synth": "texture", "naivesynth": "naivesynth", "exemplar": "texture"}
+    models = dict.fromkeys(("synth", "synth-large", "exemplar"), "texture")
+    models["naivesynth"] = "naivesynth"
     return model_of(models[wildcards.method]) if wildcards.method in models else []
 
 
@@ -218,5 +219,5 @@ def propagated_of(wildcards):
 
 def crop_pool_of(wildcards):
     """Return the crops of other houses; none where none are configured or nothing is copied."""
-    copied = wildcards.method not in ("synth", "naivesynth", "exemplar")
+    copied = wildcards.method not in ("synth", "synth-large", "naivesynth", "exemplar")
     return f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES and copied else []

@@ -33,6 +33,37 @@ rule contact_sheet:
         "../scripts/contact_sheet.py"
 
 
+rule texture_sheet:
+    # Reference crop and every method's tile of each surface of a house, to look at.
+    input:
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        textures=[
+            f"{RESULTS}/drop_0.0/{method}/{{house}}/textures" for method in METHODS
+        ],
+    output:
+        report(
+            f"{RESULTS}/houses/{{house}}/texture_sheet.png",
+            caption="../report/texture_sheet.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "textures by method"},
+        ),
+    log:
+        f"logs/{DATASET}/texture_sheet/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/texture_sheet/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        methods=METHODS,
+        code=code_hash("textures.sheet"),
+    script:
+        "../scripts/texture_sheet.py"
+
+
 rule index_page:
     # One page that links every house's files, the table and the plot.
     input:
@@ -40,7 +71,7 @@ rule index_page:
         glbs=house_files("house.glb"),
         previews=house_files("preview.png"),
         viewers=house_files("viewer.html"),
-        sheets=house_files("contact_sheet.png"),
+        sheets=house_files("contact_sheet.png", "texture_sheet.png"),
         table=f"{RESULTS}/tables/paper_table.csv",
         plot=f"{RESULTS}/tables/paper_table.png",
     output:

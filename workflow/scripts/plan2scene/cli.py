@@ -24,6 +24,7 @@ class Method(enum.StrEnum):
     retrieve = "retrieve"
     naivesynth = "naivesynth"
     synth = "synth"
+    synth_large = "synth-large"
     exemplar = "exemplar"
     medoid_colour = "medoid_colour"
     projection = "projection"

@@ -52,8 +52,9 @@ class Models:
 
     def decoder(self, method: str) -> Path | None:
         """Return the texture model of a method; None where nothing is decoded."""
-        models = {"synth": self.texture, "naivesynth": self.naivesynth, "exemplar": self.texture}
-        return models.get(method)
+        if method == "naivesynth":
+            return self.naivesynth
+        return self.texture if method in ("synth", "synth-large", "exemplar") else None
 
 
 @dataclass(frozen=True)

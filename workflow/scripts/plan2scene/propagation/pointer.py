@@ -173,6 +173,18 @@ def weighted_median(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.take_along_axis(values, np.take_along_axis(order, reached.argmax(0)[None], 0), 0)[0]
 
 
+def robust_centre(values: np.ndarray, weights: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Return per column the weighted median moved to the mean of what lies near, (d,).
+
+    Several rooms of one material agree but for noise, which their mean is freer of than any of
+    them. Values farther than `reach` (d,) pull no more than those at it (a step of Huber's
+    estimator, DOI 10.1214/aoms/1177703732).
+    """
+    median = weighted_median(values, weights)
+    pull = np.clip(values - median, -reach, reach)
+    return median + weights @ pull / weights.sum()
+
+
 def _laplace(gap: Tensor, scale: Tensor) -> Tensor:
     """Return log densities, summed over the last axis."""
     return -(gap.abs() / scale + (2.0 * scale).log()).sum(-1)

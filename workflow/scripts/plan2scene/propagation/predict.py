@@ -14,10 +14,12 @@ from plan2scene.propagation.pointer import (
     Inputs,
     Mixture,
     PointerNetwork,
+    robust_centre,
     room_pairs,
-    weighted_median,
 )
 
+#: How far agreeing components may lie apart, in scales of the copies' distributions.
+_REACH = 2.0
 #: First of the embedding's three colour values.
 _COLOUR = 8
 
@@ -86,7 +88,7 @@ def mixture_medians(
         As of :func:`~plan2scene.propagation.pointer.room_pairs`.
     """
     own, log_own = mixture.own.numpy(), mixture.log_own.numpy()
-    weights = np.exp(mixture.log_copies.numpy())
+    weights, scales = np.exp(mixture.log_copies.numpy()), mixture.copy_scale.numpy()
     rooms = len(own)
     medians = np.zeros((rooms, len(SURFACES), EMBEDDING_SIZE), dtype=np.float32)
     alike = np.full((rooms, len(SURFACES)), -1)
@@ -95,9 +97,8 @@ def mixture_medians(
         sources = pairs[1, rows]
         for j in range(len(SURFACES)):
             theirs = np.append(weights[rows, j], np.exp(log_own[i, j]))
-            medians[i, j] = weighted_median(
-                np.concatenate([values[sources, j], own[i, j][None]]), theirs
-            )
+            components = np.concatenate([values[sources, j], own[i, j][None]])
+            medians[i, j] = robust_centre(components, theirs, _REACH * scales[j])
             best = int(theirs.argmax())
             if best < len(sources):
                 alike[i, j] = sources[best]

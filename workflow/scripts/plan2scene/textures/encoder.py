@@ -12,7 +12,11 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from plan2scene.textures.statistics import FilterBankStatistics, SpectrumStatistics
+from plan2scene.textures.statistics import (
+    FilterBankStatistics,
+    SpectrumStatistics,
+    colour_quantiles,
+)
 
 
 class BasicBlock(nn.Module):
@@ -79,8 +83,10 @@ class Encoder(nn.Module):
 class StatisticsEncoder(nn.Module):
     """Crop (n, 3, h, w) -> code and controls as :class:`Encoder`, through fixed statistics.
 
-    Log energies of the embedded filter bank at four levels and log power by sector of the
-    spectrum, standardised (buffers, set once from examples), then a network of one hidden layer.
+    Moments of the embedded filter bank's responses at four levels, log power by sector of the
+    spectrum and the colours' distribution, standardised (buffers, set once from examples), then
+    a network of one hidden layer. The colour is seen even where the code need not tell it: wood
+    is known by it.
 
     Parameters
     ----------
@@ -88,13 +94,11 @@ class StatisticsEncoder(nn.Module):
         Hidden units.
     code_dim, control_dim : int
         As of :class:`Encoder`.
-    colour : bool
-        See the crop's mean and deviation by channel too (where the code must tell the colour).
     """
 
-    def __init__(self, width: int, code_dim: int, control_dim: int, *, colour: bool) -> None:
+    def __init__(self, width: int, code_dim: int, control_dim: int) -> None:
         super().__init__()
-        self.colour = colour
+        self.dropout = 0.0
         self.filters = FilterBankStatistics()
         self.spectrum = SpectrumStatistics()
         with torch.no_grad():
@@ -110,9 +114,7 @@ class StatisticsEncoder(nn.Module):
     def features(self, rgb: torch.Tensor) -> torch.Tensor:
         """Return the statistics (n, k) of crops (n, 3, 128, 128), RGB in [0, 1]."""
         luminance, chroma = self.spectrum.log_power(rgb)
-        parts = [self.filters.log_energies(rgb), luminance, chroma.flatten(1)]
-        if self.colour:
-            parts += [rgb.mean(dim=(2, 3)), rgb.std(dim=(2, 3))]
+        parts = [self.filters.moments(rgb), luminance, chroma.flatten(1), colour_quantiles(rgb)]
         return torch.cat(parts, dim=1)
 
     def standardise(self, features: torch.Tensor) -> None:
@@ -124,7 +126,8 @@ class StatisticsEncoder(nn.Module):
         """Return codes (n, code_dim) of statistics (n, k)."""
         # Crops unlike all examples stay within what the network has seen.
         x = ((features - self.centre) / self.scale).clamp(-4.0, 4.0)
-        return self.fc_bottleneck(functional.relu(self.hidden(x)))
+        hidden = functional.dropout(functional.relu(self.hidden(x)), self.dropout, self.training)
+        return self.fc_bottleneck(hidden)
 
     def code(self, x: torch.Tensor) -> torch.Tensor:
         """Return the bottleneck code (n, code_dim) of RGB crops (n, 3, 128, 128)."""

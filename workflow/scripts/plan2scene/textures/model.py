@@ -146,7 +146,7 @@ def _make_encoder(architecture: Architecture) -> Encoder | StatisticsEncoder:
     """Return the encoder that an architecture names."""
     sizes = (architecture.width, architecture.code_dim, _TRANSFORMS + architecture.style_dim)
     if architecture.encoder == "statistics":
-        return StatisticsEncoder(*sizes, colour=not architecture.delta_hsv)
+        return StatisticsEncoder(*sizes)
     if architecture.encoder == "resnet":
         return Encoder(*sizes)
     raise ValueError(f"expected an encoder resnet or statistics, found {architecture.encoder!r}")

@@ -39,6 +39,7 @@ def tile_from_crops(
     method : str
         ``crop`` (medoid crop, seam-corrected), ``retrieve`` (nearest procedural tile),
         ``naivesynth`` (decoded mean embedding), ``synth`` (decoded selected embedding),
+        ``synth-large`` (then with the selected crop's statistics),
         ``exemplar`` (of the crops themselves; as ``synth`` where they are too poor).
         ValueError for another one.
     """
@@ -57,7 +58,7 @@ def tile_from_crops(
         if made is not None:
             return made.image
         method = "synth"
-    if method in ("synth", "naivesynth"):
+    if method in ("synth", "synth-large", "naivesynth"):
         return _decoded(np.stack(crops), method, size_px, seed, models)
     reference = crops[medoid_index(crops)]
     if method == "retrieve":
@@ -67,7 +68,7 @@ def tile_from_crops(
         return make_seamless(library.tiles[library.nearest(reference)])[0]
     if method != "crop":
         raise ValueError(
-            f"expected crop, retrieve, naivesynth, synth or exemplar, found {method!r}"
+            f"expected crop, retrieve, naivesynth, synth, synth-large or exemplar, found {method!r}"
         )
     if size_px != CROP_PX:
         reference = cv2.resize(reference, (size_px, size_px), interpolation=cv2.INTER_AREA)
@@ -76,20 +77,24 @@ def tile_from_crops(
 
 def _decoded(crops: np.ndarray, method: str, size_px: int, seed: int, models: Path) -> np.ndarray:
     """Return the tile that the texture model of a method decodes; periodic by construction."""
+    from plan2scene.textures.constrained import even_crop, match_statistics
     from plan2scene.textures.embedding import embed_crops
     from plan2scene.textures.model import load_texture_model
     from plan2scene.textures.seams import make_seamless
     from plan2scene.textures.selection import clipped_share, surface_embedding
     from plan2scene.textures.synthesis import decode_textures
 
-    name = "texture" if method == "synth" else "naivesynth"
+    name = "naivesynth" if method == "naivesynth" else "texture"
     model = load_texture_model(models / f"{name}.safetensors")
-    selected = method == "synth"
+    selected = method != "naivesynth"
     embeddings = embed_crops(model, crops, seed=seed, textureness=selected)
     if selected:
         clipped = np.array([clipped_share(crop) for crop in crops])
-        _, code = surface_embedding(embeddings.codes, embeddings.textureness, clipped)
+        best, code = surface_embedding(embeddings.codes, embeddings.textureness, clipped)
     else:
         code = embeddings.codes.mean(axis=0)
     tile = decode_textures(model, code[None], [derive_seed(seed, "tile", method)], size_px)[0]
+    if method == "synth-large":
+        even = even_crop(crops[best], list(np.delete(crops, best, axis=0)), code[-3:], size_px)
+        tile = match_statistics(tile, even, derive_seed(seed, "statistics"))
     return tile if model.architecture.periodic else make_seamless(tile)[0]

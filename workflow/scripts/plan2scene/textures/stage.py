@@ -5,6 +5,8 @@
 ``medoid_colour``, ``projection``  its colour alone, the photo region stretched (same module)
 ``naivesynth``  the unmodified texture model, decoded from the mean of the crops' embeddings
 ``synth``       the paper's model, decoded from the selected or propagated embedding
+``synth-large`` as ``synth``, then an observed surface's tile is given the colours and the spectrum
+                of its selected crop (:mod:`plan2scene.textures.constrained`)
 ``exemplar``    tiles of the surfaces' own crops (:mod:`plan2scene.textures.exemplar`); where that
                 cannot be, as ``synth``
 
@@ -30,7 +32,7 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, read_parquet, write_json, write_png
-from plan2scene.seeds import generator
+from plan2scene.seeds import derive_seed, generator
 from plan2scene.textures.baselines import (
     Choice,
     Crop,
@@ -42,6 +44,7 @@ from plan2scene.textures.baselines import (
     surface_extent,
     usual_substance,
 )
+from plan2scene.textures.constrained import even_crop, match_statistics
 from plan2scene.textures.crop_pool import read_pool
 from plan2scene.textures.exemplar.house import HouseExemplar, house_exemplars
 from plan2scene.textures.retrieval import TextureLibrary, read_library
@@ -51,8 +54,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: Methods of the texture stage, those of the paper's table first and in its order.
-METHODS = ("crop", "retrieve", "naivesynth", "synth", "exemplar", "medoid_colour", "projection")
-_SYNTHESISED = ("naivesynth", "synth", "exemplar")
+METHODS = (
+    *("crop", "retrieve", "naivesynth", "synth", "synth-large", "exemplar"),
+    *("medoid_colour", "projection"),
+)
+_SYNTHESISED = ("naivesynth", "synth", "synth-large", "exemplar")
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +103,7 @@ def make_textures(
     hidden_photos : collection of str
         Photos whose crops are not to be seen at this drop fraction.
     model : path, optional
-        Weights of the texture model; needed by ``synth``, ``naivesynth`` and ``exemplar``.
+        Weights of the texture model; needed by the methods that decode.
     size_px : int
         Side of decoded tiles in pixels.
     seam_correction : bool
@@ -120,6 +126,9 @@ def make_textures(
             made, reasons = house_exemplars(surfaces, crop_table, hidden_photos, size_px)
             decoded = decode("synth") if reasons else {}
             tiles = _with_exemplars(surfaces, made, decoded, reasons)
+        elif method == "synth-large":
+            visible = visible_crops(crop_table, hidden_photos)
+            tiles = _with_statistics(surfaces, decode("synth"), visible, house, seed)
         else:
             tiles = decode(method)
     else:
@@ -232,6 +241,32 @@ def _decoded(
         key = SurfaceKey(row.room_id, row.surface)
         tiles[key] = Tile(images[key], float(row.metres), str(row.source), periodic)
     return tiles
+
+
+def _with_statistics(
+    surfaces: pd.DataFrame,
+    tiles: Mapping[SurfaceKey, Tile],
+    crops: list[Crop],
+    house: str,
+    seed: int,
+) -> dict[SurfaceKey, Tile]:
+    """Return decoded tiles with the statistics of the crop that each was decoded from."""
+    images = {crop.crop_id: crop.image() for crop in crops}
+    by_surface: dict[SurfaceKey, list[str]] = {}
+    for crop in crops:
+        by_surface.setdefault(crop.key, []).append(crop.crop_id)
+    result = dict(tiles)
+    for row in surfaces.itertuples():
+        key = SurfaceKey(row.room_id, row.surface)
+        if row.source not in images:
+            continue
+        others = [images[name] for name in by_surface.get(key, []) if name != row.source]
+        tile, tone = tiles[key], np.asarray(row.embedding)[-3:]
+        even = even_crop(images[row.source], others, tone, len(tile.image))
+        derived = derive_seed(seed, house, key.room_id, key.surface, "statistics")
+        matched = match_statistics(tile.image, even, derived)
+        result[key] = replace(tile, image=matched, source=f"{tile.source}, its statistics")
+    return result
 
 
 def _with_exemplars(

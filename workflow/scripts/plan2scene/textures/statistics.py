@@ -1,8 +1,9 @@
 """Texture statistics: how alike two textures are, wherever their details lie.
 
-Two sources with one interface, ``distance(images, targets) -> (n,)``: a fixed multi-scale filter
-bank (``embedded``, nothing to download; after Ustyuzhaninov et al. 2016, who show that Gram
-matrices of fixed rectified filters carry texture), and VGG-19 (``pretrained``, the paper's).
+Two sources with one interface, ``distance(images, targets) -> (n,)``: here a fixed multi-scale
+filter bank (``embedded``, nothing to download; after Ustyuzhaninov et al. 2016, who show that Gram
+matrices of fixed rectified filters carry texture), and VGG-19 (``pretrained``, the paper's) in
+:mod:`plan2scene.textures.vgg_statistics`.
 Images are ``(n, 3, h, w) float32`` RGB in [0, 1].
 """
 
@@ -10,22 +11,24 @@ from __future__ import annotations
 
 import itertools
 import math
-import pickle
-from collections.abc import Iterator
-from pathlib import Path
+from collections.abc import Iterator, Sequence
 from typing import Protocol
 
 import torch
 from torch import nn
 from torch.nn import functional
 
-from plan2scene.errors import InputError
+from plan2scene.metrics.freq import periodic_component
 from plan2scene.seeds import derive_seed
+from plan2scene.textures import colour_torch
 
 _FILTER_PX = 7
 _RANDOM_FILTERS = 18
 #: Gram norms below this belong to flat textures, whose noise should not count as a pattern.
 _FLAT = 4e-4
+#: Inner edges of the COLOR metric's bins of lightness and saturation, and how soft they are here.
+_THIRDS = (0.333, 0.666)
+_SOFTNESS = 0.015
 #: Luminance and two opponent colours; chroma is scaled up because its contrast is lower.
 _OPPONENT = [[0.299, 0.587, 0.114], [1.0, -1.0, 0.0], [-0.5, -0.5, 1.0]]
 
@@ -101,10 +104,21 @@ class FilterBankStatistics(nn.Module):
         split = ([r.relu(), (-r).relu()] for r in self._responses(rgb))
         return [gram(torch.cat(signs, dim=1)) for signs in split]
 
-    def log_energies(self, rgb: torch.Tensor) -> torch.Tensor:
-        """Return (n, levels * k): log mean squared response of each filter at each level."""
-        energies = [r.square().mean(dim=(2, 3)) for r in self._responses(rgb)]
-        return (torch.cat(energies, dim=1) + 1e-5).log()
+    def moments(self, rgb: torch.Tensor) -> torch.Tensor:
+        """Return (n, levels * (k + 2 m)) moments of the responses at each level.
+
+        The log mean square of all k filters, then skewness and log kurtosis of the m that are no
+        random mixtures: joints between tiles make both large, weave and grain neither.
+        """
+        parts = []
+        for responses in self._responses(rgb):
+            energy = responses.square().mean(dim=(2, 3)) + 1e-5
+            shaped = responses[:, :-_RANDOM_FILTERS]
+            power = energy[:, :-_RANDOM_FILTERS]
+            skewness = (shaped**3).mean(dim=(2, 3)) / power**1.5
+            kurtosis = (shaped**4).mean(dim=(2, 3)) / power**2
+            parts += [energy.log(), skewness, (kurtosis + 0.1).log()]
+        return torch.cat(parts, dim=1)
 
     def _responses(self, rgb: torch.Tensor) -> Iterator[torch.Tensor]:
         """Yield the filters' responses (n, k, h, w) level by level."""
@@ -178,6 +192,80 @@ class SpectrumStatistics(nn.Module):
         return 0.5 * luminance + 0.25 * (mine[1] - theirs[1]).abs().mean((1, 2))
 
 
+def colour_quantiles(rgb: torch.Tensor) -> torch.Tensor:
+    """Return (n, 21) quantiles of luminance and opponent colours.
+
+    The three medians, then for each of the three the signed roots of six quantiles' distances.
+    """
+    levels = rgb.new_tensor([0.5, 0.02, 0.1, 0.25, 0.75, 0.9, 0.98])
+    values = opponent(rgb).flatten(2)[:, :, ::4]
+    found = torch.quantile(values, levels, dim=2).permute(1, 2, 0)
+    median, away = found[:, :, 0], found[:, :, 1:] - found[:, :, :1]
+    roots = away.sign() * (away.abs() + 1e-3).sqrt()
+    return torch.cat([median, roots.flatten(1)], dim=1)
+
+
+def histogram_distance(images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+    """Return (n,): L1 distance in [0, 1] of soft HSL histograms, the COLOR metric with gradients.
+
+    Bins as of :mod:`plan2scene.metrics.color`, their edges softened.
+    """
+    gap = _soft_histogram(images) - _soft_histogram(targets)
+    return gap.abs().sum((1, 2)) / 2.0
+
+
+def _soft_histogram(rgb: torch.Tensor) -> torch.Tensor:
+    """Return (n, 10, 9) shares of pixels by hue, and by lightness and saturation."""
+    top, bottom = rgb.max(dim=1).values, rgb.min(dim=1).values
+    lightness, span = (top + bottom) / 2.0, top - bottom
+    room = (1.0 - (2.0 * lightness - 1.0).abs()).clamp(min=0.02)
+    hue = colour_torch.rgb_to_hsv(rgb)[:, 0]
+    hue = torch.where(span > 0.01, hue, hue.detach())  # the hue of a grey has no useful gradient
+    bins = [
+        _soft_bins(value.flatten(1), edges)
+        for value, edges in ((lightness, _THIRDS), (span / room, _THIRDS))
+    ]
+    joint = (bins[0].unsqueeze(3) * bins[1].unsqueeze(2)).flatten(2)  # (n, pixels, 9)
+    tenths = [k / 10 for k in range(1, 10)]
+    return _soft_bins(hue.flatten(1), tenths).transpose(1, 2) @ joint / joint.shape[1]
+
+
+def _soft_bins(values: torch.Tensor, edges: Sequence[float]) -> torch.Tensor:
+    """Return (n, pixels, bins) memberships that sum to 1 of values (n, pixels)."""
+    steps = ((values.unsqueeze(2) - values.new_tensor(edges)) / _SOFTNESS).sigmoid()
+    ends = torch.ones_like(values).unsqueeze(2)
+    return torch.cat([ends, steps], dim=2) - torch.cat([steps, torch.zeros_like(ends)], dim=2)
+
+
+def frequency_distance(tiles: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+    """Return (n,): the FREQ metric with gradients, of tiles that repeat and crops that do not.
+
+    Mean absolute difference of mean spectral amplitudes of grey values 0..255 by integer radius.
+    """
+    grey = tiles.new_tensor(_OPPONENT[0]).view(1, 3, 1, 1) * 255.0
+    mine, theirs = ((rgb * grey).sum(1) for rgb in (tiles, targets))
+    gap = _radial_amplitude(mine) - _radial_amplitude(_periodic_component(theirs))
+    return gap.abs().mean(1)
+
+
+def _periodic_component(images: torch.Tensor) -> torch.Tensor:
+    """Return the periodic component of images (n, s, s) (Moisan 2011), without gradients."""
+    found = periodic_component(images.detach().double().cpu().numpy())
+    return torch.from_numpy(found).to(images)
+
+
+def _radial_amplitude(images: torch.Tensor) -> torch.Tensor:
+    """Return (n, s // 2) mean amplitudes by integer radius of images (n, s, s)."""
+    size = images.shape[-1]
+    line = torch.fft.fftfreq(size, 1 / size, device=images.device)
+    radius = torch.hypot(line.view(-1, 1), line.view(1, -1)).long().clamp(max=size // 2).flatten()
+    spectrum = torch.fft.fft2(images - images.mean((1, 2), keepdim=True)) / size**2
+    amplitude = torch.sqrt(spectrum.real**2 + spectrum.imag**2 + 1e-10).flatten(1)
+    counts = torch.bincount(radius)
+    sums = amplitude.new_zeros(len(images), len(counts)).index_add(1, radius, amplitude)
+    return (sums / counts)[:, : size // 2]
+
+
 def colour_distance(images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
     """Return (n,): sliced Wasserstein distance of the colour distributions.
 
@@ -189,84 +277,3 @@ def colour_distance(images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor
         values = torch.cat([rgb, 0.5 * opponent(rgb)], dim=1).flatten(2)
         sorted_values.append(values.sort(dim=2).values)
     return (sorted_values[0] - sorted_values[1]).abs().mean((1, 2))
-
-
-#: Output channels of VGG-19's convolutions up to relu5_1; "pool" halves the size.
-_VGG19: tuple[int | str, ...] = (
-    64, 64, "pool", 128, 128, "pool", 256, 256, 256, 256, "pool", 512, 512, 512, 512, "pool", 512,
-)  # fmt: skip
-#: Indices of the tapped convolutions (relu1_1 ... relu5_1) among torchvision's ``features``.
-_VGG19_TAPS = (0, 5, 10, 19, 28)
-
-
-class VggStatistics(nn.Module):
-    """Gram matrices of VGG-19's relu1_1 ... relu5_1 with circular padding of 1 (the paper's).
-
-    Parameters
-    ----------
-    path : path
-        A state dict of torchvision's ``vgg19`` (``features.0.weight`` ...), read with
-        ``weights_only=True``.
-    """
-
-    _MEAN = (0.485, 0.456, 0.406)
-    _STD = (0.229, 0.224, 0.225)
-
-    def __init__(self, path: str | Path) -> None:
-        super().__init__()
-        try:
-            state = torch.load(path, map_location="cpu", weights_only=True)
-        except (OSError, RuntimeError, ValueError, pickle.UnpicklingError) as error:
-            raise InputError("a state dict of torchvision's vgg19", str(error), file=path) from None
-        layers: list[nn.Module] = []
-        channels = 3
-        for outputs in _VGG19:
-            if isinstance(outputs, str):
-                layers.append(nn.MaxPool2d(2))
-                continue
-            layer = nn.Conv2d(channels, outputs, 3, padding=1, padding_mode="circular")
-            prefix = f"features.{len(layers)}"
-            _fill(layer, state, prefix, path)
-            layers += [layer, nn.ReLU()]
-            channels = outputs
-        self.features = nn.Sequential(*layers).requires_grad_(False).eval()
-
-    def grams(self, rgb: torch.Tensor) -> list[torch.Tensor]:
-        """Return the five Gram matrices (n, c, c) of images (n, 3, h, w)."""
-        x = (rgb - rgb.new_tensor(self._MEAN).view(1, 3, 1, 1)) / rgb.new_tensor(self._STD).view(
-            1, 3, 1, 1
-        )
-        result = []
-        for index, layer in enumerate(self.features):
-            x = layer(x)
-            if index - 1 in _VGG19_TAPS:
-                result.append(gram(x))
-        return result
-
-    def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
-        """Return (n,): sum over layers of the mean squared difference of Gram matrices."""
-        total = images.new_zeros(len(images))
-        for mine, theirs in zip(self.grams(images), self.grams(targets), strict=True):
-            total = total + (mine - theirs).square().mean((1, 2))
-        return total
-
-
-def _fill(layer: nn.Conv2d, state: object, prefix: str, path: str | Path) -> None:
-    """Copy ``{prefix}.weight`` and ``.bias`` into a convolution; InputError when they don't fit."""
-    for name in ("weight", "bias"):
-        target = getattr(layer, name)
-        value = state.get(f"{prefix}.{name}") if isinstance(state, dict) else None
-        if not isinstance(value, torch.Tensor) or value.shape != target.shape:
-            found = "nothing" if value is None else str(getattr(value, "shape", type(value)))
-            raise InputError(f"{prefix}.{name} of shape {tuple(target.shape)}", found, file=path)
-        with torch.no_grad():
-            target.copy_(value)
-
-
-def load_statistics(source: str, path: str | Path | None = None) -> TextureStatistics:
-    """Return the texture statistics of a source: ``embedded``, or ``pretrained`` from `path`."""
-    if source == "embedded":
-        return FilterBankStatistics()
-    if source == "pretrained" and path is not None:
-        return VggStatistics(path)
-    raise InputError("texture statistics 'embedded', or 'pretrained' with a file", repr(source))

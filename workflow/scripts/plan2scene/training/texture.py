@@ -26,10 +26,12 @@ from plan2scene.textures.encoder import StatisticsEncoder
 from plan2scene.textures.model import Architecture, Encoding, TextureModel
 from plan2scene.textures.noise import CHANNELS, OCTAVES
 from plan2scene.textures.statistics import (
-    FilterBankStatistics,
     SpectrumStatistics,
     colour_distance,
+    frequency_distance,
+    histogram_distance,
 )
+from plan2scene.textures.vgg_statistics import load_statistics
 from plan2scene.training.texture_data import (
     CROP_PX,
     Batch,
@@ -49,34 +51,50 @@ class TextureTraining:
     ----------
     warm_up : int
         Crops on whose statistics a statistics encoder is trained alone first.
-    steps : int
-        Steps that train everything.
+    steps, finish : int
+        Steps that train everything, and further ones that draw whole tiles only: what is coarse
+        is not in windows.
     batch, tile_batch : int
         Crops per step with 64-px windows, and with whole tiles.
     tile_share : float
         Share of the steps that draw whole tiles.
     learning_rate : float
         Adam's, held for 60 % of the steps, then falling to a hundredth along a cosine.
-    spectrum, colour, substance : float
-        Weights of these losses beside the Gram error's 1.
+    dropout : float
+        Share of a statistics encoder's hidden units left out at a time.
+    spectrum, colour, histogram, frequency, substance : float
+        Weights of these losses beside the Gram error's 1; `frequency` counts for whole tiles.
     scanned_share : float
         Share of crops that come from scanned textures, where there are any.
     low_precision : bool
         Decoder in bfloat16.
+    levels : int
+        Pyramid levels of the embedded filters.
+    statistics : str
+        Whose Gram matrices the loss compares: ``embedded`` filters, or ``pretrained`` VGG-19.
+    statistics_path : str, optional
+        State dict of torchvision's ``vgg19``, for ``pretrained``.
     """
 
-    warm_up: int = 1536
+    warm_up: int = 6144
     steps: int = 4000
+    finish: int = 600
     batch: int = 6
     tile_batch: int = 2
     tile_share: float = 0.12
     learning_rate: float = 8e-4
     weight_decay: float = 1e-5
+    dropout: float = 0.2
     spectrum: float = 0.4
-    colour: float = 6.0
+    colour: float = 4.0
+    histogram: float = 1.0
+    frequency: float = 4.0
     substance: float = 0.3
     scanned_share: float = 0.5
     low_precision: bool = True
+    levels: int = 5
+    statistics: str = "embedded"
+    statistics_path: str | None = None
 
 
 @dataclass(frozen=True)
@@ -86,6 +104,8 @@ class Losses:
     gram: torch.Tensor
     spectrum: torch.Tensor
     colour: torch.Tensor
+    histogram: torch.Tensor
+    frequency: torch.Tensor
     substance: torch.Tensor
 
 
@@ -98,8 +118,12 @@ class TextureTrainer:
         torch.manual_seed(derive_seed(seed, "texture model") % 2**31)
         self.model = TextureModel(architecture).to(device)
         self.model.decoder.low_precision = options.low_precision
+        if isinstance(self.model.encoder, StatisticsEncoder):
+            self.model.encoder.dropout = options.dropout
         self.options, self.seed, self.device = options, seed, device
-        self.filters = FilterBankStatistics().to(device)
+        self.filters = load_statistics(
+            options.statistics, options.statistics_path, levels=options.levels, device=device
+        )
         self.spectrum = SpectrumStatistics().to(device)
         self.optimiser = torch.optim.Adam(
             self.model.parameters(), lr=options.learning_rate, weight_decay=options.weight_decay
@@ -117,11 +141,13 @@ class TextureTrainer:
         rows, columns = _window(rng, side)
         targets = targets[:, :, rows, columns]
         step = side // 64
-        colour = colour_distance(tiles[:, :, ::step, ::step], targets[:, :, ::step, ::step])
+        sparse = tiles[:, :, ::step, ::step], targets[:, :, ::step, ::step]
         return Losses(
             self.filters.distance(tiles, targets).mean(),
             self.spectrum.distance(tiles, targets).mean(),
-            colour.mean(),
+            colour_distance(*sparse).mean(),
+            histogram_distance(*sparse).mean(),
+            frequency_distance(tiles, targets).mean() if side == CROP_PX else tiles.new_zeros(()),
             self._cross_entropy(encoding, torch.from_numpy(batch.substances).to(self.device)),
         )
 
@@ -139,7 +165,9 @@ class TextureTrainer:
         encoder.standardise(targets)
         targets = ((targets - encoder.centre) / encoder.scale).clamp(-4.0, 4.0)
         probe = nn.Linear(self.model.architecture.code_dim, targets.shape[1]).to(self.device)
-        optimiser = torch.optim.Adam([*self.model.parameters(), *probe.parameters()], lr=2e-3)
+        optimiser = torch.optim.AdamW(
+            [*self.model.parameters(), *probe.parameters()], lr=2e-3, weight_decay=0.01
+        )
         for _ in range(3 * options.warm_up // 8):
             chosen = torch.from_numpy(rng.integers(0, len(inputs), 64))
             encoding = self.model.embed(encoder.code_of_features(inputs[chosen]), None)
@@ -168,23 +196,33 @@ class TextureTrainer:
         """Run one step; everything random in it derives from (seed, step)."""
         options = self.options
         rng = generator(self.seed, "texture step", self.step)
-        whole = rng.random() < options.tile_share
+        torch.manual_seed(derive_seed(self.seed, "texture dropout", self.step) % 2**31)
+        whole = rng.random() < options.tile_share or self.step >= options.steps
         size, side = (options.tile_batch, CROP_PX) if whole else (options.batch, CROP_PX // 2)
         losses = self.losses(draw_batch(textures, weights, size, rng), rng, side)
         total = (
             losses.gram
             + options.spectrum * losses.spectrum
             + options.colour * losses.colour
+            + options.histogram * losses.histogram
+            + options.frequency * losses.frequency
             + options.substance * losses.substance
         )
         for group in self.optimiser.param_groups:
-            group["lr"] = options.learning_rate * _schedule(self.step / options.steps)
+            group["lr"] = options.learning_rate * self._rate()
         self.optimiser.zero_grad()
         total.backward()
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), 2.0)
         self.optimiser.step()
         self.step += 1
         return losses
+
+    def _rate(self) -> float:
+        """Return the share of the learning rate at this step."""
+        options = self.options
+        if self.step < options.steps:
+            return _schedule(self.step / options.steps)
+        return 0.25 * _schedule(0.6 + 0.4 * (self.step - options.steps) / max(options.finish, 1))
 
     def save(self, path: Path) -> None:
         """Write all that :meth:`resume` needs."""
@@ -210,7 +248,7 @@ class TextureTrainer:
 
     def _run(self) -> str:
         """Return what makes a run: all but its length, which may change on the way."""
-        options = replace(self.options, steps=0)
+        options = replace(self.options, steps=0, finish=0)
         return repr((self.seed, self.model.architecture, options))
 
     def _tensor(self, images: np.ndarray) -> torch.Tensor:
@@ -262,7 +300,7 @@ def train_texture_model(
     if trainer.step == 0:
         trainer.warm_up(textures, weights)
     sums: dict[str, float] = {}
-    while trainer.step < options.steps:
+    while trainer.step < options.steps + options.finish:
         _accumulate(sums, trainer.train_step(textures, weights))
         now = time.monotonic()
         trainer.seconds, last = trainer.seconds + now - last, now

@@ -1,0 +1,63 @@
+"""The best, the median and the worst observed surfaces of a data set by COLOR, as a picture.
+
+    python benchmarks/texture_gallery.py results/demo --by exemplar --output gallery.jpg
+
+Reads the textures at drop 0.0 and the crops of every house under the results folder; rows are
+drawn as in a house's texture sheet. Prints COLOR of the rows shown and its quantiles.
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from plan2scene.textures.sheet import SheetRow, draw_sheet, ranked, sheet_rows
+
+METHODS = ("crop", "retrieve", "naivesynth", "synth", "synth-large", "exemplar")
+
+
+def observed_rows(results: Path, methods: list[str]) -> dict[str, SheetRow]:
+    """Return the observed surfaces of all houses as rows, by a name of house and surface."""
+    rows = {}
+    for folder in sorted((results / "drop_0.0" / methods[0]).iterdir()):
+        house = folder.name
+        textures = {m: results / "drop_0.0" / m / house / "textures" for m in methods}
+        crops = results / "houses" / house / "crops.parquet"
+        for key, row in sheet_rows(textures, crops, []).items():
+            if "observed" in row.title:
+                title = (house, *row.title[:3])
+                rows[f"{house}/{key.filename}"] = SheetRow(title, row.reference, row.tiles)
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("results", type=Path)
+    parser.add_argument("--by", default="exemplar")
+    parser.add_argument("--each", type=int, default=3)
+    parser.add_argument("--output", type=Path, required=True)
+    options = parser.parse_args()
+    methods = [m for m in METHODS if (options.results / "drop_0.0" / m).is_dir()]
+    rows = observed_rows(options.results, methods)
+    order = ranked(rows, options.by)
+    middle = (len(order) - options.each) // 2
+    each = options.each
+    parts = {
+        "best": order[:each],
+        "median": order[middle : middle + each],
+        "worst": order[-each:],
+    }
+    shown = []
+    for part, frame in parts.items():
+        for name, color in zip(frame["name"], frame["color"], strict=True):
+            print(f"{part} {name} COLOR {color:.3f}")
+            row = rows[name]
+            shown.append(SheetRow((part, *row.title), row.reference, row.tiles))
+    quantiles = np.quantile(order["color"], [0.1, 0.25, 0.5, 0.75, 0.9]).round(3)
+    print(f"{len(order)} observed surfaces, quantiles .1 .25 .5 .75 .9: {quantiles.tolist()}")
+    picture = draw_sheet(f"Best, median and worst by COLOR of {options.by}", shown)
+    picture.convert("RGB").save(options.output, quality=82, optimize=True)
+
+
+if __name__ == "__main__":
+    main()
