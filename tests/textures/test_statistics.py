@@ -101,7 +101,7 @@ def test_frequency_distance_is_freq_and_has_gradients() -> None:
     mine, theirs = (torch.from_numpy(i[None]).permute(0, 3, 1, 2) / 255 for i in (tile, images[1]))
     mine.requires_grad_()
     found = st.frequency_distance(mine, theirs)
-    assert float(found) == pytest.approx(freq_distance(tile, images[1]), rel=0.05)
+    assert found.item() == pytest.approx(freq_distance(tile, images[1]), rel=0.05)
     found.sum().backward()
     assert mine.grad is not None and bool(torch.isfinite(mine.grad).all())
 
