@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -38,6 +39,7 @@ from plan2scene.textures.single import CROP_PX, LIBRARY_TILES
 
 ROLLS = 8
 PROCEDURAL = 15  # materials of each substance where no folder is given
+SHOWN = ("clean", "crop", "synth", "synth-large", "exemplar")
 FIGURES = ("COLOR", "FREQ", "TILE", "dE2000", "wrap 50 %", "wrap 90 %", "rolled 90 %", "light", "s")
 
 
@@ -125,8 +127,9 @@ def exemplar_method(crops: Sequence[DegradedCrop], known: bool) -> np.ndarray:
     return crops[0].image if made is None else made.image
 
 
-def synth_method() -> Callable[[Sequence[DegradedCrop]], np.ndarray]:
-    """Return the method synth with the shipped model."""
+def decoders() -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
+    """Return the methods that decode, with the shipped models."""
+    from plan2scene.textures.constrained import even_crop, match_statistics
     from plan2scene.textures.embedding import embed_crops
     from plan2scene.textures.model import load_texture_model
     from plan2scene.textures.selection import clipped_share, surface_embedding
@@ -134,15 +137,43 @@ def synth_method() -> Callable[[Sequence[DegradedCrop]], np.ndarray]:
     from plan2scene.weights import MODELS
 
     model = load_texture_model(MODELS / "texture.safetensors")
+    naive = load_texture_model(MODELS / "naivesynth.safetensors")
+    seeds = [derive_seed(0, "tile")]
 
-    def decode(crops: Sequence[DegradedCrop]) -> np.ndarray:
+    def naivesynth(crops: Sequence[DegradedCrop]) -> np.ndarray:
+        found = embed_crops(naive, np.stack([crop.image for crop in crops]), textureness=False)
+        return decode_textures(naive, found.codes.mean(axis=0)[None], seeds, CROP_PX)[0]
+
+    def synth(crops: Sequence[DegradedCrop], *, large: bool = False) -> np.ndarray:
         images = np.stack([crop.image for crop in crops])
         found = embed_crops(model, images, seed=0, textureness=True)
         clipped = np.array([clipped_share(image) for image in images])
-        _, code = surface_embedding(found.codes, found.textureness, clipped)
-        return decode_textures(model, code[None], [derive_seed(0, "tile")], CROP_PX)[0]
+        best, code = surface_embedding(found.codes, found.textureness, clipped)
+        tile = decode_textures(model, code[None], seeds, CROP_PX)[0]
+        if not large:
+            return tile
+        others = list(np.delete(images, best, axis=0))
+        return match_statistics(tile, even_crop(images[best], others, code[-3:], CROP_PX), 0)
 
-    return decode
+    return {"naivesynth": naivesynth, "synth": synth, "synth-large": partial(synth, large=True)}
+
+
+def print_networks(results: dict[str, list[list[np.ndarray]]]) -> None:
+    """Print SUBS and FID of the embedded network between tiles and the clean ones, by seed."""
+    from plan2scene.metrics.features import extract_features, load_features_network
+    from plan2scene.metrics.frechet import frechet_distance
+    from plan2scene.weights import MODELS
+
+    network = load_features_network(MODELS / "features.safetensors")
+    clean, right = extract_features(network, results["clean"][0])
+    rows = []
+    for name, seeds in results.items():
+        values = []
+        for tiles in seeds:
+            features, named = extract_features(network, tiles)
+            values.append([float((named != right).mean()), frechet_distance(features, clean)])
+        rows.append((name, _spread(values)))
+    print_table("method", ("SUBS (embedded)", "FID (embedded)"), rows)
 
 
 def methods(with_synth: bool) -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
@@ -155,7 +186,7 @@ def methods(with_synth: bool) -> dict[str, Callable[[Sequence[DegradedCrop]], np
         "retrieve": lambda crops: library.tiles[library.nearest(crops[0].image)],
     }
     if with_synth:
-        found["synth"] = synth_method()
+        found |= decoders()
     found["exemplar, scale unknown"] = lambda crops: exemplar_method(crops, known=False)
     found["exemplar"] = lambda crops: exemplar_method(crops, known=True)
     return found
@@ -165,31 +196,33 @@ def run_methods(args: argparse.Namespace) -> None:
     textures = load_textures(args)
     chosen = methods(not args.no_synth)
     results: dict[str, list[np.ndarray]] = {name: [] for name in ("clean", *chosen)}
-    tiles: dict[str, list[np.ndarray]] = {name: [] for name in results}
+    tiles: dict[str, list[list[np.ndarray]]] = {name: [] for name in results}
     for seed in range(args.seeds):
         found: dict[str, list[list[float]]] = {name: [] for name in results}
+        for name in tiles:
+            tiles[name].append([])
         for k, texture in enumerate(textures):
             clean = texture.albedo
             crops = degrade(clean, derive_seed(seed, texture.name))
             found["clean"].append(figures(clean, clean, 0.0, k))
-            if seed == 0:
-                tiles["clean"].append(clean)
+            tiles["clean"][seed].append(clean)
             for name, method in chosen.items():
                 start = time.process_time()
                 tile = method(crops)
                 seconds = time.process_time() - start
                 found[name].append(figures(tile, clean, seconds, k))
-                if seed == 0:
-                    tiles[name].append(tile)
+                tiles[name][seed].append(tile)
         for name, rows in found.items():
             results[name].append(np.array(rows))
     kind = f"split {args.split}" if args.textures else "procedural"
     print(f"{len(textures)} textures, {kind}, {args.seeds} seeds")
     rows = [(name, _spread([summary(part) for part in parts])) for name, parts in results.items()]
     print_table("method", FIGURES, rows)
+    print_networks(tiles)
     _by_substance(results, np.array([texture.substance for texture in textures]))
     if args.sheet:
-        _sheet(args.sheet, tiles, results["exemplar"][0][:, 0], args.pick)
+        first = {name: seeds[0] for name, seeds in tiles.items()}
+        _sheet(args.sheet, first, results["exemplar"][0][:, 0], args.pick)
 
 
 def _spread(values: Sequence[Sequence[float]]) -> list[str]:
@@ -204,7 +237,7 @@ def _by_substance(results: dict[str, list[np.ndarray]], substances: np.ndarray) 
     rows = []
     for substance in dict.fromkeys(substances):
         own = substances == substance
-        for name in ("clean", "crop", "synth", "exemplar"):
+        for name in SHOWN:
             if name in results:
                 part = np.concatenate([result[own] for result in results[name]])
                 rows.append((f"{substance}, {name}", [f"{v:.3f}" for v in summary(part)]))
@@ -219,7 +252,7 @@ def _sheet(path: Path, tiles: dict[str, list[np.ndarray]], error: np.ndarray, pi
     else:
         middle = len(order) // 2
         chosen = [*order[:3], *order[middle - 1 : middle + 2], *order[-3:]]
-    names = [n for n in ("clean", "crop", "synth", "exemplar") if tiles.get(n)]
+    names = [n for n in SHOWN if tiles.get(n)]
     rows = [
         np.hstack(
             [np.pad(np.tile(tiles[n][k], (2, 2, 1)), ((2, 2), (2, 2), (0, 0))) for n in names]
