@@ -21,6 +21,7 @@ from plan2scene.textures.baselines import (
     surface_extent,
     usual_substance,
 )
+from plan2scene.textures.colour import median_colour
 from plan2scene.textures.constrained import even_crop
 from plan2scene.textures.crop_pool import read_pool, write_pool
 from plan2scene.textures.model import Architecture, TextureModel, architecture_header
@@ -162,6 +163,7 @@ def files(tmp_path):
             "substance": "wood",
             "metres": 0.8,
             "source": "propagation",
+            "confidence": 1.0,
         }
         for key in PLAN.surface_keys()
     ]
@@ -349,6 +351,28 @@ def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
     )
     assert surfaces["bed2/floor"]["size_m"] == surfaces["hall/floor"]["size_m"]
     assert "dE2000 away" in surfaces["bath/floor"]["source"]
+
+
+def test_the_less_sure_the_prediction_the_more_its_colour_counts(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    tone = np.array([0.45, 0.5, 0.55])  # not far from the bedroom's 100
+    code = np.r_[np.zeros(8), tone].astype(np.float32)
+    own = (table["room_id"] == "bed2") & (table["surface"] == "floor")
+    pairs = zip(own, table["embedding"], strict=True)
+    table["embedding"] = [code if mine else old for mine, old in pairs]
+    medians = []
+    for k, confidence in enumerate((1.0, 0.5, 0.0, float("nan"))):
+        frame = table.assign(confidence=np.where(own, confidence, 1.0))
+        write_parquet(files / "propagated.parquet", frame, {"house": "h1"})
+        folder, surfaces = _make(files, "exemplar", out=f"sure{k}")
+        medians.append(median_colour(read_image(folder / "bed2_floor.png")) * 255)
+        if confidence == 0.5:
+            assert surfaces["bed2/floor"]["source"].endswith("50% of the way to it")
+    sure, half, unsure, untold = medians
+    assert np.abs(unsure - tone * 255).max() < 2
+    assert np.array_equal(sure, untold)
+    between = (half - sure) / (unsure - sure)
+    assert ((between > 0.3) & (between < 0.7)).all()
 
 
 def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):

@@ -2,13 +2,15 @@
 
 Observed surfaces get a tile of their own crops. An unobserved one gets the exemplar of the house
 that is nearest to what is predicted for it (same kind of surface, the predicted substance if any
-has it, nearest embedding) as it is: a house repeats its materials, and their colours are surer
-than predicted ones. Where it is far from the predicted colour, the predicted embedding is decoded.
+has it, nearest embedding), since a house repeats its materials. Its colour is moved towards the
+predicted one, the less the surer propagation is that the house shows the material. Where it is far
+from the predicted colour, the predicted embedding is decoded.
 Each tile's source says which way it went.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -17,7 +19,14 @@ import numpy as np
 
 from plan2scene.house import SurfaceKey
 from plan2scene.io import image_from_bytes
-from plan2scene.textures.colour import delta_e_2000, median_colour, rgb_to_lab
+from plan2scene.textures.colour import (
+    as_uint8,
+    delta_e_2000,
+    linear_to_srgb,
+    median_colour,
+    rgb_to_lab,
+    srgb_to_linear,
+)
 from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
 
 if TYPE_CHECKING:
@@ -102,11 +111,35 @@ def _nearest(
     distances = [np.abs(np.asarray(rows[other].embedding) - wanted).mean() for other in pool]
     nearest = pool[int(np.argmin(distances))]
     made = own[nearest]
-    away = colour_difference(made.image, np.clip(wanted[-3:], 0.0, 1.0))
+    tone = np.clip(wanted[-3:], 0.0, 1.0)
+    away = colour_difference(made.image, tone)
     if away > MAX_AWAY:
         return f"the nearest exemplar, of {nearest.room_id}, is {away:.0f} dE2000 away"
     source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 from the predicted colour"
-    return HouseExemplar(made.image, made.size_m, source)
+    # The surer the prediction is that the house shows this material, the more its colour counts.
+    confidence = float(row.confidence)
+    if not math.isfinite(confidence):
+        return HouseExemplar(made.image, made.size_m, source)
+    image = recoloured(made.image, tone, 1.0 - confidence)
+    source += f", {1.0 - confidence:.0%} of the way to it"
+    return HouseExemplar(image, made.size_m, source)
+
+
+def recoloured(image: np.ndarray, tone: np.ndarray, share: float) -> np.ndarray:
+    """Return an image whose median colour is moved towards a tone.
+
+    Each channel's linear values are scaled: what another pigment of the same grain reflects.
+
+    Parameters
+    ----------
+    image : (h, w, 3) uint8 sRGB
+    tone : (3,) float, sRGB in [0, 1]
+    share : float
+        Of the way, in log linear light: 0 leaves the image, 1 gives it the tone.
+    """
+    median = np.maximum(srgb_to_linear(median_colour(image)), 1e-3)
+    factor = (np.maximum(srgb_to_linear(tone), 1e-3) / median) ** share
+    return as_uint8(linear_to_srgb(np.minimum(srgb_to_linear(image) * factor, 1.0)))
 
 
 def colour_difference(image: np.ndarray, tone: np.ndarray) -> float:
