@@ -120,3 +120,12 @@ def test_gradient_flows_through_the_bilinear_maps_only(seeds) -> None:
     assert not maps[:, :24].requires_grad or torch.equal(
         torch.autograd.grad(maps[:, :24].sum(), coefficients)[0], torch.zeros_like(coefficients)
     )
+
+
+def test_quotients_through_floats_are_exact() -> None:
+    rng = np.random.default_rng(0)
+    divisor = torch.from_numpy(rng.integers(0, 2**20, 20000))
+    multiple = torch.from_numpy(rng.integers(-(2**20), 2**20, 20000)) * divisor.clamp(min=1)
+    for value in (multiple - 1, multiple, multiple + 1):
+        wanted = torch.div(value, divisor.clamp(min=1), rounding_mode="floor")
+        assert torch.equal(noise._floor_quotient(value, divisor), wanted)

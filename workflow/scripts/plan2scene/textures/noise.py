@@ -154,6 +154,15 @@ def _triangular_basis(matrix: torch.Tensor) -> torch.Tensor:
     return torch.stack([x1 * sign, y1 * sign, y2.abs()], dim=-1)
 
 
+def _floor_quotient(value: torch.Tensor, divisor: torch.Tensor) -> torch.Tensor:
+    """Return value // max(divisor, 1) of int64 below 2^50, through float64: twice as fast.
+
+    Exact: the quotient of integers is at least 1 / divisor away from the next whole number, which
+    is more than its rounding.
+    """
+    return torch.floor(value / divisor.clamp(min=1).double()).long()
+
+
 def _hash(
     x: torch.Tensor, y: torch.Tensor, basis: torch.Tensor, offsets: torch.Tensor
 ) -> torch.Tensor:
@@ -163,9 +172,9 @@ def _hash(
     one 64-bit hash (splitmix64's mixing steps).
     """
     a, b, d = (part[..., None, None] for part in basis.unbind(-1))
-    turns = torch.where(a > 0, torch.div(x, a.clamp(min=1), rounding_mode="floor"), 0)
+    turns = torch.where(a > 0, _floor_quotient(x, a), 0)
     x, y = x - turns * a, y - turns * b
-    y = torch.where(d > 0, torch.remainder(y, d.clamp(min=1)), y)
+    y = torch.where(d > 0, y - _floor_quotient(y, d) * d, y)
     index = x * 73856093 + y * 19349663 + offsets
     index = (index ^ (index >> 30)) * -4658895280553007687
     index = (index ^ (index >> 27)) * -7723592293110705685
