@@ -11,6 +11,7 @@ from plan2scene.metrics.published import METRICS, TABLE_COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 _STYLES = (
     ("#7a8794", "o"),
@@ -20,11 +21,18 @@ _STYLES = (
     ("#a4508b", "v"),
     ("#b5651d", "P"),
     ("#2f4858", "X"),
+    ("#c23b4b", "<"),
 )
 
 
 def plot_sweep(tidy: pd.DataFrame, output: str | Path) -> None:
-    """Write a PNG of the tidy table of a sweep: lower is better in every panel."""
+    """Write a PNG of the tidy table of a sweep."""
+    with atomic_path(output) as temporary:
+        sweep_figure(tidy).savefig(temporary, dpi=90, metadata={"Software": None})
+
+
+def sweep_figure(tidy: pd.DataFrame) -> Figure:
+    """Return the tidy table of a sweep as a figure: lower is better in every panel."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -42,13 +50,15 @@ def plot_sweep(tidy: pd.DataFrame, output: str | Path) -> None:
                     drops, own["value"], color=colour, marker=marker, markersize=4, label=method
                 )
             axes.spines[["top", "right"]].set_visible(False)
-            if metric != "KID":  # unbiased, so it may be negative
-                axes.set_ylim(bottom=0)
             if column == TABLE_COLUMNS[0]:
                 axes.set_title(metric_title(metric, cells["features"].iloc[0]))
             if column == TABLE_COLUMNS[-1]:
                 axes.set_xlabel("share of photos hidden")
         line[0].set_ylabel(f"{column} surfaces")
+    for metric, axes in zip(METRICS, panels[0], strict=True):
+        if metric != "KID":  # unbiased, so it may be negative
+            highest = tidy.loc[tidy["metric"] == metric, "value"].max()
+            axes.set_ylim(0, 1.05 * highest if highest > 0 else 1)
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
     first = tidy.iloc[0]
@@ -57,5 +67,4 @@ def plot_sweep(tidy: pd.DataFrame, output: str | Path) -> None:
         f"{first['dataset']}, {most} houses, seed {first['seed']}: lower is better. FID falls with "
         "the number of surfaces; compare methods at one drop."
     )
-    with atomic_path(output) as temporary:
-        figure.savefig(temporary, dpi=90, metadata={"Software": None})
+    return figure
