@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.aggregate import (
     metric_title,
-    read_houses,
-    read_references,
     tidy_table,
     wide_table,
 )
@@ -32,6 +30,7 @@ from plan2scene.evaluation.variants import (
 )
 from plan2scene.floorplans import read_scene_json
 from plan2scene.io import atomic_path, read_parquet, write_parquet
+from plan2scene.metrics.gather import read_metrics, read_references
 from plan2scene.metrics.published import METRICS
 from plan2scene.propagation.stage import propagate_house
 
@@ -153,7 +152,7 @@ def ablation_table(
     Observed surfaces at drop 0.0, unobserved and all at `drop`, as in the paper's table 1. Rows
     that would need other weights are named below the table.
     """
-    metrics, networks = read_houses(ablations)
+    metrics, networks = read_metrics(ablations)
     tidy = tidy_table(
         metrics,
         read_references(references),

@@ -2,54 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import plan2scene
-from plan2scene.errors import InputError
-from plan2scene.io import read_parquet
-from plan2scene.metrics.distances import SURFACE, feature_distances
+from plan2scene.metrics.distances import feature_distances
 from plan2scene.metrics.published import METRICS, TABLE_COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: Metrics of a network, and the metadata of metrics.parquet that names it.
-_NETWORK_KEYS = {"SUBS": "substances", "FID": "features", "KID": "features"}
-#: Metadata that all houses must share.
-NETWORK_METADATA = ("features", "model", "substances", "substance_model")
-
-
-def read_houses(files: Iterable[str | Path]) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Return the rows of all houses, and the name of each metric's network (``none`` without)."""
-    import pandas as pd
-
-    frames, found = [], set()
-    for file in files:
-        frame, metadata = read_parquet(file)
-        found.add(tuple(str(metadata.get(name)) for name in NETWORK_METADATA))
-        frames.append(frame)
-    if len(found) != 1:
-        raise InputError("metrics of one features network", str(sorted(found)))
-    known = dict(zip(NETWORK_METADATA, found.pop(), strict=True))
-    networks = {name: known.get(_NETWORK_KEYS.get(name, ""), "none") for name in METRICS}
-    filled = [frame for frame in frames if len(frame)] or frames[:1]
-    return pd.concat(filled, ignore_index=True), networks
-
-
-def read_references(files: Iterable[str | Path]) -> pd.DataFrame:
-    """Return the features of all crops of all houses, with a column ``house``."""
-    import pandas as pd
-
-    frames = []
-    for file in files:
-        frame, metadata = read_parquet(file)
-        frames.append(frame.assign(house=metadata["house"]))
-    filled = [frame for frame in frames if len(frame)]
-    if not filled:
-        return pd.DataFrame(columns=[*SURFACE, "features"])
-    return pd.concat(filled, ignore_index=True)
 
 
 def surface_means(part: pd.DataFrame, references: pd.DataFrame) -> dict[str, float]:
@@ -84,7 +45,7 @@ def tidy_table(
     drops_of : dict
         For each of ``TABLE_COLUMNS`` the drops it is measured at.
     networks : dict
-        Each metric's network, of :func:`read_houses`.
+        Each metric's network, of :func:`plan2scene.metrics.gather.read_metrics`.
     """
     import pandas as pd
 

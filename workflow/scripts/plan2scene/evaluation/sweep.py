@@ -8,8 +8,6 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.aggregate import (
-    read_houses,
-    read_references,
     tidy_table,
     wide_table,
 )
@@ -23,6 +21,7 @@ from plan2scene.evaluation.houses import (
 )
 from plan2scene.evaluation.sweep_plot import plot_sweep
 from plan2scene.io import atomic_path, write_parquet
+from plan2scene.metrics.gather import read_metrics, read_references
 from plan2scene.metrics.published import TABLE_COLUMNS
 
 if TYPE_CHECKING:
@@ -108,7 +107,7 @@ def sweep_table(
     A row per method, drop and column (observed, unobserved, all); ``n=0`` where a column has no
     surface, as observed at 1.0.
     """
-    metrics, networks = read_houses(sweeps)
+    metrics, networks = read_metrics(sweeps)
     tidy = tidy_table(
         metrics,
         read_references(references),

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import plan2scene
-from plan2scene.errors import InputError
-from plan2scene.io import atomic_path, read_parquet, write_parquet
-from plan2scene.metrics.distances import SURFACE, feature_distances
+from plan2scene.io import atomic_path, write_parquet
+from plan2scene.metrics.distances import feature_distances
+from plan2scene.metrics.gather import read_metrics, read_references
 from plan2scene.metrics.latex import latex_table
 from plan2scene.metrics.plot import plot_table
 from plan2scene.metrics.published import METRICS, TABLE_COLUMNS, comparable, published_value
@@ -32,8 +32,6 @@ NOSURFACES = "n=0"
 UNPUBLISHED = "none"
 #: What a difference reads where the published figure comes from another network.
 OTHER_NETWORK = "other network"
-#: Metrics of a network, and the metadata of metrics.parquet that names it.
-_NETWORK_KEYS = {"SUBS": "substances", "FID": "features", "KID": "features"}
 #: Packages whose versions a table names: those that its figures are computed with.
 _PACKAGES = ("numpy", "scipy", "opencv-python-headless", "pillow", "torch")
 
@@ -87,8 +85,8 @@ def paper_table(
     """
     import pandas as pd
 
-    metrics, networks = _read_metrics(metrics_files)
-    references = _read_references(reference_files)
+    metrics, networks = read_metrics(metrics_files)
+    references = read_references(reference_files)
     rows = []
     for method in request.methods:
         for column in TABLE_COLUMNS:
@@ -139,38 +137,6 @@ def partial_table(
         request=request,
     )
     return output
-
-
-def _read_metrics(files: Iterable[str | Path]) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Return all houses' metrics, and the name of each metric's network (``none`` without)."""
-    import pandas as pd
-
-    names = ("features", "model", "substances", "substance_model")
-    frames, found = [], set()
-    for file in files:
-        frame, metadata = read_parquet(file)
-        found.add(tuple(str(metadata.get(name)) for name in names))
-        frames.append(frame)
-    if len(found) != 1:
-        raise InputError("metrics of one features network", str(sorted(found)))
-    known = dict(zip(names, found.pop(), strict=True))
-    networks = {name: known.get(_NETWORK_KEYS.get(name, ""), "none") for name in METRICS}
-    filled = [frame for frame in frames if len(frame)] or frames[:1]
-    return pd.concat(filled, ignore_index=True), networks
-
-
-def _read_references(files: Iterable[str | Path]) -> pd.DataFrame:
-    """Return the features of all crops of all houses, with a column ``house``."""
-    import pandas as pd
-
-    frames = []
-    for file in files:
-        frame, metadata = read_parquet(file)
-        frames.append(frame.assign(house=metadata["house"]))
-    filled = [frame for frame in frames if len(frame)]
-    if not filled:
-        return pd.DataFrame(columns=[*SURFACE, "features"])
-    return pd.concat(filled, ignore_index=True)
 
 
 def _select(
