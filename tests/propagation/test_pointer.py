@@ -18,7 +18,7 @@ from plan2scene.propagation.pointer import (
     room_pairs,
     weighted_median,
 )
-from plan2scene.propagation.predict import mixture_medians, predict
+from plan2scene.propagation.predict import mixture_centres, predict
 from plan2scene.propagation.prior import TypeMeans
 from plan2scene.weights import save_model_file
 
@@ -101,7 +101,7 @@ def test_likelihood_is_that_of_the_mixture():
     assert found.item() == pytest.approx(np.log(0.5 * own + 0.5 * copied), abs=1e-4)
 
 
-def test_medians_take_the_likelier_side_and_name_it():
+def test_centres_take_the_likelier_side_and_name_it():
     graph = chain(3)
     pairs, _ = room_pairs(graph)
     copies = torch.full((6, 3), -torch.inf)
@@ -111,7 +111,7 @@ def test_medians_take_the_likelier_side_and_name_it():
     mixture = Mixture(
         torch.zeros(3, 3, 11), torch.ones(3, 3, 11), torch.full((3, 11), 0.01), own, copies
     )
-    medians, confidence, alike = mixture_medians(mixture, graph.embeddings, pairs)
+    medians, confidence, alike = mixture_centres(mixture, graph.embeddings, pairs)
     reach = 2.0 * 0.01  # the regression, far away, pulls by no more than its share of that
     assert np.abs(medians[0] - graph.embeddings[2]).max() <= 0.3 * reach + 1e-6
     assert np.allclose(medians[1:], 0.0)

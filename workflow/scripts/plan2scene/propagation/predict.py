@@ -60,7 +60,7 @@ def predict(network: PropagationNetwork | PointerNetwork, graph: HouseGraph) -> 
 
 
 def _predict_mixture(network: PointerNetwork, graph: HouseGraph) -> Prediction:
-    """Return the medians of the pointer network's mixtures."""
+    """Return the centres of the pointer network's mixtures."""
     centre, deviation = network.centre.numpy(), network.deviation.numpy()
     values = (graph.embeddings - centre) / deviation
     scaled = HouseGraph(graph.room_ids, graph.types, graph.edges, values, graph.observed)
@@ -71,14 +71,14 @@ def _predict_mixture(network: PointerNetwork, graph: HouseGraph) -> Prediction:
     )
     with torch.no_grad():
         mixture = network(inputs)
-    medians, confidence, alike = mixture_medians(mixture, values, pairs)
-    return Prediction((medians * deviation + centre).astype(np.float32), confidence, alike)
+    centres, confidence, alike = mixture_centres(mixture, values, pairs)
+    return Prediction((centres * deviation + centre).astype(np.float32), confidence, alike)
 
 
-def mixture_medians(
+def mixture_centres(
     mixture: Mixture, values: np.ndarray, pairs: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return medians (n, 3, 11), weight of visible surfaces (n, 3) and the likeliest (n, 3).
+    """Return centres (n, 3, 11), weight of visible surfaces (n, 3) and the likeliest (n, 3).
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def mixture_medians(
     own, log_own = mixture.own.numpy(), mixture.log_own.numpy()
     weights, scales = np.exp(mixture.log_copies.numpy()), mixture.copy_scale.numpy()
     rooms = len(own)
-    medians = np.zeros((rooms, len(SURFACES), EMBEDDING_SIZE), dtype=np.float32)
+    centres = np.zeros((rooms, len(SURFACES), EMBEDDING_SIZE), dtype=np.float32)
     alike = np.full((rooms, len(SURFACES)), -1)
     for i in range(rooms):
         rows = pairs[0] == i
@@ -98,8 +98,8 @@ def mixture_medians(
         for j in range(len(SURFACES)):
             theirs = np.append(weights[rows, j], np.exp(log_own[i, j]))
             components = np.concatenate([values[sources, j], own[i, j][None]])
-            medians[i, j] = robust_centre(components, theirs, _REACH * scales[j])
+            centres[i, j] = robust_centre(components, theirs, _REACH * scales[j])
             best = int(theirs.argmax())
             if best < len(sources):
                 alike[i, j] = sources[best]
-    return medians, (1.0 - np.exp(log_own)).astype(np.float32), alike
+    return centres, (1.0 - np.exp(log_own)).astype(np.float32), alike

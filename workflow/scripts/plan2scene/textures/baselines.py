@@ -25,6 +25,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -51,6 +52,12 @@ class Crop:
     png: bytes
     metres: float
     sharpness: float = math.nan
+
+    @classmethod
+    def of(cls, row: Any) -> Crop:
+        """Return the crop of a row of ``crops.parquet`` (a named tuple)."""
+        key = SurfaceKey(row.room_id, row.surface)
+        return cls(row.crop_id, key, row.png, float(row.metres), float(row.sharpness))
 
     def image(self) -> np.ndarray:
         """Return the pixels, (128, 128, 3) uint8 sRGB."""

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.textures.baselines import Crop, PoolCrop
 
@@ -47,17 +46,7 @@ def read_pool(path: str | Path, *, but: str) -> list[PoolCrop]:
     if missing:
         raise InputError("a crop pool", f"no {', '.join(sorted(missing))}", file=path)
     return [
-        PoolCrop(
-            row.house,
-            tuple(row.types.split("|")),
-            Crop(
-                row.crop_id,
-                SurfaceKey(row.room_id, row.surface),
-                row.png,
-                float(row.metres),
-                float(row.sharpness),
-            ),
-        )
+        PoolCrop(row.house, tuple(row.types.split("|")), Crop.of(row))
         for row in frame.itertuples()
         if row.house != but
     ]

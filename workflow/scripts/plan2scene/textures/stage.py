@@ -141,17 +141,7 @@ def make_textures(
 def visible_crops(frame: pd.DataFrame, hidden_photos: Collection[str]) -> list[Crop]:
     """Return the crops of ``crops.parquet`` whose photo is not hidden, in the file's order."""
     hidden = set(hidden_photos)
-    return [
-        Crop(
-            row.crop_id,
-            SurfaceKey(row.room_id, row.surface),
-            row.png,
-            float(row.metres),
-            float(row.sharpness),
-        )
-        for row in frame.itertuples()
-        if row.photo not in hidden
-    ]
+    return [Crop.of(row) for row in frame.itertuples() if row.photo not in hidden]
 
 
 def _baseline(

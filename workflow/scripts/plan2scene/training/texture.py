@@ -1,7 +1,8 @@
 """Training of the texture models: Synth (delta-HSV, substance head) and NaiveSynth.
 
-The loss is the relative Gram error of fixed filters, the log spectrum by sectors, the colour
-distribution, and cross-entropy of the substance. Most steps draw 64-px windows of the tile, which
+The loss is the error of Gram matrices (of fixed filters, or of VGG-19), the log spectrum by
+sectors, the colour distribution, COLOR and FREQ with gradients, and cross-entropy of the
+substance. Most steps draw 64-px windows of the tile, which
 cost a quarter; some draw the whole tile for the coarse structure. First a
 statistics encoder learns alone to keep the crop's statistics and substance in its code, because
 decoding is what costs.

@@ -158,8 +158,8 @@ The decoder's noise is periodic, so its tiles have no seam.
 
 - Architecture: {shape}.
 - Data: {count} textures: {data.procedural} procedural materials (seed {data.seed}) and {folder}.
-- Loss: relative Gram error of the embedded filter bank, log spectrum, colour distribution,
-  cross-entropy of the substance where there is a head. No pretrained features.
+- Loss: Gram error of the {options.statistics} statistics, log spectrum, colour distribution, COLOR
+  and FREQ with gradients, cross-entropy of the substance where there is a head.
 - Training: {settings}.
 - {minutes:.0f} minutes with {threads} thread(s) on a machine of {cores} cores.
 - Command: `snakemake -j1 train_{name} --configfile config/training.yaml`
