@@ -19,6 +19,7 @@ from plan2scene.evaluation.houses import (
     measured,
     metadata_of,
     propagated_at,
+    propagated_from,
 )
 from plan2scene.evaluation.variants import (
     MISSING,
@@ -32,7 +33,6 @@ from plan2scene.floorplans import read_scene_json
 from plan2scene.io import atomic_path, read_parquet, write_parquet
 from plan2scene.metrics.gather import read_metrics, read_references
 from plan2scene.metrics.published import METRICS
-from plan2scene.propagation.stage import propagate_house
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -91,15 +91,7 @@ def _propagated(
         table, crops, embeddings, hidden_photos, variant, house=files.house, seed=seed
     )
     write_parquet(own, chosen, {"house": files.house})
-    propagate_house(
-        files.scene,
-        own,
-        output,
-        house=files.house,
-        dataset=files.dataset,
-        propagation_model=models.propagation,
-        texture_model=models.texture,
-    )
+    propagated_from(own, output, files, models)
     frame, metadata = read_parquet(output)
     plan = read_scene_json(files.scene, files.house)
     write_parquet(output, predicted(plan, frame, variant, models), metadata)

@@ -79,16 +79,21 @@ def propagated_at(
         house=files.house,
         dataset=files.dataset,
     )
+    propagated_from(surfaces, propagated, files, models)
+    return surfaces, propagated
+
+
+def propagated_from(surfaces: Path, output: Path, files: HouseFiles, models: Models) -> None:
+    """Write the ``propagated.parquet`` of a table of surfaces to `output`."""
     propagate_house(
         files.scene,
         surfaces,
-        propagated,
+        output,
         house=files.house,
         dataset=files.dataset,
         propagation_model=models.propagation,
         texture_model=models.texture,
     )
-    return surfaces, propagated
 
 
 def measured(
