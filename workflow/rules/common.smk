@@ -10,6 +10,7 @@ from snakemake.utils import validate
 
 from plan2scene.datasets.layout import find_layout
 from plan2scene.datasets.table import SPLITS
+from plan2scene.evaluation.drops import hidden_at
 from plan2scene.house_table import (
     check_metrics,
     check_official,
@@ -221,3 +222,27 @@ def crop_pool_of(wildcards):
     """Return the crops of other houses; none where none are configured or nothing is copied."""
     copied = wildcards.method not in ("synth", "synth-large", "naivesynth", "exemplar")
     return f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES and copied else []
+
+
+def hidden_at_drops(drops):
+    """Return an input function: drop fraction to the photos of a house hidden at it."""
+
+    def hidden(wildcards):
+        return {
+            drop: hidden_at(
+                LAYOUT.unobserved,
+                drop,
+                photo_names_of(wildcards),
+                seed=config["seed"],
+                house=wildcards.house,
+            )
+            for drop in drops
+        }
+
+    return hidden
+
+
+def study_answers_of(wildcards):
+    """Return the answer files that were handed in; the job says so when there are none."""
+    folder = config["study"]["answers"]
+    return sorted(str(path) for path in Path(folder).glob("*.csv")) if folder else []

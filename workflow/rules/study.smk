@@ -9,12 +9,6 @@ STUDY_METHODS = list(
 STUDY_HOUSES = study_houses(list(HOUSES.index), STUDY["houses"], seed=config["seed"])
 
 
-def study_answers_of(wildcards):
-    """Return the answer files that were handed in; the job says so when there are none."""
-    folder = STUDY["answers"]
-    return sorted(str(path) for path in Path(folder).glob("*.csv")) if folder else []
-
-
 rule study_house:
     # Plan, photos and a render by each method, all photos visible.
     input:

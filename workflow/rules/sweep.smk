@@ -1,23 +1,5 @@
 # On demand: every metric against the share of hidden photos, `snakemake -j2 sweep`.
-from plan2scene.evaluation.drops import SWEEP_DROPS, hidden_at
-
-
-def hidden_at_drops(drops):
-    """Return an input function: drop fraction to the photos of a house hidden at it."""
-
-    def hidden(wildcards):
-        return {
-            drop: hidden_at(
-                LAYOUT.unobserved,
-                drop,
-                photo_names_of(wildcards),
-                seed=config["seed"],
-                house=wildcards.house,
-            )
-            for drop in drops
-        }
-
-    return hidden
+from plan2scene.evaluation.drops import SWEEP_DROPS
 
 
 rule sweep_house:
