@@ -14,7 +14,7 @@ from plan2scene.metrics.frechet import frechet_distance
 from plan2scene.metrics.freq import freq_distance
 from plan2scene.metrics.kernel import kernel_distance
 from plan2scene.metrics.published import METRICS, published_value
-from plan2scene.metrics.stage import measure_house, reference_features
+from plan2scene.metrics.stage import measure_house, read_references, reference_features
 from plan2scene.metrics.table import TableRequest, paper_table, partial_table
 from plan2scene.metrics.tile import tile_score
 from plan2scene.training.features_network import SubstanceNetwork, save_features_network
@@ -60,14 +60,13 @@ def _write_house(root, house, tiles, observed, method, drop, model, hidden):
     (folder / "textures" / "textures.json").write_text(json.dumps(listing))
     measure_house(
         folder / "textures",
-        crops,
+        read_references(crops, hidden),
         model,
         folder / "metrics.parquet",
         dataset="d",
         house=house,
         method=method,
         drop=drop,
-        hidden_photos=hidden,
     )
     references = root / "houses" / house / "reference_features.parquet"
     reference_features(crops, model, references, dataset="d", house=house)

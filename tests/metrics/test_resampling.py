@@ -12,7 +12,7 @@ from plan2scene.metrics.frechet import frechet_distance
 from plan2scene.metrics.kernel import kernel_distance
 from plan2scene.metrics.networks import features_of
 from plan2scene.metrics.resampling import FurtherSeeds, further_images
-from plan2scene.metrics.stage import measure_house
+from plan2scene.metrics.stage import measure_house, read_references
 from plan2scene.textures.model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.seams import make_seamless
 from plan2scene.textures.synthesis import synthesise_surfaces
@@ -92,8 +92,8 @@ def test_the_metrics_stage_keeps_their_features(seeds, tmp_path):
     crops = pd.DataFrame([("a", "p.jpg", "r1", "floor", png_bytes(image))], columns=columns)
     write_parquet(tmp_path / "crops.parquet", crops, {"house": "h"})
     model, names = MODELS / "features.safetensors", {"dataset": "d", "house": "h"}
-    given = (tmp_path / "textures", tmp_path / "crops.parquet", model)
-    names |= {"method": "synth", "drop": "0.0", "hidden_photos": []}
+    given = (tmp_path / "textures", read_references(tmp_path / "crops.parquet", []), model)
+    names |= {"method": "synth", "drop": "0.0"}
     measure_house(*given, tmp_path / "one.parquet", **names)
     measure_house(*given, tmp_path / "four.parquet", **names, further=seeds)
     one, four = (read_parquet(tmp_path / f"{n}.parquet")[0].iloc[0] for n in ("one", "four"))

@@ -35,6 +35,9 @@ MODELS = os.path.relpath(Path(workflow.basedir) / "resources" / "models")
 # so that no default run ever wants to train.
 TRAINED = "results/training/models"
 METHODS = config["methods"]
+# The model that each method decodes with; the others decode nothing.
+DECODERS = dict.fromkeys(("synth", "synth-large", "exemplar"), "texture")
+DECODERS["naivesynth"] = "naivesynth"
 DROPS = [f"{drop:.1f}" for drop in config["drops"]]
 
 try:
@@ -191,9 +194,8 @@ def ready_crops_of(wildcards):
 
 def decoder_of(wildcards):
     """Return the texture model of a method; none where nothing is decoded."""
-    models = dict.fromkeys(("synth", "synth-large", "exemplar"), "texture")
-    models["naivesynth"] = "naivesynth"
-    return model_of(models[wildcards.method]) if wildcards.method in models else []
+    name = DECODERS.get(wildcards.method)
+    return model_of(name) if name else []
 
 
 def metric_model(network):
@@ -203,16 +205,6 @@ def metric_model(network):
     return model_of("features")
 
 
-def decoded_again(source):
-    """Return an input function: that of `source` where a method's noise is drawn again."""
-
-    def files(wildcards):
-        drawn = wildcards.method in ("synth", "naivesynth")
-        return source(wildcards) if drawn and config["metrics"]["fid_seeds"] > 1 else []
-
-    return files
-
-
 def propagated_of(wildcards):
     """Return the propagated embeddings of a house."""
     return f"{RESULTS}/drop_{wildcards.drop}/{wildcards.house}/propagated.parquet"
@@ -220,7 +212,7 @@ def propagated_of(wildcards):
 
 def crop_pool_of(wildcards):
     """Return the crops of other houses; none where none are configured or nothing is copied."""
-    copied = wildcards.method not in ("synth", "synth-large", "naivesynth", "exemplar")
+    copied = wildcards.method not in DECODERS
     return f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES and copied else []
 
 

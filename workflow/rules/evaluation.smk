@@ -8,36 +8,52 @@ SUBSTANCES = metric_model("vgg16")
 METRIC_MEMORY = 3000 if FEATURES != SUBSTANCES else 1000
 
 
+# Methods whose noise is drawn again for FID and KID; none where there is one image of each surface.
+REDRAWN = (
+    [method for method in METHODS if method in ("synth", "naivesynth")]
+    if config["metrics"]["fid_seeds"] > 1
+    else []
+)
+
+
 rule metrics:
-    # COLOR, FREQ, TILE, SUBS and features of each surface that any crop shows.
+    # COLOR, FREQ, TILE, SUBS and features of each surface that any crop shows, by every method:
+    # one job, for jobs of their own would mostly start.
     input:
-        textures=f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/textures",
+        textures=[
+            f"{RESULTS}/drop_{{drop}}/{method}/{{house}}/textures"
+            for method in METHODS
+        ],
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         model=FEATURES,
         substance_model=SUBSTANCES,
-        # For further images of FID and KID; empty where there is one of each surface.
-        propagated=decoded_again(propagated_of),
-        decoder=decoded_again(decoder_of),
+        propagated=propagated_of if REDRAWN else [],
+        decoders=[model_of(DECODERS[method]) for method in REDRAWN],
     output:
-        f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/metrics.parquet",
+        [
+            f"{RESULTS}/drop_{{drop}}/{method}/{{house}}/metrics.parquet"
+            for method in METHODS
+        ],
     log:
-        f"logs/{DATASET}/metrics/{{drop}}/{{method}}/{{house}}.log",
+        f"logs/{DATASET}/metrics/{{drop}}/{{house}}.log",
     benchmark:
-        f"logs/{DATASET}/benchmarks/metrics/{{drop}}/{{method}}/{{house}}.tsv"
+        f"logs/{DATASET}/benchmarks/metrics/{{drop}}/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=METRIC_MEMORY,
     params:
+        methods=METHODS,
+        redrawn=REDRAWN,
         hidden=hidden_photos,
         dataset=DATASET,
         images=config["metrics"]["fid_seeds"],
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
-        seam_correction=lambda wildcards: config["textures"]["seam_correction"][
-            wildcards.method
-        ],
+        seam_correction={
+            method: config["textures"]["seam_correction"][method] for method in REDRAWN
+        },
         code=code_hash("metrics.stage"),
     script:
         "../scripts/metrics.py"

@@ -1,30 +1,35 @@
-"""Rule metrics: tiles of a house against its crops -> metrics per surface."""
+"""Rule metrics: tiles of a house by every method against its crops -> metrics per surface."""
 
 from plan2scene.jobs import job
 from plan2scene.metrics.resampling import FurtherSeeds
-from plan2scene.metrics.stage import measure_house
+from plan2scene.metrics.stage import measure_house, read_references
 
 with job(snakemake.log[0]):
-    further = None
-    if snakemake.input.decoder:
-        further = FurtherSeeds(
-            propagated=snakemake.input.propagated,
-            model=snakemake.input.decoder,
-            count=snakemake.params.images,
-            seed=snakemake.params.seed,
-            size_px=snakemake.params.size_px,
-            seam_correction=snakemake.params.seam_correction,
+    found, params = snakemake.input, snakemake.params
+    further = {
+        method: FurtherSeeds(
+            propagated=found.propagated,
+            model=decoder,
+            count=params.images,
+            seed=params.seed,
+            size_px=params.size_px,
+            seam_correction=params.seam_correction[method],
         )
-    measure_house(
-        snakemake.input.textures,
-        snakemake.input.crops,
-        snakemake.input.model,
-        snakemake.output[0],
-        dataset=snakemake.params.dataset,
-        house=snakemake.wildcards.house,
-        method=snakemake.wildcards.method,
-        drop=snakemake.wildcards.drop,
-        hidden_photos=snakemake.params.hidden,
-        substance_model=snakemake.input.substance_model,
-        further=further,
-    )
+        for method, decoder in zip(params.redrawn, found.decoders, strict=True)
+    }
+    references = read_references(found.crops, params.hidden)
+    for method, textures, output in zip(
+        params.methods, found.textures, snakemake.output, strict=True
+    ):
+        measure_house(
+            textures,
+            references,
+            found.model,
+            output,
+            dataset=params.dataset,
+            house=snakemake.wildcards.house,
+            method=method,
+            drop=snakemake.wildcards.drop,
+            substance_model=found.substance_model,
+            further=further.get(method),
+        )

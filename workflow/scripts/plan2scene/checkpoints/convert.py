@@ -120,7 +120,7 @@ def _convert_propagation(
         expected = "means over training surfaces with a propagation checkpoint"
         raise InputError(expected, "none", file=checkpoint)
     sizes = {"width": 96, "layers": 3}
-    network = PropagationNetwork(**sizes)
+    network = PropagationNetwork(sizes["width"], sizes["layers"])
     network.load_state_dict(fitted_state(state, _shapes(network), checkpoint))
     save_propagation(output, network, means, **sizes)
 

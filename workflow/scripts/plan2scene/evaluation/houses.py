@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.networks import network_name
-from plan2scene.metrics.stage import measure_house
+from plan2scene.metrics.stage import measure_house, read_references
 from plan2scene.propagation.stage import propagate_house
 from plan2scene.provenance import file_hash
 from plan2scene.textures.selection import select_surfaces
@@ -139,14 +139,13 @@ def measured(
     )
     measure_house(
         tiles,
-        files.crops,
+        read_references(files.crops, hidden_photos),
         models.features,
         output,
         dataset=files.dataset,
         house=files.house,
         method=name,
         drop=drop,
-        hidden_photos=hidden_photos,
         substance_model=models.substances,
     )
     return read_parquet(output)[0]

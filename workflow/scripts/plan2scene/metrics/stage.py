@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -29,9 +29,13 @@ COLUMNS = (
 )
 
 
+#: Of each surface with crops: the medoid of its visible ones, if any, and that of all.
+References: TypeAlias = Mapping[SurfaceKey, tuple[np.ndarray | None, np.ndarray]]
+
+
 def measure_house(
     textures: str | Path,
-    crops: str | Path,
+    references: References,
     model: str | Path,
     output: str | Path,
     *,
@@ -39,7 +43,6 @@ def measure_house(
     house: str,
     method: str,
     drop: str,
-    hidden_photos: Collection[str],
     substance_model: str | Path | None = None,
     further: FurtherSeeds | None = None,
 ) -> None:
@@ -49,15 +52,13 @@ def measure_house(
     ----------
     textures : path
         Folder of the texture stage.
-    crops : path
-        ``crops.parquet`` of the house, hidden photos included.
+    references : mapping
+        Of :func:`read_references`: an observed surface is compared with the medoid of its
+        visible crops, any other with the medoid over all photos.
     model : path
         Weights of the network whose features FID and KID compare.
     drop : str
         Share of photos hidden, one decimal.
-    hidden_photos : collection of str
-        Photos hidden at this drop: an observed surface is compared with the medoid of its
-        visible crops, any other with the medoid over all photos.
     substance_model : path, optional
         Weights of the network that SUBS asks; None: `model`.
     further : FurtherSeeds, optional
@@ -66,7 +67,6 @@ def measure_house(
     import pandas as pd
 
     entries = read_json(Path(textures) / "textures.json")["surfaces"]
-    references = reference_images(read_parquet(crops)[0], hidden_photos)
     keys, observed, predictions, truths = [], [], [], []
     for name, entry in entries.items():
         key = SurfaceKey(*name.rsplit("/", 1))
@@ -77,7 +77,7 @@ def measure_house(
             raise InputError(
                 f"a visible crop of {name}, observed at drop {drop}",
                 "none",
-                file=crops,
+                file=Path(textures) / "textures.json",
                 house=house,
             )
         keys.append(key)
@@ -121,9 +121,12 @@ def _grouped(model: str | Path, images: list[np.ndarray], count: int) -> list[np
     return list(features_of(model, images).reshape(count, -1))
 
 
-def reference_images(
-    crops: pd.DataFrame, hidden_photos: Collection[str]
-) -> dict[SurfaceKey, tuple[np.ndarray | None, np.ndarray]]:
+def read_references(crops: str | Path, hidden_photos: Collection[str]) -> References:
+    """Return the :func:`reference_images` of ``crops.parquet``, which has hidden photos too."""
+    return reference_images(read_parquet(crops)[0], hidden_photos)
+
+
+def reference_images(crops: pd.DataFrame, hidden_photos: Collection[str]) -> References:
     """Return for each surface with crops the medoid of its visible ones and that of all.
 
     Both (128, 128, 3) uint8; the first is None for a surface that only hidden photos show.

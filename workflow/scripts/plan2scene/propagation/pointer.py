@@ -10,6 +10,7 @@ surfaces is a confidence, and the mixture's median a sharp prediction.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,7 @@ from torch import Tensor, nn
 
 from plan2scene.house import ROOM_TYPES, SURFACES
 from plan2scene.propagation.graph import EMBEDDING_SIZE, HouseGraph
-from plan2scene.propagation.network import PropagationNetwork
+from plan2scene.propagation.network import GatedConv, PropagationNetwork
 
 #: Facts about a pair of rooms: doors between them (1, 2, 3 or more, no way), types in common.
 PAIR_SIZE = 5
@@ -108,11 +109,19 @@ class PointerNetwork(nn.Module):
         Of the paper's network, which is the trunk.
     pair_width : int
         Hidden units that score a pair of rooms.
+    conv : callable
+        Makes the trunk's graph layer of (width, layers).
     """
 
-    def __init__(self, width: int = 96, layers: int = 3, pair_width: int = 64) -> None:
+    def __init__(
+        self,
+        width: int = 96,
+        layers: int = 3,
+        pair_width: int = 64,
+        conv: Callable[[int, int], nn.Module] = GatedConv,
+    ) -> None:
         super().__init__()
-        self.trunk = PropagationNetwork(width, layers)
+        self.trunk = PropagationNetwork(width, layers, conv)
         kinds = len(SURFACES)
         self.pair = nn.Sequential(
             nn.Linear(2 * width + PAIR_SIZE, pair_width), nn.ReLU(), nn.Linear(pair_width, kinds)
