@@ -15,10 +15,12 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from plan2scene.jobs import keep_freed_memory
 from plan2scene.synthetic.materials import random_material
 from plan2scene.textures.constrained import match_statistics
+from plan2scene.textures.decoder import low_precision_is_fast
 from plan2scene.textures.degradation import degrade
-from plan2scene.textures.embedding import embed_crops, low_precision_is_fast
+from plan2scene.textures.embedding import embed_crops
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.model import load_texture_model
 from plan2scene.textures.synthesis import decode_textures
@@ -55,6 +57,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
     torch.set_num_threads(options.threads)
+    keep_freed_memory()  # as every job of the workflow
     textures = procedural_textures(BATCH, 7)
     crops = np.ascontiguousarray(textures.tiles[:, ::2, ::2])
     print(f"{options.threads} threads, {options.rounds} rounds, bfloat16 {low_precision_is_fast()}")

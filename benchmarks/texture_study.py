@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import torch
 
-from plan2scene.textures.embedding import low_precision_is_fast
+from plan2scene.textures.decoder import low_precision_is_fast
 from plan2scene.textures.model import Architecture
 from plan2scene.training.texture import TextureTraining, train_texture_model
 from plan2scene.training.texture_data import join_sets, procedural_textures, scanned_textures

@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import pytest
 
 from plan2scene.errors import InputError
@@ -24,3 +27,29 @@ def test_a_fault_of_ours_keeps_its_traceback(tmp_path):
 def test_line_breaks_of_strangers_stay_one_line():
     text = str(InputError("x", "two\nlines\x1b[31m", file="a\nb"))
     assert "\n" not in text and "\x1b" not in text
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="mallopt is glibc's")
+def test_a_job_keeps_freed_memory():
+    program = """
+import resource, sys
+import numpy as np
+from plan2scene.jobs import job
+
+def faults():
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    for _ in range(5):
+        np.ones(2_000_000)  # 16 MB: made and freed at once
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+
+fresh = faults()
+with job():
+    faults()
+    kept = faults()
+print(fresh, kept)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    fresh, kept = map(int, done.stdout.split())
+    assert kept < 0.1 * fresh

@@ -12,6 +12,7 @@ from plan2scene.house import SUBSTANCES
 from plan2scene.io import image_from_bytes, read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
+from plan2scene.textures.decoder import fast_multiplication
 from plan2scene.textures.model import TextureModel, load_texture_model
 from plan2scene.textures.statistics import FilterBankStatistics, TextureStatistics
 from plan2scene.textures.synthesis import noise_seeds
@@ -67,27 +68,22 @@ def embed_crops(
     """
     statistics = FilterBankStatistics(_LEVELS) if statistics is None else statistics
     noise = noise_seeds([seed])
-    precise = model.decoder.low_precision
-    model.decoder.low_precision = low_precision_is_fast()
     codes, probabilities, scores = [], [], []
-    try:
-        with torch.inference_mode():
-            for start in range(0, len(crops), _BATCH):
-                part = torch.from_numpy(crops[start : start + _BATCH])
-                rgb = part.permute(0, 3, 1, 2).float() / 255.0
-                encoding = model.encode(rgb)
-                codes.append(encoding.embedding.numpy())
-                if encoding.logits is not None:
-                    probabilities.append(encoding.logits.softmax(1).numpy())
-                if textureness:
-                    tiles = model.decode(
-                        encoding.embedding,
-                        noise.expand(len(rgb), -1, -1),
-                        window=(_SCORED, _SCORED),
-                    )
-                    scores.append(statistics.distance(tiles, rgb).numpy())
-    finally:
-        model.decoder.low_precision = precise
+    with torch.inference_mode(), fast_multiplication(model.decoder):
+        for start in range(0, len(crops), _BATCH):
+            part = torch.from_numpy(crops[start : start + _BATCH])
+            rgb = part.permute(0, 3, 1, 2).float() / 255.0
+            encoding = model.encode(rgb)
+            codes.append(encoding.embedding.numpy())
+            if encoding.logits is not None:
+                probabilities.append(encoding.logits.softmax(1).numpy())
+            if textureness:
+                tiles = model.decode(
+                    encoding.embedding,
+                    noise.expand(len(rgb), -1, -1),
+                    window=(_SCORED, _SCORED),
+                )
+                scores.append(statistics.distance(tiles, rgb).numpy())
     return Embeddings(
         _stack(codes, (0, model.embedding_dim)),
         _stack(probabilities, (len(crops), 0) if len(crops) else (0, len(SUBSTANCES))),
@@ -98,11 +94,6 @@ def embed_crops(
 def _stack(parts: list[np.ndarray], empty: tuple[int, ...]) -> np.ndarray:
     """Return arrays joined along the first axis; an empty one of a shape when there are none."""
     return np.concatenate(parts) if parts else np.zeros(empty, dtype=np.float32)
-
-
-def low_precision_is_fast() -> bool:
-    """Return whether this processor multiplies bfloat16 natively."""
-    return bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())
 
 
 def make_embeddings(

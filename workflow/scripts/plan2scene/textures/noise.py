@@ -114,24 +114,22 @@ def torus_noise(
     damping = 0.5 ** torch.arange(OCTAVES, dtype=matrices.dtype, device=matrices.device)
     sides = whole + (matrices - matrices.detach()) * damping.view(1, OCTAVES, 1, 1)
     position = torch.einsum("noij,jhw->noihw", sides, grid / 2.0)
-    basis = _triangular_basis(whole.long())
-    digits = (seeds.double() * (1 << _SEED_BITS)).long()
-    offsets = (digits * digits.new_tensor([2654435761, 40503, 1])).sum(-1)[..., None, None]
-    base = position.detach().floor().long()
-    near = _hash(base[:, :, 0], base[:, :, 1], basis, offsets)
     shifted = position - 0.5
     corner = shifted.detach().floor()
-    weight = (shifted - corner).unsqueeze(2)
-    wx, wy = weight[:, :, :, 0], weight[:, :, :, 1]
-    x, y = corner[:, :, 0].long(), corner[:, :, 1].long()
-    lower = _mix(_hash(x, y, basis, offsets), _hash(x + 1, y, basis, offsets), wx)
-    upper = _mix(_hash(x, y + 1, basis, offsets), _hash(x + 1, y + 1, basis, offsets), wx)
-    smooth = _mix(lower, upper, wy)
+    wx, wy = (shifted - corner).unsqueeze(3).unbind(2)
+    with torch.no_grad():
+        basis = _triangular_basis(whole.long()).double()
+        digits = (seeds.double() * (1 << _SEED_BITS)).long()
+        offsets = (digits * digits.new_tensor([2654435761, 40503, 1])).sum(-1)[..., None, None]
+        x, y = corner.double().unbind(2)
+        (a, b), (c, d) = (
+            [_hash(x + right, y + up, basis, offsets) for right in (0, 1)] for up in (0, 1)
+        )
+        # The cell that holds a position is one of the four that it is interpolated between.
+        right, up = wx >= 0.5, wy >= 0.5
+        near = torch.where(up, torch.where(right, d, c), torch.where(right, b, a))
+    smooth = torch.lerp(torch.lerp(a, b, wx), torch.lerp(c, d, wx), wy)
     return torch.cat([near.flatten(1, 2), smooth.flatten(1, 2)], dim=1)
-
-
-def _mix(a: torch.Tensor, b: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
-    return a + (b - a) * weight
 
 
 def _triangular_basis(matrix: torch.Tensor) -> torch.Tensor:
@@ -154,30 +152,27 @@ def _triangular_basis(matrix: torch.Tensor) -> torch.Tensor:
     return torch.stack([x1 * sign, y1 * sign, y2.abs()], dim=-1)
 
 
-def _floor_quotient(value: torch.Tensor, divisor: torch.Tensor) -> torch.Tensor:
-    """Return value // max(divisor, 1) of int64 below 2^50, through float64: twice as fast.
-
-    Exact: the quotient of integers is at least 1 / divisor away from the next whole number, which
-    is more than its rounding.
-    """
-    return torch.floor(value / divisor.clamp(min=1).double()).long()
-
-
 def _hash(
     x: torch.Tensor, y: torch.Tensor, basis: torch.Tensor, offsets: torch.Tensor
 ) -> torch.Tensor:
-    """Return values in [0, 1), (n, octaves, channels, h, w), of integer cells modulo the basis.
+    """Return values in [0, 1), (n, octaves, channels, h, w), of whole cells modulo the basis.
 
-    Integer arithmetic only, so every platform returns the same; the channels are bit fields of
-    one 64-bit hash (splitmix64's mixing steps).
+    Cells and basis come as float64, which divides faster than int64 and is exact here: a quotient
+    of whole numbers is at least 1 / divisor away from the next one, more than its rounding. The
+    hash is integer arithmetic, so every platform returns the same; the channels are bit fields
+    of one 64-bit hash (splitmix64's mixing steps).
     """
     a, b, d = (part[..., None, None] for part in basis.unbind(-1))
-    turns = torch.where(a > 0, _floor_quotient(x, a), 0)
-    x, y = x - turns * a, y - turns * b
-    y = torch.where(d > 0, y - _floor_quotient(y, d) * d, y)
-    index = x * 73856093 + y * 19349663 + offsets
-    index = (index ^ (index >> 30)) * -4658895280553007687
-    index = (index ^ (index >> 27)) * -7723592293110705685
-    index = index ^ (index >> 31)
-    bits = [(index >> shift) & 0xFFFF for shift in (0, 16, 32)]
-    return torch.stack(bits, dim=2).float() / 65536.0
+    # A direction that the columns leave free is never turned back: zero turns of it.
+    turns = (x / torch.where(a > 0, a, torch.inf)).floor_()
+    x, y = torch.addcmul(x, turns, a, value=-1), torch.addcmul(y, turns, b, value=-1)
+    y.addcmul_((y / torch.where(d > 0, d, torch.inf)).floor_(), d, value=-1)
+    index = (x * 73856093).add_(y, alpha=19349663).long().add_(offsets)
+    index.bitwise_xor_(index >> 30).mul_(-4658895280553007687)
+    index.bitwise_xor_(index >> 27).mul_(-7723592293110705685)
+    index.bitwise_xor_(index >> 31)
+    n, octaves, h, w = index.shape
+    values = torch.empty((n, octaves, CHANNELS, h, w), device=index.device)
+    for channel in range(CHANNELS):
+        values[:, :, channel] = (index >> 16 * channel).bitwise_and_(0xFFFF)
+    return values.mul_(1.0 / 65536.0)

@@ -12,6 +12,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet
 from plan2scene.seeds import derive_seed
+from plan2scene.textures.decoder import fast_multiplication
 from plan2scene.textures.model import TextureModel, load_texture_model
 from plan2scene.textures.noise import CHANNELS, OCTAVES
 
@@ -40,6 +41,9 @@ def decode_textures(
         Each decides the noise of one tile.
     size_px : int
         Side of the tiles. A larger one draws the same tile with more pixels.
+
+    Processors without fast bfloat16 multiply in float32: their tiles differ by a level here and
+    there (docs/conventions.md, determinism).
     """
     if codes.ndim != 2 or codes.shape[1] != model.embedding_dim or len(codes) != len(seeds):
         raise ValueError(
@@ -50,7 +54,7 @@ def decode_textures(
     values[:, code_dim:] = values[:, code_dim:].clamp(0.0, 1.0)
     tiles = np.empty((len(codes), size_px, size_px, 3), dtype=np.uint8)
     step = max(1, _PIXELS // size_px**2)
-    with torch.inference_mode():
+    with torch.inference_mode(), fast_multiplication(model.decoder):
         for start in range(0, len(codes), step):
             part = slice(start, start + step)
             rgb = model.decode(values[part], noise_seeds(seeds[part]), size_px)

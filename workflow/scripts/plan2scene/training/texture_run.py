@@ -16,7 +16,8 @@ from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.freq import freq_distance
 from plan2scene.metrics.tile import tile_score
 from plan2scene.seeds import derive_seed, generator
-from plan2scene.textures.embedding import embed_crops, low_precision_is_fast
+from plan2scene.textures.decoder import low_precision_is_fast
+from plan2scene.textures.embedding import embed_crops
 from plan2scene.textures.model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.synthesis import decode_textures
 from plan2scene.training.texture import TextureTraining, train_texture_model
