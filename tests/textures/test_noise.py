@@ -122,10 +122,38 @@ def test_gradient_flows_through_the_bilinear_maps_only(seeds) -> None:
     )
 
 
-def test_quotients_through_floats_are_exact() -> None:
+def _integer_hash(x: int, y: int, basis: tuple[int, int, int], offset: int) -> int:
+    """Return the hash of a cell in Python's integers, which know no rounding."""
+    a, b, d = basis
+    turns = x // a if a else 0
+    x, y = x - turns * a, y - turns * b
+    y = y % d if d else y
+    mask = 2**64 - 1
+
+    def shift(value: int, bits: int) -> int:
+        return (value >> bits) | ((mask << (64 - bits)) & mask if value >> 63 else 0)
+
+    index = (x * 73856093 + y * 19349663 + offset) & mask
+    for bits, factor in ((30, -4658895280553007687), (27, -7723592293110705685), (31, 1)):
+        index = ((index ^ shift(index, bits)) * factor) & mask
+    return index
+
+
+def test_hash_is_that_of_whole_numbers() -> None:
     rng = np.random.default_rng(0)
-    divisor = torch.from_numpy(rng.integers(0, 2**20, 20000))
-    multiple = torch.from_numpy(rng.integers(-(2**20), 2**20, 20000)) * divisor.clamp(min=1)
-    for value in (multiple - 1, multiple, multiple + 1):
-        wanted = torch.div(value, divisor.clamp(min=1), rounding_mode="floor")
-        assert torch.equal(noise._floor_quotient(value, divisor), wanted)
+    sizes = rng.integers(0, 2**18, (40, 3))
+    sizes[:20, 0] = rng.integers(0, 4, 20)  # slim lattices: one turn of x is many of y
+    sizes[35:, 2] = 0
+    offsets = rng.integers(0, 2**52, 40)
+    cells = rng.integers(-(2**10), 2**10, (40, 2, 8, 8))
+    # Cells on the lattice's lines, and next to them.
+    cells[:, 0, 0] = sizes[:, :1] * rng.integers(-3, 3, (40, 8)) + rng.integers(-1, 2, (40, 8))
+    basis = torch.from_numpy(sizes).double().view(5, 8, 3)
+    x, y = torch.from_numpy(cells).double().view(5, 8, 2, 8, 8).unbind(2)
+    found = noise._hash(x, y, basis, torch.from_numpy(offsets).view(5, 8, 1, 1))
+    assert found.shape == (5, 8, 3, 8, 8)
+    for k, i, j in itertools.product(range(40), range(8), range(8)):
+        place = (int(cells[k, 0, i, j]), int(cells[k, 1, i, j]))
+        whole = _integer_hash(*place, tuple(map(int, sizes[k])), int(offsets[k]))
+        values = [(whole >> 16 * channel & 0xFFFF) / 65536 for channel in range(3)]
+        assert found[k // 8, k % 8, :, i, j].tolist() == values

@@ -11,7 +11,6 @@ from pathlib import Path
 
 from plan2scene.errors import InputError
 
-
 #: Parameters of glibc's mallopt(3).
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 
