@@ -1,5 +1,4 @@
 # On demand: what the parts of method synth are worth, `snakemake -j2 ablation`.
-ABLATION_DROPS = sorted({"0.0", TABLE_DROP})
 
 
 rule ablation_house:
@@ -27,7 +26,7 @@ rule ablation_house:
         mem_mb=max(2000, METRIC_MEMORY),
     params:
         dataset=DATASET,
-        hidden=hidden_at_drops(ABLATION_DROPS),
+        hidden=hidden_at_drops(TABLE_DROPS),
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
         code=code_hash("evaluation.ablation"),

@@ -205,11 +205,6 @@ def metric_model(network):
     return model_of("features")
 
 
-def propagated_of(wildcards):
-    """Return the propagated embeddings of a house."""
-    return f"{RESULTS}/drop_{wildcards.drop}/{wildcards.house}/propagated.parquet"
-
-
 def crop_pool_of(wildcards):
     """Return the crops of other houses; none where none are configured or nothing is copied."""
     copied = wildcards.method not in DECODERS

@@ -24,23 +24,23 @@ rule embeddings:
 
 
 rule surfaces:
-    # The crop that stands for each surface, chosen among those of photos not hidden.
+    # The crop that stands for each surface, chosen among those of photos not hidden; at every drop.
     input:
         embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
     output:
-        f"{RESULTS}/drop_{{drop}}/{{house}}/surfaces.parquet",
+        [f"{RESULTS}/drop_{drop}/{{house}}/surfaces.parquet" for drop in DROPS],
     log:
-        f"logs/{DATASET}/surfaces/{{drop}}/{{house}}.log",
+        f"logs/{DATASET}/surfaces/{{house}}.log",
     benchmark:
-        f"logs/{DATASET}/benchmarks/surfaces/{{drop}}/{{house}}.tsv"
+        f"logs/{DATASET}/benchmarks/surfaces/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=500,
     params:
-        hidden=hidden_photos,
+        hidden=hidden_at_drops(DROPS),
         dataset=DATASET,
         code=code_hash("textures.selection"),
     script:

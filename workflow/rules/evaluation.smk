@@ -8,55 +8,68 @@ SUBSTANCES = metric_model("vgg16")
 METRIC_MEMORY = 3000 if FEATURES != SUBSTANCES else 1000
 
 
-# Methods whose noise is drawn again for FID and KID; none where there is one image of each surface.
-REDRAWN = (
-    [method for method in METHODS if method in ("synth", "naivesynth")]
-    if config["metrics"]["fid_seeds"] > 1
-    else []
-)
+TABLE_DROPS = sorted({"0.0", TABLE_DROP})
+# What the house itself has is made for it alone; a comparison takes it from there.
+CHOSEN = ["0.0", config["house"]["method"]]
+COMPARED = [[drop, method] for drop in TABLE_DROPS for method in METHODS]
 
 
-rule metrics:
-    # COLOR, FREQ, TILE, SUBS and features of each surface that any crop shows, by every method:
-    # one job, for jobs of their own would mostly start.
+# Every other texture of the table comes from the comparison.
+ruleorder: comparison > textures
+
+
+rule comparison:
+    # Textures by every method with their COLOR, FREQ, TILE, SUBS and features of each surface that
+    # any crop shows: one job a house, for as jobs of their own they would mostly start.
     input:
-        textures=[
-            f"{RESULTS}/drop_{{drop}}/{method}/{{house}}/textures"
-            for method in METHODS
-        ],
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        model=FEATURES,
-        substance_model=SUBSTANCES,
-        propagated=propagated_of if REDRAWN else [],
-        decoders=[model_of(DECODERS[method]) for method in REDRAWN],
+        embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
+        propagated=[
+            f"{RESULTS}/drop_{drop}/{{house}}/propagated.parquet"
+            for drop in TABLE_DROPS
+        ],
+        chosen=CHOSEN_TEXTURES if CHOSEN in COMPARED else [],
+        library=f"{RESULTS}/texture_library.parquet",
+        pool=f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else [],
+        texture=model_of("texture"),
+        naivesynth=model_of("naivesynth"),
+        propagation=model_of("propagation"),
+        features=FEATURES,
+        substances=SUBSTANCES,
     output:
-        [
-            f"{RESULTS}/drop_{{drop}}/{method}/{{house}}/metrics.parquet"
-            for method in METHODS
+        textures=[
+            directory(f"{RESULTS}/drop_{drop}/{method}/{{house}}/textures")
+            for drop, method in COMPARED
+            if [drop, method] != CHOSEN
+        ],
+        metrics=[
+            f"{RESULTS}/drop_{drop}/{method}/{{house}}/metrics.parquet"
+            for drop, method in COMPARED
         ],
     log:
-        f"logs/{DATASET}/metrics/{{drop}}/{{house}}.log",
+        f"logs/{DATASET}/comparison/{{house}}.log",
     benchmark:
-        f"logs/{DATASET}/benchmarks/metrics/{{drop}}/{{house}}.tsv"
+        f"logs/{DATASET}/benchmarks/comparison/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=METRIC_MEMORY,
+        mem_mb=max(2000, METRIC_MEMORY),
     params:
-        methods=METHODS,
-        redrawn=REDRAWN,
-        hidden=hidden_photos,
         dataset=DATASET,
+        pairs=COMPARED,
+        chosen=CHOSEN,
+        hidden=hidden_at_drops(TABLE_DROPS),
         images=config["metrics"]["fid_seeds"],
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
         seam_correction={
-            method: config["textures"]["seam_correction"][method] for method in REDRAWN
+            method: config["textures"]["seam_correction"][method] for method in METHODS
         },
-        code=code_hash("metrics.stage"),
+        code=code_hash("evaluation.comparison"),
     script:
-        "../scripts/metrics.py"
+        "../scripts/comparison.py"
 
 
 rule reference_features:
@@ -87,7 +100,7 @@ rule paper_table:
     input:
         metrics=expand(
             f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/metrics.parquet",
-            drop=sorted({"0.0", TABLE_DROP}),
+            drop=TABLE_DROPS,
             method=METHODS,
             house=HOUSES.index,
         ),

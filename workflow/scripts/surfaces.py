@@ -4,11 +4,13 @@ from plan2scene.jobs import job
 from plan2scene.textures.selection import select_surfaces
 
 with job(snakemake.log[0]):
-    select_surfaces(
-        snakemake.input.embeddings,
-        snakemake.input.crops,
-        snakemake.params.hidden,
-        snakemake.output[0],
-        house=snakemake.wildcards.house,
-        dataset=snakemake.params.dataset,
-    )
+    hidden = snakemake.params.hidden
+    for drop, output in zip(hidden, snakemake.output, strict=True):
+        select_surfaces(
+            snakemake.input.embeddings,
+            snakemake.input.crops,
+            hidden[drop],
+            output,
+            house=snakemake.wildcards.house,
+            dataset=snakemake.params.dataset,
+        )

@@ -1,14 +1,14 @@
 """One house through selection, propagation, textures and metrics in one process.
 
-The workflow makes these steps as jobs of their own. A sweep or an ablation repeats them dozens
-of times per house; as jobs, most of their time would be the start of processes. The functions
-are those of the stages, so the figures are theirs.
+A comparison of methods, a sweep or an ablation repeats these steps dozens of times per house; as
+jobs of their own, most of their time would be the start of processes. The functions are those of
+the stages, so the figures are theirs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,6 +39,19 @@ class HouseFiles:
     library: Path
     crop_pool: Path | None = None
 
+    @classmethod
+    def of(cls, paths: Mapping[str, str], house: str, dataset: str) -> HouseFiles:
+        """Return the files among a job's inputs; `pool` is there where crops are pooled."""
+        return cls(
+            house,
+            dataset,
+            scene=Path(paths["scene"]),
+            crops=Path(paths["crops"]),
+            embeddings=Path(paths["embeddings"]),
+            library=Path(paths["library"]),
+            crop_pool=Path(paths["pool"]) if paths.get("pool") else None,
+        )
+
 
 @dataclass(frozen=True)
 class Models:
@@ -49,6 +62,11 @@ class Models:
     propagation: Path
     features: Path
     substances: Path
+
+    @classmethod
+    def of(cls, paths: Mapping[str, str]) -> Models:
+        """Return the weights among a job's inputs."""
+        return cls(**{field.name: Path(paths[field.name]) for field in fields(cls)})
 
     def decoder(self, method: str) -> Path | None:
         """Return the texture model of a method; None where nothing is decoded."""
