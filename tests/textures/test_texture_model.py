@@ -6,10 +6,12 @@ import torch
 from PIL import Image
 
 from plan2scene.errors import InputError
+from plan2scene.textures.decoder import low_precision_is_fast
 from plan2scene.textures.model import (
     Architecture,
     TextureModel,
     architecture_header,
+    fast_decoding,
     load_texture_model,
 )
 from plan2scene.weights import save_model_file
@@ -178,6 +180,16 @@ def test_low_precision_is_close(small: TextureModel) -> None:
         rounded = small.decode(code, seeds, 32)
         small.decoder.low_precision = False
     assert 0 < float((exact - rounded).abs().max()) < 0.03
+
+
+def test_released_networks_decode_in_full_precision(small: TextureModel) -> None:
+    released = TextureModel(Architecture(width=4, periodic=False))
+    with fast_decoding(released):
+        assert not released.decoder.low_precision
+    with pytest.raises(ZeroDivisionError), fast_decoding(small):
+        assert small.decoder.low_precision == low_precision_is_fast()
+        raise ZeroDivisionError
+    assert not small.decoder.low_precision
 
 
 def test_gradients_reach_the_encoder_through_the_noise(small: TextureModel) -> None:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import torch
 from torch import nn
 from torch.nn import functional
@@ -66,14 +63,3 @@ class Decoder(nn.Module):
 def low_precision_is_fast() -> bool:
     """Return whether this processor multiplies bfloat16 natively."""
     return bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())
-
-
-@contextmanager
-def fast_multiplication(decoder: Decoder) -> Iterator[None]:
-    """Multiply in bfloat16 within, where that is fast: tiles differ by a level here and there."""
-    before = decoder.low_precision
-    decoder.low_precision = low_precision_is_fast()
-    try:
-        yield
-    finally:
-        decoder.low_precision = before

@@ -12,8 +12,7 @@ from plan2scene.house import SUBSTANCES
 from plan2scene.io import image_from_bytes, read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
-from plan2scene.textures.decoder import fast_multiplication
-from plan2scene.textures.model import TextureModel, load_texture_model
+from plan2scene.textures.model import TextureModel, fast_decoding, load_texture_model
 from plan2scene.textures.statistics import FilterBankStatistics, TextureStatistics
 from plan2scene.textures.synthesis import noise_seeds
 
@@ -69,7 +68,7 @@ def embed_crops(
     statistics = FilterBankStatistics(_LEVELS) if statistics is None else statistics
     noise = noise_seeds([seed])
     codes, probabilities, scores = [], [], []
-    with torch.inference_mode(), fast_multiplication(model.decoder):
+    with torch.inference_mode(), fast_decoding(model):
         for start in range(0, len(crops), _BATCH):
             part = torch.from_numpy(crops[start : start + _BATCH])
             rgb = part.permute(0, 3, 1, 2).float() / 255.0

@@ -8,6 +8,8 @@ Images are ``(n, 3, h, w) float32`` RGB in [0, 1].
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -17,7 +19,7 @@ from torch import nn
 
 from plan2scene.errors import InputError
 from plan2scene.textures import colour_torch
-from plan2scene.textures.decoder import Decoder
+from plan2scene.textures.decoder import Decoder, low_precision_is_fast
 from plan2scene.textures.encoder import Encoder, StatisticsEncoder
 from plan2scene.textures.noise import (
     CHANNELS,
@@ -150,6 +152,20 @@ def _make_encoder(architecture: Architecture) -> Encoder | StatisticsEncoder:
     if architecture.encoder == "resnet":
         return Encoder(*sizes)
     raise ValueError(f"expected an encoder resnet or statistics, found {architecture.encoder!r}")
+
+
+@contextmanager
+def fast_decoding(model: TextureModel) -> Iterator[None]:
+    """Decode in bfloat16 within, where that is fast: tiles differ by one level here and there.
+
+    The reference's networks (whose noise does not repeat) return what they return there: float32.
+    """
+    before = model.decoder.low_precision
+    model.decoder.low_precision = model.architecture.periodic and low_precision_is_fast()
+    try:
+        yield
+    finally:
+        model.decoder.low_precision = before
 
 
 def load_texture_model(path: str | Path) -> TextureModel:

@@ -12,8 +12,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet
 from plan2scene.seeds import derive_seed
-from plan2scene.textures.decoder import fast_multiplication
-from plan2scene.textures.model import TextureModel, load_texture_model
+from plan2scene.textures.model import TextureModel, fast_decoding, load_texture_model
 from plan2scene.textures.noise import CHANNELS, OCTAVES
 
 #: Column of propagated.parquet that each method decodes.
@@ -54,7 +53,7 @@ def decode_textures(
     values[:, code_dim:] = values[:, code_dim:].clamp(0.0, 1.0)
     tiles = np.empty((len(codes), size_px, size_px, 3), dtype=np.uint8)
     step = max(1, _PIXELS // size_px**2)
-    with torch.inference_mode(), fast_multiplication(model.decoder):
+    with torch.inference_mode(), fast_decoding(model):
         for start in range(0, len(codes), step):
             part = slice(start, start + step)
             rgb = model.decode(values[part], noise_seeds(seeds[part]), size_px)
