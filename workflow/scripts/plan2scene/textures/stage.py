@@ -1,6 +1,6 @@
 """The texture stage: a tile for every surface of a house, by one of the paper's methods.
 
-``crop``        the reference crop (:mod:`plan2scene.textures.baselines`)
+``crop``        the reference crop (:mod:`plan2scene.textures.copying`)
 ``retrieve``    the library's tile nearest to that crop
 ``medoid_colour``, ``projection``  its colour alone, the photo region stretched (same module)
 ``naivesynth``  the unmodified texture model, decoded from the mean of the crops' embeddings
@@ -20,8 +20,8 @@ Torch is imported only where something is decoded.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,25 +30,16 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.house import House, SurfaceKey
-from plan2scene.io import atomic_directory, read_parquet, write_json, write_png
-from plan2scene.seeds import derive_seed, generator
-from plan2scene.textures.baselines import (
-    Choice,
-    Crop,
-    PoolCrop,
-    choose_crop,
-    flat_image,
-    largest_crop,
-    medoid_crop,
-    surface_extent,
-    usual_substance,
-)
+from plan2scene.house import SurfaceKey
+from plan2scene.io import read_parquet
+from plan2scene.seeds import derive_seed
+from plan2scene.textures.baselines import Crop
 from plan2scene.textures.constrained import even_crop, match_statistics
+from plan2scene.textures.copying import copied_tiles
 from plan2scene.textures.crop_pool import read_pool
 from plan2scene.textures.exemplar.house import HouseExemplar, house_exemplars
-from plan2scene.textures.retrieval import TextureLibrary, read_library
-from plan2scene.textures.seams import make_seamless, with_calm_border
+from plan2scene.textures.retrieval import read_library
+from plan2scene.textures.tiles import Tile, write_tiles
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,20 +50,6 @@ METHODS = (
     *("medoid_colour", "projection"),
 )
 _SYNTHESISED = ("naivesynth", "synth", "synth-large", "exemplar")
-
-
-@dataclass(frozen=True, eq=False)
-class Tile:
-    """A surface's texture: (s, s, 3) uint8 sRGB, metres it covers, what it was made of.
-
-    `origin_m` is where a tile begins in the mesh's texture coordinates, metres.
-    """
-
-    image: np.ndarray
-    size_m: float
-    source: str
-    tiles_by_construction: bool = False
-    origin_m: tuple[float, float] = (0.0, 0.0)
 
 
 def make_textures(
@@ -134,78 +111,14 @@ def make_textures(
     else:
         visible = visible_crops(crop_table, hidden_photos)
         others = read_pool(crop_pool, but=house) if crop_pool else []
-        tiles = _baseline(method, plan, surfaces, visible, others, read_library(library), seed)
-    _write(out_dir, method, surfaces, tiles, seam_correction)
+        tiles = copied_tiles(method, plan, surfaces, visible, others, read_library(library), seed)
+    write_tiles(out_dir, method, surfaces, tiles, seam_correction)
 
 
 def visible_crops(frame: pd.DataFrame, hidden_photos: Collection[str]) -> list[Crop]:
     """Return the crops of ``crops.parquet`` whose photo is not hidden, in the file's order."""
     hidden = set(hidden_photos)
     return [Crop.of(row) for row in frame.itertuples() if row.photo not in hidden]
-
-
-def _baseline(
-    method: str,
-    plan: House,
-    surfaces: pd.DataFrame,
-    crops: list[Crop],
-    others: list[PoolCrop],
-    library: TextureLibrary,
-    seed: int,
-) -> dict[SurfaceKey, Tile]:
-    """Return the tiles of the methods that decode nothing."""
-    make: Callable[[Choice, float], Tile]
-    if method != "retrieve":
-        make = _crop_tile
-    else:
-        nearest: dict[str, int] = {}  # rooms often fall back on one crop
-
-        def make(choice: Choice, metres: float) -> Tile:
-            name = choice.crop.crop_id
-            if name not in nearest:
-                nearest[name] = library.nearest(choice.crop.image())
-            return _library_tile(library, nearest[name], f"nearest to {choice.source}")
-
-    tiles = {}
-    for row in surfaces.itertuples():
-        key = SurfaceKey(row.room_id, row.surface)
-        own_crop = largest_crop if method == "projection" else medoid_crop
-        choice = choose_crop(plan, key, crops, seed, own_crop, others)
-        if choice is None:
-            tile = _usual_tile(plan, key, library, seed)
-        else:
-            tile = make(choice, float(row.metres))
-        if method == "medoid_colour":
-            flat, source = flat_image(tile.image), f"median colour of {tile.source}"
-            tile = replace(tile, image=flat, source=source, tiles_by_construction=True)
-        elif method == "projection":
-            size_m, origin_m = surface_extent(plan, key)
-            source = f"{tile.source}, stretched"
-            tile = replace(tile, size_m=size_m, origin_m=origin_m, source=source)
-        tiles[key] = tile
-    return tiles
-
-
-def _crop_tile(choice: Choice, metres: float) -> Tile:
-    """Return a crop as a tile, at its own scale, else at `metres`."""
-    own = choice.crop.metres
-    return Tile(choice.crop.image(), own if math.isfinite(own) else metres, choice.source)
-
-
-def _library_tile(library: TextureLibrary, index: int, why: str) -> Tile:
-    """Return a tile of the library."""
-    return Tile(
-        library.tiles[index], float(library.size_m[index]), f"{library.names[index]}, {why}"
-    )
-
-
-def _usual_tile(plan: House, key: SurfaceKey, library: TextureLibrary, seed: int) -> Tile:
-    """Return a random library tile of the usual substance, for a house that no photo shows."""
-    substance = usual_substance(plan, key)
-    pool = library.of_substance(substance) or list(range(len(library)))
-    rng = generator(seed, plan.id, key.room_id, key.surface, "library")
-    index = pool[int(rng.integers(len(pool)))]
-    return _library_tile(library, index, "no crop in the house")
 
 
 def _decoded(
@@ -278,34 +191,3 @@ def _with_exemplars(
             source = f"decoded from {tile.source}: {reasons[key]}"
             tiles[key] = replace(tile, source=source)
     return tiles
-
-
-def _write(
-    out_dir: str | Path,
-    method: str,
-    surfaces: pd.DataFrame,
-    tiles: Mapping[SurfaceKey, Tile],
-    seam_correction: bool,
-) -> None:
-    """Write the tiles and textures.json, seams corrected where asked for."""
-    entries = {}
-    with atomic_directory(out_dir) as folder:
-        for row in surfaces.itertuples():
-            key = SurfaceKey(row.room_id, row.surface)
-            tile = tiles[key]
-            image, corrected = tile.image, False
-            if seam_correction and not tile.tiles_by_construction:
-                image, changed = make_seamless(image)
-                corrected = bool(changed.any())
-                image = with_calm_border(image) if corrected else image
-            write_png(folder / f"{key.filename}.png", image)
-            entries[f"{key.room_id}/{key.surface}"] = {
-                "size_m": tile.size_m,
-                "observed": bool(row.observed),
-                "substance": row.substance,
-                "seam_corrected": corrected,
-                "source": tile.source,
-            }
-            if any(tile.origin_m):
-                entries[f"{key.room_id}/{key.surface}"]["origin_m"] = list(tile.origin_m)
-        write_json(folder / "textures.json", {"method": method, "surfaces": entries})
