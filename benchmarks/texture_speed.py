@@ -24,8 +24,9 @@ from plan2scene.textures.embedding import embed_crops
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.model import load_texture_model
 from plan2scene.textures.synthesis import decode_textures
-from plan2scene.training.texture import TextureTrainer, TextureTraining
+from plan2scene.training.texture import TextureTrainer
 from plan2scene.training.texture_data import TextureSet, procedural_textures, sampling_weights
+from plan2scene.training.texture_settings import TextureTraining
 
 MODEL = Path(__file__).parents[1] / "resources" / "models" / "texture.safetensors"
 BATCH = 64

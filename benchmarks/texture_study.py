@@ -15,9 +15,10 @@ import torch
 
 from plan2scene.textures.decoder import low_precision_is_fast
 from plan2scene.textures.model import Architecture
-from plan2scene.training.texture import TextureTraining, train_texture_model
+from plan2scene.training.texture import train_texture_model
 from plan2scene.training.texture_data import join_sets, procedural_textures, scanned_textures
 from plan2scene.training.texture_run import ARCHITECTURES, measure
+from plan2scene.training.texture_settings import TextureTraining
 
 #: name: (changes of the architecture, changes of the training)
 VARIANTS: dict[str, tuple[dict, dict]] = {

@@ -12,8 +12,8 @@ from snakemake.utils import update_config
 from plan2scene.training.features import FeaturesTraining
 from plan2scene.training.propagation import PropagationSettings
 from plan2scene.training.segmentation_loop import Settings
-from plan2scene.training.texture import TextureTraining
 from plan2scene.training.texture_run import TextureData
+from plan2scene.training.texture_settings import TextureTraining
 
 ROOT = Path(__file__).parents[1]
 SCHEMA = json.loads((ROOT / "workflow" / "schemas" / "config.schema.json").read_text())

@@ -13,10 +13,9 @@ from plan2scene.training import texture_data as td
 from plan2scene.training import texture_run
 from plan2scene.training.texture import (
     TextureTrainer,
-    TextureTraining,
-    _schedule,
     train_texture_model,
 )
+from plan2scene.training.texture_settings import TextureTraining, schedule
 
 TINY = Architecture(width=4, encoder="statistics")
 OPTIONS = TextureTraining(
@@ -115,10 +114,10 @@ def test_training_reduces_the_loss(textures) -> None:
 
 
 def test_schedule_warms_up_holds_and_falls() -> None:
-    assert _schedule(0.0) < 0.1
-    assert _schedule(0.3) == 1.0
-    assert _schedule(0.8) == pytest.approx(0.505, abs=0.01)
-    assert _schedule(1.0) == pytest.approx(0.01)
+    assert schedule(0.0) < 0.1
+    assert schedule(0.3) == 1.0
+    assert schedule(0.8) == pytest.approx(0.505, abs=0.01)
+    assert schedule(1.0) == pytest.approx(0.01)
 
 
 def test_run_writes_weights_and_card(tmp_path, monkeypatch) -> None:

@@ -5,8 +5,8 @@ from pathlib import Path
 import torch
 
 from plan2scene.jobs import job
-from plan2scene.training.texture import TextureTraining
 from plan2scene.training.texture_run import TextureData, train_texture
+from plan2scene.training.texture_settings import TextureTraining
 
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)

@@ -20,7 +20,7 @@ from plan2scene.textures.decoder import low_precision_is_fast
 from plan2scene.textures.embedding import embed_crops
 from plan2scene.textures.model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.synthesis import decode_textures
-from plan2scene.training.texture import TextureTraining, train_texture_model
+from plan2scene.training.texture import train_texture_model
 from plan2scene.training.texture_data import (
     TextureSet,
     join_sets,
@@ -28,6 +28,7 @@ from plan2scene.training.texture_data import (
     random_crop,
     scanned_textures,
 )
+from plan2scene.training.texture_settings import TextureTraining
 from plan2scene.weights import save_model_file
 
 #: Architecture of each embedded model: the paper's but for an encoder that a CPU can train.
