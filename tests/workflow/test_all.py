@@ -113,7 +113,7 @@ def test_editing_the_seam_module_reruns_what_depends_on_it(made):
         rules = {rule for rule, _ in made.jobs("all")}
     finally:
         module.write_text(text)
-    assert {"textures", "house", "metrics"} <= rules
+    assert {"textures", "house", "comparison"} <= rules
     assert not rules & {"masks", "crops", "embeddings", "surfaces", "propagate"}
 
 

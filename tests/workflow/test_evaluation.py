@@ -16,7 +16,33 @@ def test_a_house_is_one_job_of_the_sweep_and_one_of_the_ablation(bare):
     rules = Counter(rule for rule, _ in bare.jobs("sweep", "ablation"))
     assert (rules["sweep_house"], rules["ablation_house"]) == (2, 2)
     assert (rules["sweep"], rules["ablation"]) == (1, 1)
-    assert not rules.keys() & {"textures", "metrics", "propagate", "surfaces"}
+    assert not rules.keys() & {"textures", "comparison", "propagate", "surfaces"}
+
+
+def test_a_house_is_compared_in_one_job(bare):
+    rules = Counter(rule for rule, _ in bare.jobs("results/tiny/tables/paper_table.csv"))
+    assert rules["comparison"] == rules["propagate"] == rules["surfaces"] == 2
+    # What the house itself shows is made for it alone.
+    assert rules["textures"] == 2
+
+
+def test_a_house_is_made_without_the_comparison(bare):
+    house = bare.houses()[0]
+    rules = Counter(rule for rule, _ in bare.jobs(f"results/tiny/houses/{house}/house.glb"))
+    assert rules["textures"] == 1
+    assert not rules.keys() & {"comparison", "reference_features"}
+
+
+def test_one_method_of_one_house_can_be_asked_for(bare):
+    house = bare.houses()[0]
+    compared = bare.jobs(f"results/tiny/drop_0.6/crop/{house}/textures")
+    assert ("comparison", house) in compared
+    # A method of the study alone is a job of its own.
+    alone = bare.jobs(
+        f"results/tiny/drop_0.6/retrieve/{house}/textures", "--config", "methods=[crop]"
+    )
+    assert ("textures", house) in alone
+    assert "comparison" not in {rule for rule, _ in alone}
 
 
 def test_the_study_needs_the_textures_of_its_methods_alone(bare, tmp_path):
