@@ -19,7 +19,7 @@ from plan2scene.floorplans import write_scene_json
 from plan2scene.house import ROOM_TYPES
 from plan2scene.io import write_parquet
 from plan2scene.metrics.vgg import VggClassifier, load_vgg_classifier
-from plan2scene.propagation.model import load_propagation
+from plan2scene.propagation.inference import read_propagation, regression
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.prior import TypeMeans
 from plan2scene.synthetic.floorplans import generate_house
@@ -185,11 +185,11 @@ def test_converted_propagation_returns_the_reference_s_figures(means, tmp_path):
     path = tmp_path / "gnn.ckpt"
     torch.save({"model_params": {"width": 96}, "model_state_dict": network.state_dict()}, path)
     convert_checkpoint("propagation", path, tmp_path / "o", means=means)
-    converted, kept = load_propagation(tmp_path / "o")
+    converted, kept = read_propagation(tmp_path / "o")
     x = torch.sin(0.11 * (torch.arange(4 * 48, dtype=torch.float64) + 1)).float().reshape(4, 48)
     edges = torch.tensor([[0, 1, 1, 2, 1, 3], [1, 0, 2, 1, 3, 1]])
+    output = regression(converted, x.numpy(), edges.numpy())
     with torch.no_grad():
-        output = converted(x, edges)
         np.testing.assert_allclose(output, network(x, edges), atol=1e-6)
     np.testing.assert_allclose(output[0, 0], ROOM_0_FLOOR, atol=1e-4)
     np.testing.assert_array_equal(kept.embedding, means.embedding)

@@ -5,21 +5,32 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
+from plan2scene.house import SUBSTANCES
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.model import load_propagation, save_propagation
+from plan2scene.propagation.inference import (
+    MixtureArrays,
+    mixture,
+    read_propagation,
+    read_substance_head,
+    regression,
+)
+from plan2scene.propagation.model import network_of, save_propagation
 from plan2scene.propagation.network import PropagationNetwork
+from plan2scene.propagation.pairs import doors_between, room_pairs
 from plan2scene.propagation.pointer import (
     Inputs,
     Mixture,
     PointerNetwork,
-    doors_between,
     log_likelihood,
+)
+from plan2scene.propagation.predict import (
+    mixture_centres,
+    predict,
     robust_centre,
-    room_pairs,
     weighted_median,
 )
-from plan2scene.propagation.predict import mixture_centres, predict
 from plan2scene.propagation.prior import TypeMeans
+from plan2scene.textures.model import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
 
 
@@ -104,14 +115,12 @@ def test_likelihood_is_that_of_the_mixture():
 def test_centres_take_the_likelier_side_and_name_it():
     graph = chain(3)
     pairs, _ = room_pairs(graph)
-    copies = torch.full((6, 3), -torch.inf)
+    copies = np.full((6, 3), -np.inf)
     copies[(pairs[0] == 0) & (pairs[1] == 2)] = np.log(0.7)
-    own = torch.full((3, 3), np.log(1.0))
+    own = np.full((3, 3), np.log(1.0))
     own[0] = np.log(0.3)
-    mixture = Mixture(
-        torch.zeros(3, 3, 11), torch.ones(3, 3, 11), torch.full((3, 11), 0.01), own, copies
-    )
-    medians, confidence, alike = mixture_centres(mixture, graph.embeddings, pairs)
+    found = MixtureArrays(np.zeros((3, 3, 11)), own, copies, np.full((3, 11), 0.01))
+    medians, confidence, alike = mixture_centres(found, graph.embeddings, pairs)
     reach = 2.0 * 0.01  # the regression, far away, pulls by no more than its share of that
     assert np.abs(medians[0] - graph.embeddings[2]).max() <= 0.3 * reach + 1e-6
     assert np.allclose(medians[1:], 0.0)
@@ -123,7 +132,7 @@ def test_nothing_visible_and_a_single_room_work():
     torch.manual_seed(0)
     network = PointerNetwork().eval()
     for graph in (chain(1), chain(4, np.zeros((4, 3), dtype=bool))):
-        found = predict(network, graph)
+        found = predict(network_of(network), graph)
         assert np.isfinite(found.embedding).all()
         assert np.allclose(found.confidence, 0.0, atol=1e-6)
         assert (found.alike == -1).all()
@@ -136,13 +145,65 @@ def test_both_networks_come_back_from_their_files(tmp_path):
     for network in (PointerNetwork().eval(), PropagationNetwork().eval()):
         path = tmp_path / f"{type(network).__name__}.safetensors"
         save_propagation(path, network, means)
-        loaded, _ = load_propagation(path)
-        assert type(loaded) is type(network)
-        assert np.array_equal(predict(loaded, graph).embedding, predict(network, graph).embedding)
+        loaded, _ = read_propagation(path)
+        assert loaded.pointer == isinstance(network, PointerNetwork)
+        own = network_of(network)
+        assert np.array_equal(predict(loaded, graph).embedding, predict(own, graph).embedding)
     assert np.isnan(predict(loaded, graph).confidence).all()
 
 
 def test_a_file_of_another_network_is_refused(tmp_path):
     save_model_file(tmp_path / "x", {"a": torch.zeros(1)}, {"network": "oracle"})
     with pytest.raises(InputError, match="gated, pointer"):
-        load_propagation(tmp_path / "x")
+        read_propagation(tmp_path / "x")
+
+
+@pytest.mark.parametrize("missing", ["trunk.conv1.weight", "none.bias", "deviation"])
+def test_weights_of_other_shapes_are_refused(tmp_path, missing):
+    network = PointerNetwork(8, 2, 4)
+    state = {f"network.{k}": v for k, v in network.state_dict().items()}
+    sizes = {"network": "pointer", "width": 8, "layers": 2, "pair_width": 4}
+    state[f"network.{missing}"] = torch.zeros(2, 2)
+    save_model_file(tmp_path / "wrong", state, sizes)
+    with pytest.raises(InputError, match=rf"found {missing} \(2, 2\)"):
+        read_propagation(tmp_path / "wrong")
+    del state[f"network.{missing}"]
+    save_model_file(tmp_path / "less", state, sizes)
+    with pytest.raises(InputError, match=f"found {missing} missing"):
+        read_propagation(tmp_path / "less")
+
+
+def test_predictions_without_torch_are_the_networks_own():
+    observed = np.random.default_rng(2).random((7, 3)) < 0.6
+    graph = chain(7, observed)
+    x, edges = graph.node_features(observed), graph.edges
+    pairs, facts = room_pairs(graph)
+    torch.manual_seed(3)
+    gated, pointer = PropagationNetwork(24, 2).eval(), PointerNetwork(24, 2, 8).eval()
+    with torch.no_grad():
+        # Scores beyond the bounds, too.
+        pointer.none.bias.add_(torch.tensor([20.0, 0.0, -20.0]))
+        inputs = Inputs(*(torch.from_numpy(part) for part in (x, edges, pairs, facts)))
+        regressed = gated(inputs.x, inputs.edges).numpy()
+        wanted = pointer(inputs)
+    found = mixture(network_of(pointer), x, edges, pairs, facts)
+    assert np.allclose(regression(network_of(gated), x, edges), regressed, atol=1e-5)
+    for name in ("own", "log_own", "log_copies", "copy_scale"):
+        assert np.allclose(getattr(found, name), getattr(wanted, name).numpy(), atol=1e-4), name
+
+
+def test_substance_head_names_what_the_model_names(tmp_path):
+    torch.manual_seed(5)
+    model = TextureModel(Architecture(width=4))
+    save_model_file(tmp_path / "m", model.state_dict(), architecture_header(model), half=False)
+    head = read_substance_head(tmp_path / "m")
+    embeddings = torch.randn(40, 11)
+    with torch.no_grad():
+        classes = model.substance_layer(embeddings[:, :8]).argmax(1)
+    named = [head.name(embedding) for embedding in embeddings.numpy()]
+    assert named == [SUBSTANCES[k] for k in classes]
+    assert len(set(named)) > 1
+    bare = TextureModel(Architecture(width=4, substances=0))
+    save_model_file(tmp_path / "b", bare.state_dict(), architecture_header(bare))
+    with pytest.raises(InputError, match="substance head"):
+        read_substance_head(tmp_path / "b")

@@ -5,6 +5,7 @@ import pytest
 import torch
 
 from plan2scene.propagation.graph import HouseGraph
+from plan2scene.propagation.model import network_of
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.pointer import PointerNetwork
 from plan2scene.propagation.predict import predict
@@ -71,9 +72,9 @@ def test_the_pointer_network_keeps_the_scale():
     scale = Scale.of(graphs)
     torch.manual_seed(0)
     network = PointerNetwork().eval()
-    before = predict(network, scale.apply(graphs[0])).embedding
+    before = predict(network_of(network), scale.apply(graphs[0])).embedding
     scale.fold(network)
-    after = predict(network, graphs[0]).embedding
+    after = predict(network_of(network), graphs[0]).embedding
     unclipped = np.s_[..., :8]
     raw = before * scale.deviation + scale.mean
     assert np.allclose(raw[unclipped], after[unclipped], atol=1e-4)

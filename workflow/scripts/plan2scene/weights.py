@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_path
@@ -59,15 +61,34 @@ def load_model_file(path: str | Path) -> tuple[dict[str, torch.Tensor], dict[str
 
     Raises InputError for a file that is missing, damaged or of another program.
     """
+    state, architecture = _read(path, "pt", None)
+    return {k: v.float() if v.is_floating_point() else v for k, v in state.items()}, architecture
+
+
+def read_model_arrays(
+    path: str | Path, names: Collection[str] | None = None
+) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """As :func:`load_model_file`, as arrays and without torch; those of `names` alone if given."""
+    state, architecture = _read(path, "np", names)
+    floats = (np.float16, np.float64)
+    return {
+        k: v.astype(np.float32) if v.dtype in floats else v for k, v in state.items()
+    }, architecture
+
+
+def _read(
+    path: str | Path, framework: str, names: Collection[str] | None
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return a file's tensors and architecture."""
     from safetensors import SafetensorError, safe_open
 
     try:
-        with safe_open(path, framework="pt") as file:
+        with safe_open(path, framework=framework) as file:
             metadata = file.metadata() or {}
-            state = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            wanted = [name for name in file.keys() if names is None or name in names]  # noqa: SIM118
+            state = {name: file.get_tensor(name) for name in wanted}
     except (SafetensorError, OSError) as error:
         raise InputError("a safetensors file", str(error), file=path) from None
     if metadata.get("format") != _FORMAT or "architecture" not in metadata:
         raise InputError("weights of this program", "no plan2scene header", file=path)
-    floats = {k: v.float() if v.is_floating_point() else v for k, v in state.items()}
-    return floats, json.loads(metadata["architecture"])
+    return state, json.loads(metadata["architecture"])

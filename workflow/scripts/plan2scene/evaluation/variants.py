@@ -13,7 +13,7 @@ import numpy as np
 from plan2scene.evaluation.houses import Models
 from plan2scene.house import SURFACES, House, SurfaceKey
 from plan2scene.propagation.graph import house_graph
-from plan2scene.propagation.model import load_propagation
+from plan2scene.propagation.inference import read_propagation
 from plan2scene.propagation.predict import predict
 from plan2scene.propagation.prior import TypeMeans
 from plan2scene.seeds import generator
@@ -155,7 +155,7 @@ def predicted(
     """Return ``propagated.parquet`` with unobserved surfaces as a variant predicts them."""
     if variant.propagate == "graph":
         return propagated
-    network, means = load_propagation(models.propagation)
+    network, means = read_propagation(models.propagation)
     seen = {
         SurfaceKey(row.room_id, row.surface): np.asarray(row.embedding, np.float32)
         for row in propagated.itertuples()

@@ -13,49 +13,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
 import torch
 from torch import Tensor, nn
 
 from plan2scene.house import ROOM_TYPES, SURFACES
-from plan2scene.propagation.graph import EMBEDDING_SIZE, HouseGraph
+from plan2scene.propagation.graph import EMBEDDING_SIZE
+from plan2scene.propagation.inference import LEAST_SCALE, MOST_LOG_SCALE, MOST_SCORE
 from plan2scene.propagation.network import GatedConv, PropagationNetwork
-
-#: Facts about a pair of rooms: doors between them (1, 2, 3 or more, no way), types in common.
-PAIR_SIZE = 5
-_FAR = 4
-
-
-def room_pairs(graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
-    """Return all ordered pairs of different rooms and what is known of them.
-
-    Returns
-    -------
-    (2, p) int64
-        Row of the room in question, row of the room that is looked at.
-    (p, 5) float32
-    """
-    count = len(graph.room_ids)
-    doors = doors_between(count, graph.edges)
-    target, source = np.nonzero(~np.eye(count, dtype=bool))
-    facts = np.zeros((len(target), PAIR_SIZE), dtype=np.float32)
-    facts[np.arange(len(target)), np.minimum(doors[target, source], _FAR) - 1] = 1.0
-    common = np.minimum(graph.types[target], graph.types[source]).sum(axis=1)
-    facts[:, PAIR_SIZE - 1] = common / np.maximum(graph.types[target].sum(axis=1), 1.0)
-    return np.stack([target, source]).astype(np.int64), facts
-
-
-def doors_between(count: int, edges: np.ndarray) -> np.ndarray:
-    """Return (n, n) int: doors on the shortest way between rooms, 4 where there is none up to 3."""
-    linked = np.zeros((count, count), dtype=bool)
-    linked[edges[0], edges[1]] = True
-    doors = np.full((count, count), _FAR)
-    reached = np.eye(count, dtype=bool)
-    for distance in range(1, _FAR):
-        beyond = (reached @ linked) & ~reached
-        doors[beyond & (doors == _FAR)] = distance
-        reached |= beyond
-    return doors
+from plan2scene.propagation.pairs import PAIR_SIZE
 
 
 @dataclass(frozen=True)
@@ -140,8 +105,9 @@ class PointerNetwork(nn.Module):
         target, source = inputs.pairs
         scores = self.pair(torch.cat([hidden[target], hidden[source], inputs.facts], dim=1))
         blocks = inputs.x[:, len(ROOM_TYPES) :].reshape(len(inputs.x), len(SURFACES), -1)
-        scores = scores.clamp(-15.0, 15.0).masked_fill(blocks[source, :, 0] == 0, -torch.inf)
-        none = self.none(hidden).clamp(-15.0, 15.0)
+        unseen = blocks[source, :, 0] == 0
+        scores = scores.clamp(-MOST_SCORE, MOST_SCORE).masked_fill(unseen, -torch.inf)
+        none = self.none(hidden).clamp(-MOST_SCORE, MOST_SCORE)
         total = none.exp().index_add(0, target, scores.exp()).log()
         shape = (-1, len(SURFACES), EMBEDDING_SIZE)
         return Mixture(
@@ -154,8 +120,8 @@ class PointerNetwork(nn.Module):
 
 
 def _scale(raw: Tensor) -> Tensor:
-    """Return scales in [0.02, e^2]: no component may become a spike."""
-    return raw.clamp(max=2.0).exp() + 0.02
+    """Return scales of logarithms."""
+    return raw.clamp(max=MOST_LOG_SCALE).exp() + LEAST_SCALE
 
 
 def log_likelihood(mixture: Mixture, inputs: Inputs, values: Tensor, wanted: Tensor) -> Tensor:
@@ -173,25 +139,6 @@ def log_likelihood(mixture: Mixture, inputs: Inputs, values: Tensor, wanted: Ten
     top = top.scatter_reduce(0, target[:, None].expand_as(copies), copies.detach(), "amax")
     total = (own - top).exp().index_add(0, target, (copies - top[target]).exp())
     return (total.log() + top)[wanted]
-
-
-def weighted_median(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return per column the value with half of the weight at or below it, (d,) of (c, d), (c,)."""
-    order = np.argsort(values, axis=0, kind="stable")
-    reached = np.cumsum(weights[order], axis=0) >= 0.5 * weights.sum()
-    return np.take_along_axis(values, np.take_along_axis(order, reached.argmax(0)[None], 0), 0)[0]
-
-
-def robust_centre(values: np.ndarray, weights: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Return per column the weighted median moved to the mean of what lies near, (d,).
-
-    Several rooms of one material agree but for noise, which their mean is freer of than any of
-    them. Values farther than `reach` (d,) pull no more than those at it (a step of Huber's
-    estimator, DOI 10.1214/aoms/1177703732).
-    """
-    median = weighted_median(values, weights)
-    pull = np.clip(values - median, -reach, reach)
-    return median + weights @ pull / weights.sum()
 
 
 def _laplace(gap: Tensor, scale: Tensor) -> Tensor:

@@ -6,13 +6,16 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-import torch
 
 from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.house import SUBSTANCES, SURFACES, House, SurfaceKey
+from plan2scene.house import SURFACES, House, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.propagation.graph import house_graph
-from plan2scene.propagation.model import load_propagation, load_substance_head
+from plan2scene.propagation.inference import (
+    SubstanceHead,
+    read_propagation,
+    read_substance_head,
+)
 from plan2scene.propagation.predict import Prediction, predict
 from plan2scene.propagation.prior import TypeMeans
 from plan2scene.provenance import file_hash
@@ -45,8 +48,8 @@ def propagate_house(
 
     plan = read_scene_json(scene_json, house)
     table, _ = read_parquet(surfaces)
-    network, means = load_propagation(propagation_model)
-    head = load_substance_head(texture_model)
+    network, means = read_propagation(propagation_model)
+    head = read_substance_head(texture_model)
     observed = {SurfaceKey(row.room_id, row.surface): row for row in table.itertuples()}
     graph = house_graph(plan, {k: np.asarray(row.embedding) for k, row in observed.items()})
     predicted = predict(network, graph)
@@ -83,19 +86,17 @@ def _predicted_row(
     room_ids: tuple[str, ...],
     predicted: Prediction,
     means: TypeMeans,
-    head: torch.nn.Linear,
+    head: SubstanceHead,
 ) -> dict[str, object]:
     """Return the values of a surface that no visible photo shows."""
     place = room_ids.index(key.room_id), SURFACES.index(key.surface)
     embedding, alike = predicted.embedding[place], int(predicted.alike[place])
     _, naive = means.predict(plan.room(key.room_id).types, key.surface)
-    with torch.no_grad():
-        logits = head(torch.from_numpy(embedding[:8])[None])[0]
     return {
         "observed": False,
         "embedding": embedding,
         "naive_embedding": naive.astype(np.float32),
-        "substance": SUBSTANCES[int(logits.argmax())],
+        "substance": head.name(embedding),
         "source": "propagated" if alike < 0 else f"propagated, like {room_ids[alike]}",
         "confidence": float(predicted.confidence[place]),
     }

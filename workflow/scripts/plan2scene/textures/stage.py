@@ -133,12 +133,12 @@ def _decoded(
 ) -> dict[SurfaceKey, Tile]:
     """Return the decoded tiles of methods naivesynth and synth."""
     from plan2scene.textures.synthesis import synthesise_surfaces
-    from plan2scene.weights import load_model_file
+    from plan2scene.weights import read_model_arrays
 
     images = synthesise_surfaces(
         propagated, model, method=method, house=house, seed=seed, size_px=size_px
     )
-    periodic = bool(load_model_file(model)[1]["periodic"])
+    periodic = bool(read_model_arrays(model, ())[1]["periodic"])
     tiles = {}
     for row in surfaces.itertuples():
         key = SurfaceKey(row.room_id, row.surface)

@@ -21,7 +21,8 @@ from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import EMBEDDING_SIZE, HouseGraph
 from plan2scene.propagation.model import NETWORKS
 from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.pointer import Inputs, PointerNetwork, log_likelihood, room_pairs
+from plan2scene.propagation.pairs import room_pairs
+from plan2scene.propagation.pointer import Inputs, PointerNetwork, log_likelihood
 from plan2scene.propagation.prior import mean_by_type
 
 _LOG = logging.getLogger("plan2scene")

@@ -10,8 +10,10 @@ import numpy as np
 
 from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
+from plan2scene.propagation.model import network_of
 from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.pointer import PointerNetwork, doors_between
+from plan2scene.propagation.pairs import doors_between
+from plan2scene.propagation.pointer import PointerNetwork
 from plan2scene.propagation.predict import predict
 from plan2scene.seeds import generator
 from plan2scene.textures.colour import delta_e_2000, rgb_to_lab
@@ -42,9 +44,10 @@ class HiddenErrors:
 
 def network_predictor(network: PropagationNetwork | PointerNetwork) -> Predictor:
     """Return a network as a predictor."""
+    weights = network_of(network)
 
     def run(graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
-        found = predict(network, graph)
+        found = predict(weights, graph)
         return found.embedding, found.confidence
 
     return run
