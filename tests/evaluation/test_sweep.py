@@ -15,7 +15,7 @@ from plan2scene.io import read_image, read_json, read_parquet
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.images import metric_image
 from plan2scene.metrics.stage import reference_images
-from plan2scene.textures.stage import METHODS
+from plan2scene.textures.methods import METHODS
 
 HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}
 NAMES = [f"{i}.jpg" for i in range(10)]

@@ -24,10 +24,11 @@ from plan2scene.textures.baselines import (
 from plan2scene.textures.colour import median_colour
 from plan2scene.textures.constrained import even_crop
 from plan2scene.textures.crop_pool import read_pool, write_pool
+from plan2scene.textures.methods import METHODS
 from plan2scene.textures.model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.retrieval import read_library, write_library
 from plan2scene.textures.seams import wrap_ratio
-from plan2scene.textures.stage import METHODS, make_textures
+from plan2scene.textures.stage import make_textures
 from plan2scene.weights import save_model_file
 
 SIZE = 128

@@ -22,6 +22,7 @@ from plan2scene.house_table import (
 )
 from plan2scene.errors import InputError
 from plan2scene.provenance import code_hash
+from plan2scene.textures.methods import DECODERS
 
 validate(config, schema="../schemas/config.schema.json")
 
@@ -35,9 +36,6 @@ MODELS = os.path.relpath(Path(workflow.basedir) / "resources" / "models")
 # so that no default run ever wants to train.
 TRAINED = "results/training/models"
 METHODS = config["methods"]
-# The model that each method decodes with; the others decode nothing.
-DECODERS = dict.fromkeys(("synth", "synth-large", "exemplar"), "texture")
-DECODERS["naivesynth"] = "naivesynth"
 DROPS = [f"{drop:.1f}" for drop in config["drops"]]
 
 try:

@@ -9,10 +9,8 @@ from pathlib import Path
 from plan2scene.evaluation.houses import HouseFiles, Models
 from plan2scene.metrics.resampling import FurtherSeeds
 from plan2scene.metrics.stage import measure_house, read_references
+from plan2scene.textures.methods import EMBEDDING_COLUMNS
 from plan2scene.textures.stage import make_textures
-
-#: Methods whose noise can be drawn again for more images of a surface.
-REDRAWN = ("synth", "naivesynth")
 
 
 @dataclass(frozen=True)
@@ -102,7 +100,7 @@ def _further(
 ) -> FurtherSeeds | None:
     """Return what more images are decoded from; None for a method that has one image."""
     decoder = models.decoder(one.method)
-    if settings.images < 2 or one.method not in REDRAWN or decoder is None:
+    if settings.images < 2 or one.method not in EMBEDDING_COLUMNS or decoder is None:
         return None
     return FurtherSeeds(
         propagated=visible.propagated,

@@ -17,6 +17,7 @@ from plan2scene.metrics.networks import network_name
 from plan2scene.metrics.stage import measure_house, read_references
 from plan2scene.propagation.stage import propagate_house
 from plan2scene.provenance import file_hash
+from plan2scene.textures.methods import DECODERS
 from plan2scene.textures.selection import select_surfaces
 from plan2scene.textures.stage import make_textures
 
@@ -70,9 +71,8 @@ class Models:
 
     def decoder(self, method: str) -> Path | None:
         """Return the texture model of a method; None where nothing is decoded."""
-        if method == "naivesynth":
-            return self.naivesynth
-        return self.texture if method in ("synth", "synth-large", "exemplar") else None
+        name = DECODERS.get(method)
+        return getattr(self, name) if name else None
 
 
 @dataclass(frozen=True)

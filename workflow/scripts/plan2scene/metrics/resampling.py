@@ -16,6 +16,7 @@ import numpy as np
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet
 from plan2scene.seeds import derive_seed
+from plan2scene.textures.methods import EMBEDDING_COLUMNS
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def further_images(
     """Return ``count - 1`` images (size, size, 3) uint8 of each surface, one surface's together."""
     from plan2scene.textures.model import load_texture_model
     from plan2scene.textures.seams import make_seamless
-    from plan2scene.textures.synthesis import EMBEDDING_COLUMNS, decode_textures
+    from plan2scene.textures.synthesis import decode_textures
 
     table, _ = read_parquet(seeds.propagated)
     rows = {SurfaceKey(row.room_id, row.surface): i for i, row in enumerate(table.itertuples())}

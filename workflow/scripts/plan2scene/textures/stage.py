@@ -38,18 +38,12 @@ from plan2scene.textures.constrained import even_crop, match_statistics
 from plan2scene.textures.copying import copied_tiles
 from plan2scene.textures.crop_pool import read_pool
 from plan2scene.textures.exemplar.house import HouseExemplar, house_exemplars
+from plan2scene.textures.methods import DECODERS, METHODS
 from plan2scene.textures.retrieval import read_library
 from plan2scene.textures.tiles import Tile, write_tiles
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: Methods of the texture stage, those of the paper's table first and in its order.
-METHODS = (
-    *("crop", "retrieve", "naivesynth", "synth", "synth-large", "exemplar"),
-    *("medoid_colour", "projection"),
-)
-_SYNTHESISED = ("naivesynth", "synth", "synth-large", "exemplar")
 
 
 def make_textures(
@@ -73,7 +67,7 @@ def make_textures(
     Parameters
     ----------
     method : str
-        One of :data:`METHODS`.
+        One of :data:`plan2scene.textures.methods.METHODS`.
     propagated, crops, scene_json, library : path
         Files of the stages before (docs/conventions.md; the library of
         :func:`plan2scene.textures.retrieval.write_library`).
@@ -93,7 +87,7 @@ def make_textures(
     plan = read_scene_json(scene_json, house)
     surfaces, _ = read_parquet(propagated)
     crop_table = read_parquet(crops)[0]
-    if method in _SYNTHESISED:
+    if method in DECODERS:
         if model is None:
             raise InputError(f"a texture model for method {method}", "none", house=house)
         decode = partial(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +12,10 @@ from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet
 from plan2scene.seeds import derive_seed
+from plan2scene.textures.methods import EMBEDDING_COLUMNS
 from plan2scene.textures.model import TextureModel, fast_decoding, load_texture_model
 from plan2scene.textures.noise import CHANNELS, OCTAVES
 
-#: Column of propagated.parquet that each method decodes.
-EMBEDDING_COLUMNS: Mapping[str, str] = {"synth": "embedding", "naivesynth": "naive_embedding"}
 #: Textures decoded at once hold about this many pixels (bounds memory at any size).
 _PIXELS = 4 * 128 * 128
 
