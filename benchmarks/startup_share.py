@@ -52,7 +52,8 @@ def _timed(*args, **kwargs):
 def _report():
     lived = _begun + time.perf_counter() - _clock
     row = {"script": sys.argv[0], "lived": lived, "interpreter": _begun, "imports": _total[0]}
-    path = os.path.join(os.environ["STARTUP_SHARE"], str(os.getpid()) + ".json")
+    name = "%d-%d.json" % (os.getpid(), time.time_ns())  # process numbers come again
+    path = os.path.join(os.environ["STARTUP_SHARE"], name)
     with open(path, "w") as file:
         json.dump(row, file)
 
