@@ -227,3 +227,19 @@ def test_crops_of_another_thing_are_left_out() -> None:
     bedspread = [plain(230, 230, 240), plain(235, 228, 240)]
     assert alike([*bedspread, *wood]) == wood
     assert alike(wood) == wood
+
+
+def test_of_two_paints_the_surface_s_own_colour_decides():
+    rng = np.random.default_rng(3)
+
+    def paint(colour):
+        noise = rng.normal(0, 3, (128, 128, 3))
+        return ExemplarCrop(np.clip(noise + colour, 0, 255).astype(np.uint8), 1.0, 1.0)
+
+    white, green = ([paint(c) for _ in range(4)] for c in ((240, 240, 232), (108, 122, 103)))
+    tone = np.array([0.42, 0.47, 0.41])
+    assert alike([*white, *green], tone) == green
+    assert alike([*white, *green], np.array([1.0, 1.0, 0.98])) == white
+    made = make_exemplar([*white, *green], size_px=128, tone=tone)
+    assert made.crops == 4
+    assert np.abs(np.median(made.image, axis=(0, 1)) - (108, 122, 103)).max() < 6

@@ -66,7 +66,9 @@ def house_exemplars(
     for key, group in _crops_by_surface(crops, hidden_photos).items():
         if key not in rows:
             continue
-        made = make_exemplar(group, size_px=size_px)
+        # The colour that the surface was given goes for all methods, so for the choice of crops.
+        tone = np.clip(np.asarray(rows[key].embedding, dtype=np.float64)[-3:], 0.0, 1.0)
+        made = make_exemplar(group, size_px=size_px, tone=tone)
         if made is None:
             poor[key] = f"none of {len(group)} crops is sharp enough"
         else:

@@ -92,19 +92,23 @@ def usable(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
     ]
 
 
-def alike(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
-    """Return the crops whose colour is near that of the one most like all others.
+def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list[ExemplarCrop]:
+    """Return the crops whose colour is near that of the one nearest to `tone`.
 
-    Where masks err, crops of one surface show different things; patches of a rug in a floor are
-    worse than fewer crops.
+    Where masks err, or the walls of a room are of two paints, crops of one surface show different
+    things; patches of a rug in a floor are worse than fewer crops. Without a tone (3,), sRGB in
+    [0, 1], the crop most like all others decides.
     """
     labs = np.stack([rgb_to_lab(median_colour(crop.image)) for crop in crops])
     apart = delta_e_2000(labs[:, None], labs[None])
-    middle = int(apart.sum(axis=1).argmin())
+    far = apart.sum(axis=1) if tone is None else delta_e_2000(labs, rgb_to_lab(tone)[None])
+    middle = int(far.argmin())
     return [crop for crop, far in zip(crops, apart[middle], strict=True) if far <= _ALIKE_DE]
 
 
-def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | None:
+def make_exemplar(
+    crops: Sequence[ExemplarCrop], *, size_px: int, tone: np.ndarray | None = None
+) -> Exemplar | None:
     """Return a seamless tile of the surface that `crops` show; None when all are too poor.
 
     Nothing is drawn: same crops and size, same bytes.
@@ -115,13 +119,15 @@ def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | 
         Crops of one surface, of any scales; those of unknown scale count as the median one.
     size_px : int
         Side of the tile in pixels.
+    tone : (3,) float, optional
+        Colour that the surface is known to have, sRGB in [0, 1]: says which crops are of it.
     """
     good = usable(crops)
     if not good:
         return None
-    good = alike(good)
+    good = alike(good, tone)
     work = work_size(size_px, len(good))
-    flat, masks, tone, order = _evened(good)
+    flat, masks, colour, order = _evened(good)
     sides, size_m = tile_scale(good, work / WORK_PX)
     known = np.isfinite([crop.metres for crop in good]).all()
     lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
@@ -129,7 +135,7 @@ def make_exemplar(crops: Sequence[ExemplarCrop], *, size_px: int) -> Exemplar | 
     order = (large or [int(sides.argmax())])[:MAX_CROPS]
     sources = [straightened(flat[k], masks[k], sides[k], lattices[k], cut, work) for k in order]
     canvas = quilt(sources, work)
-    image = with_calm_border(as_uint8(_toned(canvas.solve(), tone)))
+    image = with_calm_border(as_uint8(_toned(canvas.solve(), colour)))
     return Exemplar(
         as_uint8(enlarged(image / 255.0, size_px)),
         size_m * float(np.sqrt(cut.wide * cut.high)),
