@@ -2,6 +2,7 @@
 
 import numpy as np
 import torch
+from formula import formula_state
 from torch_geometric.nn import GatedGraphConv
 
 from plan2scene.propagation.network import GatedConv, PropagationNetwork
@@ -29,24 +30,9 @@ ROOM_3_WALL = [
 ]
 
 
-def formula_weights(shape: tuple[int, ...], k: int) -> torch.Tensor:
-    """Return the k-th tensor of the parity file's weights formula."""
-    mask = np.uint64(0xFFFFFFFF)
-    h = (np.arange(int(np.prod(shape)), dtype=np.uint64) + np.uint64(1 + 1000003 * k)) & mask
-    for _ in range(2):
-        h = ((h ^ (h >> np.uint64(16))) * np.uint64(0x45D9F3B)) & mask
-    h = h ^ (h >> np.uint64(16))
-    fan_in = int(np.prod(shape[1:])) if len(shape) > 1 else 1
-    value = 2 * (h.astype(np.float64) / 2**32 - 0.5) * np.sqrt(3 / fan_in)
-    return torch.tensor((value * (0.1 if len(shape) == 1 else 1.0)).reshape(shape)).float()
-
-
 def formula_network() -> PropagationNetwork:
     network = PropagationNetwork().eval()
-    shapes = {name: tuple(value.shape) for name, value in network.state_dict().items()}
-    network.load_state_dict(
-        {name: formula_weights(shapes[name], k) for k, name in enumerate(sorted(shapes))}
-    )
+    network.load_state_dict(formula_state(network))
     return network
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import torch
+from formula import formula_crop, formula_state
 from PIL import Image
 
 from plan2scene.errors import InputError
@@ -17,7 +18,7 @@ from plan2scene.textures.model import (
 from plan2scene.weights import save_model_file
 
 # Figures that the reference implementation returns on a CPU for weights and a crop given by
-# formulas (below); networks agree up to 1e-4.
+# formulas (tests/helpers/formula.py); networks agree up to 1e-4.
 EMBEDDING = [
     1.2627286911010742,
     1.3801169395446777,
@@ -57,33 +58,10 @@ PICKS = [  # channel, row, column, value of 2 RGB - 1
 ]
 
 
-def formula_weights(shapes: dict[str, tuple[int, ...]]) -> dict[str, torch.Tensor]:
-    """Return tensors whose elements are an integer hash of their place in the sorted keys."""
-    mask, state = np.uint64(2**32 - 1), {}
-    for k, (name, shape) in enumerate(sorted(shapes.items())):
-        h = (np.arange(int(np.prod(shape)), dtype=np.uint64) + np.uint64(1 + 1000003 * k)) & mask
-        for _ in range(2):
-            h = ((h ^ (h >> np.uint64(16))) * np.uint64(0x45D9F3B)) & mask
-        h ^= h >> np.uint64(16)
-        fan_in = np.prod(shape[1:]) if len(shape) > 1 else 1
-        values = 2 * (h / 2**32 - 0.5) * np.sqrt(3 / fan_in) * (0.1 if len(shape) == 1 else 1.0)
-        state[name] = torch.from_numpy(values.reshape(shape).astype(np.float32))
-    return state
-
-
-def formula_crop() -> np.ndarray:
-    y, x = np.mgrid[:128, :128].astype(float)
-    base = 0.5 + 0.25 * np.sin(2 * np.pi * (3 * x + 5 * np.sin(2 * np.pi * y / 128)) / 128)
-    base += 0.1 * np.sin(2 * np.pi * 17 * y / 128)
-    rgb = [0.9 * base, 0.7 * base + 0.02 * np.sin(x / 7), 0.5 * base + 0.03 * np.cos(y / 9)]
-    return np.clip(np.rint(255 * np.stack(rgb, -1)), 0, 255).astype(np.uint8)
-
-
 @pytest.fixture(scope="module")
 def reference() -> TextureModel:
     model = TextureModel(Architecture(periodic=False))
-    shapes = {name: tuple(value.shape) for name, value in model.state_dict().items()}
-    model.load_state_dict(formula_weights(shapes))
+    model.load_state_dict(formula_state(model))
     return model.eval()
 
 
