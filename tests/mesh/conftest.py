@@ -1,8 +1,11 @@
 """Small houses made by hand."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from plan2scene.floorplans import read_plan
 from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene.io import png_bytes
 from plan2scene.mesh import TileTexture
@@ -91,3 +94,22 @@ def paint():
         return textures
 
     return make
+
+
+#: Real sample plans, and metres per unit where a file does not say.
+SAMPLES = (
+    ("rent3dpp/sample.scene.json", None),
+    ("r2v/sample_input.scene.json", None),
+    ("r2v/sample_r2v_output.txt", 0.05),
+    ("r2v/sample_r2v_annot.txt", 0.02),
+)
+
+
+@pytest.fixture(params=SAMPLES, ids=[name for name, _ in SAMPLES])
+def sample_house(request):
+    """A real sample plan; skips where they are not beside the repository."""
+    name, scale = request.param
+    path = Path(__file__).resolve().parents[3] / "shared" / "samples" / name
+    if not path.is_file():
+        pytest.skip("no shared samples beside the repository")
+    return read_plan(path, "sample", scale)

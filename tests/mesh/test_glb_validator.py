@@ -8,11 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from plan2scene.floorplans import read_plan
 from plan2scene.mesh import write_glb
 
 SCRIPT = Path(__file__).with_name("validate_gltf.cjs")
-SHARED = Path(__file__).resolve().parents[3] / "shared" / "samples"
 
 
 def validate(*files):
@@ -54,19 +52,7 @@ def test_the_validator_sees_faults(l_house, tmp_path):
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize(
-    ("file", "scale"),
-    [
-        ("rent3dpp/sample.scene.json", None),
-        ("r2v/sample_input.scene.json", None),
-        ("r2v/sample_r2v_output.txt", 0.05),
-        ("r2v/sample_r2v_annot.txt", 0.02),
-    ],
-)
-def test_sample_plans(file, scale, paint, tmp_path):
-    if not (SHARED / file).is_file():
-        pytest.skip("no shared samples beside the repository")
-    house = read_plan(SHARED / file, "sample", scale)
-    write_glb(house, paint(house), tmp_path / "house.glb")
+def test_sample_plans(sample_house, paint, tmp_path):
+    write_glb(sample_house, paint(sample_house), tmp_path / "house.glb")
     (report,) = validate(tmp_path / "house.glb")
     assert report["numErrors"] == 0, report["messages"]

@@ -4,11 +4,11 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
+from views import camera_looking
 
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.io import image_from_bytes, read_parquet, write_json, write_png
-from plan2scene.photos.camera import Camera
 from plan2scene.photos.crop_candidates import CropSettings
 from plan2scene.photos.crop_stage import load_crops, make_crops
 from plan2scene.photos.crop_tables import CANDIDATE_COLUMNS, COLUMNS
@@ -22,20 +22,7 @@ SIZE = (480, 640)
 
 def looking(pitch_deg=20.0, focal=520.0, turn_deg=0.0):
     """A camera with its truth: pitch down, turned about the vertical."""
-    p, h = np.radians([pitch_deg, turn_deg])
-    turn = np.array([[np.cos(h), 0, np.sin(h)], [0, 1, 0], [-np.sin(h), 0, np.cos(h)]])
-    tilt = np.array([[1, 0, 0], [0, np.cos(p), -np.sin(p)], [0, np.sin(p), np.cos(p)]])
-    rotation = tilt @ np.diag([-1.0, -1.0, 1.0]) @ turn
-    return Camera.from_json(
-        {
-            "width": SIZE[1],
-            "height": SIZE[0],
-            "focal_px": focal,
-            "cx": (SIZE[1] - 1) / 2,
-            "cy": (SIZE[0] - 1) / 2,
-            "rotation": rotation.tolist(),
-        }
-    )
+    return camera_looking(SIZE, heading_deg=turn_deg, pitch_deg=pitch_deg, focal=focal)
 
 
 def checkered_floor(camera, height=1.5, cell=0.25):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from views import camera_looking
 
 from plan2scene.house import Room
-from plan2scene.photos.camera import Camera
 from plan2scene.photos.masks import CEILING, FLOOR, OTHER, WALL
 from plan2scene.photos.planes import split_planes
 from plan2scene.photos.room_size import room_extent
@@ -16,20 +16,8 @@ HIGH = np.array([2.2, 2.5, 2.6])
 
 def box_view(heading_deg, pitch_deg, eye, fov_deg=75.0):
     """Labels, wall sides (axis * 2 + positive) and camera of a view into a box."""
-    h, p = np.radians([heading_deg, pitch_deg])
-    turn = np.array([[np.cos(h), 0, np.sin(h)], [0, 1, 0], [-np.sin(h), 0, np.cos(h)]])
-    tilt = np.array([[1, 0, 0], [0, np.cos(p), -np.sin(p)], [0, np.sin(p), np.cos(p)]])
     focal = SIZE[1] / 2 / np.tan(np.radians(fov_deg) / 2)
-    camera = Camera.from_json(
-        {
-            "width": SIZE[1],
-            "height": SIZE[0],
-            "focal_px": focal,
-            "cx": (SIZE[1] - 1) / 2,
-            "cy": (SIZE[0] - 1) / 2,
-            "rotation": (tilt @ np.diag([-1.0, -1.0, 1.0]) @ turn).tolist(),
-        }
-    )
+    camera = camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=pitch_deg, focal=focal)
     y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
     rays = camera.rays(np.stack([x, y], axis=-1))
     with np.errstate(divide="ignore"):

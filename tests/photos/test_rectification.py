@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from views import camera_looking
 
-from plan2scene.photos.camera import Camera
 from plan2scene.photos.planes import Plane
 from plan2scene.photos.rectification import MAX_SIDE, plane_axes, rectify
 
@@ -11,19 +11,7 @@ SIZE = (300, 400)
 
 
 def camera_of(heading_deg=0.0, pitch_deg=0.0, focal=360.0):
-    h, p = np.radians([heading_deg, pitch_deg])
-    turn = np.array([[np.cos(h), 0, np.sin(h)], [0, 1, 0], [-np.sin(h), 0, np.cos(h)]])
-    tilt = np.array([[1, 0, 0], [0, np.cos(p), -np.sin(p)], [0, np.sin(p), np.cos(p)]])
-    return Camera.from_json(
-        {
-            "width": SIZE[1],
-            "height": SIZE[0],
-            "focal_px": focal,
-            "cx": (SIZE[1] - 1) / 2,
-            "cy": (SIZE[0] - 1) / 2,
-            "rotation": (tilt @ np.diag([-1.0, -1.0, 1.0]) @ turn).tolist(),
-        }
-    )
+    return camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=pitch_deg, focal=focal)
 
 
 def gradient(camera, normal, offset):
