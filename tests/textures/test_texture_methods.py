@@ -325,6 +325,14 @@ def test_synth_large_has_the_statistics_of_the_selected_crop(files):
 
 
 def test_exemplars_are_of_the_surface_s_crops_and_say_so(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    floor = (table["room_id"] == "bed1") & (table["surface"] == "floor")
+    grey = np.full(3, 100 / 255)  # the colour that the selection gives it, of its crops
+    table["embedding"] = [
+        np.r_[code[:8], grey if own else code[8:]].astype(np.float32)
+        for code, own in zip(table["embedding"], floor, strict=True)
+    ]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
     folder, surfaces = _make(files, "exemplar", seam_correction=True)
     assert surfaces["bed1/floor"]["source"] == "exemplar of 3 crops"
     assert surfaces["bed1/floor"]["size_m"] == pytest.approx(0.5)
