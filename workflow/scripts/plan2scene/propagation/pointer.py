@@ -10,7 +10,6 @@ surfaces is a confidence, and the mixture's median a sharp prediction.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
@@ -19,7 +18,7 @@ from torch import Tensor, nn
 from plan2scene.house import ROOM_TYPES, SURFACES
 from plan2scene.propagation.graph import EMBEDDING_SIZE
 from plan2scene.propagation.inference import LEAST_SCALE, MOST_LOG_SCALE, MOST_SCORE
-from plan2scene.propagation.network import GatedConv, PropagationNetwork
+from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.pairs import PAIR_SIZE
 
 
@@ -74,19 +73,11 @@ class PointerNetwork(nn.Module):
         Of the paper's network, which is the trunk.
     pair_width : int
         Hidden units that score a pair of rooms.
-    conv : callable
-        Makes the trunk's graph layer of (width, layers).
     """
 
-    def __init__(
-        self,
-        width: int = 96,
-        layers: int = 3,
-        pair_width: int = 64,
-        conv: Callable[[int, int], nn.Module] = GatedConv,
-    ) -> None:
+    def __init__(self, width: int = 96, layers: int = 3, pair_width: int = 64) -> None:
         super().__init__()
-        self.trunk = PropagationNetwork(width, layers, conv)
+        self.trunk = PropagationNetwork(width, layers)
         kinds = len(SURFACES)
         self.pair = nn.Sequential(
             nn.Linear(2 * width + PAIR_SIZE, pair_width), nn.ReLU(), nn.Linear(pair_width, kinds)

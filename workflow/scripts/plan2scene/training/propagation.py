@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 import torch
 from torch import Tensor
-from torch_geometric.nn import GatedGraphConv
 
 from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import EMBEDDING_SIZE, HouseGraph
@@ -182,7 +181,7 @@ def train_network(
     if not settings.doors:
         graphs, validation = without_doors(graphs), without_doors(validation)
     scale = Scale.of(graphs)
-    network = NETWORKS[settings.network](conv=GatedGraphConv)
+    network = NETWORKS[settings.network]()
     optimiser = torch.optim.AdamW(
         network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
     )
