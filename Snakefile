@@ -23,11 +23,6 @@ include: "workflow/rules/sweep.smk"
 include: "workflow/rules/ablation.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/report.smk"
-include: "workflow/rules/data.smk"
-include: "workflow/rules/training.smk"
-include: "workflow/rules/training_features.smk"
-include: "workflow/rules/training_textures.smk"
-include: "workflow/rules/training_propagation.smk"
 
 
 rule all:
@@ -37,12 +32,3 @@ rule all:
         house_files("contact_sheet.png", "texture_sheet.png"),
         f"{RESULTS}/tables/paper_table.csv",
         f"{RESULTS}/index.html",
-
-
-rule train:
-    # Every embedded model, from synthetic data alone; copy what is better to resources/models.
-    input:
-        expand(
-            f"{TRAINED}/{{name}}.safetensors",
-            name=["segmentation", "texture", "naivesynth", "features", "propagation"],
-        ),

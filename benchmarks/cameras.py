@@ -26,18 +26,18 @@ from plane_errors import PlaneError, plane_errors
 
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.io import read_image
-from plan2scene.photos.camera import (
+from plan2scene.photos.camera.calibration import (
     DEFAULT_FOV_DEG,
     HIGH_CONFIDENCE,
     Camera,
     canonical,
     estimate_camera,
 )
-from plan2scene.photos.exif import read_exif_focal
-from plan2scene.photos.masks import read_label_png
-from plan2scene.photos.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
-from plan2scene.photos.room_size import room_extent
-from plan2scene.photos.segmentation import load_segmenter
+from plan2scene.photos.camera.exif import read_exif_focal
+from plan2scene.photos.labels.palette import read_label_png
+from plan2scene.photos.labels.segmentation import load_segmenter
+from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
+from plan2scene.photos.planes.room_size import room_extent
 from plan2scene.weights import MODELS
 
 KINDS = ("truth", "rough", "network", "none")

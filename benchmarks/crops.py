@@ -33,25 +33,25 @@ import cv2
 import numpy as np
 import pandas as pd
 
-from plan2scene.datasets import read_assignment
-from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.house import House
-from plan2scene.house_table import load_houses
-from plan2scene.io import read_image, read_json
-from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.freq import freq_distance
-from plan2scene.photos.crop_candidates import CropSettings
-from plan2scene.photos.crop_stage import draw_candidates, under_common_light
-from plan2scene.photos.crop_tables import LAST_RESORT_PREFIX, PhotoCandidate, choose_kept
-from plan2scene.photos.crops import CROP_PX, medoid_index
-from plan2scene.photos.masks import CEILING, FLOOR, WALL, read_label_png
-from plan2scene.photos.stage import make_masks
-from plan2scene.textures.colour import (
+from plan2scene.colour import (
     delta_e_2000,
     linear_to_srgb,
     rgb_to_lab,
     srgb_to_linear,
 )
+from plan2scene.datasets import read_assignment
+from plan2scene.datasets.house_table import load_houses
+from plan2scene.floorplans.scene_json import read_scene_json
+from plan2scene.house import House
+from plan2scene.io import read_image, read_json
+from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.freq import freq_distance
+from plan2scene.photos.crops.candidates import CropSettings
+from plan2scene.photos.crops.sampling import CROP_PX, medoid_index
+from plan2scene.photos.crops.stage import draw_candidates, under_common_light
+from plan2scene.photos.crops.tables import LAST_RESORT_PREFIX, PhotoCandidate, choose_kept
+from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, read_label_png
+from plan2scene.photos.masks import make_masks
 from plan2scene.weights import MODELS
 
 LABEL = {"floor": FLOOR, "wall": WALL, "ceiling": CEILING}

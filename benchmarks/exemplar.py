@@ -7,7 +7,8 @@
 FOLDER has a folder of tileable images per substance and an ``index.csv`` with columns id, split;
 without one the textures are 60 procedural materials.
 Tables are Markdown, seconds those of the processor. The crops are those of
-``plan2scene.textures.degradation``; wrap ratios are ``plan2scene.textures.seams.wrap_ratio``.
+``plan2scene_workshop.texture.degradation``; wrap ratios are
+``plan2scene.textures.seams.wrap_ratio``.
 """
 
 from __future__ import annotations
@@ -22,20 +23,20 @@ import cv2
 import numpy as np
 from exemplar_patterns import pattern_rows
 
+from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.house import SUBSTANCES
 from plan2scene.io import write_png
+from plan2scene.materials import load_texture_folder, random_material
+from plan2scene.materials.material import Material
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.freq import freq_distance
 from plan2scene.metrics.tile import tile_score
 from plan2scene.seeds import derive_seed
-from plan2scene.synthetic.materials import load_texture_folder, random_material
-from plan2scene.synthetic.materials.material import Material
-from plan2scene.textures.colour import delta_e_2000, median_colour, rgb_to_lab
-from plan2scene.textures.degradation import DegradedCrop, degrade, window
+from plan2scene.textures.baselines.retrieval import generated_library
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
-from plan2scene.textures.retrieval import generated_library
 from plan2scene.textures.seams import make_seamless, with_calm_border, wrap_ratio
 from plan2scene.textures.single import CROP_PX, LIBRARY_TILES
+from plan2scene_workshop.texture.degradation import DegradedCrop, degrade, window
 
 ROLLS = 8
 PROCEDURAL = 15  # materials of each substance where no folder is given
@@ -130,10 +131,10 @@ def exemplar_method(crops: Sequence[DegradedCrop], known: bool) -> np.ndarray:
 def decoders() -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
     """Return the methods that decode, with the shipped models."""
     from plan2scene.textures.constrained import even_crop, match_statistics
-    from plan2scene.textures.embedding import embed_crops
-    from plan2scene.textures.model import load_texture_model
+    from plan2scene.textures.model.embedding import embed_crops
+    from plan2scene.textures.model.network import load_texture_model
+    from plan2scene.textures.model.synthesis import decode_textures
     from plan2scene.textures.selection import clipped_share, surface_embedding
-    from plan2scene.textures.synthesis import decode_textures
     from plan2scene.weights import MODELS
 
     model = load_texture_model(MODELS / "texture.safetensors")

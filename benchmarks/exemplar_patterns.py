@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from plan2scene.materials import layout
 from plan2scene.seeds import derive_seed
-from plan2scene.synthetic.materials import layout
-from plan2scene.textures.degradation import Degradation, degrade
 from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
+from plan2scene_workshop.texture.degradation import Degradation, degrade
 
 KINDS = ("grid", "brick", "planks")
 SIZE = 128

@@ -19,10 +19,10 @@ import cv2
 import numpy as np
 
 from plan2scene.house import SUBSTANCES
+from plan2scene.materials import random_material
 from plan2scene.metrics.color import color_histogram
 from plan2scene.metrics.freq import frequency_profile
 from plan2scene.metrics.tile import tile_scores
-from plan2scene.synthetic.materials import random_material
 
 #: Milliseconds per pair of the paper's code on one core, and how many times faster we must be.
 OFFICIAL = {"COLOR": (41.9, 50), "FREQ": (1.2, 2), "TILE": (0.2, 2)}

@@ -65,7 +65,7 @@ def write_files(folder: Path) -> list[Path]:
 
 def main() -> None:
     """Print a line per file, then what the masks stage did with all of them."""
-    from plan2scene.photos.stage import make_masks
+    from plan2scene.photos.masks import make_masks
     from plan2scene.weights import MODELS
 
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}

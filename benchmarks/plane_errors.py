@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from plan2scene.photos.camera import Camera
-from plan2scene.photos.planes import Plane
-from plan2scene.photos.rectification import MIN_GRAZING_DEG, plane_axes
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.planes.planes import Plane
+from plan2scene.photos.planes.rectification import MIN_GRAZING_DEG, plane_axes
 
 #: Half the side of a checker, metres, and how many are laid on a plane at most.
 HALF_CHECKER_M = 0.1

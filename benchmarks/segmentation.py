@@ -19,10 +19,10 @@ import numpy as np
 import torch
 
 from plan2scene.io import read_image
-from plan2scene.photos.camera import estimate_camera
-from plan2scene.photos.masks import LABELS, read_label_png
-from plan2scene.photos.segmentation import Segmenter, load_segmenter
-from plan2scene.training.segmentation_data import (
+from plan2scene.photos.camera.calibration import estimate_camera
+from plan2scene.photos.labels.palette import LABELS, read_label_png
+from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter
+from plan2scene_workshop.segmentation.data import (
     LabelledPhoto,
     confusion,
     read_labelled_photos,

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plan2scene.textures.sheet import SheetRow, draw_sheet, ranked, sheet_rows
+from plan2scene.evaluation.texture_sheet import SheetRow, draw_sheet, ranked, sheet_rows
 
 METHODS = ("crop", "retrieve", "naivesynth", "synth", "synth-large", "exemplar")
 

@@ -16,17 +16,17 @@ import numpy as np
 import torch
 
 from plan2scene.jobs import keep_freed_memory
-from plan2scene.synthetic.materials import random_material
+from plan2scene.materials import random_material
 from plan2scene.textures.constrained import match_statistics
-from plan2scene.textures.decoder import low_precision_is_fast
-from plan2scene.textures.degradation import degrade
-from plan2scene.textures.embedding import embed_crops
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
-from plan2scene.textures.model import load_texture_model
-from plan2scene.textures.synthesis import decode_textures
-from plan2scene.training.texture import TextureTrainer
-from plan2scene.training.texture_data import TextureSet, procedural_textures, sampling_weights
-from plan2scene.training.texture_settings import TextureTraining
+from plan2scene.textures.model.decoder import low_precision_is_fast
+from plan2scene.textures.model.embedding import embed_crops
+from plan2scene.textures.model.network import load_texture_model
+from plan2scene.textures.model.synthesis import decode_textures
+from plan2scene_workshop.texture.data import TextureSet, procedural_textures, sampling_weights
+from plan2scene_workshop.texture.degradation import degrade
+from plan2scene_workshop.texture.settings import TextureTraining
+from plan2scene_workshop.texture.training import TextureTrainer
 
 MODEL = Path(__file__).parents[1] / "resources" / "models" / "texture.safetensors"
 BATCH = 64

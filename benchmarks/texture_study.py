@@ -13,12 +13,12 @@ from dataclasses import replace
 
 import torch
 
-from plan2scene.textures.decoder import low_precision_is_fast
-from plan2scene.textures.model import Architecture
-from plan2scene.training.texture import train_texture_model
-from plan2scene.training.texture_data import join_sets, procedural_textures, scanned_textures
-from plan2scene.training.texture_run import ARCHITECTURES, measure
-from plan2scene.training.texture_settings import TextureTraining
+from plan2scene.textures.model.decoder import low_precision_is_fast
+from plan2scene.textures.model.network import Architecture
+from plan2scene_workshop.texture.data import join_sets, procedural_textures, scanned_textures
+from plan2scene_workshop.texture.run import ARCHITECTURES, measure
+from plan2scene_workshop.texture.settings import TextureTraining
+from plan2scene_workshop.texture.training import train_texture_model
 
 #: name: (changes of the architecture, changes of the training)
 VARIANTS: dict[str, tuple[dict, dict]] = {

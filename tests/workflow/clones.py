@@ -21,7 +21,7 @@ class Clone:
 
     def snakemake(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
         """Run Snakemake in the copy, with the copy's library first on the path."""
-        environment = os.environ | {"PYTHONPATH": str(self.root / "workflow" / "scripts")}
+        environment = os.environ | {"PYTHONPATH": str(self.root / "src")}
         return subprocess.run(
             [sys.executable, "-m", "snakemake", "--cores", str(cores), *arguments],
             cwd=self.root,
@@ -62,7 +62,7 @@ def demo_rows() -> list[dict[str, str]]:
 def make_clone(root: Path, rows: list[dict[str, str]], **changes: object) -> Clone:
     """Copy workflow and config to `root`, with those houses of the demo as its data set."""
     root.mkdir(parents=True, exist_ok=True)
-    for name in ("workflow", "config", "envs"):
+    for name in ("workflow", "config", "envs", "src"):
         shutil.copytree(
             ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info")
         )

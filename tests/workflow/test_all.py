@@ -14,8 +14,8 @@ from PIL import Image
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
+from plan2scene.datasets.house_table import load_houses
 from plan2scene.floorplans import read_plan
-from plan2scene.house_table import load_houses
 from plan2scene.provenance import file_hash
 
 METHODS = {"crop", "retrieve", "naivesynth", "synth", "exemplar"}
@@ -106,7 +106,7 @@ def test_touching_a_photo_reruns_its_house_alone(made):
 
 
 def test_editing_the_seam_module_reruns_what_depends_on_it(made):
-    module = made.root / "workflow/scripts/plan2scene/textures/seams.py"
+    module = made.root / "src/plan2scene/textures/seams.py"
     text = module.read_text()
     module.write_text(text + "\n# an edit\n")
     try:

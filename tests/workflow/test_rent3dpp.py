@@ -10,11 +10,11 @@ import torch
 from clones import Clone, demo_rows, make_clone, photos_of, write_table
 
 from plan2scene.io import png_bytes, write_parquet
+from plan2scene.materials import random_material
 from plan2scene.propagation.inference import read_propagation
 from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.synthetic.materials import random_material
-from plan2scene.synthetic.rent3dpp import write_rent3dpp_copy
-from plan2scene.textures.model import Architecture, TextureModel
+from plan2scene.textures.model.network import Architecture, TextureModel
+from plan2scene_workshop.homes.rent3dpp import write_rent3dpp_copy
 
 TABLE = "results/rent3dpp/tables/paper_table.csv"
 CONFIG = ("--configfile", "config/rent3dpp.yaml", "two_seeds.yaml", "--config")

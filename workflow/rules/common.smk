@@ -11,7 +11,7 @@ from snakemake.utils import validate
 from plan2scene.datasets.layout import find_layout
 from plan2scene.datasets.table import SPLITS
 from plan2scene.evaluation.drops import hidden_at
-from plan2scene.house_table import (
+from plan2scene.datasets.house_table import (
     check_metrics,
     check_official,
     chosen_crops,
@@ -32,9 +32,6 @@ DATA_ROOT = LAYOUT.root
 RESULTS = f"results/{DATASET}"
 # Relative to the working directory, which need not be the clone (`plan2scene run`).
 MODELS = os.path.relpath(Path(workflow.basedir) / "resources" / "models")
-# Trained weights land here; shipping them (a copy into resources/models) is a deliberate act,
-# so that no default run ever wants to train.
-TRAINED = "results/training/models"
 METHODS = config["methods"]
 DROPS = [f"{drop:.1f}" for drop in config["drops"]]
 
@@ -49,8 +46,6 @@ try:
     HOUSES = load_houses(
         TABLE,
         splits=config["dataset"]["splits"],
-        # A data set that this workflow is about to make has no table yet.
-        may_be_absent="synthetic" in config or "training" in config,
     )
     # Houses of other splits are asked for by name, or for the means of released weights.
     ALL_HOUSES = load_houses(TABLE, splits=SPLITS, may_be_absent=True)

@@ -18,7 +18,7 @@ rule embeddings:
     params:
         dataset=DATASET,
         seed=config["seed"],
-        code=code_hash("textures.embedding"),
+        code=code_hash("textures.model.embedding"),
     script:
         "../scripts/embeddings.py"
 

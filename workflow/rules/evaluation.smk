@@ -90,7 +90,7 @@ rule reference_features:
         mem_mb=METRIC_MEMORY,
     params:
         dataset=DATASET,
-        code=code_hash("metrics.stage"),
+        code=code_hash("evaluation.measure"),
     script:
         "../scripts/reference_features.py"
 
@@ -133,14 +133,14 @@ rule paper_table:
         methods=METHODS,
         drop=TABLE_DROP,
         seed=config["seed"],
-        code=code_hash("metrics.table"),
+        code=code_hash("evaluation.paper_table"),
     script:
         "../scripts/paper_table.py"
 
 
 onerror:
     # One bad house never stops the others: the table of what there is says who is missing.
-    from plan2scene.metrics.table import TableRequest, partial_table
+    from plan2scene.evaluation.paper_table import TableRequest, partial_table
 
     partial = partial_table(
         RESULTS,

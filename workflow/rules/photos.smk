@@ -23,7 +23,7 @@ rule masks:
         pretrained=config["photos"]["pretrained"],
         fov_deg=config["photos"]["fov_deg"],
         code=code_hash(
-            "photos.stage", "photos.segmentation", "photos.segmentation_pretrained"
+            "photos.masks", "photos.labels.segmentation", "photos.labels.pretrained"
         ),
     script:
         "../scripts/masks.py"
@@ -64,6 +64,6 @@ rule crops:
         flatten=config["crops"]["flatten"],
         camera_height_m=config["photos"]["camera_height_m"],
         seed=config["seed"],
-        code=code_hash("photos.crop_stage", "floorplans.scene_json", "datasets"),
+        code=code_hash("photos.crops.stage", "floorplans.scene_json", "datasets"),
     script:
         "../scripts/crops.py"

@@ -28,7 +28,9 @@ rule contact_sheet:
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
         camera_height_m=config["photos"]["camera_height_m"],
-        code=code_hash("photos.contact_sheet", "floorplans.scene_json", "datasets"),
+        code=code_hash(
+            "photos.contact_sheet.sheet", "floorplans.scene_json", "datasets"
+        ),
     script:
         "../scripts/contact_sheet.py"
 
@@ -59,7 +61,7 @@ rule texture_sheet:
         mem_mb=1000,
     params:
         methods=METHODS,
-        code=code_hash("textures.sheet"),
+        code=code_hash("evaluation.texture_sheet"),
     script:
         "../scripts/texture_sheet.py"
 
@@ -88,7 +90,7 @@ rule index_page:
     params:
         dataset=DATASET,
         method=config["house"]["method"],
-        code=code_hash("report"),
+        code=code_hash("viewer.index_page"),
         page=[
             file_hash(PACKAGE / "viewer" / name)
             for name in ("index.html", "index.css")

@@ -5,7 +5,7 @@ from pathlib import Path
 from plan2scene.datasets import read_assignment
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job
-from plan2scene.photos.contact_sheet import write_contact_sheet
+from plan2scene.photos.contact_sheet.sheet import write_contact_sheet
 
 with job(snakemake.log[0]):
     params = snakemake.params

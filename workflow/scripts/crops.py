@@ -5,8 +5,8 @@ from pathlib import Path
 from plan2scene.datasets import read_assignment
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job
-from plan2scene.photos.crop_candidates import CropSettings
-from plan2scene.photos.crop_stage import load_crops, make_crops
+from plan2scene.photos.crops.candidates import CropSettings
+from plan2scene.photos.crops.stage import load_crops, make_crops
 
 with job(snakemake.log[0]):
     name, params = snakemake.wildcards.house, snakemake.params

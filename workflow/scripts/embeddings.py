@@ -3,7 +3,7 @@
 import torch
 
 from plan2scene.jobs import job
-from plan2scene.textures.embedding import make_embeddings
+from plan2scene.textures.model.embedding import make_embeddings
 
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)

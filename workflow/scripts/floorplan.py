@@ -1,6 +1,6 @@
 """Rule floorplan: any supported plan -> scene.json."""
 
-from plan2scene.floorplans import import_plan
+from plan2scene.datasets import import_plan
 from plan2scene.jobs import job
 
 with job(snakemake.log[0]):

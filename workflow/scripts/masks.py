@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from plan2scene.jobs import job
-from plan2scene.photos.stage import make_masks
+from plan2scene.photos.masks import make_masks
 
 with job(snakemake.log[0]):
     params = snakemake.params
     pretrained = None
     if params.source == "pretrained":
-        from plan2scene.photos.segmentation_pretrained import Checkpoint
+        from plan2scene.photos.labels.pretrained import Checkpoint
 
         pretrained = Checkpoint(**params.pretrained)
     # All names of the house table: the stage says which photos are missing or unsafe.

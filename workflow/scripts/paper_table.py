@@ -1,7 +1,7 @@
 """Rule paper_table: metrics of all houses -> the paper's table 1."""
 
+from plan2scene.evaluation.paper_table import TableRequest, paper_table
 from plan2scene.jobs import job
-from plan2scene.metrics.table import TableRequest, paper_table
 
 with job(snakemake.log[0]):
     paper_table(

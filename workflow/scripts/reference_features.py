@@ -1,7 +1,7 @@
 """Rule reference_features: every crop of a house -> its features for FID."""
 
+from plan2scene.evaluation.measure import reference_features
 from plan2scene.jobs import job
-from plan2scene.metrics.stage import reference_features
 
 with job(snakemake.log[0]):
     reference_features(

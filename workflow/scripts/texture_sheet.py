@@ -1,7 +1,7 @@
 """Rule texture_sheet: crops and tiles of all methods of a house -> texture_sheet.png."""
 
+from plan2scene.evaluation.texture_sheet import write_texture_sheet
 from plan2scene.jobs import job
-from plan2scene.textures.sheet import write_texture_sheet
 
 with job(snakemake.log[0]):
     write_texture_sheet(

@@ -1,0 +1,203 @@
+"""The command line: thin, over the same library and workflow (``plan2scene --help``)."""
+
+from __future__ import annotations
+
+import enum
+import json
+import logging
+import re
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from plan2scene.errors import InputError, WorkflowError
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+
+
+class Method(enum.StrEnum):
+    """How textures are made."""
+
+    crop = "crop"
+    retrieve = "retrieve"
+    naivesynth = "naivesynth"
+    synth = "synth"
+    synth_large = "synth-large"
+    exemplar = "exemplar"
+    medoid_colour = "medoid_colour"
+    projection = "projection"
+
+
+def _house_id(plan: Path, given: str | None) -> str:
+    """Return the house id: the one given, else made of the plan's file name."""
+    name = given or re.sub(r"[^A-Za-z0-9_.-]+", "_", plan.name.split(".")[0]).lstrip(".") or "house"
+    if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", name):
+        raise InputError("a house id of letters, digits, '_', '.', '-'", repr(name))
+    return name
+
+
+@app.command("run")
+def run_house(
+    plan: Annotated[Path, typer.Option(help="Floorplan: scene.json, our JSON, or R2V text.")],
+    out: Annotated[Path, typer.Option(help="Folder for the results.")],
+    photos: Annotated[Path | None, typer.Option(help="CSV table: room_id, photo.")] = None,
+    photos_dir: Annotated[
+        Path | None, typer.Option(help="Folder of the photos; default: beside the table.")
+    ] = None,
+    method: Annotated[Method, typer.Option(help="How textures are made.")] = Method.exemplar,
+    cores: Annotated[int, typer.Option(min=1)] = 2,
+    house: Annotated[str | None, typer.Option(help="House id; default: the plan's name.")] = None,
+    metres_per_pixel: Annotated[
+        float | None, typer.Option(min=1e-6, help="Scale of an R2V plan.")
+    ] = None,
+    texture_size: Annotated[int, typer.Option(help="128, 256 or 512 pixels a tile.")] = 128,
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+) -> None:
+    """Make one textured house from a plan and photos."""
+    from plan2scene.run import SingleHouse, run
+
+    request = SingleHouse(
+        plan=plan,
+        photo_table=photos,
+        photos_dir=photos_dir,
+        house=_house_id(plan, house),
+        method=method.value,
+        metres_per_pixel=metres_per_pixel,
+        seed=seed,
+        texture_size=texture_size,
+    )
+    for name, path in run(request, out, cores=cores).items():
+        print(f"{name}: {path}")
+
+
+@app.command("masks")
+def label_photos(
+    photos: Annotated[list[Path], typer.Argument(help="Photos.")],
+    out: Annotated[Path, typer.Option(help="Folder for the label images.")],
+    model: Annotated[Path | None, typer.Option(help="Other segmentation weights.")] = None,
+) -> None:
+    """Write label images (0 other, 1 floor, 2 wall, 3 ceiling) at the photos' size."""
+    from plan2scene.io import read_image, write_png
+    from plan2scene.photos.labels.segmentation import labels_told_camera, load_segmenter
+    from plan2scene.weights import MODELS
+
+    targets = [out / f"{photo.stem}.png" for photo in photos]
+    for i, target in enumerate(targets):
+        if target in targets[:i]:
+            raise InputError("photos of different names", f"{photos[i].stem} twice", file=photos[i])
+    segmenter = load_segmenter(model or MODELS / "segmentation.safetensors")
+    failed = 0
+    for photo, target in zip(photos, targets, strict=True):
+        try:
+            write_png(target, labels_told_camera(segmenter, read_image(photo)))
+            print(target)
+        except InputError as error:
+            print(f"ERROR {error}", file=sys.stderr)
+            failed += 1
+    if failed:
+        raise typer.Exit(1)
+
+
+@app.command("texture")
+def make_texture(
+    crops: Annotated[list[Path], typer.Argument(help="Crops of one surface.")],
+    out: Annotated[Path, typer.Option(help="The tile (PNG).")],
+    method: Annotated[Method, typer.Option(help="How the tile is made.")] = Method.exemplar,
+    size: Annotated[int, typer.Option(min=64, max=1024, help="Pixels of the tile.")] = 128,
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+) -> None:
+    """Make one seamless tile from crops of one surface."""
+    from plan2scene.io import read_image, write_png
+    from plan2scene.textures.single import tile_from_crops
+
+    images = [read_image(path) for path in crops]
+    write_png(out, tile_from_crops(images, method.value, size_px=size, seed=seed))
+    print(out)
+
+
+@app.command("metrics")
+def compare(prediction: Path, reference: Path) -> None:
+    """Print COLOR, FREQ, TILE (of the prediction) and SUBS of a texture against a reference."""
+    from plan2scene.io import read_image
+    from plan2scene.metrics.pair import pair_metrics
+
+    print(json.dumps(pair_metrics(read_image(prediction), read_image(reference))))
+
+
+@app.command("check")
+def check(
+    target: Annotated[Path, typer.Argument(help="A data set's folder, or a plan.")],
+    metres_per_pixel: Annotated[float | None, typer.Option(min=1e-6)] = None,
+) -> None:
+    """Tell what would go wrong, before anything runs."""
+    from plan2scene.datasets import check_dataset, check_plan
+
+    if not target.exists():
+        raise InputError("a data set's folder or a plan", "no such file or folder", file=target)
+    if target.is_dir():
+        problems = check_dataset(target, metres_per_pixel=metres_per_pixel)
+    else:
+        house, problems = check_plan(target, _house_id(target, None), metres_per_pixel)
+        if house is not None:
+            print(f"{len(house.rooms)} rooms, {len(house.walls)} walls, {len(house.doors)} doors")
+    for problem in problems:
+        print(problem)
+    print(f"{len(problems)} problems" if problems else "no problems")
+    if any(problem.level == "error" for problem in problems):
+        raise typer.Exit(1)
+
+
+@app.command("import")
+def import_plan_file(
+    plan: Path,
+    out: Annotated[Path, typer.Option(help="The scene.json to write.")],
+    metres_per_pixel: Annotated[
+        float | None, typer.Option(min=1e-6, help="Scale of an R2V plan.")
+    ] = None,
+    house: Annotated[str | None, typer.Option(help="House id; default: the plan's name.")] = None,
+) -> None:
+    """Convert any supported plan to scene.json."""
+    from plan2scene.datasets import import_plan
+
+    import_plan(plan, out, house_id=_house_id(plan, house), metres_per_pixel=metres_per_pixel)
+    print(out)
+
+
+@app.command("convert-checkpoint")
+def convert(
+    network: Annotated[
+        str, typer.Argument(help="One of texture, naivesynth, propagation, vgg16, inception.")
+    ],
+    checkpoint: Annotated[Path, typer.Argument(help="A file the paper's authors released.")],
+    out: Annotated[Path, typer.Option(help="The safetensors file to write.")],
+    substances: Annotated[
+        str, typer.Option(help="Order of its substance classes.")
+    ] = "wood,plaster,carpet,tile",
+    means: Annotated[
+        Path | None, typer.Option(help="Weights of a propagation network to take the means of.")
+    ] = None,
+) -> None:
+    """Convert released weights; a file that carries code is refused."""
+    from plan2scene.checkpoints.convert import convert_checkpoint
+    from plan2scene.propagation.inference import read_propagation
+
+    convert_checkpoint(
+        network,
+        checkpoint,
+        out,
+        substances=[name.strip() for name in substances.split(",")],
+        means=read_propagation(means)[1] if means else None,
+    )
+    print(out)
+
+
+def main() -> None:
+    """Entry point: a fault of the input is one line on stderr and exit code 1."""
+    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(message)s")
+    try:
+        app()
+    except (InputError, WorkflowError) as error:
+        print(f"ERROR {error}", file=sys.stderr)
+        raise SystemExit(1) from None

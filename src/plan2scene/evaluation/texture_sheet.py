@@ -1,0 +1,155 @@
+"""The texture sheet: a house's reference crops and each method's tiles, 2 x 2, to look at."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from plan2scene.house import SURFACES, SurfaceKey
+from plan2scene.io import atomic_path, read_image, read_json, read_parquet
+from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.images import metric_image
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_CELL, _GAP, _LABEL, _HEAD, _CAPTION = 192, 8, 132, 26, 16
+_PAPER, _INK, _PALE = (250, 250, 250), (25, 25, 25), (225, 225, 225)
+
+
+@dataclass(frozen=True, eq=False)
+class SheetRow:
+    """A surface on a sheet.
+
+    Attributes
+    ----------
+    title : tuple of str
+        Lines beside the row.
+    reference : (s, s, 3) uint8 or None
+        The crop that metrics compare with; None where no photo shows the surface.
+    tiles : mapping
+        Method -> (s, s, 3) uint8 tile.
+    """
+
+    title: tuple[str, ...]
+    reference: np.ndarray | None
+    tiles: Mapping[str, np.ndarray]
+
+    def color(self, method: str) -> float:
+        """Return COLOR of a method's tile against the reference; NaN without one."""
+        if self.reference is None:
+            return float("nan")
+        return color_distance(metric_image(self.tiles[method]), metric_image(self.reference))
+
+
+def sheet_rows(
+    textures: Mapping[str, str | Path],
+    crops: str | Path,
+    hidden_photos: Collection[str],
+) -> dict[SurfaceKey, SheetRow]:
+    """Return a row for each surface of a house, room by room.
+
+    Parameters
+    ----------
+    textures : mapping
+        Method -> folder of the texture stage.
+    crops : path
+        ``crops.parquet`` of the house.
+    hidden_photos : collection of str
+        Photos that the textures did not see: their crops are the references of what they show.
+    """
+    from plan2scene.evaluation.measure import reference_images
+
+    references = reference_images(read_parquet(crops)[0], hidden_photos)
+    listed = read_json(Path(next(iter(textures.values()))) / "textures.json")["surfaces"]
+    rows = {}
+    for name, entry in sorted(listed.items(), key=lambda item: _order(item[0])):
+        key = SurfaceKey(*name.rsplit("/", 1))
+        visible, every = references.get(key, (None, None))
+        tiles = {
+            method: read_image(Path(folder) / f"{key.filename}.png")
+            for method, folder in textures.items()
+        }
+        seen = "observed" if entry["observed"] else "not observed"
+        title = (key.room_id, key.surface, str(entry["substance"]), seen)
+        rows[key] = SheetRow(title, every if visible is None else visible, tiles)
+    return rows
+
+
+def _order(name: str) -> tuple[str, int]:
+    """Return what sorts ``room/surface`` by room, then floor, wall, ceiling."""
+    room, surface = name.rsplit("/", 1)
+    return room, SURFACES.index(surface)
+
+
+def write_texture_sheet(
+    output: str | Path,
+    textures: Mapping[str, str | Path],
+    crops: str | Path,
+    hidden_photos: Collection[str],
+    *,
+    house: str,
+) -> None:
+    """Write a house's sheet as PNG; parameters as of :func:`sheet_rows`."""
+    rows = list(sheet_rows(textures, crops, hidden_photos).values())
+    with atomic_path(output) as temporary:
+        draw_sheet(f"{house}: tiles, each twice in both directions", rows).save(
+            temporary, format="PNG", optimize=True
+        )
+
+
+def draw_sheet(title: str, rows: Sequence[SheetRow]) -> Image.Image:
+    """Return rows as a picture: reference crop, then a method a column, COLOR below each."""
+    methods = list(rows[0].tiles) if rows else []
+    step = _CELL + _GAP
+    width = _LABEL + (len(methods) + 1) * step + _GAP
+    height = 2 * _HEAD + len(rows) * (step + _CAPTION) + _GAP
+    page = Image.new("RGB", (width, height), _PAPER)
+    draw = ImageDraw.Draw(page)
+    draw.text((_GAP, 5), title, font=_font(15), fill=_INK)
+    for column, name in enumerate(["reference crop", *methods]):
+        draw.text((_LABEL + column * step, _HEAD + 5), name, font=_font(13), fill=_INK)
+    for index, row in enumerate(rows):
+        top = 2 * _HEAD + index * (step + _CAPTION)
+        draw.text((_GAP, top), "\n".join(row.title), font=_font(12), fill=_INK)
+        _paste(page, (_LABEL, top), row.reference, 1)
+        for column, (method, tile) in enumerate(row.tiles.items(), start=1):
+            corner = (_LABEL + column * step, top)
+            _paste(page, corner, tile, 2)
+            color = row.color(method)
+            if np.isfinite(color):
+                text = f"COLOR {color:.2f}"
+                draw.text((corner[0], top + _CELL + 1), text, font=_font(11), fill=_INK)
+    return page
+
+
+def _paste(
+    page: Image.Image, corner: tuple[int, int], image: np.ndarray | None, times: int
+) -> None:
+    """Put an image, repeated `times` in both directions, into a cell; a pale field for None."""
+    if image is None:
+        page.paste(_PALE, (*corner, corner[0] + _CELL, corner[1] + _CELL))
+        return
+    repeated = Image.fromarray(np.tile(image, (times, times, 1)))
+    page.paste(repeated.resize((_CELL, _CELL), Image.Resampling.BOX), corner)
+
+
+def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """Return Pillow's own font at a size in pixels."""
+    return ImageFont.load_default(size=size)
+
+
+def ranked(rows: Mapping[str, SheetRow], method: str) -> pd.DataFrame:
+    """Return ``name, color`` of all rows that have a reference, best COLOR of a method first."""
+    import pandas as pd
+
+    frame = pd.DataFrame(
+        [(name, row.color(method)) for name, row in rows.items() if row.reference is not None],
+        columns=["name", "color"],
+    )
+    return frame.sort_values(["color", "name"], ignore_index=True)

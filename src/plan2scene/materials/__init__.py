@@ -1,0 +1,91 @@
+"""Materials of homes: procedural textures that tile, with a metric size, and folders of scans."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from plan2scene.materials import carpet, colour, plaster, tile, wood
+from plan2scene.materials.folder import load_texture_folder
+from plan2scene.materials.material import Material
+from plan2scene.seeds import generator
+
+__all__ = ["KINDS", "Material", "load_texture_folder", "random_material"]
+
+_Maker = Callable[
+    [np.random.Generator, str, int, "np.ndarray | None"], tuple[np.ndarray, float, float]
+]
+
+#: Kinds of each substance and how often each is drawn.
+KINDS: Mapping[str, Mapping[str, float]] = {
+    "wood": {"planks": 0.45, "strip": 0.15, "basket": 0.12, "herringbone": 0.18, "plain": 0.1},
+    "plaster": {"paint": 0.35, "plaster": 0.3, "concrete": 0.15, "wallpaper": 0.2},
+    "carpet": {"loop": 0.3, "cut": 0.35, "fleck": 0.15, "patterned": 0.2},
+    "tile": {
+        "grid": 0.28,
+        "diagonal": 0.06,
+        "checker": 0.06,
+        "mosaic": 0.14,
+        "brick": 0.16,
+        "hexagon": 0.08,
+        "marble": 0.12,
+        "terrazzo": 0.1,
+    },
+}
+_MAKERS: Mapping[str, _Maker] = {
+    "wood": wood.make,
+    "plaster": plaster.make,
+    "carpet": carpet.make,
+    "tile": tile.make,
+}
+
+
+def random_material(
+    substance: str,
+    seed: int,
+    *,
+    kind: str | None = None,
+    size_px: int = 256,
+    colour_rgb: tuple[int, int, int] | None = None,
+) -> Material:
+    """Return a random material of a substance; the same seed gives the same bytes.
+
+    Parameters
+    ----------
+    substance : str
+        One of ``house.SUBSTANCES``.
+    seed : int
+        Decides colour, scale, wear, contrast and (unless given) the kind.
+    kind : str, optional
+        One of ``KINDS[substance]``; drawn by their shares when None.
+    size_px : int
+        Side of the albedo tile in pixels, at least 32.
+    colour_rgb : (int, int, int), optional
+        Main colour, sRGB 0-255; drawn from the substance's palette when None.
+
+    Raises
+    ------
+    ValueError
+        For an unknown substance or kind, or a size below 32.
+    """
+    if substance not in KINDS:
+        raise ValueError(f"expected a substance of {tuple(KINDS)}, found {substance!r}")
+    kinds = KINDS[substance]
+    if kind is not None and kind not in kinds:
+        raise ValueError(f"expected a kind of {tuple(kinds)}, found {kind!r}")
+    if size_px < 32:
+        raise ValueError(f"expected size_px >= 32, found {size_px}")
+    rng = generator(seed, "material", substance)
+    drawn = str(rng.choice(list(kinds), p=list(kinds.values())))
+    kind = kind or drawn
+    base = None if colour_rgb is None else np.array(colour_rgb, np.float32) / 255
+    image, size_m, roughness = _MAKERS[substance](rng, kind, size_px, base)
+    return Material(
+        name=f"{substance}-{kind}-{int(rng.integers(2**32)):08x}",
+        substance=substance,
+        kind=kind,
+        albedo=colour.to_uint8(image),
+        size_m=size_m,
+        roughness=roughness,
+    )

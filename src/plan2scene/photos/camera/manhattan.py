@@ -1,0 +1,285 @@
+"""Manhattan frame of a photo from its line segments: rotation and focal length together.
+
+Guesses over a grid of focal lengths are refined side by side, a few with the focal length free.
+What they cost gives the focal length's probability, and by it how sure the best one is: a photo
+that looks straight at a wall fits every focal length and is told so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from plan2scene.photos.camera.vanishing import (
+    FOV_RANGE_DEG,
+    N_FOCAL,
+    Guess,
+    Segments,
+    first_guesses,
+    residuals,
+)
+
+#: Guesses refined with their focal length free, the best of all.
+N_FREE = 8
+#: Spread of the priors: log of the focal length, pitch and roll (radians; heavy tails), and the
+#: lens distortion (`Segments.bent_rays`) with its bounds.
+SIGMA_LOG_FOCAL = 0.35
+SIGMA_PITCH = np.radians(12.0)
+SIGMA_ROLL = np.radians(5.0)
+SIGMA_BEND = 0.03
+BEND_RANGE = (-0.4, 0.25)
+#: Segments share errors (of the lens, of one texture): so many count as one independent one.
+CORRELATION = 1.4
+#: Widths of the reweighting, in noise of a segment, and that of the cost.
+REWEIGHTING = (5.0, 4.0, 3.0, 2.2, 1.5, 1.5, 1.5)
+COST_WIDTH = 1.5
+#: Ratio of focal lengths within which one counts as right.
+RIGHT_WITHIN = 1.15
+N_PARAMETERS = 5
+DIFFERENCE = 1e-5
+#: Residuals, in noise of a segment, that count as agreement.
+AGREES = 2.5
+
+
+@dataclass(frozen=True)
+class Manhattan:
+    """A fitted frame.
+
+    Parameters
+    ----------
+    axes : (3, 3) float64
+        Columns are the world's x, y (up), z in camera axes: the world-to-camera rotation.
+    focal : float
+        Focal length, pixels.
+    bend : float
+        Lens distortion, see `Segments.bent_rays`.
+    counts : (3,) int
+        Segments that agree with x, y, z.
+    share : float
+        Share of the segments' weight that agrees with one of the three.
+    log_focal_sd : float
+        Standard deviation of log(focal) given the segments and the prior.
+    certainty : float
+        Probability that the true focal length is within `RIGHT_WITHIN` of `focal`.
+    """
+
+    axes: np.ndarray
+    focal: float
+    bend: float
+    counts: tuple[int, int, int]
+    share: float
+    log_focal_sd: float
+    certainty: float
+
+
+@dataclass(frozen=True)
+class _State:
+    """Hypotheses: axes (k, 3, 3), log focal length (k,), distortion (k,)."""
+
+    axes: np.ndarray
+    log_focal: np.ndarray
+    bend: np.ndarray
+
+    def take(self, index: int) -> _State:
+        one = slice(index, index + 1)
+        return _State(self.axes[one], self.log_focal[one], self.bend[one])
+
+    def joined(self, other: _State) -> _State:
+        return _State(
+            np.concatenate([self.axes, other.axes]),
+            np.concatenate([self.log_focal, other.log_focal]),
+            np.concatenate([self.bend, other.bend]),
+        )
+
+    def turned(self, step: np.ndarray) -> _State:
+        """Return the state moved by steps (k, 5) or (5,): rotation vector, log focal, bend."""
+        steps = np.broadcast_to(step, (len(self.axes), N_PARAMETERS))
+        turns = np.stack([cv2.Rodrigues(np.ascontiguousarray(s[:3]))[0] for s in steps])
+        bend = np.clip(self.bend + steps[:, 4], *BEND_RANGE)
+        return _State(turns @ self.axes, self.log_focal + steps[:, 3], bend)
+
+
+def fit_manhattan(
+    segments: Segments, width: int, prior: float, seed: int, *, fixed: bool = False
+) -> Manhattan | None:
+    """Return the best Manhattan frame and focal length, or None without enough segments.
+
+    Parameters
+    ----------
+    segments : Segments
+        Line segments about the principal point.
+    width : int
+        Width of the photo, pixels.
+    prior : float
+        Focal length at the centre of the prior, pixels.
+    seed : int
+        Seed of the pairs drawn for the vertical vanishing point.
+    fixed : bool
+        The focal length is `prior`; only the rotation (and the distortion) is sought.
+    """
+    if len(segments.points) < 8:
+        return None
+    low, high = (width / 2 / np.tan(np.radians(fov) / 2) for fov in FOV_RANGE_DEG[::-1])
+    grid = np.geomspace(min(low, prior), max(high, prior), N_FOCAL)
+    guesses = first_guesses(segments, width, np.array([prior]) if fixed else grid, prior, seed)
+    every = sorted((guess for group in guesses for guess in group), key=lambda g: -g.score)
+    if fixed:
+        held, free = every[:N_FREE], []
+    else:
+        held, free = [group[0] for group in guesses], every[:N_FREE]
+    state = _state(held + free)
+    moves = np.ones((len(state.bend), N_PARAMETERS))
+    moves[: len(held), 3] = 0.0
+    state = _refine(segments, state, prior, moves)
+    cost = _cost(segments, state, prior)
+    best = int(np.argmin(cost))
+    if not fixed and best < len(held):
+        again = _refine(segments, state.take(best), prior, np.ones((1, N_PARAMETERS)))
+        state = state.joined(again)
+        cost = np.concatenate([cost, _cost(segments, again, prior)])
+        best = int(np.argmin(cost))
+    found = _describe(segments, state.take(best))
+    if fixed:
+        return replace(found, log_focal_sd=0.0, certainty=1.0)
+    spread, certainty = _certainty(state.log_focal, cost, best, np.log(grid))
+    return replace(found, log_focal_sd=spread, certainty=certainty)
+
+
+def refine_rotation(segments: Segments, frame: Manhattan, focal: float) -> np.ndarray:
+    """Return the frame's axes refitted at another focal length."""
+    state = _State(frame.axes[None], np.log([focal]), np.array([frame.bend]))
+    moves = np.array([[1.0, 1.0, 1.0, 0.0, 0.0]])
+    return _refine(segments, state, focal, moves).axes[0]
+
+
+def _state(guesses: list[Guess]) -> _State:
+    return _State(
+        np.stack([guess.axes for guess in guesses]),
+        np.log([guess.focal for guess in guesses]),
+        np.zeros(len(guesses)),
+    )
+
+
+def _scaled(
+    segments: Segments, state: _State, nearest: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return residuals (k, s) over their noise to the nearest axis, and that axis (k, s)."""
+    normal, middle = segments.bent_rays(np.exp(state.log_focal), state.bend)
+    if nearest is None:
+        off = residuals(normal, middle, state.axes)
+        distance = np.abs(off)
+        distance[..., 1] += segments.off_vertical
+        nearest = np.argmin(distance, axis=-1)
+        own = np.take_along_axis(off, nearest[..., None], axis=-1)[..., 0]
+        return own / segments.noise, nearest
+    axis = np.take_along_axis(state.axes.transpose(0, 2, 1), nearest[..., None], axis=1)
+    reach = np.sqrt(np.maximum(1.0 - (middle * axis).sum(axis=-1) ** 2, 1e-9))
+    off = np.arcsin(np.clip((normal * axis).sum(axis=-1) / reach, -1.0, 1.0))
+    return off / segments.noise, nearest
+
+
+def _priors(state: _State, prior: float) -> np.ndarray:
+    """Return the prior's terms (k, 4): focal length, pitch, roll, distortion, over their spread."""
+    up = state.axes[:, :, 1]
+    return np.stack(
+        [
+            (state.log_focal - np.log(prior)) / SIGMA_LOG_FOCAL,
+            np.arcsin(np.clip(up[:, 2], -1, 1)) / SIGMA_PITCH,
+            np.arctan2(up[:, 0], -up[:, 1]) / SIGMA_ROLL,
+            state.bend / SIGMA_BEND,
+        ],
+        axis=1,
+    )
+
+
+def _cost(segments: Segments, state: _State, prior: float) -> np.ndarray:
+    """Return minus the log probability (k,): a segment that fits nothing costs a constant."""
+    scaled, _ = _scaled(segments, state)
+    lost = COST_WIDTH**2 * (1.0 - np.exp(-0.5 * (scaled / COST_WIDTH) ** 2))
+    focal, pitch, roll, bend = _priors(state, prior).T
+    tilt = 2.0 * np.log1p(0.25 * pitch**2) + 2.0 * np.log1p(0.25 * roll**2)
+    return np.asarray(
+        (segments.weight * lost).sum(axis=1) / CORRELATION + tilt + 0.5 * (focal**2 + bend**2)
+    )
+
+
+def _refine(segments: Segments, state: _State, prior: float, moves: np.ndarray) -> _State:
+    """Return the state after reweighted Gauss-Newton steps of the parameters that may move.
+
+    `moves` (k, 5) is 1 for those parameters, 0 for the held ones.
+    """
+    held = np.eye(N_PARAMETERS)[None] * (1.0 - moves + 1e-6)[:, None]
+    for width in REWEIGHTING:
+        scaled, nearest = _scaled(segments, state)
+        believed = _priors(state, prior)
+        slope, belief_slope = _jacobian(segments, state, prior, nearest)
+        slope, belief_slope = slope * moves[:, None], belief_slope * moves[:, None]
+        trust = segments.weight * np.exp(-0.5 * (scaled / width) ** 2) / CORRELATION
+        belief = 1.0 / (1.0 + 0.25 * believed**2)
+        belief[:, [0, 3]] = 1.0
+        weighted = slope * trust[..., None]
+        weighted_belief = belief_slope * belief[..., None]
+        normal = weighted.transpose(0, 2, 1) @ slope
+        normal += weighted_belief.transpose(0, 2, 1) @ belief_slope + held
+        right = np.einsum("ksi,ks->ki", weighted, scaled)
+        right += np.einsum("ksi,ks->ki", weighted_belief, believed)
+        step = -np.linalg.solve(normal, right[..., None])[..., 0]
+        state = state.turned(np.clip(step, -0.15, 0.15) * moves)
+    return state
+
+
+def _jacobian(
+    segments: Segments, state: _State, prior: float, nearest: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return derivatives (k, s, 5) of residuals and (k, 4, 5) of the prior's terms."""
+    columns, beliefs = [], []
+    for index in range(N_PARAMETERS):
+        step = np.zeros(N_PARAMETERS)
+        step[index] = DIFFERENCE
+        ahead, behind = state.turned(step), state.turned(-step)
+        change = _scaled(segments, ahead, nearest)[0] - _scaled(segments, behind, nearest)[0]
+        columns.append(change / (2 * DIFFERENCE))
+        beliefs.append((_priors(ahead, prior) - _priors(behind, prior)) / (2 * DIFFERENCE))
+    return np.stack(columns, axis=-1), np.stack(beliefs, axis=-1)
+
+
+def _certainty(
+    log_focal: np.ndarray, cost: np.ndarray, best: int, grid: np.ndarray
+) -> tuple[float, float]:
+    """Return the standard deviation of log(focal) and the probability that the best is right.
+
+    The cost between hypotheses is interpolated; of those at one focal length the cheapest counts.
+    """
+    kept: list[tuple[float, float]] = []
+    for index in np.argsort(log_focal, kind="stable"):
+        point = (float(log_focal[index]), float(cost[index]))
+        if kept and point[0] - kept[-1][0] < 0.01:
+            kept[-1] = min(kept[-1], point, key=lambda item: item[1])
+        else:
+            kept.append(point)
+    known, costs = np.array(kept).T
+    fine = np.linspace(grid[0], grid[-1], 400)
+    chance = np.exp(cost[best] - np.interp(fine, known, costs))
+    chance /= chance.sum()
+    mean = float(chance @ fine)
+    near = np.abs(fine - log_focal[best]) < np.log(RIGHT_WITHIN)
+    return float(np.sqrt(chance @ (fine - mean) ** 2)), float(chance[near].sum())
+
+
+def _describe(segments: Segments, state: _State) -> Manhattan:
+    """Return the only hypothesis of a state with its support."""
+    scaled, nearest = (values[0] for values in _scaled(segments, state))
+    fits = np.abs(scaled) < AGREES
+    weight = segments.weight * segments.length
+    counts = [int((fits & (nearest == axis)).sum()) for axis in range(3)]
+    return Manhattan(
+        axes=state.axes[0],
+        focal=float(np.exp(state.log_focal[0])),
+        bend=float(state.bend[0]),
+        counts=(counts[0], counts[1], counts[2]),
+        share=float(weight[fits].sum() / weight.sum()),
+        log_focal_sd=0.0,
+        certainty=0.0,
+    )

@@ -1,0 +1,124 @@
+"""Windows of a house's candidates.parquet, as its contact sheet shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from plan2scene.io import image_from_bytes, read_parquet
+from plan2scene.photos.crops.tables import LAST_RESORT_PREFIX
+
+#: sRGB of kept crops, crops kept for want of better ones, and rejected windows.
+KEPT, LAST_RESORT, REJECTED = (40, 200, 70), (250, 170, 30), (225, 50, 50)
+
+
+@dataclass(frozen=True)
+class Window:
+    """One candidate window of a photo.
+
+    Parameters
+    ----------
+    surface : str
+    plane : int
+    kept : bool
+    reason : str
+        Empty for a good one.
+    metres : float
+        Side, NaN where unknown.
+    corners : (4, 2) float64
+        Pixels x, y in the photo, clockwise from the crop's top left; NaN where unknown.
+    image : (128, 128, 3) uint8, optional
+        The crop, of a kept one.
+    """
+
+    surface: str
+    plane: int
+    kept: bool
+    reason: str
+    metres: float
+    corners: np.ndarray
+    image: np.ndarray | None = None
+
+    @property
+    def colour(self) -> tuple[int, int, int]:
+        """Return the colour of its frame."""
+        return REJECTED if not self.kept else LAST_RESORT if self.reason else KEPT
+
+    @property
+    def name(self) -> str:
+        """Return the name of its plane: floor, ceiling, wall 0 ..."""
+        return f"wall {self.plane}" if self.surface == "wall" else self.surface
+
+    @property
+    def faults(self) -> list[str]:
+        """Return the single reasons why it is not good."""
+        return [part for part in self.reason.removeprefix(LAST_RESORT_PREFIX).split(", ") if part]
+
+
+def read_windows(crops: str | Path, candidates: str | Path) -> dict[str, tuple[Window, ...]]:
+    """Return the windows of each photo, once for all rooms; kept when any room keeps it."""
+    table, _ = read_parquet(crops)
+    png = dict(zip(table["crop_id"], table["png"], strict=True))
+    frame, _ = read_parquet(candidates)
+    found: dict[tuple[str, str, int, int], Window] = {}
+    for row in frame.to_dict("records"):
+        key = (row["photo"], row["surface"], int(row["plane"]), int(row["index"]))
+        if key in found and found[key].kept:
+            continue
+        found[key] = _window(row, png)
+    photos: dict[str, list[Window]] = {}
+    for (photo, *_), window in found.items():
+        photos.setdefault(photo, []).append(window)
+    return {photo: tuple(members) for photo, members in photos.items()}
+
+
+def _window(row: Mapping[str, Any], png: Mapping[str, bytes]) -> Window:
+    """Return the window of a row of candidates.parquet."""
+    data = png.get(row["crop_id"]) if row["crop_id"] else None
+    return Window(
+        surface=row["surface"],
+        plane=int(row["plane"]),
+        kept=bool(row["crop_id"]),
+        reason=row["reason"],
+        metres=float(row["metres"]),
+        corners=np.array(list(row["corners"]), np.float64).reshape(4, 2),
+        image=None if data is None else image_from_bytes(data),
+    )
+
+
+def count_windows(windows: Sequence[Window]) -> dict[str, int]:
+    """Return how many windows are kept, kept for want of better ones, and rejected."""
+    return {
+        "kept": sum(window.kept and not window.reason for window in windows),
+        "last_resort": sum(window.kept and bool(window.reason) for window in windows),
+        "rejected": sum(not window.kept for window in windows),
+    }
+
+
+def thumbnail(window: Window, full: np.ndarray | None, side: int) -> np.ndarray:
+    """Return a window (side, side, 3): its crop, else cut out of the photo by its corners."""
+    if window.image is not None:
+        return cv2.resize(window.image, (side, side), interpolation=cv2.INTER_AREA)
+    if full is None or not np.isfinite(window.corners).all():
+        return np.full((side, side, 3), 220, np.uint8)
+    large = 2 * side
+    square = np.array([[0, 0], [large, 0], [large, large], [0, large]], np.float32) - 0.5
+    warp = cv2.getPerspectiveTransform(window.corners.astype(np.float32), square)
+    cut = cv2.warpPerspective(full, warp, (large, large))
+    return cv2.resize(cut, (side, side), interpolation=cv2.INTER_AREA)
+
+
+def in_turns(windows: Sequence[Window]) -> list[Window]:
+    """Return windows in turns over planes and reasons, so that the first few show every kind."""
+    groups: dict[tuple[str, int, str], list[Window]] = {}
+    for window in windows:
+        groups.setdefault((window.surface, window.plane, window.reason), []).append(window)
+    longest = max((len(group) for group in groups.values()), default=0)
+    return [
+        groups[name][k] for k in range(longest) for name in sorted(groups) if k < len(groups[name])
+    ]

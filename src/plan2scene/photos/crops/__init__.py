@@ -1,0 +1,1 @@
+"""Rectified crops of surfaces: sampling, filters, light, tables."""

@@ -1,0 +1,125 @@
+"""Candidates of a photo: its planes for rooms of each size, and the windows drawn on them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from plan2scene.house import House
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.crops.filter import inner_plane, judge_of, with_fault
+from plan2scene.photos.crops.sampling import (
+    CROP_METRES,
+    CROPS_PER_MASK,
+    TRIES,
+    Candidate,
+    sample_candidates,
+)
+from plan2scene.photos.crops.tables import WORST_RESORT, PhotoCandidate
+from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
+from plan2scene.photos.planes.room_size import RoomSize, room_extent
+from plan2scene.seeds import generator
+
+
+@dataclass(frozen=True)
+class CropSettings:
+    """How windows are drawn: see :func:`plan2scene.photos.crops.sampling.sample_candidates`.
+
+    `camera_height_m` is the prior of :func:`plan2scene.photos.planes.planes.split_planes`. The
+    others switch :mod:`plan2scene.photos.crops.filter` and the corrections of
+    :mod:`plan2scene.photos.crops.light`.
+    """
+
+    metres: tuple[float, ...] = CROP_METRES
+    per_mask: int = CROPS_PER_MASK
+    tries: int = TRIES
+    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
+    filter: bool = True
+    white_balance: bool = True
+    exposure: bool = True
+    flatten: bool = False
+
+
+def rooms_by_size(house: House, rooms: Sequence[str]) -> dict[RoomSize, tuple[str, ...]]:
+    """Return the rooms by their height and extent in the plan, in their order."""
+    groups: dict[RoomSize, list[str]] = {}
+    for name in dict.fromkeys(rooms):
+        room = house.room(name)
+        groups.setdefault(RoomSize(room.height, room_extent(room)), []).append(name)
+    return {size: tuple(members) for size, members in groups.items()}
+
+
+def candidates_of_photo(
+    image: np.ndarray,
+    labels: np.ndarray,
+    camera: Camera,
+    rooms_by_size: Mapping[RoomSize, tuple[str, ...]],
+    settings: CropSettings,
+    *,
+    seed: int,
+    house: str,
+    photo: str,
+) -> list[PhotoCandidate]:
+    """Return the windows drawn on all planes of one photo, for its rooms of each size.
+
+    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8; candidates are numbered on within a
+    plane's number from one size to the next, so that crops of different images have
+    different names.
+    """
+    found: list[PhotoCandidate] = []
+    count: dict[tuple[str, int], int] = {}
+    for size, rooms in rooms_by_size.items():
+        planes = split_planes(
+            labels,
+            camera,
+            image=image,
+            camera_height_m=settings.camera_height_m,
+            room_height_m=size.height_m,
+            room_extent_m=size.extent_m,
+        )
+        for plane in planes:
+            rng = generator(seed, "crops", house, photo, plane.surface, plane.index)
+            drawn = candidates_of_plane(image, camera, plane, settings, rng)
+            first = count.get((plane.surface, plane.index), 0)
+            count[plane.surface, plane.index] = first + len(drawn)
+            for candidate in drawn:
+                crop = replace(candidate.crop, index=first + candidate.crop.index)
+                found.append(
+                    PhotoCandidate(
+                        photo, rooms, plane.surface, plane.index, replace(candidate, crop=crop)
+                    )
+                )
+    return found
+
+
+def candidates_of_plane(
+    image: np.ndarray,
+    camera: Camera,
+    plane: Plane,
+    settings: CropSettings,
+    rng: np.random.Generator,
+) -> list[Candidate]:
+    """Return the windows drawn on a plane; near its border only when none inside is good."""
+    sample = partial(
+        sample_candidates,
+        image,
+        camera,
+        rng=rng,
+        metres=settings.metres,
+        tries=settings.tries,
+    )
+    if not settings.filter:
+        return sample(plane, per_mask=settings.per_mask)
+    inner = inner_plane(plane, image)
+    drawn = sample(inner, per_mask=settings.per_mask, judge=judge_of(inside=True))
+    if all(candidate.verdict.reason for candidate in drawn):
+        few = min(WORST_RESORT, settings.per_mask)
+        for candidate in sample(plane, per_mask=few, judge=judge_of(inside=False)):
+            crop = replace(candidate.crop, index=len(drawn))
+            drawn.append(replace(candidate, crop=crop))
+    if plane.scale_source == "prior":  # no other window of the plane would be better
+        drawn = [with_fault(candidate, "unknown distance") for candidate in drawn]
+    return drawn

@@ -1,0 +1,284 @@
+"""Which windows of a plane show the surface and nothing else: filters before the selection.
+
+The paper draws windows anywhere inside a mask. Masks of real photos have uncertain borders, and
+what they cover has highlights, shadows and things in front. Each test here is a pure function of
+the window, its plane or its photo; a window that fails gets a reason, and crops.parquet leaves it
+out where the surface has better ones. Colours are CIE L*a*b* (D65), luminance is linear.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from plan2scene.colour import rgb_to_lab, srgb_to_linear
+from plan2scene.photos.crops.sampling import GRAVE, Candidate, Crop, Judge, Verdict
+from plan2scene.photos.planes.planes import Plane
+from plan2scene.photos.planes.rectification import RectifiedPlane
+
+#: Margin to the mask's border, share of the photo's width.
+MARGIN_SHARE = 0.01
+#: The same where the photo shows no edge at the border, so that it may run anywhere.
+BLIND_MARGIN_SHARE = 0.025
+#: Grey levels per pixel (Sobel on a photo blurred by 1 px) that make an edge.
+EDGE_GRADIENT = 6.0
+#: Largest share of burned out or black pixels of a window.
+CLIPPED_SHARE = 0.001
+#: A pixel is clipped when its least channel is at or above, or its greatest at or below this.
+CLIPPED_LEVELS = (2, 249)
+#: Things that stand out are looked for among the mean colours of a crop's blocks, small and large:
+#: blocks along a side, weight of L*, least distance of an outlier (L*a*b*), multiple of the blocks'
+#: own spread that is added to it, and the sum of distances, in outliers just beyond, of a thing.
+#: Large blocks look for colours, which light leaves alone.
+BLOCK_SCALES = ((32, 1.0, 3.0, 5.0, 2.5), (8, 0.3, 2.0, 3.0, 3.0))
+#: Share of all that stands out that a thing has in one piece; what patterns have is scattered.
+ONE_PIECE = 0.6
+#: Least distance and multiple of the spread for a window's mean colour, L* counted half, to be
+#: unlike those of all windows of the plane.
+WINDOW_LIMIT, WINDOW_SPREAD = 8.0, 5.0
+#: Step of log luminance, after smooth shading is taken away, that is a shadow's edge.
+SHADOW_STEP = 0.2
+#: Least change of log luminance over an eighth of a crop that is an edge, not shading.
+EDGE_STEP = 0.12
+#: Difference in a*b* above which a step is a thing, not a shadow.
+SHADOW_CHROMA = 6.0
+#: Most pieces into which a step divides a window; patterns have more.
+STEP_PIECES = 3
+#: Least photo pixels per crop pixel, and least angle to the plane, of a good crop.
+MIN_SHARPNESS = 0.5
+MIN_GRAZING_DEG = 20.0
+
+#: Groups of a surface's windows farther than this from most of the others (L*a*b*, L* counted
+#: half) are of something else.
+GROUP_LIMIT = 10.0
+#: Least share of a surface's windows that can outvote the rest.
+MAJORITY = 0.6
+
+#: Reasons from the worst to the mildest. The last three take away quality, not truth.
+REASONS = (
+    "border",
+    "clutter",
+    "unlike the rest",
+    "highlight",
+    "shadow edge",
+    "not sharp",
+    "oblique",
+    "unknown distance",
+)
+_MILD = 3
+
+
+def inner_plane(plane: Plane, image: np.ndarray) -> Plane:
+    """Return a plane with its mask eroded: less where the photo shows an edge at its border.
+
+    Parameters
+    ----------
+    plane : Plane
+    image : (h, w, 3) uint8
+        The photo, sRGB. Its frame is no border.
+    """
+    return replace(plane, mask=inner_mask(plane.mask, image))
+
+
+def inner_mask(mask: np.ndarray, image: np.ndarray) -> np.ndarray:
+    """Return the pixels (h, w) bool of a mask far enough from its border."""
+    width = image.shape[1]
+    margin, blind_margin = MARGIN_SHARE * width, BLIND_MARGIN_SHARE * width
+    padded = cv2.copyMakeBorder(mask.astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_REPLICATE)
+    border = (cv2.erode(padded, np.ones((3, 3), np.uint8)) == 0)[1:-1, 1:-1] & mask
+    grey = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (0, 0), 1.0)
+    slope = [cv2.Sobel(grey, cv2.CV_32F, dx, 1 - dx, scale=0.125) for dx in (1, 0)]
+    reach = 2 * round(margin / 2) + 1
+    edge = cv2.dilate(np.hypot(*slope), np.ones((reach, reach), np.uint8)) >= EDGE_GRADIENT
+    blind = border & ~edge
+    distance = cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1]
+    inner = mask & (distance > margin)
+    if blind.any():
+        to_blind = cv2.distanceTransform((~blind).astype(np.uint8), cv2.DIST_L2, 5)
+        inner &= to_blind > blind_margin
+    return inner
+
+
+def judge_of(*, inside: bool) -> Judge:
+    """Return the judge of one plane's windows; `inside` tells that they keep off its border."""
+    typical: dict[tuple[int, int, int], tuple[np.ndarray, float]] = {}
+
+    def judge(rectified: RectifiedPlane, row: int, column: int, side: int, crop: Crop) -> Verdict:
+        key = (*rectified.mask.shape, side)
+        if key not in typical:
+            typical[key] = window_colours(rectified, side)
+        patch = rectified.image[row : row + side, column : column + side]
+        faults = image_faults(crop.image)
+        if is_unlike(patch, *typical[key]):
+            faults.append("clutter")
+        if not inside:
+            faults.append("border")
+        if crop.sharpness < MIN_SHARPNESS:
+            faults.append("not sharp")
+        if crop.grazing_deg < MIN_GRAZING_DEG:
+            faults.append("oblique")
+        return verdict_of(faults, crop)
+
+    return judge
+
+
+def with_fault(candidate: Candidate, fault: str) -> Candidate:
+    """Return a candidate with one more fault."""
+    faults = [reason for reason in candidate.verdict.reason.split(", ") if reason]
+    return replace(candidate, verdict=verdict_of([*faults, fault], candidate.crop))
+
+
+def verdict_of(faults: list[str], crop: Crop) -> Verdict:
+    """Return the verdict: the faults from the worst to the mildest, and how bad that is.
+
+    Any grave fault weighs more than all mild ones; of equals the sharper crop is better.
+    """
+    ordered = [reason for reason in REASONS if reason in faults]
+    if not ordered:
+        return Verdict()
+    grave = len(REASONS) - _MILD
+    badness = sum(
+        GRAVE * 2 ** (grave - 1 - rank) if rank < grave else 0.25
+        for rank, reason in enumerate(REASONS)
+        if reason in ordered
+    )
+    return Verdict(", ".join(ordered), badness + 0.2 * GRAVE / (1.0 + crop.sharpness))
+
+
+def image_faults(image: np.ndarray) -> list[str]:
+    """Return what is wrong with a crop (n, n, 3) uint8 sRGB by itself: highlight, clutter, ..."""
+    faults = []
+    if clipped_share(image) > CLIPPED_SHARE:
+        faults.append("highlight")
+    if has_object(image):
+        faults.append("clutter")
+    step = step_of(image)
+    if step is not None and step not in faults:
+        faults.append(step)
+    return faults
+
+
+def clipped_share(image: np.ndarray) -> float:
+    """Return the share of burned out or black pixels."""
+    low, high = CLIPPED_LEVELS
+    return float(((image.min(axis=2) >= high) | (image.max(axis=2) <= low)).mean())
+
+
+def has_object(image: np.ndarray) -> bool:
+    """Tell whether blocks in one piece stand out from the rest of a crop.
+
+    Smooth shading is taken away first. Patterns raise the blocks' own spread, or stand out in
+    many pieces.
+    """
+    for blocks, weight, limit, multiple, thing in BLOCK_SCALES:
+        small = cv2.resize(image, (blocks, blocks), interpolation=cv2.INTER_AREA)
+        lab = rgb_to_lab(small / 255.0)
+        lab[..., 0] = weight * (lab[..., 0] - smooth_field(lab[..., 0]))
+        away = np.linalg.norm(lab - np.median(lab, axis=(0, 1)), axis=-1)
+        beyond = away / (limit + multiple * float(np.median(away)))
+        beyond[beyond <= 1.0] = 0.0
+        _, pieces = cv2.connectedComponents((beyond > 0).astype(np.uint8), connectivity=8)
+        sums = np.bincount(pieces.ravel(), weights=beyond.ravel())
+        if sums.max() >= max(thing, ONE_PIECE * sums.sum()):
+            return True
+    return False
+
+
+def step_of(image: np.ndarray) -> str | None:
+    """Return "shadow edge" or "clutter" when one step of luminance divides a crop, else None."""
+    small = cv2.resize(image, (64, 64), interpolation=cv2.INTER_AREA)
+    smooth = cv2.GaussianBlur(small, (0, 0), 2.0)
+    log = np.log(np.maximum(luminance(smooth), 1e-3))
+    rest = log - smooth_field(log)
+    if np.percentile(rest, 97) - np.percentile(rest, 3) < SHADOW_STEP:
+        return None
+    slopes = [log[:, 8:] - log[:, :-8], log[8:] - log[:-8]]
+    if max(np.percentile(np.abs(slope), 98) for slope in slopes) < EDGE_STEP:
+        return None
+    scaled = cv2.normalize(log, None, 0, 255, cv2.NORM_MINMAX).astype(np.uint8)
+    _, bright = cv2.threshold(scaled, 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    areas = []
+    for side in (bright, 1 - bright):
+        stats = cv2.connectedComponentsWithStats(side, connectivity=4)[2]
+        areas += [area for area in stats[1:, cv2.CC_STAT_AREA] if area >= 0.02 * side.size]
+    if len(areas) > STEP_PIECES or sum(areas) < 0.9 * bright.size or bright.all():
+        return None
+    lab = rgb_to_lab(smooth / 255.0)
+    ab = [np.median(lab[side > 0][:, 1:], axis=0) for side in (bright, 1 - bright)]
+    return "clutter" if np.linalg.norm(ab[0] - ab[1]) > SHADOW_CHROMA else "shadow edge"
+
+
+def luminance(image: np.ndarray) -> np.ndarray:
+    """Return linear luminance (h, w) float64 of an sRGB uint8 image."""
+    return np.asarray(srgb_to_linear(image) @ np.array([0.2126, 0.7152, 0.0722]))
+
+
+def smooth_field(values: np.ndarray, rounds: int = 3) -> np.ndarray:
+    """Return the quadratic surface that fits most of (h, w) values, float64.
+
+    Least squares, repeated with values far from the fit counted less (Huber), so that an object
+    or a joint does not bend it.
+    """
+    height, width = values.shape
+    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
+    basis = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1).reshape(-1, 6)
+    flat = values.reshape(-1)
+    weight = np.ones_like(flat)
+    fit = flat
+    for _ in range(rounds):
+        scaled = basis * weight[:, None]
+        fit = basis @ np.linalg.solve(basis.T @ scaled + 1e-9 * np.eye(6), scaled.T @ flat)
+        off = np.abs(flat - fit)
+        knee = 1.5 * np.median(off) + 1e-6
+        weight = np.minimum(1.0, knee / np.maximum(off, 1e-9))
+    return fit.reshape(height, width)
+
+
+def window_colours(rectified: RectifiedPlane, side: int) -> tuple[np.ndarray, float]:
+    """Return the median mean colour (3,), L* counted half, of a plane's windows and its spread.
+
+    The spread is the median distance from it.
+    """
+    total = cv2.integral(rectified.mask.astype(np.uint8))
+    covered = total[side:, side:] - total[:-side, side:] - total[side:, :-side]
+    rows, columns = np.nonzero(covered + total[:-side, :-side] == side * side)
+    pick = slice(None, None, max(1, len(rows) // 400))
+    sums = cv2.integral(rectified.image, sdepth=cv2.CV_64F)
+    r, c = rows[pick], columns[pick]
+    mean = (sums[r + side, c + side] - sums[r, c + side] - sums[r + side, c] + sums[r, c]) / side**2
+    lab = rgb_to_lab(mean / 255.0) * np.array([0.5, 1.0, 1.0])
+    middle = np.median(lab, axis=0)
+    return middle, float(np.median(np.linalg.norm(lab - middle, axis=1)))
+
+
+def is_unlike(patch: np.ndarray, middle: np.ndarray, spread: float) -> bool:
+    """Tell whether a window's mean colour is far from those of its plane."""
+    lab = rgb_to_lab(patch.reshape(-1, 3).mean(axis=0) / 255.0) * np.array([0.5, 1.0, 1.0])
+    return bool(np.linalg.norm(lab - middle) > WINDOW_LIMIT + WINDOW_SPREAD * spread)
+
+
+def outvoted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Tell which groups of windows of one surface look unlike most of the others.
+
+    Parameters
+    ----------
+    colours : (n, 3) float
+        L*a*b* of each group (a plane of a photo) under the common light.
+    weights : (n,) float
+        Windows of each group.
+
+    Returns
+    -------
+    (n,) bool
+        All False where no colour has a clear majority: a wardrobe taken for a wall can be told
+        by the room's other walls only.
+    """
+    points = colours * np.array([0.5, 1.0, 1.0])
+    distance = np.linalg.norm(points[:, None] - points[None], axis=-1)
+    support = (distance <= GROUP_LIMIT) @ weights
+    best = int(np.argmax(support))
+    if support[best] < MAJORITY * weights.sum():
+        return np.zeros(len(colours), dtype=bool)
+    return np.asarray(distance[best] > GROUP_LIMIT)

@@ -1,0 +1,204 @@
+"""Light of the photos of a house: brought to one reference, and flattened inside a crop.
+
+A photo's colours are albedo times light. One photo cannot tell them apart (the paper's failure: a
+blue-tinted photo gives blue walls), the photos of a house together with what is known of rooms
+can: a room's wall is one colour in all its photos, ceilings are nearly white, walls pale more often
+than not. In log colours all of this is linear, so that the light of every photo is the solution of
+one least-squares problem (maximum a posteriori under normal priors, Huber weights).
+
+All colours here are linear RGB. Axes of log colours: brightness (mean of log R, G, B), red
+(log R - log G), blue (log B - log G).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from plan2scene.colour import as_uint8, linear_to_srgb, srgb_to_linear
+from plan2scene.photos.crops.filter import CLIPPED_LEVELS, inner_mask, luminance, smooth_field
+from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
+
+#: Surfaces smaller than this share of the photo tell nothing.
+MIN_SHARE = 0.005
+_LABELS = {"floor": FLOOR, "wall": WALL, "ceiling": CEILING}
+#: Mean and standard deviation of albedo on the three axes: white ceilings, walls of any paint,
+#: floors of wood, stone or carpet.
+ALBEDO = {
+    "ceiling": ((-0.16, 0.12), (0.01, 0.04), (-0.02, 0.05)),
+    "wall": ((-0.5, 0.6), (0.05, 0.2), (-0.06, 0.22)),
+    "floor": ((-1.2, 0.8), (0.3, 0.4), (-0.4, 0.5)),
+}
+#: The same of the light of a photo: cameras keep highlights, so white paint is below white.
+LIGHT = ((-0.45, 0.4), (0.0, 0.2), (0.0, 0.2))
+#: How much the light on one surface differs from the photo's (standard deviations).
+LOCAL_LIGHT = {
+    "ceiling": (0.15, 0.05, 0.06),
+    "wall": (0.12, 0.05, 0.06),
+    "floor": (0.2, 0.12, 0.15),
+}
+#: Residuals beyond this many standard deviations count less.
+HUBER = 1.5
+#: Largest correction: of brightness, and of red or blue against green (log).
+MAX_EXPOSURE, MAX_BALANCE = np.log(2.5), 0.6
+#: Largest correction by :func:`flatten` (log) to either side.
+MAX_FLATTEN = 0.7
+
+
+@dataclass(frozen=True)
+class SurfaceColour:
+    """Colour of a surface in a photo.
+
+    Parameters
+    ----------
+    photo, room_id, surface : str
+    colour : (3,) tuple of float
+        Median linear RGB of its pixels.
+    """
+
+    photo: str
+    room_id: str
+    surface: str
+    colour: tuple[float, float, float]
+
+
+def surface_colours(
+    image: np.ndarray, labels: np.ndarray, photo: str, rooms: Sequence[str]
+) -> list[SurfaceColour]:
+    """Return the colours of the surfaces of a photo, for each room that it shows.
+
+    Parameters
+    ----------
+    image : (h, w, 3) uint8
+        sRGB.
+    labels : (h, w) uint8
+        0 other, 1 floor, 2 wall, 3 ceiling. Clipped pixels and borders are left aside.
+    """
+    low, high = CLIPPED_LEVELS
+    usable = (image.max(axis=2) > low) & (image.max(axis=2) < high)
+    found = []
+    for surface, label in _LABELS.items():
+        mask = labels == label
+        inner = inner_mask(mask, image) & usable
+        if inner.sum() < MIN_SHARE * labels.size or inner.sum() < 0.2 * mask.sum():
+            continue
+        red, green, blue = (float(v) for v in np.median(srgb_to_linear(image[inner]), axis=0))
+        found += [SurfaceColour(photo, room, surface, (red, green, blue)) for room in rooms]
+    return found
+
+
+def estimate_light(colours: Sequence[SurfaceColour]) -> dict[str, np.ndarray]:
+    """Return the light (3,) of each photo, linear RGB, 1 for light that shows albedo as it is.
+
+    Parameters
+    ----------
+    colours : sequence of SurfaceColour
+        Of all photos of a house.
+
+    Notes
+    -----
+    Unknown are the log light of each photo and the log albedo of each surface (room and kind),
+    observed is their sum. A surface of two photos ties their lights together; the priors
+    `ALBEDO` and `LIGHT` decide what no surface ties.
+    """
+    photos = sorted({item.photo for item in colours})
+    surfaces = sorted({(item.room_id, item.surface) for item in colours})
+    if not photos:
+        return {}
+    column = {name: k for k, name in enumerate([*photos, *surfaces])}
+    logs = _axes(np.array([item.colour for item in colours]))
+    axes = np.zeros((len(photos), 3))
+    for axis in range(3):
+        prior = [LIGHT[axis]] * len(photos) + [ALBEDO[kind][axis] for _, kind in surfaces]
+        noise = np.array([LOCAL_LIGHT[item.surface][axis] for item in colours])
+        design = np.zeros((len(colours), len(column)))
+        for row, item in enumerate(colours):
+            design[row, column[item.photo]] = 1.0
+            design[row, column[item.room_id, item.surface]] = 1.0
+        solved = _robust_map(design, logs[:, axis], noise, np.array(prior))
+        axes[:, axis] = solved[: len(photos)]
+    light = np.exp(_from_axes(axes))
+    return {photo: light[k] for k, photo in enumerate(photos)}
+
+
+def gains_of(light: np.ndarray, *, white_balance: bool, exposure: bool) -> np.ndarray:
+    """Return the factors (3,) on linear RGB that take a light (3,) away, bounded.
+
+    White balance alone keeps the mean of log R, G, B; exposure alone keeps their ratios.
+    """
+    brightness, red, blue = _axes(light)
+    bounds = np.array([MAX_EXPOSURE, MAX_BALANCE, MAX_BALANCE])
+    wanted = -np.array([brightness * exposure, red * white_balance, blue * white_balance])
+    return np.asarray(np.exp(_from_axes(np.clip(wanted, -bounds, bounds))))
+
+
+def relight(image: np.ndarray, gains: np.ndarray) -> np.ndarray:
+    """Return an image (h, w, 3) uint8 sRGB with its linear RGB times `gains` (3,)."""
+    if np.array_equal(gains, np.ones(3)):
+        return image
+    return as_uint8(linear_to_srgb(np.minimum(srgb_to_linear(image) * gains, 1.0)))
+
+
+def flatten(image: np.ndarray) -> np.ndarray:
+    """Return a crop (n, n, 3) uint8 sRGB without its smooth shading.
+
+    The log luminance's robust quadratic fit is divided out, as far as it explains the coarse
+    variation: light on a plain wall goes, the joints of tiles and the marks of stucco do not
+    follow a quadratic and stay. The median brightness stays.
+    """
+    field = shading(image)
+    if not field.any():
+        return image
+    linear = srgb_to_linear(image) * np.exp(-field)[..., None]
+    return as_uint8(linear_to_srgb(np.minimum(linear, 1.0)))
+
+
+def shading(image: np.ndarray) -> np.ndarray:
+    """Return the smooth log light (n, n) float64 of a crop, median 0."""
+    small = cv2.resize(image, (32, 32), interpolation=cv2.INTER_AREA)
+    log = np.log(np.maximum(luminance(small), 1e-3))
+    coarse = cv2.GaussianBlur(log, (0, 0), 2.0)
+    fit = smooth_field(coarse)
+    total = float(np.var(coarse))
+    if total < 1e-8:
+        return np.zeros(image.shape[:2])
+    explained = float(np.clip(1.0 - np.var(coarse - fit) / total, 0.0, 1.0))
+    field = cv2.resize(fit, image.shape[1::-1], interpolation=cv2.INTER_CUBIC) * explained
+    return np.asarray(np.clip(field - np.median(field), -MAX_FLATTEN, MAX_FLATTEN))
+
+
+def _axes(rgb: np.ndarray) -> np.ndarray:
+    """Return brightness, red, blue (..., 3) of linear RGB (..., 3)."""
+    log = np.log(np.maximum(rgb, 1e-3))
+    green = log[..., 1]
+    return np.stack([log.mean(axis=-1), log[..., 0] - green, log[..., 2] - green], axis=-1)
+
+
+def _from_axes(axes: np.ndarray) -> np.ndarray:
+    """Return log R, G, B (..., 3) of brightness, red, blue (..., 3)."""
+    brightness, red, blue = axes[..., 0], axes[..., 1], axes[..., 2]
+    green = brightness - (red + blue) / 3
+    return np.stack([green + red, green, green + blue], axis=-1)
+
+
+def _robust_map(
+    design: np.ndarray, observed: np.ndarray, noise: np.ndarray, prior: np.ndarray
+) -> np.ndarray:
+    """Return x (n,) that is most likely: design x + noise = observed, x normal about the prior.
+
+    `design` (m, n), `observed` and `noise` (m,), `prior` (n, 2) mean and standard deviation.
+    """
+    inverse = 1.0 / prior[:, 1] ** 2
+    weight = np.ones(len(observed))
+    x = prior[:, 0]
+    for _ in range(10):
+        scaled = design.T * (weight / noise**2)
+        x = np.linalg.solve(
+            scaled @ design + np.diag(inverse), scaled @ observed + inverse * prior[:, 0]
+        )
+        off = np.abs(design @ x - observed) / noise
+        weight = np.minimum(1.0, HUBER / np.maximum(off, 1e-9))
+    return x

@@ -1,0 +1,256 @@
+"""Crops of rectified planes, sampled as in the paper, with the metres they cover.
+
+Paper: up to 10 random 256x256 windows fully inside the rectified mask (upscaled by 3), at most
+1000 tries each, resized to 128x128; the reference crop of a surface is the medoid. Here windows
+are squares in metres, so that a crop knows its scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.planes.planes import Plane
+from plan2scene.photos.planes.rectification import RectifiedPlane, rectify
+
+CROP_PX = 128
+CROPS_PER_MASK = 10
+TRIES = 1000
+#: Sides of the windows in metres; the first that fits a plane is taken.
+CROP_METRES = (1.0, 0.75, 0.5, 0.35, 0.25)
+#: Most crop pixels per photo pixel (paper: 256 px windows of a x3 image at 128 px are 1.5).
+MAX_UPSAMPLING = 1.5
+#: The same where nothing of a plane is that sharp: its colour is still worth having.
+LAST_UPSAMPLING = 3.0
+#: Windows that fit a plane only in fewer places than this are given up for smaller ones.
+MIN_PLACES = 64
+#: Windows drawn for each crop that is wanted, where some may be refused.
+DRAWS_PER_CROP = 3
+
+
+@dataclass(frozen=True)
+class Crop:
+    """A 128x128 crop of one plane.
+
+    Parameters
+    ----------
+    index : int
+        Number within its mask: of the crops kept, of the candidates otherwise.
+    window : (4,) tuple of float
+        x0 y0 x1 y1 on the rectified plane, metres.
+    metres : float
+        Side of the window.
+    sharpness : float
+        Photo pixels per crop pixel at its middle (1: as sharp as the photo; 0.5: upsampled x2).
+    grazing_deg : float
+        Angle between the view ray and the plane at its middle, degrees.
+    image : (128, 128, 3) uint8
+        sRGB.
+    corners : (8,) tuple of float
+        x y of the window's corners in the photo, pixels, clockwise from the top left of the crop.
+    """
+
+    index: int
+    window: tuple[float, float, float, float]
+    metres: float
+    sharpness: float
+    grazing_deg: float
+    image: np.ndarray
+    corners: tuple[float, ...] = (float("nan"),) * 8
+
+
+#: Badness of a window that may show something else.
+GRAVE = 1.0
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is wrong with a candidate, if anything.
+
+    Parameters
+    ----------
+    reason : str
+        Empty for a good one.
+    badness : float
+        Orders the refused: where a surface has nothing good, the least bad is kept. From `GRAVE`
+        on it may not show the surface; below, it shows it poorly.
+    """
+
+    reason: str = ""
+    badness: float = 0.0
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A window that was drawn, and the verdict on it."""
+
+    crop: Crop
+    verdict: Verdict
+
+
+#: Judges a window: rectified plane, row, column and side in its pixels, the crop.
+Judge = Callable[[RectifiedPlane, int, int, int, Crop], Verdict]
+
+
+def sample_candidates(
+    image: np.ndarray,
+    camera: Camera,
+    plane: Plane,
+    rng: np.random.Generator,
+    *,
+    metres: Sequence[float] = CROP_METRES,
+    per_mask: int = CROPS_PER_MASK,
+    tries: int = TRIES,
+    judge: Judge | None = None,
+) -> list[Candidate]:
+    """Return the windows drawn on a plane of a photo, at most `per_mask` of them good.
+
+    Parameters
+    ----------
+    image : (h, w, 3) uint8
+        The photo, sRGB.
+    camera, plane : Camera, Plane
+        Its camera and the plane.
+    rng : numpy.random.Generator
+        Draws the windows.
+    metres : sequence of float
+        Sides to try, in this order, until one gives a good window.
+    per_mask, tries : int
+        Most crops, and most draws for each.
+    judge : Judge, optional
+        Says what is wrong with a window; without one all are good.
+    """
+    drawn: list[Candidate] = []
+    wanted = per_mask if judge is None else DRAWS_PER_CROP * per_mask
+    for upsampling in (MAX_UPSAMPLING, LAST_UPSAMPLING):
+        for side in metres:
+            density = CROP_PX / side / upsampling
+            rectified = rectify(image, camera, plane, min_density=density)
+            if rectified is None:
+                continue
+            good = 0
+            for row, column in draw_windows(rectified, side, rng, per_mask=wanted, tries=tries):
+                crop = _cut(rectified, camera, len(drawn), row, column, side)
+                verdict = Verdict()
+                if judge is not None:
+                    verdict = judge(rectified, row, column, window_pixels(rectified, side), crop)
+                drawn.append(Candidate(crop, verdict))
+                good += not verdict.reason
+                if good == per_mask:
+                    break
+            if good:
+                return drawn
+    return drawn
+
+
+def sample_crops(
+    image: np.ndarray,
+    camera: Camera,
+    plane: Plane,
+    rng: np.random.Generator,
+    *,
+    metres: Sequence[float] = CROP_METRES,
+    per_mask: int = CROPS_PER_MASK,
+    tries: int = TRIES,
+) -> list[Crop]:
+    """Return up to `per_mask` crops of a plane of a photo, unjudged; empty when none fits.
+
+    Parameters as in :func:`sample_candidates`.
+    """
+    drawn = sample_candidates(
+        image, camera, plane, rng, metres=metres, per_mask=per_mask, tries=tries
+    )
+    return [candidate.crop for candidate in drawn]
+
+
+def window_pixels(rectified: RectifiedPlane, metres: float) -> int:
+    """Return the side of a window of that many metres in pixels of the rectified image."""
+    return max(1, round(metres / rectified.metres_per_pixel))
+
+
+def draw_windows(
+    rectified: RectifiedPlane,
+    metres: float,
+    rng: np.random.Generator,
+    *,
+    per_mask: int = CROPS_PER_MASK,
+    tries: int = TRIES,
+) -> list[tuple[int, int]]:
+    """Return (row, column) of the top left pixels of random windows fully inside the mask.
+
+    No window is drawn twice; fewer come back when `tries` draws find none.
+    """
+    side = window_pixels(rectified, metres)
+    rows, columns = (extent - side + 1 for extent in rectified.mask.shape)
+    if rows < 1 or columns < 1:
+        return []
+    total = cv2.integral(rectified.mask.astype(np.uint8))
+    covered = total[side:, side:] - total[:-side, side:] - total[side:, :-side]
+    inside = covered + total[:-side, :-side] == side * side
+    if inside.sum() < MIN_PLACES:
+        return []
+    chosen: list[tuple[int, int]] = []
+    for _ in range(per_mask):
+        row = rng.integers(0, rows, tries)
+        column = rng.integers(0, columns, tries)
+        hits = np.nonzero(inside[row, column])[0]
+        if not len(hits):
+            break
+        place = (int(row[hits[0]]), int(column[hits[0]]))
+        if place not in chosen:
+            chosen.append(place)
+    return chosen
+
+
+def _cut(
+    rectified: RectifiedPlane, camera: Camera, index: int, row: int, column: int, metres: float
+) -> Crop:
+    """Return one window as a crop."""
+    side = window_pixels(rectified, metres)
+    patch = rectified.image[row : row + side, column : column + side]
+    shrink = side > CROP_PX
+    patch = cv2.resize(
+        patch, (CROP_PX, CROP_PX), interpolation=cv2.INTER_AREA if shrink else cv2.INTER_CUBIC
+    )
+    window = rectified.window(row, column, side)
+    grazing, density = rectified.view((window[0] + window[2]) / 2, (window[1] + window[3]) / 2)
+    covered = side * rectified.metres_per_pixel
+    return Crop(
+        index=index,
+        window=window,
+        metres=covered,
+        sharpness=density * covered / CROP_PX,
+        grazing_deg=grazing,
+        image=patch,
+        corners=window_corners(rectified, camera, window),
+    )
+
+
+def window_corners(
+    rectified: RectifiedPlane, camera: Camera, window: tuple[float, float, float, float]
+) -> tuple[float, ...]:
+    """Return x y in the photo (8 floats, pixels) of a window's corners.
+
+    Clockwise from the top left of the rectified image; a ceiling's run the other way round in
+    the photo.
+    """
+    x0, y0, x1, y1 = window
+    flat = np.array([[x0, y0, 1.0], [x1, y0, 1.0], [x1, y1, 1.0], [x0, y1, 1.0]])
+    image = flat @ rectified.axes @ (camera.intrinsics @ camera.matrix).T
+    return tuple(float(value) for value in (image[:, :2] / image[:, 2:]).ravel())
+
+
+def medoid_index(images: Sequence[np.ndarray]) -> int:
+    """Return the index of the image closest (L2) to the mean RGB image (paper, reference crop).
+
+    Images are (h, w, 3) uint8 of one size; of equals the first. ValueError without any.
+    """
+    if not len(images):
+        raise ValueError("the medoid of no images")
+    stack = np.stack([image.astype(np.float64) for image in images])
+    distance = ((stack - stack.mean(axis=0)) ** 2).reshape(len(stack), -1).sum(axis=1)
+    return int(np.argmin(distance))

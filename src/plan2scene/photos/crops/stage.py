@@ -1,0 +1,229 @@
+"""The crops stage: photos, masks and cameras of one house -> crops.parquet, candidates.parquet."""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.house import SURFACES, House
+from plan2scene.io import read_image, read_json, write_json
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.crops.candidates import (
+    CropSettings,
+    candidates_of_photo,
+    rooms_by_size,
+)
+from plan2scene.photos.crops.house import agreeing, corrected
+from plan2scene.photos.crops.light import SurfaceColour, estimate_light, gains_of, surface_colours
+from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Verdict
+from plan2scene.photos.crops.tables import PhotoCandidate, write_tables
+from plan2scene.photos.labels.palette import read_label_png
+from plan2scene.photos.photo_files import read_photo
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_log = logging.getLogger("plan2scene")
+
+#: Where crops come from (config key ``crops.source``).
+SOURCES = ("sampled", "precomputed")
+_CROP_NAME = re.compile(r"(?P<stem>.+)_(?P<mask>\d+)_crop(?P<index>\d+)\.png")
+
+
+def make_crops(
+    house: House,
+    rooms_of_photo: Mapping[str, Sequence[str]],
+    photos: Mapping[str, Path],
+    masks_dir: str | Path,
+    output: str | Path,
+    candidates: str | Path,
+    light: str | Path,
+    *,
+    dataset: str,
+    seed: int,
+    settings: CropSettings | None = None,
+) -> pd.DataFrame:
+    """Sample the crops of every photo of a house and write crops.parquet.
+
+    Parameters
+    ----------
+    house : House
+        The plan; gives the rooms' heights.
+    rooms_of_photo : mapping
+        Photo name to the rooms it shows; a photo of several rooms gives rows for each, with
+        the planes at the distance that each room's own height tells.
+    photos : mapping
+        Photo name to its file.
+    masks_dir : path
+        Output of the masks stage. Photos that it left out (``warnings.json``) are skipped.
+    output, candidates, light : path
+        The Parquet files and light.json, ``docs/conventions.md``.
+    dataset : str
+        Name for the metadata.
+    seed : int
+        Windows are drawn by (seed, house, photo, surface, plane).
+    settings : CropSettings, optional
+        Sampling settings; the paper's by default.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The crops that were written.
+    """
+    chosen = CropSettings() if settings is None else settings
+    drawn, lights = draw_candidates(
+        house, rooms_of_photo, photos, masks_dir, seed=seed, settings=chosen
+    )
+    drawn, gains = under_common_light(drawn, lights, chosen)
+    _write_light(light, gains, chosen)
+    return write_tables(drawn, output, candidates, dataset=dataset, house=house.id)
+
+
+def draw_candidates(
+    house: House,
+    rooms_of_photo: Mapping[str, Sequence[str]],
+    photos: Mapping[str, Path],
+    masks_dir: str | Path,
+    *,
+    seed: int,
+    settings: CropSettings,
+) -> tuple[list[PhotoCandidate], dict[str, np.ndarray]]:
+    """Return the candidates of all photos of a house, as photographed, and each photo's light.
+
+    Parameters as in :func:`make_crops`; light as of
+    :func:`plan2scene.photos.crops.light.estimate_light`.
+    """
+    check_rooms(house, rooms_of_photo)
+    folder = Path(masks_dir)
+    cameras = read_json(folder / "cameras.json")
+    drawn: list[PhotoCandidate] = []
+    colours: list[SurfaceColour] = []
+    for photo in sorted(rooms_of_photo):
+        if photo not in cameras:
+            _log.info("photo %s of house %s has no mask: skipped", photo, house.id)
+            continue
+        camera = Camera.from_json(cameras[photo], file=folder / "cameras.json")
+        labels = read_label_png(folder / f"{Path(photo).stem}.png", house=house.id)
+        image = read_photo(photos[photo], house=house.id)
+        _check_sizes(image, labels, camera, photos[photo], house.id)
+        of_photo = candidates_of_photo(
+            image,
+            labels,
+            camera,
+            rooms_by_size(house, rooms_of_photo[photo]),
+            settings,
+            seed=seed,
+            house=house.id,
+            photo=photo,
+        )
+        colours += surface_colours(image, labels, photo, list(dict.fromkeys(rooms_of_photo[photo])))
+        _log.info("%s: %d candidates, camera %s", photo, len(of_photo), camera.focal_source)
+        drawn += of_photo
+    lights = estimate_light(colours)
+    return (agreeing(drawn, lights) if settings.filter else drawn), lights
+
+
+def under_common_light(
+    drawn: Sequence[PhotoCandidate], lights: Mapping[str, np.ndarray], settings: CropSettings
+) -> tuple[list[PhotoCandidate], dict[str, np.ndarray]]:
+    """Return the candidates with corrected images, and the factors (3,) on each photo's light."""
+    gains = {
+        photo: gains_of(value, white_balance=settings.white_balance, exposure=settings.exposure)
+        for photo, value in lights.items()
+    }
+    return [corrected(item, gains, flat=settings.flatten) for item in drawn], gains
+
+
+def _write_light(
+    path: str | Path, gains: Mapping[str, np.ndarray], settings: CropSettings | None
+) -> None:
+    """Write light.json; `settings` None where crops are taken as they are."""
+    names = ("filter", "white_balance", "exposure", "flatten")
+    on = {name: bool(settings is not None and getattr(settings, name)) for name in names}
+    photos = {photo: [round(float(gain), 6) for gain in gains[photo]] for photo in sorted(gains)}
+    write_json(path, {**on, "gains": photos})
+
+
+def load_crops(
+    house: House,
+    rooms_of_photo: Mapping[str, Sequence[str]],
+    folder: str | Path,
+    output: str | Path,
+    candidates: str | Path,
+    light: str | Path,
+    *,
+    dataset: str,
+) -> pd.DataFrame:
+    """Write both tables from ready crops in Rent3D++'s ``surface_crops`` layout.
+
+    `folder` has ``{floor,wall,ceiling}/{photo stem}_{mask}_crop{k}.png`` of 128x128; their size
+    in metres, window, sharpness and grazing angle are unknown (NaN). Raises InputError when
+    there is no such folder or a crop has another size.
+    """
+    root = Path(folder)
+    if not root.is_dir():
+        raise InputError("a folder of surface crops", "no such folder", file=root, house=house.id)
+    check_rooms(house, rooms_of_photo)
+    found: list[PhotoCandidate] = []
+    photo_of_stem = {Path(photo).stem: photo for photo in rooms_of_photo}
+    for surface in SURFACES:
+        for path in sorted((root / surface).glob("*.png")):
+            match = _CROP_NAME.fullmatch(path.name)
+            if match is None or match["stem"] not in photo_of_stem:
+                continue
+            crop = _ready_crop(path, int(match["index"]), house.id)
+            photo = photo_of_stem[match["stem"]]
+            rooms = tuple(dict.fromkeys(rooms_of_photo[photo]))
+            ready = Candidate(crop, Verdict())
+            found.append(PhotoCandidate(photo, rooms, surface, int(match["mask"]), ready))
+    found.sort(key=lambda item: item.photo)
+    _write_light(light, {}, None)
+    return write_tables(found, output, candidates, dataset=dataset, house=house.id, keep_index=True)
+
+
+def _ready_crop(path: Path, index: int, house: str) -> Crop:
+    """Return a crop read from a file."""
+    image = read_image(path, house=house)
+    if image.shape != (CROP_PX, CROP_PX, 3):
+        raise InputError(
+            f"a crop of {CROP_PX}x{CROP_PX}",
+            f"{image.shape[1]}x{image.shape[0]}",
+            file=path,
+            house=house,
+        )
+    nan = float("nan")
+    return Crop(index, (nan, nan, nan, nan), nan, nan, nan, image)
+
+
+def check_rooms(house: House, rooms_of_photo: Mapping[str, Sequence[str]]) -> None:
+    """Raise InputError when a photo is assigned to a room that the plan lacks."""
+    known = {room.id for room in house.rooms}
+    for photo, rooms in rooms_of_photo.items():
+        for room in rooms:
+            if room not in known:
+                raise InputError(
+                    f"a room of the plan ({', '.join(sorted(known))})",
+                    f"{room} in the photo table for {photo}",
+                    house=house.id,
+                    room=room,
+                )
+
+
+def _check_sizes(
+    image: np.ndarray, labels: np.ndarray, camera: Camera, path: Path, house: str
+) -> None:
+    """Raise InputError when photo, mask and camera are of different sizes."""
+    height, width = image.shape[:2]
+    if labels.shape != (height, width) or (camera.height, camera.width) != (height, width):
+        raise InputError(
+            f"mask and camera of the photo's size {width}x{height}",
+            f"mask {labels.shape[1]}x{labels.shape[0]}, camera {camera.width}x{camera.height}",
+            file=path,
+            house=house,
+        )

@@ -1,0 +1,212 @@
+"""crops.parquet and candidates.parquet of a house: which windows are kept, and why not the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from plan2scene.io import png_bytes, write_parquet
+from plan2scene.photos.crops.sampling import GRAVE, Candidate, medoid_index
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Columns of crops.parquet with the type of an empty one (docs/conventions.md).
+COLUMNS = {
+    "crop_id": "str",
+    "photo": "str",
+    "room_id": "str",
+    "surface": "str",
+    "plane": "int64",
+    "index": "int64",
+    "window": "object",
+    "metres": "float64",
+    "sharpness": "float64",
+    "grazing_deg": "float64",
+    "medoid": "bool",
+    "png": "object",
+}
+#: Columns of candidates.parquet.
+CANDIDATE_COLUMNS = {
+    "photo": "str",
+    "room_id": "str",
+    "surface": "str",
+    "plane": "int64",
+    "index": "int64",
+    "window": "object",
+    "metres": "float64",
+    "sharpness": "float64",
+    "grazing_deg": "float64",
+    "reason": "str",
+    "crop_id": "str",
+    "corners": "object",
+}
+#: Crops kept of a surface that has no good one: with mild faults only, and of each photo with grave
+#: ones.
+LAST_RESORT, WORST_RESORT = 10, 3
+#: Reason of such a crop is this and what is wrong with it.
+LAST_RESORT_PREFIX = "last resort: "
+
+
+@dataclass(frozen=True)
+class PhotoCandidate:
+    """A candidate with where it is from.
+
+    Parameters
+    ----------
+    photo : str
+    rooms : tuple of str
+        Rooms that the photo is assigned to, of one height.
+    surface : str
+    plane : int
+        Number of the plane (mask) within the photo and surface.
+    candidate : Candidate
+    """
+
+    photo: str
+    rooms: tuple[str, ...]
+    surface: str
+    plane: int
+    candidate: Candidate
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What became of the candidates of a house.
+
+    Parameters
+    ----------
+    reasons : dict
+        (candidate's number, room) to the reason, empty for good ones; last resorts say so.
+    crop_index : dict
+        Number of a candidate that some room keeps to its number k within the mask.
+    rooms : set
+        (candidate's number, room) of the crops.
+    """
+
+    reasons: dict[tuple[int, str], str]
+    crop_index: dict[int, int]
+    rooms: set[tuple[int, str]]
+
+
+def choose_kept(candidates: Sequence[PhotoCandidate], *, keep_index: bool = False) -> Kept:
+    """Keep the good candidates; of a surface that has none, the least bad.
+
+    A surface that a photo shows thus stays observed; its crops' reasons begin with
+    `LAST_RESORT_PREFIX`. With `keep_index` the crops keep their candidates' numbers, else they
+    are counted within each mask.
+    """
+    members: dict[tuple[str, str], list[int]] = {}
+    for number, item in enumerate(candidates):
+        for room in item.rooms:
+            members.setdefault((room, item.surface), []).append(number)
+    reasons: dict[tuple[int, str], str] = {}
+    rooms: set[tuple[int, str]] = set()
+    for (room, _), numbers in members.items():
+        verdicts = {number: candidates[number].candidate.verdict for number in numbers}
+        reasons.update({(number, room): verdict.reason for number, verdict in verdicts.items()})
+        kept = [number for number in numbers if not verdicts[number].reason]
+        if not kept:
+            kept = sorted(numbers, key=lambda number: (verdicts[number].badness, number))
+            mild = verdicts[kept[0]].badness < GRAVE
+            kept = [k for k in kept if (verdicts[k].badness < GRAVE) == mild]
+            kept = kept[:LAST_RESORT] if mild else _few_of_each(kept, candidates)
+            for number in kept:
+                reasons[number, room] = LAST_RESORT_PREFIX + verdicts[number].reason
+        rooms.update((number, room) for number in kept)
+    count: dict[tuple[str, str, int], int] = {}
+    crop_index: dict[int, int] = {}
+    for number in sorted({number for number, _ in rooms}):
+        item = candidates[number]
+        key = (item.photo, item.surface, item.plane)
+        rank = count.get(key, 0)
+        count[key] = rank + 1
+        crop_index[number] = item.candidate.crop.index if keep_index else rank
+    return Kept(reasons, crop_index, rooms)
+
+
+def _few_of_each(numbers: Sequence[int], candidates: Sequence[PhotoCandidate]) -> list[int]:
+    """Return the first `WORST_RESORT` of each photo, so that no single photo has the only word."""
+    few: dict[str, list[int]] = {}
+    for number in numbers:
+        few.setdefault(candidates[number].photo, []).append(number)
+    return sorted(number for members in few.values() for number in members[:WORST_RESORT])
+
+
+def write_tables(
+    candidates: Sequence[PhotoCandidate],
+    crops_path: str | Path,
+    candidates_path: str | Path,
+    *,
+    dataset: str,
+    house: str,
+    keep_index: bool = False,
+) -> pd.DataFrame:
+    """Write both tables, one row per candidate and room; return crops.parquet's.
+
+    The crops keep the order of the candidates, room by room within a photo; the medoid of each
+    surface is marked. `keep_index` as in :func:`choose_kept`.
+    """
+    import pandas as pd
+
+    kept = choose_kept(candidates, keep_index=keep_index)
+    drawn: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []
+    images: dict[tuple[str, str], list[tuple[int, np.ndarray]]] = {}
+    for numbers in _groups(candidates):
+        encoded = {
+            number: png_bytes(candidates[number].candidate.crop.image)
+            for number in numbers
+            if number in kept.crop_index
+        }
+        for room in candidates[numbers[0]].rooms:
+            for number in numbers:
+                item = candidates[number]
+                shared = _shared(item, room)
+                crop = item.candidate.crop
+                name = ""
+                if (number, room) in kept.rooms:
+                    index = kept.crop_index[number]
+                    name = f"{item.surface}/{Path(item.photo).stem}_{item.plane}_crop{index}"
+                    images.setdefault((room, item.surface), []).append((len(rows), crop.image))
+                    own = {"crop_id": name, "index": index, "medoid": False}
+                    rows.append({**shared, **own, "png": encoded[number]})
+                corners = [float(value) for value in crop.corners]
+                why = {"reason": kept.reasons[number, room], "crop_id": name, "corners": corners}
+                drawn.append({**shared, **why})
+    for members in images.values():
+        rows[members[medoid_index([image for _, image in members])][0]]["medoid"] = True
+    metadata = {"dataset": dataset, "house": house}
+    frame = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
+    write_parquet(crops_path, frame, metadata)
+    table = pd.DataFrame(drawn, columns=list(CANDIDATE_COLUMNS)).astype(CANDIDATE_COLUMNS)
+    write_parquet(candidates_path, table, metadata)
+    return frame
+
+
+def _groups(candidates: Sequence[PhotoCandidate]) -> list[list[int]]:
+    """Return the numbers of the candidates of one photo and its rooms of one height, in order."""
+    groups: dict[tuple[str, tuple[str, ...]], list[int]] = {}
+    for number, item in enumerate(candidates):
+        groups.setdefault((item.photo, item.rooms), []).append(number)
+    return list(groups.values())
+
+
+def _shared(item: PhotoCandidate, room: str) -> dict[str, Any]:
+    """Return the columns that both tables have."""
+    crop = item.candidate.crop
+    return {
+        "photo": item.photo,
+        "room_id": room,
+        "surface": item.surface,
+        "plane": item.plane,
+        "index": crop.index,
+        "window": [float(value) for value in crop.window],
+        "metres": crop.metres,
+        "sharpness": crop.sharpness,
+        "grazing_deg": crop.grazing_deg,
+    }

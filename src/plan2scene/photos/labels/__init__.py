@@ -1,0 +1,1 @@
+"""Labels of photos: floor, wall, ceiling and other for each pixel."""

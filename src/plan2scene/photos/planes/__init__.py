@@ -1,0 +1,1 @@
+"""Floor, wall and ceiling planes of a photo, and their rectified views."""

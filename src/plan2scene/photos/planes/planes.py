@@ -1,0 +1,140 @@
+"""Planes of a photo: one floor, one ceiling, walls split by the direction they face.
+
+Positions are metres from the camera centre in the photo's Manhattan frame (x, y up, z;
+``docs/conventions.md``). A plane holds the points X with ``normal . X = offset``; normals point
+into the room, so offsets are negative.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.camera.lines import detect_segments
+from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
+from plan2scene.photos.planes.room_size import RoomSize
+from plan2scene.photos.planes.wall_lines import WallLine
+from plan2scene.photos.planes.walls import trace_walls
+
+#: Walls kept per photo, the largest first (paper: the 10 largest planes).
+MAX_WALLS = 10
+#: Smallest plane, share of the photo's pixels.
+MIN_SHARE = 0.002
+DEFAULT_CAMERA_HEIGHT_M = 1.5
+DEFAULT_ROOM_HEIGHT_M = 2.6
+
+
+@dataclass(frozen=True)
+class Plane:
+    """One plane of a photo.
+
+    Parameters
+    ----------
+    surface : str
+        ``floor``, ``wall`` or ``ceiling``.
+    index : int
+        0 for floor and ceiling, 0..9 for walls from the largest to the smallest.
+    normal : (3,) tuple of float
+        Unit normal into the room, Manhattan frame.
+    offset : float
+        ``normal . X`` of its points, metres from the camera centre.
+    mask : (h, w) bool
+        Its pixels.
+    scale_source : str
+        What gave the distance: ``camera_height`` (prior), ``room_height`` (floor and ceiling seen
+        with a known room height), ``room_extent`` (walls farther, or opposite ones farther apart
+        or nearer, than the plan has them), or ``prior`` (nothing seen that tells it).
+    camera_height_m : float
+        Height of the camera above the floor, metres.
+    """
+
+    surface: str
+    index: int
+    normal: tuple[float, float, float]
+    offset: float
+    mask: np.ndarray
+    scale_source: str
+    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
+
+
+def split_planes(
+    labels: np.ndarray,
+    camera: Camera,
+    *,
+    image: np.ndarray | None = None,
+    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M,
+    room_height_m: float | None = None,
+    room_extent_m: tuple[float, float] | None = None,
+) -> list[Plane]:
+    """Return the planes of a photo: floor, ceiling, then walls by size.
+
+    Parameters
+    ----------
+    labels : (h, w) uint8
+        0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore; the camera's size.
+    camera : Camera
+        Rotation and focal length of the photo.
+    image : (h, w, 3) uint8, optional
+        The photo, sRGB: its lines tell which way a wall faces that shows neither foot nor top.
+    camera_height_m : float
+        Height of the camera above the floor where nothing in the photo tells it, metres.
+    room_height_m : float, optional
+        Height of the room from the plan. Where one wall shows both its foot and its top, it
+        gives the camera's height.
+    room_extent_m : (float, float), optional
+        Sides of the room's rectangle in the plan (`room_size.room_extent`). They bound the
+        camera's height, or give it where opposite walls are seen, unless `room_height_m` does.
+    """
+    room = DEFAULT_ROOM_HEIGHT_M if room_height_m is None else room_height_m
+    prior = min(camera_height_m, 0.8 * room)
+    segments = None
+    if image is not None:
+        segments = detect_segments(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), camera.width / 25)
+    traced = trace_walls(
+        labels,
+        camera,
+        prior,
+        RoomSize(room, room_extent_m),
+        solve_height=room_height_m is not None,
+        segments=segments,
+    )
+    scale = traced.scale_source
+    smallest = MIN_SHARE * labels.size
+    height = traced.camera_height_m
+    planes: list[Plane] = []
+    flat = (
+        ("floor", FLOOR, 1.0, height),
+        ("ceiling", CEILING, -1.0, room - height),
+    )
+    for surface, label, up, distance in flat:
+        mask = _without_specks(labels == label, smallest)
+        if mask.any():
+            source = scale if room_height_m is not None or surface == "floor" else "prior"
+            planes.append(Plane(surface, 0, (0.0, up, 0.0), -distance, mask, source, height))
+    walls = [
+        (line, _without_specks((labels == WALL) & (traced.owner == index), smallest))
+        for index, line in enumerate(traced.lines)
+    ]
+    walls = [(line, mask) for line, mask in walls if mask.any()]
+    walls.sort(key=lambda item: -int(item[1].sum()))
+    for index, (line, mask) in enumerate(walls[:MAX_WALLS]):
+        source = scale if line.seen else "prior"
+        normal = _wall_normal(line)
+        planes.append(Plane("wall", index, normal, -line.distance, mask, source, height))
+    return planes
+
+
+def _wall_normal(line: WallLine) -> tuple[float, float, float]:
+    """Return the inward normal of a wall."""
+    return (0.0 - line.outward[0], 0.0, 0.0 - line.outward[1])
+
+
+def _without_specks(mask: np.ndarray, smallest: float) -> np.ndarray:
+    """Return a mask without connected parts of fewer than `smallest` pixels."""
+    count, parts, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
+    keep = stats[:, cv2.CC_STAT_AREA] >= max(1.0, smallest)
+    keep[0] = False
+    return np.asarray(keep[parts]) if count > 1 else np.zeros_like(mask)

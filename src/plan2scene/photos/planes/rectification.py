@@ -1,0 +1,184 @@
+"""Homography of a plane of a photo to metres: the plane seen straight on, to scale.
+
+Axes of the rectified image (``docs/conventions.md``): walls have rows down the wall and columns
+to the right as seen from inside; floors and ceilings have columns along +x and rows along +z of
+the photo's Manhattan frame. A ceiling is therefore mirrored against the photo, as it must be to
+look right on a mesh whose UVs are (x, z).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.planes.planes import Plane
+
+#: Largest side of a rectified image, pixels.
+MAX_SIDE = 2048
+#: Rays flatter than this to the plane are of no use, degrees.
+MIN_GRAZING_DEG = 15.0
+#: Resolution bounds, pixels per metre.
+RESOLUTION_RANGE = (60.0, 512.0)
+#: Walls are left out below this height above the floor: skirting boards, metres.
+SKIRTING_M = 0.12
+#: Pixels shaved off the mask's border, share of the photo's width.
+BORDER_SHARE = 0.005
+
+
+@dataclass(frozen=True)
+class RectifiedPlane:
+    """A plane of a photo in metres.
+
+    Parameters
+    ----------
+    image : (h, w, 3) uint8
+        sRGB, the plane seen straight on.
+    mask : (h, w) bool
+        Usable pixels: in the plane's mask, not too flat, sampled densely enough.
+    origin : (2,) tuple of float
+        Plane coordinates (right, down), metres, of the image's top left corner.
+    metres_per_pixel : float
+        Side of a pixel.
+    axes : (3, 3) float64
+        Rows: unit right, unit down, and the foot of the camera on the plane (where plane
+        coordinates are 0, 0), metres from the camera.
+    focal_px : float
+        Focal length of the photo, pixels.
+    """
+
+    image: np.ndarray
+    mask: np.ndarray
+    origin: tuple[float, float]
+    metres_per_pixel: float
+    axes: np.ndarray
+    focal_px: float
+
+    def window(self, row: int, column: int, side: int) -> tuple[float, float, float, float]:
+        """Return x0 y0 x1 y1 on the plane, metres, of a square of pixels."""
+        step = self.metres_per_pixel
+        x, y = self.origin[0] + column * step, self.origin[1] + row * step
+        return (x, y, x + side * step, y + side * step)
+
+    def view(self, x: float, y: float) -> tuple[float, float]:
+        """Return (grazing angle in degrees, photo pixels per metre) at a point of the plane.
+
+        The pixels are the geometric mean over the two directions on the plane.
+        """
+        point = self.axes[2] + x * self.axes[0] + y * self.axes[1]
+        reach = float(np.linalg.norm(point))
+        sine = float(np.linalg.norm(self.axes[2])) / max(reach, 1e-9)
+        density = self.focal_px / max(reach, 1e-9) * np.sqrt(sine)
+        return float(np.degrees(np.arcsin(np.clip(sine, 0.0, 1.0)))), float(density)
+
+
+def plane_axes(plane: Plane) -> np.ndarray:
+    """Return (3, 3) rows: right, down, and the plane's point nearest to the camera."""
+    normal = np.array(plane.normal)
+    if plane.surface == "wall":
+        right = np.cross(-normal, [0.0, 1.0, 0.0])
+        down = np.array([0.0, -1.0, 0.0])
+    else:
+        right, down = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    return np.stack([right, down, normal * plane.offset])
+
+
+def usable_pixels(
+    camera: Camera, plane: Plane, min_density: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the pixels of a plane that are worth rectifying.
+
+    Parameters
+    ----------
+    camera : Camera
+    plane : Plane
+    min_density : float
+        Least photo pixels per metre (geometric mean of both directions on the plane).
+
+    Returns
+    -------
+    mask : (h, w) bool
+    points : (n, 2) float64
+        Plane coordinates (right, down) of its pixels, metres.
+    density : (n,) float64
+        Photo pixels per metre at them.
+    """
+    border = max(1, round(BORDER_SHARE * camera.width))
+    kernel = np.ones((2 * border + 1, 2 * border + 1), np.uint8)
+    mask = cv2.erode(plane.mask.astype(np.uint8), kernel) > 0
+    rows, columns = np.nonzero(mask)
+    rays = camera.rays(np.stack([columns, rows], axis=-1))
+    sine = -(rays @ np.array(plane.normal))
+    reach = -plane.offset / np.maximum(sine, 1e-6)
+    density = camera.focal_px / reach * np.sqrt(np.maximum(sine, 0.0))
+    good = (sine >= np.sin(np.radians(MIN_GRAZING_DEG))) & (density >= min_density)
+    points = (rays * reach[:, None]) @ plane_axes(plane)[:2].T
+    if plane.surface == "wall":
+        good &= points[:, 1] < plane.camera_height_m - SKIRTING_M
+    mask[rows[~good], columns[~good]] = False
+    return mask, points[good], density[good]
+
+
+def rectify(
+    image: np.ndarray, camera: Camera, plane: Plane, *, min_density: float = 0.0
+) -> RectifiedPlane | None:
+    """Return a plane of a photo seen straight on, or None when none of it is usable.
+
+    Parameters
+    ----------
+    image : (h, w, 3) uint8
+        The photo, sRGB, of the camera's size.
+    camera : Camera
+        Its camera.
+    plane : Plane
+        The plane and its mask.
+    min_density : float
+        Least photo pixels per metre of what is kept.
+
+    Notes
+    -----
+    The resolution is that of the photo's best part (90th percentile of its sampling density),
+    so that nothing is thrown away there and warping hardly aliases; the far part is upsampled
+    at most by that over `min_density`.
+    """
+    mask, points, density = usable_pixels(camera, plane, min_density)
+    if len(points) < 16:
+        return None
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = float(max((high - low).max(), 1e-3))
+    resolution = float(np.clip(np.percentile(density, 90), *RESOLUTION_RANGE))
+    resolution = min(resolution, MAX_SIDE / extent)
+    step = 1.0 / resolution
+    size = np.maximum(1, np.ceil((high - low) / step).astype(int))
+    axes = plane_axes(plane)
+    to_plane = np.array([[step, 0, low[0] + step / 2], [0, step, low[1] + step / 2], [0, 0, 1.0]])
+    to_photo = camera.intrinsics @ camera.matrix @ axes.T @ to_plane
+    flags = cv2.WARP_INVERSE_MAP
+    shape = (int(size[0]), int(size[1]))
+    warped = cv2.warpPerspective(
+        image, to_photo, shape, flags=flags | cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
+    )
+    inside = cv2.warpPerspective(
+        mask.astype(np.uint8), to_photo, shape, flags=flags | cv2.INTER_NEAREST
+    )
+    ahead = _ahead(camera, axes, low, step, shape)
+    return RectifiedPlane(
+        image=warped,
+        mask=(inside > 0) & ahead,
+        origin=(float(low[0]), float(low[1])),
+        metres_per_pixel=step,
+        axes=axes,
+        focal_px=camera.focal_px,
+    )
+
+
+def _ahead(
+    camera: Camera, axes: np.ndarray, low: np.ndarray, step: float, shape: tuple[int, int]
+) -> np.ndarray:
+    """Return which pixels of the rectified image lie before the camera (a homography mirrors)."""
+    forward = camera.matrix[2]
+    x = (low[0] + (np.arange(shape[0]) + 0.5) * step) * float(forward @ axes[0])
+    y = (low[1] + (np.arange(shape[1]) + 0.5) * step) * float(forward @ axes[1])
+    return np.asarray(x[None, :] + y[:, None] + float(forward @ axes[2]) > 1e-3)

@@ -1,0 +1,108 @@
+"""What a job's result depends on beyond its input files: the library's source.
+
+Snakemake reruns a rule when its script changes, not when a module that the script imports does.
+Rules therefore pass :func:`code_hash` of the modules they use through ``params``.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parent
+
+
+def _workflow_folder() -> Path:
+    """Return the folder of the Snakefile: the clone's root, or where a wheel brings it along."""
+    clone = PACKAGE.parents[1]
+    return clone if (clone / "Snakefile").is_file() else PACKAGE / "_workflow"
+
+
+#: Holds Snakefile, workflow/, config/, envs/ and resources/.
+WORKFLOW = _workflow_folder()
+
+
+def _module_file(module: str, packages: tuple[Path, ...]) -> Path | None:
+    """Return the source file of ``plan2scene.x.y`` (a package gives its ``__init__.py``)."""
+    top, *parts = module.split(".")
+    for package in packages:
+        base = package.joinpath(*parts)
+        for candidate in (base.with_suffix(".py"), base / "__init__.py"):
+            if package.name == top and candidate.is_file():
+                return candidate
+    return None
+
+
+@cache
+def _imports(file: Path, package: Path) -> frozenset[str]:
+    """Return the dotted names that a source file imports, at any depth of nesting."""
+    found: set[str] = set()
+    folder = [package.name, *file.relative_to(package).parts[:-1]]
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = folder[: len(folder) - node.level + 1] if node.level else []
+            module = ".".join([*base, *([node.module] if node.module else [])])
+            found.add(module)
+            found.update(f"{module}.{alias.name}" for alias in node.names)
+    return frozenset(found)
+
+
+@cache
+def _dependencies(module: str, packages: tuple[Path, ...]) -> frozenset[Path]:
+    """Return the files of `module` and of all that it imports from `packages`, transitively."""
+    owners = {package.name: package for package in packages}
+    seen: dict[str, Path] = {}
+    queue = [module]
+    while queue:
+        name = queue.pop()
+        file = None if name in seen else _module_file(name, packages)
+        if file is None:
+            continue
+        seen[name] = file
+        queue.extend(_imports(file, owners[name.split(".")[0]]))
+    return frozenset(seen.values())
+
+
+@cache
+def code_hash(*modules: str, packages: tuple[Path, ...] = (PACKAGE,)) -> str:
+    """Return 16 hex digits over the sources of `modules` and all they import in `packages`.
+
+    Parameters
+    ----------
+    modules : str
+        Names below the first package: ``"textures.seams"``. Raises ValueError for one that is not
+        there.
+    packages : tuple of Path
+        Folders of the packages whose imports are followed; a folder's name is its import name.
+    """
+    files: set[Path] = set()
+    for module in modules:
+        found = _dependencies(f"{packages[0].name}.{module}", packages)
+        if not found:
+            raise ValueError(f"no module {packages[0].name}.{module}")
+        files.update(found)
+    names = {
+        f"{package.name}/{file.relative_to(package).as_posix()}": file
+        for package in packages
+        for file in files
+        if file.is_relative_to(package)
+    }
+    digest = hashlib.sha256()
+    for name in sorted(names):
+        digest.update(name.encode() + b"\0" + names[name].read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def file_hash(path: str | Path) -> str:
+    """Return 16 hex digits of a file's SHA-256 (names the weights that made a table)."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
+
+
+def package_versions(*packages: str) -> str:
+    """Return ``name version`` of installed packages, separated by commas."""
+    return ", ".join(f"{name} {version(name)}" for name in packages)

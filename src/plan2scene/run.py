@@ -1,0 +1,137 @@
+"""One house from one's own files: a data set of one, run by Snakemake, results copied out."""
+
+from __future__ import annotations
+
+import csv
+import logging
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from plan2scene.datasets import read_assignment
+from plan2scene.errors import InputError, WorkflowError
+from plan2scene.floorplans import read_plan, validate_house
+from plan2scene.io import atomic_path, safe_join
+from plan2scene.provenance import WORKFLOW
+
+_LOG = logging.getLogger("plan2scene")
+DATASET = "own"
+#: Sides of a tile in pixels that the configuration allows.
+TEXTURE_SIZES = (128, 256, 512)
+
+
+@dataclass(frozen=True)
+class SingleHouse:
+    """What a user gives for one house."""
+
+    plan: Path
+    photo_table: Path | None
+    photos_dir: Path | None
+    house: str
+    method: str
+    metres_per_pixel: float | None
+    seed: int
+    texture_size: int
+
+
+def prepare(request: SingleHouse, work: Path) -> Path:
+    """Lay a data set of one house under `work`; return its config file.
+
+    The plan and photo table are read once here, so that a mistake is told before any job starts.
+    Missing photos are warned of; the house goes on without them.
+    """
+    if request.texture_size not in TEXTURE_SIZES:
+        raise InputError(f"a texture size of {TEXTURE_SIZES} pixels", str(request.texture_size))
+    house = read_plan(request.plan, request.house, request.metres_per_pixel)
+    for line in validate_house(house, file=request.plan):
+        _LOG.warning("%s", line)
+    root = work / "dataset"
+    photos = root / "photos"
+    photos.mkdir(parents=True, exist_ok=True)
+    plan = root / f"plan{request.plan.suffix or '.json'}"
+    shutil.copy2(request.plan, plan)
+    names: list[str] = []
+    assignment = ""
+    if request.photo_table is not None:
+        rows = read_assignment(request.photo_table, house)
+        folder = request.photos_dir or request.photo_table.parent
+        names = sorted({row.photo for row in rows})
+        _copy_photos(names, folder, photos, request)
+        shutil.copy2(request.photo_table, root / "photoroom.csv")
+        assignment = "photoroom.csv"
+    with (root / "houses.tsv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, delimiter="\t", lineterminator="\n")
+        writer.writerow(["house", "split", "plan", "assignment", "photos"])
+        writer.writerow([request.house, "test", plan.name, assignment, "|".join(names)])
+    return _write_config(request, root, work)
+
+
+def _copy_photos(names: list[str], source: Path, target: Path, request: SingleHouse) -> None:
+    """Copy photos whose bytes or times differ; times are kept, so that reruns stay incremental."""
+    for name in names:
+        path = safe_join(source, name, file=request.photo_table or "", house=request.house)
+        if not path.is_file():
+            _LOG.warning(
+                "%s",
+                InputError("a photo", "no such file", file=path, house=request.house),
+            )
+            continue
+        copy = safe_join(target, name)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        old, new = (copy.stat() if copy.exists() else None), path.stat()
+        if old is None or (old.st_size, old.st_mtime_ns) != (new.st_size, new.st_mtime_ns):
+            shutil.copy2(path, copy)
+
+
+def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
+    """Write the run's configuration: the shipped one with this data set in it."""
+    import yaml
+
+    config: dict[str, Any] = yaml.safe_load(
+        (WORKFLOW / "config" / "config.yaml").read_text("utf-8")
+    )
+    config["dataset"] = {
+        "name": DATASET,
+        "root": str(root.relative_to(work)),
+        "table": "houses.tsv",
+        "splits": ["test"],
+    }
+    config["seed"] = request.seed
+    config["drops"] = [0.0]
+    config["house"]["method"] = request.method
+    config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
+    config["textures"]["size_px"] = request.texture_size
+    path = work / "config.yaml"
+    with atomic_path(path) as temporary:
+        temporary.write_text(yaml.safe_dump(config, sort_keys=False), encoding="utf-8")
+    return path
+
+
+def run(request: SingleHouse, out: Path, *, cores: int) -> dict[str, Path]:
+    """Make one house with Snakemake under `out`; return the files a user wants, by name.
+
+    Raises InputError for faults of the input, WorkflowError when the workflow fails.
+    """
+    work = out / "work"
+    config = prepare(request, work)
+    base = f"results/{DATASET}/houses/{request.house}"
+    wanted = ("house.glb", "house.scene.json", "preview.png", "viewer.html")
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(WORKFLOW / "Snakefile")]
+    command += ["--directory", str(work), "--configfile", str(config), "--cores", str(cores)]
+    command += ["--workflow-profile", str(WORKFLOW / "workflow" / "profiles" / "default")]
+    command += ["--quiet", "rules", "--", *(f"{base}/{name}" for name in wanted)]
+    if subprocess.run(command, check=False).returncode != 0:
+        raise WorkflowError(f"the workflow failed; its logs are in {work / 'logs'}")
+    results = {}
+    for name in wanted:
+        results[name] = out / name
+        shutil.copyfile(work / base / name, results[name])
+    textures = work / "results" / DATASET / "drop_0.0" / request.method / request.house / "textures"
+    results["textures"] = out / "textures"
+    if results["textures"].exists():
+        shutil.rmtree(results["textures"])
+    shutil.copytree(textures, results["textures"])
+    return results

@@ -1,0 +1,1 @@
+"""Textures that are copied: reference crops and retrieved tiles."""

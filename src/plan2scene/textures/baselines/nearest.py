@@ -1,0 +1,181 @@
+"""The photo crop that stands for each surface: what the baselines' tiles are made of.
+
+Crop (paper section 5) puts it on the surface as it is; two from related work make more of it:
+
+``medoid_colour``  one flat colour, the crop's median (IM2CAD, Izadinia et al. 2017, section 4.4)
+``projection``     the photo region itself, stretched over the surface, so that it does not repeat
+                   (Rent3D, Liu et al. 2015). A crop is at most a metre wide: the largest good one
+                   of the surface is taken, the sharpest of equals
+
+An observed surface gets its reference crop, the medoid of its visible crops. For an unobserved
+one a random crop is drawn from the first of these pools that is not empty:
+
+1. same surface type in rooms of the house that share a room type with its room,
+2. the same in other houses (the paper's training set), where there is a pool of them
+   (:mod:`plan2scene.textures.baselines.crop_pool`, config key ``textures.crop_pool``),
+3. same surface type in the house,
+4. same surface type in other houses,
+5. any surface of the house.
+
+Where all are empty the stage takes a tile of the library.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from plan2scene.colour import as_uint8, median_colour
+from plan2scene.house import House, SurfaceKey
+from plan2scene.io import image_from_bytes
+from plan2scene.photos.crops.sampling import medoid_index
+from plan2scene.seeds import generator
+
+#: Substance of a surface that nothing is known of, by surface; wet rooms have tiled floors.
+_USUAL_SUBSTANCE = {"floor": "wood", "wall": "plaster", "ceiling": "plaster"}
+_TILED_ROOMS = frozenset({"Bathroom", "Balcony", "Terrace", "Outdoor"})
+
+
+@dataclass(frozen=True)
+class Crop:
+    """A visible crop of a surface: PNG bytes of 128x128 sRGB, and the metres it covers.
+
+    `metres` and `sharpness` (photo pixels per crop pixel) are NaN where unknown.
+    """
+
+    crop_id: str
+    key: SurfaceKey
+    png: bytes
+    metres: float
+    sharpness: float = math.nan
+
+    @classmethod
+    def of(cls, row: Any) -> Crop:
+        """Return the crop of a row of ``crops.parquet`` (a named tuple)."""
+        key = SurfaceKey(row.room_id, row.surface)
+        return cls(row.crop_id, key, row.png, float(row.metres), float(row.sharpness))
+
+    def image(self) -> np.ndarray:
+        """Return the pixels, (128, 128, 3) uint8 sRGB."""
+        return image_from_bytes(self.png)
+
+
+@dataclass(frozen=True)
+class PoolCrop:
+    """The reference crop of a surface of another house, and the types of its room."""
+
+    house: str
+    types: tuple[str, ...]
+    crop: Crop
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The crop chosen for a surface, and how it was found."""
+
+    crop: Crop
+    source: str
+
+
+def medoid_crop(crops: Sequence[Crop]) -> Crop:
+    """Return the crop nearest to the mean of a surface's crops (paper, reference crop)."""
+    return crops[medoid_index([crop.image() for crop in crops])]
+
+
+def largest_crop(crops: Sequence[Crop]) -> Crop:
+    """Return the crop that covers most, the sharpest of equals, the first of those.
+
+    Windows are cut to whole pixels, so sides within a centimetre count as equal; unknown values
+    count as nothing.
+    """
+    known = [
+        (round(np.nan_to_num(crop.metres), 2), float(np.nan_to_num(crop.sharpness)))
+        for crop in crops
+    ]
+    return crops[known.index(max(known))]
+
+
+def choose_crop(
+    plan: House,
+    key: SurfaceKey,
+    crops: Sequence[Crop],
+    seed: int,
+    own_crop: Callable[[Sequence[Crop]], Crop] = medoid_crop,
+    others: Sequence[PoolCrop] = (),
+) -> Choice | None:
+    """Return the crop that stands for a surface; None where there is none at all.
+
+    Parameters
+    ----------
+    plan : House
+        Gives the room types.
+    crops : sequence of Crop
+        All visible crops of the house, in a stable order.
+    seed : int
+        Global seed; the choice depends on it, the house and the surface alone.
+    own_crop : callable
+        Which of its own crops an observed surface gets.
+    others : sequence of PoolCrop
+        Crops of other houses.
+    """
+    own = [crop for crop in crops if crop.key == key]
+    if own:
+        crop = own_crop(own)
+        return Choice(crop, crop.crop_id)
+    types = set(plan.room(key.room_id).types)
+    same_surface = [crop for crop in crops if crop.key.surface == key.surface]
+    elsewhere = [other for other in others if other.crop.key.surface == key.surface]
+    pools = (
+        (
+            "a room of its type",
+            [c for c in same_surface if types & set(plan.room(c.key.room_id).types)],
+        ),
+        (
+            "such a room of another house",
+            [other.crop for other in elsewhere if types & set(other.types)],
+        ),
+        (f"another {key.surface} of the house", same_surface),
+        (f"a {key.surface} of another house", [other.crop for other in elsewhere]),
+        ("another surface of the house", list(crops)),
+    )
+    for name, pool in pools:
+        if pool:
+            rng = generator(seed, plan.id, key.room_id, key.surface, "crop")
+            crop = pool[int(rng.integers(len(pool)))]
+            return Choice(crop, f"{name}: {crop.crop_id} of {crop.key.room_id}")
+    return None
+
+
+def flat_image(image: np.ndarray) -> np.ndarray:
+    """Return an (h, w, 3) uint8 sRGB image of one colour: the median of another's."""
+    return np.broadcast_to(as_uint8(median_colour(image)), image.shape).copy()
+
+
+def surface_extent(plan: House, key: SurfaceKey) -> tuple[float, tuple[float, float]]:
+    """Return the side of the square that holds a surface, and where it begins, metres.
+
+    In the texture coordinates of the mesh: floors and ceilings are (x, z), a room's walls are one
+    strip along its outline (or a column's in it), from the ceiling down.
+    """
+    room = plan.room(key.room_id)
+    if key.surface == "wall":
+        return max(room.height, *(_length(np.array(ring)) for ring in room.rings)), (0.0, 0.0)
+    points = np.array(room.rings[0])
+    low, high = points.min(axis=0), points.max(axis=0)
+    return float((high - low).max()), (float(low[0]), float(low[1]))
+
+
+def _length(ring: np.ndarray) -> float:
+    """Return the length of a closed (n, 2) ring."""
+    return float(np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1).sum())
+
+
+def usual_substance(plan: House, key: SurfaceKey) -> str:
+    """Return the substance that a surface has in most homes."""
+    if key.surface == "floor" and _TILED_ROOMS & set(plan.room(key.room_id).types):
+        return "tile"
+    return _USUAL_SUBSTANCE[key.surface]

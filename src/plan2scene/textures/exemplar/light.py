@@ -1,0 +1,111 @@
+"""Light of several crops of one surface: highlights found, slow shading taken out.
+
+One crop cannot tell shading from slow variation of the material; several can: the material's
+share is common to all, and at middle frequencies it is all there is. So each crop's slow cosine
+terms are brought down to the least power that the crops and the neighbouring frequencies agree
+on, not to zero: stucco keeps its relief. Images are (n, s, s, 3) float sRGB in [0, 1]; light is
+taken as a factor on these values.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from scipy.fft import dctn, idctn
+
+from plan2scene.colour import as_uint8, srgb_to_linear
+
+_BLACK = 4.0 / 255.0  # keeps logarithms finite
+_SLOW = 14  # cosine terms up to this index (half waves per crop) may hold light
+_CHI_SQUARE_MEDIAN = 0.455  # of one degree of freedom, over its mean
+_CERTAIN = 3  # up to this index nearly all is light
+_HIGHLIGHT = 0.2  # log excess over the crop's median that only a highlight has
+_ADDED_WHITE = 0.06  # linear share of white that a highlight adds at least
+_NEARLY_WHITE = 0.35  # the same where the surface itself is too bright for a log excess
+_OUTSTANDING = 2.0  # added white over the crops' usual, where most of them seem to have some
+_MOST = 0.6  # a crop of which more than this is 'highlight' shows a bright pattern instead
+
+
+def log_luma(images: np.ndarray) -> np.ndarray:
+    """Return the log of the grey value of (..., 3) images."""
+    return np.log(images @ np.array([0.299, 0.587, 0.114]) + _BLACK)
+
+
+def highlights(images: np.ndarray) -> np.ndarray:
+    """Return (n, s, s) bool: pixels that a highlight or a lamp burns out.
+
+    Blobs far brighter than their crop, to which white was added: brighter light alone leaves the
+    least channel of a dark or coloured surface low. Thin bright joints do not count, and what
+    most crops show is the pattern.
+    """
+    masks = np.zeros(images.shape[:3], dtype=bool)
+    peaks = np.zeros(len(images))
+    for k, image in enumerate(images):
+        body = cv2.morphologyEx(
+            as_uint8(image), cv2.MORPH_OPEN, np.ones((9, 9))
+        )  # no bright joints
+        body = cv2.medianBlur(body, images.shape[1] // 10 | 1)  # nor dark ones
+        body = cv2.GaussianBlur(body / 255.0, (0, 0), images.shape[1] / 40)
+        luma = log_luma(body)
+        excess = luma - np.median(luma)
+        floor = srgb_to_linear(body.min(axis=2))
+        usual_floor = np.median(floor)
+        added = (floor - usual_floor) / (1.0 - usual_floor + 1e-3)
+        peaks[k] = added.max()
+        strong = (excess > _HIGHLIGHT) & (added > _ADDED_WHITE)
+        core = (strong | ((excess > 0.0) & (added > _NEARLY_WHITE))).astype(np.uint8)
+        if core.any() and core.mean() < _MOST:
+            wide = cv2.dilate(core, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (9, 9)))
+            masks[k] = wide > 0
+    if masks.any(axis=(1, 2)).mean() > 0.5:
+        masks[peaks < _OUTSTANDING * np.median(peaks)] = False
+    return masks
+
+
+def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
+    """Return the images under even light, each with its own median brightness.
+
+    Parameters
+    ----------
+    images : (n, s, s, 3) float
+        sRGB in [0, 1].
+    masks : (n, s, s) bool
+        Highlights: they neither count nor get any better.
+    """
+    luma = np.stack([_filled(*pair) for pair in zip(log_luma(images), masks, strict=True)])
+    terms = dctn(luma, axes=(1, 2), norm="ortho")
+    index = np.arange(luma.shape[1])
+    radius = np.hypot(index[:, None], index[None, :])
+    light = np.zeros_like(terms)
+    for ring, share in _shares(terms, radius):
+        light[:, ring] = terms[:, ring] * share[:, None]
+    field = idctn(light, axes=(1, 2), norm="ortho")
+    field -= np.median(field, axis=(1, 2), keepdims=True)
+    return np.clip(images * np.exp(-field)[..., None], 0.0, 1.0)
+
+
+def _filled(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Return (s, s) log values with masked ones replaced by their surroundings' mean."""
+    if not mask.any():
+        return luma
+    weight = (~mask).astype(np.float64)
+    sigma = luma.shape[0] / 10
+    near = cv2.GaussianBlur(luma * weight, (0, 0), sigma)
+    near /= np.maximum(cv2.GaussianBlur(weight, (0, 0), sigma), 1e-3)
+    return np.where(mask, near, luma)
+
+
+def _shares(terms: np.ndarray, radius: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return rings of cosine terms, (s, s) bool, with the share of them that is light, (n,)."""
+    rings = [(radius >= k - 0.5) & (radius < k + 0.5) for k in range(1, 2 * _SLOW)]
+    power = np.stack([(terms[:, ring] ** 2).mean(axis=1) for ring in rings])  # (rings, n)
+    # A lattice has few strong terms per ring: the median tells what lies between them.
+    middle = [np.median(terms[:, ring] ** 2) for ring in rings[_SLOW:]]
+    beyond = float(np.median(middle)) / _CHI_SQUARE_MEDIAN
+    result = []
+    for k, (ring, own) in enumerate(zip(rings[:_SLOW], power[:_SLOW], strict=True), start=1):
+        usual = beyond * (_SLOW / k) ** 0.5
+        material = usual if k <= _CERTAIN else max(usual, float(np.sort(own)[len(own) // 3]))
+        amplitude = np.sqrt(np.minimum(1.0, material / np.maximum(own, 1e-12)))
+        result.append((ring, 1.0 - amplitude))
+    return result

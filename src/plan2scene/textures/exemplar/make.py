@@ -1,0 +1,234 @@
+"""A seamless tile from the photo crops of one surface.
+
+Highlights are found and light is evened out over all crops together, their colours are brought
+to what most of them show, and a torus is quilted from them. The tile covers as many metres as
+photo pixels of the crops fill: crops are enlarged photo patches, so it is larger than a crop. A
+tile of 256 px or more covers twice as many metres with the same detail and repeats half as often.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from plan2scene.colour import as_uint8, delta_e_2000, median_colour, rgb_to_lab
+from plan2scene.textures.exemplar.light import flatten, highlights
+from plan2scene.textures.exemplar.quilt import quilt
+from plan2scene.textures.exemplar.straighten import find_pattern, straightened
+from plan2scene.textures.seams import with_calm_border
+
+#: Side of the torus in pixels for tiles of up to this size; larger ones get twice as much.
+WORK_PX = 128
+#: Crops that take part, the best first.
+MAX_CROPS = 10
+_LARGEST = 2.0  # side of the tile over the side of a crop
+_LEAST_SHARP = 0.2  # photo pixels per crop pixel under which a crop shows no texture
+_MOST_SPOILED = 0.5  # share of burned-out or masked pixels from which a crop is useless
+_WHITE = 0.96  # channel value beyond which in all channels a crop's colour is burned out
+_REPAIR = 0.03  # log repair of the light below which crops count alike for the brightness
+_ALIKE_DE = 20.0  # CIEDE2000 beyond which crops are of different things; light gives less
+_SMALLEST_PX = 32  # crops that fill less of the tile only make seams
+
+
+@dataclass(frozen=True, eq=False)
+class ExemplarCrop:
+    """A crop to learn a surface from.
+
+    Attributes
+    ----------
+    image : (128, 128, 3) uint8
+        sRGB.
+    metres : float
+        Side of the square that it covers; NaN when unknown.
+    sharpness : float
+        Photo pixels per crop pixel; NaN when unknown.
+    """
+
+    image: np.ndarray
+    metres: float
+    sharpness: float
+
+
+@dataclass(frozen=True, eq=False)
+class Exemplar:
+    """A tile made of crops.
+
+    Attributes
+    ----------
+    image : (s, s, 3) uint8
+        sRGB, repeats in both directions.
+    size_m : float
+        Metres that it covers; NaN when no crop knows its scale.
+    crops : int
+        How many crops it was made of.
+    periods : (int, int)
+        How often its pattern repeats in it along x and y; 0 where it has no period.
+    period_m : (float, float)
+        Its periods in metres (in sides of the median crop where no scale is known); NaN where it
+        has none.
+    """
+
+    image: np.ndarray
+    size_m: float
+    crops: int
+    periods: tuple[int, int]
+    period_m: tuple[float, float]
+
+
+def spoiled_share(image: np.ndarray) -> float:
+    """Return the share of an (h, w, 3) uint8 crop that is burned out or pitch black."""
+    return float(((image.min(axis=2) >= 252) | (image.max(axis=2) <= 4)).mean())
+
+
+def usable(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
+    """Return the crops that show a texture: neither burned out nor enlarged beyond use."""
+    return [
+        crop
+        for crop in crops
+        if not crop.sharpness < _LEAST_SHARP and spoiled_share(crop.image) < _MOST_SPOILED
+    ]
+
+
+def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list[ExemplarCrop]:
+    """Return the crops whose colour is near that of the one nearest to `tone`.
+
+    Where masks err, or the walls of a room are of two paints, crops of one surface show different
+    things; patches of a rug in a floor are worse than fewer crops. Without a tone (3,), sRGB in
+    [0, 1], the crop most like all others decides.
+    """
+    labs = np.stack([rgb_to_lab(median_colour(crop.image)) for crop in crops])
+    apart = delta_e_2000(labs[:, None], labs[None])
+    far = apart.sum(axis=1) if tone is None else delta_e_2000(labs, rgb_to_lab(tone)[None])
+    middle = int(far.argmin())
+    return [crop for crop, far in zip(crops, apart[middle], strict=True) if far <= _ALIKE_DE]
+
+
+def make_exemplar(
+    crops: Sequence[ExemplarCrop], *, size_px: int, tone: np.ndarray | None = None
+) -> Exemplar | None:
+    """Return a seamless tile of the surface that `crops` show; None when all are too poor.
+
+    Nothing is drawn: same crops and size, same bytes.
+
+    Parameters
+    ----------
+    crops : sequence of ExemplarCrop
+        Crops of one surface, of any scales; those of unknown scale count as the median one.
+    size_px : int
+        Side of the tile in pixels.
+    tone : (3,) float, optional
+        Colour that the surface is known to have, sRGB in [0, 1]: says which crops are of it.
+    """
+    good = usable(crops)
+    if not good:
+        return None
+    good = alike(good, tone)
+    work = work_size(size_px, len(good))
+    flat, masks, colour, order = _evened(good)
+    sides, size_m = tile_scale(good, work / WORK_PX)
+    known = np.isfinite([crop.metres for crop in good]).all()
+    lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
+    large = [k for k in order if fits[k] and sides[k] * work >= _SMALLEST_PX]
+    order = (large or [int(sides.argmax())])[:MAX_CROPS]
+    sources = [straightened(flat[k], masks[k], sides[k], lattices[k], cut, work) for k in order]
+    canvas = quilt(sources, work)
+    image = with_calm_border(as_uint8(_toned(canvas.solve(), colour)))
+    return Exemplar(
+        as_uint8(enlarged(image / 255.0, size_px)),
+        size_m * float(np.sqrt(cut.wide * cut.high)),
+        len(order),
+        (cut.columns, cut.rows),
+        (
+            size_m * cut.wide / cut.columns if cut.columns else float("nan"),
+            size_m * cut.high / cut.rows if cut.rows else float("nan"),
+        ),
+    )
+
+
+def _evened(
+    crops: Sequence[ExemplarCrop],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
+    """Return crops of one colour under even light, spoiled pixels, the colour, the best first."""
+    images = np.stack([crop.image for crop in crops]).astype(np.float64) / 255.0
+    masks = highlights(images)
+    flat = flatten(images, masks)
+    tones = np.stack([np.median(i[~m], axis=0) for i, m in zip(flat, masks, strict=True)])
+    # Those that needed the least repair of their light come first, and say how bright it is.
+    repair = np.log((images.mean(axis=3) + 0.02) / (flat.mean(axis=3) + 0.02)).std(axis=(1, 2))
+    tone = consensus(tones, repair)
+    flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
+    spoiled = masks.mean(axis=(1, 2))
+    order = np.argsort(2.0 * spoiled + repair, kind="stable")
+    return flat, masks, tone, [int(k) for k in order]
+
+
+def work_size(size_px: int, crops: int) -> int:
+    """Return the side in pixels of the torus that a tile of `size_px` is quilted on.
+
+    A tile of more pixels than it has is enlarged: crops hold no more detail. One crop alone has
+    nothing to cover more metres with than itself.
+    """
+    return 2 * WORK_PX if size_px > WORK_PX and crops >= 2 else WORK_PX
+
+
+def tile_scale(crops: Sequence[ExemplarCrop], extent: float = 1.0) -> tuple[np.ndarray, float]:
+    """Return each crop's side over the tile's, (n,) at most 1, and the tile's side in metres.
+
+    `extent`: how many times the metres that crops have pixels for it covers.
+    """
+    metres = np.array([crop.metres for crop in crops], dtype=np.float64)
+    sharp = np.array([crop.sharpness for crop in crops], dtype=np.float64)
+    known = np.isfinite(metres)
+    usual = float(np.median(metres[known])) if known.any() else 1.0
+    metres = np.where(known, metres, usual)
+    sharp = np.clip(np.where(np.isfinite(sharp), sharp, 1.0), 1.0 / _LARGEST, 1.0)
+    size = max(float(np.median(metres / sharp)), float(metres.max())) * extent
+    return metres / size, size if known.any() else float("nan")
+
+
+def consensus(tones: np.ndarray, repair: np.ndarray) -> np.ndarray:
+    """Return the colour (3,) that crops agree on.
+
+    A cast may go either way in each crop: the mean of their chroma (log ratios of the channels)
+    has the least error. Shading mostly darkens and spoils some crops more than others: the level
+    is the mean weighted by how little their light had to be repaired. Where half of the crops of
+    a white surface burn out it is the median; fewer of them have no say.
+
+    Parameters
+    ----------
+    tones : (n, 3) float
+        Median colours of the crops, sRGB in [0, 1].
+    repair : (n,) float
+        Standard deviation of the log light that was taken out of each.
+    """
+    burned = tones.min(axis=1) > _WHITE
+    if 2 * burned.sum() >= len(tones):
+        return np.median(tones, axis=0)
+    logs = np.log(np.maximum(tones[~burned], 1 / 255))
+    levels = logs.mean(axis=1)
+    weights = 1.0 / (_REPAIR + repair[~burned]) ** 2
+    chroma = (logs - levels[:, None]).mean(axis=0)
+    return np.minimum(np.exp(chroma + np.average(levels, weights=weights)), 1.0)
+
+
+def enlarged(image: np.ndarray, size_px: int) -> np.ndarray:
+    """Return a periodic (s, s, 3) image at `size_px`, still periodic (cubic interpolation)."""
+    if image.shape[0] == size_px:
+        return image
+    pad = 8
+    side = image.shape[0]
+    wide = np.pad(image, ((pad, pad), (pad, pad), (0, 0)), mode="wrap").astype(np.float32)
+    position = (np.arange(size_px) + 0.5) * side / size_px - 0.5 + pad
+    across, down = np.meshgrid(position.astype(np.float32), position.astype(np.float32))
+    if size_px < side:
+        wide = cv2.GaussianBlur(wide, (0, 0), 0.45 * side / size_px)
+    return cv2.remap(wide, across, down, cv2.INTER_CUBIC)
+
+
+def _toned(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
+    """Return the image scaled to the median colour `tone`."""
+    median = np.median(image.reshape(-1, 3), axis=0)
+    return np.clip(image * (tone / np.maximum(median, 1 / 255)), 0.0, 1.0)

@@ -1,0 +1,1 @@
+"""The texture model: encoder, noise decoder, embeddings, statistics."""

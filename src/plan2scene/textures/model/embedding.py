@@ -1,0 +1,143 @@
+"""Embeddings of crops: code and median colour, substance, and how much of a texture each is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from plan2scene.house import SUBSTANCES
+from plan2scene.io import image_from_bytes, read_parquet, write_parquet
+from plan2scene.provenance import file_hash
+from plan2scene.seeds import derive_seed
+from plan2scene.textures.model.network import TextureModel, fast_decoding, load_texture_model
+from plan2scene.textures.model.statistics import FilterBankStatistics, TextureStatistics
+from plan2scene.textures.model.synthesis import noise_seeds
+
+_BATCH = 16
+#: Side of the part of a texture that is drawn for its score: a quarter of the work, and enough
+#: because a texture is everywhere alike.
+_SCORED = slice(0, 64)
+#: Pyramid levels of the score, as many as that part has.
+_LEVELS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Embeddings:
+    """What the texture model says of n crops.
+
+    Attributes
+    ----------
+    codes : (n, d) float32
+        Embeddings: bottleneck 8 and median R, G, B in [0, 1] (d = 11), or the code alone (d = 8).
+    substance_probabilities : (n, 4) float32
+        In the order of ``house.SUBSTANCES``; (n, 0) for a model without substance head.
+    textureness : (n,) float32
+        Distance between the texture statistics of the crop and of its decoded embedding (paper
+        section 4.3); the lower, the better the crop stands for its surface. Empty when not asked.
+    """
+
+    codes: np.ndarray
+    substance_probabilities: np.ndarray
+    textureness: np.ndarray
+
+
+def embed_crops(
+    model: TextureModel,
+    crops: np.ndarray,
+    *,
+    statistics: TextureStatistics | None = None,
+    seed: int = 0,
+    textureness: bool = True,
+) -> Embeddings:
+    """Return the embeddings of crops.
+
+    Parameters
+    ----------
+    crops : (n, 128, 128, 3) uint8
+    statistics : TextureStatistics, optional
+        The embedded filter bank when None.
+    seed : int
+        Of the noise that the decoded textures are drawn from: the same for every crop, so that
+        their scores compare.
+    textureness : bool
+        Decode each crop and score it; leave it out where only embeddings are needed.
+    """
+    statistics = FilterBankStatistics(_LEVELS) if statistics is None else statistics
+    noise = noise_seeds([seed])
+    codes, probabilities, scores = [], [], []
+    with torch.inference_mode(), fast_decoding(model):
+        for start in range(0, len(crops), _BATCH):
+            part = torch.from_numpy(crops[start : start + _BATCH])
+            rgb = part.permute(0, 3, 1, 2).float() / 255.0
+            encoding = model.encode(rgb)
+            codes.append(encoding.embedding.numpy())
+            if encoding.logits is not None:
+                probabilities.append(encoding.logits.softmax(1).numpy())
+            if textureness:
+                tiles = model.decode(
+                    encoding.embedding,
+                    noise.expand(len(rgb), -1, -1),
+                    window=(_SCORED, _SCORED),
+                )
+                scores.append(statistics.distance(tiles, rgb).numpy())
+    return Embeddings(
+        _stack(codes, (0, model.embedding_dim)),
+        _stack(probabilities, (len(crops), 0) if len(crops) else (0, len(SUBSTANCES))),
+        _stack(scores, (0,)),
+    )
+
+
+def _stack(parts: list[np.ndarray], empty: tuple[int, ...]) -> np.ndarray:
+    """Return arrays joined along the first axis; an empty one of a shape when there are none."""
+    return np.concatenate(parts) if parts else np.zeros(empty, dtype=np.float32)
+
+
+def make_embeddings(
+    crops_parquet: str | Path,
+    output: str | Path,
+    texture_model: str | Path,
+    naive_model: str | Path,
+    *,
+    house: str,
+    dataset: str,
+    seed: int,
+) -> None:
+    """Write ``embeddings.parquet`` of a house (docs/conventions.md): a row per row of crops.
+
+    A crop that shows several rooms is embedded once. A house without crops gets an empty table.
+    """
+    import pandas as pd
+
+    table, _ = read_parquet(crops_parquet)
+    distinct = table.drop_duplicates("crop_id")
+    images = [image_from_bytes(data) for data in distinct["png"]]
+    crops = np.stack(images) if images else np.zeros((0, 128, 128, 3), dtype=np.uint8)
+    found = embed_crops(
+        load_texture_model(texture_model), crops, seed=derive_seed(seed, "textureness")
+    )
+    naive = embed_crops(load_texture_model(naive_model), crops, textureness=False)
+    row_of = {crop_id: row for row, crop_id in enumerate(distinct["crop_id"])}
+    rows = [row_of[crop_id] for crop_id in table["crop_id"]]
+    best = found.substance_probabilities.argmax(1) if rows else np.zeros(0, dtype=int)
+    frame = pd.DataFrame(
+        {
+            **{name: table[name] for name in ("crop_id", "photo", "room_id", "surface")},
+            "embedding": pd.Series([found.codes[i] for i in rows], dtype=object),
+            "naive_embedding": pd.Series([naive.codes[i] for i in rows], dtype=object),
+            "substance": pd.Series([SUBSTANCES[best[i]] for i in rows], dtype=object),
+            "substance_probabilities": pd.Series(
+                [found.substance_probabilities[i] for i in rows], dtype=object
+            ),
+            "textureness": np.array([found.textureness[i] for i in rows], dtype=np.float64),
+        }
+    )
+    metadata = {
+        "dataset": dataset,
+        "house": house,
+        "model": file_hash(texture_model),
+        "naive_model": file_hash(naive_model),
+    }
+    write_parquet(output, frame, metadata)

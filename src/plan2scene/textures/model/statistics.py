@@ -1,0 +1,279 @@
+"""Texture statistics: how alike two textures are, wherever their details lie.
+
+Two sources with one interface, ``distance(images, targets) -> (n,)``: here a fixed multi-scale
+filter bank (``embedded``, nothing to download; after Ustyuzhaninov et al. 2016, who show that Gram
+matrices of fixed rectified filters carry texture), and VGG-19 (``pretrained``, the paper's) in
+:mod:`plan2scene.textures.model.vgg_statistics`.
+Images are ``(n, 3, h, w) float32`` RGB in [0, 1].
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from typing import Protocol
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+from plan2scene.metrics.freq import periodic_component
+from plan2scene.seeds import derive_seed
+from plan2scene.textures.model import colour as colour_torch
+
+_FILTER_PX = 7
+_RANDOM_FILTERS = 18
+#: Gram norms below this belong to flat textures, whose noise should not count as a pattern.
+_FLAT = 4e-4
+#: Inner edges of the COLOR metric's bins of lightness and saturation, and how soft they are here.
+_THIRDS = (0.333, 0.666)
+_SOFTNESS = 0.015
+#: Luminance and two opponent colours; chroma is scaled up because its contrast is lower.
+_OPPONENT = [[0.299, 0.587, 0.114], [1.0, -1.0, 0.0], [-0.5, -0.5, 1.0]]
+
+
+class TextureStatistics(Protocol):
+    """What tells textures apart: a source of statistics."""
+
+    def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+        """Return (n,) distances of images (n, 3, h, w) from targets, RGB in [0, 1]."""
+        ...
+
+
+def gram(features: torch.Tensor) -> torch.Tensor:
+    """Return Gram matrices (n, c, c) of features (n, c, h, w), divided by h w."""
+    flat = features.flatten(2)
+    return flat @ flat.transpose(1, 2) / flat.shape[2]
+
+
+def opponent(rgb: torch.Tensor) -> torch.Tensor:
+    """Return luminance and two opponent colours (n, 3, h, w) of RGB (n, 3, h, w)."""
+    matrix = torch.tensor(_OPPONENT, dtype=rgb.dtype, device=rgb.device)
+    return torch.einsum("ij,njhw->nihw", matrix, rgb)
+
+
+def _filter_bank() -> torch.Tensor:
+    """Return the filters (k, 3, 7, 7): oriented edges and bars, blobs, and random mixtures.
+
+    All have zero mean (the colour itself is no pattern) and unit norm.
+    """
+    line = torch.arange(_FILTER_PX, dtype=torch.float64) - _FILTER_PX // 2
+    y, x = torch.meshgrid(line, line, indexing="ij")
+    envelope = torch.exp(-(x**2 + y**2) / (2 * 1.5**2))
+    shapes: list[tuple[int, torch.Tensor]] = []
+    for step in range(4):
+        along = math.cos(step * math.pi / 4) * x + math.sin(step * math.pi / 4) * y
+        for phase in (0.0, math.pi / 2):
+            shapes.append((0, envelope * torch.cos(1.6 * along + phase)))
+    narrow = torch.exp(-(x**2 + y**2) / (2 * 0.8**2))
+    blob = narrow / narrow.sum() - envelope / envelope.sum()
+    shapes += [(channel, blob) for channel in range(3)]
+    shapes += [(channel, envelope * along) for channel in (1, 2) for along in (x, y)]
+    bank = torch.zeros(len(shapes) + _RANDOM_FILTERS, 3, _FILTER_PX, _FILTER_PX).double()
+    for index, (channel, shape) in enumerate(shapes):
+        bank[index, channel] = shape
+    source = torch.Generator().manual_seed(derive_seed(0, "texture statistics") % 2**31)
+    noise = torch.randn(_RANDOM_FILTERS, 3, _FILTER_PX, _FILTER_PX, generator=source)
+    bank[len(shapes) :] = noise.double() * envelope
+    support = envelope / envelope.sum()
+    bank = bank - (bank.sum((2, 3), keepdim=True)) * support
+    return (bank / bank.flatten(1).norm(dim=1).view(-1, 1, 1, 1)).float()
+
+
+class FilterBankStatistics(nn.Module):
+    """Gram matrices of a fixed rectified filter bank on the levels of an image pyramid.
+
+    Parameters
+    ----------
+    levels : int
+        Pyramid levels, each half the size of the one before; levels under 16 px are left out.
+    periodic : bool
+        Images repeat (tiles): filters wrap around. Otherwise they are mirrored at the border.
+    """
+
+    def __init__(self, levels: int = 5, *, periodic: bool = False) -> None:
+        super().__init__()
+        self.levels = levels
+        self.padding = "circular" if periodic else "reflect"
+        self.bank: torch.Tensor
+        self.register_buffer("bank", _filter_bank(), persistent=False)
+
+    def grams(self, rgb: torch.Tensor) -> list[torch.Tensor]:
+        """Return one Gram matrix (n, 2 k, 2 k) per level: responses split by sign."""
+        split = ([r.relu(), (-r).relu()] for r in self._responses(rgb))
+        return [gram(torch.cat(signs, dim=1)) for signs in split]
+
+    def moments(self, rgb: torch.Tensor) -> torch.Tensor:
+        """Return (n, levels * (k + 2 m)) moments of the responses at each level.
+
+        The log mean square of all k filters, then skewness and log kurtosis of the m that are no
+        random mixtures: joints between tiles make both large, weave and grain neither.
+        """
+        parts = []
+        for responses in self._responses(rgb):
+            energy = responses.square().mean(dim=(2, 3)) + 1e-5
+            shaped = responses[:, :-_RANDOM_FILTERS]
+            power = energy[:, :-_RANDOM_FILTERS]
+            skewness = (shaped**3).mean(dim=(2, 3)) / power**1.5
+            kurtosis = (shaped**4).mean(dim=(2, 3)) / power**2
+            parts += [energy.log(), skewness, (kurtosis + 0.1).log()]
+        return torch.cat(parts, dim=1)
+
+    def _responses(self, rgb: torch.Tensor) -> Iterator[torch.Tensor]:
+        """Yield the filters' responses (n, k, h, w) level by level."""
+        image = opponent(rgb)
+        for level in range(self.levels):
+            if level:
+                image = functional.avg_pool2d(image, 2)
+            if min(image.shape[2:]) < 16 and level:
+                break
+            border = _FILTER_PX // 2
+            padded = functional.pad(image, (border,) * 4, mode=self.padding)
+            yield functional.conv2d(padded, self.bank)
+
+    def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+        """Return (n,): the relative error of the Gram matrices, averaged over levels.
+
+        The norm of the difference over the norm of the target's, hence the square root of the
+        relative squared error: coarse levels and faint textures weigh as much as loud ones.
+        """
+        total = images.new_zeros(len(images))
+        levels = list(zip(self.grams(images), self.grams(targets), strict=True))
+        for mine, theirs in levels:
+            gap = (mine - theirs).flatten(1).square().sum(1)
+            total = total + (gap + 1e-12).sqrt() / (theirs.flatten(1).norm(dim=1) + _FLAT)
+        return total / len(levels)
+
+
+def _sectors(size: int, orientations: int) -> torch.Tensor:
+    """Return (sectors, size * (size // 2 + 1)) weights that average a half spectrum by sector."""
+    fy = torch.fft.fftfreq(size, 1 / size).view(-1, 1).expand(-1, size // 2 + 1)
+    fx = torch.fft.rfftfreq(size, 1 / size).view(1, -1).expand(size, -1)
+    radius = torch.hypot(fx, fy)
+    edges = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0]
+    edges = [edge for edge in edges if edge <= size / 2]
+    angle = torch.remainder(torch.atan2(fy, fx), math.pi) / math.pi
+    sector = torch.floor(angle * orientations + 0.5).long() % orientations
+    rows = [
+        ((radius >= low) & (radius < high) & (sector == turn)).flatten().float()
+        for low, high in itertools.pairwise(edges)
+        for turn in range(orientations)
+    ]
+    weights = torch.stack([row for row in rows if row.sum() > 0])
+    return weights / weights.sum(1, keepdim=True)
+
+
+class SpectrumStatistics(nn.Module):
+    """Log power in rings (and, for luminance, sectors) of the windowed spectrum."""
+
+    def __init__(self, sizes: tuple[int, ...] = (64, 128), orientations: int = 6) -> None:
+        super().__init__()
+        for size in sizes:
+            self.register_buffer(f"sectors{size}", _sectors(size, orientations), persistent=False)
+            self.register_buffer(f"rings{size}", _sectors(size, 1), persistent=False)
+
+    def log_power(self, rgb: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Return log power: luminance (n, sectors) and opponent colours (n, 2, rings)."""
+        size = rgb.shape[2]
+        image = opponent(rgb)
+        image = image - image.mean(dim=(2, 3), keepdim=True)
+        hann = torch.hann_window(size, periodic=False, dtype=rgb.dtype, device=rgb.device)
+        power = torch.fft.rfft2(image * hann * hann.view(-1, 1)).abs().square() / size**2
+        flat = power.flatten(2)
+        luminance = flat[:, 0] @ self.get_buffer(f"sectors{size}").T
+        chroma = flat[:, 1:] @ self.get_buffer(f"rings{size}").T
+        return (luminance + 1e-5).log(), (chroma + 1e-5).log()
+
+    def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+        """Return (n,): mean absolute difference of log amplitude over sectors and rings."""
+        mine, theirs = self.log_power(images), self.log_power(targets)
+        luminance = (mine[0] - theirs[0]).abs().mean(1)
+        return 0.5 * luminance + 0.25 * (mine[1] - theirs[1]).abs().mean((1, 2))
+
+
+def colour_quantiles(rgb: torch.Tensor) -> torch.Tensor:
+    """Return (n, 21) quantiles of luminance and opponent colours.
+
+    The three medians, then for each of the three the signed roots of six quantiles' distances.
+    """
+    levels = rgb.new_tensor([0.5, 0.02, 0.1, 0.25, 0.75, 0.9, 0.98])
+    values = opponent(rgb).flatten(2)[:, :, ::4]
+    found = torch.quantile(values, levels, dim=2).permute(1, 2, 0)
+    median, away = found[:, :, 0], found[:, :, 1:] - found[:, :, :1]
+    roots = away.sign() * (away.abs() + 1e-3).sqrt()
+    return torch.cat([median, roots.flatten(1)], dim=1)
+
+
+def histogram_distance(images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+    """Return (n,): L1 distance in [0, 1] of soft HSL histograms, the COLOR metric with gradients.
+
+    Bins as of :mod:`plan2scene.metrics.color`, their edges softened.
+    """
+    gap = _soft_histogram(images) - _soft_histogram(targets)
+    return gap.abs().sum((1, 2)) / 2.0
+
+
+def _soft_histogram(rgb: torch.Tensor) -> torch.Tensor:
+    """Return (n, 10, 9) shares of pixels by hue, and by lightness and saturation."""
+    top, bottom = rgb.max(dim=1).values, rgb.min(dim=1).values
+    lightness, span = (top + bottom) / 2.0, top - bottom
+    room = (1.0 - (2.0 * lightness - 1.0).abs()).clamp(min=0.02)
+    hue = colour_torch.rgb_to_hsv(rgb)[:, 0]
+    hue = torch.where(span > 0.01, hue, hue.detach())  # the hue of a grey has no useful gradient
+    bins = [
+        _soft_bins(value.flatten(1), edges)
+        for value, edges in ((lightness, _THIRDS), (span / room, _THIRDS))
+    ]
+    joint = (bins[0].unsqueeze(3) * bins[1].unsqueeze(2)).flatten(2)  # (n, pixels, 9)
+    tenths = [k / 10 for k in range(1, 10)]
+    return _soft_bins(hue.flatten(1), tenths).transpose(1, 2) @ joint / joint.shape[1]
+
+
+def _soft_bins(values: torch.Tensor, edges: Sequence[float]) -> torch.Tensor:
+    """Return (n, pixels, bins) memberships that sum to 1 of values (n, pixels)."""
+    steps = ((values.unsqueeze(2) - values.new_tensor(edges)) / _SOFTNESS).sigmoid()
+    ends = torch.ones_like(values).unsqueeze(2)
+    return torch.cat([ends, steps], dim=2) - torch.cat([steps, torch.zeros_like(ends)], dim=2)
+
+
+def frequency_distance(tiles: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+    """Return (n,): the FREQ metric with gradients, of tiles that repeat and crops that do not.
+
+    Mean absolute difference of mean spectral amplitudes of grey values 0..255 by integer radius.
+    """
+    grey = tiles.new_tensor(_OPPONENT[0]).view(1, 3, 1, 1) * 255.0
+    mine, theirs = ((rgb * grey).sum(1) for rgb in (tiles, targets))
+    gap = _radial_amplitude(mine) - _radial_amplitude(_periodic_component(theirs))
+    return gap.abs().mean(1)
+
+
+def _periodic_component(images: torch.Tensor) -> torch.Tensor:
+    """Return the periodic component of images (n, s, s) (Moisan 2011), without gradients."""
+    found = periodic_component(images.detach().double().cpu().numpy())
+    return torch.from_numpy(found).to(images)
+
+
+def _radial_amplitude(images: torch.Tensor) -> torch.Tensor:
+    """Return (n, s // 2) mean amplitudes by integer radius of images (n, s, s)."""
+    size = images.shape[-1]
+    line = torch.fft.fftfreq(size, 1 / size, device=images.device)
+    radius = torch.hypot(line.view(-1, 1), line.view(1, -1)).long().clamp(max=size // 2).flatten()
+    spectrum = torch.fft.fft2(images - images.mean((1, 2), keepdim=True)) / size**2
+    amplitude = torch.sqrt(spectrum.real**2 + spectrum.imag**2 + 1e-10).flatten(1)
+    counts = torch.bincount(radius)
+    sums = amplitude.new_zeros(len(images), len(counts)).index_add(1, radius, amplitude)
+    return (sums / counts)[:, : size // 2]
+
+
+def colour_distance(images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+    """Return (n,): sliced Wasserstein distance of the colour distributions.
+
+    Along each RGB channel and the opponent axes: mean absolute difference of sorted values.
+    Images of both arguments have as many pixels.
+    """
+    sorted_values = []
+    for rgb in (images, targets):
+        values = torch.cat([rgb, 0.5 * opponent(rgb)], dim=1).flatten(2)
+        sorted_values.append(values.sort(dim=2).values)
+    return (sorted_values[0] - sorted_values[1]).abs().mean((1, 2))

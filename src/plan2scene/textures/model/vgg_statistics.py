@@ -1,0 +1,97 @@
+"""Texture statistics of VGG-19, the paper's (``pretrained``): the weights are the user's."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import torch
+from torch import nn
+
+from plan2scene.errors import InputError
+from plan2scene.textures.model.statistics import FilterBankStatistics, TextureStatistics, gram
+
+#: Output channels of VGG-19's convolutions up to relu5_1; "pool" halves the size.
+_VGG19: tuple[int | str, ...] = (
+    64, 64, "pool", 128, 128, "pool", 256, 256, 256, 256, "pool", 512, 512, 512, 512, "pool", 512,
+)  # fmt: skip
+#: Indices of the tapped convolutions (relu1_1 ... relu5_1) among torchvision's ``features``.
+_VGG19_TAPS = (0, 5, 10, 19, 28)
+
+
+class VggStatistics(nn.Module):
+    """Gram matrices of VGG-19's relu1_1 ... relu5_1 with circular padding of 1 (the paper's).
+
+    Parameters
+    ----------
+    path : path
+        A state dict of torchvision's ``vgg19`` (``features.0.weight`` ...), read with
+        ``weights_only=True``.
+    """
+
+    _MEAN = (0.485, 0.456, 0.406)
+    _STD = (0.229, 0.224, 0.225)
+
+    def __init__(self, path: str | Path) -> None:
+        super().__init__()
+        try:
+            state = torch.load(path, map_location="cpu", weights_only=True)
+        except (OSError, RuntimeError, ValueError, pickle.UnpicklingError) as error:
+            raise InputError("a state dict of torchvision's vgg19", str(error), file=path) from None
+        layers: list[nn.Module] = []
+        channels = 3
+        for outputs in _VGG19:
+            if isinstance(outputs, str):
+                layers.append(nn.MaxPool2d(2))
+                continue
+            layer = nn.Conv2d(channels, outputs, 3, padding=1, padding_mode="circular")
+            prefix = f"features.{len(layers)}"
+            _fill(layer, state, prefix, path)
+            layers += [layer, nn.ReLU()]
+            channels = outputs
+        self.features = nn.Sequential(*layers).requires_grad_(False).eval()
+
+    def grams(self, rgb: torch.Tensor) -> list[torch.Tensor]:
+        """Return the five Gram matrices (n, c, c) of images (n, 3, h, w)."""
+        x = (rgb - rgb.new_tensor(self._MEAN).view(1, 3, 1, 1)) / rgb.new_tensor(self._STD).view(
+            1, 3, 1, 1
+        )
+        result = []
+        for index, layer in enumerate(self.features):
+            x = layer(x)
+            if index - 1 in _VGG19_TAPS:
+                result.append(gram(x))
+        return result
+
+    def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+        """Return (n,): sum over layers of the mean squared difference of Gram matrices."""
+        total = images.new_zeros(len(images))
+        for mine, theirs in zip(self.grams(images), self.grams(targets), strict=True):
+            total = total + (mine - theirs).square().mean((1, 2))
+        return total
+
+
+def _fill(layer: nn.Conv2d, state: object, prefix: str, path: str | Path) -> None:
+    """Copy ``{prefix}.weight`` and ``.bias`` into a convolution; InputError when they don't fit."""
+    for name in ("weight", "bias"):
+        target = getattr(layer, name)
+        value = state.get(f"{prefix}.{name}") if isinstance(state, dict) else None
+        if not isinstance(value, torch.Tensor) or value.shape != target.shape:
+            found = "nothing" if value is None else str(getattr(value, "shape", type(value)))
+            raise InputError(f"{prefix}.{name} of shape {tuple(target.shape)}", found, file=path)
+        with torch.no_grad():
+            target.copy_(value)
+
+
+def load_statistics(
+    source: str, path: str | Path | None = None, *, levels: int = 5, device: str = "cpu"
+) -> TextureStatistics:
+    """Return the texture statistics of a source.
+
+    ``embedded`` (of that many pyramid levels), or ``pretrained`` from `path`.
+    """
+    if source == "embedded":
+        return FilterBankStatistics(levels).to(device)
+    if source == "pretrained" and path is not None:
+        return VggStatistics(path).to(device)
+    raise InputError("texture statistics 'embedded', or 'pretrained' with a file", repr(source))

@@ -1,0 +1,150 @@
+"""Selection: which crop stands for an observed surface (no torch)."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.house import SUBSTANCES
+from plan2scene.io import image_from_bytes, read_parquet, write_parquet
+from plan2scene.photos.crops.sampling import medoid_index
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_CLIPPED = 0.25
+_COLUMNS = {
+    "room_id": "object",
+    "surface": "object",
+    "crop_id": "object",
+    "medoid_id": "object",
+    "embedding": "object",
+    "naive_embedding": "object",
+    "substance": "object",
+    "metres": "float64",
+    "n_crops": "int64",
+}
+
+
+def select_surfaces(
+    embeddings_parquet: str | Path,
+    crops_parquet: str | Path,
+    hidden_photos: Collection[str],
+    output: str | Path,
+    *,
+    house: str,
+    dataset: str,
+) -> pd.DataFrame:
+    """Choose a crop for every surface that a visible photo shows; write ``surfaces.parquet``.
+
+    The crop with the least textureness score gives the code (paper section 4.3), burned-out ones
+    left aside where there are others, and all crops give the colour (:func:`surface_embedding`);
+    NaiveSynth gets the mean of the crops' codes.
+    ``docs/conventions.md`` lists the columns. ``metres`` is the side of the square that the chosen
+    crop covers, because its texture is at that scale; where that is unknown, the median over the
+    surface's crops (NaN when none knows).
+
+    Parameters
+    ----------
+    hidden_photos : collection of str
+        Photos of the house that count as not taken.
+    """
+    import pandas as pd
+
+    crops, _ = read_parquet(crops_parquet)
+    embeddings, metadata = read_parquet(embeddings_parquet)
+    if list(crops["crop_id"]) != list(embeddings["crop_id"]):
+        raise InputError(
+            f"an embedding for each of the {len(crops)} crops, in order",
+            f"{len(embeddings)} embeddings of other crops",
+            file=embeddings_parquet,
+            house=house,
+        )
+    own = ["embedding", "naive_embedding", "substance_probabilities", "textureness"]
+    table = crops.join(embeddings[own])
+    table = table[~table["photo"].isin(set(hidden_photos))]
+    groups = table.groupby(["room_id", "surface"], sort=True)
+    rows = [
+        {"room_id": room, "surface": surface, **_choose(group)} for (room, surface), group in groups
+    ]
+    frame = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
+    models = {str(k): v for k, v in metadata.items() if k in ("model", "naive_model")}
+    write_parquet(output, frame, {"dataset": dataset, "house": house, **models})
+    return frame
+
+
+def _choose(group: pd.DataFrame) -> dict[str, Any]:
+    """Return the row of one surface from its visible crops."""
+    images = [image_from_bytes(data) for data in group["png"]]
+    scores = group["textureness"].to_numpy(np.float64)
+    clipped = np.array([clipped_share(image) for image in images])
+    codes = np.stack([np.asarray(code, np.float32) for code in group["embedding"]])
+    index, embedding = surface_embedding(codes, scores, clipped)
+    best = group.iloc[index]
+    medoid = group.iloc[medoid_index(images)]
+    naive = np.stack([np.asarray(code, np.float32) for code in group["naive_embedding"]])
+    votes = np.stack([np.asarray(p, np.float32) for p in group["substance_probabilities"]])
+    known = group["metres"].to_numpy(np.float64)
+    known = known[np.isfinite(known)]
+    metres = float(best["metres"])
+    if not np.isfinite(metres):
+        metres = float(np.median(known)) if len(known) else float("nan")
+    return {
+        "crop_id": best["crop_id"],
+        "medoid_id": medoid["crop_id"],
+        "embedding": embedding,
+        "naive_embedding": naive.mean(axis=0),
+        "substance": SUBSTANCES[int(votes.mean(axis=0).argmax())],
+        "metres": metres,
+        "n_crops": len(group),
+    }
+
+
+def surface_embedding(
+    codes: np.ndarray, textureness: np.ndarray, clipped: np.ndarray
+) -> tuple[int, np.ndarray]:
+    """Return the index of the crop that stands for a surface, and the surface's embedding (d,).
+
+    Light and casts differ from crop to crop and the score does not see them: the colour is the
+    median of all crops that are not burned out (of all where all are), the rest the crop's.
+
+    Parameters
+    ----------
+    codes : (n, d) float32
+        Embeddings of the crops, each with its median R, G, B in [0, 1] last.
+    textureness, clipped : (n,) float
+        As for :func:`best_crop`.
+    """
+    index = best_crop(textureness, clipped)
+    good = clipped <= _CLIPPED if (clipped <= _CLIPPED).any() else np.ones(len(codes), dtype=bool)
+    embedding = codes[index].copy()
+    embedding[-3:] = np.median(codes[good, -3:], axis=0)
+    return index, embedding
+
+
+def clipped_share(image: np.ndarray) -> float:
+    """Return the share of pixels of an (h, w, 3) uint8 crop that are burned out or pitch black."""
+    brightest = image.max(axis=2)
+    return float(((image.min(axis=2) >= 250) | (brightest <= 5)).mean())
+
+
+def best_crop(textureness: np.ndarray, clipped: np.ndarray) -> int:
+    """Return the index of the least textureness score, the first of equals.
+
+    Parameters
+    ----------
+    textureness : (n,) float
+        NaN counts as the worst. ValueError without any.
+    clipped : (n,) float
+        Shares of :func:`clipped_share`. A burned-out crop is flat, so it scores well and shows
+        nothing: those above a quarter lose against all others.
+    """
+    if not len(textureness):
+        raise ValueError("the best of no crops")
+    scores = np.where(np.isnan(textureness), np.inf, textureness)
+    order = np.lexsort((scores, clipped > _CLIPPED))
+    return int(order[0])

@@ -1,0 +1,315 @@
+"""Released checkpoints: files in the authors' form are made here, converted, and compared."""
+
+import argparse
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+from formula import formula_crop, formula_state
+from PIL import Image
+
+from plan2scene.checkpoints.convert import convert_checkpoint
+from plan2scene.checkpoints.means import training_means
+from plan2scene.checkpoints.reading import read_checkpoint, state_dict_of
+from plan2scene.errors import InputError
+from plan2scene.floorplans import write_scene_json
+from plan2scene.house import ROOM_TYPES
+from plan2scene.io import write_parquet
+from plan2scene.metrics.vgg import VggClassifier, load_vgg_classifier
+from plan2scene.propagation.inference import read_propagation, regression
+from plan2scene.propagation.network import PropagationNetwork
+from plan2scene.propagation.prior import TypeMeans
+from plan2scene.textures.model.network import Architecture, TextureModel, load_texture_model
+from plan2scene.weights import load_model_file, save_model_file
+from plan2scene_workshop.homes.floorplans import generate_house
+
+# Figures that the reference implementation returns for weights and a crop given by formulas.
+EMBEDDING = [1.2627286911010742, 1.3801169395446777, 0.44629013538360596, 0.5725345611572266]
+EMBEDDING += [2.2141711711883545, -0.543013334274292, -0.24174371361732483, -0.09874101728200912]
+EMBEDDING += [0.45098039507865906, 0.3482721745967865, 0.2519800364971161]
+LOGITS = [0.8494102358818054, -0.22475911676883698, -0.7282568216323853, -0.5147141814231873]
+SIGNED = {  # (channel, row, column): 2 RGB - 1
+    (0, 0, 2): 0.2800731658935547,
+    (0, 0, 50): 0.3260993957519531,
+    (0, 1, 0): 0.2174290418624878,
+    (0, 1, 127): 0.30496203899383545,
+    (1, 127, 127): -0.409664511680603,
+    (2, 64, 50): -0.5213954448699951,
+}
+ROOM_0_FLOOR = [0.024754293, -0.156382143, 0.082204133, -0.148976684, 0.103648163, -0.036828607]
+ROOM_0_FLOOR += [-0.211889639, -0.056307912, -0.185268283, -0.272552431, -0.182625264]
+
+
+class Code:
+    """Something that a pickle can hold: reading it calls the system's shell."""
+
+    def __init__(self, witness: Path) -> None:
+        self.witness = witness
+
+    def __reduce__(self):
+        return os.system, (f"touch {self.witness}",)
+
+
+def released(path: Path, state: dict[str, torch.Tensor], **more: object) -> Path:
+    """Write a file in the form of the authors' texture checkpoints."""
+    stats = {"loss": np.float64(0.5), "epochs": [1, 2]}
+    optimizer = {
+        "state": {0: {"step": 3, "exp_avg": torch.zeros(2)}},
+        "param_groups": [{"lr": 1e-4}],
+    }
+    document = {"model_state_dict": state, "epoch": 3000, "stats": stats}
+    torch.save(document | {"optimizer_state_dict": optimizer} | more, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def official() -> TextureModel:
+    model = TextureModel(Architecture(periodic=False))
+    model.load_state_dict(formula_state(model))
+    return model.eval()
+
+
+@pytest.fixture(scope="module")
+def checkpoint(official, tmp_path_factory) -> Path:
+    return released(tmp_path_factory.mktemp("released") / "synth.ckpt", official.state_dict())
+
+
+@pytest.fixture
+def means() -> TypeMeans:
+    rng = np.random.default_rng(0)
+    shape = (len(ROOM_TYPES), 3)
+    return TypeMeans(
+        rng.random((*shape, 11)).astype(np.float32), rng.random((*shape, 8)).astype(np.float32)
+    )
+
+
+def test_converted_texture_model_returns_the_reference_s_figures(official, checkpoint, tmp_path):
+    convert_checkpoint("texture", checkpoint, tmp_path / "texture.safetensors")
+    model = load_texture_model(tmp_path / "texture.safetensors")
+    rgb = torch.from_numpy(formula_crop()).permute(2, 0, 1)[None].float() / 255.0
+    seeds = torch.from_numpy(np.float32((np.arange(24) * 0.6180339887) % 1)).view(1, 8, 3)
+    with torch.no_grad():
+        encoding = model.encode(rgb)
+        signed = 2.0 * model.decode(encoding.embedding, seeds)[0].numpy() - 1.0
+        same = official.decode(official.encode(rgb).embedding, seeds)[0].numpy()
+    np.testing.assert_allclose(encoding.embedding[0], EMBEDDING, atol=1e-4)
+    assert encoding.logits is not None
+    np.testing.assert_allclose(encoding.logits[0], LOGITS, atol=1e-4)
+    for place, value in SIGNED.items():
+        assert signed[place] == pytest.approx(value, abs=1e-3)
+    np.testing.assert_allclose((signed + 1.0) / 2.0, same, atol=1e-6)
+    assert len(torch.load(checkpoint, weights_only=False)) == 4
+
+
+@pytest.mark.parametrize("form", ["lightning", "bare", "parallel", "old"])
+def test_other_forms_of_the_same_weights(official, tmp_path, form):
+    state = official.state_dict()
+    if form == "lightning":
+        more = {"hyper_parameters": {"lr": 1e-4}, "pytorch-lightning_version": "1.4.9"}
+        torch.save(
+            {"state_dict": {f"model.{k}": v for k, v in state.items()}} | more, tmp_path / "c"
+        )
+    elif form == "bare":
+        torch.save(state, tmp_path / "c")
+    elif form == "parallel":
+        released(tmp_path / "c", {f"module.{k}": v.double() for k, v in state.items()})
+    else:
+        torch.save(
+            {"model_state_dict": state}, tmp_path / "c", _use_new_zipfile_serialization=False
+        )
+    convert_checkpoint("texture", tmp_path / "c", tmp_path / "o")
+    found, architecture = load_model_file(tmp_path / "o")
+    assert architecture["periodic"] is False
+    assert found.keys() == state.keys()
+    assert all(torch.equal(found[name], state[name]) for name in state)
+
+
+def test_naive_model_has_no_head(official, tmp_path):
+    torch.manual_seed(1)
+    naive = TextureModel(Architecture(periodic=False, delta_hsv=False, substances=0)).eval()
+    state = dict(naive.state_dict())
+    head = {"substance_layer.weight": torch.ones(4, 8), "substance_layer.bias": torch.ones(4)}
+    for name, tensors in (("plain", state), ("with_head", state | head)):
+        convert_checkpoint("naivesynth", released(tmp_path / name, tensors), tmp_path / "o")
+        model = load_texture_model(tmp_path / "o")
+        rgb = torch.rand(1, 3, 128, 128, generator=torch.Generator().manual_seed(2))
+        with torch.no_grad():
+            a, b = model.encode(rgb).embedding, naive.encode(rgb).embedding
+            seeds = torch.full((1, 8, 3), 0.3)
+            tiles = model.decode(a, seeds, 32), naive.decode(b, seeds, 32)
+        assert a.shape == (1, 8)
+        np.testing.assert_allclose(a, b, atol=1e-6)
+        np.testing.assert_allclose(*tiles, atol=1e-6)
+
+
+def test_classes_are_sorted_to_our_order(official, checkpoint, tmp_path):
+    theirs = ["carpet", "tile", "wood", "plastered"]
+    convert_checkpoint("texture", checkpoint, tmp_path / "o", substances=theirs)
+    state, _ = load_model_file(tmp_path / "o")
+    assert torch.equal(state["substance_layer.bias"], official.substance_layer.bias[[2, 3, 0, 1]])
+    with pytest.raises(InputError, match="in some order, found wood, wood, carpet, tile"):
+        convert_checkpoint(
+            "texture", checkpoint, tmp_path / "o", substances=["wood", "wood", "carpet", "tile"]
+        )
+
+
+def test_converted_propagation_returns_the_reference_s_figures(means, tmp_path):
+    network = PropagationNetwork().eval()
+    network.load_state_dict(formula_state(network))
+    path = tmp_path / "gnn.ckpt"
+    torch.save({"model_params": {"width": 96}, "model_state_dict": network.state_dict()}, path)
+    convert_checkpoint("propagation", path, tmp_path / "o", means=means)
+    converted, kept = read_propagation(tmp_path / "o")
+    x = torch.sin(0.11 * (torch.arange(4 * 48, dtype=torch.float64) + 1)).float().reshape(4, 48)
+    edges = torch.tensor([[0, 1, 1, 2, 1, 3], [1, 0, 2, 1, 3, 1]])
+    output = regression(converted, x.numpy(), edges.numpy())
+    with torch.no_grad():
+        np.testing.assert_allclose(output, network(x, edges), atol=1e-6)
+    np.testing.assert_allclose(output[0, 0], ROOM_0_FLOOR, atol=1e-4)
+    np.testing.assert_array_equal(kept.embedding, means.embedding)
+    np.testing.assert_array_equal(kept.naive, means.naive)
+    with pytest.raises(InputError, match="means over training surfaces"):
+        convert_checkpoint("propagation", path, tmp_path / "o")
+
+
+def test_classifier_round_trip(tmp_path):
+    torch.manual_seed(3)
+    small = VggClassifier(divisor=64).eval()
+    save_model_file(
+        tmp_path / "vgg", small.state_dict(), {"network": "vgg16", "divisor": 64}, half=False
+    )
+    images = torch.rand(2, 3, 128, 128)
+    with torch.no_grad():
+        logits = load_vgg_classifier(tmp_path / "vgg")(images)
+        np.testing.assert_allclose(logits, small(images), atol=1e-6)
+    assert logits.shape == (2, 4)
+    with torch.device("meta"):
+        shapes = {k: tuple(v.shape) for k, v in VggClassifier().state_dict().items()}
+    assert len(shapes) == 32
+    assert shapes["features.28.weight"] == (512, 512, 3, 3)
+    assert shapes["classifier.0.weight"] == (4096, 25088)
+    assert shapes["classifier.6.weight"] == (4, 4096)
+    torch.save({"model_params": {}, "model_state_dict": small.state_dict()}, tmp_path / "c")
+    with pytest.raises(InputError, match=r"shape \(64, 3, 3, 3\) of tensor features\.0\.weight"):
+        convert_checkpoint("vgg16", tmp_path / "c", tmp_path / "o")
+
+
+@pytest.mark.parametrize("old", [False, True])
+@pytest.mark.parametrize("place", ["stats", "model_state_dict", "extra"])
+def test_code_in_a_checkpoint_is_refused_and_not_run(tmp_path, place, old):
+    witness, path = tmp_path / "witness", tmp_path / "c.ckpt"
+    document = {"model_state_dict": {"a": torch.zeros(2)}, place: Code(witness)}
+    torch.save(document, path, _use_new_zipfile_serialization=not old)
+    with pytest.raises(InputError) as caught:
+        convert_checkpoint("texture", path, tmp_path / "o")
+    assert str(caught.value) == (
+        f"file {path}: expected a checkpoint of tensors and plain values, "
+        f"found {os.system.__module__}.system in it, which is not run"
+    )
+    assert not witness.exists()
+    assert not (tmp_path / "o").exists()
+    torch.load(path, weights_only=False)
+    assert witness.exists()  # the file does carry code: another reader runs it
+
+
+def test_whole_modules_and_namespaces_are_refused(tmp_path):
+    for value, name in (
+        (torch.nn.Linear(2, 2), "torch.nn.modules.linear.Linear"),
+        (argparse.Namespace(a=1), "argparse.Namespace"),
+        (eval, "eval"),
+    ):
+        torch.save({"model_state_dict": value}, tmp_path / "c")
+        with pytest.raises(InputError, match=f"found .*{name} in it, which is not run"):
+            read_checkpoint(tmp_path / "c")
+
+
+@pytest.mark.parametrize("data", [None, b"", b"text", b"PK\x03\x04broken", "half"])
+def test_files_of_another_kind_are_one_line(checkpoint, tmp_path, data):
+    path = tmp_path / "c"
+    if data == "half":
+        whole = checkpoint.read_bytes()
+        path.write_bytes(whole[: len(whole) // 2])
+    elif data is not None:
+        path.write_bytes(data)
+    with pytest.raises(InputError, match=r"^file .*c: expected a checkpoint") as caught:
+        read_checkpoint(path)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("document", "line"),
+    [
+        ([1], "expected a dict in the checkpoint, found list"),
+        ({"model_state_dict": 3}, "expected a dict of tensors, found int"),
+        ({"epoch": 3}, "expected tensors, or a dict model_state_dict or state_dict, found epoch"),
+        ({}, "found nothing"),
+    ],
+)
+def test_checkpoints_without_weights(tmp_path, document, line):
+    torch.save(document, tmp_path / "c")
+    with pytest.raises(InputError) as caught:
+        state_dict_of(read_checkpoint(tmp_path / "c"), tmp_path / "c")
+    assert line in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        (
+            "missing",
+            "expected tensor linear2.2.bias (33,), found 1 of 13 tensors missing, 0 unknown",
+        ),
+        ("shape", "expected shape (33, 96) of tensor linear2.2.weight, found (32, 96)"),
+        ("unknown", "expected the 13 tensors of the network, found also linear9.bias (1 unknown)"),
+        ("nan", "expected finite values in tensor conv1.weight, found NaN or infinity"),
+        ("other", "tensors missing, 38 unknown"),
+    ],
+)
+def test_weights_that_do_not_fit_are_one_line(official, means, tmp_path, change, line):
+    state = dict(PropagationNetwork().state_dict())
+    if change == "missing":
+        del state["linear2.2.bias"]
+    elif change == "shape":
+        state["linear2.2.weight"] = torch.zeros(32, 96)
+    elif change == "unknown":
+        state["linear9.bias"] = torch.zeros(1)
+    elif change == "nan":
+        state["conv1.weight"] = torch.full((3, 96, 96), float("nan"))
+    else:
+        state = dict(official.state_dict())
+    path = released(tmp_path / "c", state)
+    with pytest.raises(InputError) as caught:
+        convert_checkpoint("propagation", path, tmp_path / "o", means=means)
+    assert str(caught.value).startswith(f"file {path}: expected ")
+    assert line in str(caught.value)
+    assert not (tmp_path / "o").exists()
+
+
+def test_means_over_training_surfaces(tmp_path):
+    house = generate_house("h", 2)
+    room = next(room for room in house.rooms if room.types == ("Bedroom",))
+    write_scene_json(house, tmp_path / "s.json")
+    rows = [
+        {"room_id": room.id, "surface": "floor", "embedding": [v] * 11, "naive_embedding": [-v] * 8}
+        for v in (1.0, 3.0)
+    ]
+    write_parquet(tmp_path / "t.parquet", pd.DataFrame(rows), {})
+    means = training_means({"h": (tmp_path / "s.json", tmp_path / "t.parquet")})
+    embedding, naive = means.predict(("Bedroom",), "floor")
+    np.testing.assert_allclose(embedding, 2.0)
+    np.testing.assert_allclose(naive, -2.0)
+    write_parquet(tmp_path / "t.parquet", pd.DataFrame(rows)[:0], {})
+    with pytest.raises(InputError, match="none in 1 houses"):
+        training_means({"h": (tmp_path / "s.json", tmp_path / "t.parquet")})
+
+
+def test_hsv_of_the_reference_is_pillow_s(official):
+    crop = formula_crop()
+    hsv = torch.from_numpy(np.array(Image.fromarray(crop).convert("HSV"))).permute(2, 0, 1)[None]
+    rgb = torch.from_numpy(crop).permute(2, 0, 1)[None].float() / 255.0
+    with torch.no_grad():
+        a, b = official.encode(rgb).embedding, official.encode_hsv(hsv.float() / 255.0).embedding
+    assert torch.equal(a, b)

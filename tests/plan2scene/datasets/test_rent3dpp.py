@@ -1,0 +1,281 @@
+"""A Rent3D++ copy as it lies on disk: what is read of it, and what is said of what it lacks."""
+
+import json
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from plan2scene.datasets import (
+    check_dataset,
+    import_plan,
+    make_house_table,
+    read_assignment,
+    read_house_table,
+)
+from plan2scene.datasets.house_table import chosen_crops, hidden_photo_names, load_houses, table_of
+from plan2scene.datasets.layout import find_layout
+from plan2scene.errors import InputError
+from plan2scene.floorplans import (
+    add_object_boxes,
+    check_object_boxes,
+    read_object_boxes,
+    read_plan,
+    write_scene_json,
+)
+from plan2scene.io import png_bytes, write_json, write_parquet, write_png
+from plan2scene_workshop.homes.floorplans import generate_house
+from plan2scene_workshop.homes.rent3dpp import drawn_icons, write_rent3dpp_copy
+from plan2scene_workshop.homes.residences import write_dataset_index
+
+HOUSES = {
+    "home_train_0": "train",
+    "home_val_0": "val",
+    "home_test_0": "test",
+    "home_test_1": "test",
+}
+FRACTIONS = ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory) -> Path:
+    """Return results of a run: one crop of the first photo's floor, wall and ceiling."""
+    folder = tmp_path_factory.mktemp("results")
+    png = png_bytes(np.full((128, 128, 3), 90, np.uint8))
+    for house in HOUSES:
+        ids = [
+            f"{name}/{house}_{k}_0_crop0" for name in ("floor", "wall", "ceiling") for k in "012"
+        ]
+        frame = pd.DataFrame({"crop_id": ids, "png": [png] * len(ids)})
+        write_parquet(folder / "houses" / house / "crops.parquet", frame, {"house": house})
+    return folder
+
+
+@pytest.fixture
+def source(tmp_path) -> Path:
+    """Return a data set of four generated houses with three blank photos each."""
+    root = tmp_path / "source"
+    for house_id, split in HOUSES.items():
+        house = generate_house(house_id, 4)
+        write_scene_json(house, root / f"archs_no_objects/{split}/{house_id}.scene.json")
+        photos = [f"{house_id}_{k}.png" for k in range(3)]
+        for name in photos:
+            write_png(root / "photos" / name, np.zeros((6, 8, 3), np.uint8))
+        lines = ["room_id,photo", *(f"{house.rooms[0].id},{name}" for name in photos)]
+        table = root / f"photo_assignments/{split}/{house_id}.photoroom.csv"
+        table.parent.mkdir(parents=True, exist_ok=True)
+        table.write_text("\n".join(lines) + "\n")
+    write_dataset_index(root, HOUSES, 1)
+    return root
+
+
+@pytest.fixture
+def copy(source, results, tmp_path) -> Path:
+    assert write_rent3dpp_copy(source, tmp_path / "copy", crops=results) == list(HOUSES)
+    return tmp_path / "copy"
+
+
+def lines_of(root: Path) -> list[str]:
+    return [str(problem) for problem in check_dataset(root)]
+
+
+def dataset(root: Path, **changes: object) -> dict:
+    return {"root": str(root), "table": None, "architecture": "bare"} | changes
+
+
+def test_a_whole_copy_has_no_problems(copy):
+    assert lines_of(copy) == []
+    assert sorted(path.name for path in copy.iterdir()) == ["input", "processed"]
+
+
+@pytest.mark.parametrize("place", ["", "input", ".."])
+def test_the_path_may_be_of_the_copy_or_its_input_or_what_holds_data(copy, place, tmp_path):
+    root = copy / place if place != ".." else tmp_path / "holder"
+    if place == "..":
+        root.mkdir()
+        copy.rename(root / "data")
+        copy = root / "data"
+    layout = find_layout(root)
+    assert layout.data.resolve() == (copy / "input").resolve()
+    assert layout.surface_crops.resolve() == (copy / "processed/surface_crops").resolve()
+    assert layout.is_rent3dpp
+    make_house_table(root, tmp_path / "houses.tsv")
+    for row in read_house_table(tmp_path / "houses.tsv").to_dict("records"):
+        assert (layout.root / row["plan"]).is_file()
+        assert (layout.root / row["assignment"]).is_file()
+
+
+def test_both_heads_of_photo_tables_are_in_the_copy_and_read(copy):
+    tables = sorted((copy / "input/photo_assignments").glob("*/*.csv"))
+    assert {path.read_text().split(",")[0] for path in tables} == {"room_id", "roomId"}
+    for path in tables:
+        house = path.name.split(".")[0]
+        photos = [row.photo for row in read_assignment(path)]
+        assert photos == [f"{house}_{k}.png" for k in range(3)]
+
+
+def test_splits_and_hidden_photos(copy, tmp_path):
+    table = table_of(dataset(copy), tmp_path / "results", make=True)
+    assert table == tmp_path / "results/houses.tsv"
+    assert list(load_houses(table, splits=["test"]).index) == ["home_test_0", "home_test_1"]
+    assert list(load_houses(table, splits=["train", "val"]).index) == ["home_train_0", "home_val_0"]
+    hidden = [
+        hidden_photo_names(
+            find_layout(copy).unobserved,
+            drop,
+            [f"home_test_0_{k}.png" for k in range(3)],
+            seed=0,
+            house="home_test_0",
+        )
+        for drop in FRACTIONS
+    ]
+    assert [len(names) for names in hidden] == [0, 1, 1, 2, 2, 3]
+
+
+def test_the_table_is_written_once_and_follows_the_copy(copy, tmp_path):
+    table = table_of(dataset(copy), tmp_path / "results", make=True)
+    before = table.stat().st_mtime_ns
+    assert table_of(dataset(copy), tmp_path / "results", make=True).stat().st_mtime_ns == before
+    (copy / "input/data_lists/val.txt").write_text("")
+    table_of(dataset(copy), tmp_path / "results", make=False)
+    assert table.stat().st_mtime_ns == before
+    table_of(dataset(copy), tmp_path / "results", make=True)
+    assert "home_val_0" not in table.read_text()
+    assert not (copy / "input/houses.tsv").exists()
+
+
+def test_bare_and_full_plans(copy, tmp_path):
+    plans = {}
+    for kind in ("bare", "full"):
+        path = table_of(dataset(copy, architecture=kind), tmp_path / kind, make=True)
+        row = load_houses(path, splits=["test"]).loc["home_test_0"]
+        plans[kind] = read_plan(copy / row["plan"], "home_test_0")
+    assert plans["bare"].rooms == plans["full"].rooms
+    assert plans["bare"].objects == ()
+    assert len(plans["full"].objects) == len(drawn_icons(plans["bare"])) > 0
+
+
+def test_full_plans_that_are_missing_are_told(copy, tmp_path):
+    path = copy / "processed/full_archs/test/home_test_0.scene.json"
+    path.unlink()
+    said = StringIO()
+    table = table_of(dataset(copy, architecture="full"), tmp_path / "r", make=True, warn=said)
+    assert "archs_no_objects" in load_houses(table, splits=["test"]).loc["home_test_0", "plan"]
+    assert said.getvalue().count("\n") == 1
+    assert "home_test_0.scene.json" in said.getvalue()
+
+
+def test_object_boxes_become_icons(copy, tmp_path):
+    plan = copy / "input/archs_no_objects/test/home_test_0.scene.json"
+    boxes = copy / "input/object_aabbs/test/home_test_0.objectaabb.json"
+    house = import_plan(plan, tmp_path / "o.json", house_id="home_test_0", object_boxes=boxes)
+    assert house.icons == drawn_icons(house)
+    assert read_plan(tmp_path / "o.json", "home_test_0").icons == house.icons
+
+
+@pytest.mark.parametrize(
+    ("document", "word"),
+    [
+        ([], "object boxes"),
+        ({"boxes": []}, "a list objects"),
+        ({"objects": {}}, "a list for objects"),
+        ({"objects": [{"type": "bed"}]}, "bound_box"),
+        ({"objects": [{"type": "bed", "bound_box": {"p1": [0, 0], "p2": ["a", 1]}}]}, "corner"),
+        ({"objects": [{"bound_box": {"p1": [0, 0], "p2": [1, 1]}}]}, "a type"),
+    ],
+)
+def test_faulty_object_boxes_are_a_line_and_the_house_goes_on(copy, tmp_path, document, word):
+    house = generate_house("h", 4)
+    write_json(tmp_path / "b.json", document)
+    with pytest.raises(InputError, match=word):
+        read_object_boxes(tmp_path / "b.json", "h")
+    same, warnings = add_object_boxes(house, tmp_path / "b.json")
+    assert same == house
+    assert [word in line for line in warnings] == [True]
+    boxes = copy / "input/object_aabbs/test/home_test_0.objectaabb.json"
+    write_json(boxes, document)
+    assert [line.startswith(f"warning: file {boxes}") for line in lines_of(copy)] == [True]
+
+
+def test_boxes_off_the_plan_are_told(copy):
+    boxes = copy / "input/object_aabbs/test/home_test_1.objectaabb.json"
+    far = {"type": "bed", "bound_box": {"p1": [90, 90], "p2": [91, 91]}}
+    flat = {"type": "bed", "bound_box": {"p1": [1, 1], "p2": [1, 2]}}
+    write_json(boxes, {"objects": [far, flat]})
+    lines = lines_of(copy)
+    assert len(lines) == 2
+    assert "within the plan, found bed from (90.0, 90.0)" in lines[0]
+    assert "with an extent" in lines[1]
+
+
+def test_each_missing_part_is_one_line(copy):
+    data = copy / "input"
+    (data / "data_lists/train.txt").unlink()
+    (data / "unobserved_photos.json").write_text(json.dumps({"0.0": [], "0.2": []}))
+    (data / "object_aabbs/test/home_test_1.objectaabb.json").unlink()
+    (copy / "processed/full_archs/test/home_test_0.scene.json").unlink()
+    for path in (copy / "processed/surface_crops/ceiling").iterdir():
+        path.unlink()
+    for surface in ("floor", "wall"):
+        (copy / f"processed/surface_crops/{surface}/home_val_0_1_0_crop0.png").unlink()
+    (data / "photos/home_val_0_2.png").unlink()
+    lines = lines_of(copy)
+    expected = [
+        "train.txt: expected a list of houses, found no such file",
+        "expected drop fraction 0.6, which the table needs, found 0.0, 0.2",
+        "found 1 lacking, the first home_test_0",
+        "found 1 lacking, the first home_test_1",
+        "expected crops of a ceiling, found none",
+        "expected crops of 9 photos, found 1 lacking, the first home_val_0_1.png",
+        "found no such file",
+    ]
+    assert len(lines) == len(expected)
+    assert all(part in line for part, line in zip(expected, lines, strict=True))
+    assert all(line.startswith("warning: ") for line in lines)
+
+
+def test_without_processed_and_hidden_photos(source, tmp_path):
+    write_rent3dpp_copy(source, tmp_path / "copy")
+    (tmp_path / "copy/input/unobserved_photos.json").unlink()
+    lines = lines_of(tmp_path / "copy")
+    assert [line.split("expected ")[1].split(" (")[0] for line in lines] == [
+        "the photos to hide at each drop fraction",
+        "ready crops",
+    ]
+
+
+@pytest.mark.parametrize("make", [True, False])
+def test_an_empty_path_is_one_line(tmp_path, make):
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    with pytest.raises(InputError, match=r"expected a Rent3D\+\+ copy .* found none of these"):
+        table_of(dataset(empty), tmp_path / "r", make=make)
+    with pytest.raises(InputError, match="found no such folder"):
+        table_of(dataset(tmp_path / "no"), tmp_path / "r", make=make)
+    assert len(lines_of(empty)) == 1
+
+
+def test_ready_crops_are_used_where_there_are_some(copy, source):
+    folder = str(copy / "processed/surface_crops")
+    with_crops, without = find_layout(copy), find_layout(source)
+    auto = {"source": "auto", "folder": None}
+    assert chosen_crops(with_crops, auto) == {"source": "precomputed", "folder": folder}
+    assert chosen_crops(without, auto)["source"] == "sampled"
+    assert chosen_crops(with_crops, auto | {"source": "sampled"})["source"] == "sampled"
+    other = {"source": "auto", "folder": "other"}
+    assert chosen_crops(without, other) == {"source": "precomputed", "folder": "other"}
+    with pytest.raises(InputError, match=r"crops\.folder"):
+        chosen_crops(without, auto | {"source": "precomputed"})
+
+
+@pytest.mark.shared
+def test_boxes_of_the_reference_converter_fit_its_plan():
+    folder = Path(__file__).parents[4] / "shared" / "samples" / "r2v"
+    if not folder.is_dir():
+        pytest.skip("no shared samples beside the repository")
+    boxes = read_object_boxes(folder / "sample_input.objectaabb.json", "sample")
+    house = read_plan(folder / "sample_input.scene.json", "sample")
+    assert {box.type for box in boxes} >= {"toilet", "cooking_counter", "washing_basin"}
+    assert check_object_boxes(house, boxes) == []

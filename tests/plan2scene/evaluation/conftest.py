@@ -1,0 +1,138 @@
+"""A small house with crops and tiny models: what the evaluation's jobs read."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+
+from plan2scene.evaluation.houses import HouseFiles, Models
+from plan2scene.evaluation.measure import reference_features
+from plan2scene.floorplans import read_scene_json
+from plan2scene.floorplans.scene_writer import write_scene_json
+from plan2scene.house import Door, House, Opening, Room, Wall
+from plan2scene.io import png_bytes, write_parquet
+from plan2scene.propagation.model import save_propagation
+from plan2scene.propagation.network import PropagationNetwork
+from plan2scene.propagation.prior import TypeMeans
+from plan2scene.textures.baselines.retrieval import write_library
+from plan2scene.textures.model.embedding import make_embeddings
+from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
+from plan2scene.weights import save_model_file
+from plan2scene_workshop.features.network import SubstanceNetwork, save_features_network
+
+SIZE = 128
+
+
+def _room(name, kind, x):
+    return Room(name, (kind,), (((x, 0.0), (x + 3, 0.0), (x + 3, 3.0), (x, 3.0)),), 2.5)
+
+
+#: Four rooms in a row; doors lead from bed to hall to bath, none to the loft.
+PLAN = House(
+    "h1",
+    (
+        _room("bed", "Bedroom", 0),
+        _room("hall", "Corridor", 3),
+        _room("bath", "Bathroom", 6),
+        _room("loft", "Closet", 9),
+    ),
+    tuple(
+        Wall(
+            f"w{i}",
+            (a, b),
+            (x, 0.0),
+            (x, 3.0),
+            2.5,
+            openings=(Opening(f"d{i}", "door", 1.0, 1.9, 0.0, 2.0),),
+        )
+        for i, (a, b, x) in enumerate((("bed", "hall", 3.0), ("hall", "bath", 6.0)))
+    ),
+    (Door("bed", "d0", "hall"), Door("hall", "d1", "bath")),
+)
+
+
+def noise(seed, level):
+    rng = np.random.default_rng(seed)
+    return np.clip(rng.normal(level, 20, (SIZE, SIZE, 3)), 0, 255).astype(np.uint8)
+
+
+#: crop id, photo, room, surface, grey level
+CROPS = (
+    ("a", "p1.jpg", "bed", "floor", 60),
+    ("b", "p1.jpg", "bed", "floor", 110),
+    ("c", "p2.jpg", "bed", "floor", 160),
+    ("d", "p2.jpg", "hall", "floor", 200),
+    ("e", "p2.jpg", "hall", "wall", 220),
+    ("f", "p3.jpg", "bath", "floor", 30),
+)
+
+
+@pytest.fixture(scope="session")
+def models(tmp_path_factory):
+    root = tmp_path_factory.mktemp("models")
+    torch.manual_seed(0)
+    paths = {
+        name: root / f"{name}.safetensors"
+        for name in ("texture", "naivesynth", "propagation", "features")
+    }
+    for name, delta in (("texture", True), ("naivesynth", False)):
+        model = TextureModel(Architecture(width=4, delta_hsv=delta, substances=4 if delta else 0))
+        save_model_file(paths[name], model.state_dict(), architecture_header(model))
+    rng = np.random.default_rng(0)
+    means = TypeMeans(
+        rng.uniform(size=(12, 3, 11)).astype(np.float32),
+        rng.normal(size=(12, 3, 8)).astype(np.float32),
+    )
+    save_propagation(
+        paths["propagation"], PropagationNetwork(16, 2).eval(), means, width=16, layers=2
+    )
+    save_features_network(SubstanceNetwork((4, 6), feature_dim=6).eval(), paths["features"])
+    return Models(**paths, substances=paths["features"])
+
+
+@pytest.fixture(scope="session")
+def files(tmp_path_factory, models):
+    root = tmp_path_factory.mktemp("house")
+    made = HouseFiles(
+        "h1",
+        "d",
+        *(root / name for name in ("scene.json", "crops.parquet", "embeddings.parquet")),
+        root / "library.parquet",
+    )
+    write_scene_json(PLAN, made.scene)
+    rows = [
+        {
+            "crop_id": name,
+            "photo": photo,
+            "room_id": room,
+            "surface": surface,
+            "metres": 0.5,
+            "sharpness": 1.0,
+            "png": png_bytes(noise(i, level)),
+        }
+        for i, (name, photo, room, surface, level) in enumerate(CROPS)
+    ]
+    write_parquet(made.crops, pd.DataFrame(rows), {"house": "h1"})
+    make_embeddings(
+        made.crops,
+        made.embeddings,
+        models.texture,
+        models.naivesynth,
+        house="h1",
+        dataset="d",
+        seed=0,
+    )
+    write_library(made.library, folder=None, per_substance=2, seed=0, size_px=128)
+    references = root / "reference_features.parquet"
+    reference_features(made.crops, models.features, references, dataset="d", house="h1")
+    return made
+
+
+@pytest.fixture(scope="session")
+def references(files):
+    return files.scene.with_name("reference_features.parquet")
+
+
+@pytest.fixture(scope="session")
+def plan(files):
+    return read_scene_json(files.scene, "h1")

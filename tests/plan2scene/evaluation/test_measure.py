@@ -1,0 +1,240 @@
+"""Metrics of a house against crops made by hand, and the table over such houses."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+
+from plan2scene.errors import InputError
+from plan2scene.evaluation.measure import measure_house, read_references, reference_features
+from plan2scene.evaluation.paper_table import TableRequest, paper_table, partial_table
+from plan2scene.evaluation.published import METRICS, published_value
+from plan2scene.io import png_bytes, read_parquet, write_parquet, write_png
+from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.frechet import frechet_distance
+from plan2scene.metrics.freq import freq_distance
+from plan2scene.metrics.kernel import kernel_distance
+from plan2scene.metrics.tile import tile_score
+from plan2scene_workshop.features.network import SubstanceNetwork, save_features_network
+
+METHODS = ("crop", "synth")
+
+
+def _noise(seed, level=120):
+    rng = np.random.default_rng(seed)
+    return np.clip(rng.normal(level, 25, (128, 128, 3)), 0, 255).astype(np.uint8)
+
+
+#: crop id -> (photo, room, surface, image); the wall is seen by the hidden photo only.
+CROPS = {
+    "a": ("p1.jpg", "r1", "floor", _noise(1)),
+    "b": ("p1.jpg", "r1", "floor", _noise(2)),
+    "c": ("p2.jpg", "r1", "floor", _noise(3, 200)),
+    "d": ("p2.jpg", "r1", "wall", _noise(4, 80)),
+}
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    path = tmp_path_factory.mktemp("model") / "features.safetensors"
+    torch.manual_seed(1)
+    save_features_network(SubstanceNetwork((4, 6), feature_dim=6).eval(), path)
+    return path
+
+
+def _write_house(root, house, tiles, observed, method, drop, model, hidden):
+    """Write what the metrics stage reads, run it, and return its output's path."""
+    frame = pd.DataFrame(
+        [(i, photo, room, s, png_bytes(image)) for i, (photo, room, s, image) in CROPS.items()],
+        columns=["crop_id", "photo", "room_id", "surface", "png"],
+    )
+    crops = root / "houses" / house / "crops.parquet"
+    write_parquet(crops, frame, {"house": house})
+    folder = root / f"drop_{drop}" / method / house
+    for name, image in tiles.items():
+        write_png(folder / "textures" / f"{name.replace('/', '_')}.png", image)
+    entries = {name: {"observed": name in observed} for name in tiles}
+    listing = {"method": method, "surfaces": entries}
+    (folder / "textures" / "textures.json").write_text(json.dumps(listing))
+    measure_house(
+        folder / "textures",
+        read_references(crops, hidden),
+        model,
+        folder / "metrics.parquet",
+        dataset="d",
+        house=house,
+        method=method,
+        drop=drop,
+    )
+    references = root / "houses" / house / "reference_features.parquet"
+    reference_features(crops, model, references, dataset="d", house=house)
+    return folder / "metrics.parquet"
+
+
+TILES = {"r1/floor": _noise(11), "r1/wall": _noise(12, 90), "r1/ceiling": _noise(13)}
+
+
+def test_values_are_those_of_the_metrics(tmp_path, model):
+    path = _write_house(tmp_path, "h", TILES, {"r1/floor"}, "synth", "0.6", model, ["p2.jpg"])
+    frame, metadata = read_parquet(path)
+    assert metadata["features"] == "embedded"
+    # The ceiling has no crop at all: no row.
+    assert frame["surface"].tolist() == ["floor", "wall"]
+    assert frame["observed"].tolist() == [True, False]
+    floor, wall = frame.itertuples()
+    reference = CROPS["a"][3]  # of two visible crops both are as near to their mean: the first
+    assert floor.color == color_distance(TILES["r1/floor"], reference)
+    assert floor.freq == pytest.approx(freq_distance(TILES["r1/floor"], reference), abs=1e-9)
+    assert floor.tile == pytest.approx(tile_score(TILES["r1/floor"]))
+    assert wall.color == color_distance(TILES["r1/wall"], CROPS["d"][3])
+    assert floor.subs == int(floor.substance_predicted != floor.substance_reference)
+    assert len(wall.features) == 6
+
+
+def test_a_crop_against_itself_is_perfect(tmp_path, model):
+    tiles = {"r1/wall": CROPS["d"][3]}
+    path = _write_house(tmp_path, "h", tiles, {"r1/wall"}, "crop", "0.0", model, [])
+    row = read_parquet(path)[0].iloc[0]
+    assert (row.color, row.freq, row.subs) == (0.0, 0.0, 0)
+
+
+def test_a_house_without_measurable_surface_has_no_row(tmp_path, model):
+    tiles = {"r9/floor": _noise(1)}
+    path = _write_house(tmp_path, "h", tiles, set(), "crop", "0.0", model, [])
+    frame, _ = read_parquet(path)
+    assert len(frame) == 0
+    assert "features" in frame
+
+
+def test_an_observed_surface_without_visible_crop_is_a_fault(tmp_path, model):
+    with pytest.raises(InputError, match=r"house h: expected a visible crop of r1/wall"):
+        _write_house(tmp_path, "h", TILES, {"r1/wall"}, "crop", "0.6", model, ["p2.jpg"])
+
+
+@pytest.fixture
+def results(tmp_path, model):
+    """Two houses, two methods, both drops, as the workflow lays them out."""
+    for house, seed in (("h1", 0), ("h2", 50)):
+        for method in METHODS:
+            for drop, hidden in (("0.0", []), ("0.6", ["p2.jpg"])):
+                tiles = {name: _noise(seed + i, 110 + 9 * i) for i, name in enumerate(TILES)}
+                seen = {"r1/floor"} if hidden else {"r1/floor", "r1/wall"}
+                _write_house(tmp_path, house, tiles, seen, method, drop, model, hidden)
+    return tmp_path
+
+
+def _request(houses=("h1", "h2"), methods=METHODS):
+    return TableRequest("d", houses, methods, drop="0.6", seed=7)
+
+
+def _table(root, request):
+    metrics = sorted(root.glob("drop_*/*/*/metrics.parquet"))
+    references = sorted(root.glob("houses/*/reference_features.parquet"))
+    out = root / "tables"
+    tidy = paper_table(
+        metrics, references, out / "t.csv", out / "t.parquet", out / "t.png", request=request
+    )
+    return tidy, pd.read_csv(out / "t.csv", dtype=str, keep_default_na=False)
+
+
+def test_table_counts_and_averages_the_right_surfaces(results):
+    tidy, wide = _table(results, _request())
+    assert len(wide) == len(METHODS) * 3
+    assert wide["column"].tolist() == ["observed", "unobserved", "all"] * 2
+    assert wide["n"].tolist() == ["4", "2", "4"] * 2
+    assert (wide != "").all(axis=None)
+    assert wide.loc[0, "missing"] == "none"
+    assert wide["seed"].unique().tolist() == ["7"]
+    cells = tidy.set_index(["method", "column", "metric"])["value"]
+    frames = [
+        read_parquet(results / "drop_0.6" / "synth" / h / "metrics.parquet")[0]
+        for h in ("h1", "h2")
+    ]
+    frame = pd.concat(frames)
+    unobserved = frame[~frame["observed"]]
+    assert cells["synth", "unobserved", "COLOR"] == pytest.approx(unobserved["color"].mean())
+    assert cells["synth", "all", "TILE"] == pytest.approx(frame["tile"].mean())
+    references = [
+        read_parquet(results / "houses" / h / "reference_features.parquet")[0] for h in ("h1", "h2")
+    ]
+    walls = pd.concat(references).query("surface == 'wall'")
+    expected = frechet_distance(np.stack(unobserved["features"]), np.stack(walls["features"]))
+    assert cells["synth", "unobserved", "FID"] == pytest.approx(expected, rel=1e-6)
+    row = wide[(wide["method"] == "synth") & (wide["column"] == "all")].iloc[0]
+    paper = {"COLOR": 0.591, "FREQ": 0.034, "SUBS": 0.392, "FID": 196.2, "TILE": 17.6}
+    for name, figure in paper.items():
+        assert float(row[f"{name} published"]) == figure == published_value("synth", "all", name)
+    assert row["KID published"] == row["KID difference"] == "none"
+    # Only what is of one network's scale is subtracted.
+    assert row["SUBS difference"] == row["FID difference"] == "other network"
+    assert float(row["TILE difference"]) == pytest.approx(float(row["TILE"]) - 17.6, abs=1e-4)
+    assert row["images"] == row["n"]
+    assert f"numpy {np.__version__}" in row["packages"]
+    kid = kernel_distance(np.stack(unobserved["features"]), np.stack(walls["features"]))
+    assert cells["synth", "unobserved", "KID"] == pytest.approx(kid, rel=1e-6)
+    assert float(row["KID (embedded)"]) == pytest.approx(cells["synth", "all", "KID"], abs=1e-3)
+    assert float(row["FID (embedded)"]) == pytest.approx(cells["synth", "all", "FID"], abs=1e-3)
+    assert (results / "tables" / "t.png").stat().st_size > 5000
+
+
+def test_a_method_that_the_paper_has_not_reads_none(results):
+    for path in sorted(results.glob("drop_*/synth/*/metrics.parquet")):
+        frame, metadata = read_parquet(path)
+        target = results / path.relative_to(results).as_posix().replace("synth", "exemplar")
+        target.parent.mkdir(parents=True)
+        write_parquet(target, frame.assign(method="exemplar"), metadata)
+    _, wide = _table(results, _request(methods=(*METHODS, "exemplar")))
+    rows = wide[wide["method"] == "exemplar"]
+    assert len(rows) == 3
+    for name in METRICS:
+        assert set(rows[f"{name} published"]) == {"none"}
+    assert float(rows.iloc[0]["COLOR"]) == float(wide[wide["method"] == "synth"].iloc[0]["COLOR"])
+
+
+def test_each_surface_counts_once_for_fid_however_many_crops_it_has(results):
+    # The floor has three crops, the wall one: the weighted reference mean is that of surfaces.
+    tidy, _ = _table(results, _request())
+    frames = [
+        read_parquet(results / "drop_0.0" / "crop" / h / "metrics.parquet")[0] for h in ("h1", "h2")
+    ]
+    predictions = np.stack(pd.concat(frames)["features"])
+    references = [
+        read_parquet(results / "houses" / h / "reference_features.parquet")[0] for h in ("h1", "h2")
+    ]
+    crops = pd.concat(references)
+    weights = np.where(crops["surface"] == "floor", 1 / 3, 1.0)
+    expected = frechet_distance(predictions, np.stack(crops["features"]), weights)
+    cells = tidy.set_index(["method", "column", "metric"])["value"]
+    assert cells["crop", "observed", "FID"] == pytest.approx(expected, rel=1e-6)
+
+
+def test_missing_houses_and_empty_columns_are_named(results):
+    for path in results.glob("drop_0.6/synth/*/metrics.parquet"):
+        path.unlink()
+    request = _request(houses=("h1", "h2", "h3"))
+    _, wide = _table(results, request)
+    empty = wide[(wide["method"] == "synth") & (wide["column"] == "all")].iloc[0]
+    assert (empty["n"], empty["houses"], empty["COLOR"]) == ("0", "0", "n=0")
+    assert empty["missing"] == "h1 h2 h3"
+    assert wide.loc[0, "missing"] == "h3"
+    assert (wide != "").all(axis=None)
+
+
+def test_partial_table_of_what_exists(results):
+    request = _request(houses=("h2", "h3"))
+    path = partial_table(results, results / "tables", request=request)
+    wide = pd.read_csv(path, dtype=str, keep_default_na=False)
+    assert path.name == "paper_table_partial.csv"
+    assert wide["missing"].unique().tolist() == ["h3"]
+    assert wide["n"].tolist() == ["2", "1", "2"] * 2
+    assert partial_table(results / "nothing", results / "tables", request=request) is None
+
+
+def test_metrics_of_two_networks_are_not_mixed(results):
+    path = results / "drop_0.0" / "crop" / "h1" / "metrics.parquet"
+    frame, metadata = read_parquet(path)
+    write_parquet(path, frame, metadata | {"model": "another"})
+    with pytest.raises(InputError, match="one features network"):
+        _table(results, _request())

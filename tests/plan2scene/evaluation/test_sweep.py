@@ -1,0 +1,131 @@
+"""The sweep: photos hidden at any fraction, and figures that are those of the stages."""
+
+import csv
+import json
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from plan2scene.evaluation.drops import SWEEP_DROPS, hidden_at
+from plan2scene.evaluation.houses import Textures, measured, propagated_at
+from plan2scene.evaluation.measure import reference_images
+from plan2scene.evaluation.sweep import sweep_house, sweep_table
+from plan2scene.io import read_image, read_json, read_parquet
+from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.images import metric_image
+from plan2scene.textures.methods import METHODS
+
+HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}
+NAMES = [f"{i}.jpg" for i in range(10)]
+
+
+def _hidden(path, drop):
+    return hidden_at(path, drop, NAMES, seed=0, house="h")
+
+
+def test_fractions_of_the_list_are_the_list_s(tmp_path):
+    path = tmp_path / "unobserved_photos.json"
+    path.write_text(json.dumps({"0.2": ["3.jpg", "7.jpg", "other.jpg"], "0.6": NAMES[2:8]}))
+    assert _hidden(path, "0.2") == ["3.jpg", "7.jpg"]
+    assert _hidden(path, "0.6") == NAMES[2:8]
+
+
+def test_other_fractions_lie_between_and_are_nested(tmp_path):
+    path = tmp_path / "unobserved_photos.json"
+    path.write_text(json.dumps({"0.2": ["3.jpg", "7.jpg"], "0.6": NAMES[2:8]}))
+    hidden = {drop: set(_hidden(path, drop)) for drop in SWEEP_DROPS}
+    assert [len(hidden[drop]) for drop in SWEEP_DROPS] == [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10]
+    for smaller, larger in pairwise(SWEEP_DROPS):
+        assert hidden[smaller] < hidden[larger]
+    assert _hidden(path, "0.4") == _hidden(path, "0.4")
+
+
+def test_without_a_list_the_stages_fractions_hold(tmp_path):
+    assert [len(_hidden(tmp_path / "none.json", drop)) for drop in ("0.0", "0.3", "1.0")] == [
+        0,
+        3,
+        10,
+    ]
+
+
+@pytest.fixture(scope="module")
+def swept(files, models, tmp_path_factory):
+    path = tmp_path_factory.mktemp("sweep") / "sweep.parquet"
+    correct = {method: method in ("naivesynth", "synth") for method in METHODS}
+    sweep_house(files, models, path, hidden=HIDDEN, seam_correction=correct, seed=0, size_px=64)
+    return path
+
+
+def test_every_method_is_measured_at_every_drop(swept):
+    frame, metadata = read_parquet(swept)
+    assert (metadata["house"], metadata["features"]) == ("h1", "embedded")
+    count = frame.groupby(["method", "drop"]).size()
+    assert len(count) == len(METHODS) * len(HIDDEN)
+    assert set(count) == {4}  # the surfaces that any crop shows
+    seen = frame[frame["method"] == "synth"].groupby("drop")["observed"].sum()
+    assert seen.to_dict() == {"0.0": 4, "0.1": 4, "0.5": 2, "1.0": 0}
+    assert np.isfinite(frame[["color", "freq", "tile"]].to_numpy()).all()
+
+
+def test_figures_are_those_of_the_stages(swept, files, models, tmp_path):
+    frame, _ = read_parquet(swept)
+    _, propagated = propagated_at(files, models, HIDDEN["0.5"], tmp_path)
+    textures = Textures(0, 64, True)
+    again = measured(
+        "synth", propagated, files, models, HIDDEN["0.5"], tmp_path, textures=textures, drop="0.5"
+    )
+    mine = frame[(frame["method"] == "synth") & (frame["drop"] == "0.5")]
+    assert mine["color"].tolist() == again["color"].tolist()
+    references = reference_images(read_parquet(files.crops)[0], HIDDEN["0.5"])
+    folder = tmp_path / "synth_textures"
+    assert read_image(folder / "hall_wall.png").shape == (64, 64, 3)
+    entries = read_json(folder / "textures.json")["surfaces"]
+    for row in again.itertuples():
+        assert entries[f"{row.room_id}/{row.surface}"]["observed"] == row.observed
+        visible, every = references[row.room_id, row.surface]
+        assert (visible is not None) == row.observed
+        tile = metric_image(read_image(folder / f"{row.room_id}_{row.surface}.png"))
+        assert row.color == color_distance(tile, visible if row.observed else every)
+
+
+def test_crop_is_its_own_reference_while_observed(swept):
+    frame, _ = read_parquet(swept)
+    crops = frame[frame["method"] == "crop"]
+    assert (crops[crops["observed"]]["color"] == 0).all()
+    assert (crops[crops["drop"] == "1.0"]["color"] > 0).all()
+
+
+def test_the_table_has_every_cell_and_a_plot(swept, references, tmp_path):
+    drops = list(HIDDEN)
+    for run in ("a", "b"):
+        sweep_table(
+            [swept],
+            [references],
+            tmp_path / f"{run}.csv",
+            tmp_path / f"{run}.png",
+            dataset="d",
+            houses=["h1", "h2"],
+            methods=list(METHODS),
+            drops=drops,
+            seed=0,
+        )
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    rows = list(csv.DictReader((tmp_path / "a.csv").open()))
+    assert len(rows) == len(METHODS) * 3 * len(drops)
+    assert all(value != "" for row in rows for value in row.values())
+    assert {row["missing"] for row in rows} == {"h2"}
+    frame, _ = read_parquet(swept)
+    for row in rows:
+        part = frame[(frame["method"] == row["method"]) & (frame["drop"] == row["drop"])]
+        if row["column"] != "all":
+            part = part[part["observed"] == (row["column"] == "observed")]
+        assert int(row["n"]) == len(part)
+        if len(part):
+            assert float(row["COLOR"]) == pytest.approx(part["color"].mean(), abs=5e-5)
+            assert float(row["SUBS (embedded)"]) == pytest.approx(part["subs"].mean(), abs=5e-5)
+        else:
+            assert row["COLOR"] == row["FID (embedded)"] == "n=0"
+    assert Image.open(tmp_path / "a.png").size[0] > 1000

@@ -1,0 +1,79 @@
+"""The features network: numpy inference equals torch's, files, and the embedded weights."""
+
+import cv2
+import numpy as np
+import pytest
+import torch
+
+from plan2scene.errors import InputError
+from plan2scene.house import SUBSTANCES
+from plan2scene.materials import random_material
+from plan2scene.metrics.features import (
+    extract_features,
+    load_features_network,
+)
+from plan2scene.weights import MODELS, save_model_file
+from plan2scene_workshop.features.network import (
+    SubstanceNetwork,
+    as_tensor,
+    save_features_network,
+)
+
+
+@pytest.fixture
+def network():
+    torch.manual_seed(0)
+    network = SubstanceNetwork((4, 6, 8), feature_dim=5)
+    for module in network.modules():  # statistics unlike the initial 0 and 1
+        if isinstance(module, torch.nn.BatchNorm2d):
+            module.running_mean.normal_()
+            module.running_var.uniform_(0.5, 2.0)
+    network.shift.normal_()
+    network.scale.uniform_(0.5, 2.0)
+    return network.eval()
+
+
+def test_numpy_inference_equals_torch(network, tmp_path):
+    save_features_network(network, tmp_path / "f.safetensors")
+    with torch.no_grad():  # weights are stored as float16
+        for name, value in network.state_dict().items():
+            if value.is_floating_point():
+                network.state_dict()[name].copy_(value.half().float())
+    images = np.random.default_rng(1).integers(0, 256, (18, 128, 128, 3), dtype=np.uint8)
+    features, classes = extract_features(
+        load_features_network(tmp_path / "f.safetensors"), list(images)
+    )
+    with torch.inference_mode():
+        expected, logits = network(as_tensor(images))
+    assert features.shape == (18, 5)
+    assert np.allclose(features, expected.numpy(), atol=1e-4)
+    assert np.array_equal(classes, logits.argmax(dim=1).numpy())
+
+
+def test_larger_textures_are_resized_and_no_texture_is_no_row(network, tmp_path):
+    save_features_network(network, tmp_path / "f.safetensors")
+    loaded = load_features_network(tmp_path / "f.safetensors")
+    small = np.random.default_rng(2).integers(0, 256, (128, 128, 3), dtype=np.uint8)
+    large = small.repeat(2, axis=0).repeat(2, axis=1)
+    features, _ = extract_features(loaded, [small, large])
+    assert np.allclose(features[0], features[1], atol=1e-5)
+    assert extract_features(loaded, [])[0].shape == (0, 5)
+
+
+def test_wrong_weights_are_refused(tmp_path):
+    with pytest.raises(InputError, match="safetensors"):
+        load_features_network(tmp_path / "absent.safetensors")
+    save_model_file(tmp_path / "other.safetensors", {"a": torch.zeros(2)}, {"widths": [4]})
+    with pytest.raises(InputError, match="features network"):
+        load_features_network(tmp_path / "other.safetensors")
+
+
+def test_embedded_weights_tell_substances_of_unseen_materials():
+    images, truth = [], []
+    for index, substance in enumerate(SUBSTANCES):
+        for seed in range(900, 912):  # windows of half the tile, as crops are
+            tile = random_material(substance, seed).albedo
+            images.append(cv2.resize(tile[:180, :180], (128, 128), interpolation=cv2.INTER_AREA))
+            truth.append(index)
+    _, classes = extract_features(load_features_network(MODELS / "features.safetensors"), images)
+    assert np.mean(classes == np.array(truth)) >= 0.7  # the card says 0.83 of such windows

@@ -1,0 +1,261 @@
+"""Cameras of line drawings whose truth is known."""
+
+import cv2
+import numpy as np
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.photos.camera.calibration import HIGH_CONFIDENCE, Camera, canonical, estimate_camera
+from plan2scene.photos.camera.exif import ExifFocal
+from plan2scene.photos.camera.lines import detect_segments, hough_segments
+
+
+def rotation_of(heading_deg, pitch_deg, roll_deg):
+    """World-to-camera rotation: heading about y, then pitch (down positive), then roll."""
+    level = np.diag([-1.0, -1.0, 1.0])
+    h, p, r = np.radians([heading_deg, pitch_deg, roll_deg])
+    turn = np.array([[np.cos(h), 0, np.sin(h)], [0, 1, 0], [-np.sin(h), 0, np.cos(h)]])
+    tilt = np.array([[1, 0, 0], [0, np.cos(p), -np.sin(p)], [0, np.sin(p), np.cos(p)]])
+    bank = np.array([[np.cos(r), -np.sin(r), 0], [np.sin(r), np.cos(r), 0], [0, 0, 1]])
+    return bank @ tilt @ level @ turn
+
+
+def checker_room(rotation, fov_deg, size=(480, 640), box=(4.0, 2.6, 5.0), cell=0.5, eye=None):
+    """Ray-cast checkerboards on the inside of a box (4x supersampled); returns an sRGB photo."""
+    height, width = size
+    focal = width / 2 / np.tan(np.radians(fov_deg) / 2)
+    scale = 2
+    y, x = np.mgrid[0 : height * scale, 0 : width * scale]
+    rays = np.stack(
+        [
+            ((x + 0.5) / scale - 0.5 - (width - 1) / 2) / focal,
+            ((y + 0.5) / scale - 0.5 - (height - 1) / 2) / focal,
+            np.ones_like(x, dtype=float),
+        ],
+        axis=-1,
+    )
+    rays = rays @ rotation
+    eye = np.array([0.3, 1.5, -1.2]) if eye is None else eye
+    low = np.array([-box[0] / 2, 0.0, -box[2] / 2])
+    high = np.array([box[0] / 2, box[1], box[2] / 2])
+    with np.errstate(divide="ignore"):
+        reach = np.where(rays > 0, (high - eye) / rays, (low - eye) / rays)
+    axis = reach.argmin(axis=-1)
+    point = eye + rays * reach.min(axis=-1, keepdims=True)
+    cells = np.floor((point - low) / cell + 1e-6).astype(int)
+    cells[np.arange(3) == axis[..., None]] = 0
+    odd = cells.sum(axis=-1) % 2
+    base = np.array([90, 150, 200])[axis]
+    grey = np.where(odd, base, base + 40).astype(np.float32)
+    grey = cv2.resize(grey, (width, height), interpolation=cv2.INTER_AREA)
+    return np.repeat(grey.round().astype(np.uint8)[..., None], 3, axis=2), focal
+
+
+def angle_deg(a, b):
+    """Angle between rotations, degrees, up to the Manhattan frame's quarter turns."""
+    turned = canonical(a).T @ canonical(b)
+    return float(np.degrees(np.arccos(np.clip((np.trace(turned) - 1) / 2, -1, 1))))
+
+
+POSES = [
+    (30.0, 5.0, 1.0, 60.0),
+    (-20.0, 12.0, -2.0, 75.0),
+    (40.0, -6.0, 0.0, 85.0),
+    (-35.0, 3.0, 3.0, 50.0),
+]
+
+
+@pytest.mark.parametrize(("heading", "pitch", "roll", "fov"), POSES)
+def test_rotation_and_focal_of_a_checkered_room(heading, pitch, roll, fov):
+    truth = rotation_of(heading, pitch, roll)
+    image, focal = checker_room(truth, fov)
+    camera = estimate_camera(image)
+    assert not camera.fallback
+    assert camera.focal_source == "vanishing_points"
+    assert angle_deg(camera.matrix, truth) < 0.5
+    assert abs(camera.focal_px / focal - 1) < 0.02
+
+
+def room_drawing(rotation, fov_deg, clutter=0, bend=0.0, seed=0):
+    """Lines of a furnished room: walls, windows, doors, panels, turned boxes, stray lines.
+
+    `bend` moves points at radius r (in half diagonals) to ``r (1 + bend r^2)``: lens distortion.
+    """
+    rng = np.random.default_rng(seed)
+    width, height = 480, 360
+    focal = width / 2 / np.tan(np.radians(fov_deg) / 2)
+    eye = np.array([-1.2, 1.5, -1.6])
+    lines = []
+
+    def box(low, high, turn_deg=0.0):
+        corners = np.array(
+            [[(low, high)[k][j] for j, k in enumerate(bits)] for bits in np.ndindex(2, 2, 2)]
+        )
+        t = np.radians(turn_deg)
+        spin = np.array([[np.cos(t), 0, np.sin(t)], [0, 1, 0], [-np.sin(t), 0, np.cos(t)]])
+        middle = corners.mean(axis=0)
+        corners = (corners - middle) @ spin.T + middle
+        for a in range(8):
+            for axis in (1, 2, 4):
+                if not a & axis:
+                    lines.append((corners[a], corners[a | axis]))
+
+    low, high = np.array([-2.0, 0.0, -2.2]), np.array([2.2, 2.6, 2.8])
+    box(low, high)
+    for start in (-1.5, -0.2, 1.1):
+        box([start, 0.9, 2.79], [start + 0.9, 2.1, 2.8])
+        box([2.19, 0.0 if start > 1 else 0.9, start], [2.2, 2.1, start + 0.8])
+        box([-2.0, 0.8, start], [-1.99, 2.0, start + 0.9])
+    box([0.9, 0.0, 0.5], [2.0, 0.8, 2.4])
+    box([-0.6, 0.0, 1.6], [0.3, 0.5, 2.4], 33.0)
+    image = np.full((2 * height, 2 * width), 200, np.uint8)
+    for first, second in lines:
+        steps = np.linspace(0, 1, 60)[:, None]
+        seen = ((1 - steps) * first + steps * second - eye) @ rotation.T
+        seen = seen[seen[:, 2] > 0.05]
+        flat = seen[:, :2] / seen[:, 2:] * focal
+        radius = (flat**2).sum(axis=1) / ((width**2 + height**2) / 4)
+        flat = (flat * (1 + bend * np.minimum(radius, 4)[:, None]) + [width / 2, height / 2]) * 2
+        flat = np.clip(flat, -5000, 5000)
+        cv2.polylines(image, [(flat * 16).round().astype(np.int32)], False, 60, 3, cv2.LINE_AA, 4)
+    for _ in range(clutter):
+        middle = rng.uniform([0, 0], [2 * width, 2 * height])
+        angle, reach = rng.uniform(0, np.pi), rng.uniform(20, 70)
+        along = reach * np.array([np.cos(angle), np.sin(angle)])
+        ends = [tuple((middle + sign * along).round().astype(int).tolist()) for sign in (-1, 1)]
+        cv2.line(image, ends[0], ends[1], 90, 3, cv2.LINE_AA)
+    small = cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA)
+    return np.repeat(small[..., None], 3, axis=2), focal
+
+
+ODD = {
+    "tilted phone": ((-35.0, 12.0, 20.0, 70.0), {}, 1.0, 0.06),
+    "steep": ((-40.0, 20.0, -8.0, 70.0), {}, 1.0, 0.06),
+    "no floor": ((-30.0, -18.0, 2.0, 60.0), {}, 1.0, 0.08),
+    "wide": ((-35.0, 6.0, -2.0, 108.0), {}, 1.0, 0.06),
+    "narrow": ((-40.0, 4.0, 3.0, 42.0), {}, 2.0, 0.15),
+    "clutter": ((-35.0, 6.0, 2.0, 75.0), {"clutter": 90}, 2.0, 0.10),
+    "barrel": ((-35.0, 6.0, 2.0, 85.0), {"bend": -0.1}, 2.5, 0.12),
+    "pincushion": ((-35.0, 6.0, 2.0, 85.0), {"bend": 0.05}, 2.0, 0.12),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_odd_photos_of_a_furnished_room(name):
+    (heading, pitch, roll, fov), drawing, degrees, share = ODD[name]
+    truth = rotation_of(heading, pitch, roll)
+    image, focal = room_drawing(truth, fov, **drawing)
+    camera = estimate_camera(image)
+    assert not camera.fallback
+    assert angle_deg(camera.matrix, truth) < degrees
+    assert abs(camera.focal_px / focal - 1) < share
+    assert camera.confidence >= HIGH_CONFIDENCE
+
+
+def test_one_point_view_keeps_rotation_but_not_focal():
+    truth = rotation_of(0.0, 0.0, 0.0)
+    image, _ = checker_room(truth, 85.0, eye=np.array([0.0, 1.3, -2.0]))
+    camera = estimate_camera(image)
+    assert not camera.fallback
+    assert angle_deg(camera.matrix, truth) < 1.0
+    assert camera.confidence < HIGH_CONFIDENCE
+
+
+def test_exif_gives_the_focal_length_of_a_one_point_view():
+    truth = rotation_of(0.0, 0.0, 0.0)
+    image, focal = checker_room(truth, 70.0, eye=np.array([0.0, 1.3, -2.0]))
+    camera = estimate_camera(image, exif=ExifFocal(focal))
+    assert camera.focal_source == "exif"
+    assert camera.focal_px == pytest.approx(focal, abs=1e-3)
+    assert angle_deg(camera.matrix, truth) < 0.5
+    assert camera.confidence >= HIGH_CONFIDENCE
+
+
+def test_exif_goes_before_vanishing_points_unless_they_contradict_it():
+    truth = rotation_of(30.0, 5.0, 1.0)
+    image, focal = checker_room(truth, 60.0)
+    near = estimate_camera(image, exif=ExifFocal(1.08 * focal))
+    assert near.focal_source == "exif"
+    assert near.focal_px == pytest.approx(1.08 * focal, abs=1e-3)
+    far = estimate_camera(image, exif=ExifFocal(1.5 * focal))
+    assert far.focal_source == "vanishing_points"
+    assert abs(far.focal_px / focal - 1) < 0.02
+    cropped = estimate_camera(image, exif=ExifFocal(1.08 * focal, cropped=True))
+    assert cropped.focal_source == "vanishing_points"
+    assert abs(cropped.focal_px / focal - 1) < 0.02
+
+
+def test_exif_where_there_are_no_lines():
+    camera = estimate_camera(np.full((120, 160, 3), 128, np.uint8), exif=ExifFocal(120.0))
+    assert (camera.fallback, camera.focal_source, camera.confidence) == (True, "exif", 0.0)
+    assert camera.focal_px == 120.0
+
+
+def test_no_lines_fall_back_to_the_constant_field_of_view():
+    camera = estimate_camera(np.full((120, 160, 3), 128, np.uint8), fov_deg=60.0)
+    assert camera.fallback
+    assert camera.focal_source == "config"
+    assert camera.confidence == 0.0
+    assert camera.focal_px == pytest.approx(80 / np.tan(np.radians(30)), abs=1e-3)
+    np.testing.assert_array_equal(camera.matrix, np.diag([-1.0, -1.0, 1.0]))
+
+
+def test_noise_is_no_room():
+    noise = np.random.default_rng(3).integers(0, 255, (240, 320, 3)).astype(np.uint8)
+    assert estimate_camera(cv2.GaussianBlur(noise, (0, 0), 3)).confidence < 0.5
+
+
+def test_same_photo_same_camera():
+    image, _ = checker_room(rotation_of(25, 4, 1), 65.0, size=(240, 320))
+    assert estimate_camera(image) == estimate_camera(image.copy())
+
+
+def test_large_photo_scales_the_focal_length():
+    image, focal = checker_room(rotation_of(30, 5, 1), 60.0, size=(960, 1280))
+    camera = estimate_camera(image)
+    assert camera.width == 1280
+    assert abs(camera.focal_px / focal - 1) < 0.02
+
+
+def test_json_round_trip_and_fault():
+    image, _ = checker_room(rotation_of(25, 4, 1), 65.0, size=(240, 320))
+    camera = estimate_camera(image)
+    assert Camera.from_json(camera.to_json()) == camera
+    with pytest.raises(InputError, match=r"cameras\.json.*focal_px"):
+        Camera.from_json(
+            {"width": 3, "height": 2, "rotation": np.eye(3).tolist()}, file="cameras.json"
+        )
+
+
+def test_project_inverts_rays():
+    image, _ = checker_room(rotation_of(25, 4, 1), 65.0, size=(240, 320))
+    camera = estimate_camera(image)
+    pixels = np.array([[0.0, 0.0], [319.0, 0.0], [100.5, 200.25], [camera.cx, camera.cy]])
+    rays = camera.rays(pixels)
+    np.testing.assert_allclose(np.linalg.norm(rays, axis=1), 1.0)
+    np.testing.assert_allclose(camera.project(rays * 3.7), pixels, atol=1e-6)
+    assert np.isnan(camera.project(-rays)).all()
+
+
+def test_canonical_ignores_quarter_turns():
+    truth = rotation_of(20, 7, -2)
+    quarter = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+    np.testing.assert_allclose(canonical(truth @ quarter), canonical(truth), atol=1e-12)
+    assert np.linalg.det(canonical(truth)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("detect", [detect_segments, hough_segments])
+def test_segments_of_a_rectangle(detect):
+    grey = np.zeros((200, 240), np.uint8)
+    corners = np.array([[40, 30], [200, 50], [185, 170], [30, 150]])
+    cv2.fillPoly(grey, [corners], 220, lineType=cv2.LINE_AA)
+    found = detect(grey)
+    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        along = (end - start) / np.linalg.norm(end - start)
+        direction = found[:, 2:] - found[:, :2]
+        length = np.linalg.norm(direction, axis=1)
+        turn = np.abs(direction[:, 0] * along[1] - direction[:, 1] * along[0]) / length
+        offset = (found[:, :2] + found[:, 2:]) / 2 - start
+        distance = np.abs(offset[:, 0] * along[1] - offset[:, 1] * along[0])
+        good = (length > 60) & (turn < np.sin(np.radians(1.0))) & (distance < 1.5)
+        assert good.any(), (start, end)

@@ -1,0 +1,213 @@
+"""Contact sheet of a house: one row a photo, the same bytes each time, counts and colours drawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+from plan2scene.house import House, Room
+from plan2scene.io import png_bytes, write_json, write_parquet, write_png
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.contact_sheet import panels
+from plan2scene.photos.contact_sheet.sheet import (
+    CELL,
+    COLUMNS,
+    GAP,
+    HEADER,
+    MAX_PHOTOS,
+    PANEL,
+    ROW,
+    THUMB,
+    TITLE,
+    WIDTH,
+    write_contact_sheet,
+)
+from plan2scene.photos.contact_sheet.windows import KEPT, LAST_RESORT, REJECTED
+from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, write_label_png
+
+SIZE = (240, 320)
+AHEAD = ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
+ROOM = Room("r1", ("Bedroom",), (((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)),), 2.5)
+HOUSE = House("h1", (ROOM,), ())
+
+
+def camera() -> Camera:
+    height, width = SIZE
+    return Camera(
+        width, height, 0.8 * width, (width - 1) / 2, (height - 1) / 2, AHEAD, "exif", 0.5, False
+    )
+
+
+def room_labels() -> np.ndarray:
+    labels = np.full(SIZE, WALL, np.uint8)
+    labels[170:] = FLOOR
+    labels[:60] = CEILING
+    return labels
+
+
+def candidate(photo: str, surface: str, index: int, reason: str, crop_id: str) -> dict[str, Any]:
+    top, left = {"floor": 190, "wall": 90, "ceiling": 10}[surface], 20 + 24 * index
+    corners = [left, top, left + 30, top, left + 30, top + 30, left, top + 30]
+    return {
+        "photo": photo,
+        "room_id": "r1",
+        "surface": surface,
+        "plane": 0,
+        "index": index,
+        "metres": 0.5,
+        "reason": reason,
+        "crop_id": crop_id,
+        "corners": [float(value) for value in corners],
+    }
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> dict[str, Any]:
+    """A house of one good photo (2 kept, 1 last resort, 3 rejected), a broken and a tiny one."""
+    photos, masks = tmp_path / "photos", tmp_path / "masks"
+    photos.mkdir()
+    masks.mkdir()
+    image = np.random.default_rng(0).integers(90, 160, (*SIZE, 3), dtype=np.uint8)
+    write_png(photos / "a.png", image)
+    (photos / "b.jpg").write_text("text")
+    write_png(photos / "c.png", np.zeros((1, 1, 3), np.uint8))
+    write_label_png(masks / "a.png", room_labels())
+    write_json(masks / "cameras.json", {"a.png": camera().to_json()})
+    lines = ["photo b.jpg left out: no image", "photo c.png left out: file c.png: far too small"]
+    write_json(masks / "warnings.json", lines)
+    rows = [
+        candidate("a.png", "wall", 0, "", "wall/a_0_crop0"),
+        candidate("a.png", "wall", 1, "", "wall/a_0_crop1"),
+        candidate("a.png", "ceiling", 0, "last resort: not sharp", "ceiling/a_0_crop0"),
+        candidate("a.png", "wall", 2, "border, clutter", ""),
+        candidate("a.png", "floor", 0, "oblique", ""),
+        candidate("a.png", "floor", 1, "oblique", ""),
+    ]
+    write_parquet(tmp_path / "candidates.parquet", pd.DataFrame(rows), {})
+    crop = png_bytes(np.full((128, 128, 3), 77, np.uint8))
+    ids = [row["crop_id"] for row in rows if row["crop_id"]]
+    frame = pd.DataFrame({"crop_id": ids, "png": [crop] * len(ids)})
+    write_parquet(tmp_path / "crops.parquet", frame, {})
+    return {
+        "output": tmp_path / "sheet.png",
+        "photos": {name: photos / name for name in ("a.png", "b.jpg", "c.png", "gone.jpg")},
+        "rooms_of_photo": {"a.png": ["r1"]},
+        "house": HOUSE,
+        "masks_dir": masks,
+        "crops": tmp_path / "crops.parquet",
+        "candidates": tmp_path / "candidates.parquet",
+    }
+
+
+def sheet_of(case: dict[str, Any]) -> np.ndarray:
+    with Image.open(case["output"]) as image:
+        return np.asarray(image.convert("RGB"))
+
+
+def frames(sheet: np.ndarray, row: int) -> list[tuple[int, ...]]:
+    """Return the frame's colour of each crop cell of a row, in order."""
+    top = HEADER + row * ROW + TITLE + 2
+    left = GAP + 4 * (PANEL[1] + GAP)
+    cells = [
+        sheet[top + k // COLUMNS * CELL[0] + 1, left + k % COLUMNS * CELL[1] + THUMB // 2]
+        for k in range(3 * COLUMNS)
+    ]
+    return [tuple(int(v) for v in cell) for cell in cells]
+
+
+def test_sheet_has_a_row_for_each_photo_and_the_counts(case: dict[str, Any]) -> None:
+    counts = write_contact_sheet(**case)
+    assert counts == {"photos": 4, "kept": 2, "last_resort": 1, "rejected": 3}
+    assert sheet_of(case).shape == (HEADER + 4 * ROW, WIDTH, 3)
+
+
+def test_kept_and_rejected_windows_are_framed_in_their_colours(case: dict[str, Any]) -> None:
+    write_contact_sheet(**case)
+    found = frames(sheet_of(case), 0)
+    assert sorted(found[:COLUMNS][:3]) == sorted([KEPT, KEPT, LAST_RESORT])
+    assert found[COLUMNS : COLUMNS + 3] == [REJECTED] * 3
+    assert KEPT not in found[3:]
+    assert not {KEPT, LAST_RESORT, REJECTED} & set(frames(sheet_of(case), 1))
+
+
+def test_windows_are_outlined_where_they_are_in_the_photo(case: dict[str, Any]) -> None:
+    write_contact_sheet(**case)
+    sheet = sheet_of(case).astype(int)
+    top, left = HEADER + TITLE + 2, GAP
+    scale = PANEL[1] / SIZE[1]
+    y, x = top + round(90.5 * scale), left + round(35 * scale)  # upper edge of the first window
+    around = sheet[y - 1 : y + 2, x]
+    assert np.abs(around - KEPT).sum(axis=1).min() < 60
+
+
+def test_a_photo_that_was_left_out_says_why(case: dict[str, Any]) -> None:
+    write_contact_sheet(**case)
+    sheet = sheet_of(case)
+    for row in (1, 2, 3):
+        part = sheet[HEADER + row * ROW + TITLE : HEADER + (row + 1) * ROW]
+        assert (np.abs(part.astype(int) - REJECTED).sum(axis=2) < 60).sum() > 100
+
+
+def test_same_input_same_bytes(case: dict[str, Any]) -> None:
+    write_contact_sheet(**case)
+    first = case["output"].read_bytes()
+    write_contact_sheet(**case)
+    assert case["output"].read_bytes() == first
+
+
+def test_a_rejected_window_changes_the_sheet(case: dict[str, Any]) -> None:
+    write_contact_sheet(**case)
+    first = case["output"].read_bytes()
+    frame = pd.read_parquet(case["candidates"])
+    frame.loc[frame["reason"] == "oblique", "reason"] = "shadow edge"
+    write_parquet(case["candidates"], frame, {})
+    write_contact_sheet(**case)
+    assert case["output"].read_bytes() != first
+
+
+def test_many_photos_make_a_bounded_sheet(case: dict[str, Any]) -> None:
+    case["photos"] = {f"p{k:03}.jpg": Path("none") / f"p{k:03}.jpg" for k in range(400)}
+    assert write_contact_sheet(**case)["photos"] == MAX_PHOTOS
+    assert sheet_of(case).shape[0] == HEADER + MAX_PHOTOS * ROW
+
+
+def test_no_photos_and_ready_crops(case: dict[str, Any]) -> None:
+    frame = pd.read_parquet(case["candidates"])
+    frame["corners"] = [[float("nan")] * 8] * len(frame)
+    write_parquet(case["candidates"], frame, {})
+    case["masks_dir"] = None
+    assert write_contact_sheet(**case)["kept"] == 2
+    write_parquet(case["candidates"], frame.iloc[:0], {})
+    case["photos"] = {}
+    assert write_contact_sheet(**case) == {"photos": 0, "kept": 0, "last_resort": 0, "rejected": 0}
+
+
+def test_segments_get_the_axis_that_they_run_along() -> None:
+    look = camera()
+    points = np.array([[-1.0, -1, 4], [1, -1, 4], [-1, -1, 4], [-1, 1, 4], [1, -1, 4], [1, -1, 8]])
+    pixels = look.project(points).reshape(3, 4)
+    slanted = np.array([[10.0, 10, 40, 60]])
+    axes = panels.segment_axes(np.vstack([pixels, slanted]), look)
+    assert axes.tolist() == [0, 1, 2, -1]
+    assert panels.segment_axes(np.zeros((0, 4)), look).shape == (0,)
+
+
+def test_the_horizon_of_a_level_camera_is_in_the_middle() -> None:
+    picture = panels.lines_panel(np.full((*SIZE, 3), 120, np.uint8), camera())
+    yellow = np.abs(picture.astype(int) - panels.HORIZON).sum(axis=2) < 30
+    rows = np.nonzero(yellow.sum(axis=1) > SIZE[1] // 2)[0]
+    assert len(rows)
+    assert abs(rows.mean() - (SIZE[0] - 1) / 2) <= 1
+
+
+def test_a_smaller_photo_has_a_smaller_camera() -> None:
+    half = panels.scaled_camera(camera(), (120, 160))
+    assert half.focal_px == camera().focal_px / 2
+    point = np.array([[0.3, 0.2, 3.0]])
+    expected = (camera().project(point) + 0.5) / 2 - 0.5
+    assert half.project(point) == pytest.approx(expected)

@@ -1,0 +1,161 @@
+"""Filters before the selection: what they refuse, and that patterns and shading pass."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from plan2scene.photos.crops.filter import (
+    REASONS,
+    has_object,
+    image_faults,
+    inner_mask,
+    outvoted,
+    smooth_field,
+    step_of,
+    verdict_of,
+    with_fault,
+)
+from plan2scene.photos.crops.sampling import GRAVE, Candidate, Crop, Verdict
+from plan2scene.photos.crops.tables import (
+    LAST_RESORT,
+    LAST_RESORT_PREFIX,
+    WORST_RESORT,
+    PhotoCandidate,
+    choose_kept,
+)
+
+
+def plain(seed=0, colour=(190, 180, 165), noise=2.0):
+    """A painted wall with sensor noise."""
+    rng = np.random.default_rng(seed)
+    image = np.array(colour, float) + rng.normal(0, noise, (128, 128, 3))
+    return np.clip(image, 0, 255).round().astype(np.uint8)
+
+
+def checker(cell=16, dark=(120, 100, 80)):
+    rows, columns = np.indices((128, 128)) // cell
+    odd = (rows + columns) % 2
+    return np.where(odd[..., None] > 0, np.array(dark), np.array((200, 190, 170))).astype(np.uint8)
+
+
+def shaded(image, left=0.8, right=1.2):
+    gain = np.linspace(left, right, 128)[None, :, None]
+    return np.clip(image * gain, 0, 255).astype(np.uint8)
+
+
+def candidate(reason="", badness=0.0, index=0):
+    nan = (float("nan"),) * 4
+    crop = Crop(index, nan, 1.0, 1.0, 60.0, plain(index))
+    return Candidate(crop, Verdict(reason, badness))
+
+
+@pytest.mark.parametrize(
+    "image",
+    [plain(), shaded(plain()), checker(16), checker(32), checker(8, (60, 60, 60))],
+    ids=["plain", "smooth shading", "checker", "large checker", "fine checker"],
+)
+def test_surfaces_pass(image):
+    assert image_faults(image) == []
+
+
+def test_a_thing_in_the_corner_is_clutter():
+    image = plain()
+    image[100:, 100:] = (90, 60, 40)
+    assert has_object(image)
+    speck = plain()
+    speck[60:64, 60:64] = (60, 50, 40)
+    assert has_object(speck)
+    tinted = plain()
+    tinted[:, 90:] = np.clip(tinted[:, 90:] * np.array([1.0, 1.0, 0.9]), 0, 255)
+    assert has_object(tinted)  # as bright, but of another colour
+
+
+def test_shadow_edges_and_things_of_another_colour_divide_a_crop():
+    image = plain()
+    image[:, :60] = (image[:, :60] * 0.75).astype(np.uint8)
+    image = cv2.GaussianBlur(image, (0, 0), 3.0)
+    assert step_of(image) == "shadow edge"
+    door = plain()
+    door[:, :60] = (130, 80, 40)
+    assert step_of(door) == "clutter"
+    assert step_of(shaded(plain(), 0.75, 1.25)) is None
+    assert step_of(checker(32)) is None
+
+
+def test_highlights_are_refused():
+    image = plain()
+    cv2.circle(image, (64, 64), 5, (255, 255, 255), -1)
+    assert "highlight" in image_faults(image)
+
+
+def test_masks_shrink_more_where_the_photo_shows_no_edge():
+    image = np.full((240, 320, 3), 200, np.uint8)
+    mask = np.zeros((240, 320), bool)
+    mask[:, 100:] = True
+    blind = inner_mask(mask, image)
+    assert not blind[:, :107].any()
+    assert blind[:, 109:].all()  # the frame of the photo is no border
+    image[:, :100] = 80
+    seen = inner_mask(mask, image)
+    assert not seen[:, :103].any()
+    assert seen[:, 105:].all()
+
+
+def test_the_smooth_field_is_not_bent_by_an_object():
+    y, x = np.mgrid[-1:1:32j, -1:1:32j]
+    truth = 0.3 * x - 0.2 * y * y + 0.1 * x * y
+    values = truth.copy()
+    values[24:, 24:] += 2.0
+    assert np.abs(smooth_field(values, rounds=20) - truth).max() < 0.15
+    np.testing.assert_allclose(smooth_field(truth), truth, atol=1e-8)
+
+
+def test_a_clear_majority_outvotes():
+    colours = np.array([[80.0, 0, 5], [84, 1, 4], [60, 15, 25]])
+    assert outvoted(colours, np.array([10.0, 10, 10])).tolist() == [False, False, True]
+    assert not outvoted(colours[1:], np.array([10.0, 10])).any()
+
+
+def test_grave_faults_weigh_more_than_all_mild_ones():
+    crop = candidate().crop
+    mild = verdict_of(list(REASONS[-3:]), crop)
+    grave = verdict_of([REASONS[-4]], crop)
+    assert mild.badness < GRAVE <= grave.badness
+    assert verdict_of([REASONS[0]], crop).badness > verdict_of(list(REASONS[1:]), crop).badness
+    assert verdict_of([], crop) == Verdict()
+    sharper = replace(crop, sharpness=2.0)
+    assert verdict_of(["oblique"], sharper).badness < verdict_of(["oblique"], crop).badness
+    both = with_fault(Candidate(crop, verdict_of(["oblique"], crop)), "clutter")
+    assert both.verdict.reason == "clutter, oblique"
+
+
+def test_a_surface_without_good_windows_keeps_its_least_bad():
+    def place(item, photo="a.png", rooms=("r1",), surface="wall"):
+        return PhotoCandidate(photo, rooms, surface, 0, item)
+
+    crop = candidate().crop
+    bad = Candidate(crop, verdict_of(["clutter"], crop))
+    mild = Candidate(crop, verdict_of(["oblique"], crop))
+    good = candidate()
+    kept = choose_kept([place(bad), place(mild), place(good)])
+    assert kept.rooms == {(2, "r1")}
+    assert kept.crop_index == {2: 0}
+    kept = choose_kept([place(bad), *[place(mild)] * (LAST_RESORT + 2)])
+    assert len(kept.rooms) == LAST_RESORT
+    assert (0, "r1") not in kept.rooms
+    assert kept.reasons[1, "r1"] == LAST_RESORT_PREFIX + "oblique"
+    assert kept.reasons[0, "r1"] == "clutter"
+    kept = choose_kept([place(bad)] * 9)
+    assert len(kept.rooms) == WORST_RESORT
+    # With grave faults every photo has a say, not only the one whose windows look least bad.
+    worse = Candidate(crop, verdict_of(["border", "clutter"], crop))
+    kept = choose_kept([*[place(bad)] * 5, *[place(worse, photo="b.png")] * 5])
+    assert kept.rooms == {(number, "r1") for number in (0, 1, 2, 5, 6, 7)}
+    # A room that has a good one elsewhere refuses what another must keep.
+    shared = [place(mild, rooms=("r1", "r2")), place(good, photo="b.png", rooms=("r2",))]
+    kept = choose_kept(shared)
+    assert kept.rooms == {(0, "r1"), (1, "r2")}
+    assert kept.reasons[0, "r1"].startswith(LAST_RESORT_PREFIX)
+    assert kept.reasons[0, "r2"] == "oblique"

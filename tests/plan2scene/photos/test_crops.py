@@ -1,0 +1,244 @@
+"""Crop sampling and the crops stage on drawn rooms of known scale."""
+
+import cv2
+import numpy as np
+import pandas as pd
+import pytest
+from views import camera_looking
+
+from plan2scene.errors import InputError
+from plan2scene.house import House, Room
+from plan2scene.io import image_from_bytes, read_parquet, write_json, write_png
+from plan2scene.photos.crops.candidates import CropSettings
+from plan2scene.photos.crops.sampling import draw_windows, medoid_index, sample_crops
+from plan2scene.photos.crops.stage import load_crops, make_crops
+from plan2scene.photos.crops.tables import CANDIDATE_COLUMNS, COLUMNS
+from plan2scene.photos.labels.palette import write_label_png
+from plan2scene.photos.planes.planes import Plane
+from plan2scene.photos.planes.rectification import rectify
+
+SIZE = (480, 640)
+
+
+def looking(pitch_deg=20.0, focal=520.0, turn_deg=0.0):
+    """A camera with its truth: pitch down, turned about the vertical."""
+    return camera_looking(SIZE, heading_deg=turn_deg, pitch_deg=pitch_deg, focal=focal)
+
+
+def checkered_floor(camera, height=1.5, cell=0.25):
+    """A photo of a checkered floor (cells of `cell` m along x and z) and the floor's plane."""
+    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
+    rays = camera.rays(np.stack([x, y], axis=-1))
+    down = rays[..., 1] < -0.05
+    reach = np.where(down, -height / np.where(down, rays[..., 1], -1.0), 0.0)
+    point = rays * reach[..., None]
+    odd = (np.floor(point[..., 0] / cell) + np.floor(point[..., 2] / cell)).astype(int) % 2
+    image = np.where(down, np.where(odd, 70, 200), 128).astype(np.uint8)
+    plane = Plane("floor", 0, (0.0, 1.0, 0.0), -height, down, "camera_height")
+    return np.repeat(image[..., None], 3, axis=2), plane
+
+
+def test_crops_are_metric_and_square_on():
+    camera = looking(turn_deg=31.0)
+    image, plane = checkered_floor(camera, cell=0.25)
+    crops = sample_crops(image, camera, plane, np.random.default_rng(0), metres=(1.0,))
+    assert len(crops) == 10
+    for crop in crops:
+        assert crop.metres == pytest.approx(1.0, abs=0.01)
+        x0, z0, _, _ = crop.window
+        step = crop.metres / 128
+        x = x0 + (np.arange(128) + 0.5) * step
+        z = z0 + (np.arange(128) + 0.5) * step
+        odd = (np.floor(x / 0.25)[None, :] + np.floor(z / 0.25)[:, None]) % 2
+        expected = np.where(odd, 70, 200)
+        wrong = np.abs(crop.image[..., 0].astype(int) - expected) > 65
+        assert wrong.mean() < 0.08  # blurred borders only
+
+
+def test_windows_lie_fully_inside_the_mask():
+    camera = looking()
+    image, plane = checkered_floor(camera)
+    mask = plane.mask.copy()
+    cv2.circle(mask.view(np.uint8), (320, 330), 60, 0, -1)
+    rectified = rectify(
+        image, camera, Plane("floor", 0, plane.normal, plane.offset, mask, "x"), min_density=60.0
+    )
+    windows = draw_windows(rectified, 0.5, np.random.default_rng(1))
+    assert len(windows) == 10
+    assert len(set(windows)) == 10
+    side = round(0.5 / rectified.metres_per_pixel)
+    assert all(rectified.mask[r : r + side, c : c + side].all() for r, c in windows)
+
+
+def test_smaller_windows_where_large_ones_do_not_fit():
+    camera = looking()
+    image, plane = checkered_floor(camera)
+    mask = np.zeros(SIZE, bool)
+    mask[380:470, 260:380] = True
+    small = Plane("floor", 0, plane.normal, plane.offset, mask, "x")
+    crops = sample_crops(image, camera, small, np.random.default_rng(0))
+    assert crops
+    assert crops[0].metres < 0.4
+    speck = np.zeros(SIZE, bool)
+    speck[400:412, 300:312] = True
+    tiny = Plane("floor", 0, plane.normal, plane.offset, speck, "x")
+    assert sample_crops(image, camera, tiny, np.random.default_rng(0)) == []
+
+
+def test_sharpness_falls_with_distance():
+    camera = looking()
+    image, plane = checkered_floor(camera)
+    rectified = rectify(image, camera, plane)
+    near, far = rectified.view(0.0, 1.5), rectified.view(0.0, 4.0)
+    assert near[0] > far[0]
+    assert near[1] > far[1]
+    assert near[0] == pytest.approx(45.0)
+
+
+def test_medoid_is_closest_to_the_mean():
+    rng = np.random.default_rng(0)
+    images = [rng.integers(0, 255, (8, 8, 3)).astype(np.uint8) for _ in range(6)]
+    mean = np.mean([i.astype(float) for i in images], axis=0)
+    images[4] = mean.round().astype(np.uint8)
+    assert medoid_index(images) == 4
+    assert medoid_index([images[0]] * 3) == 0
+    with pytest.raises(ValueError, match="no images"):
+        medoid_index([])
+
+
+@pytest.fixture
+def house():
+    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0))
+    rooms = tuple(Room(name, ("Bedroom",), (ring,), 2.6) for name in ("room1", "room2"))
+    return House("h1", rooms, ())
+
+
+@pytest.fixture
+def inputs(tmp_path):
+    camera = looking()
+    image, plane = checkered_floor(camera)
+    write_png(tmp_path / "a.png", image)
+    write_label_png(tmp_path / "masks" / "a.png", plane.mask.astype(np.uint8))
+    write_json(tmp_path / "masks" / "cameras.json", {"a.png": camera.to_json()})
+    return tmp_path
+
+
+def run(house, inputs, rooms_of_photo, **more):
+    photos = {photo: inputs / photo for photo in rooms_of_photo}
+    return make_crops(
+        house,
+        rooms_of_photo,
+        photos,
+        inputs / "masks",
+        inputs / "crops.parquet",
+        inputs / "candidates.parquet",
+        inputs / "light.json",
+        dataset="d",
+        seed=3,
+        **more,
+    )
+
+
+def test_stage_rows_and_round_trip(house, inputs):
+    run(house, inputs, {"a.png": ["room1", "room2"], "gone.png": ["room1"]})
+    frame, metadata = read_parquet(inputs / "crops.parquet")
+    assert metadata["house"] == "h1"
+    assert list(frame.columns) == list(COLUMNS)
+    assert len(frame) == 20
+    assert set(frame.photo) == {"a.png"}
+    assert frame.groupby(["room_id", "surface"]).medoid.sum().tolist() == [1, 1]
+    first = frame.iloc[0]
+    assert first.crop_id == "floor/a_0_crop0"
+    assert image_from_bytes(first.png).shape == (128, 128, 3)
+    assert first.window[2] - first.window[0] == pytest.approx(first.metres)
+    images = [image_from_bytes(png) for png in frame[frame.room_id == "room1"].png]
+    assert frame[frame.room_id == "room1"].medoid.to_numpy().argmax() == medoid_index(images)
+
+
+def test_candidates_have_corners_on_the_photo(house, inputs):
+    run(house, inputs, {"a.png": ["room1"]})
+    crops, _ = read_parquet(inputs / "crops.parquet")
+    table, metadata = read_parquet(inputs / "candidates.parquet")
+    assert metadata["house"] == "h1"
+    assert list(table.columns) == list(CANDIDATE_COLUMNS)
+    kept = table[table.crop_id != ""]
+    assert kept.crop_id.tolist() == crops.crop_id.tolist()
+    assert (kept.reason == "").all()
+    camera, image = looking(), cv2.imread(str(inputs / "a.png"))
+    row = kept.iloc[0]
+    x0, z0, x1, z1 = row.window
+    ring = np.array([[x0, -1.5, z0], [x1, -1.5, z0], [x1, -1.5, z1], [x0, -1.5, z1]])
+    corners = np.array(row.corners).reshape(4, 2)
+    np.testing.assert_allclose(corners, camera.project(ring), atol=1e-6)
+    png = image_from_bytes(crops.png.iloc[0])
+    for (x, y), (r, c) in zip(corners, ((0, 0), (0, 127), (127, 127), (127, 0)), strict=True):
+        inner = corners.mean(axis=0) * 0.1 + np.array([x, y]) * 0.9
+        near = image[round(inner[1]), round(inner[0]), 0].astype(int)
+        pixel = png[abs(r - 6), abs(c - 6), 0].astype(int)
+        assert abs(near - pixel) < 70
+
+
+def test_rooms_of_other_heights_get_their_own_crops(inputs):
+    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0))
+    heights = {"low": 2.2, "tall": 3.6, "same": 2.2}
+    rooms = tuple(Room(name, ("Bedroom",), (ring,), h) for name, h in heights.items())
+    labels = np.full(SIZE, 2, np.uint8)
+    labels[checkered_floor(looking())[1].mask] = 1
+    labels[:60] = 3
+    write_label_png(inputs / "masks" / "a.png", labels)
+    frame = run(House("h1", rooms, ()), inputs, {"a.png": list(heights)})
+    ids = {name: set(frame[frame.room_id == name].crop_id) for name in heights}
+    assert ids["low"] == ids["same"]
+    assert ids["low"]
+    assert not ids["low"] & ids["tall"]
+    assert frame.groupby("crop_id").png.nunique().eq(1).all()
+
+
+def test_stage_is_deterministic(house, inputs):
+    run(house, inputs, {"a.png": ["room1"]})
+    first = (inputs / "crops.parquet").read_bytes()
+    run(house, inputs, {"a.png": ["room1"]})
+    assert (inputs / "crops.parquet").read_bytes() == first
+
+
+def test_stage_settings_are_used(house, inputs):
+    settings = CropSettings(metres=(0.5,), per_mask=3, filter=False)
+    frame = run(house, inputs, {"a.png": ["room1"]}, settings=settings)
+    assert len(frame) == 3
+    assert frame.metres.to_numpy() == pytest.approx(0.5, abs=0.01)
+
+
+def test_house_without_photos_has_an_empty_table(house, inputs):
+    run(house, inputs, {})
+    frame, _ = read_parquet(inputs / "crops.parquet")
+    assert len(frame) == 0
+    assert list(frame.columns) == list(COLUMNS)
+    assert frame["metres"].dtype == np.float64
+    assert frame["medoid"].dtype == bool
+
+
+def test_unknown_room_and_wrong_size(house, inputs):
+    with pytest.raises(InputError, match=r"house h1, room attic: expected a room of the plan"):
+        run(house, inputs, {"a.png": ["attic"]})
+    write_png(inputs / "a.png", np.zeros((40, 44, 3), np.uint8))
+    with pytest.raises(InputError, match="size 44x40"):
+        run(house, inputs, {"a.png": ["room1"]})
+
+
+def test_ready_crops(house, tmp_path):
+    rng = np.random.default_rng(0)
+    for name in ("floor/x_1_0_crop2", "wall/x_1_7_crop0", "wall/other_0_crop0"):
+        image = rng.integers(0, 255, (128, 128, 3)).astype(np.uint8)
+        write_png(tmp_path / f"{name}.png", image)
+    out = tmp_path / "crops.parquet"
+    drawn, light = tmp_path / "candidates.parquet", tmp_path / "light.json"
+    frame = load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, light, dataset="d")
+    assert frame.crop_id.tolist() == ["floor/x_1_0_crop2", "wall/x_1_7_crop0"]
+    assert frame.plane.tolist() == [0, 7]
+    assert frame.metres.isna().all()
+    assert frame.medoid.all()
+    read = read_parquet(out)[0]
+    pd.testing.assert_series_equal(read.crop_id, frame.crop_id)
+    write_png(tmp_path / "floor/x_1_0_crop3.png", np.zeros((64, 64, 3), np.uint8))
+    with pytest.raises(InputError, match="128x128"):
+        load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, light, dataset="d")

@@ -1,0 +1,98 @@
+"""Focal lengths of EXIF data: good, stripped, absurd, cropped, damaged."""
+
+import numpy as np
+import pytest
+from PIL import Image
+from PIL.TiffImagePlugin import IFDRational
+
+from plan2scene.photos.camera.exif import (
+    EXIF_IFD,
+    FOCAL_LENGTH,
+    FOCAL_LENGTH_35MM,
+    FOCAL_PLANE_RESOLUTION,
+    FOCAL_PLANE_UNIT,
+    PIXEL_DIMENSIONS,
+    ExifFocal,
+    read_exif_focal,
+)
+
+SIZE = (300, 400)
+
+
+def photo(path, tags, size=SIZE, orientation=1):
+    """Write a photo with tags of the Exif block."""
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    exif.get_ifd(EXIF_IFD).update(tags)
+    Image.new("RGB", (size[1], size[0]), (90, 120, 150)).save(path, exif=exif)
+    return path
+
+
+def noted(width, height):
+    return dict(zip(PIXEL_DIMENSIONS, (width, height), strict=True))
+
+
+@pytest.mark.parametrize("name", ["a.jpg", "a.webp"])
+def test_equivalent_is_by_the_diagonal(tmp_path, name):
+    file = photo(tmp_path / name, {FOCAL_LENGTH_35MM: 26, **noted(4000, 3000)})
+    found = read_exif_focal(file, SIZE)
+    assert found == ExifFocal(pytest.approx(26 / np.hypot(36, 24) * 500, rel=1e-4))
+    assert not found.cropped
+
+
+def test_orientation_changes_nothing(tmp_path):
+    tags = {FOCAL_LENGTH_35MM: 26, **noted(4000, 3000)}
+    upright = read_exif_focal(photo(tmp_path / "a.jpg", tags, orientation=6), (400, 300))
+    assert upright == read_exif_focal(tmp_path / "a.jpg", SIZE)
+
+
+def test_sensor_resolution_where_there_is_no_equivalent(tmp_path):
+    # 5 mm lens, 6.4 mm wide sensor of 4000 pixels, photo reduced to 400.
+    tags = {
+        FOCAL_LENGTH: IFDRational(5, 1),
+        FOCAL_PLANE_RESOLUTION: IFDRational(4000, 6),
+        FOCAL_PLANE_UNIT: 4,
+        FOCAL_LENGTH_35MM: 0,
+    }
+    file = photo(tmp_path / "a.jpg", tags | noted(4000, 3000))
+    assert read_exif_focal(file, SIZE).focal_px == pytest.approx(5 * 4000 / 6 / 10)
+    # Without the camera's own pixels nothing tells how far the photo was reduced.
+    assert read_exif_focal(photo(tmp_path / "b.jpg", tags), SIZE) == ExifFocal()
+
+
+def test_another_aspect_means_a_crop(tmp_path):
+    file = photo(tmp_path / "a.jpg", {FOCAL_LENGTH_35MM: 26, **noted(4000, 3000)}, (300, 300))
+    assert read_exif_focal(file, (300, 300)).cropped
+    assert not read_exif_focal(photo(tmp_path / "b.jpg", {FOCAL_LENGTH_35MM: 26}), SIZE).cropped
+
+
+@pytest.mark.parametrize("equivalent", [2, 900])
+def test_absurd_values_are_refused_with_a_line(tmp_path, equivalent):
+    found = read_exif_focal(photo(tmp_path / "a.jpg", {FOCAL_LENGTH_35MM: equivalent}), SIZE)
+    assert found.focal_px is None
+    assert f"{equivalent} mm not used" in found.warning
+
+
+@pytest.mark.parametrize(
+    "tags", [{}, {FOCAL_LENGTH_35MM: 0}, {FOCAL_LENGTH: IFDRational(4, 0)}, {FOCAL_LENGTH: 4.2}]
+)
+def test_nothing_known(tmp_path, tags):
+    assert read_exif_focal(photo(tmp_path / "a.jpg", tags), SIZE) == ExifFocal()
+
+
+def test_damage_never_raises(tmp_path):
+    file = photo(tmp_path / "a.jpg", {FOCAL_LENGTH_35MM: 26, **noted(4000, 3000)})
+    good = file.read_bytes()
+    rng = np.random.default_rng(0)
+    for index in range(60):
+        data = bytearray(good[: 300 if index % 3 else None])
+        for place in rng.integers(20, min(len(data), 200), 6):
+            data[place] = rng.integers(256)
+        broken = tmp_path / f"{index}.jpg"
+        broken.write_bytes(bytes(data))
+        focal = read_exif_focal(broken, SIZE).focal_px
+        assert focal is None or np.isfinite(focal)
+    (tmp_path / "text.jpg").write_text("no photo")
+    Image.new("RGB", (4, 4)).save(tmp_path / "a.png")
+    for name in ("text.jpg", "a.png", "missing.jpg"):
+        assert read_exif_focal(tmp_path / name, SIZE) == ExifFocal()

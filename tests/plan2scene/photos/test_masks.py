@@ -1,0 +1,194 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from plan2scene.errors import InputError
+from plan2scene.io import write_png
+from plan2scene.photos.labels import palette as masks
+from plan2scene.photos.masks import labeller, make_masks
+from plan2scene.photos.photo_files import read_photo
+
+
+def _photo(height: int = 60, width: int = 80) -> np.ndarray:
+    return np.random.default_rng(0).integers(0, 256, (height, width, 3), dtype=np.uint8)
+
+
+def _labels(height: int = 60, width: int = 80) -> np.ndarray:
+    labels = np.full((height, width), masks.WALL, np.uint8)
+    labels[: height // 4] = masks.CEILING
+    labels[-height // 3 :] = masks.FLOOR
+    labels[20:30, 20:30] = masks.OTHER
+    return labels
+
+
+def test_label_png_round_trip_is_a_palette_image_whose_values_are_labels(tmp_path: Path) -> None:
+    labels = _labels()
+    labels[0, 0] = masks.IGNORE
+    path = tmp_path / "a.png"
+    masks.write_label_png(path, labels)
+    assert np.array_equal(masks.read_label_png(path), labels)
+    with Image.open(path) as image:
+        assert image.mode == "P"
+        assert np.asarray(image.convert("RGB"))[5, 5].tolist() == list(masks.PALETTE[3])
+
+
+def test_label_png_has_the_same_bytes_for_the_same_labels(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        masks.write_label_png(tmp_path / f"{name}.png", _labels())
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_read_label_png_refuses_what_is_no_mask(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"gone\.png.*no such file"):
+        masks.read_label_png(tmp_path / "gone.png")
+    (tmp_path / "text.png").write_text("no image")
+    with pytest.raises(InputError, match=r"expected an image .* found text"):
+        masks.read_label_png(tmp_path / "text.png")
+    write_png(tmp_path / "colour.png", _photo())
+    with pytest.raises(InputError, match="mode RGB"):
+        masks.read_label_png(tmp_path / "colour.png")
+    write_png(tmp_path / "grey.png", np.full((4, 4), 77, np.uint8))
+    with pytest.raises(InputError, match="value 77"):
+        masks.read_label_png(tmp_path / "grey.png")
+
+
+def test_palette_colours_do_not_matter_but_values_do(tmp_path: Path) -> None:
+    labels = _labels()
+    own = Image.fromarray(labels, mode="P")
+    own.putpalette([255, 0, 255, 9, 9, 9, 0, 0, 0, 1, 2, 3, 5, 5, 5])
+    own.save(tmp_path / "own.png")
+    Image.fromarray(labels).save(tmp_path / "grey.png")
+    for name in ("own.png", "grey.png"):
+        assert np.array_equal(masks.read_label_png(tmp_path / name), labels)
+    own.putpixel((3, 3), 4)
+    own.save(tmp_path / "four.png")
+    with pytest.raises(InputError, match=r"labels 0 to 3 \(or 255\), found value 4"):
+        masks.read_label_png(tmp_path / "four.png")
+
+
+@pytest.mark.parametrize("mode", ["1", "LA", "RGBA", "I;16"])
+def test_masks_of_other_modes_are_refused(tmp_path: Path, mode: str) -> None:
+    if mode == "I;16":
+        image = Image.fromarray(_labels().astype(np.uint16))
+    else:
+        image = Image.fromarray(_labels()).convert(mode)
+    image.save(tmp_path / "a.png")
+    with pytest.raises(InputError, match=f"a palette or grey PNG of labels, found mode {mode}"):
+        masks.read_label_png(tmp_path / "a.png")
+
+
+def test_damaged_and_huge_masks_are_one_line(tmp_path: Path) -> None:
+    masks.write_label_png(tmp_path / "a.png", _labels())
+    (tmp_path / "cut.png").write_bytes((tmp_path / "a.png").read_bytes()[:-40])
+    with pytest.raises(InputError, match=r"cut\.png.*decodes"):
+        masks.read_label_png(tmp_path / "cut.png")
+    Image.new("L", (9000, 6000)).save(tmp_path / "huge.png")
+    with pytest.raises(InputError, match="found 9000x6000"):
+        masks.read_label_png(tmp_path / "huge.png")
+
+
+def test_labels_from_folder_needs_the_photos_size(tmp_path: Path) -> None:
+    labels = _labels()
+    labels[0, 0] = masks.IGNORE
+    masks.write_label_png(tmp_path / "room.png", labels)
+    found = masks.labels_from_folder(tmp_path, "room.jpg", (60, 80))
+    assert found[0, 0] == masks.OTHER
+    assert np.array_equal(found[1:], labels[1:])
+    with pytest.raises(InputError, match=r"expected .*60x80.*found 80x60"):
+        masks.labels_from_folder(tmp_path, "room.jpg", (80, 60))
+
+
+def test_large_photos_and_their_masks_are_reduced_together(tmp_path: Path) -> None:
+    labels = np.zeros((1800, 3200), np.uint8)
+    labels[900:, :] = masks.FLOOR
+    labels[:, 1600:] = masks.WALL
+    colours = np.array([[10, 20, 30], [200, 100, 50], [90, 180, 240]], np.uint8)
+    write_png(tmp_path / "room.png", colours[labels])
+    photo = read_photo(tmp_path / "room.png")
+    assert photo.shape == (900, 1600, 3)
+    masks.write_label_png(tmp_path / "masks" / "room.png", labels)
+    found = masks.labels_from_folder(tmp_path / "masks", "room.png", (900, 1600))
+    assert np.array_equal(colours[found], photo)
+    masks.write_label_png(tmp_path / "masks" / "room.png", found)
+    assert np.array_equal(
+        masks.labels_from_folder(tmp_path / "masks", "room.png", (900, 1600)), found
+    )
+    with pytest.raises(InputError, match=r"1600x900, found 1800x3200"):
+        masks.write_label_png(tmp_path / "masks" / "room.png", labels.T)
+        masks.labels_from_folder(tmp_path / "masks", "room.png", (900, 1600))
+
+
+@pytest.mark.parametrize("size", [(1, 1), (10, 20000), (64, 6400), (40, 31)])
+def test_tiny_photos_and_narrow_strips_are_refused(tmp_path: Path, size: tuple[int, int]) -> None:
+    write_png(tmp_path / "a.png", np.zeros((*size, 3), np.uint8))
+    with pytest.raises(InputError, match=f"at least 32 pixels.*found {size[1]}x{size[0]}"):
+        read_photo(tmp_path / "a.png")
+    write_png(tmp_path / "b.png", np.zeros((32, 32, 3), np.uint8))
+    assert read_photo(tmp_path / "b.png").shape == (32, 32, 3)
+
+
+def test_overlay_mixes_label_colours() -> None:
+    image = np.full((1, 2, 3), 100, np.uint8)
+    picture = masks.overlay(image, np.array([[masks.FLOOR, masks.IGNORE]], np.uint8))
+    assert picture[0, 0].tolist() == [80, 140, 88]
+    assert picture[0, 1].tolist() == [50, 50, 50]
+
+
+def test_labeller_refuses_unknown_source_and_missing_folder(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="embedded, precomputed, pretrained"):
+        labeller("guess", house="h")
+    with pytest.raises(InputError, match=r"house h.*masks"):
+        labeller("precomputed", precomputed_dir=tmp_path / "none", house="h")
+    with pytest.raises(InputError, match="model"):
+        labeller("embedded")
+
+
+def test_make_masks_goes_on_without_bad_photos(tmp_path: Path) -> None:
+    photos, ready, out = tmp_path / "photos", tmp_path / "ready", tmp_path / "out"
+    photos.mkdir()
+    ready.mkdir()
+    write_png(photos / "good.png", _photo())
+    write_png(photos / "unmasked.png", _photo())
+    (photos / "broken.jpg").write_bytes(b"\xff\xd8\xff\xe0 no more")
+    masks.write_label_png(ready / "good.png", _labels())
+    names = ["good.png", "unmasked.png", "broken.jpg", "gone.jpg", "../escape.png"]
+    warnings = make_masks(
+        {name: photos / name for name in names},
+        out,
+        house="h1",
+        source="precomputed",
+        precomputed_dir=ready,
+        fov_deg=60.0,
+    )
+    assert sorted(p.name for p in out.iterdir()) == ["cameras.json", "good.png", "warnings.json"]
+    assert np.array_equal(masks.read_label_png(out / "good.png"), _labels())
+    cameras = json.loads((out / "cameras.json").read_text())
+    assert list(cameras) == ["good.png"]
+    assert (cameras["good.png"]["width"], cameras["good.png"]["height"]) == (80, 60)
+    assert json.loads((out / "warnings.json").read_text()) == warnings
+    assert len(warnings) == 4
+    for name in names[1:]:
+        assert any(name in line and "house h1" in line for line in warnings), name
+
+
+def test_make_masks_without_photos_needs_no_model(tmp_path: Path) -> None:
+    assert make_masks({}, tmp_path / "out", house="h", source="embedded", fov_deg=60.0) == []
+    assert json.loads((tmp_path / "out" / "cameras.json").read_text()) == {}
+
+
+def test_make_masks_refuses_two_photos_with_one_stem(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"a\.jpg and a\.png"):
+        make_masks(
+            {name: tmp_path / name for name in ("a.png", "a.jpg")},
+            tmp_path / "out",
+            house="h",
+            source="precomputed",
+            precomputed_dir=tmp_path,
+            fov_deg=60.0,
+        )
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,196 @@
+"""Planes of box rooms whose labels, walls and camera are known."""
+
+import numpy as np
+import pytest
+from views import camera_looking
+
+from plan2scene.house import Room
+from plan2scene.photos.labels.palette import CEILING, FLOOR, OTHER, WALL
+from plan2scene.photos.planes.planes import split_planes
+from plan2scene.photos.planes.room_size import room_extent
+
+SIZE = (360, 480)
+LOW = np.array([-1.8, 0.0, -2.0])
+HIGH = np.array([2.2, 2.5, 2.6])
+
+
+def box_view(heading_deg, pitch_deg, eye, fov_deg=75.0):
+    """Labels, wall sides (axis * 2 + positive) and camera of a view into a box."""
+    focal = SIZE[1] / 2 / np.tan(np.radians(fov_deg) / 2)
+    camera = camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=pitch_deg, focal=focal)
+    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
+    rays = camera.rays(np.stack([x, y], axis=-1))
+    with np.errstate(divide="ignore"):
+        reach = np.where(rays > 0, (HIGH - eye) / rays, (LOW - eye) / rays)
+    axis = reach.argmin(axis=-1)
+    positive = np.take_along_axis(rays, axis[..., None], axis=-1)[..., 0] > 0
+    side = np.where(axis == 1, -1, axis * 2 + positive)
+    labels = np.full(SIZE, WALL, np.uint8)
+    labels[(axis == 1) & ~positive] = FLOOR
+    labels[(axis == 1) & positive] = CEILING
+    return labels, side, camera
+
+
+def side_of(plane):
+    """The wall side of a plane, coded as in `box_view`."""
+    axis = int(np.argmax(np.abs(plane.normal)))
+    return axis * 2 + (plane.normal[axis] < 0)
+
+
+def distance_to(side, eye):
+    axis, positive = divmod(side, 2)
+    return HIGH[axis] - eye[axis] if positive else eye[axis] - LOW[axis]
+
+
+VIEWS = [(25.0, 8.0), (-40.0, 3.0), (80.0, 12.0), (0.0, 5.0)]
+
+
+@pytest.mark.parametrize(("heading", "pitch"), VIEWS)
+def test_walls_of_a_box(heading, pitch):
+    eye = np.array([0.2, 1.5, -0.9])
+    labels, side, camera = box_view(heading, pitch, eye)
+    planes = split_planes(labels, camera, camera_height_m=1.5, room_height_m=2.5)
+    walls = [plane for plane in planes if plane.surface == "wall"]
+    clear = {s for s in range(6) if (side == s).mean() > 0.015}
+    present = {s for s in range(6) if (side == s).mean() > 0.002}
+    assert clear <= {side_of(plane) for plane in walls} <= present
+    assert [plane.index for plane in walls] == list(range(len(walls)))
+    for plane in walls:
+        truth = side == side_of(plane)
+        overlap = (truth & plane.mask).sum() / (truth | plane.mask).sum()
+        assert overlap > (0.93 if truth.mean() > 0.015 else 0.3)
+        assert -plane.offset == pytest.approx(distance_to(side_of(plane), eye), rel=0.03)
+        assert plane.scale_source in ("camera_height", "room_height")
+
+
+def test_floor_and_ceiling():
+    eye = np.array([0.2, 1.4, -1.4])
+    labels, _, camera = box_view(10.0, -3.0, eye)
+    planes = {p.surface: p for p in split_planes(labels, camera, room_height_m=2.5)}
+    assert planes["floor"].normal == (0.0, 1.0, 0.0)
+    assert planes["ceiling"].normal == (0.0, -1.0, 0.0)
+    np.testing.assert_array_equal(planes["floor"].mask, labels == FLOOR)
+    assert planes["floor"].scale_source == "room_height"
+    assert planes["floor"].offset == pytest.approx(-1.4, abs=0.03)
+    assert planes["ceiling"].offset == pytest.approx(-1.1, abs=0.03)
+
+
+def test_prior_where_the_room_height_is_unknown():
+    eye = np.array([0.2, 1.4, -1.4])
+    labels, _, camera = box_view(10.0, -3.0, eye)
+    planes = {p.surface: p for p in split_planes(labels, camera, camera_height_m=1.6)}
+    assert planes["floor"].offset == -1.6
+    assert planes["floor"].scale_source == "camera_height"
+    assert planes["ceiling"].scale_source == "prior"
+
+
+@pytest.mark.parametrize("extent", [(4.0, 4.6), (4.6, 4.0)])
+def test_opposite_walls_give_the_scale_where_the_plan_tells_their_distance(extent):
+    eye = np.array([0.2, 1.2, -1.2])
+    labels, _, camera = box_view(0.0, 12.0, eye, fov_deg=95.0)
+    labels[labels == CEILING] = OTHER
+    floor = split_planes(labels, camera, camera_height_m=1.5, room_extent_m=extent)[0]
+    assert floor.scale_source == "room_extent"
+    assert floor.camera_height_m == pytest.approx(1.2, rel=0.05)
+    # The prior already fits a room of 1.25 times the size: nothing to correct.
+    larger = (1.25 * extent[0], 1.25 * extent[1])
+    floor = split_planes(labels, camera, camera_height_m=1.5, room_extent_m=larger)[0]
+    assert floor.camera_height_m == pytest.approx(1.5, rel=0.05)
+
+
+def test_a_wall_cannot_be_farther_than_the_room_is_large():
+    eye = np.array([-1.3, 1.1, -1.5])
+    labels, _, camera = box_view(-40.0, 10.0, eye)
+    labels[labels == CEILING] = OTHER
+    floor = split_planes(labels, camera, camera_height_m=1.6, room_extent_m=(4.0, 4.6))[0]
+    assert floor.scale_source == "room_extent"
+    assert floor.camera_height_m < 1.35
+    unknown = split_planes(labels, camera, camera_height_m=1.6)[0]
+    assert (unknown.camera_height_m, unknown.scale_source) == (1.6, "camera_height")
+
+
+def test_extent_of_rectangles_only():
+    square = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
+    assert sorted(room_extent(Room("r", ("Bedroom",), (square,), 2.5))) == [3.0, 4.0]
+    corner = ((0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0))
+    assert room_extent(Room("r", ("Bedroom",), (corner,), 2.5)) is None
+
+
+def test_furniture_along_the_foot_hides_no_corner():
+    eye = np.array([0.2, 1.5, -0.9])
+    labels, side, camera = box_view(25.0, 5.0, eye)
+    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
+    clutter = (y > 230) & (y < 300) & (x > 120) & (x < 330)
+    labels[clutter] = OTHER
+    for plane in split_planes(labels, camera, room_height_m=2.5):
+        if plane.surface == "wall":
+            truth = (side == side_of(plane)) & ~clutter
+            assert (truth & plane.mask).sum() / (truth | plane.mask).sum() > 0.9
+
+
+def prism_view(corners, heading_deg, eye, height=2.5, fov_deg=75.0):
+    """Labels, wall of each pixel (-1: none), outward normals and camera of a room of any outline.
+
+    `corners` (n, 2) are x, z of a convex outline; wall i runs from corner i to the next.
+    """
+    _, _, camera = box_view(heading_deg, 6.0, eye, fov_deg)
+    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
+    rays = camera.rays(np.stack([x, y], axis=-1))
+    along = np.roll(corners, -1, axis=0) - corners
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    outward *= np.sign(((corners - corners.mean(axis=0)) * outward).sum(axis=1))[:, None]
+    ahead = rays[..., [0, 2]] @ outward.T
+    distance = ((corners - eye[[0, 2]]) * outward).sum(axis=1)
+    reach = np.where(ahead > 1e-9, distance / np.maximum(ahead, 1e-9), np.inf)
+    wall, near = reach.argmin(axis=-1), reach.min(axis=-1)
+    rise = rays[..., 1] * near
+    labels = np.full(SIZE, WALL, np.uint8)
+    labels[rise < -eye[1]] = FLOOR
+    labels[rise > height - eye[1]] = CEILING
+    return labels, np.where(labels == WALL, wall, -1), outward, distance, camera
+
+
+BAY = np.array([[-2.2, -2.0], [2.2, -2.0], [2.2, 1.4], [1.0, 2.6], [-1.0, 2.6], [-2.2, 1.4]])
+CHAMFER = np.array([[-2.0, -2.0], [2.4, -2.0], [2.4, 2.6], [0.2, 2.6], [-2.0, 1.33]])
+
+
+@pytest.mark.parametrize(
+    ("corners", "heading", "own"),
+    [(BAY, 0.0, (2, 4)), (BAY, -25.0, (2,)), (CHAMFER, 20.0, (3,)), (CHAMFER, 5.0, (3,))],
+)
+def test_slanted_walls_have_normals_of_their_own(corners, heading, own):
+    eye = np.array([0.1, 1.5, -1.2])
+    labels, wall, outward, distance, camera = prism_view(corners, heading, eye)
+    rng = np.random.default_rng(0)
+    ragged = np.roll(labels, 1, axis=0)
+    labels = np.where(rng.random(SIZE) < 0.3, ragged, labels)
+    planes = [p for p in split_planes(labels, camera, room_height_m=2.5) if p.surface == "wall"]
+    for side in own:
+        assert (wall == side).mean() > 0.04
+        plane = max(planes, key=lambda p: int((p.mask & (wall == side)).sum()))
+        truth = wall == side
+        assert (truth & plane.mask).sum() / (truth | plane.mask).sum() > 0.85
+        normal = -np.array([plane.normal[0], plane.normal[2]])
+        assert np.degrees(np.arccos(np.clip(normal @ outward[side], -1, 1))) < 3.0
+        assert -plane.offset == pytest.approx(distance[side], rel=0.05)
+    # The others keep the Manhattan directions.
+    for side in {int(s) for s in np.unique(wall[wall >= 0])} - set(own):
+        if (wall == side).mean() > 0.04:
+            plane = max(planes, key=lambda p: int((p.mask & (wall == side)).sum()))
+            assert max(abs(value) for value in plane.normal) == 1.0
+
+
+def test_only_a_wall_gives_one_plane_at_the_prior_distance():
+    _, _, camera = box_view(5.0, 0.0, np.array([0.0, 1.5, 0.0]))
+    labels = np.full(SIZE, WALL, np.uint8)
+    planes = split_planes(labels, camera)
+    assert [p.surface for p in planes] == ["wall"]
+    assert planes[0].normal == (0.0, 0.0, -1.0)
+    assert planes[0].scale_source == "prior"
+    assert 0.3 <= -planes[0].offset <= 3.0
+
+
+def test_nothing_seen_gives_no_planes():
+    _, _, camera = box_view(5.0, 0.0, np.array([0.0, 1.5, 0.0]))
+    assert split_planes(np.zeros(SIZE, np.uint8), camera) == []

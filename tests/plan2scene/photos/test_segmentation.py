@@ -1,0 +1,169 @@
+from __future__ import annotations
+
+import dataclasses
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from plan2scene.errors import InputError
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.labels import segmentation
+from plan2scene.photos.labels.segmentation import (
+    SegmentationNet,
+    Segmenter,
+    labels_told_camera,
+    load_segmenter,
+    network_size,
+    upsampled_argmax,
+)
+from plan2scene.weights import save_model_file
+from plan2scene_workshop.segmentation.loop import with_elevation
+
+TINY = {"widths": [8, 8, 8, 8, 8], "depths": [1, 1, 1, 1], "decoder": 16, "long_side": 64}
+
+
+def _tiny() -> SegmentationNet:
+    torch.manual_seed(0)
+    return SegmentationNet(**TINY).eval()  # type: ignore[arg-type]
+
+
+def _photo(height: int, width: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).integers(0, 256, (height, width, 3), dtype=np.uint8)
+
+
+def test_network_gives_four_logits_at_half_resolution() -> None:
+    network = _tiny()
+    assert network(torch.zeros(2, 3, 64, 96)).shape == (2, 4, 32, 48)
+
+
+def test_every_weight_of_the_network_gets_a_gradient() -> None:
+    network = _tiny().train()
+    network(torch.rand(2, 3, 64, 64)).square().mean().backward()
+    missing = [n for n, p in network.named_parameters() if p.grad is None]
+    assert missing == []
+
+
+def test_default_network_is_small_enough_to_ship() -> None:
+    size = sum(p.numel() for p in SegmentationNet().parameters())
+    assert 1_000_000 < size < 5_000_000  # 10 MB as float16
+
+
+@pytest.mark.parametrize(
+    ("size", "expected"),
+    [((480, 640), (256, 320)), ((640, 480), (320, 256)), ((10, 1000), (32, 320))],
+)
+def test_network_size_is_a_multiple_of_the_stride(
+    size: tuple[int, int], expected: tuple[int, int]
+) -> None:
+    assert network_size(size, 320) == expected
+
+
+def test_upsampled_argmax_keeps_the_border_in_place() -> None:
+    logits = np.zeros((4, 4, 4), np.float32)
+    logits[1, 2:] = 1.0
+    logits[2, :2] = 1.0
+    labels = upsampled_argmax(logits, (40, 20))
+    assert (labels[:20] == 2).all()
+    assert (labels[20:] == 1).all()
+
+
+def test_labels_have_the_photos_size_and_match_probabilities() -> None:
+    segmenter = Segmenter(_tiny())
+    image = _photo(50, 70)
+    labels = segmenter.labels(image)
+    assert labels.shape == (50, 70)
+    assert labels.dtype == np.uint8
+    probabilities = segmenter.probabilities(image)
+    assert probabilities.shape == (50, 70, 4)
+    assert np.allclose(probabilities.sum(axis=2), 1, atol=1e-5)
+    assert np.array_equal(probabilities.argmax(axis=2), labels)
+
+
+def test_labels_of_a_mirrored_photo_are_mirrored() -> None:
+    segmenter = Segmenter(_tiny())
+    image = _photo(64, 64)
+    mirrored = segmenter.probabilities(np.ascontiguousarray(image[:, ::-1]))
+    assert np.allclose(mirrored[:, ::-1], segmenter.probabilities(image), atol=1e-4)
+
+
+def test_network_without_camera_answers_as_before_it_was_told() -> None:
+    plain = _tiny()
+    told = with_elevation(plain, plain.long_side).eval()
+    x = torch.rand(1, 3, 64, 96)
+    sine = torch.rand(1, 64, 96) * 2 - 1
+    assert torch.equal(told(x), plain(x))
+    assert torch.equal(told(x, sine), plain(x))  # new weights are zero until trained
+    with torch.no_grad():
+        told.stem[0][0].weight[:, 5:] = 0.3  # type: ignore[index]
+    assert not torch.allclose(told(x, sine), plain(x))
+    assert not torch.allclose(told(x, sine), told(x))
+
+
+def test_segmenter_tells_the_network_where_the_horizon_is() -> None:
+    """A network that reads the elevation alone labels what is below the horizon floor."""
+    network = SegmentationNet(**TINY, elevation=True).eval()  # type: ignore[arg-type]
+    seen = []
+    network.register_forward_pre_hook(lambda _m, args: seen.append(args[1]))
+    tilt = np.deg2rad(10)  # looks down: the horizon is above the middle
+    up = (0.0, -np.cos(tilt), -np.sin(tilt))
+    rotation = np.stack([(1, 0, 0), up, np.cross((1, 0, 0), up)], 1)
+    camera = Camera(64, 48, 40.0, 31.5, 23.5, tuple(map(tuple, rotation)), "config", 1.0, False)
+    Segmenter(network).labels(_photo(48, 64), camera)
+    mirrored, sine = (x[0].numpy() for x in seen[:2])
+    assert np.allclose(mirrored[:, ::-1], sine)
+    below = sine < 0
+    horizon = 48 / 2 - 40 * np.tan(tilt)  # rows of the photo
+    rows = (np.arange(sine.shape[0]) + 0.5) / sine.shape[0] * 48
+    assert np.array_equal(below.all(axis=1), rows > horizon)
+
+
+def test_weights_file_round_trip(tmp_path: Path) -> None:
+    network = _tiny()
+    path = tmp_path / "segmentation.safetensors"
+    save_model_file(path, network.state_dict(), network.architecture, half=False)
+    image = _photo(50, 70)
+    loaded = load_segmenter(path)
+    assert loaded.network.long_side == 64
+    assert np.array_equal(loaded.probabilities(image), Segmenter(network).probabilities(image))
+
+
+def test_weights_of_another_network_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "other.safetensors"
+    save_model_file(path, {"x": torch.zeros(1)}, {"long_side": 64})
+    with pytest.raises(InputError, match="segmentation network"):
+        load_segmenter(path)
+    save_model_file(path, {"x": torch.zeros(1)}, {"layers": 3})
+    with pytest.raises(InputError, match=r"other\.safetensors"):
+        load_segmenter(path)
+
+
+def test_reading_masks_does_not_import_torch() -> None:
+    code = "import sys, plan2scene.photos.masks; sys.exit('torch' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_labels_are_made_again_once_a_camera_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = Segmenter(SegmentationNet(**TINY, elevation=True))  # type: ignore[arg-type]
+    image = _photo(48, 64)
+    camera = Camera.from_json(
+        {
+            "width": 64,
+            "height": 48,
+            "focal_px": 40.0,
+            "cx": 31.5,
+            "cy": 23.5,
+            "rotation": [[-1, 0, 0], [0, -1, 0], [0, 0, 1]],
+        }
+    )
+    monkeypatch.setattr(segmentation, "estimate_camera", lambda *_: camera)
+    assert np.array_equal(labels_told_camera(told, image), told.labels(image, camera))
+    unknown = dataclasses.replace(camera, fallback=True)
+    monkeypatch.setattr(segmentation, "estimate_camera", lambda *_: unknown)
+    assert np.array_equal(labels_told_camera(told, image), told.labels(image))
+    plain = Segmenter(_tiny())
+    monkeypatch.setattr(segmentation, "estimate_camera", lambda *_: pytest.fail("not needed"))
+    assert np.array_equal(labels_told_camera(plain, image), plain.labels(image))

@@ -1,0 +1,123 @@
+"""The command line: what each command writes, and one line for each mistake."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from plan2scene import cli
+from plan2scene.errors import InputError
+from plan2scene.floorplans import read_plan
+from plan2scene.materials import random_material
+
+ROOT = Path(__file__).parents[2]
+PLAN = ROOT / "resources" / "examples" / "plan.json"
+
+
+def call(*arguments: object) -> tuple[int, str]:
+    result = CliRunner().invoke(cli.app, [str(value) for value in arguments])
+    if result.exception and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result.exit_code, result.output
+
+
+def test_metrics_prints_json(tmp_path):
+    path = tmp_path / "a.png"
+    Image.fromarray(random_material("carpet", 1, size_px=128).albedo).save(path)
+    code, output = call("metrics", path, path)
+    figures = json.loads(output)
+    assert code == 0
+    assert list(figures) == ["color", "freq", "tile", "subs"]
+    assert figures["color"] == figures["freq"] == figures["subs"] == 0
+
+
+def test_masks_are_label_images_of_the_photos_size(tmp_path):
+    photo = tmp_path / "room one.jpg"
+    Image.fromarray(np.full((90, 120, 3), 180, np.uint8)).save(photo)
+    code, _ = call("masks", photo, "--out", tmp_path / "out")
+    labels = Image.open(tmp_path / "out" / "room one.png")
+    assert code == 0
+    assert labels.size == (120, 90)
+    assert labels.mode == "L"
+    assert set(np.unique(np.asarray(labels))) <= {0, 1, 2, 3}
+
+
+def test_a_bad_photo_is_named_and_the_others_are_done(tmp_path):
+    good, bad = tmp_path / "good.png", tmp_path / "bad.png"
+    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(good)
+    bad.write_text("no image")
+    code, output = call("masks", bad, good, "--out", tmp_path / "out")
+    assert code == 1
+    assert "bad.png" in output
+    assert (tmp_path / "out" / "good.png").is_file()
+
+
+def test_texture_writes_a_tile(tmp_path):
+    crop, out = tmp_path / "crop.png", tmp_path / "tile.png"
+    Image.fromarray(random_material("wood", 2, size_px=256).albedo[:150, :150]).save(crop)
+    code, _ = call("texture", crop, crop, "--method", "crop", "--out", out)
+    assert code == 0
+    assert Image.open(out).size == (128, 128)
+
+
+def test_import_writes_the_same_house(tmp_path):
+    out = tmp_path / "scene.json"
+    code, _ = call("import", PLAN, "--out", out)
+    assert code == 0
+    assert read_plan(out, "plan").rooms == read_plan(PLAN, "plan").rooms
+
+
+def test_check_tells_errors_by_its_exit_code(tmp_path):
+    assert call("check", PLAN)[0] == 0
+    plan = json.loads(PLAN.read_text())
+    plan["rooms"][0]["types"] = ["Dungeon"]
+    wrong = tmp_path / "wrong.json"
+    wrong.write_text(json.dumps(plan))
+    code, output = call("check", wrong)
+    assert code == 1
+    assert "Dungeon" in output and "expected" in output
+
+
+def test_run_refuses_a_room_the_plan_lacks_before_any_work(tmp_path, monkeypatch, capsys):
+    table = tmp_path / "photos.csv"
+    table.write_text("room_id,photo\nno_such_room,x.jpg\n")
+    arguments = ["plan2scene", "run", "--plan", str(PLAN), "--photos", str(table)]
+    monkeypatch.setattr("sys.argv", [*arguments, "--out", str(tmp_path / "out")])
+    with pytest.raises(SystemExit) as stop:
+        cli.main()
+    lines = [line for line in capsys.readouterr().err.splitlines() if "no_such_room" in line]
+    assert stop.value.code == 1
+    assert len(lines) == 1
+    assert "expected" in lines[0] and "found" in lines[0]
+    assert not (tmp_path / "out" / "work" / ".snakemake").exists()
+
+
+def test_run_refuses_a_texture_size_before_any_work(tmp_path):
+    out = tmp_path / "out"
+    with pytest.raises(cli.InputError, match="found 100"):
+        call("run", "--plan", PLAN, "--out", out, "--texture-size", "100")
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("name", ["../x", ".hidden", "a b"])
+def test_a_house_id_that_is_no_file_name_is_refused(tmp_path, name):
+    with pytest.raises(cli.InputError):
+        call("run", "--plan", PLAN, "--out", tmp_path, "--house", name)
+
+
+def test_checkpoints_are_converted_and_those_of_other_networks_refused(tmp_path):
+    import torch
+
+    from plan2scene.propagation.network import PropagationNetwork
+
+    path, out = tmp_path / "gnn.ckpt", tmp_path / "o.safetensors"
+    torch.save({"model_state_dict": PropagationNetwork().state_dict()}, path)
+    means = ROOT / "resources" / "models" / "propagation.safetensors"
+    code, output = call("convert-checkpoint", "propagation", path, "--out", out, "--means", means)
+    assert (code, output.strip()) == (0, str(out))
+    assert out.is_file()
+    with pytest.raises(InputError, match=r"tensor encoder\..* missing, 13 unknown"):
+        call("convert-checkpoint", "texture", path, "--out", tmp_path / "t.safetensors")

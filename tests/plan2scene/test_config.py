@@ -1,0 +1,41 @@
+"""The configuration files, their schema and their documentation agree."""
+
+import json
+from pathlib import Path
+
+import jsonschema
+import pytest
+import yaml
+from snakemake.utils import update_config
+
+ROOT = Path(__file__).parents[2]
+SCHEMA = json.loads((ROOT / "workflow" / "schemas" / "config.schema.json").read_text())
+
+
+def merged(name: str) -> dict:
+    """Return config.yaml with the keys of another file in it, one by one as Snakemake does."""
+    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
+    update_config(config, yaml.safe_load((ROOT / "config" / name).read_text()))
+    return config
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda p: p.name)
+def test_every_config_file_is_valid(path):
+    jsonschema.validate(merged(path.name), SCHEMA)
+
+
+@pytest.mark.parametrize("section", ["photos", "textures", "dataset", "crops"])
+def test_unknown_keys_are_refused(section):
+    config = merged("benchmark.yaml")
+    config[section]["no_such_key"] = 1
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(config, SCHEMA)
+
+
+def test_every_key_is_documented():
+    text = (ROOT / "config" / "README.md").read_text()
+    for section, schema in SCHEMA["properties"].items():
+        names = schema.get("properties", {}) if section != "models" else {}
+        for name in names or [""]:
+            key = f"{section}.{name}" if name else section
+            assert f"`{key}" in text, key

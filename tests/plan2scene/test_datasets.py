@@ -1,0 +1,334 @@
+import json
+
+import numpy as np
+import pytest
+
+from plan2scene.datasets import (
+    PhotoAssignment,
+    check_assignment,
+    check_dataset,
+    check_plan,
+    import_plan,
+    make_house_table,
+    photo_problem,
+    photos_of_room,
+    read_assignment,
+    read_house_table,
+    read_unobserved,
+    rooms_of_photo,
+)
+from plan2scene.errors import InputError
+from plan2scene.floorplans import write_scene_json
+from plan2scene.floorplans.geometry import walls_of_rooms
+from plan2scene.house import House, Room
+from plan2scene.io import png_bytes
+
+HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
+
+
+def small_house():
+    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
+    rooms = (Room("a", ("Bedroom",), (ring,), 2.5),)
+    return House("h1", rooms, tuple(walls_of_rooms(rooms)))
+
+
+def table(tmp_path, text, name="h1.photoroom.csv"):
+    path = tmp_path / name
+    path.write_text(text)
+    return path
+
+
+@pytest.fixture
+def dataset(tmp_path):
+    """Return a data set of one house in the Rent3D++ layout, without a house table."""
+    for folder in ("archs_no_objects/test", "photo_assignments/test", "photos", "data_lists"):
+        (tmp_path / folder).mkdir(parents=True)
+    write_scene_json(small_house(), tmp_path / "archs_no_objects/test/h1.scene.json")
+    table(tmp_path / "photo_assignments/test", "room_id,photo\na,one.png\n")
+    (tmp_path / "photos/one.png").write_bytes(png_bytes(np.zeros((4, 6, 3), np.uint8)))
+    (tmp_path / "data_lists/test.txt").write_text("h1\n")
+    (tmp_path / "unobserved_photos.json").write_text('{"0.0": [], "0.6": ["one.png"]}')
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "room_id,photo\na,one.jpg\na,two.jpg\n",
+        "roomId,photo\r\na,one.jpg\r\na,two.jpg\r\n",
+        "\ufeffphoto,room_id\none.jpg,a\ntwo.jpg,a\n",
+        "index,room_id, photo \n0,a, one.jpg\n\n1,a,two.jpg\n2,a,one.jpg\n",
+        '"room_id","photo"\n"a","one.jpg"\n"a","two.jpg"\n',
+    ],
+)
+def test_assignment_headers(tmp_path, text):
+    rows = read_assignment(table(tmp_path, text), small_house())
+    assert rows == (PhotoAssignment("a", "one.jpg"), PhotoAssignment("a", "two.jpg"))
+
+
+def test_photos_and_rooms():
+    rows = [PhotoAssignment(*row) for row in (("a", "x.jpg"), ("b", "x.jpg"), ("a", "y.jpg"))]
+    assert photos_of_room(rows, "a") == ("x.jpg", "y.jpg")
+    assert photos_of_room(rows, "c") == ()
+    assert rooms_of_photo(rows, "x.jpg") == ("a", "b")
+
+
+@pytest.mark.parametrize("text", ["", "\n", "room_id,photo\n"])
+def test_empty_table_is_a_warning(tmp_path, text):
+    path = table(tmp_path, text)
+    rows = read_assignment(path, small_house())
+    assert rows == ()
+    assert check_assignment(small_house(), rows, tmp_path, file=path) == [
+        f"file {path}, house h1: expected at least one photo, found none"
+    ]
+
+
+def test_table_that_is_not_there(tmp_path):
+    with pytest.raises(InputError) as caught:
+        read_assignment(tmp_path / "t.csv", small_house())
+    line = f"file {tmp_path / 't.csv'}, house h1: expected a photo table, found no such file"
+    assert str(caught.value) == line
+
+
+def test_no_table_is_no_rows():
+    assert read_assignment(None, small_house()) == ()
+    assert read_assignment([], small_house()) == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (
+            "room_id,photo\ncellar,one.jpg\n",
+            ", house h1, room cellar: expected a room of the plan (a), "
+            "found 'cellar' for photo one.jpg",
+        ),
+        (
+            "room_id,photo\na,../one.jpg\n",
+            ", house h1: expected a plain file name without '..' or a leading '/', "
+            "found '../one.jpg'",
+        ),
+        (
+            "room_id,photo\na,/etc/one.jpg\n",
+            ", house h1: expected a plain file name without '..' or a leading '/', "
+            "found '/etc/one.jpg'",
+        ),
+        (
+            "room_id,photo\na,one.jpg\na,one.png\n",
+            ", house h1: expected photo names that differ before the extension, "
+            "found one.jpg and one.png",
+        ),
+        (
+            "room,photo\na,one.jpg\n",
+            ", house h1: expected columns room_id and photo, found room, photo",
+        ),
+        (
+            "room_id,photo\na\n",
+            ", house h1: expected a room and a photo in each row, found row 2: a",
+        ),
+    ],
+)
+def test_line_of_a_bad_table(tmp_path, text, line):
+    path = table(tmp_path, text)
+    with pytest.raises(InputError) as caught:
+        read_assignment(path, small_house())
+    assert str(caught.value) == f"file {path}{line}"
+
+
+def test_missing_photo_is_a_warning(tmp_path):
+    rows = (PhotoAssignment("a", "gone.jpg"),)
+    assert check_assignment(small_house(), rows, tmp_path, file="t.csv") == [
+        f"file t.csv, house h1, room a: expected photo gone.jpg in {tmp_path}, found no such file"
+    ]
+
+
+@pytest.mark.parametrize("row", [("a", "../one.jpg"), ("cellar", "one.jpg")])
+def test_check_refuses_what_the_reader_refuses(tmp_path, row):
+    with pytest.raises(InputError, match="house h1"):
+        check_assignment(small_house(), [PhotoAssignment(*row)], tmp_path)
+
+
+def test_import_stops_at_a_bad_table(tmp_path, caplog):
+    write_scene_json(small_house(), tmp_path / "plan.json")
+    bad = table(tmp_path, "room_id,photo\ncellar,one.jpg\n")
+    with pytest.raises(InputError, match="room cellar"):
+        import_plan(tmp_path / "plan.json", tmp_path / "o.json", house_id="h1", assignment=bad)
+    assert not (tmp_path / "o.json").exists()
+    empty = table(tmp_path, "")
+    import_plan(tmp_path / "plan.json", tmp_path / "o.json", house_id="h1", assignment=empty)
+    assert f"file {empty}, house h1: expected at least one photo, found none" in caplog.messages
+    assert (tmp_path / "o.json").is_file()
+    one = table(tmp_path, "room_id,photo\na,gone.jpg\n")
+    import_plan(
+        tmp_path / "plan.json",
+        tmp_path / "o.json",
+        house_id="h1",
+        assignment=one,
+        photos_dir=tmp_path,
+    )
+    assert caplog.messages[-1].endswith(f"photo gone.jpg in {tmp_path}, found no such file")
+
+
+def test_house_table(tmp_path):
+    path = table(tmp_path, HEADER + "h1\ttest\tp.json\tt.csv\ta.jpg|b.jpg\nNA\tval\tq.json\t\t\n")
+    frame = read_house_table(path)
+    assert list(frame.columns) == ["house", "split", "plan", "assignment", "photos"]
+    assert frame.to_dict("records") == [
+        {
+            "house": "h1",
+            "split": "test",
+            "plan": "p.json",
+            "assignment": "t.csv",
+            "photos": "a.jpg|b.jpg",
+        },
+        {"house": "NA", "split": "val", "plan": "q.json", "assignment": "", "photos": ""},
+    ]
+
+
+def test_house_table_leaves_photo_names_to_the_house(tmp_path):
+    path = table(tmp_path, HEADER + "h1\ttest\tp.json\t\t../a.jpg\n")
+    assert read_house_table(path)["photos"].tolist() == ["../a.jpg"]
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("", "expected the columns house, split, plan"),
+        ("house,split\nh1,test\n", "expected the columns house, split, plan"),
+        (HEADER.strip() + "\tnote\n", "photos, note"),
+        (HEADER, "expected at least one house, found none"),
+        (HEADER + "h1\ttest\tp\t\t\nh1\ttest\tp\t\t\n", "house h1: expected each house once"),
+        (HEADER + "h1\tdev\tp\t\t\n", "house h1: expected a split (train, val, test), found dev"),
+        (HEADER + "../h\ttest\tp\t\t\n", "expected a house name of letters"),
+        (HEADER + ".h\ttest\tp\t\t\n", "expected a house name of letters"),
+        (HEADER + "h1\ttest\t../p\t\t\n", "house h1: expected a plain file name"),
+        (HEADER + "h1\ttest\tp\t/t\t\n", "house h1: expected a plain file name"),
+        (HEADER + "h1\ttest\t\t\t\n", "house h1: expected a plain file name"),
+        (HEADER + "h1\ttest\tp\t\t\tmore\n", "expected 5 cells in each row, found 6 in row 2"),
+    ],
+)
+def test_bad_house_table(tmp_path, text, line):
+    path = table(tmp_path, text, "houses.tsv")
+    with pytest.raises(InputError) as caught:
+        read_house_table(path)
+    assert str(caught.value).startswith(f"file {path}")
+    assert line in str(caught.value)
+
+
+def test_make_house_table(dataset):
+    assert make_house_table(dataset) == []
+    assert read_house_table(dataset / "houses.tsv").to_dict("records") == [
+        {
+            "house": "h1",
+            "split": "test",
+            "plan": "archs_no_objects/test/h1.scene.json",
+            "assignment": "photo_assignments/test/h1.photoroom.csv",
+            "photos": "one.png",
+        }
+    ]
+
+
+def test_make_house_table_of_an_incomplete_data_set(dataset):
+    (dataset / "data_lists/val.txt").write_text("h2\nh3\n")
+    (dataset / "full_archs/val").mkdir(parents=True)
+    write_scene_json(small_house(), dataset / "full_archs/val/h3.scene.json")
+    table(dataset / "photo_assignments/test", "roomId,photo\na,../one.png\n")
+    warnings = make_house_table(dataset, dataset / "other.tsv")
+    assert [line.split(", house ")[1].split(":")[0] for line in warnings] == ["h2", "h1"]
+    frame = read_house_table(dataset / "other.tsv").set_index("house")
+    assert frame.index.tolist() == ["h2", "h3", "h1"]
+    assert frame.loc["h3", "plan"] == "full_archs/val/h3.scene.json"
+    assert frame.loc["h3", "assignment"] == ""
+    assert frame.loc["h1", "photos"] == ""
+
+
+def test_make_house_table_without_lists(tmp_path):
+    with pytest.raises(InputError, match="data_lists"):
+        make_house_table(tmp_path)
+
+
+def test_house_in_two_lists(dataset):
+    (dataset / "data_lists/train.txt").write_text("h1\n")
+    with pytest.raises(InputError, match="house h1: expected each house once"):
+        make_house_table(dataset)
+
+
+def test_unobserved(tmp_path):
+    path = tmp_path / "u.json"
+    path.write_text('{"0.0": [], "0.60": ["a.jpg"], "1": ["a.jpg", "b.jpg"]}')
+    assert read_unobserved(path) == {"0.0": [], "0.6": ["a.jpg"], "1.0": ["a.jpg", "b.jpg"]}
+    for text in ("[]", '{"a": []}', '{"2.0": []}', '{"0.0": 3}', '{"0.0": [3]}', '{"nan": []}'):
+        path.write_text(text)
+        with pytest.raises(InputError, match=r"^file .*u\.json: expected"):
+            read_unobserved(path)
+
+
+def test_good_data_set_has_no_problems(dataset):
+    assert check_dataset(dataset) == []
+    assert not (dataset / "houses.tsv").exists()
+    make_house_table(dataset)
+    assert check_dataset(dataset) == []
+
+
+def test_every_problem_is_a_line(dataset):
+    photos = dataset / "photos"
+    (photos / "text.jpg").write_text("no image")
+    (photos / "cut.png").write_bytes((photos / "one.png").read_bytes()[:-20])
+    table(dataset, HEADER + "h1\ttest\tarchs_no_objects/test/h1.scene.json\t"
+          "photo_assignments/test/h1.photoroom.csv\t"
+          "one.png|text.jpg|cut.png|../up.jpg|gone.jpg\n"
+          "h2\tval\tnone.json\t\t\n", "houses.tsv")  # fmt: skip
+    (dataset / "unobserved_photos.json").write_text('{"0.6": ["elsewhere.jpg"]}')
+    lines = [str(problem) for problem in check_dataset(dataset)]
+    assert len(lines) == 6
+    assert lines[0].startswith(f"error: file {dataset / 'houses.tsv'}, house h1: expected a plain")
+    assert lines[0].endswith("found '../up.jpg'")
+    assert lines[1].startswith(f"warning: file {photos / 'cut.png'}, house h1: expected an image")
+    assert lines[2] == f"warning: file {photos / 'gone.jpg'}, house h1: expected an image, " + (
+        "found no such file"
+    )
+    assert lines[3] == f"warning: file {photos / 'text.jpg'}, house h1: expected an image (" + (
+        "JPEG, PNG, GIF, WebP, TIFF, BMP or PPM), found text"
+    )
+    assert lines[4] == (
+        f"error: file {dataset / 'none.json'}, house h2: expected a plan, found no such file"
+    )
+    assert lines[5].startswith("warning: ")
+    assert all("\n" not in line for line in lines)
+
+
+def test_empty_table_of_a_data_set_is_a_warning(dataset):
+    table(dataset / "photo_assignments/test", "")
+    problems = check_dataset(dataset)
+    assert [problem.level for problem in problems] == ["warning", "warning"]
+    assert "house h1: expected at least one photo, found none" in problems[0].line
+
+
+def test_check_plan(tmp_path):
+    write_scene_json(small_house(), tmp_path / "p.json")
+    house, problems = check_plan(tmp_path / "p.json", "h1")
+    assert problems == []
+    assert house == small_house()
+    document = json.loads((tmp_path / "p.json").read_text())
+    document["scene"]["arch"]["rooms"][0]["types"] = ["Ballroom"]
+    (tmp_path / "p.json").write_text(json.dumps(document))
+    house, problems = check_plan(tmp_path / "p.json", "h1")
+    assert house is None
+    assert [problem.level for problem in problems] == ["error"]
+    assert "room a: expected a room type" in problems[0].line
+
+
+def test_photo_problem(tmp_path):
+    from PIL import Image
+
+    whole = tmp_path / "whole.jpg"
+    Image.effect_noise((64, 64), 50).save(whole)
+    photo_problem(whole, house="h1")
+    for name, data in (("cut.jpg", whole.read_bytes()[:-200]), ("none.jpg", b"")):
+        (tmp_path / name).write_bytes(data)
+        with pytest.raises(InputError, match=f"{name}, house h1: expected"):
+            photo_problem(tmp_path / name, house="h1")
+    with (tmp_path / "big.png").open("wb") as file:
+        Image.new("1", (8000, 7000)).save(file, format="PNG")
+    with pytest.raises(InputError, match="50000000 pixels, found 8000x7000"):
+        photo_problem(tmp_path / "big.png", house="h1")

@@ -1,0 +1,79 @@
+import json
+
+import pytest
+
+from plan2scene.datasets.house_table import (
+    check_metrics,
+    check_official,
+    hidden_photo_names,
+    load_houses,
+    photo_paths,
+)
+from plan2scene.errors import InputError
+
+HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
+
+
+def test_only_the_asked_splits(tmp_path):
+    path = tmp_path / "houses.tsv"
+    path.write_text(HEADER + "a\ttrain\tp\t\t\nb\ttest\tp\t\tx.jpg|y.jpg\n")
+    table = load_houses(path, splits=["test"])
+    assert list(table.index) == ["b"]
+    assert table.loc["b", "photos"] == "x.jpg|y.jpg"
+    with pytest.raises(InputError, match="split val"):
+        load_houses(path, splits=["val"])
+
+
+def test_a_missing_table_is_an_error_unless_it_is_yet_to_be_made(tmp_path):
+    with pytest.raises(InputError):
+        load_houses(tmp_path / "none.tsv", splits=["test"])
+    assert load_houses(tmp_path / "none.tsv", splits=["test"], may_be_absent=True).empty
+
+
+def test_only_photos_that_exist_inside_the_folder(tmp_path):
+    folder = tmp_path / "photos"
+    folder.mkdir()
+    (folder / "a.jpg").write_text("")
+    (tmp_path / "secret.jpg").write_text("")
+    assert photo_paths(folder, ["a.jpg", "b.jpg", "../secret.jpg"]) == [folder / "a.jpg"]
+
+
+def test_hidden_photos_come_from_the_data_set(tmp_path):
+    path = tmp_path / "unobserved_photos.json"
+    path.write_text(json.dumps({"0.0": [], "0.6": ["a.jpg", "other.jpg"]}))
+    photos = ["b.jpg", "a.jpg"]
+    assert hidden_photo_names(path, "0.6", photos, seed=0, house="h") == ["a.jpg"]
+    assert hidden_photo_names(path, "0.0", photos, seed=0, house="h") == []
+    with pytest.raises(InputError, match=r"fraction 0\.4"):
+        hidden_photo_names(path, "0.4", photos, seed=0, house="h")
+
+
+def test_without_a_list_photos_are_hidden_by_seed_and_nested(tmp_path):
+    photos = [f"{i}.jpg" for i in range(10)]
+    hidden = {
+        drop: set(hidden_photo_names(tmp_path / "no.json", drop, photos, seed=0, house="h"))
+        for drop in ("0.2", "0.6", "1.0")
+    }
+    assert [len(names) for names in hidden.values()] == [2, 6, 10]
+    assert hidden["0.2"] < hidden["0.6"] < hidden["1.0"]
+
+
+def test_official_weights_need_their_checkpoints(tmp_path):
+    there = tmp_path / "a.ckpt"
+    there.write_bytes(b"")
+    given = {"texture": str(there), "propagation": str(there), "naivesynth": None}
+    check_official({"weights": "official", "official": given})
+    check_official({"weights": "embedded", "official": {"texture": None, "propagation": None}})
+    for name in ("texture", "propagation"):
+        with pytest.raises(InputError, match=f"a path for official.{name}, found null"):
+            check_official({"weights": "official", "official": given | {name: None}})
+    with pytest.raises(InputError, match=r"official\.naivesynth\), found no such file"):
+        check_official({"weights": "official", "official": given | {"naivesynth": "no.ckpt"}})
+
+
+def test_networks_of_the_metrics_must_be_there(tmp_path):
+    there = tmp_path / "a.pth"
+    there.write_bytes(b"")
+    check_metrics({"vgg16": None, "inception": str(there)})
+    with pytest.raises(InputError, match=r"metrics\.vgg16\), found no such file"):
+        check_metrics({"vgg16": "no.ckpt", "inception": None})

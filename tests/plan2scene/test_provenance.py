@@ -1,0 +1,59 @@
+"""The hash of a module follows what the module imports, at any distance."""
+
+import pytest
+
+from plan2scene import provenance
+from plan2scene.provenance import code_hash
+
+
+@pytest.fixture
+def packages(tmp_path):
+    library, shop = tmp_path / "library", tmp_path / "shop"
+    (library / "sub").mkdir(parents=True)
+    shop.mkdir()
+    (library / "far.py").write_text("X = 1\n")
+    (library / "near.py").write_text("def f():\n    from library.far import X\n    return X\n")
+    (library / "top.py").write_text("from library import near\n")
+    (library / "other.py").write_text("Y = 1\n")
+    (library / "__init__.py").write_text("")
+    (library / "sub" / "__init__.py").write_text("from .inner import Z\nfrom ..far import X\n")
+    (library / "sub" / "inner.py").write_text("Z = 1\n")
+    (shop / "maker.py").write_text("from library.sub import Z\n")
+    return library, shop
+
+
+def fresh(*modules: str, packages) -> str:
+    for function in (code_hash, provenance._dependencies, provenance._imports):
+        function.cache_clear()
+    return code_hash(*modules, packages=packages)
+
+
+def test_a_change_far_down_changes_the_hash(packages):
+    before = fresh("top", packages=packages)
+    (packages[0] / "far.py").write_text("X = 2\n")
+    assert fresh("top", packages=packages) != before
+
+
+@pytest.mark.parametrize("name", ["far.py", "sub/inner.py"])
+def test_relative_imports_are_followed(packages, name):
+    before = fresh("sub", packages=packages)
+    (packages[0] / name).write_text("X = Z = 3\n")
+    assert fresh("sub", packages=packages) != before
+
+
+def test_imports_are_followed_from_one_package_into_another(packages):
+    library, shop = packages
+    before = fresh("maker", packages=(shop, library))
+    (library / "far.py").write_text("X = 4\n")
+    assert fresh("maker", packages=(shop, library)) != before
+
+
+def test_a_change_elsewhere_does_not(packages):
+    before = fresh("top", packages=packages)
+    (packages[0] / "other.py").write_text("Y = 2\n")
+    assert fresh("top", packages=packages) == before
+
+
+def test_an_unknown_module_is_an_error():
+    with pytest.raises(ValueError, match=r"no module plan2scene\.absent"):
+        code_hash("absent")

@@ -1,0 +1,111 @@
+"""Colour conversions in numpy and torch against each other and against known values."""
+
+import colorsys
+
+import numpy as np
+import pytest
+import torch
+
+from plan2scene import colour
+from plan2scene.textures.model import colour as colour_torch
+
+
+@pytest.fixture
+def rgb() -> np.ndarray:
+    values = np.random.default_rng(0).random((9, 7, 3)).astype(np.float32)
+    values[0, 0] = 0.0
+    values[0, 1] = 1.0
+    values[0, 2] = 0.4
+    values[0, 3] = (1.0, 0.0, 0.0)
+    return values
+
+
+def to_torch(image: np.ndarray) -> torch.Tensor:
+    return torch.from_numpy(image).permute(2, 0, 1)[None]
+
+
+def to_numpy(image: torch.Tensor) -> np.ndarray:
+    return image[0].permute(1, 2, 0).numpy()
+
+
+def test_hsv_is_the_standard_library_s(rgb) -> None:
+    expected = [colorsys.rgb_to_hsv(*pixel) for pixel in rgb.reshape(-1, 3).astype(float)]
+    np.testing.assert_allclose(colour.rgb_to_hsv(rgb).reshape(-1, 3), expected, atol=1e-5)
+
+
+def test_torch_agrees_with_numpy(rgb) -> None:
+    hsv = colour.rgb_to_hsv(rgb)
+    np.testing.assert_allclose(to_numpy(colour_torch.rgb_to_hsv(to_torch(rgb))), hsv, atol=1e-6)
+    np.testing.assert_allclose(
+        to_numpy(colour_torch.hsv_to_rgb(to_torch(hsv))), colour.hsv_to_rgb(hsv), atol=1e-6
+    )
+
+
+def test_hsv_round_trip(rgb) -> None:
+    np.testing.assert_allclose(colour.hsv_to_rgb(colour.rgb_to_hsv(rgb)), rgb, atol=1e-6)
+
+
+def test_hue_wraps() -> None:
+    hsv = np.array([[[1.3, 0.8, 0.9]]], np.float32)
+    np.testing.assert_allclose(
+        colour.hsv_to_rgb(hsv), colour.hsv_to_rgb(hsv - [1, 0, 0]), atol=1e-5
+    )
+
+
+def test_median_is_the_lower_of_the_middle_values() -> None:
+    image = np.array([[[0, 10, 7], [255, 20, 7]], [[10, 30, 7], [20, 40, 7]]], np.uint8)
+    np.testing.assert_allclose(colour.median_colour(image) * 255, [10, 20, 7], atol=1e-4)
+    torch_median = colour_torch.median_colour(to_torch(colour.as_float(image)))
+    np.testing.assert_allclose(torch_median[0] * 255, [10, 20, 7], atol=1e-4)
+
+
+def test_delta_hsv_of_reds_does_not_jump() -> None:
+    image = np.array([[[200, 10, 0], [200, 0, 10]]], np.uint8)
+    delta = colour.delta_hsv(image, colour.median_colour(image[:, :1]))
+    assert np.abs(delta[..., 0]).max() < 0.03
+    hsv = colour_torch.rgb_to_hsv(to_torch(colour.as_float(image)))
+    wrapped = colour_torch.wrap_hue(hsv - hsv[..., :1])
+    np.testing.assert_allclose(to_numpy(wrapped), delta, atol=1e-5)
+
+
+def test_uint8_round_trip() -> None:
+    values = np.arange(256, dtype=np.uint8).reshape(16, 16)
+    assert np.array_equal(colour.as_uint8(colour.as_float(values)), values)
+
+
+def test_gradient_of_hsv_to_rgb_reaches_every_channel() -> None:
+    hsv = torch.tensor([0.3, 0.5, 0.6]).view(1, 3, 1, 1).requires_grad_()
+    colour_torch.hsv_to_rgb(hsv)[0, 0].sum().backward()
+    assert hsv.grad is not None
+    assert float(hsv.grad.abs().min()) > 0
+
+
+def test_linear_light_round_trip() -> None:
+    levels = np.arange(256, dtype=np.uint8)
+    linear = colour.srgb_to_linear(levels)
+    np.testing.assert_allclose(linear, colour.srgb_to_linear(levels / 255.0), atol=1e-12)
+    np.testing.assert_allclose(colour.linear_to_srgb(linear), levels / 255.0, atol=1e-6)
+    assert linear[128] == pytest.approx(0.2158605, abs=1e-6)
+
+
+def test_lab_of_known_colours() -> None:
+    rgb = np.array([[1.0, 1.0, 1.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    expected = [[100, 0, 0], [0, 0, 0], [53.24, 80.09, 67.20]]
+    np.testing.assert_allclose(colour.rgb_to_lab(rgb), expected, atol=0.02)
+
+
+# Pairs 1, 4, 7, 9, 17 and 34 of the test data of Sharma, Wu and Dalal (2005).
+PAIRS = [
+    ((50.0, 2.6772, -79.7751), (50.0, 0.0, -82.7485), 2.0425),
+    ((50.0, -1.3802, -84.2814), (50.0, 0.0, -82.7485), 1.0000),
+    ((50.0, 0.0, 0.0), (50.0, -1.0, 2.0), 2.3669),
+    ((50.0, 2.49, -0.001), (50.0, -2.49, 0.0009), 7.1792),
+    ((50.0, 2.5, 0.0), (73.0, 25.0, -18.0), 27.1492),
+    ((2.0776, 0.0795, -1.135), (0.9033, -0.0636, -0.5514), 0.9082),
+]
+
+
+@pytest.mark.parametrize(("first", "second", "expected"), PAIRS)
+def test_ciede2000_of_published_pairs(first, second, expected) -> None:
+    assert float(colour.delta_e_2000(first, second)) == pytest.approx(expected, abs=1e-4)
+    assert float(colour.delta_e_2000(second, first)) == pytest.approx(expected, abs=1e-4)

@@ -1,0 +1,157 @@
+"""Embedding of crops, decoding of surfaces, and the embeddings file of a house."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+
+from plan2scene.errors import InputError
+from plan2scene.house import SUBSTANCES, SurfaceKey
+from plan2scene.io import png_bytes, read_parquet, write_parquet
+from plan2scene.provenance import file_hash
+from plan2scene.textures.model.embedding import embed_crops, make_embeddings
+from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
+from plan2scene.textures.model.synthesis import decode_textures, noise_seeds, synthesise_surfaces
+from plan2scene.weights import save_model_file
+
+
+@pytest.fixture(scope="module")
+def models(tmp_path_factory):
+    """Files of a small texture model and a small naive one."""
+    folder = tmp_path_factory.mktemp("models")
+    torch.manual_seed(0)
+    paths = []
+    for name, options in (("texture", {}), ("naivesynth", {"delta_hsv": False, "substances": 0})):
+        model = TextureModel(Architecture(width=4, **options))
+        paths.append(folder / f"{name}.safetensors")
+        save_model_file(paths[-1], model.state_dict(), architecture_header(model))
+    return paths
+
+
+@pytest.fixture(scope="module")
+def model():
+    torch.manual_seed(0)
+    return TextureModel(Architecture(width=4)).eval()
+
+
+def crops(count: int) -> np.ndarray:
+    return np.random.default_rng(0).integers(0, 256, (count, 128, 128, 3), dtype=np.uint8)
+
+
+def crop_table(images: np.ndarray) -> pd.DataFrame:
+    """Two photos; the last crop shows two rooms."""
+    ids = [f"floor/photo_0_crop{k}" for k in range(len(images))] + [
+        f"floor/photo_0_crop{len(images) - 1}"
+    ]
+    pngs = [png_bytes(image) for image in images]
+    return pd.DataFrame(
+        {
+            "crop_id": ids,
+            "photo": ["photo.jpg"] * len(ids),
+            "room_id": ["r1"] * len(images) + ["r2"],
+            "surface": "floor",
+            "png": [*pngs, pngs[-1]],
+        }
+    )
+
+
+def test_embedding_ends_in_the_median_colour(model) -> None:
+    images = crops(3)
+    found = embed_crops(model, images)
+    assert found.codes.shape == (3, 11)
+    medians = np.sort(images.reshape(3, -1, 3), axis=1)[:, (128 * 128 - 1) // 2] / 255
+    np.testing.assert_allclose(found.codes[:, 8:], medians, atol=1e-4)
+    np.testing.assert_allclose(found.substance_probabilities.sum(1), 1.0, atol=1e-5)
+    assert found.textureness.shape == (3,)
+    assert (found.textureness > 0).all()
+
+
+def test_each_crop_is_embedded_on_its_own(model) -> None:
+    images = crops(3)
+    together, alone = embed_crops(model, images), embed_crops(model, images[1:2])
+    np.testing.assert_allclose(together.codes[1], alone.codes[0], atol=1e-4)
+    np.testing.assert_allclose(together.textureness[1], alone.textureness[0], rtol=0.02)
+
+
+def test_textureness_prefers_what_the_model_can_draw(model) -> None:
+    tile = decode_textures(model, np.full((1, 11), 0.4, np.float32), [7])[0]
+    split = tile.copy()
+    split[:, 64:] = 255 - split[:, 64:]
+    scores = embed_crops(model, np.stack([tile, split])).textureness
+    assert scores[0] < scores[1]
+
+
+def test_decoding_is_reproducible_and_depends_on_the_seed(model) -> None:
+    codes = np.full((2, 11), 0.4, np.float32)
+    first, second = decode_textures(model, codes, [1, 2], 32)
+    assert first.shape == (32, 32, 3)
+    assert not np.array_equal(first, second)
+    assert np.array_equal(decode_textures(model, codes[:1], [2], 32)[0], second)
+    assert not np.array_equal(noise_seeds([1]), noise_seeds([2]))
+
+
+def test_codes_of_another_length_are_refused(model) -> None:
+    with pytest.raises(ValueError, match="expected codes"):
+        decode_textures(model, np.zeros((1, 8)), [0])
+
+
+def test_embeddings_file(models, tmp_path) -> None:
+    table = crop_table(crops(3))
+    write_parquet(tmp_path / "crops.parquet", table, {"house": "h"})
+    output = tmp_path / "embeddings.parquet"
+    make_embeddings(tmp_path / "crops.parquet", output, *models, house="h", dataset="d", seed=0)
+    frame, metadata = read_parquet(output)
+    assert frame["crop_id"].tolist() == table["crop_id"].tolist()
+    assert frame["room_id"].tolist() == table["room_id"].tolist()
+    assert [len(code) for code in frame["embedding"]] == [11] * 4
+    assert [len(code) for code in frame["naive_embedding"]] == [8] * 4
+    np.testing.assert_array_equal(frame["embedding"][2], frame["embedding"][3])
+    best = [SUBSTANCES[int(np.argmax(p))] for p in frame["substance_probabilities"]]
+    assert frame["substance"].tolist() == best
+    assert metadata["model"] == file_hash(models[0])
+    again = tmp_path / "again.parquet"
+    make_embeddings(tmp_path / "crops.parquet", again, *models, house="h", dataset="d", seed=0)
+    assert again.read_bytes() == output.read_bytes()
+
+
+def test_house_without_crops(models, tmp_path) -> None:
+    write_parquet(tmp_path / "crops.parquet", crop_table(crops(1)).iloc[:0], {"house": "h"})
+    output = tmp_path / "embeddings.parquet"
+    make_embeddings(tmp_path / "crops.parquet", output, *models, house="h", dataset="d", seed=0)
+    frame, _ = read_parquet(output)
+    assert len(frame) == 0
+    assert "textureness" in frame.columns
+
+
+def propagated(tmp_path, code_length: int = 11):
+    path = tmp_path / "propagated.parquet"
+    table = pd.DataFrame(
+        {
+            "room_id": ["r1", "r1"],
+            "surface": ["floor", "wall"],
+            "embedding": [np.full(code_length, 0.5, np.float32)] * 2,
+            "naive_embedding": [np.full(8, 0.5, np.float32)] * 2,
+        }
+    )
+    write_parquet(path, table, {"house": "h"})
+    return path
+
+
+def test_surfaces_of_a_house(models, tmp_path) -> None:
+    path = propagated(tmp_path)
+    for method, model in zip(("synth", "naivesynth"), models, strict=True):
+        tiles = synthesise_surfaces(path, model, method=method, house="h", seed=0, size_px=32)
+        assert list(tiles) == [SurfaceKey("r1", "floor"), SurfaceKey("r1", "wall")]
+        assert tiles[SurfaceKey("r1", "floor")].shape == (32, 32, 3)
+        # The same embedding, but each surface has its own noise.
+        assert not np.array_equal(*tiles.values())
+        again = synthesise_surfaces(path, model, method=method, house="h", seed=0, size_px=32)
+        assert all(np.array_equal(again[key], tiles[key]) for key in tiles)
+
+
+def test_wrong_method_or_model_is_refused(models, tmp_path) -> None:
+    path = propagated(tmp_path)
+    with pytest.raises(InputError, match="retrieve"):
+        synthesise_surfaces(path, models[0], method="retrieve", house="h", seed=0)
+    with pytest.raises(InputError, match="embedding of length 8"):
+        synthesise_surfaces(path, models[1], method="synth", house="h", seed=0)

@@ -1,0 +1,245 @@
+"""Exemplar textures: light, pattern, cuts and tiles from photo-like crops of known tiles."""
+
+import numpy as np
+import pytest
+
+from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
+from plan2scene.metrics.color import color_distance
+from plan2scene.textures.exemplar.cut import minimum_cut
+from plan2scene.textures.exemplar.lattice import find_lattice, whole_periods
+from plan2scene.textures.exemplar.light import flatten, highlights, log_luma
+from plan2scene.textures.exemplar.make import (
+    ExemplarCrop,
+    alike,
+    consensus,
+    enlarged,
+    make_exemplar,
+    tile_scale,
+)
+from plan2scene.textures.exemplar.quilt import Source, quilt
+from plan2scene.textures.seams import wrap_ratio
+from plan2scene_workshop.texture.degradation import Degradation, degrade, window
+
+
+def grid(columns, rows, *, bond=0.0, size=128, seed=0):
+    """Tiles of a muted red with light joints, each a little different; repeats."""
+    rng = np.random.default_rng(seed)
+    y, x = (np.mgrid[:size, :size] + 0.5) / size
+    row = np.floor(y * rows).astype(int)
+    u = (x * columns + bond * row) % columns
+    v = y * rows - row
+    shade = rng.normal(0.0, 6.0, (rows, columns))[row, np.floor(u).astype(int)]
+    near = np.minimum(np.minimum(u % 1, 1 - u % 1) / columns, np.minimum(v, 1 - v) / rows)
+    joint = (near * size < 1.2)[..., None]
+    tile = np.array([150.0, 95.0, 80.0]) + shade[..., None] + rng.normal(0, 3, (size, size, 1))
+    return np.clip(np.where(joint, 215.0, tile), 0, 255).astype(np.uint8)
+
+
+def steepest_line(tile):
+    values = tile.astype(float)
+    steps = [np.abs(values - np.roll(values, 1, axis)).mean((1 - axis, 2)) for axis in (0, 1)]
+    return max(step.max() for step in steps)
+
+
+def detail(tile):
+    return np.abs(np.diff(tile.astype(float), axis=0)).mean()
+
+
+def crops_of(tile, seed=0, **changes):
+    crops = degrade(tile, seed, how=Degradation(**changes))
+    return [ExemplarCrop(crop.image, 2.0 * crop.side, crop.side) for crop in crops]
+
+
+@pytest.mark.parametrize(("columns", "rows", "bond"), [(5, 5, 0.0), (4, 8, 0.5)])
+def test_regular_patterns_are_cut_at_whole_periods(columns, rows, bond) -> None:
+    tile = grid(columns, rows, bond=bond)
+    made = make_exemplar(crops_of(tile), size_px=128)
+    assert made is not None
+    assert made.periods in {(columns, rows), (columns, rows // (2 if bond else 1))}
+    assert made.size_m == pytest.approx(2.0, rel=0.03)
+    assert wrap_ratio(made.image) < 1.1
+    assert steepest_line(made.image) < 1.2 * steepest_line(tile)  # no seam within it either
+    away = delta_e_2000(rgb_to_lab(median_colour(made.image)), rgb_to_lab(median_colour(tile)))
+    assert away < 3.0
+
+
+def test_same_crops_same_bytes() -> None:
+    crops = crops_of(grid(5, 5))
+    first, again = (make_exemplar(crops, size_px=128) for _ in range(2))
+    np.testing.assert_array_equal(first.image, again.image)
+
+
+def test_poor_crops_make_no_exemplar() -> None:
+    tile = grid(5, 5)
+    assert make_exemplar([], size_px=128) is None
+    assert make_exemplar([ExemplarCrop(tile, 1.0, 0.1)], size_px=128) is None
+    burned = np.full((128, 128, 3), 255, np.uint8)
+    assert make_exemplar([ExemplarCrop(burned, 1.0, 1.0)], size_px=128) is None
+
+
+def test_one_crop_of_unknown_scale_is_enough() -> None:
+    noise = np.random.default_rng(1).normal(128, 20, (128, 128, 3))
+    ramp = np.linspace(-30, 30, 128)[:, None, None]
+    image = np.clip(noise + ramp, 0, 255).astype(np.uint8)
+    made = make_exemplar([ExemplarCrop(image, float("nan"), float("nan"))], size_px=64)
+    assert made.image.shape == (64, 64, 3)
+    assert np.isnan(made.size_m)
+    assert wrap_ratio(made.image) < 1.3 < wrap_ratio(image)
+
+
+@pytest.mark.parametrize("angle", [-20.0, 2.5, 31.0])
+def test_lattice_of_a_turned_grid(angle) -> None:
+    view = window(grid(6, 4), np.array([0.3, 0.6]), 0.9, angle) / 255.0
+    found = find_lattice(log_luma(view), np.zeros((128, 128), bool))
+    assert found.clear
+    assert found.angle_deg == pytest.approx(-angle, abs=0.6)
+    step = 128 / 0.9
+    assert found.periods == pytest.approx((step / 6, step / 4), rel=0.02)
+
+
+def test_noise_has_no_period() -> None:
+    noise = np.random.default_rng(0).normal(0, 1, (128, 128))
+    assert np.isnan(find_lattice(noise, np.zeros((128, 128), bool)).periods).all()
+
+
+def test_whole_periods_fill_a_nearly_square_cut() -> None:
+    columns, rows, wide, high = whole_periods((0.21, 0.33))
+    assert (columns, rows) == (5, 3)
+    assert (wide, high) == pytest.approx((1.05, 0.99))
+    assert whole_periods((float("nan"), 0.3)) == (0, 3, pytest.approx(0.9), pytest.approx(0.9))
+    assert whole_periods((float("nan"), float("nan"))) == (0, 0, 1.0, 1.0)
+
+
+def test_shading_goes_and_relief_stays() -> None:
+    rng = np.random.default_rng(0)
+    relief = rng.normal(0, 0.04, (4, 128, 128))
+    across = np.linspace(-0.25, 0.25, 128)
+    shading = np.stack([across[:, None] * (k - 1.5) + 0 * across for k in range(4)])
+    clean = np.exp(relief)[..., None] * np.array([0.5, 0.45, 0.4])
+    lit = clean * np.exp(shading)[..., None]
+    none = np.zeros((4, 128, 128), bool)
+    flat = flatten(lit, none)
+    left = log_luma(flat) - log_luma(clean)
+    left -= left.mean(axis=(1, 2), keepdims=True)
+    assert left.std() < 0.1 * shading.std()
+    assert log_luma(flat).std(axis=(1, 2)) == pytest.approx(relief.std(axis=(1, 2)), rel=0.1)
+
+
+def test_highlights_are_found_and_patterns_are_not() -> None:
+    tile = grid(5, 5)
+    crops = degrade(tile, 3)
+    found = highlights(np.stack([crop.image for crop in crops]) / 255.0)
+    for crop, mask in zip(crops, found, strict=True):
+        assert (mask.mean() > 0.1) == crop.highlight
+    checker = np.kron(np.indices((4, 4)).sum(0) % 2, np.ones((32, 32)))[..., None] * 0.6 + 0.2
+    assert not highlights(np.repeat(checker[None], 3, axis=3)[[0, 0, 0]]).any()
+
+
+def test_minimum_cut_goes_round_the_torus_where_it_is_cheap() -> None:
+    cost = np.ones((12, 12))
+    cost[:, 3] = cost[:, 8] = 0.001  # two cheap columns on both sides of what the patch must take
+    old, new = np.zeros((12, 12), bool), np.zeros((12, 12), bool)
+    old[:, 0], new[:, 6] = True, True
+    taken = minimum_cut((np.ones((12, 12)), cost), old, new)
+    assert (taken == (np.arange(12) > 3) & (np.arange(12) <= 8)).all()
+
+
+def test_quilt_of_a_periodic_source_is_the_source() -> None:
+    wave = 2 * np.pi * np.arange(96) / 16
+    image = np.repeat((0.5 + 0.2 * np.sin(wave)[:, None] * np.cos(wave))[..., None], 3, axis=2)
+    valid = np.ones((96, 96), bool)
+    valid[[0, -1]] = valid[:, [0, -1]] = False
+    canvas = quilt([Source(image.astype(np.float32), valid)], 128)
+    result = canvas.solve()
+    np.testing.assert_allclose(result, np.roll(result, 16, axis=0), atol=1e-3)
+    np.testing.assert_allclose(result, np.roll(result, 16, axis=1), atol=1e-3)
+    assert result.std() == pytest.approx(image.std(), rel=0.01)
+
+
+def test_tile_is_as_large_as_the_photo_s_pixels_allow() -> None:
+    image = np.zeros((128, 128, 3), np.uint8)
+    crops = [ExemplarCrop(image, 0.5, 0.5), ExemplarCrop(image, 1.0, 1.0)]
+    sides, size_m = tile_scale(crops)
+    assert size_m == pytest.approx(1.0)
+    assert sides.tolist() == pytest.approx([0.5, 1.0])
+    unknown = [ExemplarCrop(image, float("nan"), float("nan"))]
+    assert np.isnan(tile_scale(unknown)[1])
+    assert tile_scale(unknown)[0].tolist() == [1.0]
+
+
+def test_consensus_evens_casts_and_trusts_evenly_lit_crops() -> None:
+    level = np.array([0.5, 0.52, 0.48, 0.3])
+    repair = np.array([0.02, 0.02, 0.02, 0.5])  # the dark one lay in a shadow
+    cast = np.array([[1.05, 1.0, 0.96], [0.95, 1.0, 1.04], [1.04, 1.0, 1.05], [0.96, 1.0, 0.95]])
+    found = consensus(level[:, None] * cast, repair)
+    np.testing.assert_allclose(found, 0.5, atol=0.01)
+
+
+def test_consensus_leaves_out_burned_out_crops_unless_the_surface_is_white() -> None:
+    grey = np.array([[0.8, 0.8, 0.7]] * 4 + [[1.0, 1.0, 1.0]])
+    np.testing.assert_allclose(consensus(grey, np.zeros(5)), [0.8, 0.8, 0.7])
+    white = np.array([[0.95] * 3, [1.0] * 3, [1.0] * 3, [0.7] * 3, [0.97] * 3])
+    np.testing.assert_allclose(consensus(white, np.zeros(5)), 0.97)
+
+
+def test_enlarged_tiles_repeat() -> None:
+    wave = 0.5 + 0.3 * np.sin(2 * np.pi * (np.arange(128) + 0.5) / 32)
+    image = np.repeat((wave[:, None] * np.ones(128))[..., None], 3, axis=2)
+    larger = enlarged(image, 256)
+    expected = 0.5 + 0.3 * np.sin(2 * np.pi * (np.arange(256) + 0.5) / 64)
+    np.testing.assert_allclose(larger[:, 5, 0], expected, atol=5e-3)
+
+
+def test_larger_tiles_show_more_metres_at_the_same_detail() -> None:
+    tile = grid(5, 5)
+    crops = crops_of(tile)
+    small, large, huge = (make_exemplar(crops, size_px=size) for size in (128, 256, 512))
+    assert large.image.shape == (256, 256, 3)
+    assert large.size_m == pytest.approx(2 * small.size_m, rel=0.01)
+    assert large.periods == (2 * small.periods[0], 2 * small.periods[1])
+    # An enlargement would halve the steps from pixel to pixel.
+    assert detail(large.image) == pytest.approx(detail(small.image), rel=0.15)
+    assert color_distance(large.image, np.tile(small.image, (2, 2, 1))) < 0.1
+    for made in (small, large, huge):
+        assert wrap_ratio(made.image) < 1.1
+        assert steepest_line(made.image) < 1.2 * steepest_line(tile)
+
+
+def test_a_tile_of_512_px_is_the_256_px_one_enlarged() -> None:
+    crops = crops_of(grid(4, 8, bond=0.5))
+    large, huge = (make_exemplar(crops, size_px=size) for size in (256, 512))
+    assert huge.size_m == large.size_m
+    halved = huge.image.reshape(256, 2, 256, 2, 3).mean(axis=(1, 3))
+    assert np.abs(halved - large.image).mean() < 3.0
+
+
+def test_one_crop_makes_a_tile_of_its_own_metres_at_any_size() -> None:
+    crop = crops_of(grid(5, 5))[:1]
+    sizes = [make_exemplar(crop, size_px=size).size_m for size in (64, 128, 256, 512)]
+    assert sizes == pytest.approx([sizes[0]] * 4)
+
+
+def test_crops_of_another_thing_are_left_out() -> None:
+    def plain(*colour: int) -> ExemplarCrop:
+        return ExemplarCrop(np.full((128, 128, 3), colour, np.uint8), 1.0, 1.0)
+
+    wood = [plain(150, 110, 70), plain(165, 120, 75), plain(140, 105, 65)]
+    bedspread = [plain(230, 230, 240), plain(235, 228, 240)]
+    assert alike([*bedspread, *wood]) == wood
+    assert alike(wood) == wood
+
+
+def test_of_two_paints_the_surface_s_own_colour_decides():
+    rng = np.random.default_rng(3)
+
+    def paint(colour):
+        noise = rng.normal(0, 3, (128, 128, 3))
+        return ExemplarCrop(np.clip(noise + colour, 0, 255).astype(np.uint8), 1.0, 1.0)
+
+    white, green = ([paint(c) for _ in range(4)] for c in ((240, 240, 232), (108, 122, 103)))
+    tone = np.array([0.42, 0.47, 0.41])
+    assert alike([*white, *green], tone) == green
+    assert alike([*white, *green], np.array([1.0, 1.0, 0.98])) == white
+    made = make_exemplar([*white, *green], size_px=128, tone=tone)
+    assert made.crops == 4
+    assert np.abs(np.median(made.image, axis=(0, 1)) - (108, 122, 103)).max() < 6

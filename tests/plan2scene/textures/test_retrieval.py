@@ -1,0 +1,85 @@
+"""The tileable library and retrieval from it."""
+
+import numpy as np
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.house import SUBSTANCES
+from plan2scene.io import write_png
+from plan2scene.textures.baselines.retrieval import (
+    TextureLibrary,
+    generated_library,
+    read_library,
+    write_library,
+)
+
+
+def _flat(*levels):
+    tiles = np.stack([np.full((128, 128, 3), level, np.uint8) for level in levels])
+    names = tuple(f"t{level}" for level in levels)
+    return TextureLibrary(names, ("tile",) * len(levels), tiles, np.ones(len(levels)))
+
+
+def test_nearest_has_the_nearest_colour():
+    library = _flat(10, 100, 200, 250)
+    assert library.nearest(np.full((128, 128, 3), 130, np.uint8)) == 1
+    assert library.nearest(np.full((128, 128, 3), 255, np.uint8)) == 3
+    twins = _flat(10, 100, 100)
+    assert twins.nearest(np.full((128, 128, 3), 100, np.uint8)) == 1  # of equals the first
+
+
+def test_nearest_is_as_coarse_wherever_it_lies():
+    rng = np.random.default_rng(0)
+    fine = rng.integers(80, 160, (128, 128, 1)).astype(np.uint8).repeat(3, axis=2)
+    coarse = fine[:16, :16].repeat(8, axis=0).repeat(8, axis=1)
+    tiles = np.stack([fine, coarse])
+    library = TextureLibrary(("fine", "coarse"), ("tile",) * 2, tiles, np.ones(2))
+    for roll in (5, 60):
+        assert library.nearest(np.roll(fine, roll, axis=0)) == 0
+        assert library.nearest(np.roll(coarse, roll, axis=1)) == 1
+
+
+def test_a_tile_of_the_library_is_nearest_to_itself():
+    library = generated_library(2, seed=3, size_px=128)
+    assert [library.nearest(tile) for tile in library.tiles] == list(range(8))
+
+
+def test_larger_tiles_are_compared_at_the_metrics_size():
+    small = generated_library(1, seed=3, size_px=128)
+    large = TextureLibrary(
+        small.names,
+        small.substances,
+        small.tiles.repeat(2, axis=1).repeat(2, axis=2),
+        small.size_m,
+    )
+    assert large.nearest(small.tiles[2]) == 2
+
+
+def test_generated_library_repeats_itself_and_covers_each_substance(tmp_path):
+    for name in "ab":
+        write_library(
+            tmp_path / f"{name}.parquet", folder=None, per_substance=2, seed=5, size_px=64
+        )
+    assert (tmp_path / "a.parquet").read_bytes() == (tmp_path / "b.parquet").read_bytes()
+    library = read_library(tmp_path / "a.parquet")
+    assert [library.of_substance(name) for name in SUBSTANCES] == [[0, 1], [2, 3], [4, 5], [6, 7]]
+    assert library.tiles.shape == (8, 64, 64, 3)
+    assert (library.size_m > 0.01).all()
+    assert len(set(library.names)) == 8
+
+
+def test_library_of_a_folder(tmp_path):
+    image = np.random.default_rng(0).integers(0, 256, (128, 128, 3), dtype=np.uint8)
+    write_png(tmp_path / "mine" / "carpet" / "rug.png", image)
+    folder = str(tmp_path / "mine")
+    write_library(tmp_path / "l.parquet", folder=folder, per_substance=9, seed=0, size_px=128)
+    library = read_library(tmp_path / "l.parquet")
+    assert library.substances == ("carpet",)
+    assert np.array_equal(library.tiles[0], image)
+
+
+def test_an_empty_folder_is_refused(tmp_path):
+    with pytest.raises(InputError, match="wood, plaster"):
+        write_library(
+            tmp_path / "l.parquet", folder=str(tmp_path), per_substance=1, seed=0, size_px=128
+        )

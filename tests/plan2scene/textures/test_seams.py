@@ -1,0 +1,127 @@
+"""Seam correction on windows of procedural textures and on images that need none."""
+
+import cv2
+import numpy as np
+import pytest
+
+from plan2scene.house import SUBSTANCES
+from plan2scene.materials import random_material
+from plan2scene.textures.seams import make_seamless, with_calm_border, wrap_ratio
+
+
+def _window(substance, seed, side=96):
+    """A part of a tile, at another phase, upsampled as photos are: it does not repeat."""
+    tile = random_material(substance, seed, size_px=160).albedo
+    rng = np.random.default_rng(seed)
+    part = np.roll(tile, rng.integers(0, 160, 2), (0, 1))[:side, :side]
+    return cv2.resize(part, (128, 128), interpolation=cv2.INTER_CUBIC)
+
+
+def _largest_step(image):
+    """The strongest line of steps inside an image: what a pattern's own edges reach."""
+    values = image.astype(float)
+    return max(np.abs(np.diff(values, axis=axis)).mean(axis=(1 - axis, 2)).max() for axis in (0, 1))
+
+
+def _wrap_step(image):
+    values = image.astype(float)
+    return max(np.abs(values.take(0, axis) - values.take(-1, axis)).mean() for axis in (0, 1))
+
+
+WINDOWS = [(substance, seed) for substance in SUBSTANCES for seed in range(8)]
+
+
+@pytest.fixture(scope="module")
+def repaired():
+    """Windows that do not tile, and what became of them."""
+    windows = [_window(*case) for case in WINDOWS]
+    return [(w, *make_seamless(w)) for w in windows if wrap_ratio(w) > 2.0]
+
+
+def test_enough_windows_do_not_tile(repaired):
+    assert len(repaired) >= 20
+
+
+def test_wrap_ratio_falls_below_its_bound(repaired):
+    ratios = [wrap_ratio(tile) for _, tile, _ in repaired]
+    assert np.median(ratios) <= 1.2
+    for (before, after, _), ratio in zip(repaired, ratios, strict=True):
+        # Where a pattern's own edge (grout) falls on the border the ratio says nothing.
+        assert ratio <= 1.3 or _wrap_step(after) <= 1.1 * _largest_step(before)
+
+
+def test_no_seam_has_moved_inside(repaired):
+    rng = np.random.default_rng(0)
+    for before, after, _ in repaired:
+        for _ in range(6):
+            rolled = np.roll(after, rng.integers(0, 128, 2), (0, 1))
+            step = _wrap_step(rolled)
+            assert wrap_ratio(rolled) <= 1.3 or step <= 1.25 * _largest_step(before)
+
+
+def test_changed_pixels_are_reported_and_few(repaired):
+    for before, after, changed in repaired:
+        assert np.array_equal(changed, (before != after).any(axis=2))
+    assert np.mean([changed.mean() for _, _, changed in repaired]) <= 0.35
+
+
+def test_a_tiling_texture_is_left_alone():
+    y, x = np.mgrid[:64, :64] * 2 * np.pi / 64
+    grey = 128 + 60 * np.sin(3 * x + y) + 30 * np.cos(2 * y)
+    tile = np.repeat(grey[..., None], 3, axis=2).astype(np.uint8)
+    result, changed = make_seamless(tile)
+    assert np.array_equal(result, tile)
+    assert not changed.any()
+
+
+def test_a_flat_image_with_noise_is_left_alone():
+    flat = np.full((64, 64, 3), 200, np.uint8)
+    flat[0, 0] = 201
+    assert wrap_ratio(flat) < 0.2
+    assert np.array_equal(make_seamless(flat)[0], flat)
+
+
+def test_only_the_direction_that_needs_it_is_repaired():
+    x = y = np.arange(64) * 2 * np.pi / 64
+    image = 128 + 50 * np.sin(3.5 * x + 1)[None, :] + 20 * np.cos(4 * y)[:, None]
+    image = np.repeat(image[..., None], 3, axis=2).astype(np.uint8)
+    result, changed = make_seamless(image)
+    assert wrap_ratio(image) > 3.0
+    assert wrap_ratio(result) < 1.3
+    assert not changed[:, 24:40].any()  # the band lies at the left and right borders
+
+
+def test_calm_border_is_a_roll_that_takes_joints_off_the_border():
+    tile = np.full((64, 64, 3), 150, np.uint8)
+    tile += np.random.default_rng(0).integers(0, 6, (64, 64, 1)).astype(np.uint8)
+    tile[::16] = tile[:, ::16] = 90  # joints on the border
+    calm = with_calm_border(tile)
+    assert wrap_ratio(tile) > 3.0
+    assert wrap_ratio(calm) < 1.0
+    rolls = [np.roll(tile, (i, j), (0, 1)) for i in range(64) for j in range(64)]
+    assert any(np.array_equal(calm, roll) for roll in rolls)
+    assert np.array_equal(with_calm_border(calm), calm)
+
+
+def test_same_bytes_again_and_any_layout():
+    window = _window("wood", 1)
+    first, _ = make_seamless(window)
+    again, _ = make_seamless(np.asfortranarray(window))
+    assert np.array_equal(first, again)
+    assert first.flags.c_contiguous
+
+
+@pytest.mark.parametrize("size", [33, 50, 128])
+def test_any_side_works(size):
+    window = np.random.default_rng(size).integers(90, 160, (size, size + 7, 3)).astype(np.uint8)
+    window = np.clip(window + np.linspace(0, 80, size + 7)[None, :, None], 0, 255).astype(np.uint8)
+    result, _ = make_seamless(window)
+    assert result.shape == window.shape
+    assert wrap_ratio(result) <= wrap_ratio(window)
+
+
+def test_wrong_inputs_are_refused():
+    with pytest.raises(ValueError, match="uint8"):
+        make_seamless(np.zeros((64, 64, 3)))
+    with pytest.raises(ValueError, match="32 px"):
+        wrap_ratio(np.zeros((16, 64, 3), np.uint8))

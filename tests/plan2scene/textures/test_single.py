@@ -1,0 +1,36 @@
+"""One tile from loose crops, by every method."""
+
+import numpy as np
+import pytest
+
+from plan2scene.materials import random_material
+from plan2scene.textures.seams import wrap_ratio
+from plan2scene.textures.single import square_crop, tile_from_crops
+
+CROPS = [random_material("wood", 8, size_px=256).albedo[30:170, 20:200]] * 2
+
+
+def test_the_middle_square_is_used():
+    image = np.zeros((60, 100, 3), np.uint8)
+    image[:, 20:80] = 200
+    assert np.all(square_crop(image) == 200)
+    assert square_crop(image).shape == (128, 128, 3)
+
+
+@pytest.mark.parametrize(
+    "method", ["crop", "retrieve", "naivesynth", "synth", "synth-large", "exemplar"]
+)
+def test_every_method_gives_a_tile_that_repeats(method):
+    tile = tile_from_crops(CROPS, method, size_px=128, seed=0)
+    assert tile.shape == (128, 128, 3) and tile.dtype == np.uint8
+    assert wrap_ratio(tile) < 1.5
+    assert np.array_equal(tile, tile_from_crops(CROPS, method, size_px=128, seed=0))
+
+
+def test_size_is_asked_for():
+    assert tile_from_crops(CROPS, "crop", size_px=256, seed=0).shape == (256, 256, 3)
+
+
+def test_an_unknown_method_is_an_error():
+    with pytest.raises(ValueError, match="found 'other'"):
+        tile_from_crops(CROPS, "other", size_px=128, seed=0)

@@ -1,0 +1,422 @@
+"""Baselines and the texture stage on a small house, and the metrics of what it makes."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+
+from plan2scene.colour import median_colour
+from plan2scene.errors import InputError
+from plan2scene.floorplans.scene_writer import write_scene_json
+from plan2scene.house import House, Room, SurfaceKey
+from plan2scene.io import image_from_bytes, png_bytes, read_image, write_parquet
+from plan2scene.mesh.house_mesh import build_parts
+from plan2scene.mesh.textures import load_textures
+from plan2scene.textures.baselines.crop_pool import read_pool, write_pool
+from plan2scene.textures.baselines.nearest import (
+    Crop,
+    choose_crop,
+    largest_crop,
+    surface_extent,
+    usual_substance,
+)
+from plan2scene.textures.baselines.retrieval import read_library, write_library
+from plan2scene.textures.constrained import even_crop
+from plan2scene.textures.methods import METHODS
+from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
+from plan2scene.textures.seams import wrap_ratio
+from plan2scene.textures.stage import make_textures
+from plan2scene.weights import save_model_file
+
+SIZE = 128
+#: Methods that have a tile of the size asked for.
+DECODED = ("naivesynth", "synth", "synth-large", "exemplar")
+
+
+def _room(room_id, kind, x):
+    return Room(room_id, (kind,), (((x, 0.0), (x + 3, 0.0), (x + 3, 3.0), (x, 3.0)),), 2.5)
+
+
+PLAN = House(
+    "h1",
+    (
+        _room("bed1", "Bedroom", 0),
+        _room("bed2", "Bedroom", 3),
+        _room("hall", "Corridor", 6),
+        _room("bath", "Bathroom", 9),
+    ),
+    (),
+)
+
+
+def _image(level, seed=0):
+    """Noise with a gradient, so that it does not tile."""
+    noise = np.random.default_rng(seed).integers(-6, 7, (SIZE, SIZE, 1))
+    ramp = np.linspace(-40, 40, SIZE)[None, :, None]
+    return np.clip(level + noise + ramp + np.zeros((1, 1, 3)), 0, 255).astype(np.uint8)
+
+
+def _crop(name, room, surface, level, seed=0):
+    return Crop(name, SurfaceKey(room, surface), png_bytes(_image(level, seed)), 0.5)
+
+
+CROPS = [
+    _crop("a", "bed1", "floor", 60),
+    _crop("b", "bed1", "floor", 100),
+    _crop("c", "bed1", "floor", 130),
+    _crop("d", "hall", "floor", 200),
+    _crop("e", "hall", "wall", 220),
+]
+
+
+def test_observed_surface_gets_its_medoid():
+    choice = choose_crop(PLAN, SurfaceKey("bed1", "floor"), CROPS, 0)
+    assert choice.crop.crop_id == "b"
+    assert choice.source == "b"
+
+
+def test_unobserved_surface_prefers_rooms_of_its_type():
+    for seed in range(8):
+        choice = choose_crop(PLAN, SurfaceKey("bed2", "floor"), CROPS, seed)
+        assert choice.crop.key.room_id == "bed1"
+    drawn = {
+        choose_crop(PLAN, SurfaceKey("bed2", "floor"), CROPS, s).crop.crop_id for s in range(30)
+    }
+    assert drawn == {"a", "b", "c"}
+
+
+def test_then_the_same_surface_then_anything_then_nothing():
+    wall = choose_crop(PLAN, SurfaceKey("bath", "wall"), CROPS, 0)
+    assert wall.crop.crop_id == "e"
+    assert "another wall" in wall.source
+    ceiling = choose_crop(PLAN, SurfaceKey("bath", "ceiling"), CROPS, 0)
+    assert "another surface" in ceiling.source
+    assert choose_crop(PLAN, SurfaceKey("bath", "wall"), [], 0) is None
+
+
+def test_crops_of_other_houses_come_after_rooms_of_the_type_and_before_the_rest(files):
+    crops = pd.read_parquet(files / "crops.parquet")
+    write_parquet(files / "other.parquet", crops.assign(medoid=[1, 0, 0, 1, 1]), {"house": "o"})
+    write_pool(
+        [files / "scene.json"],
+        [files / "other.parquet"],
+        ["o"],
+        files / "pool.parquet",
+        dataset="d",
+    )
+    pool = read_pool(files / "pool.parquet", but="h1")
+    assert [(p.house, p.crop.crop_id, p.types) for p in pool] == [
+        ("o", "a", ("Bedroom",)),
+        ("o", "d", ("Corridor",)),
+        ("o", "e", ("Corridor",)),
+    ]
+    assert read_pool(files / "pool.parquet", but="o") == []
+    of_bath = [replace(p, types=("Bathroom",)) for p in pool if p.crop.crop_id == "d"]
+    key = SurfaceKey("bath", "floor")
+    wanted = choose_crop(PLAN, key, CROPS[:3], 0, others=of_bath)
+    assert wanted.source == "such a room of another house: d of hall"
+    assert "another floor of the house" in choose_crop(PLAN, key, CROPS[:3], 0, others=pool).source
+    wall = choose_crop(PLAN, SurfaceKey("bath", "wall"), CROPS[:3], 0, others=pool)
+    assert wall.source == "a wall of another house: e of hall"
+    own = choose_crop(PLAN, SurfaceKey("bed2", "floor"), CROPS, 0, others=pool)
+    assert "a room of its type" in own.source
+    folder, surfaces = _make(
+        files, "crop", hidden_photos=["p1.jpg", "p2.jpg"], crop_pool=files / "pool.parquet"
+    )
+    assert surfaces["bed1/floor"]["source"] == "such a room of another house: a of bed1"
+    assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(60))
+
+
+def test_usual_substances():
+    assert usual_substance(PLAN, SurfaceKey("bath", "floor")) == "tile"
+    assert usual_substance(PLAN, SurfaceKey("bed1", "floor")) == "wood"
+    assert usual_substance(PLAN, SurfaceKey("bath", "ceiling")) == "plaster"
+
+
+@pytest.fixture
+def files(tmp_path):
+    """The files a texture job reads."""
+    write_scene_json(PLAN, tmp_path / "scene.json")
+    crops = pd.DataFrame(
+        {
+            "crop_id": [c.crop_id for c in CROPS],
+            "photo": ["p1.jpg", "p1.jpg", "p1.jpg", "p2.jpg", "p2.jpg"],
+            "room_id": [c.key.room_id for c in CROPS],
+            "surface": [c.key.surface for c in CROPS],
+            "metres": [0.5, 0.5, float("nan"), 0.5, 0.5],
+            "sharpness": [1.0, 1.0, float("nan"), 1.0, 0.1],
+            "png": [c.png for c in CROPS],
+        }
+    )
+    write_parquet(tmp_path / "crops.parquet", crops, {"house": "h1"})
+    observed = {("bed1", "floor"), ("hall", "floor"), ("hall", "wall")}
+    rng = np.random.default_rng(0)
+    rows = [
+        {
+            "room_id": key.room_id,
+            "surface": key.surface,
+            "observed": tuple(key) in observed,
+            "embedding": np.r_[rng.normal(size=8), rng.uniform(size=3)].astype(np.float32),
+            "naive_embedding": rng.normal(size=8).astype(np.float32),
+            "substance": "wood",
+            "metres": 0.8,
+            "source": "propagation",
+            "confidence": 1.0,
+        }
+        for key in PLAN.surface_keys()
+    ]
+    write_parquet(tmp_path / "propagated.parquet", pd.DataFrame(rows), {"house": "h1"})
+    write_library(tmp_path / "library.parquet", folder=None, per_substance=2, seed=0, size_px=128)
+    torch.manual_seed(0)
+    for method, delta in (("synth", True), ("naivesynth", False)):
+        model = TextureModel(Architecture(width=4, delta_hsv=delta, substances=4 if delta else 0))
+        save_model_file(
+            tmp_path / f"{method}.safetensors", model.state_dict(), architecture_header(model)
+        )
+    return tmp_path
+
+
+def _make(files, method, out="out", **changes):
+    settings = {
+        "house": "h1",
+        "hidden_photos": [],
+        "library": files / "library.parquet",
+        "model": None,
+        "seed": 0,
+        "size_px": 128,
+        "seam_correction": False,
+    } | changes
+    if method in DECODED:
+        name = "naivesynth" if method == "naivesynth" else "synth"
+        settings["model"] = files / f"{name}.safetensors"
+    make_textures(
+        method,
+        files / "propagated.parquet",
+        files / "crops.parquet",
+        files / "scene.json",
+        files / out,
+        **settings,
+    )
+    listing = json.loads((files / out / "textures.json").read_text())
+    assert listing["method"] == method
+    return files / out, listing["surfaces"]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_surface_gets_a_tile_the_same_again(files, method):
+    folder, surfaces = _make(files, method, size_px=48)
+    assert set(surfaces) == {f"{k.room_id}/{k.surface}" for k in PLAN.surface_keys()}
+    again, _ = _make(files, method, out="again", size_px=48)
+    side = 48 if method in DECODED else SIZE
+    for key in PLAN.surface_keys():
+        path = folder / f"{key.filename}.png"
+        assert read_image(path).shape == (side, side, 3)
+        assert path.read_bytes() == (again / path.name).read_bytes()
+        assert surfaces[f"{key.room_id}/{key.surface}"]["size_m"] > 0
+    assert surfaces["bed1/floor"]["observed"]
+    assert not surfaces["bath/wall"]["observed"]
+
+
+def test_crop_writes_the_crop_itself_unless_told_to_correct_seams(files):
+    folder, surfaces = _make(files, "crop")
+    assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(100))
+    assert not surfaces["bed1/floor"]["seam_corrected"]
+    corrected, entries = _make(files, "crop", out="corrected", seam_correction=True)
+    assert entries["bed1/floor"]["seam_corrected"]
+    before, after = (wrap_ratio(read_image(f / "bed1_floor.png")) for f in (folder, corrected))
+    assert after < 1.3 < before
+
+
+def test_crop_without_scale_takes_the_surface_s(files):
+    crops = pd.read_parquet(files / "crops.parquet").assign(metres=float("nan"))
+    write_parquet(files / "crops.parquet", crops, {"house": "h1"})
+    assert _make(files, "crop")[1]["bed1/floor"]["size_m"] == 0.8
+
+
+def test_retrieve_takes_library_tiles_with_their_size(files):
+    folder, surfaces = _make(files, "retrieve")
+    library = read_library(files / "library.parquet")
+    index = library.nearest(_image(100))
+    assert np.array_equal(read_image(folder / "bed1_floor.png"), library.tiles[index])
+    assert surfaces["bed1/floor"]["size_m"] == pytest.approx(library.size_m[index])
+    assert library.names[index] in surfaces["bed1/floor"]["source"]
+
+
+def test_medoid_colour_is_the_median_of_the_medoid_everywhere(files):
+    folder, surfaces = _make(files, "medoid_colour", seam_correction=True)
+    tile = read_image(folder / "bed1_floor.png")
+    median = np.sort(_image(100).reshape(-1, 3), axis=0)[(SIZE * SIZE - 1) // 2]
+    assert (tile == median).all()
+    assert surfaces["bed1/floor"]["source"] == "median colour of b"
+    assert not surfaces["bed1/floor"]["seam_corrected"]
+    assert (
+        "of hall" in surfaces["bath/floor"]["source"] or "bed1" in surfaces["bath/floor"]["source"]
+    )
+
+
+def test_projection_stretches_the_largest_sharp_crop_once_over_the_surface(files):
+    crops = pd.read_parquet(files / "crops.parquet")
+    crops["metres"] = [0.499, 0.501, float("nan"), 0.5, 0.5]
+    crops["sharpness"] = [1.5, 1.0, 9.0, 1.0, 0.1]
+    write_parquet(files / "crops.parquet", crops, {"house": "h1"})
+    folder, surfaces = _make(files, "projection")
+    assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(60))
+    assert surfaces["bed1/floor"]["source"] == "a, stretched"
+    textures = load_textures(folder, PLAN)
+    for part in build_parts(PLAN):
+        if part.surface is not None:
+            turns = textures[part.surface].turns(part.uv)
+            assert turns.min() >= -1e-6 and turns.max() <= 1 + 1e-6, part.name
+    assert surfaces["hall/floor"]["origin_m"] == [6.0, 0.0]
+    assert surface_extent(PLAN, SurfaceKey("hall", "wall")) == (12.0, (0.0, 0.0))
+
+
+def test_crops_of_unknown_size_are_the_last_to_be_stretched():
+    known, unknown = (
+        Crop(name, CROPS[0].key, CROPS[0].png, metres)
+        for name, metres in (("k", 0.3), ("u", np.nan))
+    )
+    assert largest_crop([unknown, known]) is known
+    assert largest_crop([unknown, unknown]) is unknown
+
+
+def test_crops_of_hidden_photos_are_not_seen(files):
+    folder, surfaces = _make(files, "crop", hidden_photos=["p1.jpg"])
+    assert "of hall" in surfaces["bed1/floor"]["source"]
+    assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(200))
+
+
+def test_a_house_without_crops_gets_usual_library_tiles(files):
+    _, surfaces = _make(files, "crop", hidden_photos=["p1.jpg", "p2.jpg"])
+    assert "no crop in the house" in surfaces["bath/floor"]["source"]
+    assert surfaces["bath/floor"]["source"].startswith("tile-")
+    assert surfaces["bed1/wall"]["source"].startswith("plaster-")
+
+
+def test_decoded_tiles_need_no_correction_and_have_the_size_asked_for(files):
+    folder, surfaces = _make(files, "synth", size_px=40, seam_correction=True)
+    assert read_image(folder / "hall_wall.png").shape == (40, 40, 3)
+    assert not any(entry["seam_corrected"] for entry in surfaces.values())
+
+
+def test_synth_large_has_the_statistics_of_the_selected_crop(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    crops = pd.read_parquet(files / "crops.parquet")
+    mine = crops[(crops["room_id"] == "bed1") & (crops["surface"] == "floor")]
+    own = mine.iloc[0]
+    rows = list(zip(table["room_id"], table["surface"], table["source"], strict=True))
+    table["source"] = [own["crop_id"] if r[:2] == ("bed1", "floor") else r[2] for r in rows]
+    crop = image_from_bytes(own["png"])
+    tone = np.median(crop.reshape(-1, 3), axis=0) / 255
+    table["embedding"] = [np.r_[code[:8], tone].astype(np.float32) for code in table["embedding"]]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    plain, _ = _make(files, "synth", out="plain")
+    large, surfaces = _make(files, "synth-large", out="large")
+    before, after = (read_image(f / "bed1_floor.png") for f in (plain, large))
+    others = [image_from_bytes(png) for png in mine["png"][1:]]
+    even = even_crop(image_from_bytes(own["png"]), others, tone, SIZE)
+    assert abs(after.std() - even.std()) < 0.5 < abs(before.std() - even.std())
+    assert surfaces["bed1/floor"]["source"] == f"{own['crop_id']}, its statistics"
+    same = "bath_wall.png"  # no crop: as decoded
+    assert (plain / same).read_bytes() == (large / same).read_bytes()
+
+
+def test_exemplars_are_of_the_surface_s_crops_and_say_so(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    floor = (table["room_id"] == "bed1") & (table["surface"] == "floor")
+    grey = np.full(3, 100 / 255)  # the colour that the selection gives it, of its crops
+    table["embedding"] = [
+        np.r_[code[:8], grey if own else code[8:]].astype(np.float32)
+        for code, own in zip(table["embedding"], floor, strict=True)
+    ]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    folder, surfaces = _make(files, "exemplar", seam_correction=True)
+    assert surfaces["bed1/floor"]["source"] == "exemplar of 3 crops"
+    assert surfaces["bed1/floor"]["size_m"] == pytest.approx(0.5)
+    assert np.median(read_image(folder / "bed1_floor.png")) == pytest.approx(100, abs=10)
+    assert wrap_ratio(read_image(folder / "bed1_floor.png")) < 1.5 < wrap_ratio(_image(100))
+    assert surfaces["hall/wall"]["source"].startswith("decoded from propagation: none of 1 crops")
+    assert "decoded" in surfaces["bath/wall"]["source"]  # no exemplar of a wall is good
+    assert not any(entry["seam_corrected"] for entry in surfaces.values())
+
+
+def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    tone = np.array([0.75, 0.8, 0.8])  # not far from the hall's 200
+    near = np.r_[np.zeros(8), tone].astype(np.float32)
+    far = np.r_[np.zeros(8), 0.0, 0.0, 1.0].astype(np.float32)
+    codes = {("bed2", "floor"): near, ("hall", "floor"): near, ("bath", "floor"): far}
+    keys = [(row.room_id, row.surface) for row in table.itertuples()]
+    old = dict(zip(keys, table["embedding"], strict=True))
+    table["embedding"] = [codes.get(key, old[key]) for key in keys]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    folder, surfaces = _make(files, "exemplar")
+    assert surfaces["bed2/floor"]["source"].startswith("exemplar of hall, ")
+    assert np.array_equal(
+        read_image(folder / "bed2_floor.png"), read_image(folder / "hall_floor.png")
+    )
+    assert surfaces["bed2/floor"]["size_m"] == surfaces["hall/floor"]["size_m"]
+    assert "dE2000 away" in surfaces["bath/floor"]["source"]
+
+
+def test_the_less_sure_the_prediction_the_more_its_colour_counts(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    tone = np.array([0.45, 0.5, 0.55])  # not far from the bedroom's 100
+    code = np.r_[np.zeros(8), tone].astype(np.float32)
+    own = (table["room_id"] == "bed2") & (table["surface"] == "floor")
+    pairs = zip(own, table["embedding"], strict=True)
+    table["embedding"] = [code if mine else old for mine, old in pairs]
+    medians = []
+    for k, confidence in enumerate((1.0, 0.5, 0.0, float("nan"))):
+        frame = table.assign(confidence=np.where(own, confidence, 1.0))
+        write_parquet(files / "propagated.parquet", frame, {"house": "h1"})
+        folder, surfaces = _make(files, "exemplar", out=f"sure{k}")
+        medians.append(median_colour(read_image(folder / "bed2_floor.png")) * 255)
+        if confidence == 0.5:
+            assert surfaces["bed2/floor"]["source"].endswith("50% of the way to it")
+    sure, half, unsure, untold = medians
+    assert np.abs(unsure - tone * 255).max() < 2
+    assert np.array_equal(sure, untold)
+    between = (half - sure) / (unsure - sure)
+    assert ((between > 0.3) & (between < 0.7)).all()
+
+
+def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    keys = [(row.room_id, row.surface) for row in table.itertuples()]
+    tone = {("bed1", "floor"): 0.4, ("hall", "floor"): 0.55}
+    table["embedding"] = [
+        np.r_[np.zeros(8), [tone.get(key, 0.56)] * 3].astype(np.float32) for key in keys
+    ]
+    table["substance"] = ["tile" if key == ("hall", "floor") else "wood" for key in keys]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    _, surfaces = _make(files, "exemplar")
+    assert surfaces["bed2/floor"]["source"].startswith("exemplar of bed1, ")
+    table["substance"] = ["tile" if "floor" in key else "wood" for key in keys]
+    table.loc[keys.index(("bed2", "floor")), "substance"] = "carpet"  # no exemplar has it
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    _, surfaces = _make(files, "exemplar")
+    assert surfaces["bed2/floor"]["source"].startswith("exemplar of hall, ")
+
+
+def test_wrong_requests_are_refused(files):
+    with pytest.raises(InputError, match="a method of crop"):
+        _make(files, "magic")
+    with pytest.raises(InputError, match="texture model"):
+        make_textures(
+            "synth",
+            files / "propagated.parquet",
+            files / "crops.parquet",
+            files / "scene.json",
+            files / "x",
+            house="h1",
+            hidden_photos=[],
+            library=files / "library.parquet",
+            model=None,
+            seed=0,
+            size_px=128,
+            seam_correction=False,
+        )

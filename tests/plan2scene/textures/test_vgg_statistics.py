@@ -1,0 +1,59 @@
+"""VGG-19's statistics load and wrap around; the loss of a training can be made of them."""
+
+import itertools
+
+import numpy as np
+import pytest
+import torch
+
+from plan2scene.errors import InputError
+from plan2scene.textures.model import vgg_statistics as vs
+
+
+@pytest.fixture(scope="module")
+def vgg_file(tmp_path_factory):
+    """Random weights under torchvision's names."""
+    torch.manual_seed(0)
+    shapes = {}
+    channels, index = 3, 0
+    for outputs in vs._VGG19:
+        if outputs == "pool":
+            index += 1
+            continue
+        shapes[f"features.{index}.weight"] = (outputs, channels, 3, 3)
+        shapes[f"features.{index}.bias"] = (outputs,)
+        channels, index = outputs, index + 2
+    state = {name: torch.randn(shape) * 0.05 for name, shape in shapes.items()}
+    path = tmp_path_factory.mktemp("vgg") / "vgg19.pth"
+    torch.save(state, path)
+    return path
+
+
+def test_vgg_taps_and_circular_padding(vgg_file) -> None:
+    vgg = vs.load_statistics("pretrained", vgg_file)
+    image = torch.rand(1, 3, 32, 32)
+    assert [g.shape[1] for g in vgg.grams(image)] == [64, 128, 256, 512, 512]
+    for mine, theirs in itertools.islice(
+        zip(vgg.grams(torch.roll(image, (16, 16), (2, 3))), vgg.grams(image), strict=True), 5
+    ):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-3, atol=1e-5)
+    assert float(vgg.distance(image, image)) == 0.0
+    assert float(vgg.distance(image.flip(1), image)) > 0.0
+
+
+def test_vgg_weights_of_another_shape_are_refused(vgg_file, tmp_path) -> None:
+    state = torch.load(vgg_file, weights_only=True)
+    del state["features.28.weight"]
+    torch.save(state, tmp_path / "bad.pth")
+    with pytest.raises(InputError, match=r"features\.28\.weight"):
+        vs.VggStatistics(tmp_path / "bad.pth")
+    (tmp_path / "text.pth").write_text("no weights")
+    with pytest.raises(InputError, match=r"text\.pth"):
+        vs.VggStatistics(tmp_path / "text.pth")
+
+
+def test_unknown_source_is_refused() -> None:
+    with pytest.raises(InputError, match="resnet"):
+        vs.load_statistics("resnet")
+    with pytest.raises(InputError, match="with a file"):
+        vs.load_statistics("pretrained")

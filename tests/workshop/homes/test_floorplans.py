@@ -1,0 +1,102 @@
+"""Random apartments: a partition, reachable rooms, openings cut into both rooms' walls."""
+
+from collections import Counter, defaultdict
+from itertools import pairwise
+
+import networkx as nx
+import numpy as np
+import pytest
+import shapely
+
+from plan2scene.floorplans import validate_house
+from plan2scene.house import House
+from plan2scene_workshop.homes.floorplans import generate_house, plan_statistics
+
+HOUSES = [generate_house(f"house_{k}", 3) for k in range(40)]
+
+
+def opening_segments(house: House) -> dict[str, list[tuple[float, ...]]]:
+    """Return the world end points of each opening, once per wall that has it."""
+    segments = defaultdict(list)
+    for wall in house.walls:
+        start = np.array(wall.start)
+        along = (np.array(wall.end) - start) / wall.length
+        for opening in wall.openings:
+            ends = [tuple(start + along * t) for t in (opening.start, opening.end)]
+            segments[opening.id].append(tuple(np.round(sorted(ends), 3).ravel()))
+    return segments
+
+
+@pytest.mark.parametrize("house", HOUSES, ids=lambda h: h.id)
+def test_plan_is_valid_and_complete(house: House) -> None:
+    assert validate_house(house) == []
+    assert 4 <= len(house.rooms) <= 10
+    assert all(2.3 <= room.height <= 3.0 for room in house.rooms)
+    polygons = [shapely.Polygon(room.rings[0]) for room in house.rooms]
+    union = shapely.unary_union(polygons)
+    assert union.area == pytest.approx(sum(p.area for p in polygons), rel=1e-6)
+    assert union.geom_type == "Polygon"
+    assert not union.interiors
+    for room in house.rooms:
+        lengths = sum(wall.length for wall in house.walls_of(room.id))
+        assert lengths == pytest.approx(shapely.Polygon(room.rings[0]).length, rel=1e-6)
+
+
+@pytest.mark.parametrize("house", HOUSES, ids=lambda h: h.id)
+def test_every_room_is_reachable_and_one_door_leads_outside(house: House) -> None:
+    graph = nx.Graph(house.adjacency())
+    graph.add_nodes_from(room.id for room in house.rooms)
+    assert nx.is_connected(graph)
+    assert sum(door.room_b is None for door in house.doors) == 1
+
+
+@pytest.mark.parametrize("house", HOUSES, ids=lambda h: h.id)
+def test_openings_are_in_the_walls_of_their_rooms(house: House) -> None:
+    """A door between rooms is in two walls at the same place, an outer opening in one."""
+    outer = {door.opening_id for door in house.doors if door.room_b is None}
+    kinds = {o.id: o.kind for wall in house.walls for o in wall.openings}
+    segments = opening_segments(house)
+    for name, kind in kinds.items():
+        single = kind == "window" or name in outer
+        assert len(segments[name]) == (1 if single else 2)
+        assert len(set(segments[name])) == 1
+    assert {door.opening_id for door in house.doors} == {n for n in kinds if kinds[n] != "window"}
+    for wall in house.walls:
+        ordered = wall.openings
+        assert all(a.end <= b.start for a, b in pairwise(ordered))
+
+
+def test_windows_are_on_the_outside() -> None:
+    for house in HOUSES:
+        rim = shapely.unary_union([shapely.Polygon(r.rings[0]) for r in house.rooms]).exterior
+        windows = {o.id for w in house.walls for o in w.openings if o.kind == "window"}
+        for name, segments in opening_segments(house).items():
+            if name in windows:
+                line = shapely.LineString(np.reshape(segments[0], (2, 2)))
+                assert rim.buffer(1e-2).contains(line)
+
+
+def test_variety() -> None:
+    """Homes differ: L-shaped rooms, open plans, passages and most room types occur."""
+    types = Counter(name for house in HOUSES for room in house.rooms for name in room.types)
+    assert {"Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet"} <= set(types)
+    assert any(len(room.types) > 1 for house in HOUSES for room in house.rooms)
+    assert any(len(room.rings[0]) == 6 for house in HOUSES for room in house.rooms)
+    kinds = {o.kind for house in HOUSES for wall in house.walls for o in wall.openings}
+    assert kinds == {"door", "window", "passage"}
+    assert len({len(house.rooms) for house in HOUSES}) >= 5
+
+
+def test_same_seed_same_house() -> None:
+    assert generate_house("house_7", 3) == HOUSES[7]
+    assert generate_house("house_7", 4) != HOUSES[7]
+
+
+def test_statistics_count_what_is_there() -> None:
+    statistics = plan_statistics(HOUSES)
+    rooms = sum(len(house.rooms) for house in HOUSES)
+    doors = sum(1 if d.room_b is None else 2 for house in HOUSES for d in house.doors)
+    assert statistics["rooms per house"]["mean"] == pytest.approx(rooms / len(HOUSES))
+    assert statistics["doors per room"]["mean"] == pytest.approx(doors / rooms)
+    assert statistics["doors per room"]["n"] == rooms
+    assert statistics["area of Closet (m2)"]["min"] > 0.5

@@ -1,0 +1,118 @@
+"""Synthetic data sets: files, schemas and reproducibility (photos are faked: no renderer here)."""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plan2scene.datasets import read_house_table, read_unobserved
+from plan2scene.floorplans import read_scene_json, validate_house
+from plan2scene.io import read_image, read_json
+from plan2scene.photos.labels.palette import read_label_png
+from plan2scene.seeds import generator
+from plan2scene_workshop.homes import residences
+from plan2scene_workshop.homes.floorplans import generate_house
+from plan2scene_workshop.homes.style import assign_materials
+from plan2scene_workshop.rendering import RenderedPhoto
+
+OPTIONS = residences.ResidenceOptions(height=24, width=32, tile_px=64)
+
+
+def fake_render(house, materials, accents, views, seed, *, height, width, **_) -> Iterator:
+    assert set(materials) == set(house.surface_keys())
+    for view in views:
+        rng = generator(seed, view.seed)
+        image = rng.integers(0, 255, (height, width, 3)).astype(np.uint8)
+        labels = rng.integers(0, 4, (height, width)).astype(np.uint8)
+        planes = np.where(labels == 0, 255, labels).astype(np.uint8)
+        yield RenderedPhoto(view, image, labels, planes, {"room_id": view.room_id, "planes": []})
+
+
+@pytest.fixture
+def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(residences, "render_house", fake_render)
+    small = partial(assign_materials, size_px=64)
+    monkeypatch.setattr(residences, "assign_materials", small)
+    return tmp_path
+
+
+def digest(folder: Path) -> dict[str, str]:
+    """Return the hash of every file under a folder."""
+    return {
+        str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted(folder.rglob("*"))
+        if file.is_file()
+    }
+
+
+def test_a_house_has_plan_photos_and_truth(root: Path) -> None:
+    house = residences.write_residence(root, "home_1", "val", 3, options=OPTIONS)
+    again = read_scene_json(root / "archs_no_objects/val/home_1.scene.json", "home_1")
+    assert validate_house(again) == []
+    assert again.rooms == house.rooms
+    assert again.adjacency() == house.adjacency()
+    table = (root / "photo_assignments/val/home_1.photoroom.csv").read_text().splitlines()
+    rows = [line.split(",") for line in table]
+    assert rows[0] == ["room_id", "photo"]
+    assert 4 <= len(rows) - 1 <= 8
+    truth = root / "truth/val/home_1"
+    cameras = read_json(truth / "cameras.json")
+    assert list(cameras) == [photo for _, photo in rows[1:]]
+    for room, photo in rows[1:]:
+        assert cameras[photo]["room_id"] == room
+        assert read_image(root / "photos" / photo).shape == (24, 32, 3)
+        labels = read_label_png(truth / "masks" / f"{Path(photo).stem}.png")
+        assert labels.max() <= 3
+        assert (truth / "planes" / f"{Path(photo).stem}.png").is_file()
+    materials = json.loads((truth / "materials.json").read_text())
+    assert set(materials) == {f"{k.room_id}/{k.surface}" for k in house.surface_keys()}
+    for key in house.surface_keys():
+        tile = read_image(truth / "materials" / f"{key.filename}.png")
+        assert tile.shape == (64, 64, 3)
+        assert materials[f"{key.room_id}/{key.surface}"]["size_m"] > 0.1
+
+
+def test_same_seed_same_bytes_and_stale_photos_go(root: Path) -> None:
+    residences.write_residence(root / "a", "home_1", "val", 3, options=OPTIONS)
+    first = digest(root / "a")
+    (root / "a/photos/home_1_77.jpg").write_bytes(b"old")
+    residences.write_residence(root / "a", "home_1", "val", 3, options=OPTIONS)
+    assert digest(root / "a") == first
+
+
+def test_hidden_rooms_follow_their_share() -> None:
+    """About 40 % of rooms are hidden, the reception hardly ever, closets nearly always."""
+    shown, total, receptions, closets = 0, 0, 0, 0
+    houses = [generate_house(f"home_{k}", 5) for k in range(60)]
+    for k, house in enumerate(houses):
+        rooms = residences.photographed_rooms(house, 0.4, np.random.default_rng(k))
+        assert len(set(rooms)) == len(rooms)
+        shown, total = shown + len(rooms), total + len(house.rooms)
+        receptions += any(room.startswith("reception") for room in rooms)
+        closets += any(room.startswith("closet") for room in rooms)
+    assert 0.55 < shown / total < 0.65
+    assert receptions >= 55
+    assert closets <= 3
+
+
+def test_index_lists_houses_and_hides_nested_shares(root: Path) -> None:
+    names = residences.residence_names("home", {"train": 2, "val": 1, "test": 0})
+    assert names == {"home_train_000": "train", "home_train_001": "train", "home_val_000": "val"}
+    for house, split in names.items():
+        residences.write_residence(root, house, split, 3, options=OPTIONS)
+    assert residences.write_dataset_index(root, names, 3) == []
+    table = read_house_table(root / "houses.tsv")
+    assert list(table.index if table.index.name == "house" else table["house"]) == list(names)
+    assert (root / "data_lists/train.txt").read_text() == "home_train_000\nhome_train_001\n"
+    hidden = read_unobserved(root / "unobserved_photos.json")
+    photos = {file.name for file in (root / "photos").iterdir()}
+    assert hidden["0.0"] == []
+    assert set(hidden["1.0"]) == photos
+    shares = [set(hidden[f"{k / 10:.1f}"]) for k in range(0, 11, 2)]
+    assert all(a < b for a, b in pairwise(shares))
+    assert len(hidden["0.6"]) == pytest.approx(0.6 * len(photos), abs=3)

@@ -1,0 +1,192 @@
+"""Tiny photos by the path tracer: truth against geometry, determinism, textures."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.house import Door, House, Opening, Room, SurfaceKey, Wall
+from plan2scene.materials import Material
+from plan2scene_workshop.rendering import RenderedPhoto, plan_views, render_house
+from plan2scene_workshop.rendering.photos import light_at
+from plan2scene_workshop.rendering.scene import build_room_scene
+from plan2scene_workshop.rendering.tracer import Buffers, Tracer, Truth, load_mitsuba
+
+pytest.importorskip("mitsuba", exc_type=ImportError)
+
+#: Works wherever Mitsuba is installed, and compiles nothing.
+VARIANT = "scalar_rgb"
+SIZE = (36, 48)
+HEIGHT = 2.5
+
+
+def _house() -> House:
+    door = Opening("door", "door", 0.8, 1.65, 0.0, 2.05)
+    window = Opening("window", "window", 1.0, 2.6, 0.9, 2.2)
+    a = Room("a", ("Reception",), (((0, 0), (4.5, 0), (4.5, 4), (0, 4)),), HEIGHT)
+    b = Room("b", ("Bedroom",), (((4.5, 0), (8, 0), (8, 4), (4.5, 4)),), HEIGHT)
+    walls = (
+        Wall("w0", ("a",), (0, 0), (4.5, 0), HEIGHT, openings=(window,)),
+        Wall("w1", ("a", "b"), (4.5, 0), (4.5, 4), HEIGHT, openings=(door,)),
+        Wall("w2", ("a",), (4.5, 4), (0, 4), HEIGHT),
+        Wall("w3", ("a",), (0, 4), (0, 0), HEIGHT),
+        Wall("v0", ("b",), (4.5, 0), (8, 0), HEIGHT, openings=(window,)),
+        Wall("v1", ("b",), (8, 0), (8, 4), HEIGHT),
+        Wall("v2", ("b",), (8, 4), (4.5, 4), HEIGHT),
+    )
+    return House("tiny", (a, b), walls, (Door("a", "door", "b"),))
+
+
+def _material(name: str, colour: tuple[int, int, int], size: float = 1.0) -> Material:
+    albedo = np.full((16, 16, 3), colour, np.uint8)
+    return Material(name, "plaster", "paint", albedo, size, 1.0)
+
+
+def _materials() -> dict[SurfaceKey, Material]:
+    colours = {"floor": (150, 90, 50), "wall": (200, 200, 190), "ceiling": (235, 235, 235)}
+    return {
+        SurfaceKey(room, surface): _material(surface, colour)
+        for room in ("a", "b")
+        for surface, colour in colours.items()
+    }
+
+
+@pytest.fixture(scope="module")
+def photos() -> list[RenderedPhoto]:
+    house = _house()
+    views = plan_views(house, ["a", "b"], 3, 11)
+    return _render(house, views)
+
+
+def _render(house: House, views) -> list[RenderedPhoto]:
+    return list(
+        render_house(
+            house,
+            _materials(),
+            {},
+            views,
+            5,
+            height=SIZE[0],
+            width=SIZE[1],
+            samples_per_pixel=4,
+            variant=VARIANT,
+        )
+    )
+
+
+def test_photos_are_bright_and_see_every_surface(photos: list[RenderedPhoto]) -> None:
+    seen: set[int] = set()
+    for photo in photos:
+        assert photo.image.shape == (*SIZE, 3) and photo.image.dtype == np.uint8
+        assert 60 < photo.image.mean() < 230
+        seen |= set(np.unique(photo.labels))
+        floor = photo.image[photo.labels == 1].astype(float).mean(0)
+        if (photo.labels == 1).sum() > 20:
+            assert floor[0] > floor[1] > floor[2]  # the brown floor stays brown
+    assert seen == {0, 1, 2, 3}
+
+
+def test_planes_agree_with_labels(photos: list[RenderedPhoto]) -> None:
+    names = {"floor": 1, "wall": 2, "ceiling": 3}
+    for photo in photos:
+        planes = photo.camera["planes"]
+        for index in set(np.unique(photo.planes)) - {255}:
+            labels = np.unique(photo.labels[photo.planes == index])
+            assert labels.tolist() == [names[planes[index]["surface"]]]
+        assert planes[0]["normal"] == [0.0, 1.0, 0.0] and planes[0]["offset"] == 0.0
+        other = photo.labels == 0
+        assert (photo.planes[other] == 255).all()
+
+
+def test_unprojected_pixels_lie_on_their_planes() -> None:
+    house = _house()
+    view = plan_views(house, ["a"], 1, 11)[0]
+    scene = build_room_scene(house, "a", _materials(), {}, [view], 5)
+    tracer = Tracer(scene.geometry, scene.finishes, load_mitsuba(VARIANT))
+    truth = tracer.truth(view, SIZE)
+    offset = np.array([p.offset for p in scene.planes])
+    normal = np.array([p.normal for p in scene.planes])
+    known = truth.planes != 255
+    assert known.mean() > 0.3
+    points, index = truth.position[known], truth.planes[known]
+    assert np.abs((points * normal[index]).sum(1) - offset[index]).max() < 0.02
+    # and the pinhole of the conventions maps them back to their pixels
+    rotation = view.rotation()
+    focal = SIZE[1] / 2 / np.tan(view.fov / 2)
+    camera = (truth.position[known] - view.position) @ rotation.T
+    pixel = camera[:, :2] / camera[:, 2:] * focal + [(SIZE[1] - 1) / 2, (SIZE[0] - 1) / 2]
+    rows, columns = np.nonzero(known)
+    assert np.abs(pixel - np.stack([columns, rows], 1)).max() < 0.01
+
+
+def test_same_seed_same_bytes(photos: list[RenderedPhoto]) -> None:
+    house = _house()
+    views = [photo.view for photo in photos]
+    for photo, again in zip(photos, _render(house, views), strict=True):
+        assert (again.image == photo.image).all()
+        assert (again.labels == photo.labels).all() and again.camera == photo.camera
+
+
+def test_tiles_keep_their_metric_size() -> None:
+    """A floor tile that is white where x < 0.5 m of each metre shows so in the albedo."""
+    house = _house()
+    materials = _materials()
+    stripes = np.zeros((64, 64, 3), np.uint8)
+    stripes[:, :32] = 250
+    materials[SurfaceKey("a", "floor")] = Material("s", "wood", "plain", stripes, 1.0, 1.0)
+    rows = np.zeros((64, 64, 3), np.uint8)
+    rows[:32] = 250
+    materials[SurfaceKey("a", "wall")] = Material("r", "plaster", "paint", rows, 1.0, 1.0)
+    view = plan_views(house, ["a"], 1, 11)[0]
+    scene = build_room_scene(house, "a", materials, {}, [view], 5)
+    tracer = Tracer(scene.geometry, scene.finishes, load_mitsuba(VARIANT))
+    size = (90, 120)
+    truth = tracer.truth(view, size)
+    albedo = tracer.guide(view, size, 4, 0).albedo[..., 0]
+    inner = truth.planes == 0
+    phase = truth.position[..., 0] % 1.0
+    clear = np.minimum(np.abs(phase - 0.5), np.minimum(phase, 1 - phase)) > 0.08
+    assert (inner & clear).sum() > 100
+    assert np.mean((albedo > 0.5)[inner & clear] == (phase < 0.5)[inner & clear]) > 0.98
+    first_wall = [i for i, p in enumerate(scene.planes) if p.key == SurfaceKey("a", "wall")]
+    wall = np.isin(truth.planes, first_wall)
+    down = (HEIGHT - truth.position[..., 1]) % 1.0
+    clear = np.minimum(np.abs(down - 0.5), np.minimum(down, 1 - down)) > 0.08
+    assert (wall & clear).sum() > 100
+    assert np.mean((albedo > 0.5)[wall & clear] == (down < 0.5)[wall & clear]) > 0.98
+
+
+def test_missing_material_is_one_line() -> None:
+    house = _house()
+    materials = _materials()
+    del materials[SurfaceKey("a", "wall")]
+    views = plan_views(house, ["a"], 1, 0)
+    with pytest.raises(InputError, match=r"house tiny, room a: expected a material of wall"):
+        next(render_house(house, materials, {}, views, 0, variant=VARIANT))
+
+
+def test_unknown_variant_is_one_line() -> None:
+    with pytest.raises(InputError, match="working Mitsuba variant"):
+        load_mitsuba("no_such_variant")
+
+
+def test_light_comes_back_without_the_albedo() -> None:
+    """A flat surface of any albedo under an even light gives that light, to be multiplied once."""
+    half, full = (12, 16), (24, 32)
+
+    def hits(size: tuple[int, int]) -> Truth:
+        rows, columns = np.indices(size, dtype=np.float32) / size[0]
+        position = np.stack([columns, np.zeros(size), rows], -1).astype(np.float32)
+        normal = np.broadcast_to(np.array([0, 1, 0], np.float32), (*size, 3))
+        flat = np.zeros(size, np.uint8)
+        return Truth(flat, flat, np.full(size, "paint", object), position, normal)
+
+    def buffers(size: tuple[int, int], light: tuple[float, float, float]) -> Buffers:
+        albedo = np.broadcast_to(np.array([0.8, 0.3, 0.1], np.float32), (*size, 3)).copy()
+        return Buffers(albedo * np.array(light, np.float32), albedo)
+
+    light = (0.5, 0.6, 0.7)
+    found = light_at(buffers(half, light), hits(half), buffers(full, (0.0, 0.0, 0.0)), hits(full))
+    assert found.shape == (*full, 3)
+    assert np.allclose(found, light, rtol=1e-3)

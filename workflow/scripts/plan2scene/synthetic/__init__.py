@@ -1,1 +1,0 @@
-"""Synthetic homes with truth: plans, materials, style, photos, data sets."""

@@ -1,0 +1,28 @@
+# The checked config, and what all rules of the workshop share.
+import functools
+from pathlib import Path
+
+import plan2scene_workshop
+from plan2scene import provenance
+from plan2scene_workshop.homes.residences import residence_names
+from snakemake.utils import validate
+
+validate(config, schema="../schemas/config.schema.json")
+
+HOMES = config["synthetic"]
+ROOT = HOMES["root"]
+TABLE = f"{ROOT}/houses.tsv"
+RESIDENCES = residence_names(HOMES["prefix"], HOMES["houses"])
+TRAINING = config["training"]
+# Trained weights land here; shipping them (a copy into resources/models) is a deliberate act.
+TRAINED = "results/training/models"
+
+code_hash = functools.partial(
+    provenance.code_hash,
+    packages=(Path(plan2scene_workshop.__file__).parent, provenance.PACKAGE),
+)
+
+
+wildcard_constraints:
+    house=r"[A-Za-z0-9_][A-Za-z0-9_.-]*",
+    split="train|val|test",

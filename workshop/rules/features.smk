@@ -1,0 +1,19 @@
+rule train_features:
+    # The embedded substance classifier: SUBS, and the features of FID.
+    output:
+        model=f"{TRAINED}/features.safetensors",
+        card=f"{TRAINED}/features.md",
+    log:
+        "logs/training/train_features.log",
+    benchmark:
+        "logs/training/benchmarks/train_features.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=3000,
+    params:
+        settings=TRAINING["features"],
+        code=code_hash("features.training"),
+    script:
+        "../scripts/train_features.py"

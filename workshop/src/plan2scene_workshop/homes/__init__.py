@@ -1,0 +1,1 @@
+"""Synthetic homes: layouts, styles, data sets."""

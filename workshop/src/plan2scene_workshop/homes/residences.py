@@ -1,0 +1,239 @@
+"""Synthetic data sets: one house with photos and truth at a time, then the index of all.
+
+Layout and schemas: ``docs/conventions.md`` (Rent3D++ layout plus ``truth/``).
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import cv2
+import numpy as np
+import shapely
+
+from plan2scene.datasets import make_house_table
+from plan2scene.datasets.assignments import read_rows
+from plan2scene.floorplans import write_scene_json
+from plan2scene.house import House, SurfaceKey
+from plan2scene.io import atomic_directory, atomic_path, write_json, write_png
+from plan2scene.materials import Material
+from plan2scene.photos.labels.palette import write_label_png
+from plan2scene.seeds import derive_seed, generator
+from plan2scene_workshop.homes.floorplans import generate_house
+from plan2scene_workshop.homes.style import accent_walls, assign_materials
+from plan2scene_workshop.rendering import encode_jpeg, plan_views, render_house
+
+if TYPE_CHECKING:
+    from plan2scene_workshop.rendering import RenderedPhoto
+
+_LOGGER = logging.getLogger("plan2scene")
+
+SPLITS = ("train", "val", "test")
+#: Shares of photos that unobserved_photos.json hides.
+DROP_FRACTIONS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+#: How much more likely a room type is photographed than another (listings show living rooms).
+PHOTO_WEIGHT = {
+    "Reception": 60.0,
+    "Kitchen": 5.0,
+    "Bedroom": 5.0,
+    "Bathroom": 4.0,
+    "Corridor": 1.0,
+    "Entrance": 0.6,
+    "Staircase": 0.6,
+    "Unknown": 1.0,
+    "Balcony": 0.3,
+    "Terrace": 0.4,
+    "Outdoor": 0.2,
+    "Closet": 0.1,
+}
+#: Rooms that a person with a camera can't stand in get no photo: least inner width in metres.
+LEAST_PHOTO_WIDTH = 1.0
+
+
+@dataclass(frozen=True)
+class ResidenceOptions:
+    """How a synthetic house is photographed and stored.
+
+    Attributes
+    ----------
+    photo_count : (int, int)
+        Range of photos per house.
+    hidden_room_share : float
+        Share of rooms without any photo.
+    height, width : int
+        Photo size in pixels.
+    samples_per_pixel : int
+        Light paths per pixel of the renderer.
+    jpeg_quality : (int, int)
+        Range of JPEG qualities, drawn per photo.
+    tile_px : int
+        Side of the albedo tiles in truth/.
+    variant : str or None
+        Mitsuba variant; the first that works when None.
+    """
+
+    photo_count: tuple[int, int] = (4, 8)
+    hidden_room_share: float = 0.4
+    height: int = 480
+    width: int = 640
+    samples_per_pixel: int = 16
+    jpeg_quality: tuple[int, int] = (78, 92)
+    tile_px: int = 256
+    variant: str | None = None
+
+
+def residence_names(prefix: str, counts: Mapping[str, int]) -> dict[str, str]:
+    """Return the houses of a data set, name to split: ``{"home_train_000": "train", ...}``."""
+    return {f"{prefix}_{split}_{k:03d}": split for split in SPLITS for k in range(counts[split])}
+
+
+def write_residence(
+    root: str | Path,
+    house_id: str,
+    split: str,
+    seed: int,
+    *,
+    options: ResidenceOptions | None = None,
+    textures: Sequence[Material] = (),
+) -> House:
+    """Write one synthetic house: plan, photo table, photos, truth; return the house.
+
+    Only files of this house are written, so that houses can be made at the same time. The same
+    seed, options, textures and Mitsuba variant give the same bytes.
+
+    Parameters
+    ----------
+    root : path
+        Folder of the data set.
+    house_id, split : str
+        Name of the house; ``train``, ``val`` or ``test``.
+    seed : int
+        Seed of the data set; each house derives its own from it.
+    textures : sequence of Material, optional
+        Real textures for the style model to mix in.
+
+    Raises
+    ------
+    InputError
+        When Mitsuba is not installed or its variant does not work.
+    """
+    options = options or ResidenceOptions()
+    root = Path(root)
+    house = generate_house(house_id, derive_seed(seed, "house"))
+    materials = assign_materials(house, derive_seed(seed, "style"), textures)
+    accents = accent_walls(house, derive_seed(seed, "accents"))
+    rng = generator(seed, "photos", house_id)
+    rooms = photographed_rooms(house, options.hidden_room_share, rng)
+    low, high = options.photo_count
+    count = max(int(rng.integers(low, high + 1)), min(len(rooms), high))
+    views = plan_views(house, rooms, count, derive_seed(seed, "views"))
+    photos = render_house(
+        house,
+        materials,
+        accents,
+        views,
+        derive_seed(seed, "render"),
+        height=options.height,
+        width=options.width,
+        samples_per_pixel=options.samples_per_pixel,
+        variant=options.variant,
+    )
+    assignment: list[tuple[str, str]] = []
+    cameras: dict[str, Any] = {}
+    _remove_old_photos(root / "photos", house_id)
+    with atomic_directory(root / "truth" / split / house_id) as truth:
+        for k, photo in enumerate(photos):
+            name = f"{house_id}_{k:02d}.jpg"
+            quality = int(rng.integers(options.jpeg_quality[0], options.jpeg_quality[1] + 1))
+            _write_photo(root, truth, name, photo, quality)
+            cameras[name] = photo.camera
+            assignment.append((photo.view.room_id, name))
+            _LOGGER.info("%s: photo %d of %d, %s", house_id, k + 1, count, photo.view.room_id)
+        write_json(truth / "cameras.json", cameras)
+        _write_materials(truth, materials, options.tile_px)
+    write_scene_json(house, root / "archs_no_objects" / split / f"{house_id}.scene.json")
+    table = root / "photo_assignments" / split / f"{house_id}.photoroom.csv"
+    with atomic_path(table) as temporary:
+        lines = ["room_id,photo", *(",".join(row) for row in assignment)]
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return house
+
+
+def photographed_rooms(
+    house: House, hidden_share: float, rng: np.random.Generator
+) -> tuple[str, ...]:
+    """Return the ids of the rooms that get photos: all but about `hidden_share` of the rooms."""
+    names, weights = [], []
+    for room in house.rooms:
+        inner = shapely.Polygon(room.rings[0]).buffer(-LEAST_PHOTO_WIDTH / 2)
+        if not inner.is_empty:
+            names.append(room.id)
+            weights.append(PHOTO_WEIGHT[room.types[0]])
+    shown = max(1, len(house.rooms) - round(hidden_share * len(house.rooms)))
+    shares = np.array(weights) / np.sum(weights)
+    chosen = rng.choice(len(names), min(shown, len(names)), replace=False, p=shares)
+    return tuple(names[i] for i in sorted(chosen))
+
+
+def _remove_old_photos(folder: Path, house_id: str) -> None:
+    """Remove photos of an earlier run of this house, of which there may have been more."""
+    for old in folder.glob(f"{house_id}_[0-9][0-9].jpg"):
+        old.unlink()
+
+
+def _write_photo(root: Path, truth: Path, name: str, photo: RenderedPhoto, quality: int) -> None:
+    """Write a photo and its label and plane images."""
+    with atomic_path(root / "photos" / name) as temporary:
+        temporary.write_bytes(encode_jpeg(photo.image, quality))
+    stem = Path(name).stem
+    write_label_png(truth / "masks" / f"{stem}.png", photo.labels)
+    write_png(truth / "planes" / f"{stem}.png", photo.planes)
+
+
+def _write_materials(truth: Path, materials: Mapping[SurfaceKey, Material], tile_px: int) -> None:
+    """Write materials.json and the albedo tile of every surface."""
+    index = {}
+    for key, material in materials.items():
+        index[f"{key.room_id}/{key.surface}"] = {
+            "substance": material.substance,
+            "kind": material.kind,
+            "size_m": round(material.size_m, 4),
+        }
+        albedo = material.albedo
+        if albedo.shape[0] != tile_px:
+            mode = cv2.INTER_AREA if albedo.shape[0] > tile_px else cv2.INTER_LINEAR
+            albedo = cv2.resize(albedo, (tile_px, tile_px), interpolation=mode)
+        write_png(truth / "materials" / f"{key.filename}.png", albedo)
+    write_json(truth / "materials.json", index)
+
+
+def write_dataset_index(root: str | Path, houses: Mapping[str, str], seed: int) -> list[str]:
+    """Write data_lists/, unobserved_photos.json and houses.tsv; return warnings.
+
+    Parameters
+    ----------
+    houses : mapping
+        House name to split, as from :func:`residence_names`; their files are there already.
+    seed : int
+        Decides which photos are hidden: of each house the given share, and those that a smaller
+        share hides are hidden by a larger one too.
+    """
+    root = Path(root)
+    hidden: dict[str, list[str]] = {f"{fraction:.1f}": [] for fraction in DROP_FRACTIONS}
+    for house, split in houses.items():
+        table = root / "photo_assignments" / split / f"{house}.photoroom.csv"
+        photos = sorted({row.photo for row in read_rows(table, house_id=house)})
+        order = generator(seed, "unobserved", house).permutation(len(photos))
+        for fraction in DROP_FRACTIONS:
+            count = round(fraction * len(photos))
+            hidden[f"{fraction:.1f}"] += sorted(photos[i] for i in order[:count])
+    for split in SPLITS:
+        names = [house for house, where in houses.items() if where == split]
+        with atomic_path(root / "data_lists" / f"{split}.txt") as temporary:
+            temporary.write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
+    write_json(root / "unobserved_photos.json", hidden)
+    return make_house_table(root)

@@ -1,0 +1,129 @@
+"""Training houses of the propagation network: plans, styles and crops, without any rendering.
+
+A photo's crop of a surface is imitated by a metric window of its clean tile, as soft as crops of
+photos are, under what the light corrections leave of the light of its room (one gain and tint for
+a room, as one photo would have): that is what the embeddings of photographed surfaces vary by.
+"""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import numpy as np
+
+from plan2scene.house import ROOM_TYPES, SURFACES, House, SurfaceKey
+from plan2scene.io import atomic_path
+from plan2scene.propagation.graph import house_graph
+from plan2scene.seeds import derive_seed, generator
+
+#: Sides of the metric windows that crops are cut at (the crop stage's usual sizes).
+WINDOW_METRES = (0.5, 0.75, 1.0)
+CROP = 128
+#: Standard deviations of what white balance and exposure leave of the light (measured on rendered
+#: photos of the validation split, docs/measurements.md: median dE2000 3.7, of it 1.6 in colour).
+EXPOSURE, TINT = 0.055, 0.012
+#: Share of a crop's pixels along a side that the photo had (the crop table's sharpness).
+SHARPNESS = (0.4, 1.0)
+_LOG = logging.getLogger("plan2scene")
+
+
+def metric_window(tile: np.ndarray, size_m: float, metres: float, corner: np.ndarray) -> np.ndarray:
+    """Return a 128x128 crop covering `metres` of a periodic tile.
+
+    Parameters
+    ----------
+    tile : (s, s, 3) uint8 sRGB, one period of `size_m` metres
+    corner : (2,) float in [0, 1), where the window starts, as a share of the tile (row, column)
+    """
+    import cv2
+
+    size = tile.shape[0]
+    pixels = metres / size_m * size
+    # Area filtering before the lookup where the window shrinks the tile, else it would alias.
+    shrink = max(pixels / CROP, 1.0)
+    if shrink > 1.0:
+        small = max(round(size / shrink), 8)
+        tile = cv2.resize(tile, (small, small), interpolation=cv2.INTER_AREA)
+        pixels *= small / size
+        size = small
+    steps = (np.arange(CROP, dtype=np.float32) + 0.5) / CROP * pixels - 0.5
+    rows = np.repeat((steps + corner[0] * size)[:, None], CROP, axis=1).astype(np.float32)
+    columns = np.repeat((steps + corner[1] * size)[None], CROP, axis=0).astype(np.float32)
+    padded = cv2.copyMakeBorder(tile, 0, 1, 0, 1, cv2.BORDER_WRAP)
+    return cv2.remap(
+        padded, columns % size, rows % size, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+    )
+
+
+def lit(crop: np.ndarray, rng: np.random.Generator, tint: np.ndarray) -> np.ndarray:
+    """Return a crop under a room's light: per-channel gain `tint` and a smooth falloff."""
+    slope = rng.normal(0.0, 0.06, 2)
+    ramp = np.linspace(-1.0, 1.0, CROP)
+    field = 1.0 + slope[0] * ramp[:, None] + slope[1] * ramp[None]
+    return np.clip(crop * field[..., None] * tint, 0, 255).astype(np.uint8)
+
+
+def softened(crop: np.ndarray, sharpness: float) -> np.ndarray:
+    """Return a (128, 128, 3) uint8 crop enlarged from `sharpness` of its pixels along a side."""
+    import cv2
+
+    side = max(round(CROP * sharpness), 8)
+    small = cv2.resize(crop, (side, side), interpolation=cv2.INTER_AREA)
+    return cv2.resize(small, (CROP, CROP), interpolation=cv2.INTER_CUBIC)
+
+
+def _house_crops(house: House, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return crops (n, 3, 128, 128, 3) uint8 and substances (n, 3) int of a house's surfaces."""
+    from plan2scene.house import SUBSTANCES
+    from plan2scene_workshop.homes.style import assign_materials
+
+    materials = assign_materials(house, derive_seed(seed, house.id, "style"))
+    crops = np.zeros((len(house.rooms), len(SURFACES), CROP, CROP, 3), dtype=np.uint8)
+    substances = np.zeros(crops.shape[:2], dtype=np.int64)
+    for i, room in enumerate(house.rooms):
+        rng = generator(seed, house.id, room.id, "light")
+        tint = rng.normal(1.0, EXPOSURE) * (1.0 + rng.normal(0.0, TINT, 3))
+        for j, surface in enumerate(SURFACES):
+            material = materials[SurfaceKey(room.id, surface)]
+            window = metric_window(
+                material.albedo, material.size_m, rng.choice(WINDOW_METRES), rng.random(2)
+            )
+            soft = softened(window, float(rng.uniform(*SHARPNESS)))
+            crops[i, j] = lit(soft, rng, tint)
+            substances[i, j] = SUBSTANCES.index(material.substance)
+    return crops, substances
+
+
+def write_training_houses(output: str | Path, *, count: int, seed: int) -> None:
+    """Write `count` synthetic houses as one ``.npz``.
+
+    Arrays, rooms of all houses one after the other: ``house`` (n,) int, ``types`` (n, 12)
+    float32, ``edges`` (2, m) int64 over global room rows, ``crops`` (n, 3, 128, 128, 3) uint8
+    (surfaces in the order of ``SURFACES``), ``substances`` (n, 3) int64.
+    """
+    from plan2scene_workshop.homes.floorplans import generate_house
+
+    owners, types, edges, crops, substances = [], [], [], [], []
+    rooms = 0
+    for k in range(count):
+        house = generate_house(f"train_{k:05d}", derive_seed(seed, "propagation", k))
+        graph = house_graph(house, {})
+        house_crops, house_substances = _house_crops(house, seed)
+        owners.append(np.full(len(house.rooms), k))
+        types.append(graph.types)
+        edges.append(graph.edges + rooms)
+        crops.append(house_crops)
+        substances.append(house_substances)
+        rooms += len(house.rooms)
+        if (k + 1) % 50 == 0:
+            _LOG.info("%d of %d houses, %d rooms", k + 1, count, rooms)
+    with atomic_path(output) as temporary, temporary.open("wb") as file:
+        np.savez(
+            file,
+            house=np.concatenate(owners),
+            types=np.concatenate(types).reshape(-1, len(ROOM_TYPES)),
+            edges=np.concatenate(edges, axis=1),
+            crops=np.concatenate(crops),
+            substances=np.concatenate(substances),
+        )

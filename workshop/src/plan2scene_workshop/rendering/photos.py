@@ -1,0 +1,150 @@
+"""Photos of a synthetic house with their truth."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from plan2scene.house import House, SurfaceKey
+from plan2scene.materials import Material
+from plan2scene.seeds import derive_seed, generator
+from plan2scene_workshop.rendering.camera_effects import develop, draw_style, merge_exposures
+from plan2scene_workshop.rendering.denoise import (
+    MIN_ALBEDO,
+    clamp_fireflies,
+    demodulate,
+    filter_light,
+    upsample,
+)
+from plan2scene_workshop.rendering.lights import look_outside
+from plan2scene_workshop.rendering.scene import SKY, RoomScene, build_room_scene
+from plan2scene_workshop.rendering.tracer import Buffers, Tracer, Truth, load_mitsuba
+from plan2scene_workshop.rendering.views import View
+
+#: Samples per pixel of the full-size guide (albedo, normals): edges and textures.
+GUIDE_SAMPLES = 10
+
+
+@dataclass(frozen=True)
+class RenderedPhoto:
+    """A photo and its truth.
+
+    Attributes
+    ----------
+    image : (h, w, 3) uint8 sRGB
+    labels : (h, w) uint8
+        0 other, 1 floor, 2 wall, 3 ceiling, at pixel centres.
+    planes : (h, w) uint8
+        Index into ``camera["planes"]``, 255 none.
+    camera : dict
+        As in ``cameras.json`` of the truth (``docs/conventions.md``).
+    """
+
+    view: View
+    image: NDArray[np.uint8]
+    labels: NDArray[np.uint8]
+    planes: NDArray[np.uint8]
+    camera: dict[str, Any]
+
+
+def render_house(
+    house: House,
+    materials: Mapping[SurfaceKey, Material],
+    accents: Mapping[str, Material],
+    views: Sequence[View],
+    seed: int,
+    *,
+    height: int = 480,
+    width: int = 640,
+    samples_per_pixel: int = 12,
+    variant: str | None = None,
+) -> Iterator[RenderedPhoto]:
+    """Yield a photo per view, in order; consecutive views of a room share its scene.
+
+    Parameters
+    ----------
+    materials : mapping
+        Material of every surface of the rooms in sight.
+    accents : mapping
+        Material of single walls: by `room id/wall id`, or by wall id for both of its sides.
+    samples_per_pixel : int
+        Light paths per pixel of the half-size light image (see :mod:`.denoise`).
+    variant : str, optional
+        Mitsuba variant; the same seed and variant give the same bytes.
+
+    Raises
+    ------
+    InputError
+        When Mitsuba is missing, or a surface in sight has no material.
+    """
+    mi = load_mitsuba(variant)
+    for room_id, group in itertools.groupby(views, key=lambda view: view.room_id):
+        shots = list(group)
+        scene = build_room_scene(house, room_id, materials, accents, shots, seed)
+        tracer = Tracer(scene.geometry, scene.finishes, mi)
+        for view in shots:
+            yield _shoot(tracer, scene, view, (height, width), samples_per_pixel)
+
+
+def _shoot(
+    tracer: Tracer, scene: RoomScene, view: View, size: tuple[int, int], samples: int
+) -> RenderedPhoto:
+    half = ((size[0] + 1) // 2, (size[1] + 1) // 2)
+    small = tracer.render(view, half, samples, derive_seed(view.seed, "light"))
+    guide = tracer.guide(view, size, GUIDE_SAMPLES, derive_seed(view.seed, "guide"))
+    truth = tracer.truth(view, size)
+    light = light_at(small, tracer.truth(view, half), guide, truth)
+    rng = generator(view.seed, "camera")
+    style = draw_style(rng)
+    light = merge_exposures(light, guide.albedo.max(-1) > MIN_ALBEDO, style.range_kept)
+    emitted = guide.radiance * _outside(scene, truth, view)
+    image = develop(light * guide.albedo + emitted, guide.albedo, style, rng)
+    return RenderedPhoto(view, image, truth.labels, truth.planes, camera_record(scene, view, size))
+
+
+def _outside(scene: RoomScene, hits: Truth, view: View) -> NDArray[np.float32]:
+    """Return what the view outside does to the windows' light (h, w, 3), 1 elsewhere."""
+    windows = np.isin(hits.materials, SKY)
+    near = cv2.dilate(windows.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    seen = look_outside(scene.outside, hits.position, view.position)
+    return np.where(near[..., None], seen, np.float32(1))
+
+
+def light_at(small: Buffers, small_hits: Truth, guide: Buffers, hits: Truth) -> NDArray[np.float32]:
+    """Return light (radiance / albedo) at the guide's size from noisy light at half its size."""
+    height, width = small.albedo.shape[:2]
+    emitted = cv2.resize(guide.radiance, (width, height), interpolation=cv2.INTER_AREA)
+    light, lit = demodulate(np.maximum(small.radiance - emitted, 0), small.albedo)
+    light = clamp_fireflies(light, lit)
+    light = filter_light(light, small_hits.normal, small_hits.position, lit.astype(np.float32))
+    return upsample(light, (small_hits.normal, small_hits.position), (hits.normal, hits.position))
+
+
+def camera_record(scene: RoomScene, view: View, size: tuple[int, int]) -> dict[str, Any]:
+    """Return the truth of a camera as in ``cameras.json``."""
+    height, width = size
+    return {
+        "width": width,
+        "height": height,
+        "focal_px": width / 2 / float(np.tan(view.fov / 2)),
+        "cx": (width - 1) / 2,
+        "cy": (height - 1) / 2,
+        "rotation": view.rotation().tolist(),
+        "position": list(view.position),
+        "room_id": view.room_id,
+        "planes": [
+            {
+                "room_id": plane.key.room_id,
+                "surface": plane.key.surface,
+                "normal": list(plane.normal),
+                "offset": plane.offset,
+            }
+            for plane in scene.planes
+        ],
+    }

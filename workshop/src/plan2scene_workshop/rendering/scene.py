@@ -1,0 +1,263 @@
+"""The scene of one photographed room: itself furnished, and what shows through its doors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from plan2scene.errors import InputError
+from plan2scene.house import House, Room, SurfaceKey
+from plan2scene.materials import Material
+from plan2scene.seeds import generator
+from plan2scene_workshop.rendering.fixtures import (
+    DoorState,
+    add_casing,
+    add_curtains,
+    add_leaf,
+    add_window,
+    draw_door,
+)
+from plan2scene_workshop.rendering.furniture import furnish_room
+from plan2scene_workshop.rendering.geometry import Geometry
+from plan2scene_workshop.rendering.lights import (
+    add_lamps,
+    draw_light,
+    lamp_finish,
+    sky_finish,
+    view_outside,
+)
+from plan2scene_workshop.rendering.palette import (
+    FABRICS,
+    WOODS,
+    Palette,
+    clutter_finishes,
+    draw_palette,
+    pick,
+)
+from plan2scene_workshop.rendering.shell import (
+    FaceOpening,
+    Plane,
+    WallFace,
+    add_room_shell,
+    room_planes,
+    room_polygon,
+    wall_faces,
+)
+from plan2scene_workshop.rendering.tracer import Finish
+from plan2scene_workshop.rendering.views import View
+
+#: Materials of the windows' outside, of the photographed room and of rooms beyond.
+SKY = ("sky", "sky beyond")
+#: How many openings away from the photographed room are still built.
+REACH = 2
+#: Planes a mask can tell apart (255 is none).
+MAX_PLANES = 254
+#: A leaf closer to a camera than this stays closed, metres.
+LEAF_CLEARANCE = 0.7
+
+
+@dataclass(frozen=True)
+class RoomScene:
+    """Geometry, finishes by material name, the planes that the truth's indices name, the view.
+
+    `outside` is the panorama of :func:`.lights.view_outside`, seen where a mesh of the materials
+    :data:`SKY` is hit.
+    """
+
+    geometry: Geometry
+    finishes: dict[str, Finish]
+    planes: tuple[Plane, ...]
+    outside: NDArray[np.float32]
+
+
+def build_room_scene(
+    house: House,
+    room_id: str,
+    materials: Mapping[SurfaceKey, Material],
+    accents: Mapping[str, Material],
+    views: Sequence[View],
+    seed: int,
+) -> RoomScene:
+    """Build the scene of the room; furniture and open doors keep clear of the `views`.
+
+    Doors, furniture and colours depend on the house and the seed, not on the views, except
+    where a view has to be kept clear.
+
+    Raises
+    ------
+    InputError
+        When a surface of a room in sight has no material.
+    """
+    palette = draw_palette(generator(seed, house.id, "palette"))
+    builder = _Builder(house, palette, accents, views, seed)
+    for hops, rooms in enumerate(_rooms_in_sight(house, room_id, builder.doors)):
+        for room in rooms:
+            builder.add_room(room, materials, hops)
+    outside = view_outside(generator(seed, house.id, "outside"))
+    return RoomScene(builder.geometry, builder.finishes, tuple(builder.planes), outside)
+
+
+def _rooms_in_sight(
+    house: House, room_id: str, doors: Mapping[str, DoorState | None]
+) -> list[list[Room]]:
+    """Return the room, then those behind its open doors and passages, and so on to REACH."""
+    rings = [[house.room(room_id)]]
+    seen = {room_id}
+    for _ in range(REACH):
+        ring = []
+        for room in rings[-1]:
+            for door in house.doors:
+                if room.id not in (door.room_a, door.room_b) or door.room_b is None:
+                    continue
+                other = door.room_b if room.id == door.room_a else door.room_a
+                state = doors.get(door.opening_id)
+                if other not in seen and (state is None or state.angle > 0):
+                    seen.add(other)
+                    ring.append(house.room(other))
+        rings.append(ring)
+    return rings
+
+
+class _Builder:
+    """Adds rooms to one geometry; each opening's leaf once."""
+
+    def __init__(
+        self,
+        house: House,
+        palette: Palette,
+        accents: Mapping[str, Material],
+        views: Sequence[View],
+        seed: int,
+    ) -> None:
+        self.house, self.palette, self.accents = house, palette, accents
+        self.views, self.seed = views, seed
+        self.geometry = Geometry()
+        self.finishes = clutter_finishes(house.id, seed)
+        self.planes: list[Plane] = []
+        self.room_id = views[0].room_id
+        self.doors = self._door_states()
+        self._hung: set[str] = set()
+        rng = generator(seed, house.id, "joinery")
+        wood = str(rng.choice(WOODS)) if rng.random() < 0.3 else "paint"
+        self._leaf_look = (wood, palette.door, int(rng.choice([0, 1, 2, 3])))
+
+    def _door_states(self) -> dict[str, DoorState | None]:
+        """Return the state of every door of the house; None for a passage."""
+        inner = {door.opening_id for door in self.house.doors if door.room_b is not None}
+        states: dict[str, DoorState | None] = {}
+        for wall in self.house.walls:
+            for opening in wall.openings:
+                if opening.kind == "door":
+                    rng = generator(self.seed, self.house.id, "door", opening.id)
+                    state = draw_door(rng, inner=opening.id in inner)
+                    if self._near_camera(wall.start, wall.end, opening.start, opening.end):
+                        state = DoorState(0.0, state.hinge_left, state.swings_in)
+                    states[opening.id] = state
+                elif opening.kind == "passage":
+                    states[opening.id] = None
+        return states
+
+    def _near_camera(
+        self, start: tuple[float, float], end: tuple[float, float], low: float, high: float
+    ) -> bool:
+        """Return whether a camera stands in the circle that an open leaf sweeps."""
+        a, b = np.array(start), np.array(end)
+        along = (b - a) / max(float(np.hypot(*(b - a))), 1e-9)
+        middle = a + along * (low + high) / 2
+        limit = (high - low) + LEAF_CLEARANCE
+        return any(
+            float(np.hypot(view.position[0] - middle[0], view.position[2] - middle[1])) < limit
+            for view in self.views
+        )
+
+    def add_room(self, room: Room, materials: Mapping[SurfaceKey, Material], hops: int) -> None:
+        """Add a room `hops` openings away from the photographed one."""
+        faces = wall_faces(self.house, room)
+        if len(self.planes) + 2 + len(faces) > MAX_PLANES:
+            raise InputError(
+                f"at most {MAX_PLANES} planes in sight", "more", house=self.house.id, room=room.id
+            )
+        for key in room.surface_keys():
+            if key not in materials:
+                raise InputError(
+                    f"a material of {key.surface}", "none", house=self.house.id, room=room.id
+                )
+            self.finishes["/".join(key)] = surface_finish(materials[key])
+        special = self._accent_walls(room, faces)
+        add_room_shell(self.geometry, room, faces, len(self.planes), special, self.palette.trim)
+        self.planes += room_planes(room, faces)
+        for face in faces:
+            for hole in face.openings:
+                self._add_opening(face, hole, hops)
+        panes = [h for face in faces for h in face.openings if _is_window(h)]
+        self._light(room, hops, sum((h.right - h.left) * (h.top - h.bottom) for h in panes))
+        if hops < REACH:
+            rng = generator(self.seed, self.house.id, room.id, "furniture")
+            cameras = [shapely.Point(v.position[0], v.position[2]) for v in self.views]
+            furnish_room(self.geometry, room, faces, self.palette, rng, cameras)
+
+    def _accent_walls(self, room: Room, faces: tuple[WallFace, ...]) -> dict[str, str]:
+        """Return the material names of walls with an accent: `room/wall id`, else the wall's id."""
+        special = {}
+        for face in faces:
+            for name in (f"{room.id}/{face.wall.id}", face.wall.id):
+                if name in self.accents:
+                    special[face.wall.id] = f"accent {name}"
+                    self.finishes[f"accent {name}"] = surface_finish(self.accents[name])
+                    break
+        return special
+
+    def _add_opening(self, face: WallFace, hole: FaceOpening, hops: int) -> None:
+        rng = generator(self.seed, self.house.id, face.room_id, hole.opening.id)
+        if _is_window(hole):
+            drop = float(rng.uniform(0.15, 0.6)) if rng.random() < 0.2 else 0.0
+            sky = SKY[0] if hops == 0 else SKY[1]
+            add_window(self.geometry, face, hole, self.palette, rng, sky, drop)
+            if drop == 0.0 and rng.random() < 0.55:
+                material = str(rng.choice([*FABRICS, "fabric", "fabric"]))
+                colour = pick(rng, self.palette.fabrics)
+                add_curtains(self.geometry, face, hole, material, colour, rng)
+            return
+        if hole.opening.kind == "door":
+            add_casing(self.geometry, face, hole, self.palette.trim)
+            state = self.doors[hole.opening.id]
+            if hole.opening.id not in self._hung and state is not None:
+                self._hung.add(hole.opening.id)
+                far = hops == REACH
+                state = DoorState(0.0, True, True) if far else state
+                add_leaf(self.geometry, face, hole, state, self._leaf_look)
+
+    def _light(self, room: Room, hops: int, windows: float) -> None:
+        """Add lamps and set the emitters; rooms beyond share one dim emitter each kind.
+
+        `windows` is the area of the room's windows in square metres.
+        """
+        rng = generator(self.seed, self.house.id, room.id, "lamps")
+        lamp = "lamp" if hops == 0 else "lamp beyond"
+        if hops == 0:
+            area = add_lamps(self.geometry, room, lamp, rng)
+            light = generator(self.seed, self.house.id, room.id, "light")
+            plan = draw_light(light, room_polygon(room).area, windows)
+            self.finishes[SKY[0]] = sky_finish(plan)
+            beyond = replace(plan, sky=min(plan.sky, 15.0))
+            self.finishes[SKY[1]] = sky_finish(beyond)
+            self.finishes[lamp] = lamp_finish(plan, room, area)
+            self._plan = plan
+        elif windows == 0.0 and hops < REACH:
+            area = add_lamps(self.geometry, room, lamp, rng)
+            dim = replace(self._plan, lamps=0.5)
+            self.finishes[lamp] = lamp_finish(dim, room, area)
+
+
+def _is_window(hole: FaceOpening) -> bool:
+    return hole.opening.kind == "window"
+
+
+def surface_finish(material: Material) -> Finish:
+    """Return how a surface of that material looks; walls and carpets are plain diffuse."""
+    rough = 1.0 if material.substance in ("plaster", "carpet") else material.roughness
+    return Finish(material.albedo, material.size_m, max(rough, 0.08))

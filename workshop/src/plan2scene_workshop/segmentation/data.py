@@ -1,0 +1,178 @@
+"""Labelled photos for the segmentation network, and the scores of its answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.io import (
+    image_from_bytes,
+    png_bytes,
+    read_image,
+    read_json,
+    read_parquet,
+    read_text,
+    safe_join,
+    write_parquet,
+)
+from plan2scene.photos.labels.palette import IGNORE, LABELS, read_label_png
+
+
+@dataclass(frozen=True)
+class Gaze:
+    """Where a photo's camera looks, independent of the photo's size.
+
+    Parameters
+    ----------
+    up : (3,) tuple of float
+        The world's up direction in camera axes (x right, y down, z forward), a unit vector.
+    focal : float
+        Focal length divided by the photo's width.
+    """
+
+    up: tuple[float, float, float]
+    focal: float
+
+
+@dataclass(frozen=True, eq=False)
+class LabelledPhoto:
+    """A photo with its true labels.
+
+    Attributes
+    ----------
+    name : str
+    image : (h, w, 3) uint8 sRGB
+    labels : (h, w) uint8
+        0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore.
+    gaze : Gaze, optional
+        Where its camera looks, if known.
+    """
+
+    name: str
+    image: np.ndarray
+    labels: np.ndarray
+    gaze: Gaze | None = None
+
+
+def read_labelled_photos(root: str | Path, split: str, *, long_side: int) -> list[LabelledPhoto]:
+    """Return the photos of a split of a synthetic data set, scaled down to `long_side` pixels.
+
+    Reads ``data_lists/{split}.txt``, ``truth/{split}/{house}/cameras.json`` (which names the
+    photos), ``photos/`` and the masks beside (``docs/conventions.md``).
+    """
+    base = Path(root)
+    listing = base / "data_lists" / f"{split}.txt"
+    houses = read_text(listing).split()
+    photos = [photo for house in houses for photo in _house_photos(base, split, house, long_side)]
+    if not photos:
+        raise InputError("at least one photo with a truth mask", "none", file=listing)
+    return photos
+
+
+def _house_photos(base: Path, split: str, house: str, long_side: int) -> Iterator[LabelledPhoto]:
+    """Yield the photos of one house with their masks."""
+    truth = safe_join(base / "truth" / split, house)
+    cameras = read_json(truth / "cameras.json")
+    for name in sorted(cameras):
+        image = read_image(safe_join(base / "photos", name), house=house)
+        labels = read_label_png(truth / "masks" / f"{Path(name).stem}.png", house=house)
+        if labels.shape != image.shape[:2]:
+            raise InputError(
+                f"a mask of size {image.shape[:2]}", str(labels.shape), file=name, house=house
+            )
+        yield LabelledPhoto(name, *scaled_down(image, labels, long_side), gaze_of(cameras[name]))
+
+
+def gaze_of(camera: Mapping[str, Any]) -> Gaze | None:
+    """Return where a camera looks, given as in a truth file; None when that does not say."""
+    if "rotation" not in camera:
+        return None
+    up = tuple(float(row[1]) for row in camera["rotation"])
+    return Gaze((up[0], up[1], up[2]), float(camera["focal_px"]) / float(camera["width"]))
+
+
+def write_scenes(path: str | Path, scenes: Sequence[LabelledPhoto], metadata: Any) -> None:
+    """Write drawn rooms to a Parquet file: name, image and labels as PNG bytes, gaze."""
+    import pandas as pd
+
+    rows = [
+        {
+            "name": scene.name,
+            "image": png_bytes(scene.image),
+            "labels": png_bytes(scene.labels),
+            "up": None if scene.gaze is None else list(scene.gaze.up),
+            "focal": None if scene.gaze is None else scene.gaze.focal,
+        }
+        for scene in scenes
+    ]
+    write_parquet(path, pd.DataFrame(rows), metadata)
+
+
+def read_scenes(path: str | Path) -> list[LabelledPhoto]:
+    """Return the drawn rooms of :func:`write_scenes`."""
+    frame, _ = read_parquet(path)
+    return [
+        LabelledPhoto(
+            row.name_,
+            image_from_bytes(row.image),
+            np.asarray(cv2.imdecode(np.frombuffer(row.labels, np.uint8), cv2.IMREAD_GRAYSCALE)),
+            None if row.up is None else Gaze(tuple(row.up), float(row.focal)),
+        )
+        for row in frame.rename(columns={"name": "name_"}).itertuples()
+    ]
+
+
+def scaled_down(
+    image: np.ndarray, labels: np.ndarray, long_side: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return photo and labels with the longer side at most `long_side` pixels."""
+    height, width = labels.shape
+    scale = long_side / max(height, width)
+    if scale >= 1:
+        return image, labels
+    size = (round(width * scale), round(height * scale))
+    return (
+        cv2.resize(image, size, interpolation=cv2.INTER_AREA),
+        cv2.resize(labels, size, interpolation=cv2.INTER_NEAREST),
+    )
+
+
+def confusion(predicted: np.ndarray, true: np.ndarray) -> np.ndarray:
+    """Return (4, 4) int64 pixel counts, rows true and columns predicted; 255 is left out.
+
+    Parameters
+    ----------
+    predicted, true : (h, w) uint8
+    """
+    count = len(LABELS)
+    kept = true != IGNORE
+    pairs = true[kept].astype(np.int64) * count + predicted[kept]
+    return np.bincount(pairs, minlength=count * count).reshape(count, count)
+
+
+@dataclass(frozen=True)
+class Scores:
+    """Scores over many photos, all in [0, 1]; NaN for a label that occurs nowhere."""
+
+    iou: tuple[float, ...]  #: intersection over union per label, in the order of LABELS
+    accuracy: float  #: share of pixels labelled rightly
+
+    @property
+    def mean_iou(self) -> float:
+        """Mean over the labels that occur."""
+        return float(np.nanmean(self.iou))
+
+
+def scores(matrices: Sequence[np.ndarray]) -> Scores:
+    """Return the scores of summed confusion matrices (pixels of all photos count alike)."""
+    total = np.sum(matrices, axis=0).astype(np.float64)
+    hit = np.diag(total)
+    union = total.sum(axis=0) + total.sum(axis=1) - hit
+    iou = np.divide(hit, union, out=np.full(len(hit), np.nan), where=union > 0)
+    return Scores(tuple(iou.tolist()), float(hit.sum() / total.sum()))

@@ -1,0 +1,167 @@
+"""Training data of the texture model: tiles in memory, random crops of them, degraded inputs."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from plan2scene.house import SUBSTANCES
+from plan2scene.materials import load_texture_folder, random_material
+from plan2scene.seeds import derive_seed
+
+_LOGGER = logging.getLogger("plan2scene")
+TILE_PX, CROP_PX = 256, 128
+
+
+@dataclass(frozen=True, eq=False)
+class TextureSet:
+    """Tileable textures.
+
+    Attributes
+    ----------
+    tiles : (n, 256, 256, 3) uint8
+        sRGB albedo, repeating in both directions.
+    substances : (n,) int64
+        Index into ``house.SUBSTANCES``.
+    scanned : (n,) bool
+        True for textures of a folder, False for procedural ones.
+    """
+
+    tiles: np.ndarray
+    substances: np.ndarray
+    scanned: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.tiles)
+
+
+def procedural_textures(count: int, seed: int, cache: Path | None = None) -> TextureSet:
+    """Return `count` procedural materials, the same number of each substance in turn.
+
+    `cache` names an ``.npz`` file that keeps them between runs (it holds count and seed).
+    """
+    substances = np.arange(count, dtype=np.int64) % len(SUBSTANCES)
+    scanned = np.zeros(count, dtype=bool)
+    if cache is not None and cache.is_file():
+        with np.load(cache) as stored:
+            if stored["key"].tolist() == [count, seed]:
+                return TextureSet(stored["tiles"], substances, scanned)
+    tiles = np.empty((count, TILE_PX, TILE_PX, 3), dtype=np.uint8)
+    for index, substance in enumerate(substances):
+        name = SUBSTANCES[substance]
+        material = random_material(name, derive_seed(seed, "texture training", index))
+        tiles[index] = material.albedo
+        if (index + 1) % 200 == 0:
+            _LOGGER.info("%d of %d procedural materials", index + 1, count)
+    if cache is not None:
+        cache.parent.mkdir(parents=True, exist_ok=True)
+        np.savez(cache, tiles=tiles, key=np.array([count, seed]))
+    return TextureSet(tiles, substances, scanned)
+
+
+def scanned_textures(folder: str | Path, split: str | None) -> TextureSet:
+    """Return the textures of a folder (one subfolder per substance) as a set."""
+    materials = load_texture_folder(folder, split=split, size_px=TILE_PX)
+    return TextureSet(
+        np.stack([material.albedo for material in materials]),
+        np.array([SUBSTANCES.index(m.substance) for m in materials], dtype=np.int64),
+        np.ones(len(materials), dtype=bool),
+    )
+
+
+def join_sets(*sets: TextureSet) -> TextureSet:
+    """Return the textures of several sets as one."""
+    return TextureSet(
+        np.concatenate([s.tiles for s in sets]),
+        np.concatenate([s.substances for s in sets]),
+        np.concatenate([s.scanned for s in sets]),
+    )
+
+
+def sampling_weights(textures: TextureSet, scanned_share: float) -> np.ndarray:
+    """Return how often each texture is drawn, (n,) summing to 1.
+
+    Every substance is drawn equally often within scanned and within procedural textures; scanned
+    ones take `scanned_share` of all draws where there are any.
+    """
+    weights = np.zeros(len(textures))
+    shares = {True: scanned_share, False: 1.0 - scanned_share}
+    for scanned, share in shares.items():
+        group = textures.scanned == scanned
+        present = np.unique(textures.substances[group])
+        for substance in present:
+            members = group & (textures.substances == substance)
+            weights[members] = share / len(present) / members.sum()
+    return weights / weights.sum()
+
+
+def random_crop(tile: np.ndarray, rng: np.random.Generator, *, closest_px: int) -> np.ndarray:
+    """Return a random 128x128 crop of a tile: toroidal shift, scale, flips, quarter turns.
+
+    Parameters
+    ----------
+    tile : (256, 256, 3) uint8
+    closest_px : int
+        Smallest side of the window in tile pixels; the largest is the whole tile.
+    """
+    side = int(rng.integers(closest_px, TILE_PX + 1))
+    shift = rng.integers(0, TILE_PX, 2)
+    window = np.roll(tile, tuple(shift), axis=(0, 1))[:side, :side]
+    method = cv2.INTER_AREA if side > CROP_PX else cv2.INTER_LINEAR
+    crop = cv2.resize(window, (CROP_PX, CROP_PX), interpolation=method)
+    crop = crop[:: 1 - 2 * int(rng.integers(2)), :: 1 - 2 * int(rng.integers(2))]
+    return np.ascontiguousarray(np.rot90(crop, int(rng.integers(2))))
+
+
+def degrade(crop: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return a crop as a photograph might show it: uneven light, slight blur, sensor noise.
+
+    Brightness varies smoothly by up to about 20 % with a median of 1, so that the crop's median
+    colour stays the texture's.
+
+    Parameters
+    ----------
+    crop : (128, 128, 3) uint8
+    """
+    line = np.linspace(-1.0, 1.0, CROP_PX, dtype=np.float32)
+    fx, fy = rng.uniform(-0.9, 0.9, 2)
+    bend, phase = rng.uniform(-0.15, 0.15), rng.uniform(0, 2 * np.pi)
+    slope = rng.uniform(-0.15, 0.15, 2)
+    wave = np.sin(np.pi * (fx * line[None, :] + fy * line[:, None]) + phase)
+    field = slope[0] * line[None, :] + slope[1] * line[:, None] + bend * wave
+    gain = np.exp(field - np.median(field))[..., None]
+    image = crop.astype(np.float32) * gain
+    if rng.random() < 0.5:
+        image = cv2.GaussianBlur(image, (0, 0), float(rng.uniform(0.3, 0.9)))
+    image += rng.normal(0.0, rng.uniform(0.0, 3.0), image.shape)
+    return np.rint(np.clip(image, 0, 255)).astype(np.uint8)
+
+
+@dataclass(frozen=True)
+class Batch:
+    """A training step: ``inputs, targets (n, 128, 128, 3) uint8`` and ``substances (n,)``."""
+
+    inputs: np.ndarray
+    targets: np.ndarray
+    substances: np.ndarray
+
+
+def draw_batch(
+    textures: TextureSet, weights: np.ndarray, size: int, rng: np.random.Generator
+) -> Batch:
+    """Return a random batch; scanned tiles (upsampled) are never looked at closely."""
+    chosen = rng.choice(len(textures), size=size, p=weights)
+    targets = np.stack(
+        [
+            random_crop(
+                textures.tiles[index], rng, closest_px=192 if textures.scanned[index] else 116
+            )
+            for index in chosen
+        ]
+    )
+    inputs = np.stack([degrade(crop, rng) if rng.random() < 0.6 else crop for crop in targets])
+    return Batch(inputs, targets, textures.substances[chosen])
