@@ -139,7 +139,8 @@ def model_card(
 
 Labels every pixel of a room photo as other, floor, wall or ceiling; doors, windows, furniture,
 rugs and pictures are other. `plan2scene.photos.labels.segmentation.SegmentationNet`,
-{size / 1e6:.2f} M parameters, float16; photos are scaled to {network.long_side} pixels on their longer side.
+{size / 1e6:.2f} M parameters, float16; photos are scaled to {network.long_side} pixels on their
+longer side.
 
 - Data: {counts["photos"]} rendered photos of the synthetic train split and {counts["scenes"]}
   drawn rooms (`training.segmentation_scenes`); no real photo.
