@@ -115,6 +115,8 @@ def run(request: SingleHouse, out: Path, *, cores: int) -> dict[str, Path]:
 
     Raises InputError for faults of the input, WorkflowError when the workflow fails.
     """
+    if not (WORKFLOW / "Snakefile").is_file():
+        raise WorkflowError(f"this installation lacks the workflow: no Snakefile in {WORKFLOW}")
     work = out / "work"
     config = prepare(request, work)
     base = f"results/{DATASET}/houses/{request.house}"
