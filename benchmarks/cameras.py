@@ -25,7 +25,7 @@ import numpy as np
 from plane_errors import PlaneError, plane_errors
 
 from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.io import read_image
+from plan2scene.images import read_image
 from plan2scene.photos.camera.calibration import (
     DEFAULT_FOV_DEG,
     HIGH_CONFIDENCE,

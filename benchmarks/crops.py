@@ -43,7 +43,8 @@ from plan2scene.datasets import read_assignment
 from plan2scene.datasets.house_table import load_houses
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import House
-from plan2scene.io import read_image, read_json
+from plan2scene.images import read_image
+from plan2scene.io import read_json
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.freq import freq_distance
 from plan2scene.photos.crops.candidates import CropSettings

@@ -25,7 +25,7 @@ from exemplar_patterns import pattern_rows
 
 from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.house import SUBSTANCES
-from plan2scene.io import write_png
+from plan2scene.images import write_png
 from plan2scene.materials import load_texture_folder, random_material
 from plan2scene.materials.material import Material
 from plan2scene.metrics.color import color_distance

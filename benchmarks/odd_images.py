@@ -22,7 +22,7 @@ READ_ONE = """
 import resource, sys
 from PIL import Image, ImageCms
 from plan2scene.errors import InputError
-from plan2scene.io import read_image
+from plan2scene.images import read_image
 Image.init()
 # Not ru_maxrss: that one begins with the parent's.
 peak = lambda: int(open("/proc/self/status").read().split("VmHWM:")[1].split()[0])

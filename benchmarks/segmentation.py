@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from plan2scene.io import read_image
+from plan2scene.images import read_image
 from plan2scene.photos.camera.calibration import estimate_camera
 from plan2scene.photos.labels.palette import LABELS, read_label_png
 from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter

@@ -79,7 +79,7 @@ def label_photos(
     model: Annotated[Path | None, typer.Option(help="Other segmentation weights.")] = None,
 ) -> None:
     """Write label images (0 other, 1 floor, 2 wall, 3 ceiling) at the photos' size."""
-    from plan2scene.io import read_image, write_png
+    from plan2scene.images import read_image, write_png
     from plan2scene.photos.labels.segmentation import labels_told_camera, load_segmenter
     from plan2scene.weights import MODELS
 
@@ -109,7 +109,7 @@ def make_texture(
     seed: Annotated[int, typer.Option(min=0)] = 0,
 ) -> None:
     """Make one seamless tile from crops of one surface."""
-    from plan2scene.io import read_image, write_png
+    from plan2scene.images import read_image, write_png
     from plan2scene.textures.single import tile_from_crops
 
     images = [read_image(path) for path in crops]
@@ -120,7 +120,7 @@ def make_texture(
 @app.command("metrics")
 def compare(prediction: Path, reference: Path) -> None:
     """Print COLOR, FREQ, TILE (of the prediction) and SUBS of a texture against a reference."""
-    from plan2scene.io import read_image
+    from plan2scene.images import read_image
     from plan2scene.metrics.pair import pair_metrics
 
     print(json.dumps(pair_metrics(read_image(prediction), read_image(reference))))

@@ -1,30 +1,16 @@
-"""Pictures as strangers save them: which files are tried, how large, and every mode as sRGB.
-
-Formats outside `FORMATS` are refused: Pillow would hand PostScript to an outside program, and a
-camera or a phone writes none of them.
-"""
+"""Pictures of every mode as upright 8-bit sRGB."""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plan2scene.errors import InputError
-
 if TYPE_CHECKING:
     from PIL import Image
 
-#: Images with more pixels are refused before they are decoded (memory of a job stays bounded).
-MAX_PIXELS = 50_000_000
-#: Image files above this many bytes are refused before they are read.
-MAX_IMAGE_BYTES = 200_000_000
-#: What Pillow may try; JPEG includes those with a second picture that many phones write (MPO).
-FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "TIFF", "BMP", "PPM")
-FORMAT_NAMES = "JPEG, PNG, GIF, WebP, TIFF, BMP or PPM"
 _MAX_ICC_BYTES = 4_000_000
 _BAND_ROWS = 256
 #: EXIF orientation -> Pillow's transposition that makes the picture upright.
@@ -37,73 +23,6 @@ _UPRIGHT = {
     7: "TRANSVERSE",
     8: "ROTATE_90",
 }
-
-
-def check_file(path: Path) -> None:
-    """Raise InputError for what is no file of a bearable size (folder, pipe, device, too big)."""
-    if not path.exists():
-        raise InputError("an image", "no such file", file=path)
-    if not path.is_file():
-        raise InputError("an image", "a folder" if path.is_dir() else "no plain file", file=path)
-    size = path.stat().st_size
-    if size == 0:
-        raise InputError("an image", "an empty file", file=path)
-    if size > MAX_IMAGE_BYTES:
-        raise InputError(f"an image of at most {MAX_IMAGE_BYTES} bytes", f"{size}", file=path)
-
-
-def check_size(width: int, height: int) -> None:
-    """Raise InputError for a declared size without pixels or with more than `MAX_PIXELS`."""
-    if width * height > MAX_PIXELS:
-        raise InputError(f"an image of at most {MAX_PIXELS} pixels", f"{width}x{height}")
-    if width < 1 or height < 1:
-        raise InputError("an image with pixels", f"{width}x{height}")
-
-
-def kind_of(head: bytes) -> str:
-    """Return in words what the first bytes of a file that is no readable image look like."""
-    if head[4:8] == b"ftyp":
-        brand = head[8:12].decode("ascii", "replace")
-        return f"a HEIF or AVIF picture or a video ({brand}); convert it to JPEG"
-    signatures = (
-        (b"%PDF", "a PDF"),
-        (b"%!PS", "PostScript"),
-        (b"PK\x03\x04", "a ZIP archive"),
-        (b"8BPS", "a Photoshop file"),
-        (b"\xff\xd8\xff", "a damaged JPEG"),
-        (b"\x89PNG", "a damaged PNG"),
-        (b"GIF8", "a damaged GIF"),
-        (b"RIFF", "a damaged or unknown RIFF file"),
-    )
-    for start, name in signatures:
-        if head.startswith(start):
-            return name
-    text = head.lstrip(b"\xef\xbb\xbf \t\r\n").lower()
-    if text.startswith((b"<svg", b"<?xml", b"<!doctype svg")):
-        return "SVG or XML"
-    if text.startswith((b"<!doctype html", b"<html")):
-        return "an HTML page"
-    if head and all(byte in b"\t\n\r" or byte >= 32 for byte in head):
-        return "text"
-    return "a file that is none"
-
-
-def check_webp(head: bytes) -> None:
-    """Raise InputError for a WebP whose first 30 bytes declare too large a canvas.
-
-    Pillow allocates the canvas when it opens the file, before it tells the size.
-    """
-    if head[:4] != b"RIFF" or head[8:12] != b"WEBP" or len(head) < 30:
-        return
-    kind = head[12:16]
-    if kind == b"VP8X":
-        width, height = (int.from_bytes(head[k : k + 3], "little") + 1 for k in (24, 27))
-    elif kind == b"VP8L":
-        bits = int.from_bytes(head[21:25], "little")
-        width, height = (bits & 0x3FFF) + 1, (bits >> 14 & 0x3FFF) + 1
-    else:
-        width, height = (int.from_bytes(head[k : k + 2], "little") & 0x3FFF for k in (26, 28))
-    check_size(width, height)
 
 
 def to_srgb(image: Image.Image) -> np.ndarray:

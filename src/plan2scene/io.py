@@ -1,4 +1,4 @@
-"""Files: atomic writes, self-describing Parquet, images from strangers.
+"""Files: atomic writes, text and JSON from strangers, self-describing Parquet.
 
 Imports only what a function needs, so that a job without tables never pays for pandas.
 """
@@ -7,24 +7,18 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from plan2scene import image_modes
 from plan2scene.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
-    from PIL import Image
 
-_Decoded = TypeVar("_Decoded")
 #: Text inputs (plans, tables) above this many bytes are refused before they are read.
 MAX_TEXT_BYTES = 256_000_000
 #: Version of every Parquet schema in docs/conventions.md.
@@ -109,77 +103,6 @@ def safe_join(
             "a plain file name without '..' or a leading '/'", repr(name), file=file, house=house
         )
     return Path(folder) / name
-
-
-def read_image(path: str | os.PathLike[str], *, house: str = "") -> np.ndarray:
-    """Return an image as (h, w, 3) uint8 sRGB, EXIF orientation applied, alpha over white.
-
-    Any mode of `image_modes.FORMATS` is converted (palette, CMYK, grey, 16 bit, float), an
-    embedded colour profile is honoured; of an animation or a file of pages the first counts.
-    Raises InputError for what is no such image, is truncated, has over `image_modes.MAX_PIXELS`
-    pixels or `image_modes.MAX_IMAGE_BYTES` bytes; the limits are checked before decoding.
-    """
-    return decode_image(path, image_modes.to_srgb, house=house)
-
-
-def decode_image(
-    path: str | os.PathLike[str], decode: Callable[[Image.Image], _Decoded], *, house: str = ""
-) -> _Decoded:
-    """Return what `decode` makes of the opened Pillow image; one InputError for all that fails."""
-    import io
-    import warnings
-
-    from PIL import Image, UnidentifiedImageError
-
-    in_memory = isinstance(path, io.BytesIO)
-    file, head = ("" if in_memory else path), b""
-    try:
-        if not in_memory:
-            image_modes.check_file(Path(path))
-            with Path(path).open("rb") as stream:
-                head = stream.read(64)
-            image_modes.check_webp(head)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(path, formats=image_modes.FORMATS) as image:
-                image_modes.check_size(*image.size)
-                return decode(image)
-    except InputError as error:
-        raise InputError(error.expected, error.found, file=file, house=house) from None
-    except UnidentifiedImageError:
-        expected = f"an image ({image_modes.FORMAT_NAMES})"
-        raise InputError(expected, image_modes.kind_of(head), file=file, house=house) from None
-    except Image.DecompressionBombError as error:  # Pillow's own limit, before the size is known
-        count = re.search(r"\d+", str(error))
-        expected = f"an image of at most {image_modes.MAX_PIXELS} pixels"
-        raise InputError(expected, count[0] if count else "more", file=file, house=house) from None
-    except Exception as error:  # decoders raise many kinds on damaged data; all mean the same
-        found = f"{type(error).__name__}: {error}"
-        raise InputError("an image that decodes", found, file=file, house=house) from None
-
-
-def png_bytes(image: np.ndarray) -> bytes:
-    """Return a (h, w, 3) or (h, w) uint8 image as PNG bytes (same bytes for same pixels)."""
-    import io
-
-    from PIL import Image
-
-    buffer = io.BytesIO()
-    Image.fromarray(image).save(buffer, format="PNG", compress_level=6)
-    return buffer.getvalue()
-
-
-def image_from_bytes(data: bytes) -> np.ndarray:
-    """Return PNG or JPEG bytes as (h, w, 3) uint8 sRGB."""
-    import io
-
-    return read_image(io.BytesIO(data))  # type: ignore[arg-type]
-
-
-def write_png(path: str | os.PathLike[str], image: np.ndarray) -> None:
-    """Write a (h, w, 3) sRGB or (h, w) grey uint8 image as PNG, atomically."""
-    with atomic_path(path) as temporary:
-        temporary.write_bytes(png_bytes(image))
 
 
 def write_parquet(

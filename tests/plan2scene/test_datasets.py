@@ -21,7 +21,7 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans import write_scene_json
 from plan2scene.floorplans.geometry import walls_of_rooms
 from plan2scene.house import House, Room
-from plan2scene.io import png_bytes
+from plan2scene.images import png_bytes
 
 HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from plan2scene import image_modes
+from plan2scene import images
 from plan2scene import io as p2s_io
 from plan2scene.errors import InputError
 
@@ -22,7 +22,7 @@ def test_every_mode_becomes_rgb(tmp_path, mode):
     suffix = "tif" if mode in ("CMYK", "YCbCr") else "png"
     path = tmp_path / f"x.{suffix}"
     picture(mode).save(path)
-    image = p2s_io.read_image(path)
+    image = images.read_image(path)
     assert image.shape == (4, 4, 3)
     assert image.dtype == np.uint8
 
@@ -30,13 +30,13 @@ def test_every_mode_becomes_rgb(tmp_path, mode):
 def test_16_bit_keeps_its_brightness(tmp_path):
     path = tmp_path / "x.png"
     Image.fromarray(np.full((2, 2), 32768, dtype=np.uint16)).save(path)
-    assert np.all(p2s_io.read_image(path) == 128)
+    assert np.all(images.read_image(path) == 128)
 
 
 def test_transparent_pixels_are_white(tmp_path):
     path = tmp_path / "x.png"
     Image.new("RGBA", (2, 2), (255, 0, 0, 0)).save(path)
-    assert np.all(p2s_io.read_image(path) == 255)
+    assert np.all(images.read_image(path) == 255)
 
 
 def test_exif_rotation_is_applied(tmp_path):
@@ -44,7 +44,7 @@ def test_exif_rotation_is_applied(tmp_path):
     exif = Image.Exif()
     exif[0x0112] = 6
     Image.new("RGB", (8, 4)).save(path, exif=exif)
-    assert p2s_io.read_image(path).shape == (8, 4, 3)
+    assert images.read_image(path).shape == (8, 4, 3)
 
 
 def damaged() -> dict[str, bytes]:
@@ -66,17 +66,17 @@ def test_what_is_no_image_gives_one_line(tmp_path, name):
     path = tmp_path / name
     path.write_bytes(damaged()[name])
     with pytest.raises(InputError) as error:
-        p2s_io.read_image(path, house="h")
+        images.read_image(path, house="h")
     text = str(error.value)
     assert name in text and "house h" in text and "expected" in text and "\n" not in text
 
 
 def test_too_many_pixels_are_refused_before_decoding(tmp_path, monkeypatch):
-    monkeypatch.setattr(image_modes, "MAX_PIXELS", 99)
+    monkeypatch.setattr(images, "MAX_PIXELS", 99)
     path = tmp_path / "x.png"
     Image.new("RGB", (10, 10)).save(path)
     with pytest.raises(InputError, match="10x10"):
-        p2s_io.read_image(path)
+        images.read_image(path)
 
 
 @pytest.mark.parametrize(
@@ -128,8 +128,8 @@ def test_foreign_parquet_is_refused(tmp_path):
 
 def test_png_bytes_round_trip():
     image = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
-    assert np.array_equal(p2s_io.image_from_bytes(p2s_io.png_bytes(image)), image)
-    assert p2s_io.png_bytes(image) == p2s_io.png_bytes(image.copy())
+    assert np.array_equal(images.image_from_bytes(images.png_bytes(image)), image)
+    assert images.png_bytes(image) == images.png_bytes(image.copy())
 
 
 def test_deep_json_is_one_line(tmp_path):

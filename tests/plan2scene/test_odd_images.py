@@ -16,9 +16,9 @@ import pytest
 from PIL import Image, ImageCms
 from PIL.PngImagePlugin import PngInfo
 
-from plan2scene import image_modes
+from plan2scene import images
 from plan2scene.errors import InputError
-from plan2scene.io import read_image
+from plan2scene.images import read_image
 
 #: What is drawn: four flat quarters, no two alike however the picture is turned.
 QUARTERS = ((200, 40, 30), (40, 160, 60), (30, 60, 190), (230, 220, 60))
@@ -345,8 +345,8 @@ def test_folders_and_pipes_are_no_images(tmp_path: Path) -> None:
 def test_a_file_of_too_many_bytes_is_not_read(tmp_path: Path) -> None:
     path = tmp_path / "big.png"
     path.write_bytes(saved(rgb(), "PNG"))
-    os.truncate(path, image_modes.MAX_IMAGE_BYTES + 1)  # sparse: takes no room on the disk
-    with pytest.raises(InputError, match=f"at most {image_modes.MAX_IMAGE_BYTES} bytes"):
+    os.truncate(path, images.MAX_IMAGE_BYTES + 1)  # sparse: takes no room on the disk
+    with pytest.raises(InputError, match=f"at most {images.MAX_IMAGE_BYTES} bytes"):
         read_image(path)
 
 
@@ -391,7 +391,7 @@ READ_ALL = """
 import resource, sys
 from PIL import Image, ImageCms
 from plan2scene.errors import InputError
-from plan2scene.io import read_image
+from plan2scene.images import read_image
 Image.init()
 # Not ru_maxrss: that one begins with the parent's.
 peak = lambda: int(open("/proc/self/status").read().split("VmHWM:")[1].split()[0])
@@ -429,5 +429,5 @@ def test_bombs_are_refused_with_little_memory(tmp_path: Path) -> None:
             continue  # the picture is sound: it may be read or refused, within the memory
         assert line.startswith(f"line file {path}: expected an image"), line
         if "near_limit" not in path:
-            assert f"at most {image_modes.MAX_PIXELS} pixels" in line
+            assert f"at most {images.MAX_PIXELS} pixels" in line
     assert 0 <= int(last.split()[1]) < 120, run.stdout

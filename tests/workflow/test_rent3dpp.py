@@ -9,7 +9,8 @@ import pytest
 import torch
 from clones import Clone, demo_rows, make_clone, photos_of, write_table
 
-from plan2scene.io import png_bytes, write_parquet
+from plan2scene.images import png_bytes
+from plan2scene.io import write_parquet
 from plan2scene.materials import random_material
 from plan2scene.propagation.inference import read_propagation
 from plan2scene.propagation.network import PropagationNetwork

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plan2scene.io import write_png
+from plan2scene.images import write_png
 from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL
 from plan2scene_workshop.segmentation import furniture
 from plan2scene_workshop.segmentation import paints as segmentation_paints

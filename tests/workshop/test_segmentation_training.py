@@ -8,7 +8,8 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
-from plan2scene.io import write_json, write_png
+from plan2scene.images import write_png
+from plan2scene.io import write_json
 from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL, write_label_png
 from plan2scene.photos.labels.segmentation import SegmentationNet, load_segmenter
 from plan2scene.weights import save_model_file

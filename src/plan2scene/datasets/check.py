@@ -13,7 +13,8 @@ from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.io import decode_image, safe_join
+from plan2scene.images import decode_image
+from plan2scene.io import safe_join
 
 if TYPE_CHECKING:
     from PIL import Image

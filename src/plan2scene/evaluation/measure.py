@@ -11,10 +11,10 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.evaluation.resampling import FurtherSeeds, further_images
 from plan2scene.house import SUBSTANCES, SurfaceKey
-from plan2scene.io import image_from_bytes, read_image, read_json, read_parquet, write_parquet
+from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image, read_image
+from plan2scene.io import read_json, read_parquet, write_parquet
 from plan2scene.metrics.color import color_histogram
 from plan2scene.metrics.freq import frequency_profile
-from plan2scene.metrics.images import METRIC_SIZE, metric_image
 from plan2scene.metrics.networks import describe, features_of, network_name
 from plan2scene.metrics.tile import tile_scores
 from plan2scene.photos.crops.sampling import medoid_index

@@ -11,9 +11,9 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from plan2scene.house import SURFACES, SurfaceKey
-from plan2scene.io import atomic_path, read_image, read_json, read_parquet
+from plan2scene.images import metric_image, read_image
+from plan2scene.io import atomic_path, read_json, read_parquet
 from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.images import metric_image
 
 if TYPE_CHECKING:
     import pandas as pd

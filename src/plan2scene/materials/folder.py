@@ -10,7 +10,8 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
-from plan2scene.io import read_image, safe_join
+from plan2scene.images import read_image
+from plan2scene.io import safe_join
 from plan2scene.materials.material import Material
 
 #: Side in metres that a scanned texture of each substance usually covers (its files don't say).

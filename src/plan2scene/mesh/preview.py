@@ -14,7 +14,7 @@ from shapely.ops import unary_union
 
 from plan2scene.floorplans import read_scene_json
 from plan2scene.house import House, SurfaceKey
-from plan2scene.io import write_png
+from plan2scene.images import write_png
 from plan2scene.mesh.glb import linear
 from plan2scene.mesh.house_mesh import Assembly, assemble
 from plan2scene.mesh.labels import SECTION_COLOUR, annotate

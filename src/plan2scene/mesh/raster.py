@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from plan2scene.house import SurfaceKey
-from plan2scene.io import image_from_bytes
+from plan2scene.images import image_from_bytes
 from plan2scene.mesh.glb import GLASS, linear
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.textures import UNTEXTURED, TileTexture

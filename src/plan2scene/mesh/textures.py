@@ -11,7 +11,8 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import House, SurfaceKey
-from plan2scene.io import png_bytes, read_image, read_json
+from plan2scene.images import png_bytes, read_image
+from plan2scene.io import read_json
 
 #: Colours of surfaces that have no texture, sRGB 0..255.
 UNTEXTURED = {"floor": (178, 164, 148), "wall": (232, 228, 220), "ceiling": (244, 243, 240)}

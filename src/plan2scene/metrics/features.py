@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.metrics.images import METRIC_SIZE, metric_image
+from plan2scene.images import METRIC_SIZE, metric_image
 
 #: Name of this network in column names.
 FEATURE_NETWORK = "embedded"

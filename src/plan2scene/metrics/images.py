@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from PIL import Image
 
-#: Side in pixels at which the paper compares textures.
-METRIC_SIZE = 128
 _LUMA = np.array([19595, 38470, 7471], dtype=np.float32) / np.float32(65536)
 
 
@@ -18,14 +15,6 @@ def require_images(images: np.ndarray) -> np.ndarray:
     if array.shape[-2] != array.shape[-3]:
         raise ValueError(f"expected square images, found {array.shape}")
     return array
-
-
-def metric_image(image: np.ndarray) -> np.ndarray:
-    """Return a (h, w, 3) uint8 sRGB image at the metrics' 128x128 px (area-averaged if larger)."""
-    if image.shape[:2] == (METRIC_SIZE, METRIC_SIZE):
-        return image
-    picture = Image.fromarray(image).resize((METRIC_SIZE, METRIC_SIZE), Image.Resampling.BOX)
-    return np.asarray(picture)
 
 
 def grey(images: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from torch import nn
 from torch.nn import functional
 
 from plan2scene.errors import InputError
-from plan2scene.metrics.images import metric_image
+from plan2scene.images import metric_image
 from plan2scene.weights import load_model_file
 
 #: Name in column names, and of the network in weight files.

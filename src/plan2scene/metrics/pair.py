@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from plan2scene.images import metric_image
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.features import extract_features, load_features_network
 from plan2scene.metrics.freq import freq_distance
-from plan2scene.metrics.images import metric_image
 from plan2scene.metrics.tile import tile_score
 from plan2scene.weights import MODELS
 

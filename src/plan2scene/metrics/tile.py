@@ -7,7 +7,8 @@ from functools import cache
 import numpy as np
 from scipy import fft
 
-from plan2scene.metrics.images import METRIC_SIZE, grey, require_images
+from plan2scene.images import METRIC_SIZE
+from plan2scene.metrics.images import grey, require_images
 
 _SIGMA = 21.0
 

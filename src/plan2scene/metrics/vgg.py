@@ -11,7 +11,7 @@ from torch import nn
 
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
-from plan2scene.metrics.images import metric_image
+from plan2scene.images import metric_image
 from plan2scene.weights import load_model_file
 
 #: Output channels of the 3x3 convolutions; None is a 2x2 max-pool (Simonyan 2015, column D).

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.io import read_image
+from plan2scene.images import read_image
 
 #: Longer side, pixels, that photos are reduced to. At 60 degrees a wall 2.5 m away then has 550
 #: pixels a metre: more than the densest crop (128 pixels of 0.35 m) can hold.
@@ -27,7 +27,7 @@ def read_photo(path: str | os.PathLike[str], *, house: str = "") -> np.ndarray:
     """Return a photo as (h, w, 3) uint8 sRGB, its longer side at most `MAX_SIDE`.
 
     Masks, cameras and windows are in the pixels of this picture. Raises InputError as
-    :func:`plan2scene.io.read_image` does, and for a side below `MIN_SIDE`.
+    :func:`plan2scene.images.read_image` does, and for a side below `MIN_SIDE`.
     """
     image = read_image(path, house=house)
     height, width = reduced_size((image.shape[0], image.shape[1]))

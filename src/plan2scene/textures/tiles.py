@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plan2scene.house import SurfaceKey
-from plan2scene.io import atomic_directory, write_json, write_png
+from plan2scene.images import write_png
+from plan2scene.io import atomic_directory, write_json
 from plan2scene.textures.seams import make_seamless, with_calm_border
 
 if TYPE_CHECKING:

@@ -25,7 +25,8 @@ from plan2scene.floorplans import (
     read_plan,
     write_scene_json,
 )
-from plan2scene.io import png_bytes, write_json, write_parquet, write_png
+from plan2scene.images import png_bytes, write_png
+from plan2scene.io import write_json, write_parquet
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.rent3dpp import drawn_icons, write_rent3dpp_copy
 from plan2scene_workshop.homes.residences import write_dataset_index

@@ -10,7 +10,8 @@ from plan2scene.evaluation.measure import reference_features
 from plan2scene.floorplans import read_scene_json
 from plan2scene.floorplans.scene_writer import write_scene_json
 from plan2scene.house import Door, House, Opening, Room, Wall
-from plan2scene.io import png_bytes, write_parquet
+from plan2scene.images import png_bytes
+from plan2scene.io import write_parquet
 from plan2scene.propagation.model import save_propagation
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.prior import TypeMeans

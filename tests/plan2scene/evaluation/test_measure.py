@@ -11,7 +11,8 @@ from plan2scene.errors import InputError
 from plan2scene.evaluation.measure import measure_house, read_references, reference_features
 from plan2scene.evaluation.paper_table import TableRequest, paper_table, partial_table
 from plan2scene.evaluation.published import METRICS, published_value
-from plan2scene.io import png_bytes, read_parquet, write_parquet, write_png
+from plan2scene.images import png_bytes, write_png
+from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.frechet import frechet_distance
 from plan2scene.metrics.freq import freq_distance

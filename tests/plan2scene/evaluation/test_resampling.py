@@ -9,7 +9,8 @@ from plan2scene.evaluation.distances import feature_distances
 from plan2scene.evaluation.measure import measure_house, read_references
 from plan2scene.evaluation.resampling import FurtherSeeds, further_images
 from plan2scene.house import SurfaceKey
-from plan2scene.io import png_bytes, read_parquet, write_json, write_parquet, write_png
+from plan2scene.images import png_bytes, write_png
+from plan2scene.io import read_parquet, write_json, write_parquet
 from plan2scene.metrics.frechet import frechet_distance
 from plan2scene.metrics.kernel import kernel_distance
 from plan2scene.metrics.networks import features_of

@@ -26,7 +26,8 @@ from plan2scene.evaluation.study_answers import (
 )
 from plan2scene.evaluation.study_form import make_questions, study_houses, write_study
 from plan2scene.evaluation.study_sheet import write_study_sheet
-from plan2scene.io import read_json, write_json, write_png
+from plan2scene.images import write_png
+from plan2scene.io import read_json, write_json
 
 PAIRS = [["synth", "crop"], ["exemplar", "synth"]]
 HOUSES = [f"home_{i}" for i in range(7)]

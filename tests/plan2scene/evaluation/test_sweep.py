@@ -12,9 +12,9 @@ from plan2scene.evaluation.drops import SWEEP_DROPS, hidden_at
 from plan2scene.evaluation.houses import Textures, measured, propagated_at
 from plan2scene.evaluation.measure import reference_images
 from plan2scene.evaluation.sweep import sweep_house, sweep_table
-from plan2scene.io import read_image, read_json, read_parquet
+from plan2scene.images import metric_image, read_image
+from plan2scene.io import read_json, read_parquet
 from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.images import metric_image
 from plan2scene.textures.methods import METHODS
 
 HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}

@@ -14,7 +14,8 @@ from plan2scene.evaluation.texture_sheet import (
     sheet_rows,
     write_texture_sheet,
 )
-from plan2scene.io import png_bytes, write_parquet, write_png
+from plan2scene.images import png_bytes, write_png
+from plan2scene.io import write_parquet
 
 RED, BLUE = (np.full((128, 128, 3), c, np.uint8) for c in ((200, 30, 30), (30, 30, 200)))
 

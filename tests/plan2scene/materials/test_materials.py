@@ -7,7 +7,7 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
-from plan2scene.io import write_png
+from plan2scene.images import write_png
 from plan2scene.materials import KINDS, load_texture_folder, noise, random_material
 from plan2scene.materials.layout import basket, bond, diagonal_grid, herringbone, hexagons
 

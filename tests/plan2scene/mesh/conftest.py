@@ -7,7 +7,7 @@ import pytest
 
 from plan2scene.floorplans import read_plan
 from plan2scene.house import Door, House, Opening, Room, Wall
-from plan2scene.io import png_bytes
+from plan2scene.images import png_bytes
 from plan2scene.mesh import TileTexture
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plan2scene.house import SurfaceKey
-from plan2scene.io import png_bytes
+from plan2scene.images import png_bytes
 from plan2scene.mesh import TileTexture
 from plan2scene.mesh.parts import PartBuilder
 from plan2scene.mesh.preview import render_preview

@@ -8,7 +8,8 @@ from views import camera_looking
 
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
-from plan2scene.io import image_from_bytes, read_parquet, write_json, write_png
+from plan2scene.images import image_from_bytes, write_png
+from plan2scene.io import read_parquet, write_json
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.sampling import draw_windows, medoid_index, sample_crops
 from plan2scene.photos.crops.stage import load_crops, make_crops

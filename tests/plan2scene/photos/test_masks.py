@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from plan2scene.errors import InputError
-from plan2scene.io import write_png
+from plan2scene.images import write_png
 from plan2scene.photos.labels import palette as masks
 from plan2scene.photos.masks import labeller, make_masks
 from plan2scene.photos.photo_files import read_photo

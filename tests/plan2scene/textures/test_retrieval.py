@@ -5,7 +5,7 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
-from plan2scene.io import write_png
+from plan2scene.images import write_png
 from plan2scene.textures.baselines.retrieval import (
     TextureLibrary,
     generated_library,

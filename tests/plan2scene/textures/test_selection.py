@@ -5,7 +5,8 @@ import pandas as pd
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.io import png_bytes, read_parquet, write_parquet
+from plan2scene.images import png_bytes
+from plan2scene.io import read_parquet, write_parquet
 from plan2scene.textures.selection import (
     best_crop,
     clipped_share,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plan2scene.house import House, Opening, Room, SurfaceKey, Wall
-from plan2scene.io import png_bytes
+from plan2scene.images import png_bytes
 from plan2scene.mesh import TileTexture, write_glb
 
 

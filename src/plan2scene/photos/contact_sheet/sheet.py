@@ -17,7 +17,8 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.io import read_json, write_png
+from plan2scene.images import write_png
+from plan2scene.io import read_json
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.contact_sheet import panels
 from plan2scene.photos.contact_sheet.panels import INK, PAPER, fit, font

@@ -10,7 +10,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from plan2scene.io import image_from_bytes, read_parquet
+from plan2scene.images import image_from_bytes
+from plan2scene.io import read_parquet
 from plan2scene.photos.crops.tables import LAST_RESORT_PREFIX
 
 #: sRGB of kept crops, crops kept for want of better ones, and rejected windows.

@@ -12,7 +12,8 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
-from plan2scene.io import read_image, read_json, write_json
+from plan2scene.images import read_image
+from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.candidates import (
     CropSettings,

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plan2scene.io import png_bytes, write_parquet
+from plan2scene.images import png_bytes
+from plan2scene.io import write_parquet
 from plan2scene.photos.crops.sampling import GRAVE, Candidate, medoid_index
 
 if TYPE_CHECKING:

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.io import atomic_path, decode_image, safe_join
+from plan2scene.images import decode_image
+from plan2scene.io import atomic_path, safe_join
 from plan2scene.photos.photo_files import reduced_size
 
 if TYPE_CHECKING:

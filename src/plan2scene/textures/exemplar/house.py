@@ -26,7 +26,7 @@ from plan2scene.colour import (
     srgb_to_linear,
 )
 from plan2scene.house import SurfaceKey
-from plan2scene.io import image_from_bytes
+from plan2scene.images import image_from_bytes
 from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
 
 if TYPE_CHECKING:

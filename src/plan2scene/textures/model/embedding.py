@@ -9,7 +9,8 @@ import numpy as np
 import torch
 
 from plan2scene.house import SUBSTANCES
-from plan2scene.io import image_from_bytes, read_parquet, write_parquet
+from plan2scene.images import image_from_bytes
+from plan2scene.io import read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
 from plan2scene.textures.model.network import TextureModel, fast_decoding, load_texture_model

@@ -19,7 +19,8 @@ from plan2scene.datasets import make_house_table
 from plan2scene.datasets.assignments import read_rows
 from plan2scene.floorplans import write_scene_json
 from plan2scene.house import House, SurfaceKey
-from plan2scene.io import atomic_directory, atomic_path, write_json, write_png
+from plan2scene.images import write_png
+from plan2scene.io import atomic_directory, atomic_path, write_json
 from plan2scene.materials import Material
 from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.seeds import derive_seed, generator

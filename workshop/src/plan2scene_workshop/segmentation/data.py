@@ -11,16 +11,8 @@ import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.io import (
-    image_from_bytes,
-    png_bytes,
-    read_image,
-    read_json,
-    read_parquet,
-    read_text,
-    safe_join,
-    write_parquet,
-)
+from plan2scene.images import image_from_bytes, png_bytes, read_image
+from plan2scene.io import read_json, read_parquet, read_text, safe_join, write_parquet
 from plan2scene.photos.labels.palette import IGNORE, LABELS, read_label_png
 
 

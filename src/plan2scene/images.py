@@ -1,0 +1,178 @@
+"""Pictures: which files of strangers are tried, how they are read, and how ours are written.
+
+Pixels are (h, w, 3) uint8 sRGB. Pillow is imported by the functions that need it.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.image_modes import to_srgb
+from plan2scene.io import atomic_path
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+_Decoded = TypeVar("_Decoded")
+#: Images with more pixels are refused before they are decoded (memory of a job stays bounded).
+MAX_PIXELS = 50_000_000
+#: Image files above this many bytes are refused before they are read.
+MAX_IMAGE_BYTES = 200_000_000
+#: What Pillow may try; JPEG includes those with a second picture that many phones write (MPO).
+#: Others are refused: Pillow would hand PostScript to an outside program.
+FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "TIFF", "BMP", "PPM")
+FORMAT_NAMES = "JPEG, PNG, GIF, WebP, TIFF, BMP or PPM"
+#: Side in pixels at which the paper compares textures.
+METRIC_SIZE = 128
+
+
+def read_image(path: str | os.PathLike[str], *, house: str = "") -> np.ndarray:
+    """Return an image as (h, w, 3) uint8 sRGB, EXIF orientation applied, alpha over white.
+
+    Any mode of `FORMATS` is converted (palette, CMYK, grey, 16 bit, float), an embedded colour
+    profile is honoured; of an animation or a file of pages the first counts. Raises InputError
+    for what is no such image, is truncated, has over `MAX_PIXELS` pixels or `MAX_IMAGE_BYTES`
+    bytes; the limits are checked before decoding.
+    """
+    return decode_image(path, to_srgb, house=house)
+
+
+def decode_image(
+    source: str | os.PathLike[str] | io.BytesIO,
+    decode: Callable[[Image.Image], _Decoded],
+    *,
+    house: str = "",
+) -> _Decoded:
+    """Return what `decode` makes of the opened Pillow image; one InputError for all that fails."""
+    from PIL import Image, UnidentifiedImageError
+
+    file, head = ("" if isinstance(source, io.BytesIO) else source), b""
+    try:
+        if not isinstance(source, io.BytesIO):
+            _check_file(Path(source))
+            with Path(source).open("rb") as stream:
+                head = stream.read(64)
+            _check_webp(head)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(source, formats=FORMATS) as image:
+                _check_size(*image.size)
+                return decode(image)
+    except InputError as error:
+        raise InputError(error.expected, error.found, file=file, house=house) from None
+    except UnidentifiedImageError:
+        expected = f"an image ({FORMAT_NAMES})"
+        raise InputError(expected, _kind_of(head), file=file, house=house) from None
+    except Image.DecompressionBombError as error:  # Pillow's own limit, before the size is known
+        count = re.search(r"\d+", str(error))
+        expected = f"an image of at most {MAX_PIXELS} pixels"
+        raise InputError(expected, count[0] if count else "more", file=file, house=house) from None
+    except Exception as error:  # decoders raise many kinds on damaged data; all mean the same
+        found = f"{type(error).__name__}: {error}"
+        raise InputError("an image that decodes", found, file=file, house=house) from None
+
+
+def _check_file(path: Path) -> None:
+    """Raise InputError for what is no file of a bearable size (folder, pipe, device, too big)."""
+    if not path.exists():
+        raise InputError("an image", "no such file", file=path)
+    if not path.is_file():
+        raise InputError("an image", "a folder" if path.is_dir() else "no plain file", file=path)
+    size = path.stat().st_size
+    if size == 0:
+        raise InputError("an image", "an empty file", file=path)
+    if size > MAX_IMAGE_BYTES:
+        raise InputError(f"an image of at most {MAX_IMAGE_BYTES} bytes", f"{size}", file=path)
+
+
+def _check_size(width: int, height: int) -> None:
+    """Raise InputError for a declared size without pixels or with more than `MAX_PIXELS`."""
+    if width * height > MAX_PIXELS:
+        raise InputError(f"an image of at most {MAX_PIXELS} pixels", f"{width}x{height}")
+    if width < 1 or height < 1:
+        raise InputError("an image with pixels", f"{width}x{height}")
+
+
+def _kind_of(head: bytes) -> str:
+    """Return in words what the first bytes of a file that is no readable image look like."""
+    if head[4:8] == b"ftyp":
+        brand = head[8:12].decode("ascii", "replace")
+        return f"a HEIF or AVIF picture or a video ({brand}); convert it to JPEG"
+    signatures = (
+        (b"%PDF", "a PDF"),
+        (b"%!PS", "PostScript"),
+        (b"PK\x03\x04", "a ZIP archive"),
+        (b"8BPS", "a Photoshop file"),
+        (b"\xff\xd8\xff", "a damaged JPEG"),
+        (b"\x89PNG", "a damaged PNG"),
+        (b"GIF8", "a damaged GIF"),
+        (b"RIFF", "a damaged or unknown RIFF file"),
+    )
+    for start, name in signatures:
+        if head.startswith(start):
+            return name
+    text = head.lstrip(b"\xef\xbb\xbf \t\r\n").lower()
+    if text.startswith((b"<svg", b"<?xml", b"<!doctype svg")):
+        return "SVG or XML"
+    if text.startswith((b"<!doctype html", b"<html")):
+        return "an HTML page"
+    if head and all(byte in b"\t\n\r" or byte >= 32 for byte in head):
+        return "text"
+    return "a file that is none"
+
+
+def _check_webp(head: bytes) -> None:
+    """Raise InputError for a WebP whose first 30 bytes declare too large a canvas.
+
+    Pillow allocates the canvas when it opens the file, before it tells the size.
+    """
+    if head[:4] != b"RIFF" or head[8:12] != b"WEBP" or len(head) < 30:
+        return
+    kind = head[12:16]
+    if kind == b"VP8X":
+        width, height = (int.from_bytes(head[k : k + 3], "little") + 1 for k in (24, 27))
+    elif kind == b"VP8L":
+        bits = int.from_bytes(head[21:25], "little")
+        width, height = (bits & 0x3FFF) + 1, (bits >> 14 & 0x3FFF) + 1
+    else:
+        width, height = (int.from_bytes(head[k : k + 2], "little") & 0x3FFF for k in (26, 28))
+    _check_size(width, height)
+
+
+def image_from_bytes(data: bytes) -> np.ndarray:
+    """Return PNG or JPEG bytes as (h, w, 3) uint8 sRGB."""
+    return decode_image(io.BytesIO(data), to_srgb)
+
+
+def png_bytes(image: np.ndarray) -> bytes:
+    """Return a (h, w, 3) or (h, w) uint8 image as PNG bytes (same bytes for same pixels)."""
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.fromarray(image).save(buffer, format="PNG", compress_level=6)
+    return buffer.getvalue()
+
+
+def write_png(path: str | os.PathLike[str], image: np.ndarray) -> None:
+    """Write a (h, w, 3) sRGB or (h, w) grey uint8 image as PNG, atomically."""
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(png_bytes(image))
+
+
+def metric_image(image: np.ndarray) -> np.ndarray:
+    """Return a (h, w, 3) uint8 sRGB image at the metrics' 128x128 px (area-averaged if larger)."""
+    if image.shape[:2] == (METRIC_SIZE, METRIC_SIZE):
+        return image
+    from PIL import Image
+
+    picture = Image.fromarray(image).resize((METRIC_SIZE, METRIC_SIZE), Image.Resampling.BOX)
+    return np.asarray(picture)
