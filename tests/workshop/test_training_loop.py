@@ -1,0 +1,157 @@
+"""The training loop: repeats itself, goes on from a checkpoint, keeps the best, averages."""
+
+import math
+
+import numpy as np
+import pytest
+import torch
+from torch import nn
+
+from plan2scene.errors import InputError
+from plan2scene_workshop.training.card import Card, table, write_card
+from plan2scene_workshop.training.loop import (
+    Trained,
+    Trainer,
+    TrainerOptions,
+    averaged,
+    cosine,
+)
+
+
+def trainer(**changes) -> Trainer:
+    """Return a trainer of a small network with dropout and batch statistics on y = sum(x)."""
+    torch.manual_seed(0)
+    network = nn.Sequential(nn.Linear(3, 8), nn.BatchNorm1d(8), nn.Dropout(0.2), nn.Linear(8, 1))
+
+    def loss(step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+        x = torch.from_numpy(rng.random((16, 3), dtype=np.float32))
+        error = (network(x)[:, 0] - x.sum(1)).square().mean()
+        return {"error": error, "size": 1e-4 * network[0].weight.square().mean()}
+
+    def evaluate(network: nn.Module) -> float:
+        x = torch.eye(3)
+        return -float((network(x)[:, 0] - 1.0).abs().mean())
+
+    options = TrainerOptions(
+        "toy",
+        seed=changes.pop("seed", 3),
+        steps=changes.pop("steps", 12),
+        schedule=lambda step: cosine(step, 12, rise=2),
+        clip_norm=1.0,
+        **{"evaluate_every": 3, "average_decay": 0.9, **changes},
+    )
+    optimiser = torch.optim.AdamW(network.parameters(), lr=0.05)
+    return Trainer(network, loss, optimiser, options, evaluate=evaluate, run="settings")
+
+
+def same(first: Trained, second: Trained) -> bool:
+    states = first.network.state_dict(), second.network.state_dict()
+    return (first.step, first.score) == (second.step, second.score) and all(
+        torch.equal(value, states[1][name]) for name, value in states[0].items()
+    )
+
+
+def test_the_same_seed_gives_the_same_weights_and_another_does_not():
+    whole = trainer().fit()
+    assert same(whole, trainer().fit())
+    assert not same(whole, trainer(seed=4).fit())
+
+
+@pytest.mark.parametrize("stopped", [1, 7])
+def test_a_stopped_run_ends_as_one_that_never_stopped(tmp_path, stopped):
+    path = tmp_path / "toy.checkpoint"
+    first = trainer()
+    for _ in range(stopped):
+        first.train_step()
+        if first.step % 3 == 0:
+            first._evaluate(first.evaluate)
+    first.save(path)
+    again = trainer()
+    assert again.resume(path)
+    assert same(again.fit(path), trainer().fit())
+    assert not path.exists()
+
+
+def test_fit_writes_checkpoints_that_another_run_does_not_take(tmp_path):
+    path = tmp_path / "toy.checkpoint"
+    run = trainer(checkpoint_every=5)
+    remove, run.save = run.save, lambda path: remove(path.with_name(f"{run.step}"))
+    run.fit(path)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["10", "5"]
+    assert trainer().resume(tmp_path / "10")
+    other = trainer(seed=4)
+    assert not other.resume(tmp_path / "10")
+    assert other.step == 0
+    assert not trainer().resume(tmp_path / "none")
+
+
+def test_the_best_evaluation_is_kept():
+    run, scores, seen = trainer(), [0.1, math.nan, 0.7, 0.5], []
+
+    def evaluate(network: nn.Module) -> float:
+        assert not network.training
+        seen.append(network[3].weight.clone())
+        return scores[len(seen) - 1]
+
+    run.evaluate = evaluate
+    found = run.fit()
+    assert (found.step, found.score) == (9, 0.7)
+    assert torch.equal(found.network[3].weight, seen[2])
+
+
+def test_without_evaluation_or_average_the_last_weights_are_kept():
+    run = trainer(average_decay=None, evaluate_every=0)
+    run.evaluate = None
+    found = run.fit()
+    assert found.step == 12
+    assert math.isnan(found.score)
+    assert found.network is run.network
+
+
+def test_average_follows_the_network():
+    network = nn.Linear(2, 1)
+    average = averaged(network, 0.9)
+    with torch.no_grad():
+        average.update_parameters(network)
+        network.weight.fill_(3.0)
+        for _ in range(200):
+            average.update_parameters(network)
+    assert torch.allclose(average.module.weight, torch.full((1, 2), 3.0), atol=1e-3)
+
+
+def test_schedule_rises_holds_and_falls():
+    assert [cosine(k, 100, rise=4) for k in range(4)] == [0.25, 0.5, 0.75, 1.0]
+    assert cosine(59, 100, rise=4, hold=60) == cosine(60, 100, rise=4, hold=60) == 1.0
+    assert cosine(80, 100, hold=60) == pytest.approx(0.505)
+    assert cosine(100, 100, floor=0.0) == pytest.approx(0.0)
+
+
+def test_a_loss_that_is_not_finite_is_an_error():
+    run = trainer()
+    run.loss = lambda step, rng: {"error": run.network[0].weight.sum() * math.nan}
+    with pytest.raises(InputError, match="finite loss of toy"):
+        run.fit()
+    with pytest.raises(InputError, match="steps above 0"):
+        trainer(steps=0)
+
+
+def test_card_names_command_settings_seed_and_figures(tmp_path):
+    weights = tmp_path / "toy.safetensors"
+    weights.write_bytes(b"weights")
+    card = Card(
+        "toy",
+        "Adds three numbers.",
+        ["No real number."],
+        trainer().options,
+        7,
+        table(["on", "n", "error"], {"held out": [8, 0.25], "train": [4, math.nan]}),
+        "Four numbers.",
+    )
+    write_card(tmp_path / "toy.md", card, Trained(nn.Linear(1, 1), 3, 0.5, 90.0), weights)
+    text = (tmp_path / "toy.md").read_text()
+    assert "results/training/models/toy.safetensors" in text
+    assert "Seed 7" in text
+    assert "`clip_norm` 1.0" in text
+    assert "Weights of step 3, the best evaluation (0.5000); 1.5 minutes" in text
+    assert "| held out | 8 | 0.250 |\n| train | 4 | - |" in text
+    assert text.endswith("## Limits\n\nFour numbers.\n")
