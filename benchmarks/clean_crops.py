@@ -20,9 +20,9 @@ from plan2scene.textures.constrained import match_statistics
 from plan2scene.textures.model.embedding import embed_crops
 from plan2scene.textures.model.network import load_texture_model
 from plan2scene.textures.model.synthesis import decode_textures
+from plan2scene.textures.seams import wrap_ratio
 from plan2scene.weights import MODELS
 from plan2scene_workshop.texture.data import TextureSet, random_crop, scanned_textures
-from plan2scene_workshop.texture.run import wrap_ratio
 
 
 def figures(tiles: np.ndarray, crops: np.ndarray, right: float) -> list[float]:

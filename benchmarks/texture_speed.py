@@ -23,10 +23,10 @@ from plan2scene.textures.model.decoder import low_precision_is_fast
 from plan2scene.textures.model.embedding import embed_crops
 from plan2scene.textures.model.network import load_texture_model
 from plan2scene.textures.model.synthesis import decode_textures
-from plan2scene_workshop.texture.data import TextureSet, procedural_textures, sampling_weights
+from plan2scene_workshop.texture.data import TextureSet, procedural_textures
 from plan2scene_workshop.texture.degradation import degrade
-from plan2scene_workshop.texture.settings import TextureTraining
-from plan2scene_workshop.texture.training import TextureTrainer
+from plan2scene_workshop.texture.settings import TextureSettings
+from plan2scene_workshop.texture.training import texture_trainer
 
 MODEL = Path(__file__).parents[1] / "resources" / "models" / "texture.safetensors"
 BATCH = 64
@@ -39,16 +39,16 @@ def steps(crops: np.ndarray, textures: TextureSet) -> dict[str, tuple[Callable, 
     tiles = decode_textures(model, codes, list(range(16)))
     tile = random_material("wood", 3, size_px=128).albedo
     shown = [ExemplarCrop(c.image, c.side, 1.0) for c in degrade(tile, 0)]
-    options = TextureTraining(batch=16, tile_share=0.0, low_precision=low_precision_is_fast())
-    trainer = TextureTrainer(model.architecture, options, 0)
-    trainer.model.train()
-    weights = sampling_weights(textures, 0.0)
+    options = TextureSettings(
+        batch=16, tile_share=0.0, scanned_share=0.0, low_precision=low_precision_is_fast()
+    )
+    trainer = texture_trainer(model.architecture, textures, options, 0)
     return {
         "embedding and textureness": (lambda: embed_crops(model, crops), len(crops), 20.0),
         "decoding": (lambda: decode_textures(model, codes, list(range(16))), 16, 15.0),
         "exemplar": (lambda: make_exemplar(shown, size_px=128), 1, 1500.0),
         "a crop's statistics": (lambda: match_statistics(tiles[0], crops[0], 0), 1, float("nan")),
-        "training step of 16": (lambda: trainer.train_step(textures, weights), 1, 1500.0),
+        "training step of 16": (trainer.train_step, 1, 1500.0),
     }
 
 

@@ -17,7 +17,7 @@ from plan2scene.textures.model.decoder import low_precision_is_fast
 from plan2scene.textures.model.network import Architecture
 from plan2scene_workshop.texture.data import join_sets, procedural_textures, scanned_textures
 from plan2scene_workshop.texture.run import ARCHITECTURES, measure
-from plan2scene_workshop.texture.settings import TextureTraining
+from plan2scene_workshop.texture.settings import TextureSettings
 from plan2scene_workshop.texture.training import train_texture_model
 
 #: name: (changes of the architecture, changes of the training)
@@ -52,12 +52,13 @@ def main() -> None:
     print("| variant | COLOR | FREQ | TILE | wrap | substance | s |\n|" + "---|" * 7)
     for name in options.only:
         architecture, training = VARIANTS[name]
-        settings = TextureTraining(
+        settings = TextureSettings(
             steps=options.steps, finish=options.steps // 10, warm_up=options.warm_up, **training
         )
         settings = replace(settings, low_precision=low_precision_is_fast())
         shape: Architecture = replace(ARCHITECTURES["texture"], **architecture)
-        model, seconds = train_texture_model(shape, textures, settings, options.seed)
+        trained = train_texture_model(shape, textures, settings, options.seed)
+        model, seconds = trained.network, trained.seconds
         model.decoder.low_precision = False
         figures = measure(model, held_out, options.seed)
         row = (figures[k] for k in ("color", "freq", "tile", "wrap", "substance"))

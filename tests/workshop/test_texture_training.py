@@ -8,18 +8,21 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
+from plan2scene.io import write_png
 from plan2scene.textures.model.network import Architecture, load_texture_model
 from plan2scene_workshop.texture import data as td
 from plan2scene_workshop.texture import run as texture_run
-from plan2scene_workshop.texture.settings import TextureTraining, schedule
+from plan2scene_workshop.texture.settings import TextureSettings
 from plan2scene_workshop.texture.training import (
-    TextureTrainer,
+    texture_trainer,
     train_texture_model,
+    warm_up,
 )
 
 TINY = Architecture(width=4, encoder="statistics")
-OPTIONS = TextureTraining(
+SETTINGS = TextureSettings(
     warm_up=16,
+    warm_up_steps=4,
     steps=2,
     finish=1,
     batch=2,
@@ -34,15 +37,39 @@ def textures() -> td.TextureSet:
     return td.procedural_textures(8, seed=3)
 
 
-def test_procedural_textures_are_balanced_and_cached(textures, tmp_path) -> None:
+@pytest.fixture(scope="module")
+def materials(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("materials") / "materials.npz"
+    td.write_materials(path, td.MaterialSettings(procedural=4, held_out=4), seed=3)
+    return path
+
+
+def test_procedural_textures_are_balanced(textures) -> None:
     assert textures.tiles.shape == (8, 256, 256, 3)
     assert np.bincount(textures.substances).tolist() == [2] * len(SUBSTANCES)
-    cache = tmp_path / "materials.npz"
-    first = td.procedural_textures(4, 3, cache)
-    assert np.array_equal(td.procedural_textures(4, 3, cache).tiles, first.tiles)
-    assert np.array_equal(first.tiles, textures.tiles[:4])
-    # Another seed does not take the cached ones.
-    assert not np.array_equal(td.procedural_textures(4, 4, cache).tiles, first.tiles)
+
+
+def test_materials_come_back_as_they_were_made(textures, materials) -> None:
+    learnt, held_out = td.read_materials(materials)
+    assert np.array_equal(learnt.tiles, textures.tiles[:4])
+    assert list(held_out) == ["procedural"]
+    assert not np.array_equal(held_out["procedural"].tiles, learnt.tiles)
+    assert td.seen_textures(learnt)[:2] == ["4 procedural materials.", "No real tileable textures."]
+
+
+def test_real_textures_are_split_as_their_index_says(textures, tmp_path) -> None:
+    rows = ["id,split"]
+    for index, split in enumerate(["train", "train", "val"]):
+        write_png(tmp_path / "real" / "wood" / f"{index}.png", textures.tiles[index])
+        rows.append(f"{index},{split}")
+    (tmp_path / "real" / "index.csv").write_text("\n".join(rows))
+    settings = td.MaterialSettings(procedural=1, held_out=1, folder=str(tmp_path / "real"))
+    td.write_materials(tmp_path / "m.npz", settings, seed=3)
+    learnt, held_out = td.read_materials(tmp_path / "m.npz")
+    assert learnt.scanned.tolist() == [False, True, True]
+    assert np.array_equal(learnt.tiles[1:], textures.tiles[:2])
+    assert np.array_equal(held_out["real"].tiles, textures.tiles[2:3])
+    assert td.seen_textures(learnt)[1].startswith("2 real")
 
 
 def test_weights_balance_substances_and_sources(textures) -> None:
@@ -70,74 +97,54 @@ def test_degrading_changes_light_but_not_the_median(textures) -> None:
     assert abs(np.median(lit) - 120) <= 2
 
 
-def test_training_is_reproducible_and_resumes(textures, tmp_path) -> None:
-    weights = td.sampling_weights(textures, 0.5)
-    checkpoint = tmp_path / "checkpoint.pt"
-    model, seconds = train_texture_model(TINY, textures, OPTIONS, 0)
-    assert seconds > 0
-    whole = model.state_dict()
-    trainer = TextureTrainer(TINY, OPTIONS, 0)
-    trainer.model.train()
-    trainer.warm_up(textures, weights)
+def test_training_repeats_itself_and_resumes_to_the_byte(textures, tmp_path) -> None:
+    checkpoint = tmp_path / "texture.checkpoint"
+    whole = train_texture_model(TINY, textures, SETTINGS, 0).network.state_dict()
+    trainer = texture_trainer(TINY, textures, SETTINGS, 0)
+    warm_up(trainer.network, textures, SETTINGS, 0)
     for _ in range(2):
-        trainer.train_step(textures, weights)
+        trainer.train_step()
     trainer.save(checkpoint)
-    model, _ = train_texture_model(TINY, textures, OPTIONS, 0, checkpoint=checkpoint)
-    continued = model.state_dict()
-    for name, value in whole.items():
-        np.testing.assert_allclose(continued[name], value, atol=1e-6, err_msg=name)
-
-
-def test_checkpoint_of_another_run_is_left_alone(textures, tmp_path) -> None:
-    checkpoint = tmp_path / "checkpoint.pt"
-    trainer = TextureTrainer(TINY, OPTIONS, 0)
-    trainer.step = 2
+    again = train_texture_model(TINY, textures, SETTINGS, 0, checkpoint=checkpoint)
+    for name, value in again.network.state_dict().items():
+        assert np.array_equal(whole[name], value), name
+    other = replace(SETTINGS, colour=1.0)
     trainer.save(checkpoint)
-    assert TextureTrainer(TINY, replace(OPTIONS, steps=9), 0).resume(checkpoint)
-    other = TextureTrainer(TINY, OPTIONS, seed=1)
-    assert not other.resume(checkpoint)
-    assert other.step == 0
+    assert not texture_trainer(TINY, textures, other, 0).resume(checkpoint)
+    assert not texture_trainer(TINY, textures, SETTINGS, 0, run="others").resume(checkpoint)
 
 
 def test_training_reduces_the_loss(textures) -> None:
-    one = td.TextureSet(textures.tiles[:1], textures.substances[:1], textures.scanned[:1])
-    options = TextureTraining(
+    one = textures.of(np.array([0]))
+    settings = TextureSettings(
         steps=24, batch=2, tile_share=0.0, learning_rate=3e-3, low_precision=False
     )
-    trainer = TextureTrainer(TINY, options, 0)
+    trainer = texture_trainer(TINY, one, settings, 0)
     totals = []
-    for _ in range(options.steps):
-        losses = trainer.train_step(one, np.ones(1))
-        total = losses.spectrum + losses.colour + losses.substance
-        totals.append(float(total.detach()))
+    for _ in range(settings.steps):
+        losses = trainer.train_step()
+        totals.append(float(losses["spectrum"] + losses["colour"] + losses["substance"]))
     assert np.mean(totals[-5:]) < 0.8 * np.mean(totals[:3])
 
 
-def test_schedule_warms_up_holds_and_falls() -> None:
-    assert schedule(0.0) < 0.1
-    assert schedule(0.3) == 1.0
-    assert schedule(0.8) == pytest.approx(0.505, abs=0.01)
-    assert schedule(1.0) == pytest.approx(0.01)
+def test_rate_falls_and_the_finish_starts_at_a_quarter() -> None:
+    settings = TextureSettings(steps=100, finish=10)
+    assert [settings.rate(k) for k in (0, 1, 50)] == [0.5, 1.0, 1.0]
+    assert settings.rate(99) < 0.02
+    assert settings.rate(100) == 0.25
+    assert settings.rate(109) < 0.02
 
 
-def test_run_writes_weights_and_card(tmp_path, monkeypatch) -> None:
+def test_run_writes_weights_and_card(materials, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(texture_run, "ARCHITECTURES", {"texture": TINY})
     output, card = tmp_path / "texture.safetensors", tmp_path / "texture.md"
-    data = texture_run.TextureData(procedural=4, held_out=4)
-    texture_run.train_texture("texture", data, OPTIONS, output, card)
+    texture_run.train_texture("texture", materials, output, card, settings=SETTINGS, seed=0)
     assert load_texture_model(output).architecture == TINY
     text = card.read_text()
-    assert "| procedural | 0." in text
+    assert "| procedural | 4 | 0." in text
     assert "nan" not in text
-    with pytest.raises(InputError, match="propagation"):
-        texture_run.train_texture("propagation", data, OPTIONS, output, card)
-
-
-def test_wrap_ratio_sees_a_seam() -> None:
-    ramp = np.tile(np.arange(64, dtype=np.uint8)[:, None, None], (1, 64, 3))
-    assert texture_run.wrap_ratio(ramp) > 30
-    noise = np.random.default_rng(0).integers(0, 256, (64, 64, 3), dtype=np.uint8)
-    assert texture_run.wrap_ratio(noise) == pytest.approx(1.0, abs=0.1)
+    with pytest.raises(InputError, match="other"):
+        texture_run.train_texture("other", materials, output, card, settings=SETTINGS, seed=0)
 
 
 def test_shipped_models_fit_their_cards() -> None:

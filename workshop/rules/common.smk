@@ -16,6 +16,8 @@ RESIDENCES = residence_names(HOMES["prefix"], HOMES["houses"])
 TRAINING = config["training"]
 # Trained weights land here; shipping them (a copy into resources/models) is a deliberate act.
 TRAINED = "results/training/models"
+# A stopped training goes on from results/training/{name}.checkpoint, which is there while a run is
+# unfinished alone. It is a param: Snakemake removes what a failed job declares as output.
 
 code_hash = functools.partial(
     provenance.code_hash,

@@ -1,5 +1,7 @@
 rule train_features:
     # The embedded substance classifier: SUBS, and the features of FID.
+    input:
+        materials="results/training/materials.npz",
     output:
         model=f"{TRAINED}/features.safetensors",
         card=f"{TRAINED}/features.md",
@@ -14,6 +16,8 @@ rule train_features:
         mem_mb=3000,
     params:
         settings=TRAINING["features"],
+        checkpoint="results/training/features.checkpoint",
+        seed=config["seed"],
         code=code_hash("features.training"),
     script:
         "../scripts/train_features.py"

@@ -1,49 +1,45 @@
-rule train_texture:
-    # Procedural (and, where configured, real) textures -> the model of method synth.
+rule materials:
+    # Textures that the texture models and the features network learn from, and others to measure.
     output:
-        model=f"{TRAINED}/texture.safetensors",
-        card=f"{TRAINED}/texture.md",
+        "results/training/materials.npz",
     log:
-        "logs/training/train_texture.log",
+        "logs/training/materials.log",
     benchmark:
-        "logs/training/benchmarks/train_texture.tsv"
+        "logs/training/benchmarks/materials.tsv"
     conda:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=4000,
+        mem_mb=2000,
     params:
-        model="texture",
-        data=TRAINING["texture_data"],
-        settings=TRAINING["texture"],
-        cache="results/training/texture_materials.npz",
-        checkpoint="results/training/texture_checkpoint.pt",
+        settings=TRAINING["materials"],
         seed=config["seed"],
-        code=code_hash("texture.run"),
+        code=code_hash("texture.data"),
     script:
-        "../scripts/train_texture.py"
+        "../scripts/materials.py"
 
 
-rule train_naivesynth:
-    # The same textures -> the model of method naivesynth.
+rule train_texture:
+    # The models of methods synth (texture) and naivesynth, from the same textures.
+    input:
+        materials="results/training/materials.npz",
     output:
-        model=f"{TRAINED}/naivesynth.safetensors",
-        card=f"{TRAINED}/naivesynth.md",
+        model=f"{TRAINED}/{{model}}.safetensors",
+        card=f"{TRAINED}/{{model}}.md",
     log:
-        "logs/training/train_naivesynth.log",
+        "logs/training/train_{model}.log",
     benchmark:
-        "logs/training/benchmarks/train_naivesynth.tsv"
+        "logs/training/benchmarks/train_{model}.tsv"
+    wildcard_constraints:
+        model="texture|naivesynth",
     conda:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
         mem_mb=4000,
     params:
-        model="naivesynth",
-        data=TRAINING["texture_data"],
-        settings=TRAINING["naivesynth"],
-        cache="results/training/naivesynth_materials.npz",
-        checkpoint="results/training/naivesynth_checkpoint.pt",
+        settings=lambda wildcards: TRAINING[wildcards.model],
+        checkpoint="results/training/{model}.checkpoint",
         seed=config["seed"],
         code=code_hash("texture.run"),
     script:

@@ -1,14 +1,22 @@
-"""Rule train_features: materials -> weights of the embedded features network and their card."""
+"""Rule train_features: textures -> weights of the embedded features network and their card."""
+
+from pathlib import Path
 
 import torch
 
 from plan2scene.jobs import job
-from plan2scene_workshop.features.training import FeaturesTraining, train_features
+from plan2scene_workshop.features.settings import FeaturesSettings
+from plan2scene_workshop.features.training import train_features
+from plan2scene_workshop.training.loop import best_device
 
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
     train_features(
+        snakemake.input.materials,
         snakemake.output.model,
         snakemake.output.card,
-        settings=FeaturesTraining(**snakemake.params.settings),
+        settings=FeaturesSettings(**snakemake.params.settings),
+        seed=snakemake.params.seed,
+        checkpoint=Path(snakemake.params.checkpoint),
+        device=best_device(),
     )

@@ -8,7 +8,7 @@ from plan2scene.materials import random_material
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.freq import freq_distance
 from plan2scene.textures.constrained import match_statistics
-from plan2scene_workshop.texture.run import wrap_ratio
+from plan2scene.textures.seams import wrap_ratio
 
 
 def material(substance: str, seed: int) -> np.ndarray:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import logging
-import time
-from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import cv2
@@ -13,71 +10,48 @@ import torch
 from torch.nn import functional
 
 from plan2scene.house import SUBSTANCES
-from plan2scene.io import atomic_path
 from plan2scene.metrics.features import (
     FeaturesNetwork,
     extract_features,
     load_features_network,
 )
+from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed, generator
-from plan2scene.weights import load_model_file
 from plan2scene_workshop.features.network import (
     SubstanceNetwork,
     as_tensor,
     save_features_network,
 )
+from plan2scene_workshop.features.settings import FeaturesSettings
 from plan2scene_workshop.texture.data import (
     CROP_PX,
     TextureSet,
-    join_sets,
-    procedural_textures,
     random_crop,
+    read_materials,
     sampling_weights,
-    scanned_textures,
+    seen_textures,
 )
+from plan2scene_workshop.training.card import Card, table, write_card
+from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, cosine
 
-_LOGGER = logging.getLogger("plan2scene")
 _LINE = np.linspace(-1.0, 1.0, CROP_PX, dtype=np.float32)
+_WHAT = """
+Substance classifier (wood, plaster, carpet, tile) of 128x128 texture crops. Its class is the SUBS
+metric's, its 64 penultimate activations (standardised over training crops) are the FID features.
+Figures made with it are named `embedded`; they are not comparable in size with SUBS by VGG-16 or
+FID by InceptionV3.
+"""
+_SPOILED = """{:.0%} of the crops photographed: uneven light, shadows, highlights, white balance, \
+blur, noise, JPEG."""
+_FIGURES = """
+Held-out accuracy, in all and by substance (all substances drawn equally often; a crop is a random
+window, so a window may show no joint of its planks or tiles):
 
-
-@dataclass(frozen=True)
-class FeaturesTraining:
-    """Settings of the training.
-
-    Attributes
-    ----------
-    procedural : int
-        Procedural materials to learn from; a fifth as many of other seeds are held out.
-    texture_folder : str, optional
-        Real tileable textures (a folder per substance, index.csv with splits); train is learnt
-        from, val is held out.
-    scanned_share : float
-        Share of crops that come from that folder.
-    steps, batch : int
-        Updates, and crops in each.
-    learning_rate, weight_decay : float
-        AdamW; the rate rises for 5 % of the steps, then falls along a cosine to 0.
-    minutes : float
-        The schedule is shortened to end after this wall time.
-    held_out_crops : int
-        Crops of each held-out set that the card's figures come from, and training crops that the
-        features are standardised over.
-    start : str, optional
-        Weights of an earlier training to go on from.
-    seed : int
-    """
-
-    procedural: int = 1600
-    texture_folder: str | None = None
-    scanned_share: float = 0.4
-    steps: int = 4000
-    batch: int = 32
-    learning_rate: float = 3e-3
-    weight_decay: float = 1e-2
-    minutes: float = 30.0
-    held_out_crops: int = 1000
-    start: str | None = None
-    seed: int = 0
+"""
+_LIMITS = """
+Four substances only; plain paint and plain carpet differ by little at a distance; glossy floors and
+heavy shadow lower the accuracy.
+"""
 
 
 def _smooth_field(rng: np.random.Generator) -> np.ndarray:
@@ -139,39 +113,45 @@ def draw_crops(
     return np.stack(crops), textures.substances[chosen]
 
 
-def _rate(progress: float) -> float:
-    """Return the share of the learning rate at `progress` in [0, 1]."""
-    return min(progress / 0.05, 0.5 + 0.5 * float(np.cos(np.pi * min(progress, 1.0))))
+def train_network(
+    textures: TextureSet,
+    settings: FeaturesSettings,
+    seed: int,
+    *,
+    device: str = "cpu",
+    checkpoint: Path | None = None,
+    run: object = None,
+) -> Trained[SubstanceNetwork]:
+    """Return the trained network ; its features have no scale yet.
 
-
-def fit(
-    network: SubstanceNetwork, textures: TextureSet, settings: FeaturesTraining
-) -> tuple[int, float]:
-    """Train in place; return the steps done and the minutes taken."""
-    rng = generator(settings.seed, "features training")
+    `checkpoint` is continued where it is of this run; `run` tells these textures from others.
+    """
+    torch.manual_seed(derive_seed(seed, "features weights"))
+    network = SubstanceNetwork().to(device)
     weights = sampling_weights(textures, settings.scanned_share)
+
+    def loss(step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+        crops, substances = draw_crops(
+            textures, weights, settings.batch, rng, settings.photographed_share
+        )
+        _, logits = network(as_tensor(crops).to(device))
+        labels = torch.from_numpy(substances).to(device)
+        smoothing = settings.label_smoothing
+        return {"entropy": functional.cross_entropy(logits, labels, label_smoothing=smoothing)}
+
+    steps = settings.steps
+    options = TrainerOptions(
+        "features",
+        seed,
+        steps,
+        lambda step: cosine(step, steps, rise=round(0.05 * steps), floor=0.0),
+    )
     optimiser = torch.optim.AdamW(
         network.parameters(), settings.learning_rate, weight_decay=settings.weight_decay
     )
-    network.train()
-    start, step, progress = time.monotonic(), 0, 0.0
-    mean_loss = 0.0
-    while progress < 1.0:
-        for group in optimiser.param_groups:
-            group["lr"] = settings.learning_rate * _rate(progress)
-        crops, substances = draw_crops(textures, weights, settings.batch, rng, 0.75)
-        _, logits = network(as_tensor(crops))
-        loss = functional.cross_entropy(logits, torch.from_numpy(substances), label_smoothing=0.05)
-        optimiser.zero_grad()
-        loss.backward()
-        optimiser.step()
-        step += 1
-        minutes = (time.monotonic() - start) / 60
-        progress = max(step / settings.steps, minutes / settings.minutes)
-        mean_loss += (float(loss.detach()) - mean_loss) / min(step, 100)
-        if step % 200 == 0:
-            _LOGGER.info("step %d, %.1f min, loss %.3f", step, minutes, mean_loss)
-    return step, (time.monotonic() - start) / 60
+    trainer = Trainer(network, loss, optimiser, options, run=(settings, run))
+    trainer.resume(checkpoint)
+    return trainer.fit(checkpoint)
 
 
 def standardise(network: SubstanceNetwork, crops: np.ndarray) -> None:
@@ -202,85 +182,47 @@ def confusion(
     return np.bincount(substances * size + predicted, minlength=size * size).reshape(size, size)
 
 
-def _lines(name: str, counts: np.ndarray) -> list[str]:
-    """Return one row of the card's table."""
-    accuracy = np.trace(counts) / counts.sum()
-    recalls = counts.diagonal() / np.maximum(counts.sum(axis=1), 1)
-    cells = " | ".join(f"{r:.3f}" for r in recalls)
-    return [f"| {name} | {counts.sum()} | {accuracy:.3f} | {cells} |"]
-
-
 def train_features(
-    model: str | Path, card: str | Path, *, settings: FeaturesTraining, cache: Path | None = None
+    materials: str | Path,
+    model: str | Path,
+    card: str | Path,
+    *,
+    settings: FeaturesSettings,
+    seed: int,
+    checkpoint: Path | None = None,
+    device: str = "cpu",
 ) -> dict[str, float]:
-    """Train the network, write its weights and card; return held-out accuracies by set."""
-    torch.manual_seed(derive_seed(settings.seed, "features weights") % 2**31)
-    parts = [procedural_textures(settings.procedural, settings.seed, cache)]
-    held_out = {
-        "procedural, other seeds": procedural_textures(settings.procedural // 5, settings.seed + 1)
-    }
-    if settings.texture_folder is not None:
-        parts.append(scanned_textures(settings.texture_folder, "train"))
-        held_out["real textures, val split"] = scanned_textures(settings.texture_folder, "val")
-    textures = join_sets(*parts)
-    network = SubstanceNetwork()
-    if settings.start is not None:
-        network.load_state_dict(load_model_file(settings.start)[0])
-    steps, minutes = fit(network, textures, settings)
-    rng = generator(settings.seed, "features scale")
+    """Train the network, write its weights and card; return held-out accuracies by set.
+
+    `materials` is a file of :func:`plan2scene_workshop.texture.data.write_materials`; `checkpoint`
+    is continued where it is of this run.
+    """
+    textures, held_out = read_materials(materials)
+    trained = train_network(
+        textures, settings, seed, device=device, checkpoint=checkpoint, run=file_hash(materials)
+    )
+    network, count = trained.network.cpu(), settings.held_out_crops
     weights = sampling_weights(textures, settings.scanned_share)
-    standardise(network, draw_crops(textures, weights, settings.held_out_crops, rng, 0.75)[0])
+    rng, share = generator(seed, "features scale"), settings.photographed_share
+    standardise(network, draw_crops(textures, weights, count, rng, share)[0])
     save_features_network(network, model)
     shipped = load_features_network(model)  # what the metrics run: float16 weights, numpy
-    rows, accuracies = [], {}
-    for name, group in held_out.items():
-        for degraded in (False, True):
-            title = f"{name}, {'photographed' if degraded else 'clean'}"
-            counts = confusion(shipped, group, settings.held_out_crops, settings.seed, degraded)
-            accuracies[title] = float(np.trace(counts) / counts.sum())
-            rows += _lines(title, counts)
-            _LOGGER.info("%s: accuracy %.3f", title, accuracies[title])
-    with atomic_path(card) as temporary:
-        temporary.write_text(_card(settings, textures, steps, minutes, rows), encoding="utf-8")
+    counts = {
+        f"{name} textures, {'photographed' if degraded else 'clean'}": confusion(
+            shipped, group, count, seed, degraded
+        )
+        for name, group in held_out.items()
+        for degraded in (False, True)
+    }
+    accuracies = {name: float(np.trace(found) / found.sum()) for name, found in counts.items()}
+    rows = {name: [count, accuracies[name], *_recalls(found)] for name, found in counts.items()}
+    figures = _FIGURES + table(["crops", "n", "accuracy", *SUBSTANCES], rows)
+    seen = [*seen_textures(textures), _SPOILED.format(share)]
+    about = Card("features", _WHAT, seen, settings, seed, figures, _LIMITS)
+    write_card(card, about, trained, model)
     return accuracies
 
 
-def _card(
-    settings: FeaturesTraining, textures: TextureSet, steps: int, minutes: float, rows: list[str]
-) -> str:
-    """Return the model card as Markdown."""
-    shown = {k: v for k, v in asdict(settings).items() if k not in ("texture_folder", "start")}
-    scanned = int(textures.scanned.sum())
-    source = f"{len(textures) - scanned} procedural materials"
-    if scanned:
-        source += f" and {scanned} real tileable textures"
-    earlier = "" if settings.start is None else ", going on from weights of the same training"
-    lines = [
-        "# features",
-        "",
-        "Substance classifier (wood, plaster, carpet, tile) of 128x128 texture crops. Its class is",
-        "the SUBS metric's, its 64 penultimate activations (standardised over training crops) are",
-        "the FID features. Figures made with it are named `embedded`; they are not comparable in",
-        "size with SUBS by VGG-16 or FID by InceptionV3.",
-        "",
-        f"Trained by rule `train_features` on {source}",
-        "(real ones: train split of a folder that is not shipped): random crops, three quarters",
-        "photographed (uneven light, shadows, highlights, white balance, blur, noise, JPEG).",
-        f"{steps} steps in {minutes:.1f} minutes{earlier}. Settings:",
-        "",
-        "```",
-        *(f"{name}: {value}" for name, value in shown.items()),
-        "```",
-        "",
-        "Held-out accuracy (all substances drawn equally often; a crop is a random window, so a",
-        "window may show no joint of its planks or tiles):",
-        "",
-        "| crops | n | accuracy | " + " | ".join(SUBSTANCES) + " |",
-        "|---|---|---|---|---|---|---|",
-        *rows,
-        "",
-        "Limits: four substances only; plain paint and plain carpet differ by little at a",
-        "distance; glossy floors and heavy shadow lower it. Real plaster textures are few. The",
-        "training stopped by its wall time, so another machine gives other weights.",
-    ]
-    return "\n".join(lines) + "\n"
+def _recalls(counts: np.ndarray) -> list[float]:
+    """Return the share of each true substance (row) that is named rightly."""
+    return (counts.diagonal() / np.maximum(counts.sum(axis=1), 1)).tolist()

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from plan2scene.house import SUBSTANCES
+from plan2scene.io import atomic_path
 from plan2scene.materials import load_texture_folder, random_material
 from plan2scene.seeds import derive_seed
 
@@ -38,29 +39,30 @@ class TextureSet:
     def __len__(self) -> int:
         return len(self.tiles)
 
+    def of(self, chosen: np.ndarray) -> TextureSet:
+        """Return those that a mask (n,) bool or indices (k,) choose."""
+        return TextureSet(self.tiles[chosen], self.substances[chosen], self.scanned[chosen])
 
-def procedural_textures(count: int, seed: int, cache: Path | None = None) -> TextureSet:
-    """Return `count` procedural materials, the same number of each substance in turn.
 
-    `cache` names an ``.npz`` file that keeps them between runs (it holds count and seed).
-    """
+@dataclass(frozen=True)
+class MaterialSettings:
+    """What the texture models and the features network learn from and are measured on."""
+
+    procedural: int = 1600  #: materials to learn from, as many of each substance
+    held_out: int = 320  #: others to measure with
+    folder: str | None = None  #: real tileable textures beside them, with splits train and val
+
+
+def procedural_textures(count: int, seed: int) -> TextureSet:
+    """Return `count` procedural materials, the same number of each substance in turn."""
     substances = np.arange(count, dtype=np.int64) % len(SUBSTANCES)
-    scanned = np.zeros(count, dtype=bool)
-    if cache is not None and cache.is_file():
-        with np.load(cache) as stored:
-            if stored["key"].tolist() == [count, seed]:
-                return TextureSet(stored["tiles"], substances, scanned)
     tiles = np.empty((count, TILE_PX, TILE_PX, 3), dtype=np.uint8)
     for index, substance in enumerate(substances):
         name = SUBSTANCES[substance]
-        material = random_material(name, derive_seed(seed, "texture training", index))
-        tiles[index] = material.albedo
+        tiles[index] = random_material(name, derive_seed(seed, "texture training", index)).albedo
         if (index + 1) % 200 == 0:
             _LOGGER.info("%d of %d procedural materials", index + 1, count)
-    if cache is not None:
-        cache.parent.mkdir(parents=True, exist_ok=True)
-        np.savez(cache, tiles=tiles, key=np.array([count, seed]))
-    return TextureSet(tiles, substances, scanned)
+    return TextureSet(tiles, substances, np.zeros(count, dtype=bool))
 
 
 def scanned_textures(folder: str | Path, split: str | None) -> TextureSet:
@@ -80,6 +82,38 @@ def join_sets(*sets: TextureSet) -> TextureSet:
         np.concatenate([s.substances for s in sets]),
         np.concatenate([s.scanned for s in sets]),
     )
+
+
+def write_materials(path: str | Path, settings: MaterialSettings, seed: int) -> None:
+    """Write the textures of :func:`read_materials`."""
+    learnt = [procedural_textures(settings.procedural, seed)]
+    held_out = [procedural_textures(settings.held_out, derive_seed(seed, "held-out materials"))]
+    if settings.folder is not None:
+        learnt.append(scanned_textures(settings.folder, "train"))
+        held_out.append(scanned_textures(settings.folder, "val"))
+    whole = join_sets(*learnt, *held_out)
+    learning = np.arange(len(whole)) < sum(map(len, learnt))
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, learning=learning, **vars(whole))
+
+
+def read_materials(path: str | Path) -> tuple[TextureSet, dict[str, TextureSet]]:
+    """Return the textures to learn from, and those held out: ``procedural``, perhaps ``real``."""
+    with np.load(path, allow_pickle=False) as stored:
+        learning = stored["learning"]
+        whole = TextureSet(stored["tiles"], stored["substances"], stored["scanned"])
+    kinds = {"procedural": ~learning & ~whole.scanned, "real": ~learning & whole.scanned}
+    return whole.of(learning), {k: whole.of(mask) for k, mask in kinds.items() if mask.any()}
+
+
+def seen_textures(textures: TextureSet) -> list[str]:
+    """Return what a model card says of the textures that were learnt from."""
+    real = int(textures.scanned.sum())
+    return [
+        f"{len(textures) - real} procedural materials.",
+        f"{real or 'No'} real tileable textures{' (the train split of a folder)' * bool(real)}.",
+        "No photo.",
+    ]
 
 
 def sampling_weights(textures: TextureSet, scanned_share: float) -> np.ndarray:

@@ -3,67 +3,52 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
-import numpy as np
+from plan2scene_workshop.training.loop import cosine
 
 
 @dataclass(frozen=True)
-class TextureTraining:
-    """Hyperparameters of a texture model's training.
+class TextureSettings:
+    """Hyperparameters of a texture model's training (Synth's or NaiveSynth's)."""
 
-    Attributes
-    ----------
-    warm_up : int
-        Crops on whose statistics a statistics encoder is trained alone first.
-    steps, finish : int
-        Steps that train everything, and further ones that draw whole tiles only: what is coarse
-        is not in windows.
-    batch, tile_batch : int
-        Crops per step with 64-px windows, and with whole tiles.
-    tile_share : float
-        Share of the steps that draw whole tiles.
-    learning_rate : float
-        Adam's, held for 60 % of the steps, then falling to a hundredth along a cosine.
-    dropout : float
-        Share of a statistics encoder's hidden units left out at a time.
-    spectrum, colour, histogram, frequency, substance : float
-        Weights of these losses beside the Gram error's 1; `frequency` counts for whole tiles.
-    scanned_share : float
-        Share of crops that come from scanned textures, where there are any.
-    low_precision : bool
-        Decoder in bfloat16.
-    levels : int
-        Pyramid levels of the embedded filters.
-    statistics : str
-        Whose Gram matrices the loss compares: ``embedded`` filters, or ``pretrained`` VGG-19.
-    statistics_path : str, optional
-        State dict of torchvision's ``vgg19``, for ``pretrained``.
-    """
+    # What is drawn. Windows of 64 px cost a quarter of a whole tile of 128 px, but what is coarse
+    # is not in them.
+    batch: int = 6  #: windows in a step
+    tile_batch: int = 2  #: whole tiles in a step
+    tile_share: float = 0.12  #: of the steps, those that draw whole tiles
+    scanned_share: float = 0.5  #: of the crops, those of real textures, where there are any
 
-    warm_up: int = 6144
-    steps: int = 4000
-    finish: int = 600
-    batch: int = 6
-    tile_batch: int = 2
-    tile_share: float = 0.12
-    learning_rate: float = 8e-4
+    # A statistics encoder first learns alone to keep a crop's statistics and substance in its
+    # code: decoding is what costs.
+    warm_up: int = 6144  #: crops
+    warm_up_steps: int = 2304  #: of 64 of these crops each
+    warm_up_learning_rate: float = 2e-3  #: AdamW, constant
+    warm_up_weight_decay: float = 0.01
+
+    # Optimiser: Adam.
+    steps: int = 4000  #: that train everything
+    finish: int = 600  #: further ones on whole tiles alone, at a quarter of the rate
+    learning_rate: float = 8e-4  #: full until 60 % of the steps, then a cosine to a hundredth
     weight_decay: float = 1e-5
-    dropout: float = 0.2
-    spectrum: float = 0.4
-    colour: float = 4.0
-    histogram: float = 1.0
-    frequency: float = 4.0
-    substance: float = 0.3
-    scanned_share: float = 0.5
-    low_precision: bool = True
-    levels: int = 5
-    statistics: str = "embedded"
-    statistics_path: str | None = None
+    clip_norm: float = 2.0  #: of the gradient: Gram errors of odd textures are large
+    dropout: float = 0.2  #: of a statistics encoder's hidden units: textures are few
 
+    # Loss: weights beside the Gram error's 1.
+    spectrum: float = 0.4  #: log power by sector
+    colour: float = 4.0  #: sliced distance of the colours
+    histogram: float = 1.0  #: COLOR with gradients
+    frequency: float = 4.0  #: FREQ with gradients, of whole tiles
+    substance: float = 0.3  #: cross-entropy, where there is a head
+    statistics: Literal["embedded", "pretrained"] = "embedded"  #: whose Gram matrices: or VGG-19's
+    statistics_path: str | None = None  #: state dict of torchvision's vgg19, for ``pretrained``
+    levels: int = 5  #: pyramid levels of the embedded filters
 
-def schedule(progress: float) -> float:
-    """Return the share of the learning rate: held, then a cosine to a hundredth."""
-    if progress < 0.6:
-        return min(1.0, 0.05 + progress * 50)
-    fall = min(1.0, (progress - 0.6) / 0.4)
-    return float(0.01 + 0.99 * 0.5 * (1 + np.cos(np.pi * fall)))
+    low_precision: bool = True  #: decoder in bfloat16, where the processor is fast at it
+
+    def rate(self, step: int) -> float:
+        """Return the share of the learning rate at a step."""
+        if step < self.steps:
+            rise, hold = round(0.02 * self.steps), round(0.6 * self.steps)
+            return cosine(step, self.steps, rise=rise, hold=hold)
+        return 0.25 * cosine(step - self.steps, self.finish)

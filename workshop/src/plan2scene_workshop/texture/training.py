@@ -1,19 +1,11 @@
 """Training of the texture models: Synth (delta-HSV, substance head) and NaiveSynth.
 
 The loss is the error of Gram matrices (of fixed filters, or of VGG-19), the log spectrum by
-sectors, the colour distribution, COLOR and FREQ with gradients, and cross-entropy of the
-substance. Most steps draw 64-px windows of the tile, which
-cost a quarter; some draw the whole tile for the coarse structure. First a
-statistics encoder learns alone to keep the crop's statistics and substance in its code, because
-decoding is what costs.
+sectors, the colour distribution, COLOR and FREQ with gradients, and cross-entropy of the substance.
 """
 
 from __future__ import annotations
 
-import logging
-import time
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +13,6 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from plan2scene.io import atomic_path
 from plan2scene.seeds import derive_seed, generator
 from plan2scene.textures.model.encoder import StatisticsEncoder
 from plan2scene.textures.model.network import Architecture, Encoding, TextureModel
@@ -40,222 +31,167 @@ from plan2scene_workshop.texture.data import (
     draw_batch,
     sampling_weights,
 )
-from plan2scene_workshop.texture.settings import TextureTraining, schedule
-
-_LOGGER = logging.getLogger("plan2scene")
-
-
-@dataclass(frozen=True)
-class Losses:
-    """Parts of the loss of one batch, before weighting."""
-
-    gram: torch.Tensor
-    spectrum: torch.Tensor
-    colour: torch.Tensor
-    histogram: torch.Tensor
-    frequency: torch.Tensor
-    substance: torch.Tensor
+from plan2scene_workshop.texture.settings import TextureSettings
+from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions
 
 
-class TextureTrainer:
-    """One model, its optimiser and its losses; the state can be saved and continued."""
+class TextureLoss:
+    """The loss of a random batch: of 64-px windows of tiles, or of whole tiles."""
 
     def __init__(
-        self, architecture: Architecture, options: TextureTraining, seed: int, device: str = "cpu"
+        self, model: TextureModel, textures: TextureSet, settings: TextureSettings, device: str
     ) -> None:
-        torch.manual_seed(derive_seed(seed, "texture model") % 2**31)
-        self.model = TextureModel(architecture).to(device)
-        self.model.decoder.low_precision = options.low_precision
-        if isinstance(self.model.encoder, StatisticsEncoder):
-            self.model.encoder.dropout = options.dropout
-        self.options, self.seed, self.device = options, seed, device
+        self.model, self.textures = model, textures
+        self.settings, self.device = settings, device
+        self.weights = sampling_weights(textures, settings.scanned_share)
         self.filters = load_statistics(
-            options.statistics, options.statistics_path, levels=options.levels, device=device
+            settings.statistics, settings.statistics_path, levels=settings.levels, device=device
         )
         self.spectrum = SpectrumStatistics().to(device)
-        self.optimiser = torch.optim.Adam(
-            self.model.parameters(), lr=options.learning_rate, weight_decay=options.weight_decay
-        )
-        self.step = 0
-        self.seconds = 0.0
 
-    def losses(self, batch: Batch, rng: np.random.Generator, side: int) -> Losses:
-        """Return the losses of a batch on random `side` x `side` windows of tiles and targets."""
-        inputs, targets = self._tensor(batch.inputs), self._tensor(batch.targets)
-        encoding = self.model.encode(inputs)
-        draws = rng.random((len(inputs), OCTAVES, CHANNELS), dtype=np.float32)
-        seeds = torch.from_numpy(draws).to(self.device)
+    def __call__(self, step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+        """Return the weighted parts of the loss of a step."""
+        settings = self.settings
+        whole = rng.random() < settings.tile_share or step >= settings.steps
+        size = settings.tile_batch if whole else settings.batch
+        batch = draw_batch(self.textures, self.weights, size, rng)
+        return self.parts(batch, rng, CROP_PX if whole else CROP_PX // 2)
+
+    def parts(self, batch: Batch, rng: np.random.Generator, side: int) -> dict[str, torch.Tensor]:
+        """Return the parts for a batch on random `side` x `side` windows of tiles and targets."""
+        settings, device = self.settings, self.device
+        encoding = self.model.encode(_tensor(batch.inputs, device))
+        draws = rng.random((len(batch.inputs), OCTAVES, CHANNELS), dtype=np.float32)
+        seeds = torch.from_numpy(draws).to(device)
         tiles = self.model.decode(encoding.embedding, seeds, CROP_PX, _window(rng, side))
         rows, columns = _window(rng, side)
-        targets = targets[:, :, rows, columns]
+        targets = _tensor(batch.targets, device)[:, :, rows, columns]
         step = side // 64
         sparse = tiles[:, :, ::step, ::step], targets[:, :, ::step, ::step]
-        return Losses(
-            self.filters.distance(tiles, targets).mean(),
-            self.spectrum.distance(tiles, targets).mean(),
-            colour_distance(*sparse).mean(),
-            histogram_distance(*sparse).mean(),
-            frequency_distance(tiles, targets).mean() if side == CROP_PX else tiles.new_zeros(()),
-            self._cross_entropy(encoding, torch.from_numpy(batch.substances).to(self.device)),
-        )
-
-    def warm_up(self, textures: TextureSet, weights: np.ndarray) -> None:
-        """Train a statistics encoder alone to tell statistics and substance from its codes."""
-        encoder, options = self.model.encoder, self.options
-        if not isinstance(encoder, StatisticsEncoder):
-            return
-        rng = generator(self.seed, "texture warm-up")
-        batches = [draw_batch(textures, weights, 16, rng) for _ in range(options.warm_up // 16)]
-        with torch.no_grad():
-            inputs = torch.cat([encoder.features(self._tensor(b.inputs)) for b in batches])
-            targets = torch.cat([encoder.features(self._tensor(b.targets)) for b in batches])
-        labels = torch.from_numpy(np.concatenate([b.substances for b in batches])).to(self.device)
-        encoder.standardise(targets)
-        targets = ((targets - encoder.centre) / encoder.scale).clamp(-4.0, 4.0)
-        probe = nn.Linear(self.model.architecture.code_dim, targets.shape[1]).to(self.device)
-        optimiser = torch.optim.AdamW(
-            [*self.model.parameters(), *probe.parameters()], lr=2e-3, weight_decay=0.01
-        )
-        for _ in range(3 * options.warm_up // 8):
-            chosen = torch.from_numpy(rng.integers(0, len(inputs), 64))
-            encoding = self.model.embed(encoder.code_of_features(inputs[chosen]), None)
-            code = encoding.embedding
-            error = (probe(code) - targets[chosen]).square().mean()
-            # The probe leaves the codes' size open: keep it near that of unit noise.
-            size = 0.01 * (code.square().mean() - 1.0).square()
-            cross_entropy = self._cross_entropy(encoding, labels[chosen])
-            optimiser.zero_grad()
-            (error + 0.3 * cross_entropy + size).backward()
-            optimiser.step()
-        _LOGGER.info(
-            "warm-up: %d crops, statistics %.3f, substance %.3f",
-            len(inputs),
-            float(error.detach()),
-            float(cross_entropy.detach()),
-        )
-
-    def _cross_entropy(self, encoding: Encoding, labels: torch.Tensor) -> torch.Tensor:
-        """Return the substance head's cross-entropy, 0 without a head."""
-        if encoding.logits is None:
-            return encoding.embedding.new_zeros(())
-        return functional.cross_entropy(encoding.logits, labels)
-
-    def train_step(self, textures: TextureSet, weights: np.ndarray) -> Losses:
-        """Run one step; everything random in it derives from (seed, step)."""
-        options = self.options
-        rng = generator(self.seed, "texture step", self.step)
-        torch.manual_seed(derive_seed(self.seed, "texture dropout", self.step) % 2**31)
-        whole = rng.random() < options.tile_share or self.step >= options.steps
-        size, side = (options.tile_batch, CROP_PX) if whole else (options.batch, CROP_PX // 2)
-        losses = self.losses(draw_batch(textures, weights, size, rng), rng, side)
-        total = (
-            losses.gram
-            + options.spectrum * losses.spectrum
-            + options.colour * losses.colour
-            + options.histogram * losses.histogram
-            + options.frequency * losses.frequency
-            + options.substance * losses.substance
-        )
-        for group in self.optimiser.param_groups:
-            group["lr"] = options.learning_rate * self._rate()
-        self.optimiser.zero_grad()
-        total.backward()
-        torch.nn.utils.clip_grad_norm_(self.model.parameters(), 2.0)
-        self.optimiser.step()
-        self.step += 1
-        return losses
-
-    def _rate(self) -> float:
-        """Return the share of the learning rate at this step."""
-        options = self.options
-        if self.step < options.steps:
-            return schedule(self.step / options.steps)
-        return 0.25 * schedule(0.6 + 0.4 * (self.step - options.steps) / max(options.finish, 1))
-
-    def save(self, path: Path) -> None:
-        """Write all that :meth:`resume` needs."""
-        state = {
-            "run": self._run(),
-            "step": self.step,
-            "seconds": self.seconds,
-            "model": self.model.state_dict(),
-            "optimiser": self.optimiser.state_dict(),
+        parts = {
+            "gram": self.filters.distance(tiles, targets).mean(),
+            "spectrum": settings.spectrum * self.spectrum.distance(tiles, targets).mean(),
+            "colour": settings.colour * colour_distance(*sparse).mean(),
+            "histogram": settings.histogram * histogram_distance(*sparse).mean(),
+            "frequency": tiles.new_zeros(()),
+            "substance": settings.substance * _cross_entropy(encoding, batch.substances),
         }
-        with atomic_path(path) as temporary:
-            torch.save(state, temporary)
+        if side == CROP_PX:
+            parts["frequency"] = settings.frequency * frequency_distance(tiles, targets).mean()
+        return parts
 
-    def resume(self, path: Path) -> bool:
-        """Continue from a file of :meth:`save`; False for one of another run (nothing changes)."""
-        state = torch.load(path, map_location=self.device, weights_only=True)
-        if state.get("run") != self._run():
-            return False
-        self.step, self.seconds = int(state["step"]), float(state["seconds"])
-        self.model.load_state_dict(state["model"])
-        self.optimiser.load_state_dict(state["optimiser"])
-        return True
 
-    def _run(self) -> str:
-        """Return what makes a run: all but its length, which may change on the way."""
-        options = replace(self.options, steps=0, finish=0)
-        return repr((self.seed, self.model.architecture, options))
+def texture_trainer(
+    architecture: Architecture,
+    textures: TextureSet,
+    settings: TextureSettings,
+    seed: int,
+    *,
+    device: str = "cpu",
+    run: object = None,
+) -> Trainer[TextureModel]:
+    """Return the run of a new texture model, its first step to come (see :func:`warm_up`)."""
+    torch.manual_seed(derive_seed(seed, "texture model"))
+    model = TextureModel(architecture).to(device)
+    model.decoder.low_precision = settings.low_precision
+    if isinstance(model.encoder, StatisticsEncoder):
+        model.encoder.dropout = settings.dropout
+    optimiser = torch.optim.Adam(
+        model.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
+    )
+    options = TrainerOptions(
+        "texture",
+        seed,
+        settings.steps + settings.finish,
+        settings.rate,
+        clip_norm=settings.clip_norm,
+    )
+    loss = TextureLoss(model, textures, settings, device)
+    return Trainer(model, loss, optimiser, options, run=(architecture, settings, run))
 
-    def _tensor(self, images: np.ndarray) -> torch.Tensor:
-        tensor = torch.from_numpy(images).to(self.device).permute(0, 3, 1, 2)
-        return tensor.float() / 255.0
+
+def train_texture_model(
+    architecture: Architecture,
+    textures: TextureSet,
+    settings: TextureSettings,
+    seed: int,
+    *,
+    device: str = "cpu",
+    checkpoint: Path | None = None,
+    run: object = None,
+) -> Trained[TextureModel]:
+    """Return a trained texture model.
+
+    Parameters
+    ----------
+    device : str
+        ``"cpu"`` or ``"cuda"``.
+    checkpoint : path, optional
+        Goes on from it where it is of this run.
+    run : object
+        What tells these textures from others.
+    """
+    trainer = texture_trainer(architecture, textures, settings, seed, device=device, run=run)
+    if not trainer.resume(checkpoint):
+        warm_up(trainer.network, textures, settings, seed)
+    return trainer.fit(checkpoint)
+
+
+def warm_up(
+    model: TextureModel, textures: TextureSet, settings: TextureSettings, seed: int
+) -> None:
+    """Train a statistics encoder alone to tell statistics and substance from its codes."""
+    encoder, device = model.encoder, next(model.parameters()).device
+    if not isinstance(encoder, StatisticsEncoder):
+        return
+    rng, weights = (
+        generator(seed, "texture warm-up"),
+        sampling_weights(textures, settings.scanned_share),
+    )
+    batches = [draw_batch(textures, weights, 16, rng) for _ in range(settings.warm_up // 16)]
+    with torch.no_grad():
+        inputs = torch.cat([encoder.features(_tensor(b.inputs, device)) for b in batches])
+        features = torch.cat([encoder.features(_tensor(b.targets, device)) for b in batches])
+    labels = np.concatenate([b.substances for b in batches])
+    encoder.standardise(features)
+    targets = ((features - encoder.centre) / encoder.scale).clamp(-4.0, 4.0)
+    probe = nn.Linear(model.architecture.code_dim, targets.shape[1]).to(device)
+
+    def loss(step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+        chosen = rng.integers(0, len(inputs), 64)
+        encoding = model.embed(encoder.code_of_features(inputs[chosen]), None)
+        code = encoding.embedding
+        return {
+            "statistics": (probe(code) - targets[chosen]).square().mean(),
+            "substance": 0.3 * _cross_entropy(encoding, labels[chosen]),
+            # The probe leaves the codes' size open: keep it near that of unit noise.
+            "size": 0.01 * (code.square().mean() - 1.0).square(),
+        }
+
+    both = nn.ModuleList([model, probe])
+    optimiser = torch.optim.AdamW(
+        both.parameters(),
+        lr=settings.warm_up_learning_rate,
+        weight_decay=settings.warm_up_weight_decay,
+    )
+    options = TrainerOptions("texture warm-up", seed, settings.warm_up_steps, lambda step: 1.0)
+    Trainer(both, loss, optimiser, options).fit()
+
+
+def _cross_entropy(encoding: Encoding, substances: np.ndarray) -> torch.Tensor:
+    """Return the substance head's cross-entropy, 0 without a head."""
+    if encoding.logits is None:
+        return encoding.embedding.new_zeros(())
+    labels = torch.from_numpy(substances).to(encoding.logits.device)
+    return functional.cross_entropy(encoding.logits, labels)
+
+
+def _tensor(images: np.ndarray, device: torch.device | str) -> torch.Tensor:
+    """Return images (n, h, w, 3) uint8 as (n, 3, h, w) float32 in [0, 1]."""
+    return torch.from_numpy(images).to(device).permute(0, 3, 1, 2).float() / 255.0
 
 
 def _window(rng: np.random.Generator, side: int) -> tuple[slice, slice]:
     """Return a random `side` x `side` window of a 128-px image."""
     row, column = (int(v) for v in rng.integers(0, CROP_PX - side + 1, 2))
     return slice(row, row + side), slice(column, column + side)
-
-
-def train_texture_model(
-    architecture: Architecture,
-    textures: TextureSet,
-    options: TextureTraining,
-    seed: int,
-    *,
-    checkpoint: Path | None = None,
-    device: str = "cpu",
-) -> tuple[TextureModel, float]:
-    """Return a trained texture model and the seconds that took, earlier calls included.
-
-    Parameters
-    ----------
-    checkpoint : path, optional
-        Written every 200 steps, and continued from where it exists.
-    device : str
-        ``"cpu"`` or ``"cuda"``.
-    """
-    trainer = TextureTrainer(architecture, options, seed, device)
-    if checkpoint is not None and checkpoint.is_file():
-        resumed = trainer.resume(checkpoint)
-        _LOGGER.info(
-            "continued from step %d" if resumed else "other run's checkpoint, step %d", trainer.step
-        )
-    weights = sampling_weights(textures, options.scanned_share)
-    trainer.model.train()
-    last = time.monotonic()
-    if trainer.step == 0:
-        trainer.warm_up(textures, weights)
-    sums: dict[str, float] = {}
-    while trainer.step < options.steps + options.finish:
-        _accumulate(sums, trainer.train_step(textures, weights))
-        now = time.monotonic()
-        trainer.seconds, last = trainer.seconds + now - last, now
-        if trainer.step % 50 == 0:
-            means = " ".join(f"{k} {v / sums['n']:.3f}" for k, v in sums.items() if k != "n")
-            _LOGGER.info("step %d %s, %.0f s", trainer.step, means, trainer.seconds)
-            sums = {}
-        if checkpoint is not None and trainer.step % 200 == 0:
-            trainer.save(checkpoint)
-    return trainer.model.eval(), trainer.seconds
-
-
-def _accumulate(sums: dict[str, float], losses: Losses) -> None:
-    """Add the losses of a step to running sums."""
-    values: Mapping[str, torch.Tensor] = vars(losses)
-    for name, value in values.items():
-        sums[name] = sums.get(name, 0.0) + float(value.detach())
-    sums["n"] = sums.get("n", 0.0) + 1

@@ -47,7 +47,7 @@ class Card:
     limits: str = ""
 
 
-def write_card(path: str | Path, card: Card, trained: Trained, weights: str | Path) -> None:
+def write_card(path: str | Path, card: Card, trained: Trained[Any], weights: str | Path) -> None:
     """Write the card of the network in file `weights` that a run ended with."""
     settings = ", ".join(f"`{key}` {value}" for key, value in asdict(card.settings).items())
     target = f"results/training/models/{card.name}.safetensors"

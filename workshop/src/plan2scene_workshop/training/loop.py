@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
 import torch
@@ -25,6 +25,7 @@ from plan2scene.seeds import derive_seed, generator
 
 _LOG = logging.getLogger("plan2scene")
 
+Network = TypeVar("Network", bound=nn.Module)
 #: (step from 0, that step's generator) -> the weighted parts of the loss; their sum is minimised.
 Loss = Callable[[int, np.random.Generator], Mapping[str, torch.Tensor]]
 
@@ -46,13 +47,13 @@ class TrainerOptions:
 
 
 @dataclass(frozen=True)
-class Trained:
+class Trained(Generic[Network]):
     """What a run ends with.
 
     Attributes
     ----------
     network : nn.Module
-        On the CPU, in evaluation mode: the best of the evaluations, or the last weights.
+        In evaluation mode: the best of the evaluations, or the last weights.
     step : int
         The step that its weights are from.
     score : float
@@ -61,7 +62,7 @@ class Trained:
         Of all steps and evaluations, those before a checkpoint included.
     """
 
-    network: nn.Module
+    network: Network
     step: int
     score: float
     seconds: float
@@ -76,7 +77,7 @@ class _Best:
     state: dict[str, torch.Tensor]
 
 
-class Trainer:
+class Trainer(Generic[Network]):
     """A network, its loss and its optimiser on their way through a run.
 
     Parameters
@@ -97,12 +98,12 @@ class Trainer:
 
     def __init__(
         self,
-        network: nn.Module,
+        network: Network,
         loss: Loss,
         optimiser: torch.optim.Optimizer,
         options: TrainerOptions,
         *,
-        evaluate: Callable[[nn.Module], float] | None = None,
+        evaluate: Callable[[Network], float] | None = None,
         run: object = None,
     ) -> None:
         if options.steps < 1:
@@ -118,9 +119,9 @@ class Trainer:
         self.best = _Best(0, math.nan, {})
 
     @property
-    def kept(self) -> nn.Module:
+    def kept(self) -> Network:
         """The network whose weights count: the average where there is one."""
-        return self.network if self.average is None else self.average.module
+        return self.network if self.average is None else cast("Network", self.average.module)
 
     def train_step(self) -> dict[str, torch.Tensor]:
         """Take one step; return the loss and its parts, detached."""
@@ -143,7 +144,7 @@ class Trainer:
         self.step += 1
         return {name: part.detach() for name, part in {"loss": total, **parts}.items()}
 
-    def fit(self, checkpoint: Path | None = None) -> Trained:
+    def fit(self, checkpoint: Path | None = None) -> Trained[Network]:
         """Take the steps that are left and return the network to keep.
 
         Parameters
@@ -170,7 +171,7 @@ class Trainer:
         if not self.evaluate:
             best = _Best(self.step, math.nan, network.state_dict())
         network.load_state_dict(best.state)
-        return Trained(network.cpu().eval(), best.step, best.score, self.seconds)
+        return Trained(network.eval(), best.step, best.score, self.seconds)
 
     def _due(self, every: int, *, at_end: bool) -> bool:
         """Return whether this step is one of every so many (0: none), or the last one."""
@@ -178,7 +179,7 @@ class Trainer:
             return at_end
         return every > 0 and self.step % every == 0
 
-    def _evaluate(self, evaluate: Callable[[nn.Module], float]) -> None:
+    def _evaluate(self, evaluate: Callable[[Network], float]) -> None:
         """Score the present network and keep it if none was better."""
         with torch.no_grad():
             score = evaluate(self.kept.eval())

@@ -1,0 +1,11 @@
+"""Rule materials: procedural and real textures to learn from and to measure with."""
+
+from plan2scene.jobs import job
+from plan2scene_workshop.texture.data import MaterialSettings, write_materials
+
+with job(snakemake.log[0]):
+    write_materials(
+        snakemake.output[0],
+        MaterialSettings(**snakemake.params.settings),
+        snakemake.params.seed,
+    )
