@@ -14,7 +14,7 @@ rule segmentation_scenes:
     params:
         settings=TRAINING["segmentation"],
         seed=config["seed"],
-        code=code_hash("segmentation.scenes"),
+        code=code_hash("segmentation.run"),
     script:
         "../scripts/segmentation_scenes.py"
 
@@ -36,8 +36,9 @@ rule segmentation_start:
         mem_mb=4000,
     params:
         settings=TRAINING["segmentation"],
+        checkpoint="results/training/segmentation_start.checkpoint",
         seed=config["seed"],
-        code=code_hash("segmentation.training"),
+        code=code_hash("segmentation.run"),
     script:
         "../scripts/segmentation_start.py"
 
@@ -62,7 +63,8 @@ rule train_segmentation:
         mem_mb=8000,
     params:
         settings=TRAINING["segmentation"],
+        checkpoint="results/training/segmentation.checkpoint",
         seed=config["seed"],
-        code=code_hash("segmentation.training"),
+        code=code_hash("segmentation.run"),
     script:
         "../scripts/train_segmentation.py"

@@ -2,17 +2,21 @@
 
 from pathlib import Path
 
+import torch
+
 from plan2scene.jobs import job
-from plan2scene_workshop.segmentation.training import train_segmentation
+from plan2scene_workshop.segmentation.run import train_segmentation
+from plan2scene_workshop.segmentation.settings import SegmentationSettings
 
 with job(snakemake.log[0]):
+    torch.set_num_threads(snakemake.threads)
     train_segmentation(
         Path(snakemake.input.table).parent,
         snakemake.input.scenes,
         snakemake.input.start,
         snakemake.output.model,
         snakemake.output.card,
-        settings=snakemake.params.settings,
+        settings=SegmentationSettings(**snakemake.params.settings),
         seed=snakemake.params.seed,
-        threads=snakemake.threads,
+        checkpoint=Path(snakemake.params.checkpoint),
     )

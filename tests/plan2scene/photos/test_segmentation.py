@@ -21,7 +21,7 @@ from plan2scene.photos.labels.segmentation import (
     upsampled_argmax,
 )
 from plan2scene.weights import save_model_file
-from plan2scene_workshop.segmentation.loop import with_elevation
+from plan2scene_workshop.segmentation.training import with_elevation
 
 TINY = {"widths": [8, 8, 8, 8, 8], "depths": [1, 1, 1, 1], "decoder": 16, "long_side": 64}
 

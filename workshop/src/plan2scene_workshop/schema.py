@@ -15,7 +15,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from plan2scene_workshop.features.settings import FeaturesSettings
 from plan2scene_workshop.propagation.training import PropagationSettings
-from plan2scene_workshop.segmentation.loop import Settings
+from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.texture.data import MaterialSettings
 from plan2scene_workshop.texture.settings import TextureSettings
 
@@ -26,7 +26,7 @@ SETTINGS: dict[str, type] = {
     "texture": TextureSettings,
     "naivesynth": TextureSettings,
     "features": FeaturesSettings,
-    "segmentation": Settings,
+    "segmentation": SegmentationSettings,
     "propagation": PropagationSettings,
 }
 _TYPES = {int: "integer", float: "number", bool: "boolean", str: "string", NoneType: "null"}

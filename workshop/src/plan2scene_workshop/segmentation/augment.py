@@ -8,7 +8,7 @@ varied widely.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import cv2
 import numpy as np
@@ -48,7 +48,7 @@ def training_sample(
 
 def training_sample_with_map(
     photos: Sequence[LabelledPhoto],
-    maps: Sequence[Array],
+    maps: Mapping[int, Array],
     index: int,
     size: tuple[int, int],
     rng: np.random.Generator,
@@ -57,8 +57,8 @@ def training_sample_with_map(
 
     Parameters
     ----------
-    maps : sequence of (h, w) or (h, w, c) float32
-        Values per pixel of each photo, of the photo's size.
+    maps : mapping of int to (h, w) or (h, w, c) float32
+        Values per pixel of photo `index`, of the photo's size.
 
     Returns
     -------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,8 +18,8 @@ from plan2scene.photos.labels.palette import IGNORE, LABELS, read_label_png
 
 
 @dataclass(frozen=True)
-class Gaze:
-    """Where a photo's camera looks, independent of the photo's size.
+class Horizon:
+    """Where a photo's horizon lies, independent of the photo's size.
 
     Parameters
     ----------
@@ -42,14 +43,14 @@ class LabelledPhoto:
     image : (h, w, 3) uint8 sRGB
     labels : (h, w) uint8
         0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore.
-    gaze : Gaze, optional
-        Where its camera looks, if known.
+    horizon : Horizon, optional
+        Where its horizon lies, if known.
     """
 
     name: str
     image: np.ndarray
     labels: np.ndarray
-    gaze: Gaze | None = None
+    horizon: Horizon | None = None
 
 
 def read_labelled_photos(root: str | Path, split: str, *, long_side: int) -> list[LabelledPhoto]:
@@ -78,19 +79,27 @@ def _house_photos(base: Path, split: str, house: str, long_side: int) -> Iterato
             raise InputError(
                 f"a mask of size {image.shape[:2]}", str(labels.shape), file=name, house=house
             )
-        yield LabelledPhoto(name, *scaled_down(image, labels, long_side), gaze_of(cameras[name]))
+        yield LabelledPhoto(name, *scaled_down(image, labels, long_side), horizon_of(cameras[name]))
 
 
-def gaze_of(camera: Mapping[str, Any]) -> Gaze | None:
-    """Return where a camera looks, given as in a truth file; None when that does not say."""
+def digest(photos: Sequence[LabelledPhoto]) -> str:
+    """Return 16 hex digits of photos and their labels."""
+    found = hashlib.sha256()
+    for photo in photos:
+        found.update(photo.image.tobytes() + photo.labels.tobytes())
+    return found.hexdigest()[:16]
+
+
+def horizon_of(camera: Mapping[str, Any]) -> Horizon | None:
+    """Return the horizon of a camera given as in a truth file; None when that does not say."""
     if "rotation" not in camera:
         return None
     up = tuple(float(row[1]) for row in camera["rotation"])
-    return Gaze((up[0], up[1], up[2]), float(camera["focal_px"]) / float(camera["width"]))
+    return Horizon((up[0], up[1], up[2]), float(camera["focal_px"]) / float(camera["width"]))
 
 
 def write_scenes(path: str | Path, scenes: Sequence[LabelledPhoto], metadata: Any) -> None:
-    """Write drawn rooms to a Parquet file: name, image and labels as PNG bytes, gaze."""
+    """Write drawn rooms to a Parquet file: name, image and labels as PNG bytes, horizon."""
     import pandas as pd
 
     rows = [
@@ -98,8 +107,8 @@ def write_scenes(path: str | Path, scenes: Sequence[LabelledPhoto], metadata: An
             "name": scene.name,
             "image": png_bytes(scene.image),
             "labels": png_bytes(scene.labels),
-            "up": None if scene.gaze is None else list(scene.gaze.up),
-            "focal": None if scene.gaze is None else scene.gaze.focal,
+            "up": None if scene.horizon is None else list(scene.horizon.up),
+            "focal": None if scene.horizon is None else scene.horizon.focal,
         }
         for scene in scenes
     ]
@@ -114,7 +123,7 @@ def read_scenes(path: str | Path) -> list[LabelledPhoto]:
             row.name_,
             image_from_bytes(row.image),
             np.asarray(cv2.imdecode(np.frombuffer(row.labels, np.uint8), cv2.IMREAD_GRAYSCALE)),
-            None if row.up is None else Gaze(tuple(row.up), float(row.focal)),
+            None if row.up is None else Horizon(tuple(row.up), float(row.focal)),
         )
         for row in frame.rename(columns={"name": "name_"}).itertuples()
     ]

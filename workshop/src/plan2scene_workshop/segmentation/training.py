@@ -1,160 +1,210 @@
-"""Training of the segmentation network: labelled photos in, weights and a model card out."""
+"""Training of the segmentation network: its loss, its batches and its evaluation."""
 
 from __future__ import annotations
 
-import logging
-import os
-import platform
-import time
-from collections.abc import Mapping
-from dataclasses import fields, replace
+import copy
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
+from torch import nn
+from torch.nn import functional as F
 
-from plan2scene.io import atomic_path
-from plan2scene.photos.labels.palette import LABELS
-from plan2scene.photos.labels.segmentation import SegmentationNet, load_segmenter
-from plan2scene.weights import save_model_file
+from plan2scene.photos.camera.calibration import Camera, estimate_camera
+from plan2scene.photos.labels.elevation import elevation_map
+from plan2scene.photos.labels.palette import IGNORE, LABELS
+from plan2scene.photos.labels.segmentation import SegmentationNet, Segmenter, to_tensor
+from plan2scene.seeds import derive_seed
+from plan2scene_workshop.segmentation.augment import training_sample_with_map
 from plan2scene_workshop.segmentation.data import (
+    LabelledPhoto,
     Scores,
-    gaze_of,
-    read_labelled_photos,
-    read_scenes,
-    write_scenes,
+    confusion,
+    scores,
 )
-from plan2scene_workshop.segmentation.loop import Settings, estimated_cameras, evaluate, train
-from plan2scene_workshop.segmentation.scenes import random_scenes_and_eyes, scene_camera
-
-_log = logging.getLogger("plan2scene")
-
-
-def draw_scenes(output: str | Path, *, settings: Mapping[str, Any], seed: int) -> None:
-    """Draw the drawn rooms that training uses beside photos and write them to a Parquet file."""
-    chosen = Settings.of(settings)
-    drawn = random_scenes_and_eyes(chosen.scenes, seed=seed, textures=chosen.textures)
-    scenes = [replace(photo, gaze=gaze_of(scene_camera(eye))) for photo, eye in drawn]
-    write_scenes(output, scenes, {"dataset": "training", "house": ""})
+from plan2scene_workshop.segmentation.settings import SegmentationSettings
+from plan2scene_workshop.training.loop import (
+    Trained,
+    Trainer,
+    TrainerOptions,
+    best_device,
+    cosine,
+)
 
 
-def train_start(
-    scenes_path: str | Path,
-    model_path: str | Path,
-    *,
-    settings: Mapping[str, Any],
-    seed: int,
-    threads: int,
-) -> Scores:
-    """Train on drawn rooms alone and write the weights that training on photos starts from.
+def segmentation_loss(
+    logits: torch.Tensor, labels: torch.Tensor, dice: float, smoothing: float = 0.0
+) -> torch.Tensor:
+    """Return cross-entropy + `dice` x soft Dice over the batch.
 
-    The scores are on a tenth of the rooms (at most 100), which training did not see.
+    Parameters
+    ----------
+    logits : (n, 4, h / 2, w / 2) float32
+        Brought to the labels' size first, so that borders are learned at full resolution.
+    labels : (n, h, w) int64
+        255 is left out.
     """
-    torch.set_num_threads(threads)
-    chosen = Settings.of(settings)
-    scenes = read_scenes(scenes_path)
-    count = min(100, max(1, len(scenes) // 10))
-    network, found, _ = train(
-        scenes[count:],
-        scenes[:count],
-        chosen,
-        seed=seed,
-        steps=chosen.scene_steps,
-        learning_rate=chosen.learning_rate,
-        sides=(chosen.scene_side, chosen.small),
-    )
-    save_model_file(model_path, network.state_dict(), network.architecture, half=False)
-    return found
+    logits = F.interpolate(logits, size=labels.shape[1:], mode="bilinear")
+    loss = F.cross_entropy(logits, labels, ignore_index=IGNORE, label_smoothing=smoothing)
+    kept = (labels != IGNORE)[:, None]
+    target = F.one_hot(labels.where(labels != IGNORE, 0), len(LABELS)).permute(0, 3, 1, 2) * kept
+    probability = logits.softmax(dim=1) * kept
+    overlap = (probability * target).sum(dim=(0, 2, 3))
+    total = (probability + target).sum(dim=(0, 2, 3))
+    return loss + dice * (1 - ((2 * overlap + 1) / (total + 1)).mean())
 
 
-def train_segmentation(
-    data_root: str | Path,
-    scenes_path: str | Path,
-    start_path: str | Path,
-    model_path: str | Path,
-    card_path: str | Path,
-    *,
-    settings: Mapping[str, Any],
-    seed: int,
-    threads: int,
-) -> Scores:
-    """Train on the train split of a synthetic data set, write weights and card; return scores.
-
-    Starts from the weights of :func:`train_start`. The scores are
-    those of the file as written (float16), on the val split.
-    """
-    torch.set_num_threads(threads)
-    started = time.monotonic()
-    chosen = Settings.of(settings)
-    # Stored a little larger than views, so that zooming in shows more than blur.
-    photos = read_labelled_photos(data_root, "train", long_side=round(chosen.long_side * 1.5))
-    held_out = read_labelled_photos(data_root, "val", long_side=1024)
-    every = max(1, len(held_out) // chosen.evaluate_photos)
-    scenes = read_scenes(scenes_path)
-    _log.info(
-        "%d photos and %d scenes to train on, %d photos held out",
-        len(photos),
-        len(scenes),
-        len(held_out),
-    )
-    network, _, step = train(
-        photos,
-        held_out[::every],
-        chosen,
-        seed=seed,
-        steps=chosen.steps,
-        learning_rate=chosen.photo_learning_rate,
-        sides=(chosen.small, chosen.long_side),
-        scenes=scenes,
-        start=load_segmenter(start_path).network,
-    )
-    save_model_file(model_path, network.state_dict(), network.architecture)
-    shipped = load_segmenter(model_path).network
-    final = evaluate(shipped, held_out, estimated_cameras(held_out))
-    counts = {"photos": len(photos), "held_out": len(held_out), "scenes": len(scenes)}
-    card = model_card(
-        shipped, final, chosen, counts, seed=seed, step=step, seconds=time.monotonic() - started
-    )
-    with atomic_path(card_path) as temporary:
-        temporary.write_text(card, encoding="utf-8")
-    return final
+def estimated_cameras(photos: Sequence[LabelledPhoto]) -> list[Camera | None]:
+    """Return the camera of each photo as its line segments alone tell it; None when they do not."""
+    found = [estimate_camera(photo.image) for photo in photos]
+    return [None if camera.fallback else camera for camera in found]
 
 
-def model_card(
+def evaluate(
     network: SegmentationNet,
-    found: Scores,
-    settings: Settings,
-    counts: Mapping[str, int],
+    photos: Sequence[LabelledPhoto],
+    cameras: Sequence[Camera | None],
+) -> Scores:
+    """Return the scores of a network on whole photos, told their estimated cameras."""
+    segmenter = Segmenter(copy.deepcopy(network).cpu())
+    return scores(
+        [
+            confusion(segmenter.labels(photo.image, camera), photo.labels)
+            for photo, camera in zip(photos, cameras, strict=True)
+        ]
+    )
+
+
+def train_network(
+    photos: Sequence[LabelledPhoto],
+    held_out: Sequence[LabelledPhoto],
+    settings: SegmentationSettings,
     *,
     seed: int,
-    step: int,
-    seconds: float,
-) -> str:
-    """Return the model card as Markdown."""
-    rows = "\n".join(f"| {n} | {v:.3f} |" for n, v in zip(LABELS, found.iou, strict=True))
-    size = sum(p.numel() for p in network.parameters())
-    device = torch.cuda.get_device_name() if torch.cuda.is_available() else platform.machine()
-    used = ", ".join(f"{f.name} {getattr(settings, f.name)}" for f in fields(settings))
-    return f"""# segmentation
+    steps: int,
+    learning_rate: float,
+    sides: tuple[int, int],
+    scenes: Sequence[LabelledPhoto] = (),
+    start: SegmentationNet | None = None,
+    checkpoint: Path | None = None,
+    run: object = None,
+) -> Trained[SegmentationNet]:
+    """Return the averaged network that did best on `held_out` (mean IoU).
 
-Labels every pixel of a room photo as other, floor, wall or ceiling; doors, windows, furniture,
-rugs and pictures are other. `plan2scene.photos.labels.segmentation.SegmentationNet`,
-{size / 1e6:.2f} M parameters, float16; photos are scaled to {network.long_side} pixels on their
-longer side.
+    Parameters
+    ----------
+    photos, held_out : labelled photos of disjoint houses
+    sides : (int, int)
+        Longer side of views in the first two thirds of the steps, and afterwards; pixels.
+    scenes : labelled photos
+        Further views that are mixed in (``settings.scene_share``).
+    start : SegmentationNet, optional
+        Weights to start from; random ones (by `seed`) when None.
+    checkpoint : path, optional
+        Goes on from it where it is of this run.
+    run : object
+        What tells these photos from others.
+    """
+    torch.manual_seed(derive_seed(seed, "segmentation", "weights"))
+    network = SegmentationNet(long_side=settings.long_side, elevation=True)
+    if start:
+        network = with_elevation(start, settings.long_side)
+    device = best_device()
+    network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
-- Data: {counts["photos"]} rendered photos of the synthetic train split and {counts["scenes"]}
-  drawn rooms (`training.segmentation_scenes`); no real photo.
-- Held out: {counts["held_out"]} rendered photos of the val split (other houses).
-- Command: `snakemake train_segmentation`
-- Seed {seed}; {used}.
-- {settings.scene_steps} steps on drawn rooms alone (rule `segmentation_start`), then
-  {settings.steps} with photos; the best of the validations was step {step} of these, which took
-  {seconds / 60:.0f} minutes on {device}, {os.cpu_count()} cores, torch {torch.__version__}.
+    def loss(step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+        long = sides[0] if step < steps * 2 / 3 else sides[1]
+        images, elevations, labels = (
+            values.to(device) for values in draw_batch(photos, scenes, settings, long, rng)
+        )
+        logits = network(images, elevations).float()
+        smoothing = settings.label_smoothing
+        return {"labels": segmentation_loss(logits, labels, settings.dice, smoothing)}
 
-| label | IoU (held out) |
-|---|---|
-{rows}
-| **mean** | **{found.mean_iou:.3f}** |
+    options = TrainerOptions(
+        "segmentation",
+        seed,
+        steps,
+        lambda step: cosine(step, steps, rise=min(300, steps // 10 + 1)),
+        clip_norm=settings.clip_norm,
+        average_decay=settings.ema_decay,
+        evaluate_every=settings.evaluate_every,
+        bfloat16=settings.bfloat16,
+    )
+    optimiser = torch.optim.AdamW(
+        _parameter_groups(network, settings.weight_decay), lr=learning_rate
+    )
+    cameras = estimated_cameras(held_out)
+    trainer = Trainer(
+        network,
+        loss,
+        optimiser,
+        options,
+        evaluate=lambda network: evaluate(network, held_out, cameras).mean_iou,
+        run=(settings, run),
+    )
+    trainer.resume(checkpoint)
+    return trainer.fit(checkpoint)
 
-Pixel accuracy {found.accuracy:.3f}.
-"""
+
+def _parameter_groups(network: nn.Module, decay: float) -> list[dict[str, Any]]:
+    """Return optimiser groups: no weight decay on norms and biases."""
+    decayed = [p for p in network.parameters() if p.ndim > 1]
+    free = [p for p in network.parameters() if p.ndim <= 1]
+    return [{"params": decayed, "weight_decay": decay}, {"params": free, "weight_decay": 0.0}]
+
+
+def draw_batch(
+    photos: Sequence[LabelledPhoto],
+    scenes: Sequence[LabelledPhoto],
+    settings: SegmentationSettings,
+    long: int,
+    rng: np.random.Generator,
+) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    """Return (n, 3, h, w) views, (n, h, w) elevations, both float32, (n, h, w) int64 labels."""
+    short = round(long * 0.75 / 32) * 32
+    size = [(short, long), (long, short), (short, short)][rng.choice(3, p=[0.65, 0.2, 0.15])]
+    samples = []
+    for _ in range(settings.batch):
+        pool = scenes if scenes and rng.random() < settings.scene_share else photos
+        index = int(rng.integers(len(pool)))
+        told = {index: told_elevation(pool[index], settings, rng)}
+        samples.append(training_sample_with_map(pool, told, index, size, rng))
+    images = torch.stack([to_tensor(image) for image, _, _ in samples])
+    labels = torch.from_numpy(np.stack([labels for _, labels, _ in samples]).astype(np.int64))
+    elevations = torch.from_numpy(np.stack([elevation for _, _, elevation in samples]))
+    return images.contiguous(memory_format=torch.channels_last), elevations, labels
+
+
+def told_elevation(
+    photo: LabelledPhoto, settings: SegmentationSettings, rng: np.random.Generator
+) -> np.ndarray:
+    """Return the elevation map (h, w) float32 that the network is told of a photo.
+
+    NaN where it stays unknown this time: a camera is estimated with an error at inference, and
+    sometimes not at all, so the network must not trust the map to the degree.
+    """
+    size = (photo.labels.shape[0], photo.labels.shape[1])
+    if photo.horizon is None or rng.random() >= settings.elevation_known:
+        return np.full(size, np.nan, np.float32)
+    wrong = 5.0 if rng.random() < 0.1 else 1.0
+    noise = rng.normal(0, np.deg2rad(settings.elevation_noise_deg) * wrong, 3)
+    up = np.array(photo.horizon.up) + noise
+    focal = photo.horizon.focal * np.exp(rng.normal(0, 0.08 * wrong)) * size[1]
+    return elevation_map(up / np.linalg.norm(up), float(focal), size, size)
+
+
+def with_elevation(start: SegmentationNet, long_side: int) -> SegmentationNet:
+    """Return a copy of a network that also takes the elevation map.
+
+    Weights of the new inputs are zero where the network had none, so that it answers as before.
+    """
+    network = SegmentationNet(**{**start.architecture, "elevation": True, "long_side": long_side})
+    state = {name: value.clone() for name, value in start.state_dict().items()}
+    weight = state["stem.0.0.weight"]
+    missing = network.state_dict()["stem.0.0.weight"].shape[1] - weight.shape[1]
+    state["stem.0.0.weight"] = F.pad(weight, (0, 0, 0, 0, 0, missing))
+    network.load_state_dict(state)
+    return network

@@ -1,0 +1,130 @@
+"""The training run of the segmentation network: labelled photos in, weights and a card out."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+from pathlib import Path
+
+from plan2scene.photos.labels.palette import LABELS
+from plan2scene.photos.labels.segmentation import load_segmenter
+from plan2scene.provenance import file_hash
+from plan2scene.weights import save_model_file
+from plan2scene_workshop.segmentation.data import (
+    Scores,
+    digest,
+    horizon_of,
+    read_labelled_photos,
+    read_scenes,
+    write_scenes,
+)
+from plan2scene_workshop.segmentation.scenes import random_scenes_and_eyes, scene_camera
+from plan2scene_workshop.segmentation.settings import SegmentationSettings
+from plan2scene_workshop.segmentation.training import (
+    estimated_cameras,
+    evaluate,
+    train_network,
+)
+from plan2scene_workshop.training.card import Card, table, write_card
+
+_LOG = logging.getLogger("plan2scene")
+_WHAT = """
+Labels every pixel of a room photo as other, floor, wall or ceiling; doors, windows, furniture, rugs
+and pictures are other. `plan2scene.photos.labels.segmentation.SegmentationNet`, {:.2f} M
+parameters, float16; photos are scaled to {} pixels on their longer side, and to 1.4 times that.
+"""
+_FIGURES = """
+Intersection over union on {} rendered photos of the val split (other houses), told the camera that
+their line segments give:
+
+"""
+
+
+def draw_scenes(output: str | Path, *, settings: SegmentationSettings, seed: int) -> None:
+    """Draw the drawn rooms that training uses beside photos and write them to a Parquet file."""
+    drawn = random_scenes_and_eyes(settings.scenes, seed=seed, textures=settings.textures)
+    scenes = [replace(photo, horizon=horizon_of(scene_camera(eye))) for photo, eye in drawn]
+    write_scenes(output, scenes, {"dataset": "training", "house": ""})
+
+
+def train_start(
+    scenes_path: str | Path,
+    model_path: str | Path,
+    *,
+    settings: SegmentationSettings,
+    seed: int,
+    checkpoint: Path | None = None,
+) -> None:
+    """Train on drawn rooms alone and write the weights that training on photos starts from.
+
+    The best is chosen on a tenth of the rooms (at most 100), which training does not see.
+    """
+    scenes = read_scenes(scenes_path)
+    count = min(100, max(1, len(scenes) // 10))
+    trained = train_network(
+        scenes[count:],
+        scenes[:count],
+        settings,
+        seed=seed,
+        steps=settings.scene_steps,
+        learning_rate=settings.learning_rate,
+        sides=(settings.scene_side, settings.small),
+        checkpoint=checkpoint,
+        run=digest(scenes),
+    )
+    network = trained.network
+    save_model_file(model_path, network.state_dict(), network.architecture, half=False)
+
+
+def train_segmentation(
+    data_root: str | Path,
+    scenes_path: str | Path,
+    start_path: str | Path,
+    model_path: str | Path,
+    card_path: str | Path,
+    *,
+    settings: SegmentationSettings,
+    seed: int,
+    checkpoint: Path | None = None,
+) -> Scores:
+    """Train on the train split of a synthetic data set, write weights and card; return scores.
+
+    Starts from the weights of :func:`train_start`. The scores are
+    those of the file as written (float16), on the val split.
+    """
+    # Stored a little larger than views, so that zooming in shows more than blur.
+    photos = read_labelled_photos(data_root, "train", long_side=round(settings.long_side * 1.5))
+    held_out = read_labelled_photos(data_root, "val", long_side=1024)
+    every = max(1, len(held_out) // settings.evaluate_photos)
+    scenes = read_scenes(scenes_path)
+    _LOG.info("%d photos, %d drawn rooms, %d held out", len(photos), len(scenes), len(held_out))
+    trained = train_network(
+        photos,
+        held_out[::every],
+        settings,
+        seed=seed,
+        steps=settings.steps,
+        learning_rate=settings.photo_learning_rate,
+        sides=(settings.small, settings.long_side),
+        scenes=scenes,
+        start=load_segmenter(start_path).network,
+        checkpoint=checkpoint,
+        run=(file_hash(start_path), digest(photos)),
+    )
+    network = trained.network
+    save_model_file(model_path, network.state_dict(), network.architecture)
+    shipped = load_segmenter(model_path).network
+    final = evaluate(shipped, held_out, estimated_cameras(held_out))
+    seen = [
+        f"{len(photos)} rendered photos of the synthetic train split.",
+        f"{len(scenes)} drawn rooms, first alone (rule `segmentation_start`), then among them.",
+        "No real photo.",
+    ]
+    size = sum(parameter.numel() for parameter in shipped.parameters()) / 1e6
+    rows = {name: [value] for name, value in zip(LABELS, final.iou, strict=True)}
+    rows |= {"**mean**": [final.mean_iou], "pixel accuracy": [final.accuracy]}
+    figures = _FIGURES.format(len(held_out)) + table(["label", "IoU"], rows)
+    what = _WHAT.format(size, shipped.long_side)
+    about = Card("segmentation", what, seen, settings, seed, figures)
+    write_card(card_path, about, trained, model_path)
+    return final
