@@ -3,10 +3,19 @@
 import numpy as np
 import pytest
 
-from plan2scene_workshop.texture.degradation import Degradation, degrade, gain_field, window
+from plan2scene.materials import random_material
+from plan2scene_workshop.texture.degradation import (
+    ROOM_PHOTO,
+    UNEVEN_LIGHT,
+    Degradation,
+    degrade,
+    gain_field,
+    photograph,
+    window,
+)
 
 UNLIT = Degradation(
-    gain=0.0, shadow_share=0.0, highlight_share=0.0, white_balance=0.0, jpeg_quality=100
+    gain=0.0, shadow_share=0.0, highlight_share=0.0, white_balance=0.0, jpeg_quality=(100, 100)
 )
 
 
@@ -69,3 +78,20 @@ def test_gain_field_is_smooth_and_bounded() -> None:
 def test_a_tile_that_is_not_square_is_refused() -> None:
     with pytest.raises(ValueError, match=r"\(s, s, 3\) uint8"):
         degrade(np.zeros((64, 128, 3), np.uint8), 0)
+
+
+def test_uneven_light_keeps_the_median_colour() -> None:
+    grey = np.full((128, 128, 3), 120, np.uint8)
+    lit = photograph(grey, np.random.default_rng(1), UNEVEN_LIGHT).astype(float)
+    assert lit.std() > 1.0
+    assert np.abs(np.median(lit, axis=(0, 1)) - 120).max() <= 2
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_photographed_crop_is_a_similar_image(seed) -> None:
+    crop = random_material("wood", seed, size_px=128).albedo
+    first, again = (photograph(crop, np.random.default_rng(seed), ROOM_PHOTO) for _ in range(2))
+    assert first.shape == crop.shape
+    assert first.dtype == np.uint8
+    assert np.array_equal(first, again)
+    assert 0 < np.abs(first.astype(float) - crop).mean() < 90

@@ -1,12 +1,11 @@
 """Training of the features network in a few steps."""
 
 import numpy as np
-import pytest
 
 from plan2scene.materials import random_material
 from plan2scene.metrics.features import extract_features, load_features_network
 from plan2scene_workshop.features.settings import FeaturesSettings
-from plan2scene_workshop.features.training import photograph, train_features
+from plan2scene_workshop.features.training import train_features
 from plan2scene_workshop.texture.data import MaterialSettings, write_materials
 
 TINY = FeaturesSettings(steps=3, batch=4, held_out_crops=16)
@@ -26,13 +25,3 @@ def test_training_writes_weights_and_card_and_repeats_itself(tmp_path):
     features, _ = extract_features(network, [random_material("tile", 1, size_px=128).albedo])
     assert features.shape == (1, 64)
     assert np.isfinite(features).all()
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_a_photographed_crop_is_a_similar_image(seed):
-    crop = random_material("wood", seed, size_px=128).albedo
-    first = photograph(crop, np.random.default_rng(seed))
-    assert first.shape == crop.shape
-    assert first.dtype == np.uint8
-    assert np.array_equal(first, photograph(crop, np.random.default_rng(seed)))
-    assert 0 < np.abs(first.astype(float) - crop).mean() < 90

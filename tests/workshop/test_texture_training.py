@@ -89,14 +89,6 @@ def test_random_crop_of_a_whole_tile_keeps_its_colours(textures) -> None:
     np.testing.assert_allclose(crop.mean((0, 1)), textures.tiles[0].mean((0, 1)), atol=1.0)
 
 
-def test_degrading_changes_light_but_not_the_median(textures) -> None:
-    rng = np.random.default_rng(1)
-    flat = np.full((128, 128, 3), 120, np.uint8)
-    lit = td.degrade(flat, rng).astype(float)
-    assert lit.std() > 1.0
-    assert abs(np.median(lit) - 120) <= 2
-
-
 def test_training_repeats_itself_and_resumes_to_the_byte(textures, tmp_path) -> None:
     checkpoint = tmp_path / "texture.checkpoint"
     whole = train_texture_model(TINY, textures, SETTINGS, 0).network.state_dict()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 import torch
 from torch.nn import functional
@@ -24,17 +23,16 @@ from plan2scene_workshop.features.network import (
 )
 from plan2scene_workshop.features.settings import FeaturesSettings
 from plan2scene_workshop.texture.data import (
-    CROP_PX,
     TextureSet,
     random_crop,
     read_materials,
     sampling_weights,
     seen_textures,
 )
+from plan2scene_workshop.texture.degradation import ROOM_PHOTO, photograph
 from plan2scene_workshop.training.card import Card, table, write_card
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, cosine
 
-_LINE = np.linspace(-1.0, 1.0, CROP_PX, dtype=np.float32)
 _WHAT = """
 Substance classifier (wood, plaster, carpet, tile) of 128x128 texture crops. Its class is the SUBS
 metric's, its 64 penultimate activations (standardised over training crops) are the FID features.
@@ -54,48 +52,6 @@ heavy shadow lower the accuracy.
 """
 
 
-def _smooth_field(rng: np.random.Generator) -> np.ndarray:
-    """Return a smooth random field (128, 128) float32 of about unit range."""
-    coarse = rng.normal(0.0, 0.5, (4, 4)).astype(np.float32)
-    return cv2.resize(coarse, (CROP_PX, CROP_PX), interpolation=cv2.INTER_CUBIC)
-
-
-def photograph(crop: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return a crop as a photo of a room shows it.
-
-    Uneven light, sometimes a shadow's edge or a highlight, white balance, lost resolution, noise
-    and JPEG; each drawn anew.
-
-    Parameters
-    ----------
-    crop : (128, 128, 3) uint8
-        sRGB.
-    """
-    image = crop.astype(np.float32)
-    gain = np.exp(rng.uniform(0.0, 0.25) * _smooth_field(rng) + rng.normal(0.0, 0.12))
-    if rng.random() < 0.3:
-        angle, offset = rng.uniform(0, 2 * np.pi), rng.uniform(-0.7, 0.7)
-        side = np.cos(angle) * _LINE[None, :] + np.sin(angle) * _LINE[:, None] - offset
-        gain *= 1.0 - rng.uniform(0.1, 0.45) / (1.0 + np.exp(-side / rng.uniform(0.03, 0.3)))
-    image *= gain[..., None] * (1.0 + rng.normal(0.0, 0.05, 3).astype(np.float32))
-    if rng.random() < 0.15:
-        x, y = rng.uniform(-1, 1, 2)
-        distance = (_LINE[None, :] - x) ** 2 + (_LINE[:, None] - y) ** 2
-        blob = np.exp(-distance / rng.uniform(0.03, 0.3))[..., None]
-        image += (255.0 - image) * blob * rng.uniform(0.2, 0.8)
-    if rng.random() < 0.6:  # a distant surface: few photo pixels for the crop
-        small = int(rng.uniform(0.25, 1.0) * CROP_PX)
-        shrunk = cv2.resize(image, (small, small), interpolation=cv2.INTER_AREA)
-        image = cv2.resize(shrunk, (CROP_PX, CROP_PX), interpolation=cv2.INTER_CUBIC)
-    image += rng.normal(0.0, rng.uniform(0.0, 4.0), image.shape)
-    result = np.rint(np.clip(image, 0, 255)).astype(np.uint8)
-    if rng.random() < 0.7:
-        quality = int(rng.integers(40, 95))
-        encoded = cv2.imencode(".jpg", result, [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
-        result = np.asarray(cv2.imdecode(encoded, cv2.IMREAD_COLOR), dtype=np.uint8)
-    return result
-
-
 def draw_crops(
     textures: TextureSet,
     weights: np.ndarray,
@@ -109,7 +65,7 @@ def draw_crops(
     for index in chosen:
         closest = 160 if textures.scanned[index] else 96
         crop = random_crop(textures.tiles[index], rng, closest_px=closest)
-        crops.append(photograph(crop, rng) if rng.random() < degraded_share else crop)
+        crops.append(photograph(crop, rng, ROOM_PHOTO) if rng.random() < degraded_share else crop)
     return np.stack(crops), textures.substances[chosen]
 
 

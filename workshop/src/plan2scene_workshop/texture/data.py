@@ -13,9 +13,10 @@ from plan2scene.house import SUBSTANCES
 from plan2scene.io import atomic_path
 from plan2scene.materials import load_texture_folder, random_material
 from plan2scene.seeds import derive_seed
+from plan2scene_workshop.texture.degradation import CROP_PX, UNEVEN_LIGHT, photograph
 
 _LOGGER = logging.getLogger("plan2scene")
-TILE_PX, CROP_PX = 256, 128
+TILE_PX = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,30 +152,6 @@ def random_crop(tile: np.ndarray, rng: np.random.Generator, *, closest_px: int) 
     return np.ascontiguousarray(np.rot90(crop, int(rng.integers(2))))
 
 
-def degrade(crop: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return a crop as a photograph might show it: uneven light, slight blur, sensor noise.
-
-    Brightness varies smoothly by up to about 20 % with a median of 1, so that the crop's median
-    colour stays the texture's.
-
-    Parameters
-    ----------
-    crop : (128, 128, 3) uint8
-    """
-    line = np.linspace(-1.0, 1.0, CROP_PX, dtype=np.float32)
-    fx, fy = rng.uniform(-0.9, 0.9, 2)
-    bend, phase = rng.uniform(-0.15, 0.15), rng.uniform(0, 2 * np.pi)
-    slope = rng.uniform(-0.15, 0.15, 2)
-    wave = np.sin(np.pi * (fx * line[None, :] + fy * line[:, None]) + phase)
-    field = slope[0] * line[None, :] + slope[1] * line[:, None] + bend * wave
-    gain = np.exp(field - np.median(field))[..., None]
-    image = crop.astype(np.float32) * gain
-    if rng.random() < 0.5:
-        image = cv2.GaussianBlur(image, (0, 0), float(rng.uniform(0.3, 0.9)))
-    image += rng.normal(0.0, rng.uniform(0.0, 3.0), image.shape)
-    return np.rint(np.clip(image, 0, 255)).astype(np.uint8)
-
-
 @dataclass(frozen=True)
 class Batch:
     """A training step: ``inputs, targets (n, 128, 128, 3) uint8`` and ``substances (n,)``."""
@@ -197,5 +174,7 @@ def draw_batch(
             for index in chosen
         ]
     )
-    inputs = np.stack([degrade(crop, rng) if rng.random() < 0.6 else crop for crop in targets])
-    return Batch(inputs, targets, textures.substances[chosen])
+    inputs = [
+        photograph(crop, rng, UNEVEN_LIGHT) if rng.random() < 0.6 else crop for crop in targets
+    ]
+    return Batch(np.stack(inputs), targets, textures.substances[chosen])

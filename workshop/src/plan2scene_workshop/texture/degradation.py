@@ -1,8 +1,10 @@
-"""Degradation protocol: photo-like crops of a clean tile, to measure texture methods against it.
+"""Degradation: what photos of a room make of a clean texture.
 
-A crop is a window of the repeated tile at a random place, scale and slant, seen under uneven
-light: a smooth gain field, at times a soft shadow edge or a highlight, a colour cast, blur and
-JPEG compression. What a method makes of such crops is compared with the clean tile.
+Light acts first: a smooth gain field, at times a soft shadow edge or a highlight. Then the camera:
+a colour cast, lost resolution, blur, noise and JPEG compression. :func:`degrade` is the protocol
+that texture methods are measured against: crops are windows of the repeated tile at a random place,
+scale and slant, and what a method makes of them is compared with the clean tile. Training spoils
+its crops by :func:`photograph`.
 """
 
 from __future__ import annotations
@@ -21,39 +23,49 @@ CROP_PX = 128
 
 @dataclass(frozen=True)
 class Degradation:
-    """How crops are spoiled; the defaults are the protocol of the published figures.
+    """How crops are spoiled; the defaults are the protocol of the published figures."""
 
-    Attributes
-    ----------
-    window_share : float
-        Side of a window over the tile's, before scaling (96 of 128 px).
-    scale : (float, float)
-        Range of the factor on the window's side.
-    rotation_deg : float
-        Largest slant to either side.
-    turn_deg : float
-        Turn of all crops, before the slant.
-    gain : float
-        Largest deviation of the smooth gain field from 1.
-    shadow_share, highlight_share : float
-        Shares of crops with a shadow edge and with a highlight.
-    white_balance : float
-        Largest deviation of the red and the blue factor from 1.
-    blur_px : (float, float)
-        Range of the blur's sigma in crop pixels.
-    jpeg_quality : int
-    """
+    window_share: float = 0.75  #: side of a window over the tile's, before scaling (96 of 128 px)
+    scale: tuple[float, float] = (0.8, 1.25)  #: range of the factor on the window's side
+    rotation_deg: float = 3.0  #: largest slant to either side
+    turn_deg: float = 0.0  #: turn of all crops, before the slant
 
-    window_share: float = 0.75
-    scale: tuple[float, float] = (0.8, 1.25)
-    rotation_deg: float = 3.0
-    turn_deg: float = 0.0
-    gain: float = 0.25
-    shadow_share: float = 1 / 3
-    highlight_share: float = 1 / 6
-    white_balance: float = 0.05
-    blur_px: tuple[float, float] = (0.4, 0.8)
-    jpeg_quality: int = 70
+    gain: float = 0.25  #: largest deviation of the smooth gain field from 1
+    keep_median: bool = False  #: divide the gain field by its median: the median colour stays
+    shadow_share: float = 1 / 3  #: of the crops, those with a shadow edge
+    highlight_share: float = 1 / 6  #: of the crops, those with a highlight
+    white_balance: float = 0.05  #: largest deviation of the red and the blue factor from 1
+    exposure: float = 0.0  #: largest deviation of all colours' factor from 1
+
+    resolution: float = 1.0  #: least share of the crop's pixels in a row that the photo has
+    blur_px: tuple[float, float] = (0.4, 0.8)  #: range of the blur's sigma in crop pixels
+    noise: float = 0.0  #: largest deviation of the noise, of 255 levels
+    jpeg_quality: tuple[int, int] = (70, 70)  #: range, both ends included
+
+
+#: Inputs of the texture models: their colour is the crop's median, so that has to stay.
+UNEVEN_LIGHT = Degradation(
+    gain=0.35,
+    keep_median=True,
+    shadow_share=0.0,
+    highlight_share=0.0,
+    white_balance=0.0,
+    blur_px=(0.3, 0.9),
+    noise=3.0,
+    jpeg_quality=(90, 100),
+)
+#: What crops of real photos are like at worst: distant, dim, badly lit.
+ROOM_PHOTO = Degradation(
+    gain=0.5,
+    shadow_share=0.3,
+    highlight_share=0.15,
+    white_balance=0.1,
+    exposure=0.25,
+    resolution=0.25,
+    blur_px=(0.1, 0.8),
+    noise=4.0,
+    jpeg_quality=(40, 95),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,24 +122,51 @@ def degrade(
 def _spoil(
     tile: np.ndarray, seed: int, how: Degradation, shadow: bool, highlight: bool
 ) -> DegradedCrop:
-    """Return one crop; light acts on linear values, the cast, blur and JPEG on sRGB ones."""
+    """Return one crop of the protocol."""
     rng = np.random.default_rng(seed)
     side = how.window_share * float(rng.uniform(*how.scale))
     angle = how.turn_deg + float(rng.uniform(-how.rotation_deg, how.rotation_deg))
     view = window(tile, rng.uniform(0.0, 1.0, 2), side, angle)
+    return DegradedCrop(_seen(view, rng, how, shadow, highlight), side, angle, shadow, highlight)
+
+
+def photograph(view: np.ndarray, rng: np.random.Generator, how: Degradation) -> np.ndarray:
+    """Return a crop (128, 128, 3) uint8 sRGB under other light and from another camera."""
+    shadow, highlight = rng.random(2) < (how.shadow_share, how.highlight_share)
+    return _seen(view, rng, how, bool(shadow), bool(highlight))
+
+
+def _seen(
+    view: np.ndarray, rng: np.random.Generator, how: Degradation, shadow: bool, highlight: bool
+) -> np.ndarray:
+    """Return a spoiled view; light acts on linear values, what the camera does on sRGB ones.
+
+    What `how` leaves out draws nothing.
+    """
     values = srgb_to_linear(view)
-    values *= gain_field(rng, how.gain)[..., None]
+    gain = gain_field(rng, how.gain)
+    values *= (gain / np.median(gain) if how.keep_median else gain)[..., None]
     if shadow:
         values *= _shadow(rng)[..., None]
     if highlight:
         blob = _highlight(rng)[..., None]
         values = values + (1.0 - values) * blob
     cast = 1.0 + how.white_balance * rng.uniform(-1.0, 1.0, 3) * (1.0, 0.0, 1.0)
+    if how.exposure:
+        cast *= 1.0 + rng.uniform(-how.exposure, how.exposure)
     image = as_uint8(linear_to_srgb(np.minimum(values, 1.0)) * cast)
+    if how.resolution < 1.0:
+        side = round(CROP_PX * rng.uniform(how.resolution, 1.0))
+        small = cv2.resize(image, (side, side), interpolation=cv2.INTER_AREA)
+        image = cv2.resize(small, (CROP_PX, CROP_PX), interpolation=cv2.INTER_CUBIC)
     image = cv2.GaussianBlur(image, (0, 0), float(rng.uniform(*how.blur_px)))
-    _, data = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, how.jpeg_quality])
+    if how.noise:
+        noise = rng.normal(0.0, rng.uniform(0.0, how.noise), image.shape)
+        image = np.rint(np.clip(image + noise, 0, 255)).astype(np.uint8)
+    quality = int(rng.integers(*how.jpeg_quality, endpoint=True))
+    _, data = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
     decoded = np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR))
-    return DegradedCrop(np.ascontiguousarray(decoded[..., ::-1]), side, angle, shadow, highlight)
+    return np.ascontiguousarray(decoded[..., ::-1])
 
 
 def window(tile: np.ndarray, centre: np.ndarray, side: float, angle_deg: float) -> np.ndarray:
