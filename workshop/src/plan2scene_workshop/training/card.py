@@ -19,37 +19,21 @@ from plan2scene_workshop.training.loop import Trained
 
 @dataclass(frozen=True)
 class Card:
-    """What a model's card says.
+    """What a model's card says."""
 
-    Attributes
-    ----------
-    name : str
-        Of the model; its files are ``{name}.safetensors`` and ``{name}.md``.
-    what : str
-        What the network does: paragraphs.
-    seen : sequence of str
-        A line for each kind of data that it learned from, and what it did not see.
-    settings : dataclass instance
-        The hyperparameters.
-    seed : int
-    figures : str
-        Markdown: what was measured, on what, and the table.
-    limits : str
-        What it does badly.
-    """
-
-    name: str
-    what: str
-    seen: Sequence[str]
-    settings: Any
+    name: str  #: of the model; its files are ``{name}.safetensors`` and ``{name}.md``
+    what: str  #: paragraphs: what the network does
+    seen: Sequence[str]  #: a line for each kind of data that it learned from, or that it never saw
+    settings: Any  #: a dataclass
     seed: int
-    figures: str
-    limits: str = ""
+    figures: str  #: Markdown: what was measured, on what, and the table
+    limits: str = ""  #: what it does badly
 
 
 def write_card(path: str | Path, card: Card, trained: Trained[Any], weights: str | Path) -> None:
     """Write the card of the network in file `weights` that a run ended with."""
-    settings = ", ".join(f"`{key}` {value}" for key, value in asdict(card.settings).items())
+    given = asdict(card.settings).items()
+    settings = ", ".join(f"`{key}` {_setting(value)}" for key, value in given)
     target = f"results/training/models/{card.name}.safetensors"
     score = "" if isnan(trained.score) else f", the best evaluation ({trained.score:.4f})"
     minutes = f"{trained.seconds / 60:.1f} minutes with {machine()}"
@@ -89,6 +73,11 @@ def table(head: Sequence[str], rows: Mapping[str, Sequence[float | int | str]]) 
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
+def _setting(value: object) -> object:
+    """Return a value as the card shows it: a path by its last part."""
+    return Path(value).name if isinstance(value, str) else value
+
+
 def _cell(value: float | int | str) -> str:
     if isinstance(value, float):
         return "-" if isnan(value) else f"{value:.3f}"
@@ -102,14 +91,5 @@ def _filled(text: str) -> str:
 
 def _items(lines: Sequence[str]) -> str:
     """Return a Markdown list in lines of 100 characters."""
-    return "\n".join(
-        textwrap.fill(
-            line,
-            100,
-            initial_indent="- ",
-            subsequent_indent="  ",
-            break_long_words=False,
-            break_on_hyphens=False,
-        )
-        for line in lines
-    )
+    wrapped = (textwrap.wrap(line, 98, break_on_hyphens=False) for line in lines)
+    return "\n".join("- " + "\n  ".join(parts) for parts in wrapped)

@@ -10,7 +10,7 @@ import logging
 import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, TypeVar, cast
 
@@ -48,33 +48,21 @@ class TrainerOptions:
 
 @dataclass(frozen=True)
 class Trained(Generic[Network]):
-    """What a run ends with.
+    """What a run ends with."""
 
-    Attributes
-    ----------
-    network : nn.Module
-        In evaluation mode: the best of the evaluations, or the last weights.
-    step : int
-        The step that its weights are from.
-    score : float
-        What the evaluation said of them; NaN without one.
-    seconds : float
-        Of all steps and evaluations, those before a checkpoint included.
-    """
-
-    network: Network
-    step: int
-    score: float
-    seconds: float
+    network: Network  #: in evaluation mode: the best of the evaluations, or the last weights
+    step: int  #: that its weights are from
+    score: float  #: what the evaluation said of them; NaN without one
+    seconds: float  #: of all steps and evaluations, those before a checkpoint included
 
 
 @dataclass(frozen=True)
 class _Best:
     """The best of the evaluations so far; NaN where there was none."""
 
-    step: int
-    score: float
-    state: dict[str, torch.Tensor]
+    step: int = 0
+    score: float = math.nan
+    state: dict[str, torch.Tensor] = field(default_factory=dict)
 
 
 class Trainer(Generic[Network]):
@@ -116,7 +104,7 @@ class Trainer(Generic[Network]):
         decay = options.average_decay
         self.average = None if decay is None else averaged(network, decay)
         self.step, self.seconds = 0, 0.0
-        self.best = _Best(0, math.nan, {})
+        self.best = _Best()
 
     @property
     def kept(self) -> Network:
@@ -147,10 +135,7 @@ class Trainer(Generic[Network]):
     def fit(self, checkpoint: Path | None = None) -> Trained[Network]:
         """Take the steps that are left and return the network to keep.
 
-        Parameters
-        ----------
-        checkpoint : path, optional
-            Written on the way and removed at the end; :meth:`resume` reads it.
+        `checkpoint` is written on the way and removed at the end; :meth:`resume` reads it.
         """
         options, recent = self.options, []
         last = time.monotonic()
@@ -241,16 +226,7 @@ def averaged(network: nn.Module, decay: float) -> AveragedModel:
 def cosine(step: int, steps: int, *, rise: int = 0, hold: int = 0, floor: float = 0.01) -> float:
     """Return the share of the learning rate: a linear rise, then a cosine to `floor`.
 
-    Parameters
-    ----------
-    step, steps : int
-        Present step, from 0, and all of them.
-    rise : int
-        Steps of the rise.
-    hold : int
-        Step until which the rate stays full.
-    floor : float
-        Share at the end.
+    `rise` is the number of steps of the rise, `hold` the step until which the rate stays full.
     """
     if step < rise:
         return (step + 1) / rise
