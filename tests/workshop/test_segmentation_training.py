@@ -12,8 +12,8 @@ from plan2scene.images import write_png
 from plan2scene.io import write_json
 from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL, write_label_png
 from plan2scene.photos.labels.segmentation import SegmentationNet, load_segmenter
-from plan2scene.weights import save_model_file
 from plan2scene_workshop.segmentation import paints as segmentation_paints
+from plan2scene_workshop.segmentation import training as segmentation_training
 from plan2scene_workshop.segmentation.augment import random_view, recolour_labels, training_sample
 from plan2scene_workshop.segmentation.bodies import (
     Body,
@@ -33,7 +33,7 @@ from plan2scene_workshop.segmentation.raycast import (
     cast,
     surfels,
 )
-from plan2scene_workshop.segmentation.run import draw_scenes, train_segmentation, train_start
+from plan2scene_workshop.segmentation.run import draw_scenes, train_segmentation
 from plan2scene_workshop.segmentation.scenes import random_scenes
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.segmentation.training import (
@@ -118,19 +118,39 @@ def _tiny() -> SegmentationNet:
     return SegmentationNet(widths=[8, 8, 8, 8, 8], depths=[1, 1, 1, 1], decoder=16, long_side=64)
 
 
-def test_training_learns_what_colours_tell() -> None:
-    trained = train_network(
-        [_striped(k) for k in range(12)],
-        [_striped(k) for k in range(100, 104)],
-        SegmentationSettings(batch=4, small=64, long_side=64, evaluate_every=10),
-        seed=0,
-        steps=30,
+def test_training_learns_what_colours_tell(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(segmentation_training, "SegmentationNet", lambda **_: _tiny())
+    settings = SegmentationSettings(
+        batch=4,
+        scene_steps=10,
+        steps=20,
+        scene_side=64,
+        small=64,
+        long_side=64,
         learning_rate=1e-2,
-        sides=(64, 64),
-        start=_tiny(),
+        photo_learning_rate=1e-2,
+        evaluate_every=10,
     )
+    photos, held_out = ([_striped(k) for k in range(n, n + 8)] for n in (0, 100))
+    trained = train_network(photos, photos, held_out, settings, seed=0)
     assert trained.step in (10, 20, 30)
     assert trained.score > 0.4  # the commonest label alone gives under 0.15
+
+
+def test_drawn_rooms_come_first_with_a_rate_and_sizes_of_their_own() -> None:
+    settings = SegmentationSettings(scene_steps=300, steps=900)
+    assert [settings.side(k) for k in (0, 199, 200, 300, 899, 900)] == [
+        192,
+        192,
+        224,
+        224,
+        224,
+        320,
+    ]
+    assert settings.rate(30) == 1.0
+    assert settings.rate(299) < 0.02
+    assert settings.rate(390) == 0.5
+    assert settings.rate(1199) < 0.01
 
 
 def _write_data_set(root: Path) -> None:
@@ -151,32 +171,17 @@ def test_train_segmentation_writes_weights_and_card(
     monkeypatch.setattr(segmentation_paints, "TILES", 2)
     _write_data_set(tmp_path / "data")
     model, card = tmp_path / "m.safetensors", tmp_path / "m.md"
-    start = tmp_path / "start.safetensors"
-    save_model_file(start, _tiny().state_dict(), _tiny().architecture)
-    scenes = tmp_path / "scenes.parquet"
-    write_scenes(scenes, [_striped(5), _striped(6)], {})
     settings = SegmentationSettings(
-        steps=2, batch=2, scene_side=64, small=64, long_side=64, elevation_known=0.5
+        scenes=2, scene_steps=1, steps=2, batch=2, scene_side=64, small=64, long_side=64
     )
-    found = train_segmentation(
-        tmp_path / "data", scenes, start, model, card, settings=settings, seed=0
-    )
+    scenes = tmp_path / "scenes.parquet"
+    draw_scenes(scenes, settings=settings, seed=0)
+    found = train_segmentation(tmp_path / "data", scenes, model, card, settings=settings, seed=0)
     text = card.read_text()
     assert f"| **mean** | {found.mean_iou:.3f} |" in text
     assert "1 rendered photos" in text
     assert "Seed 0; settings: `batch` 2" in text
     assert load_segmenter(model).labels(_striped(2).image).shape == (48, 64)
-
-
-def test_start_is_trained_without_a_data_set(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(segmentation_paints, "TILES", 2)
-    scenes, path = tmp_path / "scenes.parquet", tmp_path / "start.safetensors"
-    settings = SegmentationSettings(scene_steps=1, batch=1, scenes=2, scene_side=64, small=64)
-    draw_scenes(scenes, settings=settings, seed=0)
-    train_start(scenes, path, settings=settings, seed=0)
-    assert load_segmenter(path).network.architecture == SegmentationNet(elevation=True).architecture
 
 
 def test_drawn_scenes_come_back_as_they_were_written(tmp_path: Path) -> None:

@@ -19,36 +19,11 @@ rule segmentation_scenes:
         "../scripts/segmentation_scenes.py"
 
 
-rule segmentation_start:
-    # Drawn rooms -> weights that know floors, walls and ceilings.
-    input:
-        "results/training/segmentation_scenes.parquet",
-    output:
-        "results/training/segmentation_start.safetensors",
-    log:
-        "logs/training/segmentation_start.log",
-    benchmark:
-        "logs/training/benchmarks/segmentation_start.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 2
-    resources:
-        mem_mb=4000,
-    params:
-        settings=TRAINING["segmentation"],
-        checkpoint="results/training/segmentation_start.checkpoint",
-        seed=config["seed"],
-        code=code_hash("segmentation.run"),
-    script:
-        "../scripts/segmentation_start.py"
-
-
 rule train_segmentation:
     # Photos and truth masks of the synthetic train split -> the network, scored on the val split.
     input:
         table=TABLE,
         scenes="results/training/segmentation_scenes.parquet",
-        start="results/training/segmentation_start.safetensors",
     output:
         model=f"{TRAINED}/segmentation.safetensors",
         card=f"{TRAINED}/segmentation.md",

@@ -13,7 +13,6 @@ with job(snakemake.log[0]):
     train_segmentation(
         Path(snakemake.input.table).parent,
         snakemake.input.scenes,
-        snakemake.input.start,
         snakemake.output.model,
         snakemake.output.card,
         settings=SegmentationSettings(**snakemake.params.settings),

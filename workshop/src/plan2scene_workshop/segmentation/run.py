@@ -8,11 +8,9 @@ from pathlib import Path
 
 from plan2scene.photos.labels.palette import LABELS
 from plan2scene.photos.labels.segmentation import load_segmenter
-from plan2scene.provenance import file_hash
 from plan2scene.weights import save_model_file
 from plan2scene_workshop.segmentation.data import (
     Scores,
-    digest,
     horizon_of,
     read_labelled_photos,
     read_scenes,
@@ -47,39 +45,9 @@ def draw_scenes(output: str | Path, *, settings: SegmentationSettings, seed: int
     write_scenes(output, scenes, {"dataset": "training", "house": ""})
 
 
-def train_start(
-    scenes_path: str | Path,
-    model_path: str | Path,
-    *,
-    settings: SegmentationSettings,
-    seed: int,
-    checkpoint: Path | None = None,
-) -> None:
-    """Train on drawn rooms alone and write the weights that training on photos starts from.
-
-    The best is chosen on a tenth of the rooms (at most 100), which training does not see.
-    """
-    scenes = read_scenes(scenes_path)
-    count = min(100, max(1, len(scenes) // 10))
-    trained = train_network(
-        scenes[count:],
-        scenes[:count],
-        settings,
-        seed=seed,
-        steps=settings.scene_steps,
-        learning_rate=settings.learning_rate,
-        sides=(settings.scene_side, settings.small),
-        checkpoint=checkpoint,
-        run=digest(scenes),
-    )
-    network = trained.network
-    save_model_file(model_path, network.state_dict(), network.architecture, half=False)
-
-
 def train_segmentation(
     data_root: str | Path,
     scenes_path: str | Path,
-    start_path: str | Path,
     model_path: str | Path,
     card_path: str | Path,
     *,
@@ -89,8 +57,7 @@ def train_segmentation(
 ) -> Scores:
     """Train on the train split of a synthetic data set, write weights and card; return scores.
 
-    Starts from the weights of :func:`train_start`. The scores are
-    those of the file as written (float16), on the val split.
+    The scores are those of the file as written (float16), on the val split.
     """
     # Stored a little larger than views, so that zooming in shows more than blur.
     photos = read_labelled_photos(data_root, "train", long_side=round(settings.long_side * 1.5))
@@ -99,17 +66,7 @@ def train_segmentation(
     scenes = read_scenes(scenes_path)
     _LOG.info("%d photos, %d drawn rooms, %d held out", len(photos), len(scenes), len(held_out))
     trained = train_network(
-        photos,
-        held_out[::every],
-        settings,
-        seed=seed,
-        steps=settings.steps,
-        learning_rate=settings.photo_learning_rate,
-        sides=(settings.small, settings.long_side),
-        scenes=scenes,
-        start=load_segmenter(start_path).network,
-        checkpoint=checkpoint,
-        run=(file_hash(start_path), digest(photos)),
+        photos, scenes, held_out[::every], settings, seed, checkpoint=checkpoint
     )
     network = trained.network
     save_model_file(model_path, network.state_dict(), network.architecture)
@@ -117,7 +74,7 @@ def train_segmentation(
     final = evaluate(shipped, held_out, estimated_cameras(held_out))
     seen = [
         f"{len(photos)} rendered photos of the synthetic train split.",
-        f"{len(scenes)} drawn rooms, first alone (rule `segmentation_start`), then among them.",
+        f"{len(scenes)} drawn rooms, first alone, then among them.",
         "No real photo.",
     ]
     size = sum(parameter.numel() for parameter in shipped.parameters()) / 1e6

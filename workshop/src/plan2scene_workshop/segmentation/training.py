@@ -22,6 +22,7 @@ from plan2scene_workshop.segmentation.data import (
     LabelledPhoto,
     Scores,
     confusion,
+    digest,
     scores,
 )
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
@@ -30,7 +31,6 @@ from plan2scene_workshop.training.loop import (
     Trainer,
     TrainerOptions,
     best_device,
-    cosine,
 )
 
 
@@ -79,46 +79,32 @@ def evaluate(
 
 def train_network(
     photos: Sequence[LabelledPhoto],
+    scenes: Sequence[LabelledPhoto],
     held_out: Sequence[LabelledPhoto],
     settings: SegmentationSettings,
-    *,
     seed: int,
-    steps: int,
-    learning_rate: float,
-    sides: tuple[int, int],
-    scenes: Sequence[LabelledPhoto] = (),
-    start: SegmentationNet | None = None,
+    *,
     checkpoint: Path | None = None,
-    run: object = None,
 ) -> Trained[SegmentationNet]:
     """Return the averaged network that did best on `held_out` (mean IoU).
 
     Parameters
     ----------
     photos, held_out : labelled photos of disjoint houses
-    sides : (int, int)
-        Longer side of views in the first two thirds of the steps, and afterwards; pixels.
     scenes : labelled photos
-        Further views that are mixed in (``settings.scene_share``).
-    start : SegmentationNet, optional
-        Weights to start from; random ones (by `seed`) when None.
+        Drawn rooms: seen alone at first, then among the photos.
     checkpoint : path, optional
         Goes on from it where it is of this run.
-    run : object
-        What tells these photos from others.
     """
     torch.manual_seed(derive_seed(seed, "segmentation", "weights"))
     network = SegmentationNet(long_side=settings.long_side, elevation=True)
-    if start:
-        network = with_elevation(start, settings.long_side)
     device = best_device()
     network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     def loss(step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
-        long = sides[0] if step < steps * 2 / 3 else sides[1]
-        images, elevations, labels = (
-            values.to(device) for values in draw_batch(photos, scenes, settings, long, rng)
-        )
+        pool = scenes if step < settings.scene_steps else photos
+        batch = draw_batch(pool, scenes, settings, settings.side(step), rng)
+        images, elevations, labels = (values.to(device) for values in batch)
         logits = network(images, elevations).float()
         smoothing = settings.label_smoothing
         return {"labels": segmentation_loss(logits, labels, settings.dice, smoothing)}
@@ -126,24 +112,22 @@ def train_network(
     options = TrainerOptions(
         "segmentation",
         seed,
-        steps,
-        lambda step: cosine(step, steps, rise=min(300, steps // 10 + 1)),
+        settings.scene_steps + settings.steps,
+        settings.rate,
         clip_norm=settings.clip_norm,
         average_decay=settings.ema_decay,
         evaluate_every=settings.evaluate_every,
         bfloat16=settings.bfloat16,
     )
-    optimiser = torch.optim.AdamW(
-        _parameter_groups(network, settings.weight_decay), lr=learning_rate
-    )
+    groups = _parameter_groups(network, settings.weight_decay)
     cameras = estimated_cameras(held_out)
     trainer = Trainer(
         network,
         loss,
-        optimiser,
+        torch.optim.AdamW(groups, lr=settings.learning_rate),
         options,
         evaluate=lambda network: evaluate(network, held_out, cameras).mean_iou,
-        run=(settings, run),
+        run=(settings, digest(photos), digest(scenes)),
     )
     trainer.resume(checkpoint)
     return trainer.fit(checkpoint)
@@ -194,17 +178,3 @@ def told_elevation(
     up = np.array(photo.horizon.up) + noise
     focal = photo.horizon.focal * np.exp(rng.normal(0, 0.08 * wrong)) * size[1]
     return elevation_map(up / np.linalg.norm(up), float(focal), size, size)
-
-
-def with_elevation(start: SegmentationNet, long_side: int) -> SegmentationNet:
-    """Return a copy of a network that also takes the elevation map.
-
-    Weights of the new inputs are zero where the network had none, so that it answers as before.
-    """
-    network = SegmentationNet(**{**start.architecture, "elevation": True, "long_side": long_side})
-    state = {name: value.clone() for name, value in start.state_dict().items()}
-    weight = state["stem.0.0.weight"]
-    missing = network.state_dict()["stem.0.0.weight"].shape[1] - weight.shape[1]
-    state["stem.0.0.weight"] = F.pad(weight, (0, 0, 0, 0, 0, missing))
-    network.load_state_dict(state)
-    return network
