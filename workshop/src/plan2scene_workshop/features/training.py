@@ -24,12 +24,12 @@ from plan2scene_workshop.features.network import (
 from plan2scene_workshop.features.settings import FeaturesSettings
 from plan2scene_workshop.texture.data import (
     TextureSet,
-    random_crop,
+    draw_crops,
     read_materials,
     sampling_weights,
     seen_textures,
 )
-from plan2scene_workshop.texture.degradation import ROOM_PHOTO, photograph
+from plan2scene_workshop.texture.degradation import ROOM_PHOTO, photographed
 from plan2scene_workshop.training.card import Card, table, write_card
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, cosine
 
@@ -52,21 +52,17 @@ heavy shadow lower the accuracy.
 """
 
 
-def draw_crops(
+def draw_photographed(
     textures: TextureSet,
-    weights: np.ndarray,
+    scanned_share: float,
     count: int,
     rng: np.random.Generator,
-    degraded_share: float,
+    photographed_share: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return crops (n, 128, 128, 3) uint8 and substances (n,) int64."""
-    chosen = rng.choice(len(textures), size=count, p=weights)
-    crops = []
-    for index in chosen:
-        closest = 160 if textures.scanned[index] else 96
-        crop = random_crop(textures.tiles[index], rng, closest_px=closest)
-        crops.append(photograph(crop, rng, ROOM_PHOTO) if rng.random() < degraded_share else crop)
-    return np.stack(crops), textures.substances[chosen]
+    """Return crops (n, 128, 128, 3) uint8, some as photos show them, and substances (n,) int64."""
+    weights = sampling_weights(textures, scanned_share)
+    crops, substances = draw_crops(textures, weights, count, rng, closest_px=96)
+    return photographed(crops, rng, ROOM_PHOTO, photographed_share), substances
 
 
 def train_network(
@@ -84,11 +80,10 @@ def train_network(
     """
     torch.manual_seed(derive_seed(seed, "features weights"))
     network = SubstanceNetwork().to(device)
-    weights = sampling_weights(textures, settings.scanned_share)
 
     def loss(step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
-        crops, substances = draw_crops(
-            textures, weights, settings.batch, rng, settings.photographed_share
+        crops, substances = draw_photographed(
+            textures, settings.scanned_share, settings.batch, rng, settings.photographed_share
         )
         _, logits = network(as_tensor(crops).to(device))
         labels = torch.from_numpy(substances).to(device)
@@ -114,12 +109,8 @@ def standardise(network: SubstanceNetwork, crops: np.ndarray) -> None:
     """Set the features' shift and scale to the mean and spread over `crops` (n, 128, 128, 3)."""
     network.eval()
     with torch.inference_mode():
-        hidden = torch.cat(
-            [
-                network.hidden(as_tensor(part))
-                for part in np.array_split(crops, max(1, len(crops) // 64))
-            ]
-        )
+        parts = np.array_split(crops, max(1, len(crops) // 64))
+        hidden = torch.cat([network.hidden(as_tensor(part)) for part in parts])
     # A feature that (almost) never fires would be blown up by its tiny spread.
     spread = hidden.std(dim=0)
     network.shift.copy_(hidden.mean(dim=0))
@@ -131,8 +122,8 @@ def confusion(
 ) -> np.ndarray:
     """Return the (4, 4) counts of true (row) against predicted substance over `count` crops."""
     rng = generator(seed, "features held out", degraded)
-    weights = sampling_weights(textures, 1.0 if textures.scanned.all() else 0.0)
-    crops, substances = draw_crops(textures, weights, count, rng, float(degraded))
+    scanned = float(textures.scanned.all())
+    crops, substances = draw_photographed(textures, scanned, count, rng, float(degraded))
     _, predicted = extract_features(network, list(crops))
     size = len(SUBSTANCES)
     return np.bincount(substances * size + predicted, minlength=size * size).reshape(size, size)
@@ -158,9 +149,9 @@ def train_features(
         textures, settings, seed, device=device, checkpoint=checkpoint, run=file_hash(materials)
     )
     network, count = trained.network.cpu(), settings.held_out_crops
-    weights = sampling_weights(textures, settings.scanned_share)
     rng, share = generator(seed, "features scale"), settings.photographed_share
-    standardise(network, draw_crops(textures, weights, count, rng, share)[0])
+    crops, _ = draw_photographed(textures, settings.scanned_share, count, rng, share)
+    standardise(network, crops)
     save_features_network(network, model)
     shipped = load_features_network(model)  # what the metrics run: float16 weights, numpy
     counts = {

@@ -1,4 +1,4 @@
-"""Training data of the texture model: tiles in memory, random crops of them, degraded inputs."""
+"""Textures that models are trained on: tiles in memory, and random crops of them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from plan2scene.house import SUBSTANCES
 from plan2scene.io import atomic_path
 from plan2scene.materials import load_texture_folder, random_material
 from plan2scene.seeds import derive_seed
-from plan2scene_workshop.texture.degradation import CROP_PX, UNEVEN_LIGHT, photograph
+from plan2scene_workshop.texture.degradation import CROP_PX
 
 _LOGGER = logging.getLogger("plan2scene")
 TILE_PX = 256
@@ -152,29 +152,21 @@ def random_crop(tile: np.ndarray, rng: np.random.Generator, *, closest_px: int) 
     return np.ascontiguousarray(np.rot90(crop, int(rng.integers(2))))
 
 
-@dataclass(frozen=True)
-class Batch:
-    """A training step: ``inputs, targets (n, 128, 128, 3) uint8`` and ``substances (n,)``."""
+def draw_crops(
+    textures: TextureSet,
+    weights: np.ndarray,
+    count: int,
+    rng: np.random.Generator,
+    *,
+    closest_px: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return random crops (n, 128, 128, 3) uint8 and their substances (n,) int64.
 
-    inputs: np.ndarray
-    targets: np.ndarray
-    substances: np.ndarray
-
-
-def draw_batch(
-    textures: TextureSet, weights: np.ndarray, size: int, rng: np.random.Generator
-) -> Batch:
-    """Return a random batch; scanned tiles (upsampled) are never looked at closely."""
-    chosen = rng.choice(len(textures), size=size, p=weights)
-    targets = np.stack(
-        [
-            random_crop(
-                textures.tiles[index], rng, closest_px=192 if textures.scanned[index] else 116
-            )
-            for index in chosen
-        ]
-    )
-    inputs = [
-        photograph(crop, rng, UNEVEN_LIGHT) if rng.random() < 0.6 else crop for crop in targets
-    ]
-    return Batch(np.stack(inputs), targets, textures.substances[chosen])
+    `closest_px` is the smallest window of procedural tiles; scanned ones (which were upsampled) are
+    not looked at as closely.
+    """
+    chosen = rng.choice(len(textures), size=count, p=weights)
+    sides = np.where(textures.scanned[chosen], (TILE_PX + closest_px) // 2, closest_px)
+    pairs = zip(textures.tiles[chosen], sides, strict=True)
+    crops = np.stack([random_crop(tile, rng, closest_px=int(side)) for tile, side in pairs])
+    return crops, textures.substances[chosen]

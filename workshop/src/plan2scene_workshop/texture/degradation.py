@@ -136,6 +136,15 @@ def photograph(view: np.ndarray, rng: np.random.Generator, how: Degradation) -> 
     return _seen(view, rng, how, bool(shadow), bool(highlight))
 
 
+def photographed(
+    crops: np.ndarray, rng: np.random.Generator, how: Degradation, share: float
+) -> np.ndarray:
+    """Return crops (n, 128, 128, 3) uint8, a share of them as :func:`photograph` makes them."""
+    spoiled = rng.random(len(crops)) < share
+    pairs = zip(crops, spoiled, strict=True)
+    return np.stack([photograph(crop, rng, how) if hit else crop for crop, hit in pairs])
+
+
 def _seen(
     view: np.ndarray, rng: np.random.Generator, how: Degradation, shadow: bool, highlight: bool
 ) -> np.ndarray:

@@ -24,15 +24,18 @@ from plan2scene.textures.model.statistics import (
     histogram_distance,
 )
 from plan2scene.textures.model.vgg_statistics import load_statistics
-from plan2scene_workshop.texture.data import (
-    CROP_PX,
-    Batch,
-    TextureSet,
-    draw_batch,
-    sampling_weights,
-)
+from plan2scene_workshop.texture.data import TextureSet, draw_crops, sampling_weights
+from plan2scene_workshop.texture.degradation import CROP_PX, UNEVEN_LIGHT, photographed
 from plan2scene_workshop.texture.settings import TextureSettings
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions
+
+
+def draw_batch(
+    textures: TextureSet, weights: np.ndarray, size: int, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return inputs and targets (n, 128, 128, 3) uint8, and substances (n,)."""
+    crops, substances = draw_crops(textures, weights, size, rng, closest_px=116)
+    return photographed(crops, rng, UNEVEN_LIGHT, 0.6), crops, substances
 
 
 class TextureLoss:
@@ -51,32 +54,26 @@ class TextureLoss:
 
     def __call__(self, step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
         """Return the weighted parts of the loss of a step."""
-        settings = self.settings
-        whole = rng.random() < settings.tile_share or step >= settings.steps
-        size = settings.tile_batch if whole else settings.batch
-        batch = draw_batch(self.textures, self.weights, size, rng)
-        return self.parts(batch, rng, CROP_PX if whole else CROP_PX // 2)
-
-    def parts(self, batch: Batch, rng: np.random.Generator, side: int) -> dict[str, torch.Tensor]:
-        """Return the parts for a batch on random `side` x `side` windows of tiles and targets."""
         settings, device = self.settings, self.device
-        encoding = self.model.encode(_tensor(batch.inputs, device))
-        draws = rng.random((len(batch.inputs), OCTAVES, CHANNELS), dtype=np.float32)
-        seeds = torch.from_numpy(draws).to(device)
+        whole = rng.random() < settings.tile_share or step >= settings.steps
+        size, side = (settings.tile_batch, CROP_PX) if whole else (settings.batch, CROP_PX // 2)
+        inputs, crops, substances = draw_batch(self.textures, self.weights, size, rng)
+        encoding = self.model.encode(_tensor(inputs, device))
+        seeds = torch.from_numpy(rng.random((size, OCTAVES, CHANNELS), dtype=np.float32)).to(device)
         tiles = self.model.decode(encoding.embedding, seeds, CROP_PX, _window(rng, side))
         rows, columns = _window(rng, side)
-        targets = _tensor(batch.targets, device)[:, :, rows, columns]
-        step = side // 64
-        sparse = tiles[:, :, ::step, ::step], targets[:, :, ::step, ::step]
+        targets = _tensor(crops, device)[:, :, rows, columns]
+        every = side // 64
+        sparse = tiles[:, :, ::every, ::every], targets[:, :, ::every, ::every]
         parts = {
             "gram": self.filters.distance(tiles, targets).mean(),
             "spectrum": settings.spectrum * self.spectrum.distance(tiles, targets).mean(),
             "colour": settings.colour * colour_distance(*sparse).mean(),
             "histogram": settings.histogram * histogram_distance(*sparse).mean(),
             "frequency": tiles.new_zeros(()),
-            "substance": settings.substance * _cross_entropy(encoding, batch.substances),
+            "substance": settings.substance * _cross_entropy(encoding, substances),
         }
-        if side == CROP_PX:
+        if whole:
             parts["frequency"] = settings.frequency * frequency_distance(tiles, targets).mean()
         return parts
 
@@ -122,14 +119,7 @@ def train_texture_model(
 ) -> Trained[TextureModel]:
     """Return a trained texture model.
 
-    Parameters
-    ----------
-    device : str
-        ``"cpu"`` or ``"cuda"``.
-    checkpoint : path, optional
-        Goes on from it where it is of this run.
-    run : object
-        What tells these textures from others.
+    `checkpoint` is continued where it is of this run; `run` tells these textures from others.
     """
     trainer = texture_trainer(architecture, textures, settings, seed, device=device, run=run)
     if not trainer.resume(checkpoint):
@@ -144,15 +134,13 @@ def warm_up(
     encoder, device = model.encoder, next(model.parameters()).device
     if not isinstance(encoder, StatisticsEncoder):
         return
-    rng, weights = (
-        generator(seed, "texture warm-up"),
-        sampling_weights(textures, settings.scanned_share),
-    )
+    rng = generator(seed, "texture warm-up")
+    weights = sampling_weights(textures, settings.scanned_share)
     batches = [draw_batch(textures, weights, 16, rng) for _ in range(settings.warm_up // 16)]
     with torch.no_grad():
-        inputs = torch.cat([encoder.features(_tensor(b.inputs, device)) for b in batches])
-        features = torch.cat([encoder.features(_tensor(b.targets, device)) for b in batches])
-    labels = np.concatenate([b.substances for b in batches])
+        inputs = torch.cat([encoder.features(_tensor(given, device)) for given, _, _ in batches])
+        features = torch.cat([encoder.features(_tensor(crops, device)) for _, crops, _ in batches])
+    labels = np.concatenate([substances for _, _, substances in batches])
     encoder.standardise(features)
     targets = ((features - encoder.centre) / encoder.scale).clamp(-4.0, 4.0)
     probe = nn.Linear(model.architecture.code_dim, targets.shape[1]).to(device)

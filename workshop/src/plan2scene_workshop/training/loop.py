@@ -75,13 +75,13 @@ class Trainer(Generic[Network]):
     loss : Loss
         Draws a batch, runs `network` on it and returns the loss.
     optimiser : torch.optim.Optimizer
-        Over parameters of `network`; its learning rates are those at a schedule of 1.
+        Its learning rates are those at a schedule of 1.
     options : TrainerOptions
     evaluate : callable, optional
         Network in evaluation mode -> score; the network with the highest is kept.
     run : object
-        What tells this run from others beside name, seed and steps (settings, hashes of data), by
-        its ``repr``: another run's checkpoint is not continued.
+        Tells this run from others beside name, seed and steps (settings, hashes of data) by its
+        ``repr``: another run's checkpoint is not continued.
     """
 
     def __init__(
