@@ -53,7 +53,11 @@ def main() -> None:
     for name in options.only:
         architecture, training = VARIANTS[name]
         settings = TextureSettings(
-            steps=options.steps, finish=options.steps // 10, warm_up=options.warm_up, **training
+            steps=options.steps,
+            finish=options.steps // 10,
+            warm_up=options.warm_up,
+            warm_up_steps=options.warm_up * 3 // 8,
+            **training,
         )
         settings = replace(settings, low_precision=low_precision_is_fast())
         shape: Architecture = replace(ARCHITECTURES["texture"], **architecture)

@@ -108,6 +108,20 @@ def test_without_evaluation_or_average_the_last_weights_are_kept():
     assert found.network is run.network
 
 
+def test_the_loss_runs_in_bfloat16_where_asked():
+    for asked, dtype in ((True, torch.bfloat16), (False, torch.float32)):
+        run, seen = trainer(bfloat16=asked), []
+        inner = run.loss
+
+        def loss(step, rng, run=run, seen=seen, inner=inner):
+            seen.append(run.network(torch.eye(3)).dtype)
+            return inner(step, rng)
+
+        run.loss = loss
+        assert run.train_step()["loss"].dtype == torch.float32
+        assert seen == [dtype]
+
+
 def test_average_follows_the_network():
     network = nn.Linear(2, 1)
     average = averaged(network, 0.9)

@@ -14,7 +14,7 @@ rule segmentation_scenes:
     params:
         settings=TRAINING["segmentation"],
         seed=config["seed"],
-        code=code_hash("segmentation.run"),
+        code=code_hash("segmentation.scenes", "segmentation.data"),
     script:
         "../scripts/segmentation_scenes.py"
 

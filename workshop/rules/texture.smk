@@ -1,5 +1,10 @@
+REAL_TEXTURES = TRAINING["materials"].get("folder")
+
+
 rule materials:
     # Textures that the texture models and the features network learn from, and others to measure.
+    input:
+        [f"{REAL_TEXTURES}/index.csv"] if REAL_TEXTURES else [],
     output:
         "results/training/materials.npz",
     log:

@@ -199,7 +199,7 @@ class Trainer(Generic[Network]):
         """Go on from a file of :meth:`save`; False where there is none of this run."""
         if path is None or not path.is_file():
             return False
-        state = torch.load(path, map_location=self.device, weights_only=True)
+        state = torch.load(path, map_location="cpu", weights_only=True)
         if state["run"] != self.run:
             _LOG.info("%s: the checkpoint is of another run", self.options.name)
             return False
