@@ -9,6 +9,7 @@ from plan2scene_workshop.features.settings import FeaturesSettings
 from plan2scene_workshop.features.training import train_features
 from plan2scene_workshop.training.loop import best_device
 
+checkpoint = Path(snakemake.params.checkpoint)
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
     train_features(
@@ -17,6 +18,7 @@ with job(snakemake.log[0]):
         snakemake.output.card,
         settings=FeaturesSettings(**snakemake.params.settings),
         seed=snakemake.params.seed,
-        checkpoint=Path(snakemake.params.checkpoint),
+        checkpoint=checkpoint,
         device=best_device(),
     )
+    checkpoint.unlink(missing_ok=True)

@@ -8,6 +8,7 @@ from plan2scene.jobs import job
 from plan2scene_workshop.segmentation.run import train_segmentation
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 
+checkpoint = Path(snakemake.params.checkpoint)
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
     train_segmentation(
@@ -17,5 +18,6 @@ with job(snakemake.log[0]):
         snakemake.output.card,
         settings=SegmentationSettings(**snakemake.params.settings),
         seed=snakemake.params.seed,
-        checkpoint=Path(snakemake.params.checkpoint),
+        checkpoint=checkpoint,
     )
+    checkpoint.unlink(missing_ok=True)

@@ -9,6 +9,7 @@ from plan2scene_workshop.texture.run import train_texture
 from plan2scene_workshop.texture.settings import TextureSettings
 from plan2scene_workshop.training.loop import best_device
 
+checkpoint = Path(snakemake.params.checkpoint)
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
     train_texture(
@@ -18,6 +19,7 @@ with job(snakemake.log[0]):
         snakemake.output.card,
         settings=TextureSettings(**snakemake.params.settings),
         seed=snakemake.params.seed,
-        checkpoint=Path(snakemake.params.checkpoint),
+        checkpoint=checkpoint,
         device=best_device(),
     )
+    checkpoint.unlink(missing_ok=True)

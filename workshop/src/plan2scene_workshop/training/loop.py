@@ -135,34 +135,30 @@ class Trainer(Generic[Network]):
     def fit(self, checkpoint: Path | None = None) -> Trained[Network]:
         """Take the steps that are left and return the network to keep.
 
-        `checkpoint` is written on the way and removed at the end; :meth:`resume` reads it.
+        `checkpoint` is written on the way and at the end; :meth:`resume` reads it.
         """
         options, recent = self.options, []
         last = time.monotonic()
         while self.step < options.steps:
             recent.append(self.train_step())
-            if self.evaluate and self._due(options.evaluate_every, at_end=True):
+            if self.evaluate and self._due(options.evaluate_every):
                 self._evaluate(self.evaluate)
             now = time.monotonic()
             self.seconds, last = self.seconds + now - last, now
-            if self._due(options.log_every, at_end=True):
+            if self._due(options.log_every):
                 self._log(recent)
                 recent = []
-            if checkpoint and self._due(options.checkpoint_every, at_end=False):
+            if checkpoint and self._due(options.checkpoint_every):
                 self.save(checkpoint)
-        if checkpoint:
-            checkpoint.unlink(missing_ok=True)
         network, best = self.kept, self.best
         if not self.evaluate:
             best = _Best(self.step, math.nan, network.state_dict())
         network.load_state_dict(best.state)
         return Trained(network.eval(), best.step, best.score, self.seconds)
 
-    def _due(self, every: int, *, at_end: bool) -> bool:
-        """Return whether this step is one of every so many (0: none), or the last one."""
-        if self.step == self.options.steps:
-            return at_end
-        return every > 0 and self.step % every == 0
+    def _due(self, every: int) -> bool:
+        """Return whether this step is the last, or one of every so many (0: none)."""
+        return self.step == self.options.steps or (every > 0 and self.step % every == 0)
 
     def _evaluate(self, evaluate: Callable[[Network], float]) -> None:
         """Score the present network and keep it if none was better."""
