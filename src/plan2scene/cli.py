@@ -181,14 +181,14 @@ def convert(
 ) -> None:
     """Convert released weights; a file that carries code is refused."""
     from plan2scene.checkpoints.convert import convert_checkpoint
-    from plan2scene.propagation.inference import read_propagation
+    from plan2scene.propagation.model import load_propagation
 
     convert_checkpoint(
         network,
         checkpoint,
         out,
         substances=[name.strip() for name in substances.split(",")],
-        means=read_propagation(means)[1] if means else None,
+        means=load_propagation(means)[1] if means else None,
     )
     print(out)
 

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import networkx as nx
 import numpy as np
 
 from plan2scene.evaluation.houses import Models
 from plan2scene.house import SURFACES, House, SurfaceKey
+from plan2scene.propagation.baselines import BASELINES
 from plan2scene.propagation.graph import house_graph
-from plan2scene.propagation.inference import read_propagation
+from plan2scene.propagation.model import load_propagation
 from plan2scene.propagation.predict import predict
-from plan2scene.propagation.prior import TypeMeans
 from plan2scene.seeds import generator
 from plan2scene.weights import load_model_file, save_model_file
 
@@ -38,8 +37,8 @@ class Variant:
     crop_colour : bool
         The selected crop's own colour in place of the median over the surface's crops.
     propagate : str
-        Embedding of an unobserved surface: ``graph`` (the method's), ``no_graph``,
-        ``room_type_mean``, ``house_mean`` or ``nearest_room``.
+        Embedding of an unobserved surface: ``graph`` (the method's), ``no_graph`` or one of
+        ``propagation.baselines``.
     rgb : bool
         The unmodified network of RGB in place of the one of delta-HSV.
     plane_noise : bool
@@ -155,71 +154,25 @@ def predicted(
     """Return ``propagated.parquet`` with unobserved surfaces as a variant predicts them."""
     if variant.propagate == "graph":
         return propagated
-    network, means = read_propagation(models.propagation)
+    network, means = load_propagation(models.propagation)
     seen = {
         SurfaceKey(row.room_id, row.surface): np.asarray(row.embedding, np.float32)
         for row in propagated.itertuples()
         if row.observed
     }
-    predict_one: Callable[[SurfaceKey], np.ndarray]
+    graph = house_graph(plan, seen)
     if variant.propagate == "no_graph":
-        graph = house_graph(plan, seen)
-        bare = replace(graph, edges=np.zeros((2, 0), dtype=np.int64))
-        output = predict(network, bare).embedding
-
-        def predict_one(key: SurfaceKey) -> np.ndarray:
-            return np.asarray(
-                output[graph.room_ids.index(key.room_id), SURFACES.index(key.surface)]
-            )
-
+        output = predict(network, replace(graph, edges=graph.edges[:, :0])).embedding
     else:
-        rule = {
-            "room_type_mean": _room_type_mean,
-            "house_mean": _house_mean,
-            "nearest_room": _nearest_room,
-        }[variant.propagate]
-
-        def predict_one(key: SurfaceKey) -> np.ndarray:
-            return rule(plan, key, seen, means)
-
+        output = BASELINES[variant.propagate](graph, means)
     frame = propagated.copy()
     frame["embedding"] = [
-        row.embedding if row.observed else predict_one(SurfaceKey(row.room_id, row.surface))
+        row.embedding
+        if row.observed
+        else output[graph.room_ids.index(row.room_id), SURFACES.index(row.surface)]
         for row in propagated.itertuples()
     ]
     return frame
-
-
-_Seen = dict[SurfaceKey, np.ndarray]
-
-
-def _room_type_mean(plan: House, key: SurfaceKey, seen: _Seen, means: TypeMeans) -> np.ndarray:
-    """Return the mean of training surfaces of the room's types."""
-    return means.predict(plan.room(key.room_id).types, key.surface)[0].astype(np.float32)
-
-
-def _house_mean(plan: House, key: SurfaceKey, seen: _Seen, means: TypeMeans) -> np.ndarray:
-    """Return the mean over the house's observed surfaces of that kind; without any, as above."""
-    alike = [code for other, code in seen.items() if other.surface == key.surface]
-    return np.mean(alike, axis=0) if alike else _room_type_mean(plan, key, seen, means)
-
-
-def _nearest_room(plan: House, key: SurfaceKey, seen: _Seen, means: TypeMeans) -> np.ndarray:
-    """Return the surface of that kind fewest doors away, the first in the plan of equals.
-
-    Where doors lead to none, the mean of the house.
-    """
-    graph = nx.Graph(plan.adjacency())
-    graph.add_nodes_from(room.id for room in plan.rooms)
-    doors = nx.single_source_shortest_path_length(graph, key.room_id)
-    reached = [
-        (doors[room.id], i, seen[room.id, key.surface])  # type: ignore[index]
-        for i, room in enumerate(plan.rooms)
-        if room.id in doors and (room.id, key.surface) in seen
-    ]
-    if not reached:
-        return _house_mean(plan, key, seen, means)
-    return min(reached, key=lambda item: item[:2])[2]
 
 
 def plane_noise_model(model: Path, output: Path) -> Path:

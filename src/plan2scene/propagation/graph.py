@@ -8,7 +8,7 @@ absent: 12 + 3 x 12 = 48 per room.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,6 +46,11 @@ class HouseGraph:
         blocks = np.concatenate([shown, self.embeddings * shown], axis=2)
         return np.concatenate([self.types, blocks.reshape(len(self.room_ids), -1)], axis=1)
 
+    def standardised(self, centre: np.ndarray, deviation: np.ndarray) -> HouseGraph:
+        """Return the graph with embeddings as (value - centre) / deviation, both (11,)."""
+        values = (self.embeddings - centre) / deviation * self.observed[..., None]
+        return replace(self, embeddings=values.astype(np.float32))
+
 
 def house_graph(house: House, embeddings: Mapping[SurfaceKey, np.ndarray]) -> HouseGraph:
     """Return the graph of a house.
@@ -69,3 +74,13 @@ def house_graph(house: House, embeddings: Mapping[SurfaceKey, np.ndarray]) -> Ho
         values[i, j] = np.asarray(value, dtype=np.float32)
         observed[i, j] = True
     return HouseGraph(room_ids, types, np.ascontiguousarray(edges), values, observed)
+
+
+def doors_between(count: int, edges: np.ndarray) -> np.ndarray:
+    """Return (n, n) float: doors on the shortest way between rooms, inf where there is no way."""
+    linked = np.zeros((count, count), dtype=bool)
+    linked[edges[0], edges[1]] = True
+    doors = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
+    for distance in range(1, count):
+        doors[(np.isfinite(doors) @ linked) & np.isinf(doors)] = distance
+    return doors

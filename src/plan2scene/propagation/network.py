@@ -10,6 +10,20 @@ from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import EMBEDDING_SIZE, NODE_SIZE
 
 
+class WithoutTemplates:
+    """Keeps a ``MessagePassing`` from writing its TorchScript code to the temporary folder.
+
+    Nothing here is compiled, and PyTorch Geometric leaves those files behind at every start.
+    """
+
+    def _set_jittable_templates(self, raise_on_error: bool = False) -> None:
+        """Leave the layer's methods as they are."""
+
+
+class _GatedGraphConv(WithoutTemplates, GatedGraphConv):
+    """The library's layer."""
+
+
 class PropagationNetwork(nn.Module):
     """Linear, ReLU, Linear, ReLU, GatedGraphConv, ReLU, Linear, ReLU, Linear.
 
@@ -34,7 +48,7 @@ class PropagationNetwork(nn.Module):
         self.linear1 = nn.Sequential(
             nn.Linear(NODE_SIZE, width), nn.ReLU(), nn.Linear(width, width), nn.ReLU()
         )
-        self.conv1 = GatedGraphConv(width, layers)
+        self.conv1 = _GatedGraphConv(width, layers)
         self.linear2 = nn.Sequential(
             nn.Linear(width, width),
             nn.ReLU(),
@@ -43,8 +57,12 @@ class PropagationNetwork(nn.Module):
 
     def forward(self, x: Tensor, edge_index: Tensor) -> Tensor:
         """Return the predicted embedding of every surface of every room."""
-        return self.linear2(self.hidden(x, edge_index)).reshape(-1, len(SURFACES), EMBEDDING_SIZE)
+        return self.regressed(self.hidden(x, edge_index))
 
     def hidden(self, x: Tensor, edge_index: Tensor) -> Tensor:
         """Return what the network knows of every room, (n, width)."""
         return torch.relu(self.conv1(self.linear1(x), edge_index))
+
+    def regressed(self, hidden: Tensor) -> Tensor:
+        """Return the embeddings (n, 3, 11) of hidden states (n, width)."""
+        return self.linear2(hidden).reshape(-1, len(SURFACES), EMBEDDING_SIZE)

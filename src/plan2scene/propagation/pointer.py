@@ -14,36 +14,22 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor, nn
+from torch_geometric.data import Data
+from torch_geometric.nn import MessagePassing
 
 from plan2scene.house import ROOM_TYPES, SURFACES
+from plan2scene.propagation.data import PAIR_SIZE
 from plan2scene.propagation.graph import EMBEDDING_SIZE
-from plan2scene.propagation.inference import LEAST_SCALE, MOST_LOG_SCALE, MOST_SCORE
-from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.pairs import PAIR_SIZE
+from plan2scene.propagation.network import PropagationNetwork, WithoutTemplates
 
-
-@dataclass(frozen=True)
-class Inputs:
-    """One or several houses as tensors (rows of later houses follow those of earlier ones).
-
-    Parameters
-    ----------
-    x : (n, 48) float32
-        Node features of standardised embeddings.
-    edges : (2, m) int64
-    pairs : (2, p) int64
-    facts : (p, 5) float32
-    """
-
-    x: Tensor
-    edges: Tensor
-    pairs: Tensor
-    facts: Tensor
+#: Bounds of scores and scales: no component may become a spike.
+_MOST_SCORE, _MOST_LOG_SCALE, _LEAST_SCALE = 15.0, 2.0, 0.02
+_KINDS = len(SURFACES)
 
 
 @dataclass(frozen=True)
 class Mixture:
-    """Predictions of every surface.
+    """Predictions of every surface of n rooms, over p pairs of rooms.
 
     Parameters
     ----------
@@ -64,8 +50,10 @@ class Mixture:
     log_copies: Tensor
 
 
-class PointerNetwork(nn.Module):
-    """Node features and room pairs -> mixtures, all in standardised embeddings.
+class PointerNetwork(WithoutTemplates, MessagePassing):
+    """Attention over pairs of rooms that may also point at none: houses -> mixtures.
+
+    All embeddings are standardised by `centre` and `deviation`, which the network keeps.
 
     Parameters
     ----------
@@ -76,62 +64,54 @@ class PointerNetwork(nn.Module):
     """
 
     def __init__(self, width: int = 96, layers: int = 3, pair_width: int = 64) -> None:
-        super().__init__()
+        super().__init__(aggr="sum")
         self.trunk = PropagationNetwork(width, layers)
-        kinds = len(SURFACES)
         self.pair = nn.Sequential(
-            nn.Linear(2 * width + PAIR_SIZE, pair_width), nn.ReLU(), nn.Linear(pair_width, kinds)
+            nn.Linear(2 * width + PAIR_SIZE, pair_width), nn.ReLU(), nn.Linear(pair_width, _KINDS)
         )
-        self.none = nn.Linear(width, kinds)
-        self.own_scale = nn.Linear(width, kinds * EMBEDDING_SIZE)
-        self.copy_scale = nn.Parameter(torch.full((kinds, EMBEDDING_SIZE), -1.0))
+        self.none = nn.Linear(width, _KINDS)
+        self.own_scale = nn.Linear(width, _KINDS * EMBEDDING_SIZE)
+        self.copy_scale = nn.Parameter(torch.full((_KINDS, EMBEDDING_SIZE), -1.0))
         self.centre: Tensor
         self.deviation: Tensor
         self.register_buffer("centre", torch.zeros(EMBEDDING_SIZE))
         self.register_buffer("deviation", torch.ones(EMBEDDING_SIZE))
 
-    def forward(self, inputs: Inputs) -> Mixture:
-        """Return the mixture of every surface of every room."""
-        hidden = self.trunk.hidden(inputs.x, inputs.edges)
-        target, source = inputs.pairs
-        scores = self.pair(torch.cat([hidden[target], hidden[source], inputs.facts], dim=1))
-        blocks = inputs.x[:, len(ROOM_TYPES) :].reshape(len(inputs.x), len(SURFACES), -1)
-        unseen = blocks[source, :, 0] == 0
-        scores = scores.clamp(-MOST_SCORE, MOST_SCORE).masked_fill(unseen, -torch.inf)
-        none = self.none(hidden).clamp(-MOST_SCORE, MOST_SCORE)
-        total = none.exp().index_add(0, target, scores.exp()).log()
-        shape = (-1, len(SURFACES), EMBEDDING_SIZE)
+    def forward(self, data: Data) -> Mixture:
+        """Return the mixture of every surface of every room of :func:`data.graph_data`."""
+        hidden = self.trunk.hidden(data.x, data.edge_index)
+        blocks = data.x[:, len(ROOM_TYPES) :].reshape(len(hidden), _KINDS, -1)
+        scores = self.edge_updater(
+            data.pair_index, hidden=hidden, unseen=blocks[..., 0] == 0, pair_attr=data.pair_attr
+        )
+        none = _bounded(self.none(hidden))
+        # A softmax by its logarithms: training needs those of weights that are nothing, too.
+        size = (len(hidden), len(hidden))
+        total = (none.exp() + self.propagate(data.pair_index, scores=scores, size=size)).log()
         return Mixture(
-            self.trunk.linear2(hidden).reshape(shape),
-            _scale(self.own_scale(hidden)).reshape(shape),
+            self.trunk.regressed(hidden),
+            _scale(self.own_scale(hidden)).reshape(-1, _KINDS, EMBEDDING_SIZE),
             _scale(self.copy_scale),
             none - total,
-            scores - total[target],
+            scores - total[data.pair_index[1]],
         )
+
+    def edge_update(
+        self, hidden_i: Tensor, hidden_j: Tensor, unseen_j: Tensor, pair_attr: Tensor
+    ) -> Tensor:
+        """Return scores (p, 3) of being like room j; -inf where its surface is not visible."""
+        scores = self.pair(torch.cat([hidden_i, hidden_j, pair_attr], dim=1))
+        return _bounded(scores).masked_fill(unseen_j, -torch.inf)
+
+    def message(self, scores: Tensor) -> Tensor:
+        """Return what each pair adds to the sum over the rooms looked at."""
+        return scores.exp()
+
+
+def _bounded(scores: Tensor) -> Tensor:
+    return scores.clamp(-_MOST_SCORE, _MOST_SCORE)
 
 
 def _scale(raw: Tensor) -> Tensor:
     """Return scales of logarithms."""
-    return raw.clamp(max=MOST_LOG_SCALE).exp() + LEAST_SCALE
-
-
-def log_likelihood(mixture: Mixture, inputs: Inputs, values: Tensor, wanted: Tensor) -> Tensor:
-    """Return log densities of the `wanted` surfaces' true embeddings.
-
-    Parameters
-    ----------
-    values : (n, 3, 11) float32, true standardised embeddings, those of visible surfaces included
-    wanted : (n, 3) bool
-    """
-    target, source = inputs.pairs
-    own = _laplace(values - mixture.own, mixture.own_scale) + mixture.log_own
-    copies = _laplace(values[target] - values[source], mixture.copy_scale) + mixture.log_copies
-    top = own.detach().clone()
-    top = top.scatter_reduce(0, target[:, None].expand_as(copies), copies.detach(), "amax")
-    total = (own - top).exp().index_add(0, target, (copies - top[target]).exp())
-    return (total.log() + top)[wanted]
-
-
-def _laplace(gap: Tensor, scale: Tensor) -> Tensor:
-    """Return log densities, summed over the last axis."""
-    return -(gap.abs() / scale + (2.0 * scale).log()).sum(-1)
+    return raw.clamp(max=_MOST_LOG_SCALE).exp() + _LEAST_SCALE

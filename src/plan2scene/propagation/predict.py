@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import torch
+from torch import Tensor
 
 from plan2scene.house import SURFACES
-from plan2scene.propagation.graph import EMBEDDING_SIZE, HouseGraph
-from plan2scene.propagation.inference import MixtureArrays, Network, mixture, regression
-from plan2scene.propagation.pairs import room_pairs
+from plan2scene.propagation.data import graph_data
+from plan2scene.propagation.graph import HouseGraph
+from plan2scene.propagation.model import Network
+from plan2scene.propagation.pointer import Mixture, PointerNetwork
 
 #: How far agreeing components may lie apart, in scales of the copies' distributions.
 _REACH = 2.0
@@ -38,73 +41,72 @@ class Prediction:
     alike: np.ndarray
 
 
+@torch.inference_mode()
 def predict(network: Network, graph: HouseGraph) -> Prediction:
     """Return the predictions of a network for every surface, the observed ones as if unseen."""
-    if network.pointer:
-        found = _predict_mixture(network, graph)
+    if isinstance(network, PointerNetwork):
+        centre, deviation = network.centre.numpy(), network.deviation.numpy()
+        data = graph_data(graph.standardised(centre, deviation))
+        mixture = network(data)
+        components, weights = mixture_components(mixture, data.embeddings, data.pair_index)
+        embedding = robust_centre(components, weights, _REACH * mixture.copy_scale)
+        embedding = embedding * network.deviation + network.centre
+        confidence = 1.0 - mixture.log_own.exp()
+        likeliest = weights.argmax(1)
+        alike = likeliest.masked_fill(likeliest == len(graph.room_ids), -1)
     else:
-        shape = (len(graph.room_ids), len(SURFACES))
-        output = regression(network, graph.node_features(graph.observed), graph.edges)
-        found = Prediction(output, np.full(shape, np.nan, np.float32), np.full(shape, -1))
-    found.embedding[..., _COLOUR:] = np.clip(found.embedding[..., _COLOUR:], 0.0, 1.0)
-    return found
+        data = graph_data(graph)
+        embedding = network(data.x, data.edge_index)
+        confidence = torch.full((len(graph.room_ids), len(SURFACES)), torch.nan)
+        alike = torch.full(confidence.shape, -1)
+    embedding[..., _COLOUR:].clamp_(0.0, 1.0)
+    return Prediction(embedding.numpy(), confidence.numpy(), alike.numpy())
 
 
-def _predict_mixture(network: Network, graph: HouseGraph) -> Prediction:
-    """Return the centres of the pointer network's mixtures."""
-    centre, deviation = network.arrays["centre"], network.arrays["deviation"]
-    values = (graph.embeddings - centre) / deviation
-    scaled = HouseGraph(graph.room_ids, graph.types, graph.edges, values, graph.observed)
-    pairs, facts = room_pairs(graph)
-    found = mixture(network, scaled.node_features(graph.observed), graph.edges, pairs, facts)
-    centres, confidence, alike = mixture_centres(found, values, pairs)
-    return Prediction((centres * deviation + centre).astype(np.float32), confidence, alike)
-
-
-def mixture_centres(
-    found: MixtureArrays, values: np.ndarray, pairs: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return centres (n, 3, 11), weight of visible surfaces (n, 3) and the likeliest (n, 3).
+def mixture_components(
+    mixture: Mixture, values: Tensor, pair_index: Tensor
+) -> tuple[Tensor, Tensor]:
+    """Return what a surface may be like, all n rooms and none, and how likely each is.
 
     Parameters
     ----------
-    values : (n, 3, 11) float
+    values : (n, 3, 11) float32
         Standardised embeddings of the visible surfaces.
-    pairs : (2, p) int
-        As of :func:`~plan2scene.propagation.pairs.room_pairs`.
+    pair_index : (2, p) int64
+        As of :func:`~plan2scene.propagation.data.room_pairs`.
+
+    Returns
+    -------
+    components : (n, n + 1, 3, 11) float32
+    weights : (n, n + 1, 3) float32
+        Zero for the room itself and for those without visible surface.
     """
-    own, log_own = found.own, found.log_own
-    weights, scales = np.exp(found.log_copies), found.copy_scale
-    rooms = len(own)
-    centres = np.zeros((rooms, len(SURFACES), EMBEDDING_SIZE), dtype=np.float32)
-    alike = np.full((rooms, len(SURFACES)), -1)
-    for i in range(rooms):
-        rows = pairs[0] == i
-        sources = pairs[1, rows]
-        for j in range(len(SURFACES)):
-            theirs = np.append(weights[rows, j], np.exp(log_own[i, j]))
-            components = np.concatenate([values[sources, j], own[i, j][None]])
-            centres[i, j] = robust_centre(components, theirs, _REACH * scales[j])
-            best = int(theirs.argmax())
-            if best < len(sources):
-                alike[i, j] = sources[best]
-    return centres, (1.0 - np.exp(log_own)).astype(np.float32), alike
+    rooms = len(values)
+    source, target = pair_index
+    weights = values.new_zeros(rooms, rooms + 1, len(SURFACES))
+    weights[target, source] = mixture.log_copies.exp()
+    weights[:, rooms] = mixture.log_own.exp()
+    others = values.expand(rooms, *values.shape)
+    return torch.cat([others, mixture.own[:, None]], dim=1), weights
 
 
-def weighted_median(values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return per column the value with half of the weight at or below it, (d,) of (c, d), (c,)."""
-    order = np.argsort(values, axis=0, kind="stable")
-    reached = np.cumsum(weights[order], axis=0) >= 0.5 * weights.sum()
-    return np.take_along_axis(values, np.take_along_axis(order, reached.argmax(0)[None], 0), 0)[0]
-
-
-def robust_centre(values: np.ndarray, weights: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Return per column the weighted median moved to the mean of what lies near, (d,).
+def robust_centre(values: Tensor, weights: Tensor, reach: Tensor) -> Tensor:
+    """Return the weighted median over axis 1, moved to the mean of what lies near.
 
     Several rooms of one material agree but for noise, which their mean is freer of than any of
-    them. Values farther than `reach` (d,) pull no more than those at it (a step of Huber's
+    them. Values farther than `reach` pull no more than those at it (a step of Huber's
     estimator, DOI 10.1214/aoms/1177703732).
+
+    Shapes
+    ------
+    values : (n, c, ..., d)
+    weights : (n, c, ...)
+    reach : (..., d)
+    returns : (n, ..., d)
     """
-    median = weighted_median(values, weights)
-    pull = np.clip(values - median, -reach, reach)
-    return median + weights @ pull / weights.sum()
+    weights = weights[..., None]
+    ordered, order = values.sort(dim=1, stable=True)
+    reached = weights.expand_as(values).gather(1, order).cumsum(1) >= 0.5 * weights.sum(1, True)
+    median = ordered.gather(1, reached.int().argmax(1, keepdim=True))
+    pull = (values - median).clamp(-reach, reach)
+    return median.squeeze(1) + (weights * pull).sum(1) / weights.sum(1)

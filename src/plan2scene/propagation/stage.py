@@ -4,33 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.house import SURFACES, House, SurfaceKey
+from plan2scene.house import SUBSTANCES, SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.propagation.graph import house_graph
-from plan2scene.propagation.inference import (
-    SubstanceHead,
-    read_propagation,
-    read_substance_head,
-)
-from plan2scene.propagation.predict import Prediction, predict
-from plan2scene.propagation.prior import TypeMeans
 from plan2scene.provenance import file_hash
+from plan2scene.weights import read_model_arrays
 
 #: Metres that a tile covers where the house shows no scale at all.
 DEFAULT_METRES = 1.0
-
-
-def _metres(known: Mapping[SurfaceKey, float], key: SurfaceKey) -> float:
-    """Return a surface's tile size: its own, else the median of its kind, else of the house."""
-    if np.isfinite(known.get(key, np.nan)):
-        return known[key]
-    alike = [v for k, v in known.items() if k.surface == key.surface and np.isfinite(v)]
-    every = alike or [v for v in known.values() if np.isfinite(v)]
-    return float(np.median(every)) if every else DEFAULT_METRES
+_COLUMNS = ["room_id", "surface", "observed", "embedding", "naive_embedding"]
+_COLUMNS += ["substance", "metres", "source", "confidence"]
 
 
 def propagate_house(
@@ -46,57 +35,71 @@ def propagate_house(
     """Write ``propagated.parquet`` (docs/conventions.md): a row for every surface of the house."""
     import pandas as pd
 
+    # PyTorch Geometric takes seconds to import: what only reads this stage's files goes without.
+    from plan2scene.propagation.model import load_propagation
+    from plan2scene.propagation.predict import predict
+
     plan = read_scene_json(scene_json, house)
     table, _ = read_parquet(surfaces)
-    network, means = read_propagation(propagation_model)
-    head = read_substance_head(texture_model)
+    network, means = load_propagation(propagation_model)
     observed = {SurfaceKey(row.room_id, row.surface): row for row in table.itertuples()}
     graph = house_graph(plan, {k: np.asarray(row.embedding) for k, row in observed.items()})
     predicted = predict(network, graph)
+    substances = substances_of(predicted.embedding, texture_model)
     known = {key: float(row.metres) for key, row in observed.items()}
-    rows = []
+    rows: list[dict[str, Any]] = []
     for key in plan.surface_keys():
-        row = observed.get(key)
-        if row is None:
-            values = _predicted_row(plan, key, graph.room_ids, predicted, means, head)
+        values: dict[str, Any]
+        if key in observed:
+            values = _observed_row(observed[key])
         else:
+            place = graph.room_ids.index(key.room_id), SURFACES.index(key.surface)
+            alike = int(predicted.alike[place])
+            _, naive = means.predict(plan.room(key.room_id).types, key.surface)
             values = {
-                "observed": True,
-                "embedding": np.asarray(row.embedding, dtype=np.float32),
-                "naive_embedding": np.asarray(row.naive_embedding, dtype=np.float32),
-                "substance": row.substance,
-                "source": row.crop_id,
-                "confidence": 1.0,
+                "observed": False,
+                "embedding": predicted.embedding[place],
+                "naive_embedding": naive.astype(np.float32),
+                "substance": substances[place],
+                "source": "propagated" + (f", like {graph.room_ids[alike]}" if alike >= 0 else ""),
+                "confidence": float(predicted.confidence[place]),
             }
-        rows.append(
-            {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)} | values
-        )
-    columns = ["room_id", "surface", "observed", "embedding", "naive_embedding"]
-    columns += ["substance", "metres", "source", "confidence"]
-    write_parquet(
-        output,
-        pd.DataFrame(rows, columns=columns),
-        {"dataset": dataset, "house": house, "model": file_hash(propagation_model)},
-    )
+        place_of = {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)}
+        rows.append(place_of | values)
+    metadata = {"dataset": dataset, "house": house, "model": file_hash(propagation_model)}
+    write_parquet(output, pd.DataFrame(rows, columns=_COLUMNS), metadata)
 
 
-def _predicted_row(
-    plan: House,
-    key: SurfaceKey,
-    room_ids: tuple[str, ...],
-    predicted: Prediction,
-    means: TypeMeans,
-    head: SubstanceHead,
-) -> dict[str, object]:
-    """Return the values of a surface that no visible photo shows."""
-    place = room_ids.index(key.room_id), SURFACES.index(key.surface)
-    embedding, alike = predicted.embedding[place], int(predicted.alike[place])
-    _, naive = means.predict(plan.room(key.room_id).types, key.surface)
+def _observed_row(row: Any) -> dict[str, Any]:
+    """Return the values of a surface that a visible photo shows, a row of surfaces.parquet."""
     return {
-        "observed": False,
-        "embedding": embedding,
-        "naive_embedding": naive.astype(np.float32),
-        "substance": head.name(embedding),
-        "source": "propagated" if alike < 0 else f"propagated, like {room_ids[alike]}",
-        "confidence": float(predicted.confidence[place]),
+        "observed": True,
+        "embedding": np.asarray(row.embedding, dtype=np.float32),
+        "naive_embedding": np.asarray(row.naive_embedding, dtype=np.float32),
+        "substance": row.substance,
+        "source": row.crop_id,
+        "confidence": 1.0,
     }
+
+
+def _metres(known: Mapping[SurfaceKey, float], key: SurfaceKey) -> float:
+    """Return a surface's tile size: its own, else the median of its kind, else of the house."""
+    if np.isfinite(known.get(key, np.nan)):
+        return known[key]
+    alike = [v for k, v in known.items() if k.surface == key.surface and np.isfinite(v)]
+    every = alike or [v for v in known.values() if np.isfinite(v)]
+    return float(np.median(every)) if every else DEFAULT_METRES
+
+
+def substances_of(embeddings: np.ndarray, texture_model: str | Path) -> np.ndarray:
+    """Return the likeliest substance of each embedding (..., 11) by a texture model's head.
+
+    The head is one linear layer: its two arrays are read, not the whole network.
+    """
+    names = ("substance_layer.weight", "substance_layer.bias")
+    arrays, _ = read_model_arrays(texture_model, names)
+    if len(arrays) != len(names):
+        raise InputError("a texture model with a substance head", "none", file=texture_model)
+    weight, bias = (arrays[name] for name in names)
+    scores = embeddings[..., : weight.shape[1]] @ weight.T + bias
+    return np.array(SUBSTANCES)[scores.argmax(-1)]

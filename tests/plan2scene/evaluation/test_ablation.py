@@ -19,7 +19,7 @@ from plan2scene.evaluation.variants import (
 )
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet
-from plan2scene.propagation.inference import read_propagation
+from plan2scene.propagation.model import load_propagation
 from plan2scene.textures.model.network import load_texture_model
 
 HIDDEN = {"0.0": [], "0.6": ["p1.jpg", "p3.jpg"]}
@@ -115,7 +115,7 @@ def test_without_the_graph_a_room_does_not_hear_of_others(plan, tables, models):
 
 
 def test_means_and_nearest_rooms(plan, tables, models):
-    _, means = read_propagation(models.propagation)
+    _, means = load_propagation(models.propagation)
     # Visible at that drop: crops c (bed floor), d (hall floor), e (hall wall).
     seen = {
         (r.room_id, r.surface): np.asarray(r.embedding)
