@@ -31,9 +31,9 @@ rule convert_propagation:
     input:
         checkpoint=lambda wildcards: config["official"]["propagation"],
         scenes=expand(f"{RESULTS}/houses/{{house}}/scene.json", house=MEANS_HOUSES),
-        surfaces=expand(
-            f"{RESULTS}/drop_0.0/{{house}}/surfaces.parquet", house=MEANS_HOUSES
-        ),
+        crops=expand(f"{RESULTS}/houses/{{house}}/crops.parquet", house=MEANS_HOUSES),
+        texture_model=model_of("texture"),
+        naive_model=model_of("naivesynth"),
     output:
         f"{RESULTS}/weights/propagation.safetensors",
     log:
@@ -44,9 +44,10 @@ rule convert_propagation:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=1500,
+        mem_mb=2000,
     params:
         houses=MEANS_HOUSES,
+        seed=config["seed"],
         code=code_hash("checkpoints.convert", "checkpoints.means"),
     script:
         "../scripts/convert_propagation.py"

@@ -1,11 +1,19 @@
 rule embeddings:
-    # Every crop as numbers: code and median colour, substance, textureness.
+    # Every crop as numbers; the crop that stands for each surface, among those of photos not
+    # hidden; and what is expected of the surfaces that no photo shows. All drops in one job: its
+    # start (torch and torch-geometric) takes longer than its work.
     input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         texture_model=model_of("texture"),
         naive_model=model_of("naivesynth"),
+        propagation_model=model_of("propagation"),
     output:
-        f"{RESULTS}/houses/{{house}}/embeddings.parquet",
+        embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
+        surfaces=[f"{RESULTS}/drop_{drop}/{{house}}/surfaces.parquet" for drop in DROPS],
+        propagated=[
+            f"{RESULTS}/drop_{drop}/{{house}}/propagated.parquet" for drop in DROPS
+        ],
     log:
         f"logs/{DATASET}/embeddings/{{house}}.log",
     benchmark:
@@ -16,32 +24,11 @@ rule embeddings:
     resources:
         mem_mb=2000,
     params:
-        dataset=DATASET,
-        seed=config["seed"],
-        code=code_hash("textures.model.embedding"),
-    script:
-        "../scripts/embeddings.py"
-
-
-rule surfaces:
-    # The crop that stands for each surface, chosen among those of photos not hidden; at every drop.
-    input:
-        embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
-        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-    output:
-        [f"{RESULTS}/drop_{drop}/{{house}}/surfaces.parquet" for drop in DROPS],
-    log:
-        f"logs/{DATASET}/surfaces/{{house}}.log",
-    benchmark:
-        f"logs/{DATASET}/benchmarks/surfaces/{{house}}.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-    params:
         hidden=hidden_at_drops(DROPS),
         dataset=DATASET,
-        code=code_hash("textures.selection"),
+        seed=config["seed"],
+        code=code_hash(
+            "textures.model.embedding", "textures.selection", "propagation.stage"
+        ),
     script:
-        "../scripts/surfaces.py"
+        "../scripts/embeddings.py"

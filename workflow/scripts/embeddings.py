@@ -1,18 +1,32 @@
-"""Rule embeddings: crops of a house -> their embeddings, substances and textureness."""
+"""Rule embeddings: crops of a house -> embeddings of crops, of observed and of all surfaces."""
 
 import torch
 
 from plan2scene.jobs import job
+from plan2scene.propagation.stage import propagate_house
 from plan2scene.textures.model.embedding import make_embeddings
+from plan2scene.textures.selection import select_surfaces
 
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
+    found, made, params = snakemake.input, snakemake.output, snakemake.params
+    names = {"house": snakemake.wildcards.house, "dataset": params.dataset}
     make_embeddings(
-        snakemake.input.crops,
-        snakemake.output[0],
-        snakemake.input.texture_model,
-        snakemake.input.naive_model,
-        house=snakemake.wildcards.house,
-        dataset=snakemake.params.dataset,
-        seed=snakemake.params.seed,
+        found.crops,
+        made.embeddings,
+        found.texture_model,
+        found.naive_model,
+        seed=params.seed,
+        **names,
     )
+    drops = zip(params.hidden.values(), made.surfaces, made.propagated, strict=True)
+    for hidden, surfaces, propagated in drops:
+        select_surfaces(made.embeddings, found.crops, hidden, surfaces, **names)
+        propagate_house(
+            found.scene,
+            surfaces,
+            propagated,
+            propagation_model=found.propagation_model,
+            texture_model=found.texture_model,
+            **names,
+        )

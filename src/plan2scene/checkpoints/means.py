@@ -2,25 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.house import ROOM_TYPES, SURFACES
-from plan2scene.io import read_parquet
+from plan2scene.house import ROOM_TYPES, SURFACES, House
 from plan2scene.propagation.prior import TypeMeans, mean_by_type
+from plan2scene.textures.model.embedding import make_embeddings
+from plan2scene.textures.selection import select_surfaces
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
-def training_means(houses: Mapping[str, tuple[str | Path, str | Path]]) -> TypeMeans:
+def training_surfaces(
+    crops: str | Path, texture_model: str | Path, naive_model: str | Path, *, house: str, seed: int
+) -> pd.DataFrame:
+    """Return the surfaces that a house's photos show, none hidden, as ``surfaces.parquet``.
+
+    They are embedded here: the rule that writes that file needs the means already.
+    """
+    with TemporaryDirectory() as name:
+        embeddings, surfaces = Path(name) / "embeddings.parquet", Path(name) / "surfaces.parquet"
+        names = {"house": house, "dataset": ""}
+        make_embeddings(crops, embeddings, texture_model, naive_model, seed=seed, **names)
+        return select_surfaces(embeddings, crops, (), surfaces, **names)
+
+
+def training_means(houses: Iterable[tuple[House, pd.DataFrame]]) -> TypeMeans:
     """Return the mean embeddings by room and surface type over the observed surfaces of houses.
 
     Parameters
     ----------
-    houses : mapping
-        House to its ``scene.json`` and ``surfaces.parquet`` (docs/conventions.md).
+    houses : iterable of (House, DataFrame)
+        Plans and their tables of :func:`training_surfaces`.
 
     Raises
     ------
@@ -28,18 +47,16 @@ def training_means(houses: Mapping[str, tuple[str | Path, str | Path]]) -> TypeM
         Where no house has an observed surface.
     """
     types, surfaces, embeddings, naive = [], [], [], []
-    for house, (scene, table) in houses.items():
-        plan = read_scene_json(scene, house)
-        frame, _ = read_parquet(table)
-        for row in frame.itertuples():
-            flags = [name in plan.room(row.room_id).types for name in ROOM_TYPES]
+    for house, table in houses:
+        for row in table.itertuples():
+            flags = [name in house.room(row.room_id).types for name in ROOM_TYPES]
             types.append(flags)
             surfaces.append(SURFACES.index(row.surface))
             embeddings.append(np.asarray(row.embedding, dtype=np.float32))
             naive.append(np.asarray(row.naive_embedding, dtype=np.float32))
     if not types:
         expected = "a training surface that a photo shows (official.means_splits)"
-        raise InputError(expected, f"none in {len(houses)} houses")
+        raise InputError(expected, "none")
     index = (np.array(types), np.array(surfaces))
     return TypeMeans(
         mean_by_type(*index, np.stack(embeddings)), mean_by_type(*index, np.stack(naive))
