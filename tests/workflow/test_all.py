@@ -114,7 +114,7 @@ def test_editing_the_seam_module_reruns_what_depends_on_it(made):
     finally:
         module.write_text(text)
     assert {"textures", "house", "comparison"} <= rules
-    assert not rules & {"masks", "crops", "embeddings", "surfaces", "propagate"}
+    assert not rules & {"masks", "crops", "embeddings"}
 
 
 def test_one_house_is_made_without_the_others(made, tmp_path):

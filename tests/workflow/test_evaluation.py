@@ -16,12 +16,12 @@ def test_a_house_is_one_job_of_the_sweep_and_one_of_the_ablation(bare):
     rules = Counter(rule for rule, _ in bare.jobs("sweep", "ablation"))
     assert (rules["sweep_house"], rules["ablation_house"]) == (2, 2)
     assert (rules["sweep"], rules["ablation"]) == (1, 1)
-    assert not rules.keys() & {"textures", "comparison", "propagate", "surfaces"}
+    assert not rules.keys() & {"textures", "comparison"}
 
 
 def test_a_house_is_compared_in_one_job(bare):
     rules = Counter(rule for rule, _ in bare.jobs("results/tiny/tables/paper_table.csv"))
-    assert rules["comparison"] == rules["propagate"] == rules["surfaces"] == 2
+    assert rules["comparison"] == rules["embeddings"] == 2
     # What the house itself shows is made for it alone.
     assert rules["textures"] == 2
 

@@ -3,7 +3,6 @@
 import csv
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 import torch
@@ -12,7 +11,7 @@ from clones import Clone, demo_rows, make_clone, photos_of, write_table
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
 from plan2scene.materials import random_material
-from plan2scene.propagation.inference import read_propagation
+from plan2scene.propagation.model import load_propagation
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.textures.model.network import Architecture, TextureModel
 from plan2scene_workshop.homes.rent3dpp import write_rent3dpp_copy
@@ -85,8 +84,8 @@ def test_one_command_makes_the_table(place):
     assert not (made / "houses" / test["house"] / "masks").exists()
     assert not (made / "drop_0.0/synth" / train["house"]).exists()
     state = torch.load(root / "propagation.ckpt", weights_only=True)["model_state_dict"]
-    network, _ = read_propagation(made / "weights/propagation.safetensors")
-    assert all(np.array_equal(value, state[name]) for name, value in network.arrays.items())
+    network, _ = load_propagation(made / "weights/propagation.safetensors")
+    assert all(torch.equal(value, state[name]) for name, value in network.state_dict().items())
 
 
 def test_an_empty_path_is_one_line(place):

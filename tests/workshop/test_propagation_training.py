@@ -1,30 +1,38 @@
-"""Training samples hide what they should, and folding the scale changes nothing."""
+"""Training of propagation: what samples hide, the likelihood, and that neighbours are learned."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import torch
+from torch_geometric.data import Data
 
+from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.model import network_of
+from plan2scene.propagation.model import load_propagation
 from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.pointer import PointerNetwork
+from plan2scene.propagation.pointer import Mixture, PointerNetwork
 from plan2scene.propagation.predict import predict
+from plan2scene.propagation.prior import TypeMeans
+from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
+from plan2scene.weights import save_model_file
 from plan2scene_workshop.propagation.measure import (
+    YARDSTICK,
     confidence_table,
     error_table,
     hidden_errors,
-    network_predictor,
-    simple_predictors,
+    predictors,
 )
+from plan2scene_workshop.propagation.run import train_propagation
+from plan2scene_workshop.propagation.settings import PropagationSettings
 from plan2scene_workshop.propagation.training import (
     DROP_FRACTIONS,
-    PropagationSettings,
-    Scale,
-    batches,
+    Houses,
+    fold,
     hide,
+    log_likelihood,
+    scale_of,
     train_network,
-    type_means,
-    without_doors,
 )
 
 
@@ -50,84 +58,99 @@ def test_hide_never_changes_the_graph_and_follows_the_fractions():
     assert sum(0 < row.sum() < 3 for row in rooms) <= 1
 
 
-def test_folded_scale_gives_the_same_predictions():
+@pytest.mark.parametrize("network", [PropagationNetwork, PointerNetwork])
+def test_folded_scale_gives_the_same_predictions(network):
     rng = np.random.default_rng(1)
     graphs = [house_of_one_colour(rng) for _ in range(5)]
-    scale = Scale.of(graphs)
+    centre, deviation = scale_of(graphs)
     torch.manual_seed(0)
-    network = PropagationNetwork()
+    made = network().eval()
     visible = np.array([[True, False, True]] * 4)
-    scaled = scale.apply(graphs[0])
-    edges = torch.from_numpy(graphs[0].edges)
-    with torch.no_grad():
-        before = network(torch.from_numpy(scaled.node_features(visible)), edges).numpy()
-        scale.fold(network)
-        after = network(torch.from_numpy(graphs[0].node_features(visible)), edges).numpy()
-    assert np.allclose(before * scale.deviation + scale.mean, after, atol=1e-4)
+    shown = replace(graphs[0], observed=visible)
+    before = predict(made, shown.standardised(centre, deviation)).embedding
+    fold(made, centre, deviation)
+    after = predict(made, shown).embedding
+    codes = np.s_[..., :8]  # colours are clipped
+    raw = before * deviation + centre
+    np.testing.assert_allclose(raw[codes], after[codes], atol=1e-4)
 
 
-def test_the_pointer_network_keeps_the_scale():
-    rng = np.random.default_rng(1)
-    graphs = [house_of_one_colour(rng) for _ in range(5)]
-    scale = Scale.of(graphs)
-    torch.manual_seed(0)
-    network = PointerNetwork().eval()
-    before = predict(network_of(network), scale.apply(graphs[0])).embedding
-    scale.fold(network)
-    after = predict(network_of(network), graphs[0]).embedding
-    unclipped = np.s_[..., :8]
-    raw = before * scale.deviation + scale.mean
-    assert np.allclose(raw[unclipped], after[unclipped], atol=1e-4)
+def test_likelihood_is_that_of_the_mixture():
+    """Two rooms, one component each: densities worked out by hand."""
+    values = torch.zeros(2, 3, 11)
+    values[1] = 2.0
+    data = Data(embeddings=values, pair_index=torch.tensor([[1, 0], [0, 1]]))
+    half = torch.full((2, 3), np.log(0.5))
+    mixture = Mixture(torch.ones(2, 3, 11), torch.ones(2, 3, 11), torch.ones(3, 11), half, half)
+    found = log_likelihood(mixture, data)
+    own, copied = (np.exp(-11.0 * gap) / 2.0**11 for gap in (1.0, 2.0))
+    assert found[0, 1].item() == pytest.approx(np.log(0.5 * own + 0.5 * copied), abs=1e-4)
+    # A surface that is not visible adds nothing, and no NaN to the gradient.
+    parts = replace(mixture, own=mixture.own.requires_grad_(), log_copies=half - torch.inf)
+    alone = log_likelihood(parts, data)
+    assert alone[0, 1].item() == pytest.approx(np.log(0.5 * own), abs=1e-4)
+    alone.sum().backward()
+    assert torch.isfinite(mixture.own.grad).all()
 
 
 @pytest.mark.parametrize(
-    ("network", "steps", "share"), [("pointer", 500, 0.75), ("gated", 1000, 0.88)]
+    ("network", "steps", "share"), [("pointer", 300, 0.75), ("gated", 600, 0.88)]
 )
 def test_training_learns_what_neighbours_tell(network, steps, share):
     rng = np.random.default_rng(2)
     graphs = [house_of_one_colour(rng) for _ in range(120)]
     settings = PropagationSettings(network=network, steps=steps, batch=16, learning_rate=3e-3)
-    trained = train_network(graphs[:100], graphs[100:], settings)
-    predictors = simple_predictors(type_means(graphs[:100]))
-    predictors["own"] = network_predictor(trained)
-    errors = hidden_errors(predictors, graphs[100:], 0)
+    trained = train_network(graphs[:100], graphs[100:], settings, seed=0)
+    values = np.concatenate([graph.embeddings for graph in graphs])
+    means = TypeMeans(np.tile(values.mean(axis=0), (12, 1, 1)), np.zeros((12, 3, 8)))
+    errors = hidden_errors(predictors({"own": trained.network}, means), graphs[100:], 0)
     l1 = {name: e.absolute.mean() for name, e in errors.items()}
     # Where something is visible these two are exact in such houses.
     assert l1["house_mean"] == pytest.approx(l1["nearest_room"])
-    assert l1["house_mean"] < 0.5 * l1["type_mean"]
-    assert l1["own"] < share * l1["type_mean"]
+    assert l1["house_mean"] < 0.5 * l1[YARDSTICK]
+    assert l1["own"] < share * l1[YARDSTICK]
     assert "| own |" in error_table(errors)
     if network == "pointer":  # sure of what it copies, and right about it
         sure = errors["own"].confidence > 0.8
         assert sure.any()
-        assert errors["own"].absolute[sure].mean() < 0.2 * l1["type_mean"]
+        assert errors["own"].absolute[sure].mean() < 0.2 * l1[YARDSTICK]
         assert "0.8-1.0" in confidence_table(errors["own"])
 
 
 def test_batches_keep_houses_apart():
     rng = np.random.default_rng(5)
     graphs = [house_of_one_colour(rng, rooms=3 + k) for k in range(4)]
-    sample = next(batches(graphs, PropagationSettings(batch=6), np.random.default_rng(0)))
-    first = sample.values[:, 0, 0]
-    source, target = sample.inputs.edges
-    assert torch.equal(first[source], first[target])  # a house has one value
-    assert torch.equal(first[sample.inputs.pairs[0]], first[sample.inputs.pairs[1]])
+    sample = Houses(graphs, 0.6).draw(6, np.random.default_rng(0))
+    first = sample.embeddings[:, 0, 0]
+    for source, target in (sample.edge_index, sample.pair_index):
+        assert torch.equal(first[source], first[target])  # a house has one value
     assert sample.hidden.any(1).any() and not sample.hidden.all()
-    flags = sample.inputs.x[:, 12:].reshape(-1, 3, 12)[..., 0]
+    flags = sample.x[:, 12:].reshape(-1, 3, 12)[..., 0]
     assert torch.equal(flags == 0, sample.hidden)
 
 
-def test_without_doors_keeps_rooms_only():
-    graph = house_of_one_colour(np.random.default_rng(6))
-    (bare,) = without_doors([graph])
-    assert bare.edges.shape == (2, 0) and bare.room_ids == graph.room_ids
-
-
-def test_type_means_are_means():
-    rng = np.random.default_rng(4)
-    graph = house_of_one_colour(rng, rooms=2)
-    graph.types[:] = np.eye(12, dtype=np.float32)[[1, 1]]
-    graph.embeddings[1] *= 3.0
-    means = type_means([graph])
-    assert np.allclose(means[1, 0], graph.embeddings[:, 0].mean(axis=0))
-    assert np.allclose(means[5, 2], graph.embeddings[:, 2].mean(axis=0))  # no sample: the kind's
+def test_a_run_writes_weights_and_card_the_same_twice(tmp_path):
+    rng = np.random.default_rng(6)
+    torch.manual_seed(0)
+    for name, delta in (("texture", True), ("naive", False)):
+        model = TextureModel(Architecture(width=4, delta_hsv=delta, substances=4 if delta else 0))
+        save_model_file(tmp_path / name, model.state_dict(), architecture_header(model))
+    houses = [house_of_one_colour(rng) for _ in range(4)]
+    np.savez(
+        tmp_path / "houses.npz",
+        house=np.repeat(np.arange(4), 4),
+        types=np.concatenate([house.types for house in houses]),
+        edges=np.concatenate([house.edges + 4 * k for k, house in enumerate(houses)], axis=1),
+        crops=rng.integers(256, size=(16, len(SURFACES), 128, 128, 3), dtype=np.uint8),
+    )
+    inputs = (tmp_path / "houses.npz", tmp_path / "texture", tmp_path / "naive")
+    settings = PropagationSettings(steps=2, batch=2)
+    for run in ("a", "b"):
+        paths = (tmp_path / f"{run}.safetensors", tmp_path / f"{run}.md")
+        train_propagation(*inputs, *paths, settings=settings, seed=1)
+    assert (tmp_path / "a.safetensors").read_bytes() == (tmp_path / "b.safetensors").read_bytes()
+    network, means = load_propagation(tmp_path / "a.safetensors")
+    assert isinstance(network, PointerNetwork) and means.embedding.shape == (12, 3, 11)
+    card = (tmp_path / "a.md").read_text()
+    for text in ("3 synthetic houses, 1 more held out", "| gated (the paper's) |", "`steps` 2"):
+        assert text in card

@@ -12,7 +12,7 @@ import yaml
 from snakemake.utils import update_config
 
 from plan2scene_workshop.features.settings import FeaturesSettings
-from plan2scene_workshop.propagation.training import PropagationSettings
+from plan2scene_workshop.propagation.settings import PropagationSettings
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.texture.data import MaterialSettings
 from plan2scene_workshop.texture.settings import TextureSettings

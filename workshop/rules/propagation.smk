@@ -38,6 +38,7 @@ rule train_propagation:
         mem_mb=8000,
     params:
         settings=TRAINING["propagation"],
+        seed=config["seed"],
         code=code_hash("propagation.run"),
     script:
         "../scripts/train_propagation.py"

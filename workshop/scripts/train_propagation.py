@@ -4,7 +4,7 @@ import torch
 
 from plan2scene.jobs import job
 from plan2scene_workshop.propagation.run import train_propagation
-from plan2scene_workshop.propagation.training import PropagationSettings
+from plan2scene_workshop.propagation.settings import PropagationSettings
 
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
@@ -15,4 +15,5 @@ with job(snakemake.log[0]):
         snakemake.output.model,
         snakemake.output.card,
         settings=PropagationSettings(**snakemake.params.settings),
+        seed=snakemake.params.seed,
     )

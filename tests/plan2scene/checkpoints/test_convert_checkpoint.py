@@ -15,11 +15,9 @@ from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.checkpoints.means import training_means
 from plan2scene.checkpoints.reading import read_checkpoint, state_dict_of
 from plan2scene.errors import InputError
-from plan2scene.floorplans import write_scene_json
 from plan2scene.house import ROOM_TYPES
-from plan2scene.io import write_parquet
 from plan2scene.metrics.vgg import VggClassifier, load_vgg_classifier
-from plan2scene.propagation.inference import read_propagation, regression
+from plan2scene.propagation.model import load_propagation
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.prior import TypeMeans
 from plan2scene.textures.model.network import Architecture, TextureModel, load_texture_model
@@ -162,12 +160,12 @@ def test_converted_propagation_returns_the_reference_s_figures(means, tmp_path):
     path = tmp_path / "gnn.ckpt"
     torch.save({"model_params": {"width": 96}, "model_state_dict": network.state_dict()}, path)
     convert_checkpoint("propagation", path, tmp_path / "o", means=means)
-    converted, kept = read_propagation(tmp_path / "o")
+    converted, kept = load_propagation(tmp_path / "o")
     x = torch.sin(0.11 * (torch.arange(4 * 48, dtype=torch.float64) + 1)).float().reshape(4, 48)
     edges = torch.tensor([[0, 1, 1, 2, 1, 3], [1, 0, 2, 1, 3, 1]])
-    output = regression(converted, x.numpy(), edges.numpy())
     with torch.no_grad():
-        np.testing.assert_allclose(output, network(x, edges), atol=1e-6)
+        output = converted(x, edges)
+        assert torch.equal(output, network(x, edges))
     np.testing.assert_allclose(output[0, 0], ROOM_0_FLOOR, atol=1e-4)
     np.testing.assert_array_equal(kept.embedding, means.embedding)
     np.testing.assert_array_equal(kept.naive, means.naive)
@@ -288,22 +286,19 @@ def test_weights_that_do_not_fit_are_one_line(official, means, tmp_path, change,
     assert not (tmp_path / "o").exists()
 
 
-def test_means_over_training_surfaces(tmp_path):
+def test_means_over_training_surfaces():
     house = generate_house("h", 2)
     room = next(room for room in house.rooms if room.types == ("Bedroom",))
-    write_scene_json(house, tmp_path / "s.json")
     rows = [
         {"room_id": room.id, "surface": "floor", "embedding": [v] * 11, "naive_embedding": [-v] * 8}
         for v in (1.0, 3.0)
     ]
-    write_parquet(tmp_path / "t.parquet", pd.DataFrame(rows), {})
-    means = training_means({"h": (tmp_path / "s.json", tmp_path / "t.parquet")})
+    means = training_means([(house, pd.DataFrame(rows))])
     embedding, naive = means.predict(("Bedroom",), "floor")
     np.testing.assert_allclose(embedding, 2.0)
     np.testing.assert_allclose(naive, -2.0)
-    write_parquet(tmp_path / "t.parquet", pd.DataFrame(rows)[:0], {})
-    with pytest.raises(InputError, match="none in 1 houses"):
-        training_means({"h": (tmp_path / "s.json", tmp_path / "t.parquet")})
+    with pytest.raises(InputError, match=r"official.means_splits\), found none"):
+        training_means([(house, pd.DataFrame(rows)[:0])])
 
 
 def test_hsv_of_the_reference_is_pillow_s(official):

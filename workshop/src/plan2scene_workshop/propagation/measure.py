@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from plan2scene.colour import delta_e_2000, rgb_to_lab
-from plan2scene.house import SURFACES
+from plan2scene.propagation.baselines import BASELINES
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.model import network_of
-from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.pairs import doors_between
-from plan2scene.propagation.pointer import PointerNetwork
+from plan2scene.propagation.model import Network
 from plan2scene.propagation.predict import predict
+from plan2scene.propagation.prior import TypeMeans
 from plan2scene.seeds import generator
+from plan2scene_workshop.training.card import table
 
 #: Share of rooms hidden, as of photos in the paper's Unobserved column.
 HIDDEN = 0.6
+#: The predictor that others are compared with.
+YARDSTICK = "room_type_mean"
 #: A graph whose `observed` says what is visible -> embeddings (n, 3, 11) and confidence (n, 3).
 Predictor = Callable[[HouseGraph], tuple[np.ndarray, np.ndarray]]
 
@@ -32,82 +34,52 @@ class HiddenErrors:
     ----------
     absolute : (n, 11) float64, of the embedding
     colour : (n,) float64, CIEDE2000 of the median colours
-    surface : (n,) int64, index into ``SURFACES``
     confidence : (n,) float64, NaN where not told
     """
 
     absolute: np.ndarray
     colour: np.ndarray
-    surface: np.ndarray
     confidence: np.ndarray
 
 
-def network_predictor(network: PropagationNetwork | PointerNetwork) -> Predictor:
-    """Return a network as a predictor."""
-    weights = network_of(network)
+def predictors(networks: Mapping[str, Network], means: TypeMeans) -> dict[str, Predictor]:
+    """Return networks and the baselines, which do not tell a confidence, as predictors."""
 
-    def run(graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
-        found = predict(weights, graph)
+    def by_network(network: Network, graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
+        found = predict(network, graph)
         return found.embedding, found.confidence
 
-    return run
+    def by_rule(name: str, graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
+        return BASELINES[name](graph, means), np.full(graph.observed.shape, np.nan)
 
-
-def simple_predictors(means: np.ndarray) -> dict[str, Predictor]:
-    """Return the yardsticks, given means (12, 3, 11) by room and surface type.
-
-    ``type_mean``: mean of room and surface type. ``house_mean``: mean of the visible surfaces of
-    that kind. ``nearest_room``: the visible surface of that kind behind the fewest doors. The
-    last two fall back on the first where the house shows no surface of the kind.
-    """
-
-    def type_mean(graph: HouseGraph) -> np.ndarray:
-        shares = graph.types / np.maximum(graph.types.sum(axis=1, keepdims=True), 1.0)
-        return np.einsum("nt,tsd->nsd", shares, means)
-
-    def house_mean(graph: HouseGraph) -> np.ndarray:
-        values = type_mean(graph)
-        for j in range(len(SURFACES)):
-            if graph.observed[:, j].any():
-                values[:, j] = graph.embeddings[graph.observed[:, j], j].mean(axis=0)
-        return values
-
-    def nearest_room(graph: HouseGraph) -> np.ndarray:
-        values = type_mean(graph)
-        doors = doors_between(len(graph.room_ids), graph.edges)
-        for j in range(len(SURFACES)):
-            seen = np.flatnonzero(graph.observed[:, j])
-            if len(seen):
-                values[:, j] = graph.embeddings[seen[doors[:, seen].argmin(axis=1)], j]
-        return values
-
-    def untold(rule: Callable[[HouseGraph], np.ndarray]) -> Predictor:
-        return lambda graph: (rule(graph), np.full(graph.observed.shape, np.nan))
-
-    rules = {"type_mean": type_mean, "house_mean": house_mean, "nearest_room": nearest_room}
-    return {name: untold(rule) for name, rule in rules.items()}
+    found: dict[str, Predictor] = {
+        name: partial(by_network, network) for name, network in networks.items()
+    }
+    return found | {name: partial(by_rule, name) for name in BASELINES}
 
 
 def hidden_errors(
-    predictors: Mapping[str, Predictor], graphs: list[HouseGraph], seed: int, repeats: int = 3
+    predictors: Mapping[str, Predictor],
+    graphs: Sequence[HouseGraph],
+    seed: int,
+    repeats: int = 3,
 ) -> dict[str, HiddenErrors]:
     """Return the errors of predictors on the same hidden rooms of fully known houses."""
     rng = generator(seed, "hidden rooms")
     found: dict[str, list[tuple[np.ndarray, ...]]] = {name: [] for name in predictors}
-    for graph in graphs * repeats:
+    for graph in [*graphs] * repeats:
         hidden = rng.random(len(graph.room_ids)) < HIDDEN
         if not hidden.any():
             continue
         kept = graph.observed & ~hidden[:, None]
         shown = replace(graph, observed=kept, embeddings=graph.embeddings * kept[..., None])
         truth = graph.embeddings[hidden].reshape(-1, graph.embeddings.shape[2])
-        surface = np.tile(np.arange(len(SURFACES)), int(hidden.sum()))
         for name, run in predictors.items():
             values, confidence = run(shown)
             values = values[hidden].reshape(truth.shape)
             colour = delta_e_2000(_lab(values), _lab(truth))
             gap = np.abs(values - truth)
-            found[name].append((gap, colour, surface, confidence[hidden].ravel()))
+            found[name].append((gap, colour, confidence[hidden].ravel()))
     return {
         name: HiddenErrors(*(np.concatenate(column) for column in zip(*rows, strict=True)))
         for name, rows in found.items()
@@ -120,34 +92,35 @@ def _lab(embeddings: np.ndarray) -> np.ndarray:
 
 
 def error_table(errors: Mapping[str, HiddenErrors]) -> str:
-    """Return the errors as a Markdown table, gains over ``type_mean`` beside them."""
-    base = errors["type_mean"]
+    """Return the errors as a Markdown table, gains over the yardstick beside them."""
+    base = errors[YARDSTICK]
     head = ["predictor", "L1", "gain", "code (8)", "colour (3)", "dE2000", "gain", "median dE2000"]
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    for name, e in errors.items():
-        cells = (
-            f"{e.absolute.mean():.4f}",
+    rows: dict[str, list[float | int | str]] = {
+        name: [
+            float(e.absolute.mean()),
             f"{1 - e.absolute.mean() / base.absolute.mean():.1%}",
-            f"{e.absolute[:, :8].mean():.4f}",
-            f"{e.absolute[:, 8:].mean():.4f}",
+            float(e.absolute[:, :8].mean()),
+            float(e.absolute[:, 8:].mean()),
             f"{e.colour.mean():.2f}",
             f"{1 - e.colour.mean() / base.colour.mean():.1%}",
             f"{np.median(e.colour):.2f}",
-        )
-        lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        ]
+        for name, e in errors.items()
+    }
+    return table(head, rows)
 
 
 def confidence_table(errors: HiddenErrors) -> str:
     """Return a Markdown table of errors by confidence: what a confidence is worth."""
-    lines = ["| confidence | surfaces | L1 | median dE2000 | within 5 |", "|---|---|---|---|---|"]
-    edges = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
-    for low, high in itertools.pairwise(edges):
+    rows: dict[str, list[float | int | str]] = {}
+    for low, high in itertools.pairwise((0.0, 0.2, 0.4, 0.6, 0.8, 1.0)):
         mine = (errors.confidence >= low) & (errors.confidence < (high if high < 1 else 2))
         if mine.any():
             colour = errors.colour[mine]
-            lines.append(
-                f"| {low:.1f}-{high:.1f} | {mine.sum()} | {errors.absolute[mine].mean():.3f} "
-                f"| {np.median(colour):.1f} | {(colour < 5).mean():.0%} |"
-            )
-    return "\n".join(lines)
+            rows[f"{low:.1f}-{high:.1f}"] = [
+                int(mine.sum()),
+                float(errors.absolute[mine].mean()),
+                f"{np.median(colour):.1f}",
+                f"{(colour < 5).mean():.0%}",
+            ]
+    return table(["confidence", "surfaces", "L1", "median dE2000", "within 5"], rows)

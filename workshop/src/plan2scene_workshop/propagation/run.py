@@ -2,65 +2,53 @@
 
 from __future__ import annotations
 
-import logging
-import os
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
 
-from plan2scene.house import ROOM_TYPES, SURFACES
-from plan2scene.io import atomic_path
-from plan2scene.propagation.model import save_propagation
+from plan2scene.house import SURFACES
+from plan2scene.propagation.graph import HouseGraph
+from plan2scene.propagation.model import Network, save_propagation
 from plan2scene.propagation.prior import TypeMeans, mean_by_type
 from plan2scene.provenance import file_hash
-from plan2scene.textures.model.network import TextureModel, load_texture_model
+from plan2scene.textures.model.embedding import embed_crops
+from plan2scene.textures.model.network import load_texture_model
 from plan2scene_workshop.propagation.measure import (
     HIDDEN,
-    HiddenErrors,
     confidence_table,
     error_table,
     hidden_errors,
-    network_predictor,
-    simple_predictors,
+    predictors,
 )
-from plan2scene_workshop.propagation.training import (
-    PropagationSettings,
-    load_houses,
-    split_graphs,
-    train_network,
-    type_means,
-)
-
-_LOG = logging.getLogger("plan2scene")
+from plan2scene_workshop.propagation.settings import PropagationSettings
+from plan2scene_workshop.propagation.training import train_network
+from plan2scene_workshop.training.card import Card, write_card
 
 #: Networks that the card compares with the trained one.
 _ABLATIONS: Mapping[str, dict[str, Any]] = {
     "gated (the paper's)": {"network": "gated"},
     "pointer without doors": {"network": "pointer", "doors": False},
 }
+_WHAT = """
+Embeddings of surfaces that no photo shows, from the room-door-room graph (paper section 4.3). Also
+holds the mean embedding by room type and surface that NaiveSynth uses.
+"""
+_FIGURES = """
+Held-out houses, {:.0%} of the rooms hidden, {} surfaces: mean absolute error of the embedding and
+CIEDE2000 of the median colours; gains over the mean of the room type.
+
+{}
+"""
 _CONFIDENCE = """
 What a confidence is worth (same surfaces):
 
 """
-#: Share of the synthetic houses held out for choosing the checkpoint and for the card.
-VALIDATION_SHARE = 0.15
-
-
-def embed_all(model: TextureModel, crops: np.ndarray, batch: int = 64) -> np.ndarray:
-    """Return embeddings (n, d) float32 of crops (n, 128, 128, 3) uint8."""
-    parts = []
-    with torch.no_grad():
-        for start in range(0, len(crops), batch):
-            rgb = torch.from_numpy(crops[start : start + batch]).permute(0, 3, 1, 2).float() / 255
-            parts.append(model.encode(rgb).embedding.numpy())
-            if start // batch % 50 == 0:
-                _LOG.info("embedded %d of %d crops", start, len(crops))
-    return np.concatenate(parts).astype(np.float32)
+_LIMITS = """
+It knows what the style model of the synthetic homes makes alike, and nothing of real homes.
+"""
 
 
 def train_propagation(
@@ -71,69 +59,69 @@ def train_propagation(
     card: str | Path,
     *,
     settings: PropagationSettings,
+    seed: int,
 ) -> None:
     """Train on the houses of ``write_training_houses``; write weights and card.
 
     The card compares the network with simpler predictors and with ablations trained alike: the
     paper's network, and the network without doors.
     """
-    start = time.time()
-    data = load_houses(houses)
-    crops = data["crops"]
-    flat = crops.reshape(-1, *crops.shape[2:])
-    embeddings = embed_all(load_texture_model(texture_model), flat)
-    naive = embed_all(load_texture_model(naive_model), flat)
-    shape = (len(crops), len(SURFACES), -1)
-    graphs = split_graphs(data["house"], data["types"], data["edges"], embeddings.reshape(shape))
-    held_out = max(1, round(len(graphs) * VALIDATION_SHARE))
-    training, validation = graphs[held_out:], graphs[:held_out]
-    means = type_means(training)
-    network = train_network(training, validation, settings)
-    naive_means = mean_by_type(
-        np.repeat(data["types"], len(SURFACES), axis=0),
-        np.tile(np.arange(len(SURFACES)), len(crops)),
-        naive,
+    with np.load(houses, allow_pickle=False) as file:
+        data = {name: file[name] for name in file.files}
+    crops = data["crops"].reshape(-1, *data["crops"].shape[2:])
+    codes, naive = (
+        embed_crops(load_texture_model(path), crops, textureness=False).codes
+        for path in (texture_model, naive_model)
     )
-    save_propagation(output, network, TypeMeans(means, naive_means))
-    predictors = {settings.network: network_predictor(network), **simple_predictors(means)}
+    graphs = split_graphs(data["house"], data["types"], data["edges"], codes)
+    count = max(1, round(len(graphs) * settings.held_out_share))
+    held_out, graphs = graphs[:count], graphs[count:]
+    rows = slice(sum(len(graph.room_ids) for graph in held_out) * len(SURFACES), None)
+    types = np.repeat(data["types"], len(SURFACES), axis=0)[rows]
+    surface = np.tile(np.arange(len(SURFACES)), len(data["types"]))[rows]
+    means = TypeMeans(*(mean_by_type(types, surface, values[rows]) for values in (codes, naive)))
+    trained = train_network(graphs, held_out, settings, seed)
+    save_propagation(output, trained.network, means)
+    networks: dict[str, Network] = {settings.network: trained.network}
     for name, change in _ABLATIONS.items():
         variant = replace(settings, **change)
         if variant != settings:
-            predictors[name] = network_predictor(train_network(training, validation, variant))
-    errors = hidden_errors(predictors, validation, settings.seed)
-    text = _card(settings, len(training), held_out, errors, time.time() - start)
-    text += f"\nEmbeddings of the texture model `{file_hash(texture_model)}`.\n"
-    with atomic_path(card) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+            networks[name] = train_network(graphs, held_out, variant, seed).network
+    errors = hidden_errors(predictors(networks, means), held_out, seed)
+    own = errors[settings.network]
+    figures = _FIGURES.format(HIDDEN, len(own.colour), error_table(errors))
+    if not np.isnan(own.confidence).all():
+        figures += _CONFIDENCE + confidence_table(own)
+    seen = [
+        f"{len(graphs)} synthetic houses, {count} more held out: plans, styles and lit crops of "
+        "procedural materials. No photo is rendered and no real house is in it.",
+        f"Embeddings of the texture models {file_hash(texture_model)}, {file_hash(naive_model)}.",
+    ]
+    write_card(
+        card,
+        Card("propagation", _WHAT, seen, settings, seed, figures, _LIMITS),
+        trained,
+        output,
+    )
 
 
-def _card(
-    settings: PropagationSettings,
-    training: int,
-    held_out: int,
-    errors: dict[str, HiddenErrors],
-    seconds: float,
-) -> str:
-    """Return the model card as Markdown."""
-    own, surfaces = errors[settings.network], len(errors["type_mean"].colour)
-    sure = "" if np.isnan(own.confidence).all() else _CONFIDENCE + confidence_table(own) + "\n"
-    return f"""# propagation
+def split_graphs(
+    house: np.ndarray, types: np.ndarray, edges: np.ndarray, embeddings: np.ndarray
+) -> list[HouseGraph]:
+    """Return one fully observed graph a house from arrays over all rooms.
 
-Embeddings of surfaces that no photo shows, from the room-door-room graph (paper section 4.3):
-network `{settings.network}` (`propagation/{settings.network if sure else "network"}.py`). Also
-holds the mean embedding by room type ({len(ROOM_TYPES)}) and surface ({len(SURFACES)}) that
-NaiveSynth uses.
-
-- Data: {training} synthetic houses (plans, styles and lit crops of `synthetic/`, procedural
-  materials only), {held_out} more held out. No photo is rendered and no real house is in it.
-- Training: {settings.steps} steps of {settings.batch} graphs, AdamW {settings.learning_rate},
-  weight decay {settings.weight_decay}, seed {settings.seed}; {settings.room_drop_share:.0%} of the
-  samples hide whole rooms. {seconds / 60:.1f} minutes with {torch.get_num_threads()} threads
-  (machine of {os.cpu_count()} cores), embedding and ablations included.
-- Command: `snakemake -j2 train_propagation --configfile config/training.yaml`
-
-Held-out houses, {HIDDEN:.0%} of the rooms hidden: mean absolute error of hidden surfaces and
-CIEDE2000 of their median colours (n = {surfaces}); gains over the mean of the room type.
-
-{error_table(errors)}
-{sure}"""
+    Parameters
+    ----------
+    house, types, edges : ndarray
+        Of ``write_training_houses``.
+    embeddings : (n * 3, 11) float32
+    """
+    embeddings = embeddings.reshape(len(house), len(SURFACES), -1)
+    graphs = []
+    for k in np.unique(house):
+        rows = np.flatnonzero(house == k)
+        names = tuple(f"room_{i}" for i in range(len(rows)))
+        mine = np.ascontiguousarray(edges[:, np.isin(edges[0], rows)] - rows[0])
+        seen = np.ones((len(rows), len(SURFACES)), dtype=bool)
+        graphs.append(HouseGraph(names, types[rows], mine, embeddings[rows], seen))
+    return graphs

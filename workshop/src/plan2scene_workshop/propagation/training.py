@@ -1,4 +1,4 @@
-"""Training of the propagation network on synthetic houses (paper section 4.3, method.md).
+"""Training of the propagation networks on synthetic houses (paper section 4.3).
 
 A sample hides surfaces, singly or by whole rooms (what a house with unphotographed rooms looks
 like), and predicts all that it hid. Each sample starts from the full house: exclusions never
@@ -7,63 +7,29 @@ accumulate. The paper's network learns by L1, the pointer network by likelihood.
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from pathlib import Path
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import replace
 
 import numpy as np
 import torch
 from torch import Tensor
+from torch_geometric.data import Batch, Data
+from torch_geometric.utils import scatter
 
-from plan2scene.house import SURFACES
+from plan2scene.house import ROOM_TYPES, SURFACES
+from plan2scene.propagation.data import graph_data
 from plan2scene.propagation.graph import EMBEDDING_SIZE, HouseGraph
-from plan2scene.propagation.model import NETWORKS
+from plan2scene.propagation.model import NETWORKS, Network
 from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.pairs import room_pairs
-from plan2scene.propagation.pointer import Inputs, PointerNetwork, log_likelihood
-from plan2scene.propagation.prior import mean_by_type
-
-_LOG = logging.getLogger("plan2scene")
+from plan2scene.propagation.pointer import Mixture, PointerNetwork
+from plan2scene.seeds import derive_seed, generator
+from plan2scene_workshop.propagation.settings import PropagationSettings
+from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, cosine
 
 #: Shares of surfaces hidden, as often as listed: the authors' public configuration has
 #: (0, 0, 0, .2, .2, .4, .6), which the benchmark's houses with .6 hidden lie at the edge of.
 DROP_FRACTIONS = (0.0, 0.2, 0.4, 0.6, 0.6, 0.8)
-
-
-@dataclass(frozen=True)
-class PropagationSettings:
-    """How a network is trained."""
-
-    network: str = "pointer"  # or "gated", the paper's
-    doors: bool = True  # without, rooms know of no neighbours
-    steps: int = 3000  # optimiser steps
-    batch: int = 32  # graphs a step (paper: 32)
-    learning_rate: float = 2e-3  # Adam, cosine to zero
-    weight_decay: float = 1e-4
-    room_drop_share: float = 0.6  # samples that hide whole rooms instead of single surfaces
-    seed: int = 0
-
-
-def split_graphs(
-    house: np.ndarray, types: np.ndarray, edges: np.ndarray, embeddings: np.ndarray
-) -> list[HouseGraph]:
-    """Return one graph a house from arrays over all rooms (see ``write_training_houses``)."""
-    graphs = []
-    for k in np.unique(house):
-        rows = np.flatnonzero(house == k)
-        start, stop = rows[0], rows[-1] + 1
-        mine = (edges[0] >= start) & (edges[0] < stop)
-        graphs.append(
-            HouseGraph(
-                tuple(f"room_{i}" for i in range(len(rows))),
-                types[rows],
-                edges[:, mine] - start,
-                embeddings[rows],
-                np.ones((len(rows), len(SURFACES)), dtype=bool),
-            )
-        )
-    return graphs
 
 
 def hide(graph: HouseGraph, rng: np.random.Generator, room_share: float) -> np.ndarray:
@@ -78,157 +44,133 @@ def hide(graph: HouseGraph, rng: np.random.Generator, room_share: float) -> np.n
     return visible
 
 
-@dataclass(frozen=True)
-class Scale:
-    """Mean and deviation of each embedding dimension: training runs on standardised values."""
-
-    mean: np.ndarray  # (11,) float32
-    deviation: np.ndarray  # (11,) float32
-
-    @classmethod
-    def of(cls, graphs: list[HouseGraph]) -> Scale:
-        """Return the scale over all observed surfaces."""
-        values = np.concatenate([graph.embeddings[graph.observed] for graph in graphs])
-        return cls(values.mean(axis=0), values.std(axis=0) + 1e-6)
-
-    def apply(self, graph: HouseGraph) -> HouseGraph:
-        """Return the graph with standardised embeddings (zeros where not observed)."""
-        values = (graph.embeddings - self.mean) / self.deviation * graph.observed[..., None]
-        return HouseGraph(
-            graph.room_ids, graph.types, graph.edges, values.astype(np.float32), graph.observed
-        )
-
-    def fold(self, network: PropagationNetwork | PointerNetwork) -> None:
-        """Make a network of standardised embeddings one of raw embeddings, in place.
-
-        The pointer network keeps the scale. In the paper's, first and last layer are rewritten,
-        exactly: a surface's presence flag is an input beside its values, so the shift by the mean
-        moves into the flag's weight and no layer is added.
-        """
-        if isinstance(network, PointerNetwork):
-            network.centre.copy_(torch.from_numpy(self.mean))
-            network.deviation.copy_(torch.from_numpy(self.deviation))
-            return
-        parameters = dict(network.named_parameters())
-        first = parameters["linear1.0.weight"]
-        last, last_bias = parameters["linear2.2.weight"], parameters["linear2.2.bias"]
-        mean, deviation = torch.from_numpy(self.mean), torch.from_numpy(self.deviation)
-        with torch.no_grad():
-            for j in range(len(SURFACES)):
-                flag = 12 + j * (1 + EMBEDDING_SIZE)
-                block = slice(flag + 1, flag + 1 + EMBEDDING_SIZE)
-                first[:, block] /= deviation
-                first[:, flag] -= first[:, block] @ mean
-                out = slice(j * EMBEDDING_SIZE, (j + 1) * EMBEDDING_SIZE)
-                last[out] *= deviation[:, None]
-                last_bias[out] = last_bias[out] * deviation + mean
-
-
-@dataclass(frozen=True)
-class Sample:
-    """Several houses with hidden surfaces.
+class Houses:
+    """Houses with standardised embeddings, of which samples are drawn.
 
     Parameters
     ----------
-    inputs : Inputs
-    values : (n, 3, 11) float32, standardised embeddings of all surfaces
-    hidden : (n, 3) bool, surfaces to predict
+    graphs : sequence of HouseGraph
+        With standardised embeddings.
+    room_share : float
+        Of the samples, those that hide whole rooms.
     """
 
-    inputs: Inputs
-    values: Tensor
-    hidden: Tensor
+    def __init__(self, graphs: Sequence[HouseGraph], room_share: float) -> None:
+        self.graphs, self.room_share = graphs, room_share
+        self.full = [graph_data(graph) for graph in graphs]
+
+    def draw(self, count: int, rng: np.random.Generator) -> Batch:
+        """Return `count` houses as one disjoint graph; ``hidden`` (n, 3) are to predict."""
+        chosen = rng.integers(len(self.graphs), size=count)
+        return Batch.from_data_list([self._sample(int(k), rng) for k in chosen])
+
+    def _sample(self, k: int, rng: np.random.Generator) -> Data:
+        graph, sample = self.graphs[k], copy(self.full[k])
+        visible = hide(graph, rng, self.room_share)
+        sample.x = torch.from_numpy(graph.node_features(visible))
+        sample.hidden = torch.from_numpy(graph.observed & ~visible)
+        return sample
 
 
-def batches(
-    graphs: list[HouseGraph], settings: PropagationSettings, rng: np.random.Generator
-) -> Iterator[Sample]:
-    """Yield samples without end."""
-    known = [room_pairs(graph) for graph in graphs]
-    while True:
-        parts: list[tuple[np.ndarray, ...]] = []
-        offset = 0
-        for k in rng.integers(len(graphs), size=settings.batch):
-            graph, (pairs, facts) = graphs[k], known[k]
-            visible = hide(graph, rng, settings.room_drop_share)
-            hidden = graph.observed & ~visible
-            features = graph.node_features(visible)
-            edges, pairs = graph.edges + offset, pairs + offset
-            parts.append((features, edges.T, pairs.T, facts, graph.embeddings, hidden))
-            offset += len(graph.room_ids)
-        x, edges, pairs, facts, values, hidden = (
-            torch.from_numpy(np.concatenate(part)) for part in zip(*parts, strict=True)
-        )
-        yield Sample(Inputs(x, edges.T.contiguous(), pairs.T, facts), values, hidden)
-
-
-def _loss(network: PropagationNetwork | PointerNetwork, sample: Sample) -> Tensor:
-    """Return the mean loss of the hidden surfaces: negative log likelihood, or L1."""
+def surface_losses(network: Network, data: Data) -> Tensor:
+    """Return the losses of the hidden surfaces: negative log likelihood, or the paper's L1."""
     if isinstance(network, PointerNetwork):
-        return -log_likelihood(network(sample.inputs), sample.inputs, sample.values, sample.hidden)
-    output = network(sample.inputs.x, sample.inputs.edges)
-    return (output - sample.values).abs().mean(2)[sample.hidden]
+        return -log_likelihood(network(data), data)[data.hidden]
+    output = network(data.x, data.edge_index)
+    return (output - data.embeddings).abs().mean(2)[data.hidden]
+
+
+def log_likelihood(mixture: Mixture, data: Data) -> Tensor:
+    """Return log densities (n, 3) of the surfaces' true embeddings, ``data.embeddings``."""
+    values, (source, target) = data.embeddings, data.pair_index
+    own = _laplace(values - mixture.own, mixture.own_scale) + mixture.log_own
+    copies = _laplace(values[target] - values[source], mixture.copy_scale) + mixture.log_copies
+    parts = torch.cat([own, copies])
+    rows = torch.cat([torch.arange(len(values)), target])
+    top = scatter(parts.detach(), rows, dim_size=len(values), reduce="max")
+    total = scatter((parts - top[rows]).exp(), rows, dim_size=len(values), reduce="sum")
+    return total.log() + top
+
+
+def _laplace(gap: Tensor, scale: Tensor) -> Tensor:
+    """Return log densities, summed over the last axis."""
+    return -(gap.abs() / scale + (2.0 * scale).log()).sum(-1)
+
+
+def scale_of(graphs: Sequence[HouseGraph]) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean and deviation, (11,) float32, of the observed surfaces' embeddings."""
+    values = np.concatenate([graph.embeddings[graph.observed] for graph in graphs])
+    return values.mean(axis=0), values.std(axis=0) + 1e-6
+
+
+@torch.no_grad()
+def fold(network: Network, centre: np.ndarray, deviation: np.ndarray) -> None:
+    """Make a network of standardised embeddings one of raw embeddings, in place.
+
+    The pointer network keeps the scale. In the paper's, first and last layer are rewritten,
+    exactly: a surface's presence flag is an input beside its values, so the shift by the mean
+    moves into the flag's weight and no layer is added.
+    """
+    mean, spread = torch.from_numpy(centre), torch.from_numpy(deviation)
+    if isinstance(network, PointerNetwork):
+        network.centre.copy_(mean)
+        network.deviation.copy_(spread)
+        return
+    shape = (len(SURFACES), EMBEDDING_SIZE)
+    state = network.state_dict()
+    # A surface's inputs are its flag, then its values.
+    blocks = state["linear1.0.weight"][:, len(ROOM_TYPES) :].unflatten(1, (shape[0], -1))
+    blocks[..., 1:] /= spread
+    blocks[..., 0] -= blocks[..., 1:] @ mean
+    state["linear2.2.weight"].unflatten(0, shape).mul_(spread[:, None])
+    state["linear2.2.bias"].unflatten(0, shape).mul_(spread).add_(mean)
 
 
 def train_network(
-    graphs: list[HouseGraph], validation: list[HouseGraph], settings: PropagationSettings
-) -> PropagationNetwork | PointerNetwork:
-    """Return the network that did best on `validation`.
+    graphs: Sequence[HouseGraph],
+    held_out: Sequence[HouseGraph],
+    settings: PropagationSettings,
+    seed: int,
+) -> Trained[PropagationNetwork | PointerNetwork]:
+    """Return the network that does best on `held_out`.
 
-    Graphs hold raw embeddings; so does the returned network's input and output.
+    Graphs hold raw embeddings; so do the returned network's input and output.
     """
-    torch.manual_seed(settings.seed)
-    if not settings.doors:
-        graphs, validation = without_doors(graphs), without_doors(validation)
-    scale = Scale.of(graphs)
-    network = NETWORKS[settings.network]()
+    torch.manual_seed(derive_seed(seed, "propagation weights"))
+    network: Network = NETWORKS[settings.network]()
+    centre, deviation = scale_of(graphs)
+
+    def houses(raw: Sequence[HouseGraph], room_share: float) -> Houses:
+        kept = raw if settings.doors else without_doors(raw)
+        return Houses([graph.standardised(centre, deviation) for graph in kept], room_share)
+
+    stream = houses(graphs, settings.room_drop_share)
+    trial, rng = houses(held_out, 1.0), generator(seed, "propagation held out")
+    trials = [trial.draw(len(held_out), rng) for _ in range(3)]
+
+    def loss(step: int, rng: np.random.Generator) -> dict[str, Tensor]:
+        return {"hidden": surface_losses(network, stream.draw(settings.batch, rng)).mean()}
+
+    def evaluate(network: Network) -> float:
+        return -float(torch.cat([surface_losses(network, sample) for sample in trials]).mean())
+
+    steps = settings.steps
+    options = TrainerOptions(
+        "propagation",
+        seed,
+        steps,
+        lambda step: cosine(step, steps, floor=0.0),
+        clip_norm=2.0,
+        evaluate_every=250,
+    )
     optimiser = torch.optim.AdamW(
-        network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
+        network.parameters(), settings.learning_rate, weight_decay=settings.weight_decay
     )
-    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, settings.steps)
-    stream = batches(
-        [scale.apply(g) for g in graphs], settings, np.random.default_rng(settings.seed)
-    )
-    trial = batches(
-        [scale.apply(g) for g in validation],
-        replace(settings, batch=len(validation), room_drop_share=1.0),
-        np.random.default_rng(settings.seed + 1),
-    )
-    held_out = [next(trial) for _ in range(3)]
-    best, best_state = np.inf, network.state_dict()
-    for step in range(1, settings.steps + 1):
-        loss = _loss(network, next(stream)).mean()
-        optimiser.zero_grad()
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(network.parameters(), 2.0)
-        optimiser.step()
-        schedule.step()
-        if step % 250 == 0 or step == settings.steps:
-            with torch.no_grad():
-                error = float(torch.cat([_loss(network, sample) for sample in held_out]).mean())
-            _LOG.info("step %d: training %.4f, held-out %.4f", step, loss.item(), error)
-            if error < best:
-                best = error
-                best_state = {k: v.clone() for k, v in network.state_dict().items()}
-    network.load_state_dict(best_state)
-    scale.fold(network)
-    return network.eval()
+    trained = Trainer(network, loss, optimiser, options, evaluate=evaluate).fit()
+    fold(trained.network, centre, deviation)
+    return trained
 
 
-def without_doors(graphs: list[HouseGraph]) -> list[HouseGraph]:
+def without_doors(graphs: Sequence[HouseGraph]) -> list[HouseGraph]:
     """Return graphs of the same rooms without edges."""
     return [replace(graph, edges=graph.edges[:, :0]) for graph in graphs]
-
-
-def type_means(graphs: list[HouseGraph]) -> np.ndarray:
-    """Return mean embeddings (12, 3, 11) by room and surface type over all graphs."""
-    types = np.concatenate([np.repeat(g.types, len(SURFACES), axis=0) for g in graphs])
-    surface = np.concatenate([np.tile(np.arange(len(SURFACES)), len(g.room_ids)) for g in graphs])
-    values = np.concatenate([g.embeddings.reshape(-1, g.embeddings.shape[-1]) for g in graphs])
-    return mean_by_type(types, surface, values)
-
-
-def load_houses(path: str | Path) -> dict[str, np.ndarray]:
-    """Return the arrays of ``write_training_houses``."""
-    with np.load(path, allow_pickle=False) as file:
-        return {name: file[name] for name in file.files}

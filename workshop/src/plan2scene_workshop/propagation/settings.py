@@ -1,0 +1,25 @@
+"""Hyperparameters of the propagation network's training."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class PropagationSettings:
+    """Hyperparameters of the propagation network's training."""
+
+    network: Literal["pointer", "gated"] = "pointer"  #: the embedded one, or the paper's
+    doors: bool = True  #: without, rooms know of no neighbours
+
+    # What is drawn.
+    batch: int = 32  #: houses in a step (paper: 32)
+    room_drop_share: float = 0.6  #: of the samples, those that hide whole rooms
+
+    # Optimiser: AdamW, a cosine to 0.
+    steps: int = 3000
+    learning_rate: float = 2e-3
+    weight_decay: float = 1e-4
+
+    held_out_share: float = 0.15  #: of the houses, for choosing the step and for the card
