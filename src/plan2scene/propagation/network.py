@@ -4,24 +4,14 @@ from __future__ import annotations
 
 import torch
 from torch import Tensor, nn
-from torch_geometric.nn import GatedGraphConv
 
 from plan2scene.house import SURFACES
+from plan2scene.propagation.geometric import GatedGraphConv, WithoutTemplates
 from plan2scene.propagation.graph import EMBEDDING_SIZE, NODE_SIZE
 
 
-class WithoutTemplates:
-    """Keeps a ``MessagePassing`` from writing its TorchScript code to the temporary folder.
-
-    Nothing here is compiled, and PyTorch Geometric leaves those files behind at every start.
-    """
-
-    def _set_jittable_templates(self, raise_on_error: bool = False) -> None:
-        """Leave the layer's methods as they are."""
-
-
 class _GatedGraphConv(WithoutTemplates, GatedGraphConv):
-    """The library's layer."""
+    """The layer as it is."""
 
 
 class PropagationNetwork(nn.Module):

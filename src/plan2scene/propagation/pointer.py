@@ -14,13 +14,12 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor, nn
-from torch_geometric.data import Data
-from torch_geometric.nn import MessagePassing
 
 from plan2scene.house import ROOM_TYPES, SURFACES
 from plan2scene.propagation.data import PAIR_SIZE
+from plan2scene.propagation.geometric import Data, MessagePassing, WithoutTemplates
 from plan2scene.propagation.graph import EMBEDDING_SIZE
-from plan2scene.propagation.network import PropagationNetwork, WithoutTemplates
+from plan2scene.propagation.network import PropagationNetwork
 
 #: Bounds of scores and scales: no component may become a spike.
 _MOST_SCORE, _MOST_LOG_SCALE, _LEAST_SCALE = 15.0, 2.0, 0.02
