@@ -11,10 +11,10 @@ import numpy as np
 
 from plan2scene.evaluation.houses import Models
 from plan2scene.house import SURFACES, House, SurfaceKey
-from plan2scene.propagation.baselines import BASELINES
 from plan2scene.propagation.graph import house_graph
 from plan2scene.propagation.model import load_propagation
 from plan2scene.propagation.predict import predict
+from plan2scene.propagation.prior import RULES
 from plan2scene.seeds import generator
 from plan2scene.weights import load_model_file, save_model_file
 
@@ -38,7 +38,7 @@ class Variant:
         The selected crop's own colour in place of the median over the surface's crops.
     propagate : str
         Embedding of an unobserved surface: ``graph`` (the method's), ``no_graph`` or one of
-        ``propagation.baselines``.
+        ``propagation.prior.RULES``.
     rgb : bool
         The unmodified network of RGB in place of the one of delta-HSV.
     plane_noise : bool
@@ -164,7 +164,7 @@ def predicted(
     if variant.propagate == "no_graph":
         output = predict(network, replace(graph, edges=graph.edges[:, :0])).embedding
     else:
-        output = BASELINES[variant.propagate](graph, means)
+        output = RULES[variant.propagate](graph, means)
     frame = propagated.copy()
     frame["embedding"] = [
         row.embedding

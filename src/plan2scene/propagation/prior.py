@@ -1,17 +1,17 @@
-"""What a room type's surfaces look like on average: the predictor without a graph.
+"""Predictors without a network: means of training surfaces, of the house, the nearest room.
 
-Used for NaiveSynth's unobserved surfaces (method.md: mean training embedding of the same room
-and surface type), for houses of one unobserved room, and as the yardstick of the network.
+The first is NaiveSynth's for unobserved surfaces; all are what the networks are compared with.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from plan2scene.house import ROOM_TYPES, SURFACES
+from plan2scene.propagation.graph import HouseGraph, doors_between
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,9 @@ class TypeMeans:
     embedding: np.ndarray
     naive: np.ndarray
 
-    def predict(self, types: Sequence[str], surface: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return the (11,) and (8,) mean over the given room types."""
-        rows = [ROOM_TYPES.index(name) for name in types]
-        column = SURFACES.index(surface)
-        return (
-            self.embedding[rows, column].mean(axis=0),
-            self.naive[rows, column].mean(axis=0),
-        )
+    def predict(self, types: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the (3, 11) and (3, 8) means of a room of the types (12,), multi-hot."""
+        return self.embedding[types > 0].mean(axis=0), self.naive[types > 0].mean(axis=0)
 
 
 def mean_by_type(types: np.ndarray, surface: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -56,3 +51,41 @@ def mean_by_type(types: np.ndarray, surface: np.ndarray, values: np.ndarray) -> 
             mine = rows & (types[:, i] > 0)
             result[i, j] = values[mine].mean(axis=0) if mine.any() else overall
     return result
+
+
+def room_type_mean(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
+    """Return the mean of training surfaces of the rooms' types."""
+    return np.stack([means.predict(types)[0] for types in graph.types])
+
+
+def house_mean(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
+    """Return the mean over the house's observed surfaces of the kind; without any, as above."""
+    values = room_type_mean(graph, means)
+    for j in range(len(SURFACES)):
+        if graph.observed[:, j].any():
+            values[:, j] = graph.embeddings[graph.observed[:, j], j].mean(axis=0)
+    return values
+
+
+def nearest_room(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
+    """Return the surface of the kind fewest doors away, the first in the plan of equals.
+
+    Where doors lead to none, the mean of the house.
+    """
+    values = house_mean(graph, means)
+    doors = doors_between(len(graph.room_ids), graph.edges)
+    for j in range(len(SURFACES)):
+        seen = np.flatnonzero(graph.observed[:, j])
+        if len(seen):
+            nearest = seen[doors[:, seen].argmin(axis=1)]
+            led = np.isfinite(doors[np.arange(len(doors)), nearest])
+            values[led, j] = graph.embeddings[nearest[led], j]
+    return values
+
+
+#: Rules by the name that tables show; each returns embeddings of all surfaces, (n, 3, 11) float32.
+RULES: Mapping[str, Callable[[HouseGraph, TypeMeans], np.ndarray]] = {
+    "room_type_mean": room_type_mean,
+    "house_mean": house_mean,
+    "nearest_room": nearest_room,
+}

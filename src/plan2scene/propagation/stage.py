@@ -55,11 +55,11 @@ def propagate_house(
         else:
             place = graph.room_ids.index(key.room_id), SURFACES.index(key.surface)
             alike = int(predicted.alike[place])
-            _, naive = means.predict(plan.room(key.room_id).types, key.surface)
+            _, naive = means.predict(graph.types[place[0]])
             values = {
                 "observed": False,
                 "embedding": predicted.embedding[place],
-                "naive_embedding": naive.astype(np.float32),
+                "naive_embedding": naive[place[1]],
                 "substance": substances[place],
                 "source": "propagated" + (f", like {graph.room_ids[alike]}" if alike >= 0 else ""),
                 "confidence": float(predicted.confidence[place]),

@@ -15,7 +15,7 @@ from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.checkpoints.means import training_means
 from plan2scene.checkpoints.reading import read_checkpoint, state_dict_of
 from plan2scene.errors import InputError
-from plan2scene.house import ROOM_TYPES
+from plan2scene.house import ROOM_TYPES, SURFACES
 from plan2scene.metrics.vgg import VggClassifier, load_vgg_classifier
 from plan2scene.propagation.model import load_propagation
 from plan2scene.propagation.network import PropagationNetwork
@@ -294,9 +294,9 @@ def test_means_over_training_surfaces():
         for v in (1.0, 3.0)
     ]
     means = training_means([(house, pd.DataFrame(rows))])
-    embedding, naive = means.predict(("Bedroom",), "floor")
-    np.testing.assert_allclose(embedding, 2.0)
-    np.testing.assert_allclose(naive, -2.0)
+    embedding, naive = means.predict(np.array([t == "Bedroom" for t in ROOM_TYPES]))
+    np.testing.assert_allclose(embedding[SURFACES.index("floor")], 2.0)
+    np.testing.assert_allclose(naive[SURFACES.index("floor")], -2.0)
     with pytest.raises(InputError, match=r"official.means_splits\), found none"):
         training_means([(house, pd.DataFrame(rows)[:0])])
 

@@ -10,11 +10,10 @@ from functools import partial
 import numpy as np
 
 from plan2scene.colour import delta_e_2000, rgb_to_lab
-from plan2scene.propagation.baselines import BASELINES
 from plan2scene.propagation.graph import HouseGraph
 from plan2scene.propagation.model import Network
 from plan2scene.propagation.predict import predict
-from plan2scene.propagation.prior import TypeMeans
+from plan2scene.propagation.prior import RULES, TypeMeans
 from plan2scene.seeds import generator
 from plan2scene_workshop.training.card import table
 
@@ -43,19 +42,19 @@ class HiddenErrors:
 
 
 def predictors(networks: Mapping[str, Network], means: TypeMeans) -> dict[str, Predictor]:
-    """Return networks and the baselines, which do not tell a confidence, as predictors."""
+    """Return networks and the rules, which do not tell a confidence, as predictors."""
 
     def by_network(network: Network, graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
         found = predict(network, graph)
         return found.embedding, found.confidence
 
     def by_rule(name: str, graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
-        return BASELINES[name](graph, means), np.full(graph.observed.shape, np.nan)
+        return RULES[name](graph, means), np.full(graph.observed.shape, np.nan)
 
     found: dict[str, Predictor] = {
         name: partial(by_network, network) for name, network in networks.items()
     }
-    return found | {name: partial(by_rule, name) for name in BASELINES}
+    return found | {name: partial(by_rule, name) for name in RULES}
 
 
 def hidden_errors(
