@@ -24,12 +24,13 @@ def graph_data(graph: HouseGraph, visible: np.ndarray | None = None) -> Data:
     """
     shown = graph.observed if visible is None else visible
     pairs, facts = room_pairs(graph)
+    # Copies: products of arrays that lie where numpy put them round differently run by run.
     return Data(
-        x=torch.from_numpy(graph.node_features(shown)),
-        edge_index=torch.from_numpy(graph.edges),
-        pair_index=torch.from_numpy(pairs),
-        pair_attr=torch.from_numpy(facts),
-        embeddings=torch.from_numpy(graph.embeddings),
+        x=torch.tensor(graph.node_features(shown)),
+        edge_index=torch.tensor(graph.edges),
+        pair_index=torch.tensor(pairs),
+        pair_attr=torch.tensor(facts),
+        embeddings=torch.tensor(graph.embeddings),
     )
 
 

@@ -45,7 +45,7 @@ def load_propagation(path: str | Path) -> tuple[Network, TypeMeans]:
     try:
         with torch.device("meta"):  # no values to draw: the file's take their place
             network = NETWORKS[kind](**sizes)
-        network.load_state_dict(own, assign=True)
+        network.to_empty(device="cpu").load_state_dict(own)
         means = TypeMeans(state[_PRIOR + "embedding"].numpy(), state[_PRIOR + "naive"].numpy())
     except (RuntimeError, TypeError) as error:
         found = " ".join(str(error).split("\n\t")[:2])

@@ -67,7 +67,7 @@ class Houses:
     def _sample(self, k: int, rng: np.random.Generator) -> Data:
         graph, sample = self.graphs[k], copy(self.full[k])
         visible = hide(graph, rng, self.room_share)
-        sample.x = torch.from_numpy(graph.node_features(visible))
+        sample.x = torch.tensor(graph.node_features(visible))
         sample.hidden = torch.from_numpy(graph.observed & ~visible)
         return sample
 
