@@ -16,50 +16,22 @@ from plan2scene.house import ROOM_TYPES, SURFACES, House, SurfaceKey
 from plan2scene.io import atomic_path
 from plan2scene.propagation.graph import house_graph
 from plan2scene.seeds import derive_seed, generator
+from plan2scene_workshop.texture.degradation import CROP_PX, window
 
 #: Sides of the metric windows that crops are cut at (the crop stage's usual sizes).
 WINDOW_METRES = (0.5, 0.75, 1.0)
-CROP = 128
 #: Standard deviations of what white balance and exposure leave of the light (measured on rendered
-#: photos of the validation split, docs/measurements.md: median dE2000 3.7, of it 1.6 in colour).
+#: photos of the validation split: median dE2000 3.7, of it 1.6 in colour).
 EXPOSURE, TINT = 0.055, 0.012
 #: Share of a crop's pixels along a side that the photo had (the crop table's sharpness).
 SHARPNESS = (0.4, 1.0)
 _LOG = logging.getLogger("plan2scene")
 
 
-def metric_window(tile: np.ndarray, size_m: float, metres: float, corner: np.ndarray) -> np.ndarray:
-    """Return a 128x128 crop covering `metres` of a periodic tile.
-
-    Parameters
-    ----------
-    tile : (s, s, 3) uint8 sRGB, one period of `size_m` metres
-    corner : (2,) float in [0, 1), where the window starts, as a share of the tile (row, column)
-    """
-    import cv2
-
-    size = tile.shape[0]
-    pixels = metres / size_m * size
-    # Area filtering before the lookup where the window shrinks the tile, else it would alias.
-    shrink = max(pixels / CROP, 1.0)
-    if shrink > 1.0:
-        small = max(round(size / shrink), 8)
-        tile = cv2.resize(tile, (small, small), interpolation=cv2.INTER_AREA)
-        pixels *= small / size
-        size = small
-    steps = (np.arange(CROP, dtype=np.float32) + 0.5) / CROP * pixels - 0.5
-    rows = np.repeat((steps + corner[0] * size)[:, None], CROP, axis=1).astype(np.float32)
-    columns = np.repeat((steps + corner[1] * size)[None], CROP, axis=0).astype(np.float32)
-    padded = cv2.copyMakeBorder(tile, 0, 1, 0, 1, cv2.BORDER_WRAP)
-    return cv2.remap(
-        padded, columns % size, rows % size, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-    )
-
-
 def lit(crop: np.ndarray, rng: np.random.Generator, tint: np.ndarray) -> np.ndarray:
     """Return a crop under a room's light: per-channel gain `tint` and a smooth falloff."""
     slope = rng.normal(0.0, 0.06, 2)
-    ramp = np.linspace(-1.0, 1.0, CROP)
+    ramp = np.linspace(-1.0, 1.0, CROP_PX)
     field = 1.0 + slope[0] * ramp[:, None] + slope[1] * ramp[None]
     return np.clip(crop * field[..., None] * tint, 0, 255).astype(np.uint8)
 
@@ -68,9 +40,9 @@ def softened(crop: np.ndarray, sharpness: float) -> np.ndarray:
     """Return a (128, 128, 3) uint8 crop enlarged from `sharpness` of its pixels along a side."""
     import cv2
 
-    side = max(round(CROP * sharpness), 8)
+    side = max(round(CROP_PX * sharpness), 8)
     small = cv2.resize(crop, (side, side), interpolation=cv2.INTER_AREA)
-    return cv2.resize(small, (CROP, CROP), interpolation=cv2.INTER_CUBIC)
+    return cv2.resize(small, (CROP_PX, CROP_PX), interpolation=cv2.INTER_CUBIC)
 
 
 def _house_crops(house: House, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -79,17 +51,16 @@ def _house_crops(house: House, seed: int) -> tuple[np.ndarray, np.ndarray]:
     from plan2scene_workshop.homes.style import assign_materials
 
     materials = assign_materials(house, derive_seed(seed, house.id, "style"))
-    crops = np.zeros((len(house.rooms), len(SURFACES), CROP, CROP, 3), dtype=np.uint8)
+    crops = np.zeros((len(house.rooms), len(SURFACES), CROP_PX, CROP_PX, 3), dtype=np.uint8)
     substances = np.zeros(crops.shape[:2], dtype=np.int64)
     for i, room in enumerate(house.rooms):
         rng = generator(seed, house.id, room.id, "light")
         tint = rng.normal(1.0, EXPOSURE) * (1.0 + rng.normal(0.0, TINT, 3))
         for j, surface in enumerate(SURFACES):
             material = materials[SurfaceKey(room.id, surface)]
-            window = metric_window(
-                material.albedo, material.size_m, rng.choice(WINDOW_METRES), rng.random(2)
-            )
-            soft = softened(window, float(rng.uniform(*SHARPNESS)))
+            share = rng.choice(WINDOW_METRES) / material.size_m
+            view = window(material.albedo, rng.random(2), share, 0.0)
+            soft = softened(view, float(rng.uniform(*SHARPNESS)))
             crops[i, j] = lit(soft, rng, tint)
             substances[i, j] = SUBSTANCES.index(material.substance)
     return crops, substances
