@@ -31,6 +31,7 @@ rule residence:
         samples_per_pixel=HOMES["samples_per_pixel"],
         jpeg_quality=HOMES["jpeg_quality"],
         tile_px=HOMES["tile_px"],
+        random_room_share=HOMES["random_room_share"],
         variant=HOMES["variant"],
         textures=HOMES["textures"],
         code=code_hash("homes.residences"),

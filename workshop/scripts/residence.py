@@ -22,6 +22,7 @@ with job(snakemake.log[0]):
             samples_per_pixel=params.samples_per_pixel,
             jpeg_quality=tuple(params.jpeg_quality),
             tile_px=params.tile_px,
+            random_room_share=params.random_room_share,
             variant=params.variant,
         ),
         # Textures of the training houses are not seen in the others.

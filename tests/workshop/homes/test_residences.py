@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -20,6 +21,7 @@ from plan2scene_workshop.homes import residences
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import assign_materials
 from plan2scene_workshop.rendering import RenderedPhoto
+from plan2scene_workshop.rendering.randomised import draw_random_rooms
 
 OPTIONS = residences.ResidenceOptions(height=24, width=32, tile_px=64)
 
@@ -31,7 +33,8 @@ def fake_render(house, materials, accents, views, seed, *, height, width, **_) -
         image = rng.integers(0, 255, (height, width, 3)).astype(np.uint8)
         labels = rng.integers(0, 4, (height, width)).astype(np.uint8)
         planes = np.where(labels == 0, 255, labels).astype(np.uint8)
-        yield RenderedPhoto(view, image, labels, planes, {"room_id": view.room_id, "planes": []})
+        camera = {"room_id": view.room_id, "planes": [], "rotation": view.rotation().tolist()}
+        yield RenderedPhoto(view, image, labels, planes, camera)
 
 
 @pytest.fixture
@@ -84,6 +87,23 @@ def test_same_seed_same_bytes_and_stale_photos_go(root: Path) -> None:
     (root / "a/photos/home_1_77.jpg").write_bytes(b"old")
     residences.write_residence(root / "a", "home_1", "val", 3, options=OPTIONS)
     assert digest(root / "a") == first
+
+
+def test_random_rooms_differ_and_the_others_stay_as_they_were(root: Path) -> None:
+    found = []
+    for share in (0.0, 0.5):
+        options = replace(OPTIONS, random_room_share=share)
+        house = residences.write_residence(root / str(share), "home_1", "val", 3, options=options)
+        truth = root / str(share) / "truth/val/home_1"
+        found.append((read_json(truth / "materials.json"), read_json(truth / "cameras.json")))
+    random_rooms = draw_random_rooms(house, 0.5, 3)
+    assert 0 < len(random_rooms) < len(house.rooms)
+    for name, material in found[0][0].items():
+        assert (found[1][0][name] == material) == (name.split("/")[0] not in random_rooms), name
+    pairs = [(a, found[1][1][name]) for name, a in found[0][1].items()]
+    assert {a["room_id"] in random_rooms for a, _ in pairs} == {True, False}
+    for usual, other in pairs:
+        assert (usual["rotation"] == other["rotation"]) == (usual["room_id"] not in random_rooms)
 
 
 def test_hidden_rooms_follow_their_share() -> None:

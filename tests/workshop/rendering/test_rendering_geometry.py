@@ -11,7 +11,7 @@ from PIL import Image
 
 from plan2scene.errors import InputError
 from plan2scene.house import Door, House, Opening, Room, Wall
-from plan2scene_workshop.rendering import encode_jpeg, plan_views
+from plan2scene_workshop.rendering import encode_jpeg, plan_views, randomised
 from plan2scene_workshop.rendering.camera_effects import (
     CameraStyle,
     develop,
@@ -131,13 +131,16 @@ def test_unknown_room_is_refused() -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_furniture_stays_inside_and_clear_of_the_camera(seed: int) -> None:
+    """Of a listing's room and (odd seeds) of a randomised one."""
     house = two_rooms()
     room = house.room("a")
     camera = shapely.Point(4.4, 0.6)
     rng = np.random.default_rng(seed)
     geometry = Geometry()
     faces = wall_faces(house, room)
-    furnish_room(geometry, room, faces, draw_palette(rng), rng, [camera])
+    furnish_room(
+        geometry, room, faces, draw_palette(rng), rng, [camera], random_room=bool(seed % 2)
+    )
     vertices = np.concatenate([g.solid.vertices for g in geometry.joined().values()])
     inside = shapely.Polygon(room.rings[0])
     points = shapely.points(vertices[:, 0], vertices[:, 2])
@@ -152,6 +155,7 @@ def test_furniture_stays_inside_and_clear_of_the_camera(seed: int) -> None:
 
 def test_every_piece_fits_its_own_footprint() -> None:
     makers = {m for table in (ALONG_WALLS, STANDING_FREE) for row in table.values() for m, _ in row}
+    makers |= {m for m, _ in (*randomised.ALONG_WALLS, *randomised.STANDING_FREE)}
     rng = np.random.default_rng(1)
     palette = draw_palette(rng)
     for maker in sorted(makers, key=lambda m: m.__name__):

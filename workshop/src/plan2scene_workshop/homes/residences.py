@@ -27,6 +27,11 @@ from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import accent_walls, assign_materials
 from plan2scene_workshop.rendering import encode_jpeg, plan_views, render_house
+from plan2scene_workshop.rendering.randomised import (
+    draw_random_rooms,
+    randomise_materials,
+    randomise_view,
+)
 
 if TYPE_CHECKING:
     from plan2scene_workshop.rendering import RenderedPhoto
@@ -73,6 +78,8 @@ class ResidenceOptions:
         Range of JPEG qualities, drawn per photo.
     tile_px : int
         Side of the albedo tiles in truth/.
+    random_room_share : float
+        Share of rooms that are unlike those of listings (:mod:`.rendering.randomised`).
     variant : str or None
         Mitsuba variant; the first that works when None.
     """
@@ -84,6 +91,7 @@ class ResidenceOptions:
     samples_per_pixel: int = 16
     jpeg_quality: tuple[int, int] = (78, 92)
     tile_px: int = 256
+    random_room_share: float = 0.0
     variant: str | None = None
 
 
@@ -126,12 +134,19 @@ def write_residence(
     root = Path(root)
     house = generate_house(house_id, derive_seed(seed, "house"))
     materials = assign_materials(house, derive_seed(seed, "style"), textures)
+    random_rooms = draw_random_rooms(house, options.random_room_share, seed)
+    materials = randomise_materials(materials, random_rooms, derive_seed(seed, "random", house_id))
     accents = accent_walls(house, derive_seed(seed, "accents"))
     rng = generator(seed, "photos", house_id)
     rooms = photographed_rooms(house, options.hidden_room_share, rng)
     low, high = options.photo_count
     count = max(int(rng.integers(low, high + 1)), min(len(rooms), high))
-    views = plan_views(house, rooms, count, derive_seed(seed, "views"))
+    views = [
+        randomise_view(view, generator(view.seed, "snapshot"))
+        if view.room_id in random_rooms
+        else view
+        for view in plan_views(house, rooms, count, derive_seed(seed, "views"))
+    ]
     photos = render_house(
         house,
         materials,
@@ -142,6 +157,7 @@ def write_residence(
         width=options.width,
         samples_per_pixel=options.samples_per_pixel,
         variant=options.variant,
+        random_rooms=random_rooms,
     )
     assignment: list[tuple[str, str]] = []
     cameras: dict[str, Any] = {}

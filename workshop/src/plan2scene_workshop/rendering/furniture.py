@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from plan2scene.house import Room
-from plan2scene_workshop.rendering import living, pieces, service
+from plan2scene_workshop.rendering import living, pieces, randomised, service
 from plan2scene_workshop.rendering.geometry import Array, Geometry, box, placement
 from plan2scene_workshop.rendering.palette import FABRICS, PICTURES, RUGS, Palette, pick
 from plan2scene_workshop.rendering.pieces import Maker, Piece
@@ -133,10 +133,13 @@ def furnish_room(
     palette: Palette,
     rng: np.random.Generator,
     cameras: Sequence[shapely.Point],
+    *,
+    random_room: bool = False,
 ) -> None:
     """Add furniture, rugs and pictures; nothing stands in a wall, a doorway or a camera.
 
-    `cameras` are positions (x, z) in metres that stay clear.
+    `cameras` are positions (x, z) in metres that stay clear. A `random_room` gets what
+    :mod:`.randomised` strews about as well.
     """
     if not faces:
         return
@@ -144,10 +147,12 @@ def furnish_room(
     kind = _LIKE.get(room.types[0], room.types[0]) if room.types else "Bedroom"
     scale = min((room_polygon(room).area / _TYPICAL_AREA) ** 0.7, 2.0)
     crowd = scale * float(rng.uniform(0.5, 1.3))
-    for maker, mean in ALONG_WALLS.get(kind, ()):
+    built_in = randomised.ALONG_WALLS if random_room else ()
+    strewn = randomised.STANDING_FREE if random_room else ()
+    for maker, mean in (*built_in, *ALONG_WALLS.get(kind, ())):
         for _ in range(_count(rng, mean * max(crowd, 0.7))):
             _place_along_wall(geometry, layout, maker(rng, palette), rng)
-    for maker, mean in STANDING_FREE.get(kind, ()):
+    for maker, mean in (*STANDING_FREE.get(kind, ()), *strewn):
         for _ in range(_count(rng, mean * crowd)):
             _place_free(geometry, layout, maker(rng, palette), rng)
     if kind in ("Reception", "Bedroom", "Corridor") and rng.random() < 0.45:

@@ -104,13 +104,13 @@ def clutter_finishes(house_id: str, seed: int) -> dict[str, Finish]:
             finishes[name] = Finish(made.albedo, size, rough)
     for name in RUGS:
         rng = generator(seed, house_id, "clutter", name)
-        finishes[name] = Finish(_pattern(rng, 96), float(rng.uniform(0.6, 2.4)), 1.0)
+        finishes[name] = Finish(pattern(rng, 96), float(rng.uniform(0.6, 2.4)), 1.0)
     for name in PICTURES:
         finishes[name] = Finish(_picture(generator(seed, house_id, "clutter", name)), 1.0, 0.3)
     return finishes
 
 
-def _pattern(rng: np.random.Generator, size: int) -> NDArray[np.uint8]:
+def pattern(rng: np.random.Generator, size: int) -> NDArray[np.uint8]:
     """Return a periodic pattern of stripes, checks or waves in two to four colours."""
     colours = np.array(
         [

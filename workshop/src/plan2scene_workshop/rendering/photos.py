@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -64,6 +64,7 @@ def render_house(
     width: int = 640,
     samples_per_pixel: int = 12,
     variant: str | None = None,
+    random_rooms: Collection[str] = (),
 ) -> Iterator[RenderedPhoto]:
     """Yield a photo per view, in order; consecutive views of a room share its scene.
 
@@ -77,6 +78,8 @@ def render_house(
         Light paths per pixel of the half-size light image (see :mod:`.denoise`).
     variant : str, optional
         Mitsuba variant; the same seed and variant give the same bytes.
+    random_rooms : collection of str
+        Ids of rooms with random textiles and clutter (see :mod:`.randomised`).
 
     Raises
     ------
@@ -86,7 +89,10 @@ def render_house(
     mi = load_mitsuba(variant)
     for room_id, group in itertools.groupby(views, key=lambda view: view.room_id):
         shots = list(group)
-        scene = build_room_scene(house, room_id, materials, accents, shots, seed)
+        random_room = room_id in random_rooms
+        scene = build_room_scene(
+            house, room_id, materials, accents, shots, seed, randomised=random_room
+        )
         tracer = Tracer(scene.geometry, scene.finishes, mi)
         for view in shots:
             yield _shoot(tracer, scene, view, (height, width), samples_per_pixel)

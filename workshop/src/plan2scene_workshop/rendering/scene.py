@@ -38,6 +38,7 @@ from plan2scene_workshop.rendering.palette import (
     draw_palette,
     pick,
 )
+from plan2scene_workshop.rendering.randomised import randomised_finishes
 from plan2scene_workshop.rendering.shell import (
     FaceOpening,
     Plane,
@@ -81,11 +82,14 @@ def build_room_scene(
     accents: Mapping[str, Material],
     views: Sequence[View],
     seed: int,
+    *,
+    randomised: bool = False,
 ) -> RoomScene:
     """Build the scene of the room; furniture and open doors keep clear of the `views`.
 
     Doors, furniture and colours depend on the house and the seed, not on the views, except
-    where a view has to be kept clear.
+    where a view has to be kept clear. A `randomised` room and all beyond its doors are of the
+    textiles and clutter of :mod:`.randomised`.
 
     Raises
     ------
@@ -93,7 +97,7 @@ def build_room_scene(
         When a surface of a room in sight has no material.
     """
     palette = draw_palette(generator(seed, house.id, "palette"))
-    builder = _Builder(house, palette, accents, views, seed)
+    builder = _Builder(house, palette, accents, views, seed, randomised)
     for hops, rooms in enumerate(_rooms_in_sight(house, room_id, builder.doors)):
         for room in rooms:
             builder.add_room(room, materials, hops)
@@ -132,13 +136,17 @@ class _Builder:
         accents: Mapping[str, Material],
         views: Sequence[View],
         seed: int,
+        randomised: bool,
     ) -> None:
         self.house, self.palette, self.accents = house, palette, accents
-        self.views, self.seed = views, seed
+        self.views, self.seed, self.randomised = views, seed, randomised
         self.geometry = Geometry()
         self.finishes = clutter_finishes(house.id, seed)
-        self.planes: list[Plane] = []
         self.room_id = views[0].room_id
+        if randomised:
+            textiles = generator(seed, house.id, self.room_id, "textiles")
+            self.finishes |= randomised_finishes(textiles)
+        self.planes: list[Plane] = []
         self.doors = self._door_states()
         self._hung: set[str] = set()
         rng = generator(seed, house.id, "joinery")
@@ -198,7 +206,15 @@ class _Builder:
         if hops < REACH:
             rng = generator(self.seed, self.house.id, room.id, "furniture")
             cameras = [shapely.Point(v.position[0], v.position[2]) for v in self.views]
-            furnish_room(self.geometry, room, faces, self.palette, rng, cameras)
+            furnish_room(
+                self.geometry,
+                room,
+                faces,
+                self.palette,
+                rng,
+                cameras,
+                random_room=self.randomised,
+            )
 
     def _accent_walls(self, room: Room, faces: tuple[WallFace, ...]) -> dict[str, str]:
         """Return the material names of walls with an accent: `room/wall id`, else the wall's id."""
