@@ -13,7 +13,6 @@ with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
     train_segmentation(
         Path(snakemake.input.table).parent,
-        snakemake.input.scenes,
         snakemake.output.model,
         snakemake.output.card,
         settings=SegmentationSettings(**snakemake.params.settings),

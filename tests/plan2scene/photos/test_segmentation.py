@@ -89,12 +89,13 @@ def test_labels_of_a_mirrored_photo_are_mirrored() -> None:
     assert np.allclose(mirrored[:, ::-1], segmenter.probabilities(image), atol=1e-4)
 
 
-def test_network_tells_a_known_camera_from_none() -> None:
-    told = SegmentationNet(**TINY, elevation=True).eval()  # type: ignore[arg-type]
-    x = torch.rand(1, 3, 64, 96)
-    sine = torch.rand(1, 64, 96) * 2 - 1
-    assert not torch.allclose(told(x, sine), told(x))
-    assert torch.equal(_tiny()(x, sine), _tiny()(x))  # a network without the input leaves it alone
+def test_elevation_counts_where_it_is_known() -> None:
+    torch.manual_seed(0)
+    network = SegmentationNet(**TINY, elevation=True).eval()  # type: ignore[arg-type]
+    x, sine = torch.rand(1, 3, 64, 96), torch.rand(1, 64, 96) * 2 - 1
+    assert torch.equal(network(x, torch.full_like(sine, torch.nan)), network(x))
+    assert not torch.allclose(network(x, sine), network(x))
+    assert torch.equal(_tiny()(x, sine), _tiny()(x))  # made without the input
 
 
 def test_segmenter_tells_the_network_where_the_horizon_is() -> None:

@@ -92,7 +92,8 @@ def heap(rng: np.random.Generator, palette: Palette) -> Piece:
     side = rng.uniform(0.3, 0.8)
     piece = Piece(side, side, 0.3)
     for _ in range(int(rng.integers(1, 6))):
-        size = rng.uniform((0.3, 0.05, 0.3), (0.6, 0.25, 0.6)) * (side, 1, side)
+        wide, deep = rng.uniform(0.3, 0.6, 2) * side
+        size = (wide, float(rng.uniform(0.05, 0.25)), deep)
         x, z = rng.uniform(-0.1, 0.1, 2) * side
         turn = placement(x, side / 2 + z, rng.uniform(0, np.pi), size[1] / 2)
         piece.add(soft(rng, palette), cushion((0, 0, 0), size, rng.uniform(0.3, 1)).moved(turn))

@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.images import image_from_bytes, png_bytes, read_image
-from plan2scene.io import read_json, read_parquet, read_text, safe_join, write_parquet
+from plan2scene.images import read_image
+from plan2scene.io import read_json, read_text, safe_join
 from plan2scene.photos.labels.palette import IGNORE, LABELS, read_label_png
 
 
@@ -96,37 +96,6 @@ def horizon_of(camera: Mapping[str, Any]) -> Horizon | None:
         return None
     up = tuple(float(row[1]) for row in camera["rotation"])
     return Horizon((up[0], up[1], up[2]), float(camera["focal_px"]) / float(camera["width"]))
-
-
-def write_scenes(path: str | Path, scenes: Sequence[LabelledPhoto], metadata: Any) -> None:
-    """Write drawn rooms to a Parquet file: name, image and labels as PNG bytes, horizon."""
-    import pandas as pd
-
-    rows = [
-        {
-            "name": scene.name,
-            "image": png_bytes(scene.image),
-            "labels": png_bytes(scene.labels),
-            "up": None if scene.horizon is None else list(scene.horizon.up),
-            "focal": None if scene.horizon is None else scene.horizon.focal,
-        }
-        for scene in scenes
-    ]
-    write_parquet(path, pd.DataFrame(rows), metadata)
-
-
-def read_scenes(path: str | Path) -> list[LabelledPhoto]:
-    """Return the drawn rooms of :func:`write_scenes`."""
-    frame, _ = read_parquet(path)
-    return [
-        LabelledPhoto(
-            row.name_,
-            image_from_bytes(row.image),
-            np.asarray(cv2.imdecode(np.frombuffer(row.labels, np.uint8), cv2.IMREAD_GRAYSCALE)),
-            None if row.up is None else Horizon(tuple(row.up), float(row.focal)),
-        )
-        for row in frame.rename(columns={"name": "name_"}).itertuples()
-    ]
 
 
 def scaled_down(

@@ -1,4 +1,4 @@
-"""Procedural picture tiles: patterned cloth, wallpaper, posters, shelves of books, folds."""
+"""Procedural picture tiles: patterned cloth and wallpaper."""
 
 from __future__ import annotations
 
@@ -66,84 +66,6 @@ def _scattered(kind: str, n: int, rng: Rng) -> Array:
                 cv2.ellipse(canvas, at, (r, max(1, r // 2)), np.degrees(angle), 0, 360, shade, -1)
             cv2.circle(canvas, centre, max(1, r // 2), (shade + 1) % 5, -1)
     return canvas
-
-
-def poster(rng: Rng) -> Array:
-    """Return a (SIDE, SIDE, 3) uint8 picture: sky over land, shapes, lines of text, a grid."""
-    colours = palette(rng, 6)
-    tile = np.empty((SIDE, SIDE, 3), np.float32)
-    tile[:] = colours[0]
-    kind = int(rng.integers(4))
-    if kind == 0:
-        horizon = int(rng.uniform(0.3, 0.8) * SIDE)
-        tile[horizon:] = colours[1]
-        tile *= np.linspace(rng.uniform(0.6, 1), rng.uniform(0.8, 1.3), SIDE)[:, None, None]
-    elif kind == 1:
-        for row in range(10, SIDE - 8, int(rng.integers(6, 14))):
-            cv2.line(
-                tile, (10, row), (int(rng.integers(30, SIDE - 8)), row), colours[2].tolist(), 2
-            )
-    elif kind == 2:
-        rows, columns = rng.integers(2, 7, 2)
-        shades = rng.integers(0, 6, (rows, columns))
-        tile = np.asarray(
-            cv2.resize(colours[shades], (SIDE, SIDE), interpolation=cv2.INTER_NEAREST), np.float32
-        )
-    for _ in range(int(rng.integers(0, 9))):
-        centre = tuple(int(v) for v in rng.integers(0, SIDE, 2))
-        axes = tuple(int(v) for v in rng.integers(4, 50, 2))
-        colour = colours[int(rng.integers(6))].tolist()
-        cv2.ellipse(tile, centre, axes, float(rng.uniform(0, 180)), 0, 360, colour, -1)
-    return np.clip(tile, 0, 255).astype(np.uint8)
-
-
-def books(rng: Rng) -> Array:
-    """Return a (SIDE, SIDE, 3) uint8 front of a shelf: rows of spines, boxes and gaps."""
-    tile = np.full((SIDE, SIDE, 3), rng.uniform(10, 90), np.float32)
-    rows = int(rng.integers(2, 6))
-    board = rng.uniform(20, 240) * np.exp(rng.normal(0, 0.1, 3))
-    height = SIDE // rows
-    for row in range(rows):
-        top, bottom, x = row * height, (row + 1) * height - 3, 0
-        while x < SIDE:
-            wide = int(rng.integers(2, 9)) if rng.random() < 0.85 else int(rng.integers(10, 30))
-            if rng.random() < 0.88:
-                tall = int(height * rng.uniform(0.5, 0.92))
-                colour = rng.uniform(15, 240) * np.exp(rng.normal(0, 0.35, 3))
-                tile[max(top, bottom - tall) : bottom, x : x + wide] = colour
-                tile[max(top, bottom - tall) : bottom, x : x + 1] *= 0.5
-            x += wide
-        tile[bottom : bottom + 3] = board
-    return np.clip(tile, 0, 255).astype(np.uint8)
-
-
-def folds(rng: Rng) -> Array:
-    """Return a (SIDE, SIDE, 3) uint8 curtain: cloth whose folds run down, wavy, unevenly wide."""
-    y, x = np.mgrid[:SIDE, :SIDE] / SIDE
-    count = int(rng.integers(4, 14))
-    sway = 0.25 * np.sin(2 * np.pi * (x + rng.random())) + 0.03 * np.sin(6 * y + rng.random())
-    wave = np.sin(2 * np.pi * (count * x + sway * rng.uniform(0, 2)))
-    shade = 1 + rng.uniform(0.1, 0.4) * wave
-    cloth = (
-        pattern(rng).astype(np.float32)
-        if rng.random() < 0.35
-        else np.full((SIDE, SIDE, 3), palette(rng, 1)[0], np.float32)
-    )
-    return np.clip(cloth * shade[..., None], 0, 255).astype(np.uint8)
-
-
-def slats(rng: Rng) -> Array:
-    """Return a (SIDE, SIDE, 3) uint8 blind: slats across or down over brightness outside."""
-    y = np.mgrid[:SIDE, :SIDE][0]
-    period = int(rng.choice([4, 8, 16, 32]))
-    slat = palette(rng, 1)[0] if rng.random() < 0.4 else np.full(3, rng.uniform(140, 245))
-    outside = np.full(3, rng.choice([30.0, 200.0, 255.0]))
-    phase = (y % period) / period
-    share = np.where(phase < rng.uniform(0.05, 0.4), 0.0, 0.6 + 0.4 * phase)[..., None]
-    tile = np.where(share > 0, share * slat, outside)
-    if rng.random() < 0.25:
-        tile = tile.swapaxes(0, 1)
-    return np.clip(tile, 0, 255).astype(np.uint8)
 
 
 @lru_cache(maxsize=1)

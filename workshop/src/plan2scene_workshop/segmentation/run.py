@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import replace
 from pathlib import Path
 
+import torch
+
 from plan2scene.photos.labels.palette import LABELS
-from plan2scene.photos.labels.segmentation import load_segmenter
+from plan2scene.photos.labels.segmentation import SegmentationNet, load_segmenter
+from plan2scene.seeds import derive_seed
 from plan2scene.weights import save_model_file
 from plan2scene_workshop.segmentation.data import (
     Scores,
-    horizon_of,
     read_labelled_photos,
-    read_scenes,
-    write_scenes,
 )
-from plan2scene_workshop.segmentation.scenes import random_scenes_and_eyes, scene_camera
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.segmentation.training import (
     estimated_cameras,
@@ -38,16 +36,8 @@ their line segments give:
 """
 
 
-def draw_scenes(output: str | Path, *, settings: SegmentationSettings, seed: int) -> None:
-    """Draw the drawn rooms that training uses beside photos and write them to a Parquet file."""
-    drawn = random_scenes_and_eyes(settings.scenes, seed=seed, textures=settings.textures)
-    scenes = [replace(photo, horizon=horizon_of(scene_camera(eye))) for photo, eye in drawn]
-    write_scenes(output, scenes, {"dataset": "training", "house": ""})
-
-
 def train_segmentation(
     data_root: str | Path,
-    scenes_path: str | Path,
     model_path: str | Path,
     card_path: str | Path,
     *,
@@ -63,10 +53,11 @@ def train_segmentation(
     photos = read_labelled_photos(data_root, "train", long_side=round(settings.long_side * 1.5))
     held_out = read_labelled_photos(data_root, "val", long_side=1024)
     every = max(1, len(held_out) // settings.evaluate_photos)
-    scenes = read_scenes(scenes_path)
-    _LOG.info("%d photos, %d drawn rooms, %d held out", len(photos), len(scenes), len(held_out))
+    _LOG.info("%d photos, %d held out", len(photos), len(held_out))
+    torch.manual_seed(derive_seed(seed, "segmentation", "weights"))
+    network = SegmentationNet(long_side=settings.long_side, elevation=True)
     trained = train_network(
-        photos, scenes, held_out[::every], settings, seed, checkpoint=checkpoint
+        network, photos, held_out[::every], settings, seed=seed, checkpoint=checkpoint
     )
     network = trained.network
     save_model_file(model_path, network.state_dict(), network.architecture)
@@ -74,7 +65,6 @@ def train_segmentation(
     final = evaluate(shipped, held_out, estimated_cameras(held_out))
     seen = [
         f"{len(photos)} rendered photos of the synthetic train split.",
-        f"{len(scenes)} drawn rooms, first alone, then among them.",
         "No real photo.",
     ]
     size = sum(parameter.numel() for parameter in shipped.parameters()) / 1e6

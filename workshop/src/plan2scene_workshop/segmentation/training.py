@@ -16,7 +16,6 @@ from plan2scene.photos.camera.calibration import Camera, estimate_camera
 from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.palette import IGNORE, LABELS
 from plan2scene.photos.labels.segmentation import SegmentationNet, Segmenter, to_tensor
-from plan2scene.seeds import derive_seed
 from plan2scene_workshop.segmentation.augment import training_sample_with_map
 from plan2scene_workshop.segmentation.data import (
     LabelledPhoto,
@@ -78,33 +77,30 @@ def evaluate(
 
 
 def train_network(
+    network: SegmentationNet,
     photos: Sequence[LabelledPhoto],
     scenes: Sequence[LabelledPhoto],
     held_out: Sequence[LabelledPhoto],
     settings: SegmentationSettings,
     seed: int,
-    *,
     checkpoint: Path | None = None,
 ) -> Trained[SegmentationNet]:
     """Return the averaged network that did best on `held_out` (mean IoU).
 
     Parameters
     ----------
+    network : SegmentationNet
+        With the weights to start from.
     photos, held_out : labelled photos of disjoint houses
-    scenes : labelled photos
-        Drawn rooms: seen alone at first, then among the photos.
     checkpoint : path, optional
         Goes on from it where it is of this run.
     """
-    torch.manual_seed(derive_seed(seed, "segmentation", "weights"))
-    network = SegmentationNet(long_side=settings.long_side, elevation=True)
     device = best_device()
     network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     def loss(step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
-        pool = scenes if step < settings.scene_steps else photos
-        batch = draw_batch(pool, scenes, settings, settings.side(step), rng)
-        images, elevations, labels = (values.to(device) for values in batch)
+        long = settings.small if step < settings.steps * 2 / 3 else settings.long_side
+        images, elevations, labels = draw_batch(photos, settings, long, rng, device)
         logits = network(images, elevations).float()
         smoothing = settings.label_smoothing
         return {"labels": segmentation_loss(logits, labels, settings.dice, smoothing)}
@@ -112,14 +108,16 @@ def train_network(
     options = TrainerOptions(
         "segmentation",
         seed,
-        settings.scene_steps + settings.steps,
-        settings.rate,
+        settings.steps,
+        lambda step: cosine(step, settings.steps, rise=min(300, settings.steps // 10 + 1)),
         clip_norm=settings.clip_norm,
         average_decay=settings.ema_decay,
         evaluate_every=settings.evaluate_every,
         bfloat16=settings.bfloat16,
     )
-    groups = _parameter_groups(network, settings.weight_decay)
+    optimiser = torch.optim.AdamW(
+        _parameter_groups(network, settings.weight_decay), lr=settings.learning_rate
+    )
     cameras = estimated_cameras(held_out)
     trainer = Trainer(
         network,
@@ -127,7 +125,7 @@ def train_network(
         torch.optim.AdamW(groups, lr=settings.learning_rate),
         options,
         evaluate=lambda network: evaluate(network, held_out, cameras).mean_iou,
-        run=(settings, digest(photos), digest(scenes)),
+        run=(settings, digest(photos)),
     )
     trainer.resume(checkpoint)
     return trainer.fit(checkpoint)
@@ -142,24 +140,26 @@ def _parameter_groups(network: nn.Module, decay: float) -> list[dict[str, Any]]:
 
 def draw_batch(
     photos: Sequence[LabelledPhoto],
-    scenes: Sequence[LabelledPhoto],
     settings: SegmentationSettings,
     long: int,
     rng: np.random.Generator,
+    device: str = "cpu",
 ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-    """Return (n, 3, h, w) views, (n, h, w) elevations, both float32, (n, h, w) int64 labels."""
+    """Return (n, 3, h, w) views, (n, h, w) elevations, both float32, (n, h, w) int64 labels.
+
+    Views are `long` pixels on their longer side and lie, stand or are square.
+    """
     short = round(long * 0.75 / 32) * 32
     size = [(short, long), (long, short), (short, short)][rng.choice(3, p=[0.65, 0.2, 0.15])]
     samples = []
-    for _ in range(settings.batch):
-        pool = scenes if scenes and rng.random() < settings.scene_share else photos
-        index = int(rng.integers(len(pool)))
-        told = {index: told_elevation(pool[index], settings, rng)}
-        samples.append(training_sample_with_map(pool, told, index, size, rng))
-    images = torch.stack([to_tensor(image) for image, _, _ in samples])
+    for index in rng.integers(len(photos), size=settings.batch):
+        told = {index: told_elevation(photos[index], settings, rng)}
+        samples.append(training_sample_with_map(photos, told, index, size, rng))
+    images = torch.stack([to_tensor(image) for image, _, _ in samples]).to(device)
     labels = torch.from_numpy(np.stack([labels for _, labels, _ in samples]).astype(np.int64))
     elevations = torch.from_numpy(np.stack([elevation for _, _, elevation in samples]))
-    return images.contiguous(memory_format=torch.channels_last), elevations, labels
+    images = images.contiguous(memory_format=torch.channels_last)
+    return images, elevations.to(device), labels.to(device)
 
 
 def told_elevation(
