@@ -1,152 +1,116 @@
 """Augmentation: what makes a network trained on rendered rooms stand real photos.
 
 Rendered rooms look alike in ways that real ones do not. So shape (crop, scale, turn, mirror,
-tilt, lens), what stands in the room (things of other photos, plain patches), what surfaces look
-like (each label recoloured and given other materials on its own), light and camera are all
-varied widely.
+tilt), what stands in the room (things of other photos, plain patches), light and camera are
+varied widely by kornia, and what surfaces are made of by :mod:`.surfaces`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from functools import lru_cache
 
-import cv2
+import kornia.augmentation as ka
 import numpy as np
+import torch
+from kornia.constants import DataKey, Resample, SamplePadding
 
-from plan2scene.photos.labels.palette import OTHER
+from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, WALL
+from plan2scene.photos.labels.segmentation import to_tensor
 from plan2scene_workshop.segmentation.data import LabelledPhoto
-from plan2scene_workshop.segmentation.effects import (
-    camera_effects,
-    recolour_labels,
-    retexture,
-    sun_and_shade,
-)
-from plan2scene_workshop.segmentation.patterns import palette, surface_tiles
-from plan2scene_workshop.segmentation.warp import random_warp
+from plan2scene_workshop.segmentation.surfaces import recolour_labels, retexture
 
-__all__ = ["random_view", "recolour_labels", "training_sample", "training_sample_with_map"]
-
-Array = np.ndarray
+#: Chance that each label of a photo is tinted, and that one has another material.
+RECOLOUR, RETEXTURE = 0.35, 0.35
+#: What kornia does to masks: nearest pixel, 0 beyond the photo's border.
+_MASKS = {DataKey.MASK: {"resample": Resample.NEAREST, "padding_mode": SamplePadding.ZEROS}}
 
 
-def training_sample(
-    photos: Sequence[LabelledPhoto], index: int, size: tuple[int, int], rng: np.random.Generator
-) -> tuple[Array, Array]:
-    """Return an augmented view of ``photos[index]``: (h, w, 3) uint8 sRGB, (h, w) uint8 labels.
-
-    Parameters
-    ----------
-    size : (height, width)
-        Of the view.
-    rng : numpy Generator
-        All choices come from it.
-    """
-    warp = random_warp(photos[index].labels.shape, size, rng)
-    image, labels = warp.image(photos[index].image), warp.labels(photos[index].labels)
-    return _changed(photos, image, labels, rng)
+@lru_cache(maxsize=8)
+def _shape(size: tuple[int, int]) -> ka.AugmentationSequential:
+    """Return what makes views of `size` (height, width): of half a photo's side to all of it."""
+    aspect = size[1] / size[0]
+    return ka.AugmentationSequential(
+        ka.RandomHorizontalFlip(),
+        ka.RandomPerspective(0.2, p=0.3, sampling_method="area_preserving"),
+        ka.RandomAffine(5.0, scale=(0.9, 1.1), padding_mode="reflection", p=0.5),
+        ka.RandomResizedCrop(size, scale=(0.27, 1.0), ratio=(0.85 * aspect, 1.18 * aspect)),
+        data_keys=["image", "mask"],
+        extra_args=_MASKS,
+    )
 
 
-def training_sample_with_map(
+@lru_cache(maxsize=1)
+def _look() -> ka.AugmentationSequential:
+    """Return what puts things in front, then varies light, then the camera."""
+    return ka.AugmentationSequential(
+        ka.RandomTransplantation([FLOOR, WALL, CEILING, IGNORE], p=0.3),  # type: ignore[arg-type]
+        # What is erased is labelled 0, which is OTHER.
+        *(ka.RandomErasing((0.004, 0.06), value=grey, p=0.12) for grey in (0.1, 0.4, 0.85)),
+        ka.RandomLinearIllumination(gain=(0.05, 0.35), p=0.3),
+        ka.RandomGaussianIllumination(gain=(0.05, 0.5), sigma=(0.1, 0.8), p=0.3),
+        ka.RandomPlanckianJitter(p=0.4),
+        ka.RandomRGBShift(0.06, 0.06, 0.06, p=0.4),
+        ka.ColorJitter(0.3, 0.35, 0.6),
+        ka.RandomGamma((0.75, 1.35), p=0.5),
+        ka.RandomGrayscale(p=0.06),
+        ka.RandomGaussianBlur((7, 7), (0.4, 1.6), p=0.25),
+        ka.RandomMotionBlur((3, 7), 90.0, 1.0, p=0.08),
+        ka.RandomSharpness(1.2, p=0.1),
+        ka.RandomGaussianNoise(std=0.02, p=0.5),
+        data_keys=["image", "mask"],
+    )
+
+
+def training_batch(
     photos: Sequence[LabelledPhoto],
-    maps: Mapping[int, Array],
-    index: int,
+    elevations: Sequence[np.ndarray],
     size: tuple[int, int],
     rng: np.random.Generator,
-) -> tuple[Array, Array, Array]:
-    """Return `training_sample`'s image and labels, and ``maps[index]`` in the same view.
+    device: str = "cpu",
+) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    """Return an augmented view of each photo.
 
     Parameters
     ----------
-    maps : mapping of int to (h, w) or (h, w, c) float32
-        Values per pixel of photo `index`, of the photo's size.
+    photos : n photos of one size
+    elevations : n of (h, w) float32
+        Sine of each pixel's elevation (:func:`.elevation_map`), NaN where it is not known.
+    size : (height, width)
+        Of the views.
+    rng : numpy Generator
+        All choices come from it.
+    device : str
+        Of the result, and what kornia computes on.
 
     Returns
     -------
-    image, labels, map
-        The map is float32 and NaN where the view reaches beyond the photo.
+    images : (n, 3, height, width) float32 sRGB in [0, 1]
+    elevations : (n, height, width) float32
+        NaN where unknown, also where the view reaches beyond the photo.
+    labels : (n, height, width) int64
+        255 (ignore) where the view reaches beyond the photo.
     """
-    warp = random_warp(photos[index].labels.shape, size, rng)
-    image, labels = warp.image(photos[index].image), warp.labels(photos[index].labels)
-    return *_changed(photos, image, labels, rng), warp.values(maps[index])
+    images = torch.stack([to_tensor(_other_surfaces(photo, rng)) for photo in photos])
+    labels = torch.from_numpy(np.stack([photo.labels for photo in photos])).float()
+    sines = torch.from_numpy(np.stack(elevations))
+    # Kornia fills with 0: labels are moved up by one and sines by two, so that 0 is free.
+    masks = torch.stack([(labels + 1) % 256, torch.nan_to_num(sines + 2, nan=0.0)], dim=1)
+    images, masks = images.to(device), masks.to(device)
+    with torch.random.fork_rng(), torch.autocast(images.device.type, enabled=False):
+        torch.manual_seed(int(rng.integers(2**62)))
+        images, masks = _shape(size)(images, masks)
+        labels = torch.where(masks[:, 0] == 0, IGNORE, masks[:, 0] - 1)
+        sines = torch.where(masks[:, 1] == 0, torch.nan, masks[:, 1] - 2)
+        images, labels = _look()(images, labels)
+    return images.clamp(0, 1), sines, labels.reshape(sines.shape).long()
 
 
-def _changed(
-    photos: Sequence[LabelledPhoto], image: Array, labels: Array, rng: np.random.Generator
-) -> tuple[Array, Array]:
-    """Return a view after all that changes its look or puts something in front."""
-    if rng.random() < 0.35:
-        image = recolour_labels(image, labels, rng)
-    if rng.random() < 0.35:
-        image = retexture(image, labels, rng)
-    if rng.random() < 0.35:
-        donor = random_view(photos[int(rng.integers(len(photos)))], labels.shape, rng)
-        image, labels = paste_thing(image, labels, *donor, rng)
-    if rng.random() < 0.25:
-        image, labels = paste_patches(image, labels, rng)
-    if rng.random() < 0.25:
-        image = sun_and_shade(image, labels, rng)
-    return camera_effects(image, rng), labels
-
-
-def random_view(
-    photo: LabelledPhoto, size: tuple[int, int], rng: np.random.Generator
-) -> tuple[Array, Array]:
-    """Return a random view (see `random_warp`); labels outside the photo are ignore."""
-    warp = random_warp(photo.labels.shape, size, rng)
-    return warp.image(photo.image), warp.labels(photo.labels)
-
-
-def paste_thing(
-    image: Array, labels: Array, donor: Array, donor_labels: Array, rng: np.random.Generator
-) -> tuple[Array, Array]:
-    """Return the photo with one connected thing of another photo in front, labelled other."""
-    count, parts, stats, _ = cv2.connectedComponentsWithStats((donor_labels == OTHER).astype("u1"))
-    area = stats[1:, cv2.CC_STAT_AREA] / labels.size
-    fitting = np.flatnonzero((area > 0.004) & (area < 0.35)) + 1
-    if count < 2 or not len(fitting):
-        return image, labels
-    mask = parts == rng.choice(fitting)
-    shift = np.array([[1, 0, rng.normal(0, 0.2) * mask.shape[1]], [0, 1, 0]], np.float32)
-    size = (mask.shape[1], mask.shape[0])
-    mask = cv2.warpAffine(mask.astype("u1"), shift, size, flags=cv2.INTER_NEAREST) > 0
-    moved = cv2.warpAffine(donor, shift, size)
-    gain = np.exp(rng.normal(0, 0.2, 3))
-    image, labels = image.copy(), labels.copy()
-    image[mask] = np.clip(moved[mask] * gain, 0, 255)
-    labels[mask] = OTHER
-    return image, labels
-
-
-def paste_patches(image: Array, labels: Array, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Return the photo with up to three flat, striped or textured shapes, labelled other."""
-    image, labels = image.copy(), labels.copy()
-    height, width = labels.shape
-    for _ in range(int(rng.integers(1, 4))):
-        mask = np.zeros_like(labels)
-        centre = (int(rng.uniform(0, width)), int(rng.uniform(0, height)))
-        axes = (int(width * rng.uniform(0.02, 0.16)), int(height * rng.uniform(0.03, 0.2)))
-        if rng.random() < 0.3:
-            cv2.ellipse(mask, centre, axes, rng.uniform(0, 180), 0, 360, 1, -1)
-        else:
-            turn = rng.choice([0.0, rng.normal(0, 15)])
-            box = cv2.boxPoints((centre, (2 * axes[0], 2 * axes[1]), turn))
-            skew = rng.normal(0, 0.12, (4, 2)) * axes
-            cv2.fillConvexPoly(mask, (box + skew).astype(np.int32), 1)
-        rows, columns = np.nonzero(mask)
-        image[rows, columns] = np.clip(_fill(rows, columns, rng), 0, 255)
-        labels[rows, columns] = OTHER
-    return image, labels
-
-
-def _fill(rows: Array, columns: Array, rng: np.random.Generator) -> Array:
-    """Return (n, 3) colours of a patch: waves on a plain ground, or a tile."""
-    light = 1 + rng.normal(0, 0.002) * (rows - rows.mean() if len(rows) else rows)
-    if rng.random() < 0.5:
-        wave = np.sin(columns * rng.uniform(0.02, 1.2)) * rng.uniform(0, 30)
-        return np.asarray((palette(rng, 1) + wave[:, None]) * light[:, None])
-    tiles = surface_tiles()
-    tile = tiles[int(rng.integers(len(tiles)))]
-    step = np.exp(rng.uniform(-0.5, 1.0))
-    side = tile.shape[0]
-    texel = tile[(rows * step).astype(int) % side, (columns * step).astype(int) % side]
-    return np.asarray(texel * light[:, None])
+def _other_surfaces(photo: LabelledPhoto, rng: np.random.Generator) -> np.ndarray:
+    """Return the photo (h, w, 3) uint8, at times with its surfaces of other looks."""
+    image = photo.image
+    if rng.random() < RECOLOUR:
+        image = recolour_labels(image, photo.labels, rng)
+    if rng.random() < RETEXTURE:
+        image = retexture(image, photo.labels, rng)
+    return image

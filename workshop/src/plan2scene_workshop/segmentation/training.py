@@ -15,8 +15,8 @@ from torch.nn import functional as F
 from plan2scene.photos.camera.calibration import Camera, estimate_camera
 from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.palette import IGNORE, LABELS
-from plan2scene.photos.labels.segmentation import SegmentationNet, Segmenter, to_tensor
-from plan2scene_workshop.segmentation.augment import training_sample_with_map
+from plan2scene.photos.labels.segmentation import SegmentationNet, Segmenter
+from plan2scene_workshop.segmentation.augment import training_batch
 from plan2scene_workshop.segmentation.data import (
     LabelledPhoto,
     Scores,
@@ -30,6 +30,7 @@ from plan2scene_workshop.training.loop import (
     Trainer,
     TrainerOptions,
     best_device,
+    cosine,
 )
 
 
@@ -79,9 +80,9 @@ def evaluate(
 def train_network(
     network: SegmentationNet,
     photos: Sequence[LabelledPhoto],
-    scenes: Sequence[LabelledPhoto],
     held_out: Sequence[LabelledPhoto],
     settings: SegmentationSettings,
+    *,
     seed: int,
     checkpoint: Path | None = None,
 ) -> Trained[SegmentationNet]:
@@ -122,7 +123,7 @@ def train_network(
     trainer = Trainer(
         network,
         loss,
-        torch.optim.AdamW(groups, lr=settings.learning_rate),
+        optimiser,
         options,
         evaluate=lambda network: evaluate(network, held_out, cameras).mean_iou,
         run=(settings, digest(photos)),
@@ -151,15 +152,10 @@ def draw_batch(
     """
     short = round(long * 0.75 / 32) * 32
     size = [(short, long), (long, short), (short, short)][rng.choice(3, p=[0.65, 0.2, 0.15])]
-    samples = []
-    for index in rng.integers(len(photos), size=settings.batch):
-        told = {index: told_elevation(photos[index], settings, rng)}
-        samples.append(training_sample_with_map(photos, told, index, size, rng))
-    images = torch.stack([to_tensor(image) for image, _, _ in samples]).to(device)
-    labels = torch.from_numpy(np.stack([labels for _, labels, _ in samples]).astype(np.int64))
-    elevations = torch.from_numpy(np.stack([elevation for _, _, elevation in samples]))
-    images = images.contiguous(memory_format=torch.channels_last)
-    return images, elevations.to(device), labels.to(device)
+    chosen = [photos[index] for index in rng.integers(len(photos), size=settings.batch)]
+    told = [told_elevation(photo, settings, rng) for photo in chosen]
+    images, elevations, labels = training_batch(chosen, told, size, rng, device)
+    return images.contiguous(memory_format=torch.channels_last), elevations, labels
 
 
 def told_elevation(
