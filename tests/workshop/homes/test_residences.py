@@ -13,6 +13,7 @@ import pytest
 
 from plan2scene.datasets import read_house_table, read_unobserved
 from plan2scene.floorplans import read_scene_json, validate_house
+from plan2scene.house import House
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene.photos.labels.palette import read_label_png
@@ -37,12 +38,19 @@ def fake_render(house, materials, accents, views, seed, *, height, width, **_) -
         yield RenderedPhoto(view, image, labels, planes, camera)
 
 
-@pytest.fixture
-def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(residences, "render_house", fake_render)
-    small = partial(assign_materials, size_px=64)
-    monkeypatch.setattr(residences, "assign_materials", small)
-    return tmp_path
+@pytest.fixture(autouse=True, scope="module")
+def _small_and_unrendered() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(residences, "render_house", fake_render)
+        patch.setattr(residences, "assign_materials", partial(assign_materials, size_px=64))
+        yield
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, House]:
+    """A data set with one house, and the house."""
+    root = tmp_path_factory.mktemp("residence")
+    return root, residences.write_residence(root, "home_1", "val", 3, options=OPTIONS)
 
 
 def digest(folder: Path) -> dict[str, str]:
@@ -54,8 +62,8 @@ def digest(folder: Path) -> dict[str, str]:
     }
 
 
-def test_a_house_has_plan_photos_and_truth(root: Path) -> None:
-    house = residences.write_residence(root, "home_1", "val", 3, options=OPTIONS)
+def test_a_house_has_plan_photos_and_truth(written: tuple[Path, House]) -> None:
+    root, house = written
     again = read_scene_json(root / "archs_no_objects/val/home_1.scene.json", "home_1")
     assert validate_house(again) == []
     assert again.rooms == house.rooms
@@ -81,29 +89,34 @@ def test_a_house_has_plan_photos_and_truth(root: Path) -> None:
         assert materials[f"{key.room_id}/{key.surface}"]["size_m"] > 0.1
 
 
-def test_same_seed_same_bytes_and_stale_photos_go(root: Path) -> None:
-    residences.write_residence(root / "a", "home_1", "val", 3, options=OPTIONS)
-    first = digest(root / "a")
-    (root / "a/photos/home_1_77.jpg").write_bytes(b"old")
-    residences.write_residence(root / "a", "home_1", "val", 3, options=OPTIONS)
-    assert digest(root / "a") == first
+def test_same_seed_same_bytes_and_stale_photos_go(
+    written: tuple[Path, House], tmp_path: Path
+) -> None:
+    (tmp_path / "photos").mkdir()
+    (tmp_path / "photos/home_1_77.jpg").write_bytes(b"old")
+    residences.write_residence(tmp_path, "home_1", "val", 3, options=OPTIONS)
+    assert digest(tmp_path) == digest(written[0])
 
 
-def test_random_rooms_differ_and_the_others_stay_as_they_were(root: Path) -> None:
-    found = []
-    for share in (0.0, 0.5):
-        options = replace(OPTIONS, random_room_share=share)
-        house = residences.write_residence(root / str(share), "home_1", "val", 3, options=options)
-        truth = root / str(share) / "truth/val/home_1"
-        found.append((read_json(truth / "materials.json"), read_json(truth / "cameras.json")))
+def test_random_rooms_differ_and_the_others_stay_as_they_were(
+    written: tuple[Path, House], tmp_path: Path
+) -> None:
+    usual, house = written
+    options = replace(OPTIONS, random_room_share=0.5)
+    residences.write_residence(tmp_path, "home_1", "val", 3, options=options)
     random_rooms = draw_random_rooms(house, 0.5, 3)
     assert 0 < len(random_rooms) < len(house.rooms)
-    for name, material in found[0][0].items():
-        assert (found[1][0][name] == material) == (name.split("/")[0] not in random_rooms), name
-    pairs = [(a, found[1][1][name]) for name, a in found[0][1].items()]
-    assert {a["room_id"] in random_rooms for a, _ in pairs} == {True, False}
-    for usual, other in pairs:
-        assert (usual["rotation"] == other["rotation"]) == (usual["room_id"] not in random_rooms)
+
+    def pairs(name: str) -> list[tuple]:
+        before, after = (read_json(root / "truth/val/home_1" / name) for root in (usual, tmp_path))
+        return [(key, before[key], after[key]) for key in before]
+
+    for key, before, after in pairs("materials.json"):
+        assert (before == after) == (key.split("/")[0] not in random_rooms), key
+    cameras = pairs("cameras.json")
+    assert {before["room_id"] in random_rooms for _, before, _ in cameras} == {True, False}
+    for _, before, after in cameras:
+        assert (before == after) == (before["room_id"] not in random_rooms)
 
 
 def test_hidden_rooms_follow_their_share() -> None:
@@ -121,7 +134,8 @@ def test_hidden_rooms_follow_their_share() -> None:
     assert closets <= 3
 
 
-def test_index_lists_houses_and_hides_nested_shares(root: Path) -> None:
+def test_index_lists_houses_and_hides_nested_shares(tmp_path: Path) -> None:
+    root = tmp_path
     names = residences.residence_names("home", {"train": 2, "val": 1, "test": 0})
     assert names == {"home_train_000": "train", "home_train_001": "train", "home_val_000": "val"}
     for house, split in names.items():
