@@ -75,12 +75,12 @@ def _tiny() -> SegmentationNet:
 
 def test_training_learns_what_colours_tell() -> None:
     settings = SegmentationSettings(
-        batch=4, small=64, long_side=64, steps=30, learning_rate=1e-2, evaluate_every=10
+        batch=4, small=64, long_side=64, steps=30, learning_rate=1e-2, evaluate_every=15
     )
     photos = [_striped(k) for k in range(12)]
     held_out = [_striped(k) for k in range(100, 104)]
     trained = train_network(_tiny(), photos, held_out, settings, seed=0)
-    assert trained.step in (10, 20, 30)
+    assert trained.step in (15, 30)
     assert trained.score > 0.4  # the commonest label alone gives under 0.15
 
 

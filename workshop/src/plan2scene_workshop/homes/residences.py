@@ -62,37 +62,17 @@ LEAST_PHOTO_WIDTH = 1.0
 
 @dataclass(frozen=True)
 class ResidenceOptions:
-    """How a synthetic house is photographed and stored.
+    """How a synthetic house is photographed and stored."""
 
-    Attributes
-    ----------
-    photo_count : (int, int)
-        Range of photos per house.
-    hidden_room_share : float
-        Share of rooms without any photo.
-    height, width : int
-        Photo size in pixels.
-    samples_per_pixel : int
-        Light paths per pixel of the renderer.
-    jpeg_quality : (int, int)
-        Range of JPEG qualities, drawn per photo.
-    tile_px : int
-        Side of the albedo tiles in truth/.
-    random_room_share : float
-        Share of rooms that are unlike those of listings (:mod:`.rendering.randomised`).
-    variant : str or None
-        Mitsuba variant; the first that works when None.
-    """
-
-    photo_count: tuple[int, int] = (4, 8)
-    hidden_room_share: float = 0.4
-    height: int = 480
+    photo_count: tuple[int, int] = (4, 8)  #: range of photos per house
+    hidden_room_share: float = 0.4  #: of the rooms, those without any photo
+    height: int = 480  #: of a photo, pixels
     width: int = 640
-    samples_per_pixel: int = 16
-    jpeg_quality: tuple[int, int] = (78, 92)
-    tile_px: int = 256
-    random_room_share: float = 0.0
-    variant: str | None = None
+    samples_per_pixel: int = 16  #: light paths of the renderer
+    jpeg_quality: tuple[int, int] = (78, 92)  #: range, drawn per photo
+    tile_px: int = 256  #: side of the albedo tiles in truth/
+    random_room_share: float = 0.0  #: of the rooms, those unlike listings' (rendering.randomised)
+    variant: str | None = None  #: of Mitsuba; the first that works when None
 
 
 def residence_names(prefix: str, counts: Mapping[str, int]) -> dict[str, str]:

@@ -1,6 +1,6 @@
 """Photos of synthetic houses by path tracing, with labels, planes and cameras as truth.
 
-Mitsuba 3 (the extra `render`) is imported only when something is rendered.
+Mitsuba 3 (the extra `workshop`) is imported only when something is rendered.
 """
 
 from __future__ import annotations

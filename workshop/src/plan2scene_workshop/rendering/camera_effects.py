@@ -18,39 +18,18 @@ _LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 
 @dataclass(frozen=True)
 class CameraStyle:
-    """What one shot does to the light.
+    """What one shot does to the light."""
 
-    Attributes
-    ----------
-    exposure_stops : float
-        Bias of the automatic exposure.
-    balance : (3,) float
-        Gains left over by the automatic white balance, near 1.
-    cast_left : float
-        Share in [0, 1] of the illuminant's colour that the white balance leaves in.
-    shoulder : float
-        Linear value above which highlights are compressed.
-    contrast : float
-        Exponent about middle grey, near 1.
-    vignette : float
-        Loss of light in the corners, in [0, 1].
-    blur_px : float
-        Standard deviation of the lens blur at 640 px of width.
-    noise : float
-        Standard deviation of the sensor noise at full scale; shot noise grows with the root.
-    range_kept : float
-        Exponent on the light's brightness about its median; below 1 several exposures were
-        merged, as listings do, so that neither corners nor window sides lose their texture.
-    """
-
-    exposure_stops: float
-    balance: tuple[float, float, float]
-    cast_left: float
-    shoulder: float
-    contrast: float
-    vignette: float
-    blur_px: float
-    noise: float
+    exposure_stops: float  #: bias of the automatic exposure
+    balance: tuple[float, float, float]  #: gains left by the automatic white balance, near 1
+    cast_left: float  #: share in [0, 1] of the illuminant's colour that the balance leaves in
+    shoulder: float  #: linear value above which highlights are compressed
+    contrast: float  #: exponent about middle grey, near 1
+    vignette: float  #: loss of light in the corners, in [0, 1]
+    blur_px: float  #: standard deviation of the lens blur at 640 px of width
+    noise: float  #: deviation of the sensor noise at full scale; shot noise grows with the root
+    #: Exponent on the light's brightness about its median; below 1 several exposures were merged,
+    #: as listings do, so that neither corners nor window sides lose their texture.
     range_kept: float
 
 

@@ -32,18 +32,10 @@ PANORAMA_TOP = 0.9
 
 @dataclass(frozen=True)
 class LightPlan:
-    """Light of a photographed room.
+    """Light of a photographed room; colours are linear RGB of mean 1."""
 
-    Attributes
-    ----------
-    sky, lamps : float
-        Radiance of the windows, and the strength of the lamps (1 lights a room well alone).
-    sky_colour, lamp_colour : (3,) float
-        Linear RGB, mean 1.
-    """
-
-    sky: float
-    lamps: float
+    sky: float  #: radiance of the windows
+    lamps: float  #: strength of the lamps; 1 lights a room well alone
     sky_colour: tuple[float, float, float]
     lamp_colour: tuple[float, float, float]
 

@@ -1,6 +1,6 @@
 """Renders a loaded scene with Mitsuba 3: radiance, guides and truth of one camera.
 
-Mitsuba is imported here only, and only when something is rendered (the optional extra `render`).
+Mitsuba is imported here only, and only when something is rendered (the extra `workshop`).
 """
 
 from __future__ import annotations
@@ -24,27 +24,14 @@ PATH_DEPTH, ROULETTE_DEPTH = 5, 3
 
 @dataclass(frozen=True)
 class Finish:
-    """How a mesh looks: a tile or a colour per face, and how rough it is.
+    """How a mesh looks: a tile or a colour per face, and how rough it is."""
 
-    Attributes
-    ----------
-    tile : (h, w, 3) uint8 sRGB or None
-        None: the colour of each face.
-    size_m : float
-        Metres that one tile covers.
-    roughness : float
-        In [0, 1]; at 1 the finish is plain diffuse.
-    metallic : bool
-        Metal and mirrors.
-    emission : float or None
-        Radiance of an emitter, coloured by `light` (linear RGB) alone: a textured emitter
-        would be sampled by its texture, which fails for metric coordinates.
-    """
-
-    tile: NDArray[np.uint8] | None = None
-    size_m: float = 1.0
-    roughness: float = 0.6
-    metallic: bool = False
+    tile: NDArray[np.uint8] | None = None  #: (h, w, 3) sRGB; None: the colour of each face
+    size_m: float = 1.0  #: metres that one tile covers
+    roughness: float = 0.6  #: in [0, 1]; at 1 the finish is plain diffuse
+    metallic: bool = False  #: metal and mirrors
+    #: Radiance of an emitter, coloured by `light` (linear RGB) alone: a textured emitter would be
+    #: sampled by its texture, which fails for metric coordinates.
     emission: float | None = None
     light: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
@@ -93,7 +80,7 @@ def load_mitsuba(variant: str | None = None) -> Any:
         mi = importlib.import_module("mitsuba")
     except ImportError as error:
         raise InputError(
-            "Mitsuba 3 (pip install 'plan2scene[render]')", f"no module ({error})"
+            "Mitsuba 3 (pip install 'plan2scene[workshop]')", f"no module ({error})"
         ) from error
     names = (variant,) if variant else VARIANTS
     failures = []
