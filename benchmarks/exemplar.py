@@ -130,11 +130,12 @@ def exemplar_method(crops: Sequence[DegradedCrop], known: bool) -> np.ndarray:
 
 def decoders() -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
     """Return the methods that decode, with the shipped models."""
+    from plan2scene.colour import clipped_share
     from plan2scene.textures.constrained import even_crop, match_statistics
     from plan2scene.textures.model.embedding import embed_crops
     from plan2scene.textures.model.network import load_texture_model
     from plan2scene.textures.model.synthesis import decode_textures
-    from plan2scene.textures.selection import clipped_share, surface_embedding
+    from plan2scene.textures.selection import surface_embedding
     from plan2scene.weights import MODELS
 
     model = load_texture_model(MODELS / "texture.safetensors")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from plan2scene.colour import clipped_share
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import image_from_bytes
@@ -127,12 +128,6 @@ def surface_embedding(
     return index, embedding
 
 
-def clipped_share(image: np.ndarray) -> float:
-    """Return the share of pixels of an (h, w, 3) uint8 crop that are burned out or pitch black."""
-    brightest = image.max(axis=2)
-    return float(((image.min(axis=2) >= 250) | (brightest <= 5)).mean())
-
-
 def best_crop(textureness: np.ndarray, clipped: np.ndarray) -> int:
     """Return the index of the least textureness score, the first of equals.
 
@@ -141,7 +136,7 @@ def best_crop(textureness: np.ndarray, clipped: np.ndarray) -> int:
     textureness : (n,) float
         NaN counts as the worst. ValueError without any.
     clipped : (n,) float
-        Shares of :func:`clipped_share`. A burned-out crop is flat, so it scores well and shows
+        Shares of clipped pixels. A burned-out crop is flat, so it scores well and shows
         nothing: those above a quarter lose against all others.
     """
     if not len(textureness):

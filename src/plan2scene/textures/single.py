@@ -77,12 +77,13 @@ def tile_from_crops(
 
 def _decoded(crops: np.ndarray, method: str, size_px: int, seed: int, models: Path) -> np.ndarray:
     """Return the tile that the texture model of a method decodes; periodic by construction."""
+    from plan2scene.colour import clipped_share
     from plan2scene.textures.constrained import even_crop, match_statistics
     from plan2scene.textures.model.embedding import embed_crops
     from plan2scene.textures.model.network import load_texture_model
     from plan2scene.textures.model.synthesis import decode_textures
     from plan2scene.textures.seams import make_seamless
-    from plan2scene.textures.selection import clipped_share, surface_embedding
+    from plan2scene.textures.selection import surface_embedding
 
     name = "naivesynth" if method == "naivesynth" else "texture"
     model = load_texture_model(models / f"{name}.safetensors")

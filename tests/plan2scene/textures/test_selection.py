@@ -9,7 +9,6 @@ from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.textures.selection import (
     best_crop,
-    clipped_share,
     select_surfaces,
     surface_embedding,
 )
@@ -118,11 +117,3 @@ def test_all_crops_that_are_not_burned_out_give_the_colour() -> None:
     _, burned = surface_embedding(codes, scores, np.full(4, 0.9))
     assert burned[8:].tolist() == np.median(codes[:, 8:], axis=0).tolist()
     assert codes[1, 8] == 19.0  # the crops' own are left alone
-
-
-def test_clipped_share() -> None:
-    image = np.full((4, 4, 3), 128, np.uint8)
-    image[0] = 255
-    image[1, 0] = 0
-    image[2] = (255, 20, 20)  # a strong colour is not burned out
-    assert clipped_share(image) == 5 / 16

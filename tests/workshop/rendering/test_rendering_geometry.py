@@ -9,6 +9,7 @@ import pytest
 import shapely
 from PIL import Image
 
+from plan2scene.colour import linear_to_srgb
 from plan2scene.errors import InputError
 from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene_workshop.rendering import encode_jpeg, plan_views, randomised
@@ -16,7 +17,6 @@ from plan2scene_workshop.rendering.camera_effects import (
     CameraStyle,
     develop,
     draw_style,
-    encode_srgb,
 )
 from plan2scene_workshop.rendering.denoise import filter_light, upsample
 from plan2scene_workshop.rendering.furniture import ALONG_WALLS, STANDING_FREE, furnish_room
@@ -191,7 +191,7 @@ def test_development_is_unbiased_in_even_light() -> None:
     style = CameraStyle(0.0, (1.0, 1.0, 1.0), 0.0, 0.8, 1.0, 0.0, 0.2, 0.0, 1.0)
     warm = albedo * np.array([5.0, 4.0, 3.0], np.float32)
     photo = develop(warm, albedo, style, np.random.default_rng(0))
-    expected = encode_srgb(albedo)
+    expected = linear_to_srgb(albedo)
     ratio = photo.astype(float) / 255 / expected
     assert ratio.std() < 0.01  # the warm light is balanced away, channels keep their relation
     assert 0.8 < ratio.mean() < 1.2

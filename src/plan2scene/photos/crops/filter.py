@@ -13,7 +13,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from plan2scene.colour import rgb_to_lab, srgb_to_linear
+from plan2scene.colour import clipped_share, rgb_to_lab, srgb_to_linear
 from plan2scene.photos.crops.sampling import GRAVE, Candidate, Crop, Judge, Verdict
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane
@@ -26,8 +26,6 @@ BLIND_MARGIN_SHARE = 0.025
 EDGE_GRADIENT = 6.0
 #: Largest share of burned out or black pixels of a window.
 CLIPPED_SHARE = 0.001
-#: A pixel is clipped when its least channel is at or above, or its greatest at or below this.
-CLIPPED_LEVELS = (2, 249)
 #: Things that stand out are looked for among the mean colours of a crop's blocks, small and large:
 #: blocks along a side, weight of L*, least distance of an outlier (L*a*b*), multiple of the blocks'
 #: own spread that is added to it, and the sum of distances, in outliers just beyond, of a thing.
@@ -158,12 +156,6 @@ def image_faults(image: np.ndarray) -> list[str]:
     if step is not None and step not in faults:
         faults.append(step)
     return faults
-
-
-def clipped_share(image: np.ndarray) -> float:
-    """Return the share of burned out or black pixels."""
-    low, high = CLIPPED_LEVELS
-    return float(((image.min(axis=2) >= high) | (image.max(axis=2) <= low)).mean())
 
 
 def has_object(image: np.ndarray) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from plan2scene.colour import as_uint8, delta_e_2000, median_colour, rgb_to_lab
+from plan2scene.colour import as_uint8, clipped_share, delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.textures.exemplar.light import flatten, highlights
 from plan2scene.textures.exemplar.quilt import quilt
 from plan2scene.textures.exemplar.straighten import find_pattern, straightened
@@ -78,17 +78,12 @@ class Exemplar:
     period_m: tuple[float, float]
 
 
-def spoiled_share(image: np.ndarray) -> float:
-    """Return the share of an (h, w, 3) uint8 crop that is burned out or pitch black."""
-    return float(((image.min(axis=2) >= 252) | (image.max(axis=2) <= 4)).mean())
-
-
 def usable(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
     """Return the crops that show a texture: neither burned out nor enlarged beyond use."""
     return [
         crop
         for crop in crops
-        if not crop.sharpness < _LEAST_SHARP and spoiled_share(crop.image) < _MOST_SPOILED
+        if not crop.sharpness < _LEAST_SHARP and clipped_share(crop.image) < _MOST_SPOILED
     ]
 
 

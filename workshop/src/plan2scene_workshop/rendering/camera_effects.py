@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PillowImage
 
+from plan2scene.colour import as_uint8, linear_to_srgb
 from plan2scene_workshop.rendering.denoise import MIN_ALBEDO
 
 Image = NDArray[np.float32]
@@ -73,7 +74,7 @@ def develop(
     noise = rng.standard_normal(image.shape, dtype=np.float32)
     image = image + noise * style.noise * np.sqrt(np.maximum(image, 0) + 0.02)
     image = tone(np.maximum(image, 0), style)
-    return (encode_srgb(image) * 255 + 0.5).astype(np.uint8)
+    return as_uint8(linear_to_srgb(image))
 
 
 def merge_exposures(light: Image, lit: NDArray[np.bool_], kept: float) -> Image:
@@ -123,13 +124,6 @@ def tone(image: Image, style: CameraStyle) -> Image:
     over = np.maximum(image - start, 0) / (1 - start)
     rolled = start + (1 - start) * (1 - np.exp(-over))
     return np.where(image > start, rolled, image).astype(np.float32)
-
-
-def encode_srgb(linear: Image) -> Image:
-    """Return sRGB values in [0, 1] of linear values in [0, 1]."""
-    linear = np.clip(linear, 0, 1)
-    high = 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055
-    return np.where(linear <= 0.0031308, 12.92 * linear, high).astype(np.float32)
 
 
 def encode_jpeg(image: NDArray[np.uint8], quality: int) -> bytes:
