@@ -143,7 +143,7 @@ def _convert_inception(
     state: dict[str, torch.Tensor], checkpoint: str | Path, output: str | Path
 ) -> None:
     """Write InceptionV3 without its classes, whose number says which variant it is."""
-    from plan2scene.metrics.inception import NETWORK, VARIANTS, InceptionV3
+    from plan2scene.metrics.inception import VARIANTS, InceptionV3
 
     classes = next((len(v) for name, v in state.items() if name.endswith("fc.bias")), None)
     if classes not in VARIANTS:
@@ -158,5 +158,5 @@ def _convert_inception(
         checkpoint,
         dropped=("fc.", "AuxLogits."),
     )
-    architecture = {"network": NETWORK, "variant": VARIANTS[classes], "divisor": 1}
+    architecture = {"network": "inception", "variant": VARIANTS[classes], "divisor": 1}
     save_model_file(output, fitted, architecture, half=False)

@@ -7,154 +7,93 @@ The names of tensors are those of torchvision's ``inception_v3``, which both fil
                  average pools leave the border out, its last block takes a maximum instead, and
                  images are resized as TensorFlow 1 did.
 ``torchvision``  torchvision's weights of 1000 classes. Not the published FID's network.
+
+Written here since torchvision's wheel (and torch-fidelity, which imports it) does not load beside
+another build of torch than its own (``operator torchvision::nms does not exist``).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
+from collections import OrderedDict
 
-import numpy as np
 import torch
 from torch import nn
 from torch.nn import functional
 
-from plan2scene.errors import InputError
-from plan2scene.images import metric_image
-from plan2scene.weights import load_model_file
-
-#: Name in column names, and of the network in weight files.
-NETWORK = "inception"
 #: Variant by the number of classes in a checkpoint.
 VARIANTS = {1008: "tensorflow", 1000: "torchvision"}
-#: Length of a feature vector.
-FEATURE_DIM = 2048
 _SIDE = 299
-_BATCH = 16
-#: A convolution: name, output channels, kernel and stride (1 keeps the size, 2 pads nothing); a
-#: pooling by its name; several convolutions of one input side by side.
-_Conv = tuple[str, int, int | tuple[int, int], int]
-_Step = str | _Conv | tuple[_Conv, ...]
+# A block is a line per branch, a branch its steps in order. A convolution is its name, its output
+# channels and its kernel, which keeps the size unless its stride is written; "+" sets convolutions
+# of one input side by side. "max/2" and the averages and maxima of a block are 3x3 pools.
+_STEM = """
+Conv2d_1a_3x3 32 3x3/2, Conv2d_2a_3x3 32 3x3/1, Conv2d_2b_3x3 64 3x3, max/2, \
+Conv2d_3b_1x1 80 1x1, Conv2d_4a_3x3 192 3x3/1, max/2
+"""
+_A = """
+branch1x1 64 1x1
+branch5x5_1 48 1x1, branch5x5_2 64 5x5
+branch3x3dbl_1 64 1x1, branch3x3dbl_2 96 3x3, branch3x3dbl_3 96 3x3
+average, branch_pool {} 1x1
+"""
+_B = """
+branch3x3 384 3x3/2
+branch3x3dbl_1 64 1x1, branch3x3dbl_2 96 3x3, branch3x3dbl_3 96 3x3/2
+max/2
+"""
+_C = """
+branch1x1 192 1x1
+branch7x7_1 {0} 1x1, branch7x7_2 {0} 1x7, branch7x7_3 192 7x1
+branch7x7dbl_1 {0} 1x1, branch7x7dbl_2 {0} 7x1, branch7x7dbl_3 {0} 1x7, \
+branch7x7dbl_4 {0} 7x1, branch7x7dbl_5 192 1x7
+average, branch_pool 192 1x1
+"""
+_D = """
+branch3x3_1 192 1x1, branch3x3_2 320 3x3/2
+branch7x7x3_1 192 1x1, branch7x7x3_2 192 1x7, branch7x7x3_3 192 7x1, branch7x7x3_4 192 3x3/2
+max/2
+"""
+_E = """
+branch1x1 320 1x1
+branch3x3_1 384 1x1, branch3x3_2a 384 1x3 + branch3x3_2b 384 3x1
+branch3x3dbl_1 448 1x1, branch3x3dbl_2 384 3x3, branch3x3dbl_3a 384 1x3 + branch3x3dbl_3b 384 3x1
+{}, branch_pool 192 1x1
+"""
+_BLOCKS = {
+    **{"5b": _A.format(32), "5c": _A.format(64), "5d": _A.format(64), "6a": _B},
+    **{"6b": _C.format(128), "6c": _C.format(160), "6d": _C.format(160), "6e": _C.format(192)},
+    **{"7a": _D, "7b": _E.format("average"), "7c": _E},
+}
 
 
-def _block_a(pooled: int) -> tuple[tuple[_Step, ...], ...]:
-    return (
-        (("branch1x1", 64, 1, 1),),
-        (("branch5x5_1", 48, 1, 1), ("branch5x5_2", 64, 5, 1)),
-        (
-            ("branch3x3dbl_1", 64, 1, 1),
-            ("branch3x3dbl_2", 96, 3, 1),
-            ("branch3x3dbl_3", 96, 3, 1),
-        ),
-        ("average", ("branch_pool", pooled, 1, 1)),
-    )
-
-
-def _block_c(width: int) -> tuple[tuple[_Step, ...], ...]:
-    return (
-        (("branch1x1", 192, 1, 1),),
-        (
-            ("branch7x7_1", width, 1, 1),
-            ("branch7x7_2", width, (1, 7), 1),
-            ("branch7x7_3", 192, (7, 1), 1),
-        ),
-        (
-            ("branch7x7dbl_1", width, 1, 1),
-            ("branch7x7dbl_2", width, (7, 1), 1),
-            ("branch7x7dbl_3", width, (1, 7), 1),
-            ("branch7x7dbl_4", width, (7, 1), 1),
-            ("branch7x7dbl_5", 192, (1, 7), 1),
-        ),
-        ("average", ("branch_pool", 192, 1, 1)),
-    )
-
-
-def _block_e(pool: str) -> tuple[tuple[_Step, ...], ...]:
-    return (
-        (("branch1x1", 320, 1, 1),),
-        (
-            ("branch3x3_1", 384, 1, 1),
-            (("branch3x3_2a", 384, (1, 3), 1), ("branch3x3_2b", 384, (3, 1), 1)),
-        ),
-        (
-            ("branch3x3dbl_1", 448, 1, 1),
-            ("branch3x3dbl_2", 384, 3, 1),
-            (("branch3x3dbl_3a", 384, (1, 3), 1), ("branch3x3dbl_3b", 384, (3, 1), 1)),
-        ),
-        (pool, ("branch_pool", 192, 1, 1)),
-    )
-
-
-_BLOCK_B: tuple[tuple[_Step, ...], ...] = (
-    (("branch3x3", 384, 3, 2),),
-    (("branch3x3dbl_1", 64, 1, 1), ("branch3x3dbl_2", 96, 3, 1), ("branch3x3dbl_3", 96, 3, 2)),
-    ("halve",),
-)
-_BLOCK_D: tuple[tuple[_Step, ...], ...] = (
-    (("branch3x3_1", 192, 1, 1), ("branch3x3_2", 320, 3, 2)),
-    (
-        ("branch7x7x3_1", 192, 1, 1),
-        ("branch7x7x3_2", 192, (1, 7), 1),
-        ("branch7x7x3_3", 192, (7, 1), 1),
-        ("branch7x7x3_4", 192, 3, 2),
-    ),
-    ("halve",),
-)
-
-
-#: Before the blocks: name, output channels, kernel, stride, whether borders are padded.
-_STEM: tuple[tuple[str, int, int, int, bool], ...] = (
-    ("1a_3x3", 32, 3, 2, False),
-    ("2a_3x3", 32, 3, 1, False),
-    ("2b_3x3", 64, 3, 1, True),
-    ("halve", 64, 3, 2, False),
-    ("3b_1x1", 80, 1, 1, False),
-    ("4a_3x3", 192, 3, 1, False),
-    ("halve", 192, 3, 2, False),
-)
-
-
-class _Convolution(nn.Module):
-    """Convolution without bias, batch normalisation, ReLU."""
-
-    def __init__(
-        self, channels: int, out: int, kernel: int | tuple[int, int], stride: int, pad: bool
-    ) -> None:
-        super().__init__()
-        size = (kernel, kernel) if isinstance(kernel, int) else kernel
-        padding = (size[0] // 2, size[1] // 2) if pad else (0, 0)
-        self.conv = nn.Conv2d(channels, out, size, stride, padding, bias=False)
-        self.bn = nn.BatchNorm2d(out, eps=0.001)
-
-    def forward(self, x: torch.Tensor) -> torch.Tensor:
-        return functional.relu(self.bn(self.conv(x)))
+def _convolution(channels: int, out: int, kernel: str) -> nn.Sequential:
+    """Return a convolution without bias, batch normalisation and ReLU; kernel as ``3x3/2``."""
+    shape, _, stride = kernel.partition("/")
+    size = tuple(int(side) for side in shape.split("x"))
+    padding = 0 if stride else tuple(side // 2 for side in size)
+    conv = nn.Conv2d(channels, out, size, int(stride or 1), padding, bias=False)  # type: ignore[arg-type]
+    parts = OrderedDict(conv=conv, bn=nn.BatchNorm2d(out, eps=0.001), relu=nn.ReLU())
+    return nn.Sequential(parts)
 
 
 class _Block(nn.Module):
     """Branches of one input, their maps side by side."""
 
-    def __init__(
-        self,
-        channels: int,
-        branches: tuple[tuple[_Step, ...], ...],
-        divisor: int,
-        *,
-        border_counts: bool,
-    ) -> None:
+    def __init__(self, channels: int, text: str, divisor: int, *, border_counts: bool) -> None:
         super().__init__()
-        self._branches = branches
         self._border_counts = border_counts
+        self._branches: list[list[list[str]]] = []  # branches, steps, convolutions side by side
         self.channels = 0
-        for branch in branches:
-            width = channels
-            for step in branch:
-                if isinstance(step, str):
-                    continue
-                convolutions = _side_by_side(step)
-                for name, out, kernel, stride in convolutions:
-                    part = _Convolution(width, out // divisor, kernel, stride, stride == 1)
-                    self.add_module(name, part)
-                width = sum(out // divisor for _, out, _, _ in convolutions)
+        for line in text.strip().splitlines():
+            width, steps = channels, []
+            for step in line.split(", "):
+                convolutions = [part.split() for part in step.split(" + ")]
+                if len(convolutions[0]) == 3:
+                    for name, out, kernel in convolutions:
+                        self.add_module(name, _convolution(width, int(out) // divisor, kernel))
+                    width = sum(int(out) // divisor for _, out, _ in convolutions)
+                steps.append([name for name, *_ in convolutions])
+            self._branches.append(steps)
             self.channels += width
 
     def forward(self, x: torch.Tensor) -> torch.Tensor:
@@ -162,26 +101,20 @@ class _Block(nn.Module):
         for branch in self._branches:
             maps = x
             for step in branch:
-                maps = self._take(step, maps)
+                maps = torch.cat([self._take(name, maps) for name in step], 1)
             results.append(maps)
         return torch.cat(results, 1)
 
-    def _take(self, step: _Step, maps: torch.Tensor) -> torch.Tensor:
-        if step == "average":
+    def _take(self, name: str, maps: torch.Tensor) -> torch.Tensor:
+        if name == "average":
             counts = self._border_counts
             return functional.avg_pool2d(maps, 3, 1, 1, count_include_pad=counts)
-        if step == "maximum":
+        if name == "maximum":
             return functional.max_pool2d(maps, 3, 1, 1)
-        if isinstance(step, str):
-            return functional.max_pool2d(maps, 3, 2)
-        return torch.cat([self.get_submodule(name)(maps) for name, *_ in _side_by_side(step)], 1)
+        return functional.max_pool2d(maps, 3, 2) if name == "max/2" else getattr(self, name)(maps)
 
 
-def _side_by_side(step: _Conv | tuple[_Conv, ...]) -> tuple[_Conv, ...]:
-    return (step,) if isinstance(step[0], str) else step
-
-
-class InceptionV3(nn.Module):
+class InceptionV3(_Block):
     """The network without its classes.
 
     Parameters
@@ -193,40 +126,26 @@ class InceptionV3(nn.Module):
     """
 
     def __init__(self, variant: str = "tensorflow", divisor: int = 1) -> None:
-        super().__init__()
         if variant not in VARIANTS.values():
             raise ValueError(f"expected one of {tuple(VARIANTS.values())}, found {variant!r}")
+        borders = variant == "torchvision"
+        super().__init__(3, _STEM, divisor, border_counts=borders)
         self.variant = variant
-        channels = 3
-        for name, out, kernel, stride, pad in _STEM:
-            if name != "halve":
-                part = _Convolution(channels, out // divisor, kernel, stride, pad)
-                self.add_module(f"Conv2d_{name}", part)
-                channels = out // divisor
         last = "maximum" if variant == "tensorflow" else "average"
-        blocks = {"5b": _block_a(32), "5c": _block_a(64), "5d": _block_a(64), "6a": _BLOCK_B}
-        blocks |= {f"6{c}": _block_c(w) for c, w in zip("bcde", (128, 160, 160, 192), strict=True)}
-        blocks |= {"7a": _BLOCK_D, "7b": _block_e("average"), "7c": _block_e(last)}
-        self._blocks = [f"Mixed_{name}" for name in blocks]
-        for name, branches in zip(self._blocks, blocks.values(), strict=True):
-            block = _Block(channels, branches, divisor, border_counts=variant == "torchvision")
-            self.add_module(name, block)
-            channels = block.channels
+        for name, text in _BLOCKS.items():
+            block = _Block(self.channels, text.format(last), divisor, border_counts=borders)
+            self.add_module(f"Mixed_{name}", block)
+            self.channels = block.channels
 
     def forward(self, rgb: torch.Tensor) -> torch.Tensor:
-        """Return features (n, 2048 / divisor) of images (n, 3, h, w), RGB integers 0..255."""
-        x = self._input(rgb)
-        for name, *_ in _STEM:
-            if name == "halve":
-                x = functional.max_pool2d(x, 3, 2)
-            else:
-                x = self.get_submodule(f"Conv2d_{name}")(x)
-        for name in self._blocks:
-            x = self.get_submodule(name)(x)
+        """Return features (n, 2048 / divisor) of images (n, 3, h, w), RGB 0..255."""
+        x = super().forward(self._input(rgb))
+        for name in _BLOCKS:
+            x = self.get_submodule(f"Mixed_{name}")(x)
         return x.mean(dim=(2, 3))
 
     def _input(self, rgb: torch.Tensor) -> torch.Tensor:
-        """Return images at 299 pixels, about [-1, 1]."""
+        """Return images at 299 pixels, about [-1, 1], of images (n, 3, h, w), RGB 0..255."""
         if self.variant == "tensorflow":
             return (_resize_tensorflow(_resize_tensorflow(rgb, 2), 3) - 128.0) / 128.0
         size = (_SIDE, _SIDE)
@@ -244,28 +163,3 @@ def _resize_tensorflow(images: torch.Tensor, axis: int) -> torch.Tensor:
     second = (first + 1).clamp(max=size - 1)
     below, above = images.index_select(axis, first), images.index_select(axis, second)
     return below + (above - below) * share
-
-
-def load_inception(path: str | Path) -> InceptionV3:
-    """Return the network of a converted checkpoint, in evaluation mode."""
-    state, architecture = load_model_file(path)
-    if architecture.get("network") != NETWORK:
-        raise InputError("weights of an InceptionV3", str(sorted(architecture)), file=path)
-    with torch.device("meta"):
-        model = InceptionV3(architecture["variant"], architecture["divisor"])
-    try:
-        model.load_state_dict(state, assign=True)
-    except RuntimeError as error:
-        raise InputError("weights that fit an InceptionV3", str(error), file=path) from None
-    return model.eval()
-
-
-def inception_features(model: InceptionV3, images: Sequence[np.ndarray]) -> np.ndarray:
-    """Return (n, d) float32 features of (h, w, 3) uint8 sRGB images, taken at 128 pixels first."""
-    parts = []
-    with torch.inference_mode():
-        for start in range(0, len(images), _BATCH):
-            batch = np.stack([metric_image(image) for image in images[start : start + _BATCH]])
-            rgb = torch.from_numpy(batch).permute(0, 3, 1, 2).float()
-            parts.append(model(rgb).numpy())
-    return np.concatenate(parts) if parts else np.zeros((0, FEATURE_DIM), np.float32)

@@ -12,15 +12,18 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.metrics.features import FEATURE_NETWORK, extract_features, load_features_network
+from plan2scene.images import metric_image
 
-#: Networks by what they give.
-FEATURE_NETWORKS = (FEATURE_NETWORK, "inception")
-SUBSTANCE_NETWORKS = (FEATURE_NETWORK, "vgg16")
+if TYPE_CHECKING:
+    from torch import nn
+
+_BATCH = 8
 
 
 def network_name(path: str | Path) -> str:
@@ -33,7 +36,7 @@ def network_name(path: str | Path) -> str:
     except (SafetensorError, OSError, ValueError) as error:
         raise InputError("a safetensors file", str(error), file=path) from None
     name = header.get("network", FEATURE_NETWORK)
-    if name not in {*FEATURE_NETWORKS, *SUBSTANCE_NETWORKS}:
+    if name not in (FEATURE_NETWORK, "vgg16", "inception"):
         raise InputError("weights of a metric's network", repr(name), file=path)
     return str(name)
 
@@ -42,18 +45,14 @@ def features_of(path: str | Path, images: Sequence[np.ndarray]) -> np.ndarray:
     """Return (n, d) float32 features of (h, w, 3) uint8 sRGB images, d of the network."""
     if network_name(path) == FEATURE_NETWORK:
         return extract_features(load_features_network(path), images)[0]
-    from plan2scene.metrics.inception import inception_features, load_inception
-
-    return inception_features(load_inception(path), images)
+    return _outputs(path, "inception", images)
 
 
 def substances_of(path: str | Path, images: Sequence[np.ndarray]) -> np.ndarray:
     """Return (n,) int64 indices into ``house.SUBSTANCES`` of (h, w, 3) uint8 sRGB images."""
     if network_name(path) == FEATURE_NETWORK:
         return extract_features(load_features_network(path), images)[1]
-    from plan2scene.metrics.vgg import classify_substances, load_vgg_classifier
-
-    return classify_substances(load_vgg_classifier(path), images)
+    return _outputs(path, "vgg16", images).argmax(axis=1)
 
 
 def describe(
@@ -71,3 +70,38 @@ def describe(
         features, classes = extract_features(load_features_network(features_model), images)
         return features[: len(predictions)], classes
     return features_of(features_model, predictions), substances_of(substance_model, images)
+
+
+def _outputs(path: str | Path, network: str, images: Sequence[np.ndarray]) -> np.ndarray:
+    """Return (n, d) float32 of a converted network for images taken at the metrics' 128 pixels."""
+    import torch
+
+    model = load_network(path, network)
+    parts = []
+    with torch.inference_mode():
+        for start in range(0, max(len(images), 1), _BATCH):
+            batch = [metric_image(image) for image in images[start : start + _BATCH]]
+            shape = batch[0].shape if batch else (128, 128, 3)
+            pixels = torch.from_numpy(np.array(batch, np.uint8).reshape(-1, *shape))
+            parts.append(model(pixels.permute(0, 3, 1, 2).float()).numpy())
+    return np.concatenate(parts)
+
+
+def load_network(path: str | Path, network: str) -> nn.Module:
+    """Return ``vgg16`` or ``inception`` of a converted checkpoint, in evaluation mode."""
+    import torch
+
+    from plan2scene.metrics.inception import InceptionV3
+    from plan2scene.metrics.vgg import VggClassifier
+    from plan2scene.weights import load_model_file
+
+    state, architecture = load_model_file(path)
+    if architecture.pop("network", None) != network:
+        raise InputError(f"weights of network {network}", str(sorted(architecture)), file=path)
+    try:
+        with torch.device("meta"):
+            model = {"vgg16": VggClassifier, "inception": InceptionV3}[network](**architecture)
+        model.load_state_dict(state, assign=True)
+    except (RuntimeError, TypeError, ValueError) as error:
+        raise InputError(f"weights that fit {network}", str(error), file=path) from None
+    return model.eval()

@@ -15,8 +15,8 @@ from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.checkpoints.means import training_means
 from plan2scene.checkpoints.reading import read_checkpoint, state_dict_of
 from plan2scene.errors import InputError
-from plan2scene.house import ROOM_TYPES, SURFACES
-from plan2scene.metrics.vgg import VggClassifier, load_vgg_classifier
+from plan2scene.metrics.networks import load_network
+from plan2scene.metrics.vgg import VggClassifier
 from plan2scene.propagation.model import load_propagation
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.prior import TypeMeans
@@ -179,9 +179,9 @@ def test_classifier_round_trip(tmp_path):
     save_model_file(
         tmp_path / "vgg", small.state_dict(), {"network": "vgg16", "divisor": 64}, half=False
     )
-    images = torch.rand(2, 3, 128, 128)
+    images = 255.0 * torch.rand(2, 3, 128, 128)
     with torch.no_grad():
-        logits = load_vgg_classifier(tmp_path / "vgg")(images)
+        logits = load_network(tmp_path / "vgg", "vgg16")(images)
         np.testing.assert_allclose(logits, small(images), atol=1e-6)
     assert logits.shape == (2, 4)
     with torch.device("meta"):

@@ -7,8 +7,14 @@ import torch
 from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.errors import InputError
 from plan2scene.metrics.features import extract_features, load_features_network
-from plan2scene.metrics.inception import InceptionV3, inception_features, load_inception
-from plan2scene.metrics.networks import describe, features_of, network_name, substances_of
+from plan2scene.metrics.inception import InceptionV3
+from plan2scene.metrics.networks import (
+    describe,
+    features_of,
+    load_network,
+    network_name,
+    substances_of,
+)
 from plan2scene.metrics.vgg import VggClassifier
 from plan2scene.weights import MODELS, save_model_file
 
@@ -80,8 +86,8 @@ def test_inception_checkpoints_of_another_form_are_refused(tmp_path):
     torch.save({"fc.bias": torch.zeros(1008)}, tmp_path / "bare.pth")
     with pytest.raises(InputError, match=r"expected tensor .*tensors missing"):
         convert_checkpoint("inception", tmp_path / "bare.pth", tmp_path / "o")
-    with pytest.raises(InputError, match="an InceptionV3"):
-        load_inception(EMBEDDED)
+    with pytest.raises(InputError, match="weights of network inception"):
+        load_network(EMBEDDED, "inception")
 
 
 @pytest.fixture
@@ -94,14 +100,13 @@ def small_inception(tmp_path):
 
 
 def test_inception_features_of_batches_sizes_and_none(small_inception):
-    model = load_inception(small_inception)
-    images = _images(19)
-    together = inception_features(model, images)
-    assert together.shape == (19, 128)
-    assert np.allclose(together[17], inception_features(model, images[17:18])[0], atol=1e-5)
+    images = _images(9)
+    together = features_of(small_inception, images)
+    assert together.shape == (9, 128)
+    assert np.allclose(together[8], features_of(small_inception, images[8:9])[0], atol=1e-5)
     large = images[0].repeat(2, axis=0).repeat(2, axis=1)
-    assert np.allclose(inception_features(model, [large])[0], together[0], atol=1e-5)
-    assert inception_features(model, []).shape[0] == 0
+    assert np.allclose(features_of(small_inception, [large])[0], together[0], atol=1e-5)
+    assert features_of(small_inception, []).shape == (0, 128)
 
 
 @pytest.fixture
@@ -112,7 +117,7 @@ def small_vgg(tmp_path):
         for layer in net.modules():
             if isinstance(layer, torch.nn.Conv2d | torch.nn.Linear):
                 torch.nn.init.kaiming_normal_(layer.weight)
-        rgb = torch.from_numpy(np.stack(_images(11))).permute(0, 3, 1, 2).float() / 255
+        rgb = torch.from_numpy(np.stack(_images(11))).permute(0, 3, 1, 2).float()
         net.classifier[-1].bias -= net(rgb).mean(dim=0)
     save_model_file(
         tmp_path / "v.safetensors",
@@ -127,7 +132,7 @@ def test_vgg_tells_substances(small_vgg):
     path, net = small_vgg
     images = _images(11)
     with torch.no_grad():
-        rgb = torch.from_numpy(np.stack(images)).permute(0, 3, 1, 2).float() / 255
+        rgb = torch.from_numpy(np.stack(images)).permute(0, 3, 1, 2).float()
         expected = net(rgb).argmax(dim=1)
     found = substances_of(path, images)
     assert found.dtype == np.int64
