@@ -140,7 +140,8 @@ rule paper_table:
 
 onerror:
     # One bad house never stops the others: the table of what there is says who is missing.
-    from plan2scene.evaluation.paper_table import TableRequest, partial_table
+    from plan2scene.evaluation.aggregate import TableRequest
+    from plan2scene.evaluation.paper_table import partial_table
 
     partial = partial_table(
         RESULTS,

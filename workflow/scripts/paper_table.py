@@ -1,6 +1,7 @@
 """Rule paper_table: metrics of all houses -> the paper's table 1."""
 
-from plan2scene.evaluation.paper_table import TableRequest, paper_table
+from plan2scene.evaluation.aggregate import TableRequest
+from plan2scene.evaluation.paper_table import paper_table
 from plan2scene.jobs import job
 
 with job(snakemake.log[0]):
@@ -13,8 +14,8 @@ with job(snakemake.log[0]):
         snakemake.output.latex,
         request=TableRequest(
             dataset=snakemake.params.dataset,
-            houses=tuple(snakemake.params.houses),
-            methods=tuple(snakemake.params.methods),
+            houses=snakemake.params.houses,
+            methods=snakemake.params.methods,
             drop=snakemake.params.drop,
             seed=snakemake.params.seed,
         ),

@@ -1,5 +1,6 @@
 """Rule sweep: all houses' sweeps -> every metric against the share of hidden photos."""
 
+from plan2scene.evaluation.aggregate import TableRequest
 from plan2scene.evaluation.sweep import sweep_table
 from plan2scene.jobs import job
 
@@ -9,9 +10,12 @@ with job(snakemake.log[0]):
         snakemake.input.references,
         snakemake.output.csv,
         snakemake.output.plot,
-        dataset=snakemake.params.dataset,
-        houses=snakemake.params.houses,
-        methods=snakemake.params.methods,
-        drops=snakemake.params.drops,
-        seed=snakemake.params.seed,
+        request=TableRequest(
+            dataset=snakemake.params.dataset,
+            houses=snakemake.params.houses,
+            methods=snakemake.params.methods,
+            drop="",
+            seed=snakemake.params.seed,
+            drops=snakemake.params.drops,
+        ),
     )

@@ -8,6 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.aggregate import (
+    TableRequest,
     metric_title,
     tidy_table,
     wide_table,
@@ -22,6 +23,7 @@ from plan2scene.evaluation.houses import (
     propagated_at,
     propagated_from,
 )
+from plan2scene.evaluation.latex import latex_table
 from plan2scene.evaluation.published import METRICS
 from plan2scene.evaluation.variants import (
     MISSING,
@@ -142,47 +144,33 @@ def ablation_table(
     """Write the ablations over all houses as CSV, Markdown and LaTeX.
 
     Observed surfaces at drop 0.0, unobserved and all at `drop`, as in the paper's table 1. Rows
-    that would need other weights are named below the table.
+    that would need other weights are named beside the table.
     """
     metrics, networks = read_metrics(ablations)
-    tidy = tidy_table(
-        metrics,
-        read_references(references),
-        methods=[variant.name for variant in VARIANTS],
-        drops_of={"observed": ["0.0"], "unobserved": [drop], "all": [drop]},
-        houses=houses,
-        dataset=dataset,
-        seed=seed,
-        networks=networks,
-    )
+    request = TableRequest(dataset, houses, [variant.name for variant in VARIANTS], drop, seed)
+    tidy = tidy_table(metrics, read_references(references), networks, request)
     wide = wide_table(tidy).rename(columns={"method": "variant"})
     described = {variant.name: variant.description for variant in VARIANTS}
     wide.insert(1, "description", wide["variant"].map(described))
-    shown = [metric_title(name, networks[name]) for name in METRICS]
     with atomic_path(output_csv) as temporary:
         wide.to_csv(temporary, index=False, lineterminator="\n")
+    missing = [f"{name}: not measured, {why}" for name, why in MISSING.items()]
+    shown = [metric_title(name, networks[name]) for name in METRICS]
     for path, text in (
         (output_markdown, _markdown(wide, shown)),
-        (output_latex, _latex(wide, shown)),
+        (output_latex, latex_table(tidy, missing)),
     ):
         with atomic_path(path) as temporary:
             temporary.write_text(text, encoding="utf-8")
 
 
-def _short(text: str) -> str:
-    """Return a figure with three decimals; other text as it is."""
-    try:
-        return f"{float(text):.3f}"
-    except ValueError:
-        return text
-
-
 def _markdown(wide: pd.DataFrame, metrics: Sequence[str]) -> str:
-    """Return the table and what is missing as Markdown."""
+    """Return the table, three decimals a figure, and what is missing as Markdown."""
     head = ["variant", "surfaces", "n", *metrics]
     lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     for row in wide.to_dict("records"):
-        cells = [row["variant"], row["column"], str(row["n"]), *(_short(row[m]) for m in metrics)]
+        figures = [row[m] if row[m].startswith("n=") else f"{float(row[m]):.3f}" for m in metrics]
+        cells = [row["variant"], row["column"], str(row["n"]), *figures]
         lines.append("| " + " | ".join(cells) + " |")
     lines.append("")
     lines += [f"- `{v.name}`: {v.description}." for v in VARIANTS]
@@ -192,16 +180,3 @@ def _markdown(wide: pd.DataFrame, metrics: Sequence[str]) -> str:
         f"\nData set {first['dataset']}, {wide['houses'].max()} houses, seed {first['seed']}."
     )
     return "\n".join(lines) + "\n"
-
-
-def _latex(wide: pd.DataFrame, metrics: Sequence[str]) -> str:
-    """Return the table as a LaTeX tabular, what is missing as comments."""
-    lines = [f"% {name}: not measured, {why}" for name, why in MISSING.items()]
-    lines += [r"\begin{tabular}{llr" + "r" * len(metrics) + "}", r"\hline"]
-    head = ["Variant", "Surfaces", "n", *metrics]
-    lines += [" & ".join(head) + r" \\", r"\hline"]
-    for row in wide.to_dict("records"):
-        name = row["variant"].replace("_", r"\_")
-        cells = [name, row["column"], str(row["n"]), *(_short(row[m]) for m in metrics)]
-        lines.append(" & ".join(cells) + r" \\")
-    return "\n".join([*lines, r"\hline", r"\end{tabular}"]) + "\n"

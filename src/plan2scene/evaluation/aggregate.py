@@ -1,98 +1,166 @@
-"""Means over surfaces of the metrics of many methods and drops, as a tidy table."""
+"""Means over surfaces of the metrics of many methods and drops, as a tidy and as a wide table."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import plan2scene
 from plan2scene.evaluation.distances import feature_distances
-from plan2scene.evaluation.published import METRICS, TABLE_COLUMNS
+from plan2scene.evaluation.published import METRICS, TABLE_COLUMNS, comparable, published_value
+from plan2scene.provenance import package_versions
 
 if TYPE_CHECKING:
     import pandas as pd
 
+#: Packages whose versions a table names: those that its figures are computed with.
+_PACKAGES = ("numpy", "scipy", "opencv-python-headless", "pillow", "torch")
 
-def surface_means(part: pd.DataFrame, references: pd.DataFrame) -> dict[str, float]:
-    """Return each metric over the surfaces of `part`; NaN without any."""
-    if part.empty:
-        return dict.fromkeys(METRICS, float("nan"))
-    paired = {
-        name: float(part[name.lower()].mean()) for name in METRICS if name not in ("FID", "KID")
-    }
-    found = paired | feature_distances(part, references)
-    return {name: found[name] for name in METRICS}
+
+@dataclass(frozen=True)
+class TableRequest:
+    """What a table is made of and stands for.
+
+    Attributes
+    ----------
+    dataset : str
+    houses : sequence of str
+        Houses that the table should cover; those without results are named in it.
+    methods : sequence of str
+    drop : str
+        Drop fraction of Unobserved and All, one decimal; observed surfaces are those of 0.0.
+    seed : int
+    drops : sequence of str
+        Of a sweep: every column is measured at each of them, not at `drop`.
+    """
+
+    dataset: str
+    houses: Sequence[str]
+    methods: Sequence[str]
+    drop: str
+    seed: int
+    drops: Sequence[str] = ()
+
+    def drops_of(self, column: str) -> Sequence[str]:
+        """Return the drop fractions at which a column is measured."""
+        return self.drops or ["0.0" if column == "observed" else self.drop]
 
 
 def tidy_table(
     metrics: pd.DataFrame,
     references: pd.DataFrame,
-    *,
-    methods: Sequence[str],
-    drops_of: dict[str, Sequence[str]],
-    houses: Sequence[str],
-    dataset: str,
-    seed: int,
-    networks: dict[str, str],
+    networks: Mapping[str, str],
+    request: TableRequest,
 ) -> pd.DataFrame:
-    """Return a row per method, drop, column and metric.
+    """Return a row per method, column, drop and metric.
 
-    Columns ``method, drop, column, n, houses, missing, metric, features, value, dataset, seed,
-    version``; ``missing`` names the houses that have no measured surface at that method and drop.
+    ``n`` surfaces, ``images`` of them for FID and KID, ``houses`` counted and ``missing``, the
+    metric's network (``features``), ``value`` (NaN where no surface falls into the column), the
+    ``published`` figure, and ours minus it where both are of one network.
 
     Parameters
     ----------
-    drops_of : dict
-        For each of ``TABLE_COLUMNS`` the drops it is measured at.
-    networks : dict
-        Each metric's network, of :func:`plan2scene.evaluation.gather.read_metrics`.
+    metrics, references, networks
+        Of :mod:`plan2scene.evaluation.gather`.
     """
     import pandas as pd
 
+    wanted = metrics[metrics["house"].isin(list(request.houses))]
+    packages = package_versions(*_PACKAGES)
     rows: list[dict[str, object]] = []
-    for method in methods:
+    for method in request.methods:
         for column in TABLE_COLUMNS:
-            for drop in drops_of[column]:
-                whole = metrics[(metrics["method"] == method) & (metrics["drop"] == drop)]
-                missing = sorted(set(houses) - set(whole["house"]))
-                part = whole
+            for drop in request.drops_of(column):
+                part = wanted[(wanted["method"] == method) & (wanted["drop"] == drop)]
+                missing = sorted(set(request.houses) - set(part["house"]))
                 if column != "all":
-                    part = whole[whole["observed"].astype(bool) == (column == "observed")]
+                    part = part[part["observed"].astype(bool) == (column == "observed")]
                 common = {
+                    "dataset": request.dataset,
                     "method": method,
-                    "drop": drop,
                     "column": column,
+                    "drop": drop,
                     "n": len(part),
+                    "images": _image_count(part),
                     "houses": int(part["house"].nunique()),
                     "missing": " ".join(missing) or "none",
+                    "seed": request.seed,
+                    "version": plan2scene.__version__,
+                    "packages": packages,
                 }
-                after = {"dataset": dataset, "seed": seed, "version": plan2scene.__version__}
-                for metric, value in surface_means(part, references).items():
-                    cell = {"metric": metric, "features": networks[metric], "value": value}
-                    rows.append({**common, **cell, **after})
+                for name, value in _means(part, references).items():
+                    network, published = networks[name], published_value(method, column, name)
+                    difference = value - published if comparable(name, network) else float("nan")
+                    cell = {"metric": name, "features": network, "value": value}
+                    rows.append(
+                        {**common, **cell, "published": published, "difference": difference}
+                    )
     return pd.DataFrame(rows)
 
 
-def wide_table(tidy: pd.DataFrame) -> pd.DataFrame:
+def _means(part: pd.DataFrame, references: pd.DataFrame) -> dict[str, float]:
+    """Return each metric over the surfaces of `part`; NaN without any."""
+    if part.empty:
+        return dict.fromkeys(METRICS, float("nan"))
+    sets = feature_distances(part, references)
+    return {
+        name: sets[name] if name in sets else float(part[name.lower()].mean()) for name in METRICS
+    }
+
+
+def _image_count(part: pd.DataFrame) -> int:
+    """Return how many images of its surfaces FID and KID look at."""
+    pairs = zip(part["features"], part["further_features"], strict=True)
+    return sum(1 + len(more) // len(first) for first, more in pairs)
+
+
+def wide_table(
+    tidy: pd.DataFrame,
+    first: Sequence[str] = ("method", "drop", "column", "n", "houses"),
+    last: Sequence[str] = ("missing", "dataset", "seed", "version"),
+    *,
+    published: bool = False,
+) -> pd.DataFrame:
     """Return a row per method, drop and column, its metrics side by side as text.
 
-    Metrics of a network carry its name; no cell is empty: ``n=0`` where no surface is.
+    Metrics of a network carry its name; no cell is empty: ``n=0`` where no surface is. With
+    `published`, the published figures and ours minus them follow.
     """
     import pandas as pd
 
-    keys = ["method", "drop", "column"]
     rows = []
-    for _, group in tidy.groupby(keys, sort=False):
-        first = group.iloc[0]
-        row = {name: first[name] for name in (*keys, "n", "houses")}
-        for cell in group.itertuples():
-            row[metric_title(cell.metric, cell.features)] = (
-                f"{cell.value:.4f}" if cell.value == cell.value else f"n={cell.n}"
-            )
-        rows.append({**row, **{k: first[k] for k in ("missing", "dataset", "seed", "version")}})
+    for _, group in tidy.groupby(["method", "drop", "column"], sort=False):
+        cells = list(group.itertuples())
+        row = {name: group.iloc[0][name] for name in first}
+        row |= {metric_title(cell.metric, cell.features): _figure(cell) for cell in cells}
+        if published:
+            row |= {f"{cell.metric} published": _published(cell) for cell in cells}
+            row |= {f"{cell.metric} difference": _difference(cell) for cell in cells}
+        rows.append(row | {name: group.iloc[0][name] for name in last})
     return pd.DataFrame(rows)
 
 
 def metric_title(metric: str, features: str) -> str:
     """Return a metric's name with its features network, where it has one."""
     return metric if features == "none" else f"{metric} ({features})"
+
+
+def _figure(cell: Any) -> str:
+    """Return a cell's figure; how many surfaces there are where they are too few for one."""
+    known = cell.value == cell.value
+    return f"{round(cell.value, 4) + 0.0:.4f}" if known else f"n={cell.n}"  # never -0.0000
+
+
+def _published(cell: Any) -> str:
+    """Return the published figure, or that the paper does not have it."""
+    return f"{cell.published:g}" if cell.published == cell.published else "none"
+
+
+def _difference(cell: Any) -> str:
+    """Return ours minus the published figure, or why there is none."""
+    if cell.published != cell.published:
+        return "none"
+    if not comparable(cell.metric, cell.features):
+        return "other network"
+    return f"{cell.difference:+.4f}" if cell.difference == cell.difference else f"n={cell.n}"

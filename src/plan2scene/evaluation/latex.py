@@ -1,9 +1,11 @@
-"""The table as LaTeX for a paper: packages ``booktabs`` only."""
+"""A table as LaTeX for a paper: package ``booktabs`` only."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from plan2scene.evaluation.aggregate import metric_title
 from plan2scene.evaluation.published import METRICS, TABLE_COLUMNS
 
 if TYPE_CHECKING:
@@ -16,20 +18,22 @@ _SMALL_FID = 3
 _COMPARED_WITH_ITSELF = ("crop", "observed")
 
 
-def latex_table(tidy: pd.DataFrame) -> str:
-    """Return a ``tabular`` of the tidy table of :func:`.paper_table.paper_table`.
+def latex_table(tidy: pd.DataFrame, notes: Sequence[str] = ()) -> str:
+    """Return a ``tabular`` of a table of :func:`.aggregate.tidy_table`.
 
     A group of rows per column of the paper (observed, unobserved, all), a row per method. The
     best value of a group is bold, a published one follows in brackets, and ``--`` stands where no
-    surface counts. What the table was made of is in comments above it.
+    surface counts. What the table was made of, and `notes`, are in
+    comments above it.
     """
     first = tidy.iloc[0]
     networks = tidy.drop_duplicates("metric").set_index("metric")["features"]
-    heads = [name if networks[name] == "none" else f"{name} ({networks[name]})" for name in METRICS]
+    heads = [metric_title(name, networks[name]) for name in METRICS]
     lines = [
         f"% data set {first['dataset']}, seed {first['seed']}, plan2scene {first['version']}",
         f"% {first['packages']}",
         "% lower is better; published values in brackets",
+        *(f"% {note}" for note in notes),
         f"\\begin{{tabular}}{{l{'r' * len(METRICS)}}}",
         "\\toprule",
         " & ".join(["Method", *map(_escaped, heads)]) + " \\\\",

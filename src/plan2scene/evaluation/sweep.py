@@ -7,10 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from plan2scene.evaluation.aggregate import (
-    tidy_table,
-    wide_table,
-)
+from plan2scene.evaluation.aggregate import TableRequest, tidy_table, wide_table
 from plan2scene.evaluation.gather import read_metrics, read_references
 from plan2scene.evaluation.houses import (
     HouseFiles,
@@ -20,8 +17,7 @@ from plan2scene.evaluation.houses import (
     metadata_of,
     propagated_at,
 )
-from plan2scene.evaluation.published import TABLE_COLUMNS
-from plan2scene.evaluation.sweep_plot import plot_sweep
+from plan2scene.evaluation.plot import plot_sweep
 from plan2scene.io import atomic_path, write_parquet
 
 if TYPE_CHECKING:
@@ -96,11 +92,7 @@ def sweep_table(
     output_csv: str | Path,
     output_plot: str | Path,
     *,
-    dataset: str,
-    houses: Sequence[str],
-    methods: Sequence[str],
-    drops: Sequence[str],
-    seed: int,
+    request: TableRequest,
 ) -> None:
     """Write the sweep over all houses as CSV and as a plot.
 
@@ -108,16 +100,7 @@ def sweep_table(
     surface, as observed at 1.0.
     """
     metrics, networks = read_metrics(sweeps)
-    tidy = tidy_table(
-        metrics,
-        read_references(references),
-        methods=methods,
-        drops_of=dict.fromkeys(TABLE_COLUMNS, drops),
-        houses=houses,
-        dataset=dataset,
-        seed=seed,
-        networks=networks,
-    )
+    tidy = tidy_table(metrics, read_references(references), networks, request)
     with atomic_path(output_csv) as temporary:
         wide_table(tidy).to_csv(temporary, index=False, lineterminator="\n")
     plot_sweep(tidy, output_plot)

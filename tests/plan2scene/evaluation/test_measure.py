@@ -8,8 +8,9 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
+from plan2scene.evaluation.aggregate import TableRequest
 from plan2scene.evaluation.measure import measure_house, read_references, reference_features
-from plan2scene.evaluation.paper_table import TableRequest, paper_table, partial_table
+from plan2scene.evaluation.paper_table import paper_table, partial_table
 from plan2scene.evaluation.published import METRICS, published_value
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import read_parquet, write_parquet

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from plan2scene.evaluation.aggregate import TableRequest
 from plan2scene.evaluation.drops import SWEEP_DROPS, hidden_at
 from plan2scene.evaluation.houses import Textures, measured, propagated_at
 from plan2scene.evaluation.measure import reference_images
@@ -105,11 +106,7 @@ def test_the_table_has_every_cell_and_a_plot(swept, references, tmp_path):
             [references],
             tmp_path / f"{run}.csv",
             tmp_path / f"{run}.png",
-            dataset="d",
-            houses=["h1", "h2"],
-            methods=list(METHODS),
-            drops=drops,
-            seed=0,
+            request=TableRequest("d", ["h1", "h2"], METHODS, drop="", seed=0, drops=drops),
         )
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
