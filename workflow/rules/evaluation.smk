@@ -3,9 +3,9 @@ TABLE_DROP = "0.6" if "0.6" in DROPS else max(DROPS)
 
 
 # The networks behind FID and KID, and behind SUBS: converted ones where they are given.
-FEATURES = metric_model("inception")
-SUBSTANCES = metric_model("vgg16")
-METRIC_MEMORY = 3000 if FEATURES != SUBSTANCES else 1000
+FEATURE_MODEL = metric_model("inception")
+SUBSTANCE_MODEL = metric_model("vgg16")
+METRIC_MEMORY = 3000 if FEATURE_MODEL != SUBSTANCE_MODEL else 1000
 
 
 TABLE_DROPS = sorted({"0.0", TABLE_DROP})
@@ -35,8 +35,8 @@ rule comparison:
         texture=model_of("texture"),
         naivesynth=model_of("naivesynth"),
         propagation=model_of("propagation"),
-        features=FEATURES,
-        substances=SUBSTANCES,
+        features=FEATURE_MODEL,
+        substances=SUBSTANCE_MODEL,
     output:
         textures=[
             directory(f"{RESULTS}/drop_{drop}/{method}/{{house}}/textures")
@@ -76,7 +76,7 @@ rule reference_features:
     # Features of every crop: what FID compares the textures with.
     input:
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        model=FEATURES,
+        model=FEATURE_MODEL,
     output:
         f"{RESULTS}/houses/{{house}}/reference_features.parquet",
     log:

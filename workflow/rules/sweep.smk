@@ -13,8 +13,8 @@ rule sweep_house:
         texture=model_of("texture"),
         naivesynth=model_of("naivesynth"),
         propagation=model_of("propagation"),
-        features=FEATURES,
-        substances=SUBSTANCES,
+        features=FEATURE_MODEL,
+        substances=SUBSTANCE_MODEL,
     output:
         f"{RESULTS}/houses/{{house}}/sweep.parquet",
     log:

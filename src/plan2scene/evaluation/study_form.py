@@ -8,12 +8,9 @@ form does not say which is which: that is in the key, a file of its own.
 from __future__ import annotations
 
 import base64
-import csv
 import hashlib
-import html
 import json
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 from string import Template
 
@@ -21,21 +18,6 @@ from plan2scene.io import atomic_path, read_json
 from plan2scene.seeds import generator
 
 _TEMPLATE = Path(__file__).with_name("study_form.html")
-
-
-@dataclass(frozen=True)
-class Question:
-    """One choice: a house by two methods. `form` names the form that it belongs to."""
-
-    form: str
-    question: str
-    house: str
-    left: str
-    right: str
-
-
-#: Columns of the key.
-KEY_COLUMNS = tuple(field.name for field in fields(Question))
 
 
 def study_houses(houses: Sequence[str], count: int, *, seed: int) -> list[str]:
@@ -46,23 +28,25 @@ def study_houses(houses: Sequence[str], count: int, *, seed: int) -> list[str]:
 
 def make_questions(
     houses: Sequence[str], pairs: Sequence[Sequence[str]], *, seed: int
-) -> list[Question]:
-    """Return a question per house and pair of methods, shuffled by seed, sides too.
+) -> list[dict[str, str]]:
+    """Return the key's rows: a question per house and pair of methods, shuffled, sides too.
 
-    Every pair has either method left in half of its questions, one more or less.
+    Every pair has either method left in half of its questions, one more or less. ``form`` names
+    the form that a question belongs to.
     """
     drawn: list[tuple[str, str, str]] = []
     for first, second in pairs:
-        rng = generator(seed, "study", "sides", first, second)
-        flip = rng.permutation(len(houses)) % 2 == 1
+        flip = generator(seed, "study", "sides", first, second).permutation(len(houses)) % 2 == 1
         drawn += [
             (house, second, first) if flipped else (house, first, second)
             for house, flipped in zip(houses, flip, strict=True)
         ]
-    order = generator(seed, "study", "order").permutation(len(drawn))
-    shuffled = [drawn[i] for i in order]
+    shuffled = [drawn[i] for i in generator(seed, "study", "order").permutation(len(drawn))]
     form = hashlib.sha256(json.dumps(shuffled).encode()).hexdigest()[:12]
-    return [Question(form, f"q{i:03d}", *item) for i, item in enumerate(shuffled, 1)]
+    return [
+        {"form": form, "question": f"q{i:03d}", "house": house, "left": left, "right": right}
+        for i, (house, left, right) in enumerate(shuffled, 1)
+    ]
 
 
 def write_study(
@@ -74,46 +58,28 @@ def write_study(
     pairs: Sequence[Sequence[str]],
     seed: int,
 ) -> None:
-    """Write the form (HTML) and its key (CSV with the columns of :data:`KEY_COLUMNS`).
+    """Write the form (HTML) and its key (CSV, the rows of :func:`make_questions`).
 
-    Parameters
-    ----------
-    sheets : sequence of path
-        Folders of :func:`plan2scene.evaluation.study_sheet.write_study_sheet`, one per house, in
-        the order of `houses`.
-    pairs : sequence of two methods
+    `sheets` are folders of :func:`.study_sheet.write_study_sheet`, in the order of `houses`.
     """
+    import pandas as pd
+
     questions = make_questions(houses, pairs, seed=seed)
     folders = dict(zip(houses, map(Path, sheets), strict=True))
-    images: list[str] = []
-    places: dict[Path, int] = {}
-
-    def place(path: Path) -> int:
-        if path not in places:
-            places[path] = len(images)
-            images.append(base64.b64encode(path.read_bytes()).decode())
-        return places[path]
-
+    places: dict[Path, int] = {}  # of each picture in the page's list
     asked = []
     for item in questions:
-        folder = folders[item.house]
+        folder = folders[item["house"]]
         photos = read_json(folder / "sheet.json")["photos"]
-        asked.append(
-            {
-                "id": item.question,
-                "plan": place(folder / "plan.jpg"),
-                "photos": [place(folder / name) for name in photos],
-                "left": place(folder / f"{item.left}.jpg"),
-                "right": place(folder / f"{item.right}.jpg"),
-            }
-        )
-    data = json.dumps({"form": questions[0].form, "questions": asked, "images": images})
-    page = Template(_TEMPLATE.read_text(encoding="utf-8")).substitute(
-        count=html.escape(str(len(questions))), data=data.replace("<", "\\u003c")
-    )
+        names = ["plan.jpg", *photos, f"{item['left']}.jpg", f"{item['right']}.jpg"]
+        plan, *shown, left, right = (places.setdefault(folder / n, len(places)) for n in names)
+        question = {"id": item["question"], "plan": plan, "photos": shown}
+        asked.append(question | {"left": left, "right": right})
+    images = [base64.b64encode(path.read_bytes()).decode() for path in places]
+    data = json.dumps({"form": questions[0]["form"], "questions": asked, "images": images})
+    page = Template(_TEMPLATE.read_text(encoding="utf-8"))
     with atomic_path(output_form) as temporary:
-        temporary.write_text(page, encoding="utf-8")
-    with atomic_path(output_key) as temporary, temporary.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(KEY_COLUMNS)
-        writer.writerows(astuple(item) for item in questions)
+        text = page.substitute(count=len(questions), data=data.replace("<", "\\u003c"))
+        temporary.write_text(text, encoding="utf-8")
+    with atomic_path(output_key) as temporary:
+        pd.DataFrame(questions).to_csv(temporary, index=False, lineterminator="\n")

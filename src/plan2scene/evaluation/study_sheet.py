@@ -6,8 +6,6 @@ import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import cv2
-import numpy as np
 from PIL import Image
 
 from plan2scene.errors import InputError
@@ -19,7 +17,6 @@ from plan2scene.photos.photo_files import read_photo
 
 #: Side in pixels of plan and renders, and the longer side of photos.
 RENDER_SIDE, PLAN_SIDE, PHOTO_SIDE = 720, 560, 320
-_QUALITY = 88
 
 
 def write_study_sheet(
@@ -44,47 +41,29 @@ def write_study_sheet(
     textures : mapping
         Method to the folder that it left.
     """
+    pictures: dict[str, Image.Image] = {}
+    numbers: dict[str, list[str]] = {room.id: [] for room in house.rooms}
+    for name in sorted(set(rooms_of_photo) & set(photos)):
+        try:
+            picture = Image.fromarray(read_photo(photos[name], house=house.id))
+        except InputError as error:
+            logging.getLogger("plan2scene").warning("%s", error)
+            continue
+        picture.thumbnail((PHOTO_SIDE, PHOTO_SIDE))
+        for room in rooms_of_photo[name]:
+            numbers[room].append(str(len(pictures) + 1))
+        pictures[f"photo_{len(pictures) + 1}.jpg"] = picture
+    sheet = {"house": house.id, "photos": list(pictures), "methods": list(textures)}
+    captions = {
+        room: f"photo{'s' * (len(shown) > 1)} {', '.join(shown)}" if shown else "no photo"
+        for room, shown in numbers.items()
+    }
+    pictures["plan.jpg"] = Image.fromarray(render_plan(house, captions, PLAN_SIDE))
+    for method, tiles in textures.items():
+        render = render_from_above(house, load_textures(tiles, house), RENDER_SIDE)
+        pictures[f"{method}.jpg"] = Image.fromarray(render)
     with atomic_directory(output) as folder:
         folder.mkdir(parents=True, exist_ok=True)
-        shown: list[str] = []
-        numbers: dict[str, list[int]] = {}
-        for name in sorted(rooms_of_photo):
-            if name not in photos:
-                continue
-            try:
-                image = read_photo(photos[name], house=house.id)
-            except InputError as error:
-                logging.getLogger("plan2scene").warning("%s", error)
-                continue
-            shown.append(f"photo_{len(shown) + 1}.jpg")
-            _write_jpeg(folder / shown[-1], _reduced(image))
-            for room in rooms_of_photo[name]:
-                numbers.setdefault(room, []).append(len(shown))
-        captions = {room.id: _caption(numbers.get(room.id, [])) for room in house.rooms}
-        _write_jpeg(folder / "plan.jpg", render_plan(house, captions, PLAN_SIDE))
-        for method, tiles in textures.items():
-            render = render_from_above(house, load_textures(tiles, house), RENDER_SIDE)
-            _write_jpeg(folder / f"{method}.jpg", render)
-        sheet = {"house": house.id, "photos": shown, "methods": list(textures)}
+        for name, picture in pictures.items():
+            picture.save(folder / name, quality=88, subsampling=0)
         write_json(folder / "sheet.json", sheet)
-
-
-def _caption(numbers: Sequence[int]) -> str:
-    """Return what a room's label says of its photos."""
-    if not numbers:
-        return "no photo"
-    return f"photo{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
-
-
-def _reduced(image: np.ndarray) -> np.ndarray:
-    """Return an (h, w, 3) uint8 image whose longer side is at most `PHOTO_SIDE`."""
-    scale = PHOTO_SIDE / max(image.shape[:2])
-    if scale >= 1:
-        return image
-    size = (max(1, round(image.shape[1] * scale)), max(1, round(image.shape[0] * scale)))
-    return cv2.resize(image, size, interpolation=cv2.INTER_AREA)
-
-
-def _write_jpeg(path: Path, image: np.ndarray) -> None:
-    """Write an (h, w, 3) uint8 sRGB image as JPEG."""
-    Image.fromarray(image).save(path, quality=_QUALITY, subsampling=0)
