@@ -13,10 +13,10 @@ from plan2scene.evaluation.resampling import FurtherSeeds, further_images
 from plan2scene.house import SUBSTANCES, SurfaceKey
 from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image, read_image
 from plan2scene.io import read_json, read_parquet, write_parquet
-from plan2scene.metrics.color import color_histogram
-from plan2scene.metrics.freq import frequency_profile
+from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.freq import freq_distance
 from plan2scene.metrics.networks import describe, features_of, network_name
-from plan2scene.metrics.tile import tile_scores
+from plan2scene.metrics.tile import tile_score
 from plan2scene.photos.crops.sampling import medoid_index
 from plan2scene.provenance import file_hash
 
@@ -156,12 +156,10 @@ def _measure(
     if not count:
         return {name: [] for name in COLUMNS[6:]}
     features, classes = describe(model, substance_model, predictions, references)
-    histograms = np.abs(color_histogram(predicted) - color_histogram(wanted)).sum(axis=-1)
-    profiles = np.abs(frequency_profile(predicted) - frequency_profile(wanted))
     return {
-        "color": histograms / (2 * METRIC_SIZE**2),
-        "freq": profiles.mean(axis=-1),
-        "tile": tile_scores(predicted),
+        "color": color_distance(predicted, wanted),
+        "freq": freq_distance(predicted, wanted),
+        "tile": tile_score(predicted),
         "subs": (classes[:count] != classes[count:]).astype(np.int64),
         "substance_predicted": [SUBSTANCES[c] for c in classes[:count]],
         "substance_reference": [SUBSTANCES[c] for c in classes[count:]],

@@ -44,7 +44,8 @@ class SheetRow:
         """Return COLOR of a method's tile against the reference; NaN without one."""
         if self.reference is None:
             return float("nan")
-        return color_distance(metric_image(self.tiles[method]), metric_image(self.reference))
+        tile, reference = metric_image(self.tiles[method]), metric_image(self.reference)
+        return float(color_distance(tile, reference))
 
 
 def sheet_rows(

@@ -1,7 +1,6 @@
 """FREQ: difference of radial amplitude spectra (paper section 5).
 
-Spectra of real images are kept as their first half (``rfft2``): the other half mirrors it. Images
-go through one by one, since one fits the processor's cache and a batch does not.
+Spectra of real images are kept as their first half (``rfft2``): the other half mirrors it.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from functools import cache
 import numpy as np
 from scipy import fft
 
-from plan2scene.metrics.images import grey, require_images
+from plan2scene.metrics.images import grey, over_images
 
 
 @cache
@@ -66,10 +65,10 @@ def periodic_component(images: np.ndarray) -> np.ndarray:
     return np.stack([_periodic(image) for image in flat]).reshape(images.shape)
 
 
-def _profile(luma: np.ndarray) -> np.ndarray:
-    """Return the (s // 2,) profile of one (s, s) float64 luma image."""
-    size = len(luma)
-    component = np.abs(_periodic(luma)).astype(np.float32)
+def _profile(image: np.ndarray) -> np.ndarray:
+    """Return the (s // 2,) profile of one (s, s, 3) uint8 image."""
+    size = len(image)
+    component = np.abs(_periodic(grey(image))).astype(np.float32)
     # numpy's transform, as in the reference: in float32 its rounding shows in the tenth digit.
     amplitude = np.abs(np.fft.rfft2(component)) / size**2
     radius, counts, sizes = _rings(size)
@@ -86,17 +85,13 @@ def frequency_profile(images: np.ndarray) -> np.ndarray:
     periodic component's magnitude is taken and transformed in float32, as the reference does; it
     differs from the component itself only where that overshoots below 0.
     """
-    pixels = require_images(images)
-    profiles = [_profile(grey(image)) for image in pixels.reshape(-1, *pixels.shape[-3:])]
-    return np.stack(profiles).reshape(*pixels.shape[:-3], pixels.shape[-2] // 2)
+    return over_images(_profile, images)
 
 
-def freq_distance(prediction: np.ndarray, reference: np.ndarray) -> float:
-    """Return FREQ, the mean absolute difference of two images' frequency profiles; 0 is best.
+def freq_distance(predictions: np.ndarray, references: np.ndarray) -> np.ndarray:
+    """Return FREQ (...) of pairs of (..., s, s, 3) uint8 sRGB images; 0 is best.
 
-    Both (s, s, 3) uint8 sRGB of one size.
+    The mean absolute difference of their frequency profiles.
     """
-    if prediction.shape != reference.shape:
-        raise ValueError(f"expected equal shapes, found {prediction.shape}, {reference.shape}")
-    profiles = frequency_profile(np.stack([prediction, reference]))
-    return float(np.abs(profiles[0] - profiles[1]).mean())
+    first, second = frequency_profile(np.stack([predictions, references]))
+    return np.abs(first - second).mean(axis=-1)

@@ -1,4 +1,7 @@
-"""KID: squared maximum mean discrepancy of two feature sets (Binkowski et al. 2018)."""
+"""KID: squared maximum mean discrepancy of two feature sets (Binkowski et al. 2018).
+
+Not torchmetrics' for what :mod:`.frechet` says: it knows no units that count once.
+"""
 
 from __future__ import annotations
 

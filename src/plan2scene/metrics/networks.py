@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.metrics.features import FEATURE_NETWORK, extract_features, load_features_network
 from plan2scene.images import metric_image
+from plan2scene.metrics.features import FEATURE_NETWORK, extract_features, load_features_network
 
 if TYPE_CHECKING:
     from torch import nn

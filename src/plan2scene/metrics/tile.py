@@ -8,7 +8,7 @@ import numpy as np
 from scipy import fft
 
 from plan2scene.images import METRIC_SIZE
-from plan2scene.metrics.images import grey, require_images
+from plan2scene.metrics.images import grey, over_images
 
 _SIGMA = 21.0
 
@@ -43,21 +43,14 @@ def _half_weights() -> np.ndarray:
     return np.repeat(weights.ravel(), 2)
 
 
-def _score(luma: np.ndarray) -> float:
-    """Return the TILE score of one (128, 128) float64 luma image."""
-    parts = fft.rfft2(luma).view(np.float64).ravel()
-    return float(np.sqrt((parts * parts) @ _half_weights()))
+def _score(image: np.ndarray) -> np.float64:
+    """Return the TILE score of one (128, 128, 3) uint8 image."""
+    parts = fft.rfft2(grey(image)).view(np.float64).ravel()
+    return np.sqrt((parts * parts) @ _half_weights())
 
 
-def tile_scores(images: np.ndarray) -> np.ndarray:
-    """Return (...) float64 TILE scores of (..., 128, 128, 3) uint8 sRGB images; 0 is best."""
-    pixels = require_images(images)
-    if pixels.shape[-2] != METRIC_SIZE:
-        raise ValueError(f"expected {METRIC_SIZE} px images, found {pixels.shape[-2]} px")
-    scores = [_score(grey(image)) for image in pixels.reshape(-1, *pixels.shape[-3:])]
-    return np.array(scores).reshape(pixels.shape[:-3])
-
-
-def tile_score(image: np.ndarray) -> float:
-    """Return the TILE score of one (128, 128, 3) uint8 sRGB image."""
-    return float(tile_scores(image))
+def tile_score(images: np.ndarray) -> np.ndarray:
+    """Return TILE (...) of (..., 128, 128, 3) uint8 sRGB images; 0 is best."""
+    if np.shape(images)[-2] != METRIC_SIZE:
+        raise ValueError(f"expected {METRIC_SIZE} px images, found {np.shape(images)[-2]} px")
+    return over_images(_score, images)
