@@ -8,8 +8,7 @@ a job that measures a dozen textures must not pay for importing torch.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +16,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.images import METRIC_SIZE, metric_image
+from plan2scene.weights import read_model_arrays
 
 #: Name of this network in column names.
 FEATURE_NETWORK = "embedded"
@@ -109,35 +109,21 @@ def extract_features(
 
 def load_features_network(path: str | Path) -> FeaturesNetwork:
     """Return the network of a weight file; InputError for one of another network."""
-    from safetensors import SafetensorError, safe_open
-
-    try:
-        with safe_open(path, framework="np") as file:
-            header = file.metadata() or {}
-            names = file.keys()
-            state = {name: file.get_tensor(name).astype(np.float32) for name in names}
-    except (SafetensorError, OSError) as error:
-        raise InputError("a safetensors file", str(error), file=path) from None
-    try:
-        depth = len(json.loads(header["architecture"])["widths"])
-        return network_from_state(state, depth)
-    except (KeyError, ValueError) as error:
-        raise InputError("weights of the features network", repr(error), file=path) from None
-
-
-def network_from_state(state: Mapping[str, np.ndarray], depth: int) -> FeaturesNetwork:
-    """Return the network of a float32 state dict with `depth` convolutions."""
+    state, architecture = read_model_arrays(path)
     kernels, biases = [], []
-    for index in range(depth):
-        norm = f"convolutions.{3 * index + 1}"
-        gain = state[f"{norm}.weight"] / np.sqrt(state[f"{norm}.running_var"] + _NORM_FLOOR)
-        kernels.append(state[f"convolutions.{3 * index}.weight"] * gain[:, None, None, None])
-        biases.append(state[f"{norm}.bias"] - state[f"{norm}.running_mean"] * gain)
-    return FeaturesNetwork(
-        kernels=tuple(kernels),
-        biases=tuple(biases),
-        penultimate=(state["penultimate.weight"], state["penultimate.bias"]),
-        head=(state["head.weight"], state["head.bias"]),
-        shift=state["shift"],
-        scale=state["scale"],
-    )
+    try:
+        for index in range(len(architecture["widths"])):
+            norm = f"convolutions.{3 * index + 1}"
+            gain = state[f"{norm}.weight"] / np.sqrt(state[f"{norm}.running_var"] + _NORM_FLOOR)
+            kernels.append(state[f"convolutions.{3 * index}.weight"] * gain[:, None, None, None])
+            biases.append(state[f"{norm}.bias"] - state[f"{norm}.running_mean"] * gain)
+        return FeaturesNetwork(
+            kernels=tuple(kernels),
+            biases=tuple(biases),
+            penultimate=(state["penultimate.weight"], state["penultimate.bias"]),
+            head=(state["head.weight"], state["head.bias"]),
+            shift=state["shift"],
+            scale=state["scale"],
+        )
+    except KeyError as error:
+        raise InputError("weights of the features network", f"no {error}", file=path) from None

@@ -9,7 +9,6 @@ Torch is imported only for the last two.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,8 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.images import metric_image
+from plan2scene.images import METRIC_SIZE, metric_image
 from plan2scene.metrics.features import FEATURE_NETWORK, extract_features, load_features_network
+from plan2scene.weights import load_model_file, read_model_arrays
 
 if TYPE_CHECKING:
     from torch import nn
@@ -28,14 +28,8 @@ _BATCH = 8
 
 def network_name(path: str | Path) -> str:
     """Return the name that columns give a weight file's network; reads its header only."""
-    from safetensors import SafetensorError, safe_open
-
-    try:
-        with safe_open(path, framework="np") as file:
-            header = json.loads((file.metadata() or {}).get("architecture", "{}"))
-    except (SafetensorError, OSError, ValueError) as error:
-        raise InputError("a safetensors file", str(error), file=path) from None
-    name = header.get("network", FEATURE_NETWORK)
+    _, architecture = read_model_arrays(path, names=())
+    name = architecture.get("network", FEATURE_NETWORK)
     if name not in (FEATURE_NETWORK, "vgg16", "inception"):
         raise InputError("weights of a metric's network", repr(name), file=path)
     return str(name)
@@ -77,14 +71,12 @@ def _outputs(path: str | Path, network: str, images: Sequence[np.ndarray]) -> np
     import torch
 
     model = load_network(path, network)
-    parts = []
+    pixels = np.zeros((len(images), METRIC_SIZE, METRIC_SIZE, 3), np.uint8)
+    for row, image in zip(pixels, images, strict=True):
+        row[:] = metric_image(image)
     with torch.inference_mode():
-        for start in range(0, max(len(images), 1), _BATCH):
-            batch = [metric_image(image) for image in images[start : start + _BATCH]]
-            shape = batch[0].shape if batch else (128, 128, 3)
-            pixels = torch.from_numpy(np.array(batch, np.uint8).reshape(-1, *shape))
-            parts.append(model(pixels.permute(0, 3, 1, 2).float()).numpy())
-    return np.concatenate(parts)
+        batches = torch.from_numpy(pixels).permute(0, 3, 1, 2).split(_BATCH)
+        return torch.cat([model(batch.float()) for batch in batches]).numpy()
 
 
 def load_network(path: str | Path, network: str) -> nn.Module:
@@ -93,7 +85,6 @@ def load_network(path: str | Path, network: str) -> nn.Module:
 
     from plan2scene.metrics.inception import InceptionV3
     from plan2scene.metrics.vgg import VggClassifier
-    from plan2scene.weights import load_model_file
 
     state, architecture = load_model_file(path)
     if architecture.pop("network", None) != network:
