@@ -162,8 +162,8 @@ def decoders() -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
 
 def print_networks(results: dict[str, list[list[np.ndarray]]]) -> None:
     """Print SUBS and FID of the embedded network between tiles and the clean ones, by seed."""
+    from plan2scene.metrics.feature_sets import frechet_distance
     from plan2scene.metrics.features import extract_features, load_features_network
-    from plan2scene.metrics.frechet import frechet_distance
     from plan2scene.weights import MODELS
 
     network = load_features_network(MODELS / "features.safetensors")

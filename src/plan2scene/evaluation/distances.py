@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.metrics.frechet import frechet_distance
-from plan2scene.metrics.kernel import kernel_distance
+from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,21 +32,11 @@ def feature_distances(part: pd.DataFrame, references: pd.DataFrame) -> dict[str,
     crops = references.merge(part[SURFACE].drop_duplicates(), on=SURFACE)
     if crops.empty:
         raise InputError("reference features of the measured surfaces", "none")
-    predicted, owners = _images(part)
-    wanted = np.stack(list(crops["features"]))
-    crop_owners = crops.groupby(SURFACE).ngroup().to_numpy()
-    weights, crop_weights = (1.0 / np.bincount(x)[x] for x in (owners, crop_owners))
-    return {
-        "FID": frechet_distance(predicted, wanted, crop_weights, weights),
-        "KID": kernel_distance(predicted, wanted, owners, crop_owners),
-    }
-
-
-def _images(part: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
-    """Return the features (n, d) of all images of surfaces and the row (n,) each belongs to."""
+    # One row per image: that of the surface first, then the further ones.
     dimension = len(part["features"].iloc[0])
-    groups = [
-        np.concatenate([row.features, row.further_features]).reshape(-1, dimension)
-        for row in part.itertuples()
-    ]
-    return np.concatenate(groups), np.repeat(np.arange(len(groups)), [len(g) for g in groups])
+    pairs = zip(part["features"], part["further_features"], strict=True)
+    images = [np.concatenate(pair).reshape(-1, dimension) for pair in pairs]
+    owners = np.repeat(np.arange(len(images)), [len(own) for own in images])
+    crop_owners = crops.groupby(SURFACE).ngroup().to_numpy()
+    sets = (np.concatenate(images), np.stack(list(crops["features"])), owners, crop_owners)
+    return {"FID": frechet_distance(*sets), "KID": kernel_distance(*sets)}

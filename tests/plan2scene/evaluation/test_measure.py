@@ -15,9 +15,8 @@ from plan2scene.evaluation.published import METRICS, published_value
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.frechet import frechet_distance
+from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 from plan2scene.metrics.freq import freq_distance
-from plan2scene.metrics.kernel import kernel_distance
 from plan2scene.metrics.tile import tile_score
 from plan2scene_workshop.features.network import SubstanceNetwork, save_features_network
 
@@ -206,8 +205,9 @@ def test_each_surface_counts_once_for_fid_however_many_crops_it_has(results):
         read_parquet(results / "houses" / h / "reference_features.parquet")[0] for h in ("h1", "h2")
     ]
     crops = pd.concat(references)
-    weights = np.where(crops["surface"] == "floor", 1 / 3, 1.0)
-    expected = frechet_distance(predictions, np.stack(crops["features"]), weights)
+    houses = np.repeat([0, 1], [len(frame) for frame in references])
+    units = 2 * houses + (crops["surface"] == "floor").to_numpy()
+    expected = frechet_distance(predictions, np.stack(crops["features"]), None, units)
     cells = tidy.set_index(["method", "column", "metric"])["value"]
     assert cells["crop", "observed", "FID"] == pytest.approx(expected, rel=1e-6)
 

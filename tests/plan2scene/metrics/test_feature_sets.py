@@ -1,0 +1,156 @@
+"""FID and KID against closed forms, their definitions and torchmetrics."""
+
+import numpy as np
+import pytest
+import torch
+from scipy.linalg import sqrtm
+
+from plan2scene.metrics import feature_sets
+from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
+
+
+def _samples(n, d, seed, mean=0.0, scale=1.0):
+    return np.random.default_rng(seed).normal(mean, scale, (n, d))
+
+
+def test_equal_sets_have_distance_zero():
+    for n, d in ((200, 8), (5, 64), (1, 3)):
+        features = _samples(n, d, 1)
+        assert frechet_distance(features, features) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_shift_costs_its_squared_length():
+    features = _samples(300, 6, 2)
+    shift = np.arange(6.0)
+    distance = frechet_distance(features, features + shift)
+    assert distance == pytest.approx((shift**2).sum(), rel=1e-6)
+
+
+def test_one_dimension_has_a_closed_form():
+    a, b = _samples(400, 1, 3, 1.0, 2.0), _samples(500, 1, 4, -1.0, 0.5)
+    expected = (a.mean() - b.mean()) ** 2 + (a.std(ddof=1) - b.std(ddof=1)) ** 2
+    assert frechet_distance(a, b) == pytest.approx(expected, rel=1e-9)
+
+
+def test_agrees_with_the_matrix_square_root():
+    rng = np.random.default_rng(5)
+    a = rng.normal(size=(500, 4)) @ rng.normal(size=(4, 4))
+    b = rng.normal(size=(500, 4)) @ rng.normal(size=(4, 4)) + 1.0
+    covariances = [np.cov(features.T) for features in (a, b)]
+    root = sqrtm(covariances[0] @ covariances[1]).real
+    expected = ((a.mean(0) - b.mean(0)) ** 2).sum()
+    expected += np.trace(covariances[0] + covariances[1] - 2 * root)
+    assert frechet_distance(a, b) == pytest.approx(expected, rel=1e-6)
+
+
+class Given(torch.nn.Module):
+    """Takes (n, d) features as they are."""
+
+    def __init__(self, dimension):
+        super().__init__()
+        self.num_features = dimension
+
+    def forward(self, features):
+        return features
+
+
+@pytest.mark.parametrize(("n", "m", "d"), [(300, 200, 8), (9, 30, 16)])
+def test_fid_is_that_of_torchmetrics(n, m, d):
+    fid = pytest.importorskip("torchmetrics.image.fid")
+    a, b = _samples(n, d, 6, 0.4, 2.0), _samples(m, d, 7)
+    metric = fid.FrechetInceptionDistance(feature=Given(d), normalize=True)
+    metric.set_dtype(torch.float64)
+    metric.update(torch.from_numpy(b), real=True)
+    metric.update(torch.from_numpy(a), real=False)
+    # It takes roots of eigenvalues of the product: rounding shows where that is singular.
+    tolerance = 1e-9 if n > d else 1e-5
+    assert frechet_distance(a, b) == pytest.approx(float(metric.compute()), rel=tolerance)
+
+
+def test_symmetric_and_finite_with_fewer_samples_than_dimensions():
+    a, b = _samples(7, 64, 6), _samples(90, 64, 7, 0.3)
+    forth, back = frechet_distance(a, b), frechet_distance(b, a)
+    assert np.isfinite(forth)
+    assert forth == pytest.approx(back, rel=1e-6)
+    assert forth > 0
+
+
+def test_each_unit_counts_once_in_fid():
+    a, b = _samples(6000, 3, 8), _samples(2000, 3, 9, 0.5)
+    units = np.random.default_rng(0).integers(0, 40, 2000) ** 2 // 40  # of 1 to 300 samples
+    means = np.stack([b[units == unit].mean(axis=0) for unit in np.unique(units)])
+    # Moving the first set to the units' mean leaves what does not depend on means.
+    moved = frechet_distance(a - a.mean(axis=0) + means.mean(axis=0), b, None, units)
+    centred = frechet_distance(a - a.mean(axis=0), b - means.mean(axis=0), None, units)
+    assert moved == pytest.approx(centred, rel=1e-9)
+    plain = frechet_distance(a, b)
+    assert abs(frechet_distance(a, b, None, units) / plain - 1) > 1e-3
+    assert frechet_distance(a, b, None, np.arange(2000)) == pytest.approx(plain)
+    pairs = np.repeat(b, 2, axis=0)  # but for the unbiased covariance's n / (n - 1)
+    assert frechet_distance(a, pairs, None, np.arange(4000) // 2) == pytest.approx(plain, rel=1e-3)
+
+
+def test_kid_is_that_of_torchmetrics_over_the_whole_sets():
+    kid = pytest.importorskip("torchmetrics.image.kid")
+    a, b = _samples(40, 12, 1, 0.5), _samples(40, 12, 2)
+    expected = float(kid.poly_mmd(torch.from_numpy(b), torch.from_numpy(a)))
+    assert kernel_distance(a, b) == pytest.approx(expected, rel=1e-9)
+
+
+def test_kid_does_not_depend_on_size():
+    # Half of one population against the other half: around 0 at any size, above and below.
+    for size in (10, 40):
+        values = [
+            kernel_distance(_samples(size, 4, 100 + i), _samples(size, 4, 500 + i))
+            for i in range(200)
+        ]
+        error = np.std(values) / np.sqrt(len(values))
+        assert abs(np.mean(values)) < 3 * error
+        assert min(values) < 0 < max(values)
+
+
+def test_units_count_once_in_kid_and_are_not_paired_with_themselves():
+    a, b = _samples(3, 5, 3), _samples(6, 5, 4)
+    units = np.array(["w", "w", "w", "x", "y", "y"])
+
+    def k(x, y):
+        return (x @ y / 5 + 1) ** 3
+
+    groups = [b[units == name] for name in "wxy"]
+    within_b = np.mean(
+        [
+            np.mean([k(x, y) for x in groups[i] for y in groups[j]])
+            for i in range(3)
+            for j in range(3)
+            if i != j
+        ]
+    )
+    within_a = np.mean([k(a[i], a[j]) for i in range(3) for j in range(3) if i != j])
+    across = np.mean([np.mean([k(x, y) for x in a for y in group]) for group in groups])
+    expected = within_a + within_b - 2 * across
+    assert kernel_distance(a, b, None, units) == pytest.approx(expected, rel=1e-12)
+    assert kernel_distance(b, a, units, None) == pytest.approx(expected, rel=1e-12)
+
+
+def test_rows_of_the_kernel_in_parts_are_the_whole(monkeypatch):
+    a, b = _samples(20, 5, 5), _samples(23, 5, 6)
+    units = np.arange(23) // 2
+    whole = kernel_distance(a, b, None, units)
+    monkeypatch.setattr(feature_sets, "_ROWS", 7)
+    assert kernel_distance(a, b, None, units) == pytest.approx(whole, rel=1e-12)
+
+
+def test_kid_of_fewer_than_two_units_has_no_value():
+    a, b = _samples(4, 3, 7), _samples(5, 3, 8)
+    assert np.isnan(kernel_distance(a[:1], b))
+    assert np.isnan(kernel_distance(a, b, None, np.zeros(5)))
+
+
+@pytest.mark.parametrize("distance", [frechet_distance, kernel_distance])
+def test_bad_sets_are_refused(distance):
+    with pytest.raises(ValueError, match="features"):
+        distance(np.zeros((0, 4)), np.zeros((3, 4)))
+    with pytest.raises(ValueError, match="features"):
+        distance(np.zeros((3, 5)), np.zeros((3, 4)))
+    with pytest.raises(ValueError, match="units"):
+        distance(np.zeros((3, 4)), np.zeros((3, 4)), np.zeros(2))
