@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 from truth import error_rows
 
-from plan2scene.evaluation.published import METRICS
+from plan2scene.metrics.registry import METRICS
 
 PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
 BEGIN, END = "<!-- figures: benchmarks/seeds.py -->", "<!-- end of figures -->"

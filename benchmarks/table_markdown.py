@@ -11,7 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from plan2scene.evaluation.published import METRICS
+from plan2scene.metrics.registry import METRICS
 
 
 def main(path: Path) -> None:

@@ -24,7 +24,6 @@ from plan2scene.evaluation.houses import (
     propagated_from,
 )
 from plan2scene.evaluation.latex import latex_table
-from plan2scene.evaluation.published import METRICS
 from plan2scene.evaluation.variants import (
     MISSING,
     VARIANTS,
@@ -35,6 +34,7 @@ from plan2scene.evaluation.variants import (
 )
 from plan2scene.floorplans import read_scene_json
 from plan2scene.io import atomic_path, read_parquet, write_parquet
+from plan2scene.metrics.registry import METRICS
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import plan2scene
 from plan2scene.evaluation.distances import feature_distances
-from plan2scene.evaluation.published import METRICS, TABLE_COLUMNS, comparable, published_value
+from plan2scene.evaluation.published import TABLE_COLUMNS, comparable, published_value
+from plan2scene.metrics.registry import METRICS
 from plan2scene.provenance import package_versions
 
 if TYPE_CHECKING:

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 
 from plan2scene.errors import InputError
 from plan2scene.evaluation.distances import SURFACE
-from plan2scene.evaluation.published import METRICS
 from plan2scene.io import read_parquet
+from plan2scene.metrics.registry import METRICS
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Metrics of a network, and the metadata of metrics.parquet that names it.
-_NETWORK_KEYS = {"SUBS": "substances", "FID": "features", "KID": "features"}
 #: Metadata that all houses must share.
 _NETWORK_METADATA = ("features", "model", "substances", "substance_model")
 
@@ -38,7 +36,7 @@ def read_metrics(files: Iterable[str | Path]) -> tuple[pd.DataFrame, dict[str, s
     if len(found) != 1:
         raise InputError("metrics of one features network", str(sorted(found)))
     known = dict(zip(_NETWORK_METADATA, found.pop(), strict=True))
-    networks = {name: known.get(_NETWORK_KEYS.get(name, ""), "none") for name in METRICS}
+    networks = {name: known.get(metric.network, "none") for name, metric in METRICS.items()}
     filled = [frame for frame in frames if len(frame)] or frames[:1]
     return pd.concat(filled, ignore_index=True), networks
 

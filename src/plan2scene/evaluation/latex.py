@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.aggregate import metric_title
-from plan2scene.evaluation.published import METRICS, TABLE_COLUMNS
+from plan2scene.evaluation.published import TABLE_COLUMNS
+from plan2scene.metrics.registry import METRICS
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Decimals of each metric, as the paper gives them; FID of a small network is small itself.
-_DECIMALS = {"COLOR": 3, "FREQ": 3, "SUBS": 3, "FID": 1, "TILE": 1, "KID": 3}
+#: Decimals of FID by the embedded network, whose figures are small.
 _SMALL_FID = 3
 #: Crop's observed surfaces are compared with the very crop that they show: never the best.
 _COMPARED_WITH_ITSELF = ("crop", "observed")
@@ -60,10 +60,10 @@ def _cells(cells: pd.DataFrame) -> dict[str, str]:
     texts, shown = {}, {}
     for cell in cells.itertuples():
         small = cell.metric == "FID" and cell.features != "inception"
-        decimals = _SMALL_FID if small else _DECIMALS[cell.metric]
+        decimals = _SMALL_FID if small else METRICS[cell.metric].decimals
         rounded = round(cell.value, decimals) + 0.0  # never -0.000
         text = f"{rounded:.{decimals}f}" if cell.value == cell.value else "--"
-        published = f" ({cell.published:.{_DECIMALS[cell.metric]}f})"
+        published = f" ({cell.published:.{METRICS[cell.metric].decimals}f})"
         texts[cell.method] = (text, published if cell.published == cell.published else "")
         if text != "--" and (cell.method, cell.column) != _COMPARED_WITH_ITSELF:
             shown[cell.method] = float(text)

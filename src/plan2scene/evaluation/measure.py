@@ -13,10 +13,8 @@ from plan2scene.evaluation.resampling import FurtherSeeds, further_images
 from plan2scene.house import SUBSTANCES, SurfaceKey
 from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image, read_image
 from plan2scene.io import read_json, read_parquet, write_parquet
-from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.freq import freq_distance
 from plan2scene.metrics.networks import describe, features_of, network_name
-from plan2scene.metrics.tile import tile_score
+from plan2scene.metrics.registry import IMAGE_COLUMNS, image_metrics
 from plan2scene.photos.crops.sampling import medoid_index
 from plan2scene.provenance import file_hash
 
@@ -24,7 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 COLUMNS = (
-    *("house", "room_id", "surface", "observed", "method", "drop", "color", "freq", "tile"),
+    *("house", "room_id", "surface", "observed", "method", "drop"),
+    *IMAGE_COLUMNS,
     *("subs", "substance_predicted", "substance_reference", "features", "further_features"),
 )
 
@@ -157,9 +156,7 @@ def _measure(
         return {name: [] for name in COLUMNS[6:]}
     features, classes = describe(model, substance_model, predictions, references)
     return {
-        "color": color_distance(predicted, wanted),
-        "freq": freq_distance(predicted, wanted),
-        "tile": tile_score(predicted),
+        **image_metrics(predicted, wanted),
         "subs": (classes[:count] != classes[count:]).astype(np.int64),
         "substance_predicted": [SUBSTANCES[c] for c in classes[:count]],
         "substance_reference": [SUBSTANCES[c] for c in classes[count:]],

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 _PAPER_METRICS = ("COLOR", "FREQ", "SUBS", "FID", "TILE")
-#: Metrics of our table: the paper's in its order, and KID, which depends on no set's size.
-METRICS = (*_PAPER_METRICS, "KID")
 #: The networks of the published figures; ours by another one are not of their scale.
 PUBLISHED_NETWORKS: Mapping[str, str] = {"SUBS": "vgg16", "FID": "inception"}
 #: Columns: surfaces observed at drop 0.0, and those unobserved and all at drop 0.6.

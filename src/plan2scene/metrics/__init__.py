@@ -1,1 +1,1 @@
-"""COLOR, FREQ, TILE, SUBS and FID of textures, and the paper's table (paper section 5)."""
+"""COLOR, FREQ, SUBS, FID, TILE and KID of textures (paper section 5)."""

@@ -7,10 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.images import metric_image
-from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.features import extract_features, load_features_network
-from plan2scene.metrics.freq import freq_distance
-from plan2scene.metrics.tile import tile_score
+from plan2scene.metrics.registry import image_metrics
 from plan2scene.weights import MODELS
 
 
@@ -23,11 +21,7 @@ def pair_metrics(
     Images are (h, w, 3) uint8 sRGB, compared at the paper's 128x128 px (resized by area
     averaging where they are not; not square is stretched, as a tile would be).
     """
-    a, b = metric_image(prediction), metric_image(reference)
-    _, classes = extract_features(load_features_network(model), [a, b])
-    return {
-        "color": float(color_distance(a, b)),
-        "freq": float(freq_distance(a, b)),
-        "tile": float(tile_score(a)),
-        "subs": int(classes[0] != classes[1]),
-    }
+    pair = [metric_image(prediction), metric_image(reference)]
+    _, (first, second) = extract_features(load_features_network(model), pair)
+    figures = {name: float(value) for name, value in image_metrics(*pair).items()}
+    return {**figures, "subs": int(first != second)}

@@ -3,7 +3,8 @@
 import pandas as pd
 
 from plan2scene.evaluation.latex import latex_table
-from plan2scene.evaluation.published import METRICS, TABLE_COLUMNS, published_value
+from plan2scene.evaluation.published import TABLE_COLUMNS, published_value
+from plan2scene.metrics.registry import METRICS
 
 VALUES = {
     ("crop", "observed"): (0.0, 0.0, 0.0, 0.0516, 34.66, -0.0104),

@@ -11,12 +11,13 @@ from plan2scene.errors import InputError
 from plan2scene.evaluation.aggregate import TableRequest
 from plan2scene.evaluation.measure import measure_house, read_references, reference_features
 from plan2scene.evaluation.paper_table import paper_table, partial_table
-from plan2scene.evaluation.published import METRICS, published_value
+from plan2scene.evaluation.published import published_value
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 from plan2scene.metrics.freq import freq_distance
+from plan2scene.metrics.registry import METRICS
 from plan2scene.metrics.tile import tile_score
 from plan2scene_workshop.features.network import SubstanceNetwork, save_features_network
 

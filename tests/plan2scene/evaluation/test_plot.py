@@ -3,7 +3,8 @@
 import pandas as pd
 
 from plan2scene.evaluation.plot import sweep_figure
-from plan2scene.evaluation.published import METRICS, TABLE_COLUMNS
+from plan2scene.evaluation.published import TABLE_COLUMNS
+from plan2scene.metrics.registry import METRICS
 
 
 def test_every_value_lies_within_its_panel_and_methods_differ():

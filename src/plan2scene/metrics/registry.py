@@ -1,0 +1,71 @@
+"""The metrics, in the order of the tables: a new one of image pairs is a module and a line here.
+
+The modules behind them are imported when they measure: tables need the names alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+
+def _color(predictions: np.ndarray, references: np.ndarray) -> np.ndarray:
+    from plan2scene.metrics.color import color_distance
+
+    return color_distance(predictions, references)
+
+
+def _freq(predictions: np.ndarray, references: np.ndarray) -> np.ndarray:
+    from plan2scene.metrics.freq import freq_distance
+
+    return freq_distance(predictions, references)
+
+
+def _tile(predictions: np.ndarray, references: np.ndarray) -> np.ndarray:
+    from plan2scene.metrics.tile import tile_score
+
+    return tile_score(predictions)
+
+
+@dataclass(frozen=True)
+class Metric:
+    """One metric; lower is better.
+
+    Attributes
+    ----------
+    decimals : int
+        As the paper prints it.
+    network : str
+        Metadata of ``metrics.parquet`` that names the network behind it; "" without one.
+    of_pairs : callable, optional
+        From predictions and references, (..., 128, 128, 3) uint8 sRGB each, to values (...). None
+        for what a network says (SUBS) or the whole set of surfaces (FID, KID).
+    """
+
+    decimals: int
+    network: str = ""
+    of_pairs: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
+
+
+#: By name. KID is not the paper's: unlike FID it depends on no set's size.
+METRICS: Mapping[str, Metric] = {
+    "COLOR": Metric(3, of_pairs=_color),
+    "FREQ": Metric(3, of_pairs=_freq),
+    "SUBS": Metric(3, "substances"),
+    "FID": Metric(1, "features"),
+    "TILE": Metric(1, of_pairs=_tile),
+    "KID": Metric(3, "features"),
+}
+#: Names of the columns of ``metrics.parquet`` that :func:`image_metrics` gives.
+IMAGE_COLUMNS = tuple(name.lower() for name, metric in METRICS.items() if metric.of_pairs)
+
+
+def image_metrics(predictions: np.ndarray, references: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the values (...) of pairs of (..., 128, 128, 3) uint8 sRGB images by column."""
+    return {
+        name.lower(): metric.of_pairs(predictions, references)
+        for name, metric in METRICS.items()
+        if metric.of_pairs
+    }
