@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import plan2scene
 from plan2scene.evaluation.distances import feature_distances
 from plan2scene.evaluation.published import TABLE_COLUMNS, comparable, published_value
-from plan2scene.metrics.registry import METRICS
 from plan2scene.provenance import package_versions
 
 if TYPE_CHECKING:
@@ -90,24 +89,30 @@ def tidy_table(
                     "version": plan2scene.__version__,
                     "packages": packages,
                 }
-                for name, value in _means(part, references).items():
-                    network, published = networks[name], published_value(method, column, name)
-                    difference = value - published if comparable(name, network) else float("nan")
-                    cell = {"metric": name, "features": network, "value": value}
-                    rows.append(
-                        {**common, **cell, "published": published, "difference": difference}
-                    )
+                cells = _cells(part, references, networks, method, column)
+                rows += [{**common, **cell} for cell in cells]
     return pd.DataFrame(rows)
 
 
-def _means(part: pd.DataFrame, references: pd.DataFrame) -> dict[str, float]:
-    """Return each metric over the surfaces of `part`; NaN without any."""
-    if part.empty:
-        return dict.fromkeys(METRICS, float("nan"))
-    sets = feature_distances(part, references)
-    return {
-        name: sets[name] if name in sets else float(part[name.lower()].mean()) for name in METRICS
-    }
+def _cells(
+    part: pd.DataFrame,
+    references: pd.DataFrame,
+    networks: Mapping[str, str],
+    method: str,
+    column: str,
+) -> list[dict[str, object]]:
+    """Return what a row says of each metric over the surfaces of `part`; NaN without any."""
+    sets = feature_distances(part, references) if len(part) else {}
+    cells: list[dict[str, object]] = []
+    for name, network in networks.items():
+        value = float("nan") if part.empty else sets.get(name)
+        if value is None:
+            value = float(part[name.lower()].mean())
+        published = published_value(method, column, name)
+        difference = value - published if comparable(name, network) else float("nan")
+        cell = {"metric": name, "features": network, "value": value}
+        cells.append({**cell, "published": published, "difference": difference})
+    return cells
 
 
 def _image_count(part: pd.DataFrame) -> int:

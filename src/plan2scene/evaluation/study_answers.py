@@ -89,19 +89,7 @@ def study_result(
     question: the later file, by name, is refused.
     """
     key = pd.read_csv(key_file, dtype=str)
-    answers = pd.DataFrame(columns=list(ANSWER_COLUMNS))
-    refused = []
-    for path in sorted(map(Path, answer_files)):
-        try:
-            both = pd.concat([answers, read_answers(path, key)], ignore_index=True)
-            twice = both[both.duplicated(["participant", "question"])]
-            if len(twice):
-                found = f"{twice['participant'].iloc[0]} again, {twice['question'].iloc[0]}"
-                raise InputError("people of no other file", found, file=path)
-            answers = both
-        except InputError as error:
-            refused.append(str(error))
-            logging.getLogger("plan2scene").warning("refused: %s", error)
+    answers, refused = _collected(key, sorted(map(Path, answer_files)))
     if answers.empty:
         why = "; ".join(refused) or f"{len(answer_files)} files without answers"
         raise InputError("answers to the study's form", why, file=key_file)
@@ -125,3 +113,21 @@ def study_result(
     with atomic_path(output_text) as temporary:
         temporary.write_text("\n".join(words) + "\n", encoding="utf-8")
     return found
+
+
+def _collected(key: pd.DataFrame, files: Sequence[Path]) -> tuple[pd.DataFrame, list[str]]:
+    """Return the answers of all good files, and why each other one is refused."""
+    answers = pd.DataFrame(columns=list(ANSWER_COLUMNS))
+    refused = []
+    for path in files:
+        try:
+            both = pd.concat([answers, read_answers(path, key)], ignore_index=True)
+            twice = both[both.duplicated(["participant", "question"])]
+            if len(twice):
+                found = f"{twice['participant'].iloc[0]} again, {twice['question'].iloc[0]}"
+                raise InputError("people of no other file", found, file=path)
+            answers = both
+        except InputError as error:
+            refused.append(str(error))
+            logging.getLogger("plan2scene").warning("refused: %s", error)
+    return answers, refused
