@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from plan2scene import __version__
-from plan2scene.colour import srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_path
 from plan2scene.mesh.house_mesh import build_parts
@@ -54,7 +53,8 @@ def write_glb(
 
 def linear(colour: Sequence[int] | np.ndarray) -> np.ndarray:
     """Return sRGB 0..255 as linear float64 0..1."""
-    return srgb_to_linear(np.asarray(colour) / 255.0)
+    value = np.asarray(colour, dtype=np.float64) / 255.0
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 
 class _Document:

@@ -12,7 +12,6 @@ import numpy as np
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
-from plan2scene.colour import as_uint8, linear_to_srgb
 from plan2scene.floorplans import read_scene_json
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import write_png
@@ -258,4 +257,5 @@ def _small(image: np.ndarray) -> np.ndarray:
     k = SUPERSAMPLING
     height, width = image.shape[0] // k, image.shape[1] // k
     mean = image.reshape(height, k, width, k, 3).mean(axis=(1, 3)).clip(0, 1)
-    return as_uint8(linear_to_srgb(mean))
+    encoded = np.where(mean <= 0.0031308, 12.92 * mean, 1.055 * mean ** (1 / 2.4) - 0.055)
+    return np.round(encoded * 255).astype(np.uint8)
