@@ -23,8 +23,7 @@ def latex_table(tidy: pd.DataFrame, notes: Sequence[str] = ()) -> str:
 
     A group of rows per column of the paper (observed, unobserved, all), a row per method. The
     best value of a group is bold, a published one follows in brackets, and ``--`` stands where no
-    surface counts. What the table was made of, and `notes`, are in
-    comments above it.
+    surface counts. What the table was made of, and `notes`, are in comments above it.
     """
     first = tidy.iloc[0]
     networks = tidy.drop_duplicates("metric").set_index("metric")["features"]
