@@ -7,9 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-#: A pixel is clipped when its least channel is at or above, or its greatest at or below this.
-CLIPPED_LEVELS = (2, 249)
-
 
 def as_float(image: np.ndarray) -> np.ndarray:
     """Return a uint8 image as float32 in [0, 1]; a float image as float32 unchanged."""
@@ -33,9 +30,12 @@ def median_colour(image: np.ndarray) -> np.ndarray:
     return pixels[(len(pixels) - 1) // 2]
 
 
-def clipped_share(image: np.ndarray) -> float:
-    """Return the share of pixels of an (h, w, 3) uint8 image that are burned out or black."""
-    low, high = CLIPPED_LEVELS
+def clipped_share(image: np.ndarray, levels: tuple[int, int] = (2, 250)) -> float:
+    """Return the share of pixels of an (h, w, 3) uint8 image that are burned out or black.
+
+    Those whose greatest channel is at or below, or whose least is at or above these `levels`.
+    """
+    low, high = levels
     return float(((image.min(axis=2) >= high) | (image.max(axis=2) <= low)).mean())
 
 

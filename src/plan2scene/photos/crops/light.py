@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from plan2scene.colour import CLIPPED_LEVELS, as_uint8, linear_to_srgb, srgb_to_linear
-from plan2scene.photos.crops.filter import inner_mask, luminance, smooth_field
+from plan2scene.colour import as_uint8, linear_to_srgb, srgb_to_linear
+from plan2scene.photos.crops.filter import CLIPPED_LEVELS, inner_mask, luminance, smooth_field
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
 
 #: Surfaces smaller than this share of the photo tell nothing.
