@@ -15,6 +15,7 @@ from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.checkpoints.means import training_means
 from plan2scene.checkpoints.reading import read_checkpoint, state_dict_of
 from plan2scene.errors import InputError
+from plan2scene.house import ROOM_TYPES, SURFACES
 from plan2scene.metrics.networks import load_network
 from plan2scene.metrics.vgg import VggClassifier
 from plan2scene.propagation.model import load_propagation
