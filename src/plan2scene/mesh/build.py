@@ -51,7 +51,7 @@ def build_house(
         house_id,
         len(house.rooms),
         len(parts),
-        sum(len(part.faces) for part in parts),
+        sum(len(part.mesh.faces) for part in parts),
         len(textures),
     )
 

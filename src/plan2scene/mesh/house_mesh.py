@@ -9,7 +9,7 @@ from plan2scene.house import House
 from plan2scene.mesh.fixtures import fixtures
 from plan2scene.mesh.openings import Portal, find_openings, room_sides
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.polygons import room_polygon
+from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.mesh.walls import (
     Body,
     flat_parts,

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
-from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry import Polygon
 from shapely.ops import polylabel
 
 from plan2scene.house import House, Room
 from plan2scene.mesh.parts import Colour
-from plan2scene.mesh.polygons import room_polygon
+from plan2scene.floorplans.geometry import room_polygon
 
 SECTION_COLOUR: Colour = (52, 50, 48)
 
@@ -46,7 +46,7 @@ def annotate(
     taken: list[tuple[float, ...]] = []
     for room in sorted(house.rooms, key=lambda room: -room_polygon(room).area):
         whole = room_polygon(room)
-        centre = project(_label_point(max(whole.geoms, key=lambda p: p.area)))
+        centre = project(_label_point(whole))
         title = room_title(room)
         second = captions.get(room.id, "") if captions else f"{whole.area:.1f} m²"
         full = f"{title}\n{second}".strip()
@@ -73,7 +73,7 @@ def _label(
     centre: tuple[float, float],
     size: int,
     taken: list[tuple[float, ...]],
-    room: MultiPolygon,
+    room: Polygon,
     scale: float,
 ) -> bool:
     """Write text on a light plate if there is room for it; return whether it was written."""

@@ -1,11 +1,18 @@
-"""Wavefront OBJ with MTL and texture files, for programs that do not read glTF."""
+"""Wavefront OBJ with MTL and texture files, for programs that do not read glTF; by trimesh.
+
+By hand are the materials: trimesh's would encode the PNG files again and know no opacity.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+import trimesh
+from trimesh.exchange.obj import export_obj
+from trimesh.visual import TextureVisuals
+from trimesh.visual.material import Material
 
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, atomic_path
@@ -36,69 +43,86 @@ def write_obj(
         What :func:`~plan2scene.mesh.build_parts` returned, when at hand.
     """
     target = Path(path)
-    parts = build_parts(house) if parts is None else parts
     folder = target.with_name(f"{target.stem}_textures")
     with atomic_directory(folder) as temporary:
         for key, tile in textures.items():
             (temporary / f"{key.filename}.png").write_bytes(tile.png)
-    materials: dict[str, list[str]] = {}
-    lines = [f"mtllib {target.stem}.mtl"]
-    offset = 1
-    for part in parts:
-        lines += _part_lines(part, textures, offset, folder.name, materials)
-        offset += len(part.vertices)
-    with atomic_path(target.with_suffix(".mtl")) as temporary:
-        entries = (f"newmtl {name}\n" + "\n".join(rows) for name, rows in materials.items())
-        temporary.write_text("\n\n".join(entries) + "\n", encoding="utf-8")
+    scene = _Scene()
+    for part in build_parts(house) if parts is None else parts:
+        tile = None if part.surface is None else textures.get(part.surface)
+        for mesh in _pieces(part, tile, folder.name):
+            scene.geometry[str(len(scene.geometry))] = mesh
+    mtl = f"{target.stem}.mtl"
+    text, files = export_obj(
+        scene, include_normals=True, return_texture=True, digits=6, mtl_name=mtl, header=None
+    )
+    with atomic_path(target.with_name(mtl)) as temporary:
+        temporary.write_bytes(files[mtl] + b"\n")
     with atomic_path(target) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8")
 
 
-def _part_lines(
-    part: MeshPart,
-    textures: Mapping[SurfaceKey, TileTexture],
-    offset: int,
-    folder: str,
-    materials: dict[str, list[str]],
-) -> list[str]:
-    """Return a part's OBJ lines; adds the materials it needs."""
-    tile = None if part.surface is None else textures.get(part.surface)
-    uv = np.zeros((len(part.vertices), 2)) if part.uv is None else part.uv
-    uv = uv if tile is None or part.uv is None else tile.turns(uv)
-    lines = [f"o {part.name}"]
-    lines += [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in part.vertices]
-    lines += [f"vt {u:.6f} {-v:.6f}" for u, v in uv]
-    lines += [f"vn {x:.5f} {y:.5f} {z:.5f}" for x, y, z in part.normals]
-    current = ""
-    for face in part.faces:
-        name = _material(part, int(face[0]), tile, folder, materials)
-        if name != current:
-            lines.append(f"usemtl {name}")
-            current = name
-        lines.append("f " + " ".join(f"{k + offset}/{k + offset}/{k + offset}" for k in face))
-    return lines
+class _Scene(trimesh.Scene):
+    """Meshes in order, as they are: trimesh's own dump copies them without their normals."""
+
+    def dump(self, concatenate: bool = False) -> list[trimesh.Trimesh]:
+        return list(self.geometry.values())
 
 
-def _material(
-    part: MeshPart,
-    vertex: int,
-    tile: TileTexture | None,
-    folder: str,
-    materials: dict[str, list[str]],
-) -> str:
-    """Return the name of a face's material, made on first use."""
-    if part.material == "glass":
-        name, rows = "glass", [f"Kd {GLASS[0]} {GLASS[1]} {GLASS[2]}", f"d {GLASS[3]}"]
-    elif part.surface is not None and tile is not None:
-        name = part.surface.filename
-        rows = ["Kd 1 1 1", f"map_Kd {folder}/{name}.png"]
+class _Material(Material):  # type: ignore[misc]
+    """A material's lines in an MTL file."""
+
+    def __init__(self, name: str, rows: Sequence[str]) -> None:
+        self.name, self.rows = name, ("Ka 0 0 0", *rows, "illum 1")
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.rows))
+
+    @property
+    def main_color(self) -> None:
+        """None: the exporter does not ask."""
+
+    def to_obj(self, name: str) -> tuple[dict[str, bytes], str]:
+        """Return ({file name: contents}, material name)."""
+        return {f"{name}.mtl": "\n".join((f"newmtl {name}", *self.rows)).encode()}, name
+
+
+def _pieces(part: MeshPart, tile: TileTexture | None, folder: str) -> Iterator[trimesh.Trimesh]:
+    """Yield a part's meshes, one per material; the first has the part's name."""
+    # Every mesh has normals and texture coordinates: trimesh counts them with the vertices.
+    uv = np.zeros((len(part.mesh.vertices), 2)) if part.uv is None else part.uv
+    uv = (uv if tile is None or part.uv is None else tile.turns(uv)) * [1, -1]
+    first = part.mesh.faces[:, 0]
+    groups: dict[_Material, list[int]] = {}
+    if part.colours is None:
+        groups[_surface_material(part, tile, folder)] = list(range(len(first)))
     else:
-        colour = (
-            UNTEXTURED[part.surface.surface]
-            if part.surface is not None
-            else tuple(int(c) for c in part.colours[vertex])  # type: ignore[index]
+        made = {tuple(c): _plain(c) for c in np.unique(part.colours[first], axis=0).tolist()}
+        for face, colour in enumerate(part.colours[first].tolist()):
+            groups.setdefault(made[tuple(colour)], []).append(face)
+    for number, (material, faces) in enumerate(groups.items()):
+        used, index = np.unique(part.mesh.faces[faces], return_inverse=True)
+        yield trimesh.Trimesh(
+            part.mesh.vertices[used],
+            index.reshape(-1, 3),
+            vertex_normals=part.mesh.vertex_normals[used],
+            visual=TextureVisuals(uv=uv[used], material=material),
+            metadata={} if number else {"name": part.name},
+            process=False,
         )
-        name = "plain_{:02x}{:02x}{:02x}".format(*colour)
-        rows = ["Kd {:.4f} {:.4f} {:.4f}".format(*(c / 255 for c in colour))]
-    materials.setdefault(name, ["Ka 0 0 0", *rows, "illum 1"])
-    return name
+
+
+def _surface_material(part: MeshPart, tile: TileTexture | None, folder: str) -> _Material:
+    """Return the material of a room's surface or of glass."""
+    if part.surface is None:
+        return _Material("glass", [f"Kd {GLASS[0]} {GLASS[1]} {GLASS[2]}", f"d {GLASS[3]}"])
+    if tile is None:
+        return _plain(UNTEXTURED[part.surface.surface])
+    name = part.surface.filename
+    return _Material(name, ["Kd 1 1 1", f"map_Kd {folder}/{name}.png"])
+
+
+def _plain(colour: Sequence[int]) -> _Material:
+    """Return the material of an sRGB colour."""
+    rows = ["Kd {:.4f} {:.4f} {:.4f}".format(*(c / 255 for c in colour))]
+    return _Material("plain_{:02x}{:02x}{:02x}".format(*colour), rows)

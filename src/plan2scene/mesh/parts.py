@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+import trimesh
 
 from plan2scene.house import SurfaceKey
 
@@ -28,12 +29,9 @@ class MeshPart:
     ----------
     name : str
         Node name, ``{room}/floor``, ``{room}/wall/{wall}``, ``structure/wall/{wall}`` ...
-    vertices : (n, 3) float64
-        Metres; vertices are not shared between faces of different planes.
-    faces : (m, 3) int64
-        Counter-clockwise seen from the visible side.
-    normals : (n, 3) float64
-        Unit vectors.
+    mesh : trimesh.Trimesh
+        Metres; n vertices, not shared between faces of different planes, with their unit normals;
+        m faces, counter-clockwise seen from the visible side.
     material : str
         One of `MATERIALS`.
     surface : SurfaceKey or None
@@ -47,37 +45,23 @@ class MeshPart:
     """
 
     name: str
-    vertices: np.ndarray
-    faces: np.ndarray
-    normals: np.ndarray
+    mesh: trimesh.Trimesh
     material: str
     surface: SurfaceKey | None = None
     uv: np.ndarray | None = None
     colours: np.ndarray | None = None
     extras: Mapping[str, object] = field(default_factory=dict)
 
-    @property
-    def area(self) -> float:
-        """Surface area in square metres."""
-        corners = self.vertices[self.faces]
-        cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        return float(np.linalg.norm(cross, axis=1).sum() / 2)
 
-
-def face_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def flat_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Return (n, 3) unit vertex normals of a mesh whose faces share vertices only in a plane.
 
-    Area-weighted, so that a sliver's undefined direction carries no weight.
+    Weighted by area, unlike trimesh's own, so that a sliver's direction carries no weight; up
+    where there is no area.
     """
-    corners = vertices[faces]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals = np.zeros_like(vertices)
-    for corner in range(3):
-        np.add.at(normals, faces[:, corner], cross)
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.divide(
-        normals, length, out=np.tile([0.0, 1.0, 0.0], (len(vertices), 1)), where=length > 1e-15
-    )
+    cross = trimesh.triangles.cross(vertices[faces])
+    normals = trimesh.geometry.mean_vertex_normals(len(vertices), faces, cross)
+    return np.where(normals.any(axis=1, keepdims=True), normals, [0.0, 1.0, 0.0])
 
 
 class PartBuilder:
@@ -143,11 +127,10 @@ class PartBuilder:
         """Return what was added as one part."""
         vertices = np.round(np.concatenate(self._vertices), GRID_DECIMALS)
         faces = np.concatenate(self._faces)
+        normals = flat_normals(vertices, faces)
         return MeshPart(
             name=name,
-            vertices=vertices,
-            faces=faces,
-            normals=face_normals(vertices, faces),
+            mesh=trimesh.Trimesh(vertices, faces, vertex_normals=normals, process=False),
             material=material,
             surface=surface,
             uv=np.concatenate(self._uv) if material == "surface" else None,

@@ -1,18 +1,16 @@
-"""Polygons with holes to triangles, with the area checked (shapely, earcut)."""
+"""Polygons with holes to triangles, with the area checked (trimesh with earcut)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-import mapbox_earcut as earcut
 import numpy as np
-import shapely
-from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
-
-from plan2scene.errors import InputError
-from plan2scene.house import Room
+from trimesh.creation import triangulate_polygon
+from trimesh.grouping import unique_rows
+from trimesh.triangles import cross
 
 #: Relative error of a triangulation's area above which it is refused.
 AREA_TOLERANCE = 1e-6
@@ -28,64 +26,29 @@ def polygons_of(geometry: BaseGeometry, least_area: float = 1e-9) -> Iterator[Po
             yield from polygons_of(part, least_area)
 
 
-def room_polygon(room: Room) -> MultiPolygon:
-    """Return a room's outline less its holes, valid, in (x, z) metres.
-
-    The readers refuse self-intersecting outlines; what is left for ``make_valid`` here is a hole
-    that touches the outline and repeated points.
-
-    Raises
-    ------
-    InputError
-        When nothing with an area is left.
-    """
-    outline, *holes = (Polygon(ring) for ring in room.rings)
-    outline = outline if outline.is_valid else shapely.make_valid(outline)
-    if holes:
-        inner = shapely.unary_union([h if h.is_valid else shapely.make_valid(h) for h in holes])
-        outline = outline.difference(inner)
-    parts = list(polygons_of(outline))
-    if not parts:
-        raise InputError("a room outline with an area", "none", room=room.id)
-    return MultiPolygon(parts)
-
-
 def triangulate(geometry: BaseGeometry) -> tuple[np.ndarray, np.ndarray]:
     """Return vertices (n, 2) float64 and faces (m, 3) int64 of a polygon or multi-polygon.
 
     Faces are counter-clockwise in the plane's (first, second) axis order. Raises ValueError when
     the triangles' area differs from the polygon's by more than `AREA_TOLERANCE`.
     """
-    points: list[np.ndarray] = []
-    faces: list[np.ndarray] = []
-    count = 0
+    points, faces, count = [np.zeros((0, 2))], [np.zeros((0, 3), dtype=np.int64)], 0
     for polygon in polygons_of(geometry):
-        polygon = orient(polygon)
-        rings = [np.asarray(ring.coords)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
-        flat = np.concatenate(rings).astype(np.float64)
-        ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
-        index = earcut.triangulate_float64(flat, ends).reshape(-1, 3).astype(np.int64)
-        index = _counter_clockwise(flat, index)
-        area = float(np.abs(signed_areas(flat, index)).sum())
-        if abs(area - polygon.area) > AREA_TOLERANCE * max(polygon.area, 1e-3):
-            raise ValueError(f"triangles of {area:.9f} m2 for a polygon of {polygon.area:.9f} m2")
-        points.append(flat)
+        corners, index = triangulate_polygon(orient(polygon), engine="earcut")
+        unique, inverse = unique_rows(corners, keep_order=True)  # rings come closed
+        corners, index = corners[unique], inverse[index]
+        areas = signed_areas(corners, index)
+        total = float(np.abs(areas).sum())
+        if abs(total - polygon.area) > AREA_TOLERANCE * max(polygon.area, 1e-3):
+            raise ValueError(f"triangles of {total:.9f} m2 for a polygon of {polygon.area:.9f} m2")
+        index = np.where((areas < 0)[:, None], index[:, ::-1], index)[np.abs(areas) > 1e-14]
+        points.append(corners)
         faces.append(index + count)
-        count += len(flat)
-    if not points:
-        return np.zeros((0, 2)), np.zeros((0, 3), dtype=np.int64)
+        count += len(corners)
     return np.concatenate(points), np.concatenate(faces)
 
 
 def signed_areas(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Return the (m,) signed areas of 2-D triangles, positive when counter-clockwise."""
-    a, b, c = (points[faces[:, k]] for k in range(3))
-    first, second = b - a, c - a
-    return (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / 2
-
-
-def _counter_clockwise(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Return faces with clockwise ones turned over and zero-area ones left out."""
-    area = signed_areas(points, faces)
-    faces = np.where((area < 0)[:, None], faces[:, ::-1], faces)
-    return faces[np.abs(area) > 1e-14]
+    flat = np.pad(points, ((0, 0), (0, 1)))
+    return np.asarray(cross(flat[faces])[:, 2] / 2)

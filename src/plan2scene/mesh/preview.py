@@ -12,10 +12,10 @@ import numpy as np
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
+from plan2scene.colour import linear_to_srgb, srgb_to_linear
 from plan2scene.floorplans import read_scene_json
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import write_png
-from plan2scene.mesh.glb import linear
 from plan2scene.mesh.house_mesh import Assembly, assemble
 from plan2scene.mesh.labels import SECTION_COLOUR, annotate
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
@@ -249,7 +249,7 @@ def _blend_glass(
 
 def _linear_colour(colour: Colour) -> np.ndarray:
     """Return an sRGB colour as linear float32."""
-    return linear(colour).astype(np.float32)
+    return srgb_to_linear(np.array(colour, np.uint8)).astype(np.float32)
 
 
 def _small(image: np.ndarray) -> np.ndarray:
@@ -257,5 +257,4 @@ def _small(image: np.ndarray) -> np.ndarray:
     k = SUPERSAMPLING
     height, width = image.shape[0] // k, image.shape[1] // k
     mean = image.reshape(height, k, width, k, 3).mean(axis=(1, 3)).clip(0, 1)
-    encoded = np.where(mean <= 0.0031308, 12.92 * mean, 1.055 * mean ** (1 / 2.4) - 0.055)
-    return np.round(encoded * 255).astype(np.uint8)
+    return np.round(linear_to_srgb(mean) * 255).astype(np.uint8)

@@ -13,9 +13,10 @@ from typing import Any
 import cv2
 import numpy as np
 
+from plan2scene.colour import srgb_to_linear
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes
-from plan2scene.mesh.glb import GLASS, linear
+from plan2scene.mesh.glb import GLASS
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.textures import UNTEXTURED, TileTexture
 
@@ -85,7 +86,7 @@ class Soup:
 
 def mipmaps(image: np.ndarray) -> list[np.ndarray]:
     """Return the linear float32 pyramid of a (h, w, 3) uint8 sRGB tile, halved by box filter."""
-    levels: list[Any] = [linear(image).astype(np.float32)]
+    levels: list[Any] = [srgb_to_linear(image).astype(np.float32)]
     while min(levels[-1].shape[:2]) > 1:
         top = levels[-1]
         top = top[: top.shape[0] // 2 * 2, : top.shape[1] // 2 * 2]
@@ -100,7 +101,7 @@ def soup_of(parts: list[MeshPart], textures: Mapping[SurfaceKey, TileTexture]) -
     rows: dict[str, list[np.ndarray]] = {k: [] for k in ("corners", "normals", "uv", "colours")}
     texture: list[np.ndarray] = []
     for part in parts:
-        n = len(part.faces)
+        n = len(part.mesh.faces)
         tile = None if part.surface is None else textures.get(part.surface)
         number = -1
         uv = np.zeros((n, 3, 2))
@@ -109,13 +110,13 @@ def soup_of(parts: list[MeshPart], textures: Mapping[SurfaceKey, TileTexture]) -
                 index[tile.digest] = len(pyramids)
                 pyramids.append(mipmaps(image_from_bytes(tile.png)))
             number = index[tile.digest]
-            uv = tile.turns(part.uv)[part.faces]
-        rows["corners"].append(part.vertices[part.faces])
-        rows["normals"].append(part.normals[part.faces[:, 0]])
+            uv = tile.turns(part.uv)[part.mesh.faces]
+        rows["corners"].append(part.mesh.vertices[part.mesh.faces])
+        rows["normals"].append(part.mesh.vertex_normals[part.mesh.faces[:, 0]])
         rows["uv"].append(uv)
         rows["colours"].append(_colours(part, tile))
         texture.append(np.full(n, number))
-    glass = np.concatenate([np.full(len(p.faces), p.material == "glass") for p in parts])
+    glass = np.concatenate([np.full(len(p.mesh.faces), p.material == "glass") for p in parts])
     arrays = {name: np.concatenate(values) for name, values in rows.items()}
     return Soup(**arrays, texture=np.concatenate(texture), glass=glass, mipmaps=pyramids)
 
@@ -123,12 +124,12 @@ def soup_of(parts: list[MeshPart], textures: Mapping[SurfaceKey, TileTexture]) -
 def _colours(part: MeshPart, tile: TileTexture | None) -> np.ndarray:
     """Return the (m, 3) linear base colours of a part's faces."""
     if part.colours is not None:
-        return linear(part.colours[part.faces[:, 0]])
+        return srgb_to_linear(part.colours[part.mesh.faces[:, 0]])
     if part.material == "glass":
-        return np.tile(np.array(GLASS[:3]), (len(part.faces), 1))
+        return np.tile(np.array(GLASS[:3]), (len(part.mesh.faces), 1))
     white = (255, 255, 255)
     colour = white if tile is not None or part.surface is None else UNTEXTURED[part.surface.surface]
-    return np.tile(linear(colour), (len(part.faces), 1))
+    return np.tile(srgb_to_linear(np.array(colour, np.uint8)), (len(part.mesh.faces), 1))
 
 
 def visible(soup: Soup, camera: Camera, keep: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
