@@ -1,4 +1,4 @@
-"""Plane geometry of plans: polygons, the inner side of walls, walls from outlines, doors."""
+"""Plane geometry of plans: polygons of rooms, walls from outlines, doors."""
 
 from __future__ import annotations
 
@@ -22,27 +22,6 @@ BEHIND_TOLERANCE = 0.1
 def room_polygon(room: Room) -> Polygon:
     """Return a room's outline with its holes as a polygon in (x, z), metres."""
     return Polygon(room.rings[0], room.rings[1:])
-
-
-def inner_normal(room: Room, wall: Wall) -> Point:
-    """Return the unit normal (x, z) of `wall` that points into `room`.
-
-    Decided by which side of the wall's line the room's polygon has more area near the wall, not
-    by the order of the points; the left side (of start to end, x right, z down) when neither.
-    """
-    (x0, z0), (x1, z1) = wall.start, wall.end
-    length = wall.length
-    ux, uz = (x1 - x0) / length, (z1 - z0) / length
-    normal = (uz, -ux)
-    polygon = room_polygon(room)
-    reach = 0.5
-    areas = []
-    for sign in (1.0, -1.0):
-        dx, dz = sign * reach * normal[0], sign * reach * normal[1]
-        strip = Polygon([(x0, z0), (x1, z1), (x1 + dx, z1 + dz), (x0 + dx, z0 + dz)])
-        areas.append(polygon.intersection(strip).area)
-    sign = 1.0 if areas[0] >= areas[1] else -1.0
-    return (sign * normal[0], sign * normal[1])
 
 
 def point_along(wall: Wall, distance: float) -> Point:

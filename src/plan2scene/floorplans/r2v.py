@@ -10,7 +10,12 @@ from pathlib import Path
 from shapely.geometry import LineString, Polygon, box
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans.geometry import find_doors, point_along, walls_of_rooms
+from plan2scene.floorplans.geometry import (
+    find_doors,
+    point_along,
+    room_polygon,
+    walls_of_rooms,
+)
 from plan2scene.floorplans.openings import Segment, place_openings
 from plan2scene.floorplans.parse import Source
 from plan2scene.floorplans.r2v_rooms import room_polygons, side_labels
@@ -190,7 +195,7 @@ def _outer_doors(
     plan: PixelPlan, rooms: Sequence[Room], walls: Sequence[Wall], metres_per_pixel: float
 ) -> set[str]:
     """Return the openings to the outside that are doors: the nearest to each entrance."""
-    polygons = [Polygon(room.rings[0], room.rings[1:]) for room in rooms]
+    polygons = [room_polygon(room) for room in rooms]
     doors = set()
     for item in plan.boxes:
         if item.label != "entrance":

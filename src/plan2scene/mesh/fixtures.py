@@ -37,10 +37,10 @@ LEAST_DEPTH = 0.09
 
 def fixtures(portal: Portal) -> list[MeshPart]:
     """Return the parts of a door, window or passage (none when it is under 15 cm wide or high)."""
-    opening = portal.opening
-    if portal.s1 - portal.s0 < 0.15 or opening.top - opening.bottom < 0.15:
+    hole = portal.hole
+    if hole.right - hole.left < 0.15 or hole.top - hole.bottom < 0.15:
         return []
-    if opening.kind == "window":
+    if hole.opening.kind == "window":
         return _window(portal)
     return [_door(portal)]
 
@@ -50,7 +50,7 @@ def _centre(portal: Portal) -> np.ndarray:
 
     The far edge may stand askew: the frame follows the owner's side.
     """
-    return portal.side.frame.axes(portal.s0, -portal.depth / 2)
+    return portal.side.frame.axes(portal.hole.left, -portal.depth / 2)
 
 
 def _depth(portal: Portal) -> float:
@@ -63,7 +63,7 @@ def _surround(
 ) -> None:
     """Add the frame: two jambs, the head, and for a window the bottom piece."""
     frame, half = _centre(portal), _depth(portal)
-    size, low, high = portal.s1 - portal.s0, portal.opening.bottom, portal.opening.top
+    size, low, high = portal.width, portal.hole.bottom, portal.hole.top
     builder.box(frame, np.array([0, low, -half]), np.array([width, high, half]), colour)
     builder.box(frame, np.array([size - width, low, -half]), np.array([size, high, half]), colour)
     inner = np.array([width, high - width, -half]), np.array([size - width, high, half])
@@ -76,25 +76,25 @@ def _surround(
 def _door(portal: Portal) -> MeshPart:
     """Return a door's frame and leaves, or a passage's lining."""
     builder = PartBuilder()
-    room, opening = portal.side.room_id, portal.opening
+    room, opening = portal.side.room_id, portal.hole.opening
     extras = {"kind": opening.kind, "room_id": room, "opening_id": opening.id}
     if portal.other is not None:
         extras["leads_to"] = portal.other
     if opening.kind == "passage":
         _surround(builder, portal, 0.015, LINING_COLOUR, sill=False)
         return builder.build(f"{room}/passage/{opening.id}", extras=extras)
-    width = portal.s1 - portal.s0
+    width = portal.width
     jamb = min(FRAME_WIDTH, width * 0.12)
     _surround(builder, portal, jamb, FRAME_COLOUR, sill=False)
     gap = 0.004
     clear = width - 2 * (jamb + gap)
-    top = opening.top - jamb - gap
+    top = portal.hole.top - jamb - gap
     leaves = ((jamb + gap, 1.0, clear),)
     if width > TWO_LEAVES:
         half = clear / 2 - gap / 2
         leaves = ((jamb + gap, 1.0, half), (width - jamb - gap, -1.0, half))  # type: ignore[assignment]
     for hinge, turn, size in leaves:
-        _leaf(builder, portal, hinge, turn, (size, opening.bottom + 0.008, top))
+        _leaf(builder, portal, hinge, turn, (size, portal.hole.bottom + 0.008, top))
     return builder.build(f"{room}/door/{opening.id}", extras=extras)
 
 
@@ -155,8 +155,8 @@ def _leaf(
 def _window(portal: Portal) -> list[MeshPart]:
     """Return a window's frame with mullions, transom and sill board, and its glass."""
     builder, glass = PartBuilder(), PartBuilder()
-    room, opening = portal.side.room_id, portal.opening
-    width, low, high = portal.s1 - portal.s0, opening.bottom, opening.top
+    room, opening = portal.side.room_id, portal.hole.opening
+    width, low, high = portal.width, portal.hole.bottom, portal.hole.top
     bar = min(FRAME_WIDTH, 0.12 * min(width, high - low))
     _surround(builder, portal, bar, FRAME_COLOUR, sill=True)
     frame = _centre(portal)
@@ -186,7 +186,7 @@ def _window(portal: Portal) -> list[MeshPart]:
             FRAME_COLOUR,
         )
     pane = Frame(
-        portal.side.frame.plan(portal.s0, -portal.depth / 2),
+        portal.side.frame.plan(portal.hole.left, -portal.depth / 2),
         portal.side.frame.right,
         portal.side.frame.normal,
         width,

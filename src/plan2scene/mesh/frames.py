@@ -5,6 +5,7 @@ A face's local axes are s (metres to the right as seen from inside the room) and
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +67,17 @@ class Frame:
         )
 
 
+@dataclass(frozen=True)
+class FaceOpening:
+    """An opening as seen on a face: metres from the face's left end, and above the floor."""
+
+    opening: Opening
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+
 def frame_between(start: np.ndarray, end: np.ndarray, normal: np.ndarray) -> Frame:
     """Return the frame of a vertical face over a plan segment that looks along `normal`."""
     right = np.array([normal[1], -normal[0]])
@@ -99,13 +111,28 @@ def inner_normal(wall: Wall, polygon: BaseGeometry) -> np.ndarray:
     return normal if votes > 0 else -normal
 
 
-def local_interval(wall: Wall, frame: Frame, opening: Opening) -> tuple[float, float]:
-    """Return an opening's (s0, s1) on a frame of its wall, clipped to the wall."""
-    low, high = max(opening.start, 0.0), min(opening.end, wall.length)
-    from_start = np.allclose(frame.plan(0.0), wall.start, atol=1e-9) or (
-        np.array(wall.start) @ frame.right <= np.array(wall.end) @ frame.right
-    )
-    return (low, high) if from_start else (wall.length - high, wall.length - low)
+def openings_on(wall: Wall, frame: Frame) -> Iterator[FaceOpening]:
+    """Yield a wall's openings as seen on a frame of it, cut to the wall; none without an area."""
+    from_start = np.array(wall.start) @ frame.right <= np.array(wall.end) @ frame.right
+    for opening in wall.openings:
+        low, high = max(opening.start, 0.0), min(opening.end, wall.length)
+        left, right = (low, high) if from_start else (wall.length - high, wall.length - low)
+        bottom, top = max(opening.bottom, 0.0), min(opening.top, wall.height)
+        if right - left > 1e-6 and top - bottom > 1e-6:
+            yield FaceOpening(opening, left, right, bottom, top)
+
+
+def walked_rings(room: Room) -> list[np.ndarray]:
+    """Return a room's rings, closed, (n + 1, 2), walked to the right as seen from inside.
+
+    That turns an outline from x to z, and a hole the other way round.
+    """
+    rings = []
+    for number, ring in enumerate(room.rings):
+        exterior = Polygon(ring).exterior
+        coordinates = np.asarray(exterior.coords)
+        rings.append(coordinates if exterior.is_ccw == (number == 0) else coordinates[::-1])
+    return rings
 
 
 def arc_offset(room: Room, frame: Frame) -> float:
@@ -114,14 +141,26 @@ def arc_offset(room: Room, frame: Frame) -> float:
     Outlines are walked to the right as seen from inside, so a texture runs on over the corner.
     """
     middle = Point(*frame.plan(frame.length / 2))
-    rings = [Polygon(ring) for ring in room.rings]
-    ring = min(rings, key=lambda polygon: polygon.exterior.distance(middle))
-    # To the right as seen from inside: an outline runs from x to z, a hole the other way round.
-    line = LineString(_walked(ring, counter_clockwise=ring is rings[0]))
+    line = min((LineString(ring) for ring in walked_rings(room)), key=middle.distance)
     return float(line.project(middle)) - frame.length / 2
 
 
-def _walked(polygon: Polygon, *, counter_clockwise: bool) -> np.ndarray:
-    """Return a ring's closed coordinates in the given turn of the (x, z) plane."""
-    coordinates = np.asarray(polygon.exterior.coords)
-    return coordinates if polygon.exterior.is_ccw == counter_clockwise else coordinates[::-1]
+def reveal_quads(
+    frame: Frame, hole: FaceOpening, back: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the left jamb, right jamb, head and sill of a hole, each (4, 3), facing inwards.
+
+    Seen from the hole, corners run counter-clockwise. `back` is the (2, 2) plan points of the
+    far edge, at the left and at the right.
+    """
+
+    def at(plan: np.ndarray, y: float) -> np.ndarray:
+        return np.array([plan[0], y, plan[1]])
+
+    (a, b), (c, d) = frame.plan(np.array([hole.left, hole.right])), back
+    bottom, top = hole.bottom, hole.top
+    left = np.array([at(a, bottom), at(c, bottom), at(c, top), at(a, top)])
+    right = np.array([at(d, bottom), at(b, bottom), at(b, top), at(d, top)])
+    head = np.array([at(a, top), at(c, top), at(d, top), at(b, top)])
+    sill = np.array([at(a, bottom), at(b, bottom), at(d, bottom), at(c, bottom)])
+    return left, right, head, sill

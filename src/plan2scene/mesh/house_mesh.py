@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House
 from plan2scene.mesh.fixtures import fixtures
 from plan2scene.mesh.openings import Portal, find_openings, room_sides
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.mesh.walls import (
     Body,
     flat_parts,
@@ -72,12 +72,12 @@ def assemble(house: House) -> Assembly:
 def _largest(portals: list[Portal]) -> list[Portal]:
     """Return portals without those that mostly lie inside a wider one of the same wall."""
     kept: list[Portal] = []
-    for portal in sorted(portals, key=lambda p: p.s0 - p.s1):
+    for portal in sorted(portals, key=lambda p: -p.width):
         inside = any(
             portal.side.wall.id == other.side.wall.id
-            and min(portal.s1, other.s1) - max(portal.s0, other.s0) > 0.5 * (portal.s1 - portal.s0)
-            and min(portal.opening.top, other.opening.top)
-            > max(portal.opening.bottom, other.opening.bottom)
+            and min(portal.hole.right, other.hole.right) - max(portal.hole.left, other.hole.left)
+            > 0.5 * portal.width
+            and min(portal.hole.top, other.hole.top) > max(portal.hole.bottom, other.hole.bottom)
             for other in kept
         )
         if not inside:

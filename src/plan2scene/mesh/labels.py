@@ -11,9 +11,9 @@ from PIL import Image, ImageDraw, ImageFont
 from shapely.geometry import Polygon
 from shapely.ops import polylabel
 
+from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, Room
 from plan2scene.mesh.parts import Colour
-from plan2scene.floorplans.geometry import room_polygon
 
 SECTION_COLOUR: Colour = (52, 50, 48)
 

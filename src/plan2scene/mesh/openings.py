@@ -8,20 +8,18 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from shapely.geometry import LineString, box
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from plan2scene.house import House, Opening, Wall
-from plan2scene.mesh.frames import Frame, inner_normal, local_interval, wall_frame
+from plan2scene.house import House, Wall
+from plan2scene.mesh.frames import FaceOpening, Frame, inner_normal, openings_on, wall_frame
 
 #: Two copies of a hole lie on walls at most this far apart, metres.
 MATCH_DISTANCE = 0.6
-#: Rooms closer than this, metres, touch: the wall between them has no thickness of its own.
-TOUCHING = 0.02
 _PARALLEL = 0.9
 
 
@@ -40,27 +38,28 @@ class Portal:
 
     Attributes
     ----------
-    opening : Opening
-        The copy on the owner's wall.
+    hole : FaceOpening
+        The copy on the owner's side of the wall.
     side : Side
-        The owner's side of the wall.
-    s0, s1 : float
-        Metres along that side's frame.
+        That side.
     back : (2, 2) float64
-        Plan points of the far edge of the passage, at s0 and at s1.
+        Plan points of the far edge of the passage, at the left and at the right.
     depth : float
         Metres from the near to the far edge (0 when two rooms touch).
     other : str or None
         The room behind, None for the outside.
     """
 
-    opening: Opening
+    hole: FaceOpening
     side: Side
-    s0: float
-    s1: float
     back: np.ndarray
     depth: float
     other: str | None
+
+    @property
+    def width(self) -> float:
+        """Metres along the side's frame."""
+        return self.hole.right - self.hole.left
 
 
 @dataclass
@@ -118,22 +117,11 @@ def find_openings(
     found = Openings()
     copies: list[Portal] = []
     for side in sides:
-        for opening in side.wall.openings:
-            s0, s1 = local_interval(side.wall, side.frame, opening)
-            bottom, top = max(opening.bottom, 0.0), min(opening.top, side.wall.height)
-            if s1 - s0 < 1e-6 or top - bottom < 1e-6:
-                continue
-            found.holes[side.wall.id, side.room_id].append(box(s0, bottom, s1, top))
+        for hole in openings_on(side.wall, side.frame):
+            cut = box(hole.left, hole.bottom, hole.right, hole.top)
+            found.holes[side.wall.id, side.room_id].append(cut)
             if side.room_id == side.wall.room_ids[0]:
-                copies.append(
-                    _straight(
-                        Opening(opening.id, opening.kind, opening.start, opening.end, bottom, top),
-                        side,
-                        s0,
-                        s1,
-                        polygons,
-                    )
-                )
+                copies.append(_straight(hole, side, polygons))
     leads_to = _relations(house)
     used: set[int] = set()
     for index, copy in enumerate(copies):
@@ -147,7 +135,7 @@ def find_openings(
             found.portals.append(_joined(copy, copies[partner]))
             continue
         found.portals.append(copy)
-        wanted = leads_to.get(copy.opening.id, set()) - {copy.side.room_id}
+        wanted = leads_to.get(copy.hole.opening.id, set()) - {copy.side.room_id}
         _cut_behind(copy, sides, wanted, found)
     return found
 
@@ -160,15 +148,9 @@ def _relations(house: House) -> dict[str, set[str]]:
     return rooms
 
 
-def _straight(
-    opening: Opening,
-    side: Side,
-    s0: float,
-    s1: float,
-    polygons: Mapping[str, BaseGeometry],
-) -> Portal:
+def _straight(hole: FaceOpening, side: Side, polygons: Mapping[str, BaseGeometry]) -> Portal:
     """Return a portal that runs straight back to the next room or through the wall's depth."""
-    frame = Frame(side.frame.plan(s0), side.frame.right, side.frame.normal, s1 - s0)
+    frame = replace(side.frame, left=side.frame.plan(hole.left), length=hole.right - hole.left)
     depth, other = side.wall.depth, None
     for room_id, polygon in polygons.items():
         gap = None if room_id == side.room_id else distance_behind(frame, polygon, depth)
@@ -176,8 +158,8 @@ def _straight(
             depth, other = gap, room_id
     for room_id in side.wall.room_ids[1:]:
         other = other or room_id
-    back = side.frame.plan(np.array([s0, s1]), -depth)
-    return Portal(opening, side, s0, s1, back, depth, other)
+    back = side.frame.plan(np.array([hole.left, hole.right]), -depth)
+    return Portal(hole, side, back, depth, other)
 
 
 def _partner(copy: Portal, others: Iterable[tuple[int, Portal]]) -> int | None:
@@ -192,18 +174,16 @@ def _partner(copy: Portal, others: Iterable[tuple[int, Portal]]) -> int | None:
         theirs = other.side.frame
         if other.side.room_id == copy.side.room_id or theirs.normal @ frame.normal > -_PARALLEL:
             continue
-        ends = theirs.plan(np.array([other.s0, other.s1])) - frame.left
+        ends = theirs.plan(np.array([other.hole.left, other.hole.right])) - frame.left
         behind = -(ends @ frame.normal).mean()
         if not -0.1 < behind < MATCH_DISTANCE:
             continue
         s = ends @ frame.right
-        overlap = min(copy.s1, s.max()) - max(copy.s0, s.min())
-        rise = min(copy.opening.top, other.opening.top) - max(
-            copy.opening.bottom, other.opening.bottom
-        )
-        if overlap < 0.4 * min(copy.s1 - copy.s0, other.s1 - other.s0) or rise <= 0:
+        overlap = min(copy.hole.right, s.max()) - max(copy.hole.left, s.min())
+        rise = min(copy.hole.top, other.hole.top) - max(copy.hole.bottom, other.hole.bottom)
+        if overlap < 0.4 * min(copy.width, other.width) or rise <= 0:
             continue
-        score = overlap + (10.0 if other.opening.id == copy.opening.id else 0.0)
+        score = overlap + (10.0 if other.hole.opening.id == copy.hole.opening.id else 0.0)
         if score > best_score:
             best, best_score = index, score
     return best
@@ -211,16 +191,14 @@ def _partner(copy: Portal, others: Iterable[tuple[int, Portal]]) -> int | None:
 
 def _joined(copy: Portal, other: Portal) -> Portal:
     """Return the portal from one copy of a hole to the other."""
-    ends = other.side.frame.plan(np.array([other.s1, other.s0]))
+    ends = other.side.frame.plan(np.array([other.hole.right, other.hole.left]))
     depth = float(-((ends - copy.side.frame.left) @ copy.side.frame.normal).mean())
-    return Portal(
-        copy.opening, copy.side, copy.s0, copy.s1, ends, max(depth, 0.0), other.side.room_id
-    )
+    return replace(copy, back=ends, depth=max(depth, 0.0), other=other.side.room_id)
 
 
 def _cut_behind(copy: Portal, sides: list[Side], rooms: set[str], found: Openings) -> None:
     """Cut a hole, known to lead to `rooms`, from their walls when these have no copy of it."""
-    ends = copy.side.frame.plan(np.array([copy.s0, copy.s1]))
+    ends = copy.side.frame.plan(np.array([copy.hole.left, copy.hole.right]))
     for side in sides:
         if side.wall.id == copy.side.wall.id or side.room_id not in rooms:
             continue
@@ -229,10 +207,10 @@ def _cut_behind(copy: Portal, sides: list[Side], rooms: set[str], found: Opening
         offset = (ends - side.frame.left) @ side.frame.normal
         s = np.sort((ends - side.frame.left) @ side.frame.right)
         s0, s1 = max(float(s[0]), 0.0), min(float(s[1]), side.frame.length)
-        top = min(copy.opening.top, side.wall.height)
+        top = min(copy.hole.top, side.wall.height)
         if not -MATCH_DISTANCE < offset.mean() < 0.1 or s1 - s0 < 0.05:
             continue
-        hole = box(s0, copy.opening.bottom, s1, top)
+        hole = box(s0, copy.hole.bottom, s1, top)
         mine = found.holes[side.wall.id, side.room_id]
         if not any(other.intersects(hole) for other in mine):
             mine.append(hole)

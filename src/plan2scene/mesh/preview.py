@@ -126,14 +126,14 @@ def _section(assembly: Assembly) -> list[MeshPart]:
     parts = []
     windows = []
     for portal in assembly.portals:
-        if portal.opening.top <= CUT and portal.opening.kind != "window":
+        if portal.hole.top <= CUT and portal.hole.opening.kind != "window":
             continue
         margin = portal.side.wall.depth / 2
-        ends = np.array([portal.s0, portal.s1])
+        ends = np.array([portal.hole.left, portal.hole.right])
         frame = portal.side.frame
         reach = portal.depth + margin
         hole = Polygon([*frame.plan(ends, margin), *frame.plan(ends[::-1], -reach)])
-        if portal.opening.kind == "window":
+        if portal.hole.opening.kind == "window":
             windows.append(hole.intersection(solid))
         solid = solid.difference(hole)
     for name, area, colour in (

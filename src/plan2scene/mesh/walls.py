@@ -19,7 +19,7 @@ from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
 from plan2scene.house import House, Room, SurfaceKey
-from plan2scene.mesh.frames import Frame, arc_offset, frame_between
+from plan2scene.mesh.frames import Frame, arc_offset, frame_between, reveal_quads
 from plan2scene.mesh.openings import Openings, Portal, Side
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.mesh.polygons import polygons_of, triangulate
@@ -182,7 +182,7 @@ def _outer_face(builder: PartBuilder, frame: Frame, height: float, portals: list
         if abs(frame.normal @ inner.normal) < 0.99 or not -0.01 < behind < portal.depth + 0.01:
             continue
         s = np.sort((portal.back - frame.left) @ frame.right)
-        face = face.difference(box(s[0], portal.opening.bottom, s[1], portal.opening.top))
+        face = face.difference(box(s[0], portal.hole.bottom, s[1], portal.hole.top))
     points, faces = triangulate(face)
     builder.mesh(frame.world(points), faces, colour=OUTER_COLOUR)
 
@@ -206,39 +206,23 @@ def _reveals(builder: PartBuilder, portal: Portal) -> None:
     """Add the inner sides of a hole: jambs, head and (for a window) sill."""
     if portal.depth < 1e-4:
         return
-    *around, sill = portal_quads(portal)
+    *around, sill = reveal_quads(portal.side.frame, portal.hole, portal.back)
     for quad in around:
         builder.quad(quad, REVEAL_COLOUR)
-    if portal.opening.bottom > 0.02:
+    if portal.hole.bottom > 0.02:
         builder.quad(sill, REVEAL_COLOUR)
-
-
-def portal_quads(portal: Portal) -> tuple[np.ndarray, ...]:
-    """Return the left jamb, right jamb, head and sill of a hole, each (4, 3), facing inwards."""
-    front = portal.side.frame.plan(np.array([portal.s0, portal.s1]))
-    bottom, top = portal.opening.bottom, portal.opening.top
-
-    def at(plan: np.ndarray, y: float) -> np.ndarray:
-        return np.array([plan[0], y, plan[1]])
-
-    (a, b), (c, d) = front, portal.back
-    left = np.array([at(a, bottom), at(c, bottom), at(c, top), at(a, top)])
-    right = np.array([at(d, bottom), at(b, bottom), at(b, top), at(d, top)])
-    head = np.array([at(a, top), at(c, top), at(d, top), at(b, top)])
-    sill = np.array([at(a, bottom), at(b, bottom), at(d, bottom), at(c, bottom)])
-    return left, right, head, sill
 
 
 def threshold(portal: Portal) -> MeshPart | None:
     """Return the strip of floor in a door or passage, with the owner room's floor texture."""
-    if portal.depth < 1e-4 or portal.opening.bottom > 0.02:
+    if portal.depth < 1e-4 or portal.hole.bottom > 0.02:
         return None
-    quad = portal_quads(portal)[3]
+    quad = reveal_quads(portal.side.frame, portal.hole, portal.back)[3]
     builder = PartBuilder()
     builder.quad(quad, REVEAL_COLOUR, uv=quad[:, [0, 2]])
     room = portal.side.room_id
-    extras = {"kind": "threshold", "room_id": room, "opening_id": portal.opening.id}
-    name = f"{room}/threshold/{portal.opening.id}"
+    extras = {"kind": "threshold", "room_id": room, "opening_id": portal.hole.opening.id}
+    name = f"{room}/threshold/{portal.hole.opening.id}"
     return builder.build(name, "surface", SurfaceKey(room, "floor"), extras)
 
 

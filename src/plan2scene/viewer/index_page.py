@@ -12,8 +12,8 @@ from string import Template
 from urllib.parse import quote
 
 from plan2scene.floorplans import read_scene_json
-from plan2scene.io import atomic_path, read_text
 from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.io import atomic_path, read_text
 
 _FOLDER = Path(__file__).parent
 #: Files of a house that the page links, with their names for people.

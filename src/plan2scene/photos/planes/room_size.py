@@ -31,9 +31,9 @@ class RoomSize:
 
 def room_extent(room: Room) -> tuple[float, float] | None:
     """Return the sides in metres of a room's rectangle; None for one that is no rectangle."""
-    from shapely import Polygon
+    from plan2scene.floorplans.geometry import room_polygon
 
-    outline = Polygon(room.rings[0], room.rings[1:])
+    outline = room_polygon(room)
     box = outline.minimum_rotated_rectangle
     if outline.area <= 0.0 or box.geom_type != "Polygon" or outline.area < MIN_FILLED * box.area:
         return None

@@ -11,11 +11,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import shapely
 
 from plan2scene.datasets import read_house_table
 from plan2scene.datasets.assignments import read_rows
 from plan2scene.floorplans import read_plan, write_scene_json
+from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, IconBox, PlacedObject, Room
 from plan2scene.io import atomic_path, read_json, read_parquet, write_json
 from plan2scene_workshop.homes.residences import SPLITS
@@ -81,7 +81,7 @@ def drawn_icons(house: House) -> tuple[IconBox, ...]:
 
 def _icon(room: Room, kind: str, width: float, depth: float) -> IconBox:
     """Return a box of a size around a point in a room."""
-    middle = shapely.Polygon(room.rings[0], room.rings[1:]).representative_point()
+    middle = room_polygon(room).representative_point()
     low = (round(middle.x - width / 2, 3), round(middle.y - depth / 2, 3))
     high = (round(middle.x + width / 2, 3), round(middle.y + depth / 2, 3))
     return IconBox(kind, low, high)
