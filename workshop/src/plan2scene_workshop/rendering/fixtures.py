@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plan2scene.mesh.frames import FaceOpening
 from plan2scene_workshop.rendering.geometry import (
     Colour,
     Geometry,
@@ -17,7 +18,7 @@ from plan2scene_workshop.rendering.geometry import (
     quad,
 )
 from plan2scene_workshop.rendering.palette import Palette, pick
-from plan2scene_workshop.rendering.shell import OUTER_REVEAL, FaceOpening, WallFace
+from plan2scene_workshop.rendering.shell import OUTER_REVEAL, WallFace
 
 CASING_WIDTH, CASING_DEPTH = 0.065, 0.014
 LEAF_THICKNESS = 0.04
@@ -130,7 +131,7 @@ def add_window(
     if low > 0.2:
         parts.append(box((a - 0.04, low - 0.03, -face.inset), (b + 0.04, low + 0.003, 0.05)))
     geometry.add("paint", merge(parts).moved(frame), colour=palette.frame)
-    right = np.array([face.right_direction[0], 0.0, face.right_direction[1]])
+    right = np.array([face.plane.right[0], 0.0, face.plane.right[1]])
     corner = face.at(a, top, -face.inset - OUTER_REVEAL + 0.01)
     down = np.array([0.0, low - top, 0.0])
     view = quad(corner, right * (b - a), down, (face.u_start + a, 3.0 - top))

@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import shapely
 
+from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Room
 from plan2scene_workshop.rendering import living, pieces, randomised, service
 from plan2scene_workshop.rendering.geometry import Array, Geometry, box, placement
 from plan2scene_workshop.rendering.palette import FABRICS, PICTURES, RUGS, Palette, pick
 from plan2scene_workshop.rendering.pieces import Maker, Piece
-from plan2scene_workshop.rendering.shell import WallFace, room_polygon
+from plan2scene_workshop.rendering.shell import WallFace
 
 #: Per room type: makers of pieces along walls and standing free, with the mean count of each.
 ALONG_WALLS: Mapping[str, Sequence[tuple[Maker, float]]] = {
@@ -208,7 +209,7 @@ def _place_free(
     """Place a piece in the room, square to the walls or nearly."""
     x0, z0, x1, z1 = layout.free.bounds
     face = layout.faces[0]
-    square = float(np.arctan2(face.inward[0], face.inward[1]))
+    square = float(np.arctan2(*face.plane.normal))
     half = piece.width / 2
     corners = np.array([[-half, 0], [half, 0], [half, piece.depth], [-half, piece.depth]])
     for _ in range(_TRIES):

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Room
 from plan2scene_workshop.rendering.geometry import (
     Geometry,
@@ -19,7 +20,6 @@ from plan2scene_workshop.rendering.geometry import (
     merge,
     superquadric,
 )
-from plan2scene_workshop.rendering.shell import room_polygon
 from plan2scene_workshop.rendering.tracer import Finish
 
 #: Daylight: radiance of the windows per floor area / window area, and its range. A room lit

@@ -10,8 +10,10 @@ import shapely
 from numpy.typing import NDArray
 
 from plan2scene.errors import InputError
+from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.materials import Material
+from plan2scene.mesh.frames import FaceOpening
 from plan2scene.seeds import generator
 from plan2scene_workshop.rendering.fixtures import (
     DoorState,
@@ -40,12 +42,10 @@ from plan2scene_workshop.rendering.palette import (
 )
 from plan2scene_workshop.rendering.randomised import randomised_finishes
 from plan2scene_workshop.rendering.shell import (
-    FaceOpening,
     Plane,
     WallFace,
     add_room_shell,
     room_planes,
-    room_polygon,
     wall_faces,
 )
 from plan2scene_workshop.rendering.tracer import Finish

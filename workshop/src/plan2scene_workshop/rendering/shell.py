@@ -6,15 +6,25 @@ thickness inside it. Reveals join the faces of the two rooms through an opening.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
-import mapbox_earcut
 import numpy as np
 import shapely
 
-from plan2scene.house import House, Opening, Room, SurfaceKey, Wall
+from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.house import House, Room, SurfaceKey, Wall
+from plan2scene.mesh.frames import (
+    FaceOpening,
+    Frame,
+    arc_offset,
+    inner_normal,
+    openings_on,
+    reveal_quads,
+    walked_rings,
+    wall_frame,
+)
+from plan2scene.mesh.polygons import triangulate
 from plan2scene_workshop.rendering.geometry import (
     CEILING,
     FLOOR,
@@ -27,37 +37,25 @@ from plan2scene_workshop.rendering.geometry import (
     quad,
 )
 
-#: Wall faces closer than this to an edge of the room's polygon lie on it, metres.
-EDGE_TOLERANCE = 0.02
+#: A wall that ends this near to a corner of its room ends there, metres.
+CORNER_TOLERANCE = 0.02
 #: How far reveals of an outer wall reach beyond the polygon, metres.
 OUTER_REVEAL = 0.16
 SKIRTING_HEIGHT, SKIRTING_DEPTH = 0.08, 0.012
 
 
 @dataclass(frozen=True)
-class FaceOpening:
-    """An opening as seen on one face: metres from the face's left end, and above the floor."""
-
-    opening: Opening
-    left: float
-    right: float
-    bottom: float
-    top: float
-
-
-@dataclass(frozen=True)
 class WallFace:
-    """The inner side of a wall in one room, left to right as seen from inside the room.
+    """The inner side of a wall in one room.
 
     Attributes
     ----------
-    left : (2,) float64
-        Left end (x, z) on the visible face, metres.
-    right_direction, inward : (2,) float64
-        Unit vectors along the face and into the room.
-    length, height : float
+    plane : Frame
+        The visible face, half the wall's thickness inside the room's outline.
+    height : float
+        Metres.
     inset : float
-        Distance from the polygon's line to the face.
+        Distance from the outline to the face.
     outer : bool
         No room lies on the other side.
     u_start : float
@@ -66,197 +64,111 @@ class WallFace:
 
     room_id: str
     wall: Wall
-    left: Array
-    right_direction: Array
-    inward: Array
-    length: float
+    plane: Frame
     height: float
     inset: float
     outer: bool
     u_start: float
     openings: tuple[FaceOpening, ...]
 
+    @property
+    def length(self) -> float:
+        """Metres."""
+        return self.plane.length
+
     def at(self, along: float, y: float, out: float = 0.0) -> Array:
         """Return the world point `along` from the left end, at height `y`, `out` into the room."""
-        x, z = self.left + self.right_direction * along + self.inward * out
+        x, z = self.plane.plan(along, out)
         return np.array([x, y, z])
 
     def frame(self, along: float, y: float = 0.0, out: float = 0.0) -> Array:
         """Return the 4x4 frame at a point of the face: x along it, y up, z into the room."""
         matrix = np.eye(4)
-        matrix[[0, 2], 0] = self.right_direction
-        matrix[[0, 2], 2] = self.inward
-        matrix[:3, 3] = self.at(along, y, out)
+        matrix[:3] = self.plane.axes(along, out).T
+        matrix[1, 3] = y
         return matrix
 
 
-def room_polygon(room: Room) -> shapely.Polygon:
-    """Return the room's polygon in (x, z), metres."""
-    return shapely.Polygon(room.rings[0], [list(ring) for ring in room.rings[1:]])
-
-
 def wall_faces(house: House, room: Room) -> tuple[WallFace, ...]:
-    """Return the faces of the room's walls, ring by ring."""
+    """Return the faces of the room's walls, in the order of its outline's edges."""
     polygon = room_polygon(room)
     others = [room_polygon(other) for other in house.rooms if other.id != room.id]
-    walls = tuple(house.walls_of(room.id))
-    faces: list[WallFace] = []
-    for ring in room.rings:
-        points = np.array(ring, float)
-        u = 0.0
-        for i in range(len(points)):
-            edge = _Edge.of(points, i, polygon)
-            for wall in walls:
-                face = _face_on_edge(room, wall, edge, others, u)
-                if face is not None:
-                    faces.append(face)
-            u += edge.length
-    return tuple(faces)
-
-
-@dataclass(frozen=True)
-class _Edge:
-    """Edge of a ring, oriented left to right as seen from inside, with its neighbours' turns."""
-
-    left: Array
-    direction: Array
-    inward: Array
-    length: float
-    turns: tuple[float, float]  # how much one unit of inset shortens the left and right end
-
-    @classmethod
-    def of(cls, points: Array, i: int, polygon: shapely.Polygon) -> _Edge:
-        n = len(points)
-        before, start, end, after = (points[(i + k) % n] for k in (-1, 0, 1, 2))
-        delta = end - start
-        length = float(np.hypot(*delta))
-        direction = delta / length
-        inward = np.array([-direction[1], direction[0]])
-        probe = (start + end) / 2 + inward * 1e-3
-        if not polygon.contains(shapely.Point(*probe)):
-            inward = -inward
-        first, last = (
-            _turn(start - before, direction, inward),
-            _turn(after - end, direction, inward),
+    edges = shapely.linestrings([e for ring in walked_rings(room) for e in pairwise(ring)])
+    faces = []
+    for wall in house.walls_of(room.id):
+        line = wall_frame(wall, inner_normal(wall, polygon))
+        middle = shapely.Point(*line.plan(line.length / 2))
+        faces.append(
+            (int(shapely.distance(edges, middle).argmin()), _face(room, wall, line, others))
         )
-        turns = (first[0], last[1])
-        right = np.array([inward[1], -inward[0]])
-        if float(direction @ right) > 0:
-            return cls(start, direction, inward, length, turns)
-        return cls(end, -direction, inward, length, (turns[1], turns[0]))
+    return tuple(face for _, face in sorted(faces, key=lambda item: item[0]))
 
 
-def _turn(neighbour: Array, direction: Array, inward: Array) -> tuple[float, float]:
-    """Return by how much a unit inset of both edges shortens this edge, before and after it."""
-    neighbour = neighbour / max(float(np.hypot(*neighbour)), 1e-9)
-    cross = float(neighbour @ inward)
-    dot = float(neighbour @ direction)
-    shortening = 0.0 if abs(cross) < 1e-6 else (1 - dot) / abs(cross)
-    # an edge that comes from inside the room's side turns convex: the face gets shorter
-    return (shortening * -np.sign(cross), shortening * np.sign(cross))
-
-
-def _face_on_edge(
-    room: Room, wall: Wall, edge: _Edge, others: list[shapely.Polygon], u: float
-) -> WallFace | None:
-    ends = np.array([wall.start, wall.end], float) - edge.left
-    if np.abs(ends @ edge.inward).max() > EDGE_TOLERANCE:
-        return None
-    along = ends @ edge.direction
-    low, high = float(along.min()), float(along.max())
-    if min(high, edge.length) - max(low, 0.0) < EDGE_TOLERANCE:
-        return None
+def _face(room: Room, wall: Wall, line: Frame, others: list[shapely.Polygon]) -> WallFace:
+    """Return the face in front of a wall's line: corners of the room move its ends."""
     inset = wall.depth / 2
-    begin = edge.turns[0] * inset if low < EDGE_TOLERANCE else low
-    finish = edge.length - edge.turns[1] * inset if high > edge.length - EDGE_TOLERANCE else high
-    sign, origin = (1.0, along[0]) if along[1] > along[0] else (-1.0, along[0])
+    ends = line.plan(np.array([0.0, line.length]))
+    begin, cut = (inset * _corner(room, end) for end in ends)
+    length = line.length - begin - cut
+    plane = Frame(line.plan(begin, inset), line.right, line.normal, length)
     openings = []
-    for opening in wall.openings:
-        a, b = sorted((origin + sign * opening.start, origin + sign * opening.end))
-        a, b = max(a, begin) - begin, min(b, finish) - begin
-        if b - a > 0.05:
-            openings.append(
-                FaceOpening(opening, a, b, max(opening.bottom, 0.0), min(opening.top, wall.height))
-            )
-    middle = edge.left + edge.direction * (low + high) / 2 - edge.inward * (inset + 0.02)
-    outer = len(wall.room_ids) < 2 and not any(
-        other.contains(shapely.Point(*middle)) for other in others
-    )
-    return WallFace(
-        room.id,
-        wall,
-        edge.left + edge.direction * begin + edge.inward * inset,
-        edge.direction,
-        edge.inward,
-        finish - begin,
-        min(wall.height, room.height),
-        inset,
-        outer,
-        u + begin,
-        tuple(openings),
-    )
+    for hole in openings_on(wall, line):
+        left, right = max(hole.left - begin, 0.0), min(hole.right - begin, length)
+        if right - left > 0.05:
+            openings.append(replace(hole, left=left, right=right))
+    behind = shapely.Point(*line.plan(line.length / 2, -inset - 0.02))
+    outer = len(wall.room_ids) < 2 and not any(other.contains(behind) for other in others)
+    height = min(wall.height, room.height)
+    u_start = arc_offset(room, plane)
+    return WallFace(room.id, wall, plane, height, inset, outer, u_start, tuple(openings))
 
 
-def _cells(face: WallFace) -> Iterator[tuple[float, float, float, float]]:
-    """Yield rectangles (left, right, bottom, top) that cover the face less its openings."""
-    cuts = sorted({0.0, face.length, *(v for o in face.openings for v in (o.left, o.right))})
-    for left, right in itertools.pairwise(cuts):
-        if right - left < 1e-6:
-            continue
-        middle = (left + right) / 2
-        level = 0.0
-        holes = sorted((o.bottom, o.top) for o in face.openings if o.left < middle < o.right)
-        for bottom, top in [*holes, (face.height, face.height)]:
-            if bottom - level > 1e-6:
-                yield left, right, level, bottom
-            level = max(level, top)
+def _corner(room: Room, point: Array) -> float:
+    """Return by how much a unit inset shortens a wall that ends there (0: no corner, straight)."""
+    for ring in walked_rings(room):
+        distance = np.hypot(*(ring[:-1] - point).T)
+        k = int(distance.argmin())
+        if distance[k] < CORNER_TOLERANCE:
+            before, after = ring[k] - ring[k - 1 if k else -2], ring[k + 1] - ring[k]
+            size = float(np.hypot(*before) * np.hypot(*after))
+            sine = before[0] * after[1] - before[1] * after[0]
+            return float(sine / max(size + before @ after, 1e-6 * size))  # tan(turn / 2)
+    return 0.0
 
 
 def add_wall_face(
     geometry: Geometry, face: WallFace, material: str, plane: int, trim: Colour
 ) -> None:
     """Add a face with its holes, its reveals and its skirting board (painted `trim`)."""
-    right = np.array([face.right_direction[0], 0.0, face.right_direction[1]])
-    for a, b, bottom, top in _cells(face):
-        solid = quad(
-            face.at(a, top),
-            right * (b - a),
-            np.array([0.0, bottom - top, 0.0]),
-            (face.u_start + a, face.height - top),
-        )
-        geometry.add(material, solid, label=WALL, plane=plane)
-        if bottom == 0.0 and top > SKIRTING_HEIGHT:
+    holes = shapely.unary_union(
+        [shapely.box(o.left, o.bottom, o.right, o.top) for o in face.openings]
+    )
+    points, faces = triangulate(shapely.box(0.0, 0.0, face.length, face.height).difference(holes))
+    normal = np.array([face.plane.normal[0], 0.0, face.plane.normal[1]])
+    uv = np.stack([face.u_start + points[:, 0], face.height - points[:, 1]], -1)
+    solid = Solid(face.plane.world(points), np.tile(normal, (len(points), 1)), uv, faces)
+    geometry.add(material, solid, label=WALL, plane=plane)
+    bottom = shapely.LineString([(0.0, SKIRTING_HEIGHT), (face.length, SKIRTING_HEIGHT)])
+    for line in shapely.get_parts(bottom.difference(holes)):
+        if line.length > 1e-6:
+            a, _, b, _ = line.bounds
             board = box((a, 0, 0), (b, SKIRTING_HEIGHT, SKIRTING_DEPTH)).moved(face.frame(0))
             geometry.add("paint", board, colour=trim, label=WALL)
     reach = face.inset + (OUTER_REVEAL if face.outer else 0.0)
-    outward = -np.array([face.inward[0], 0.0, face.inward[1]]) * reach
     for hole in face.openings:
-        for solid in _reveal(face, hole, right, outward):
-            geometry.add(material, solid, label=WALL)
-
-
-def _reveal(face: WallFace, hole: FaceOpening, right: Array, outward: Array) -> Iterator[Solid]:
-    """Yield the sides of the hole through the wall."""
-    down = np.array([0.0, hole.bottom - hole.top, 0.0])
-    across = right * (hole.right - hole.left)
-    yield quad(face.at(hole.left, hole.top), outward, down)
-    yield quad(face.at(hole.right, hole.top) + outward, -outward, down)
-    yield quad(face.at(hole.left, hole.top), across, outward)
-    if hole.bottom > 0.0:
-        yield quad(face.at(hole.left, hole.bottom) + outward, across, -outward)
+        back = face.plane.plan(np.array([hole.left, hole.right]), -reach)
+        left, right, head, sill = reveal_quads(face.plane, hole, back)
+        sides = [left, right, np.roll(head, -1, axis=0)]  # the head's texture runs along the wall
+        for corners in sides + ([sill] if hole.bottom > 0.0 else []):
+            side = quad(corners[3], corners[2] - corners[3], corners[0] - corners[3])
+            geometry.add(material, side, label=WALL)
 
 
 def flat_solid(polygon: shapely.Polygon, y: float, *, up: bool) -> Solid:
     """Return the polygon as a floor (`up`) or ceiling at height `y`; UV = (x, z) in metres."""
-    rings = [np.array(ring.coords)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
-    points = np.concatenate(rings)
-    ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
-    faces = mapbox_earcut.triangulate_float64(points, ends).reshape(-1, 3).astype(np.int64)
-    a, b, c = (points[faces[:, k]] for k in range(3))
-    ab, ac = b - a, c - a
+    points, faces = triangulate(polygon)
     # (x, z) counter-clockwise is downwards in a right-handed frame with y up
-    wrong = (ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0] > 0) == up
-    faces[wrong] = faces[wrong][:, ::-1]
+    faces = faces[:, ::-1] if up else faces
     vertices = np.stack([points[:, 0], np.full(len(points), y), points[:, 1]], -1)
     normals = np.tile([0.0, 1.0 if up else -1.0, 0.0], (len(points), 1))
     return Solid(vertices, normals, points, faces)
@@ -278,8 +190,9 @@ def room_planes(room: Room, faces: tuple[WallFace, ...]) -> tuple[Plane, ...]:
         Plane(SurfaceKey(room.id, "ceiling"), (0.0, -1.0, 0.0), -room.height),
     ]
     for face in faces:
-        normal = (float(face.inward[0]), 0.0, float(face.inward[1]))
-        planes.append(Plane(SurfaceKey(room.id, "wall"), normal, float(face.inward @ face.left)))
+        x, z = face.plane.normal.tolist()
+        offset = float(face.plane.normal @ face.plane.left)
+        planes.append(Plane(SurfaceKey(room.id, "wall"), (x, 0.0, z), offset))
     return tuple(planes)
 
 

@@ -9,10 +9,10 @@ import numpy as np
 import shapely
 
 from plan2scene.errors import InputError
+from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, Room
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.rendering.geometry import Array
-from plan2scene_workshop.rendering.shell import room_polygon
 
 EYE_HEIGHT = (1.2, 1.7)  #: metres
 FIELD_OF_VIEW_DEG = (50.0, 90.0)  #: horizontal
