@@ -13,13 +13,9 @@ from plan2scene.floorplans.object_boxes import (
 from plan2scene.floorplans.parse import parse_json
 from plan2scene.floorplans.plan_json import FORMAT, house_of_plan, plan_schema, read_plan_json
 from plan2scene.floorplans.r2v import house_of_r2v, read_r2v
-from plan2scene.floorplans.scene_json import (
-    house_of_scene,
-    house_to_scene,
-    read_scene_json,
-    read_scene_textures,
-    write_scene_json,
-)
+from plan2scene.floorplans.scene_json import house_of_scene, read_scene_json
+from plan2scene.floorplans.scene_textures import read_scene_textures
+from plan2scene.floorplans.scene_writer import house_to_scene, write_scene_json
 from plan2scene.floorplans.validate import house_faults, validate_house
 from plan2scene.house import House
 from plan2scene.io import read_text

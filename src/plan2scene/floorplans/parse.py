@@ -49,12 +49,12 @@ class Source:
     """The plan being read: where faults are, and the warnings met so far."""
 
     file: str
-    house: str
+    house_id: str
     warnings: list[str] = field(default_factory=list)
 
     def fault(self, expected: str, found: object, room: str = "") -> InputError:
         """Return (not raise) the error of a fault in this plan."""
-        return InputError(expected, str(found), file=self.file, house=self.house, room=room)
+        return InputError(expected, str(found), file=self.file, house=self.house_id, room=room)
 
     def warn(self, expected: str, found: object, room: str = "") -> None:
         """Note a fault that the house can live with; each line once."""
@@ -142,20 +142,20 @@ class Source:
         raise self.fault(expected, found, room)
 
 
-def parse_json(text: str, file: str | Path, house: str = "") -> Any:
+def parse_json(text: str, file: str | Path, house_id: str = "") -> Any:
     """Return parsed JSON; InputError for a syntax error, NaN, Infinity or too deep nesting."""
 
     def refuse(name: str) -> float:
-        raise InputError("finite numbers", name, file=file, house=house)
+        raise InputError("finite numbers", name, file=file, house=house_id)
 
     try:
         return json.loads(text, parse_constant=refuse)
     except InputError:
         raise
     except RecursionError:
-        raise InputError("JSON", "nesting too deep", file=file, house=house) from None
+        raise InputError("JSON", "nesting too deep", file=file, house=house_id) from None
     except ValueError as error:  # syntax errors, and integers of thousands of digits
-        raise InputError("JSON", f"a syntax error ({error})", file=file, house=house) from None
+        raise InputError("JSON", f"a syntax error ({error})", file=file, house=house_id) from None
 
 
 def _kind(value: Any) -> str:

@@ -5,8 +5,6 @@ Tolerates what real files do (docs/floorplans.md lists it); each repair is a war
 
 from __future__ import annotations
 
-import base64
-import binascii
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,26 +12,8 @@ from typing import Any
 from plan2scene.floorplans.geometry import find_doors
 from plan2scene.floorplans.parse import SAME_POINT, Source, parse_json
 from plan2scene.floorplans.scene_walls import read_walls, room_ids_of
-from plan2scene.floorplans.scene_writer import house_to_scene, write_scene_json
-from plan2scene.house import (
-    Door,
-    House,
-    IconBox,
-    PlacedObject,
-    Ring,
-    Room,
-    SurfaceKey,
-    Wall,
-)
+from plan2scene.house import Door, House, IconBox, PlacedObject, Ring, Room, Wall
 from plan2scene.io import read_text
-
-__all__ = [
-    "house_of_scene",
-    "house_to_scene",
-    "read_scene_json",
-    "read_scene_textures",
-    "write_scene_json",
-]
 
 #: Room height in metres when neither a ceiling nor a wall tells it.
 DEFAULT_HEIGHT = 2.8
@@ -61,7 +41,7 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
     """Return the house of a parsed scene.json; see :func:`read_scene_json`."""
     source = Source(file, house_id)
     source.identifier(house_id, "a house name")
-    scene, arch = _find_arch(source, document)
+    scene, arch = find_arch(source, document)
     _check_frame(source, scene)
     elements = [
         source.mapping(e, "an element") for e in source.items(arch.get("elements"), "elements")
@@ -81,7 +61,7 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
     )
 
 
-def _find_arch(source: Source, document: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+def find_arch(source: Source, document: Any) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return (scene, arch) of any of the accepted nestings."""
     outer = source.mapping(document, "the document")
     scene = source.mapping(outer.get("scene", outer), "'scene'")
@@ -257,45 +237,3 @@ def _read_icons(source: Source, arch: Mapping[str, Any]) -> tuple[IconBox, ...]:
         (x0, _, z0), (x1, _, z1) = corners
         icons.append(IconBox(str(icon.get("type", "")), (x0, z0), (x1, z1)))
     return tuple(icons)
-
-
-def read_scene_textures(
-    path: str | Path, house_id: str
-) -> dict[SurfaceKey, tuple[bytes, float | None]]:
-    """Return the textures embedded in a scene.json: image bytes and metres per tile by surface.
-
-    A room's wall texture is that of its first textured wall (inner side). The size is None in
-    files of other programs, which don't state it.
-    """
-    source = Source(str(path), house_id)
-    _, arch = _find_arch(source, parse_json(read_text(path), path, house_id))
-    by_id: dict[str, dict[str, Any]] = {}
-    for kind in ("materials", "textures", "images"):
-        for entry in source.items(arch.get(kind), kind):
-            by_id[str(source.mapping(entry, kind).get("uuid"))] = entry
-    found: dict[SurfaceKey, tuple[bytes, float | None]] = {}
-    for element in source.items(arch.get("elements"), "elements"):
-        surface = str(source.mapping(element, "an element").get("type")).lower()
-        used = source.items(element.get("materials"), "an element's materials")
-        for room_id, material in zip(room_ids_of(source, element), used, strict=False):
-            key = SurfaceKey(room_id, surface)
-            name = source.mapping(material, "a material").get("materialId")
-            if name is None or key in found:
-                continue
-            texture = by_id.get(str(by_id.get(str(name), {}).get("map")), {})
-            image = by_id.get(str(texture.get("image")), {})
-            size = texture.get("size_m")
-            metres = None if size is None else source.number(size, "size_m", room_id)
-            found[key] = (_image_bytes(source, image.get("url"), room_id), metres)
-    return found
-
-
-def _image_bytes(source: Source, url: Any, room: str) -> bytes:
-    """Return the bytes of a data URL (`data:img/png` and `data:image/png` alike)."""
-    head, comma, body = url.partition(",") if isinstance(url, str) else ("", "", "")
-    if not comma or not head.startswith(("data:img/", "data:image/")):
-        raise source.fault("a data URL of an image", repr(url)[:60], room)
-    try:
-        return base64.b64decode(body, validate=True)
-    except binascii.Error as error:
-        raise source.fault("base64 of an image", str(error), room) from None

@@ -84,7 +84,7 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
     return textures
 
 
-def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house: str) -> TileTexture:
+def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house_id: str) -> TileTexture:
     """Return one tile of a textures folder."""
     size = entry.get("size_m")
     if not isinstance(size, int | float) or not 0 < size < 1000:
@@ -92,7 +92,7 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house: str) -> 
             "a size_m in metres over 0",
             str(size),
             file=root / "textures.json",
-            house=house,
+            house=house_id,
             room=key.room_id,
         )
     origin = entry.get("origin_m", [0.0, 0.0])
@@ -105,16 +105,16 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house: str) -> 
             "an origin_m of two numbers of metres",
             str(origin),
             file=root / "textures.json",
-            house=house,
+            house=house_id,
             room=key.room_id,
         )
     file = root / f"{key.filename}.png"
     try:
         data = file.read_bytes()
     except OSError:
-        raise InputError("a texture", "no such file", file=file, house=house) from None
+        raise InputError("a texture", "no such file", file=file, house=house_id) from None
     if not data.startswith(b"\x89PNG"):
-        data = png_bytes(read_image(file, house=house))
+        data = png_bytes(read_image(file, house=house_id))
     observed, substance = entry.get("observed"), entry.get("substance")
     return TileTexture(
         png=data,

@@ -1,32 +1,7 @@
-import pytest
-
-from plan2scene.floorplans.geometry import find_doors, inner_normal, walls_of_rooms
+from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
 from plan2scene.house import Door, Opening, Room, Wall
 
 SQUARE = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
-
-
-@pytest.mark.parametrize("ring", [SQUARE, SQUARE[::-1]])
-@pytest.mark.parametrize("turned", [False, True])
-def test_inner_side_does_not_depend_on_the_order_of_points(ring, turned):
-    room = Room("a", ("Bedroom",), (ring,), 2.5)
-    ends = ((0.0, 0.0), (4.0, 0.0))
-    wall = Wall("w", ("a",), *(ends[::-1] if turned else ends), 2.5)
-    assert inner_normal(room, wall) == pytest.approx((0.0, 1.0))
-
-
-def test_inner_side_of_both_rooms_of_a_shared_wall():
-    other = tuple((x, z - 3.0) for x, z in SQUARE)
-    wall = Wall("w", ("a", "b"), (0.0, 0.0), (4.0, 0.0), 2.5)
-    assert inner_normal(Room("a", (), (SQUARE,), 2.5), wall) == pytest.approx((0.0, 1.0))
-    assert inner_normal(Room("b", (), (other,), 2.5), wall) == pytest.approx((0.0, -1.0))
-
-
-def test_inner_side_of_a_slanted_wall_of_an_l_shaped_room():
-    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (2.0, 4.0), (0.0, 2.0))
-    room = Room("a", (), (ring,), 2.5)
-    wall = Wall("w", ("a",), (2.0, 4.0), (0.0, 2.0), 2.5)
-    assert inner_normal(room, wall) == pytest.approx((0.5**0.5, -(0.5**0.5)))
 
 
 def test_rooms_apart_keep_their_own_walls():

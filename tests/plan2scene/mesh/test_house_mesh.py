@@ -32,12 +32,12 @@ def test_areas(name, request):
     parts = by_name(house)
     for room in house.rooms:
         area = Polygon(room.rings[0], room.rings[1:]).area
-        assert parts[f"{room.id}/floor"].area == pytest.approx(area, rel=1e-6)
-        assert parts[f"{room.id}/ceiling"].area == pytest.approx(area, rel=1e-6)
+        assert parts[f"{room.id}/floor"].mesh.area == pytest.approx(area, rel=1e-6)
+        assert parts[f"{room.id}/ceiling"].mesh.area == pytest.approx(area, rel=1e-6)
     for wall in house.walls:
         for room_id in wall.room_ids:
             face = parts[f"{room_id}/wall/{wall.id}"]
-            assert face.area == pytest.approx(wall_area(wall), rel=2e-3)
+            assert face.mesh.area == pytest.approx(wall_area(wall), rel=2e-3)
 
 
 @pytest.mark.parametrize("name", ["l_house", "ring_house", "shared_house", "gap_house"])
@@ -46,17 +46,17 @@ def test_surfaces_face_their_room(name, request):
     parts = by_name(house)
     for room in house.rooms:
         polygon = Polygon(room.rings[0], room.rings[1:])
-        np.testing.assert_allclose(
-            parts[f"{room.id}/floor"].normals, [[0, 1, 0]] * len(parts[f"{room.id}/floor"].normals)
-        )
-        assert (parts[f"{room.id}/ceiling"].normals[:, 1] == -1).all()
-        assert np.allclose(parts[f"{room.id}/ceiling"].vertices[:, 1], room.height)
+        floor, ceiling = (parts[f"{room.id}/{name}"].mesh for name in ("floor", "ceiling"))
+        assert np.allclose(floor.vertex_normals, [0, 1, 0])
+        assert np.allclose(ceiling.vertex_normals, [0, -1, 0])
+        assert np.allclose(ceiling.vertices[:, 1], room.height)
         for wall in house.walls_of(room.id):
-            face = parts[f"{room.id}/wall/{wall.id}"]
+            face = parts[f"{room.id}/wall/{wall.id}"].mesh
+            normal = face.vertex_normals[0, [0, 2]]
             middle = (np.array(wall.start) + np.array(wall.end)) / 2
-            inside = middle + 0.05 * face.normals[0, [0, 2]]
+            inside = middle + 0.05 * normal
             assert polygon.contains(Polygon.from_bounds(*(inside - 1e-6), *(inside + 1e-6)))
-            distance = (face.vertices[:, [0, 2]] - np.array(wall.start)) @ face.normals[0, [0, 2]]
+            distance = (face.vertices[:, [0, 2]] - np.array(wall.start)) @ normal
             assert np.abs(distance).max() < 1e-3
 
 
@@ -95,10 +95,10 @@ def test_a_door_drawn_once_is_cut_in_the_other_room_too(gap_house):
         dataclasses.replace(w, openings=()) if w.id == "b_w3" else w for w in gap_house.walls
     )
     once = House("once", gap_house.rooms, walls, (Door("a", "ha", "b"),))
-    full = by_name(once)["b/wall/b_w3"].area
+    full = by_name(once)["b/wall/b_w3"].mesh.area
     assert full == pytest.approx(4.0 * 2.5 - 0.8 * 2.0, rel=1e-3)
     alone = dataclasses.replace(once, doors=(Door("a", "ha", None),))
-    assert by_name(alone)["b/wall/b_w3"].area == pytest.approx(4.0 * 2.5, rel=1e-3)
+    assert by_name(alone)["b/wall/b_w3"].mesh.area == pytest.approx(4.0 * 2.5, rel=1e-3)
 
 
 def test_wall_body_stays_out_of_rooms(gap_house):
@@ -112,9 +112,9 @@ def test_wall_body_stays_out_of_rooms(gap_house):
 
 def test_outer_face_has_the_hole(l_house):
     part = by_name(l_house)["structure/wall/hall_w0"]
-    outer = part.normals[:, 2] < -0.99
-    faces = part.faces[outer[part.faces[:, 0]]]
-    at = part.vertices[faces].mean(axis=1)
+    outer = part.mesh.vertex_normals[:, 2] < -0.99
+    faces = part.mesh.faces[outer[part.mesh.faces[:, 0]]]
+    at = part.mesh.vertices[faces].mean(axis=1)
     low = at[(at[:, 1] < 2.5) & (np.abs(at[:, 2] + 0.1) < 1e-6)]
     assert len(low) > 0
     in_door = (low[:, 0] > 1.05) & (low[:, 0] < 1.85) & (low[:, 1] < 2.0)
@@ -126,7 +126,7 @@ def test_uv_runs_on_round_the_corner_in_metres(l_house):
     first, second = parts["hall/wall/hall_w0"], parts["hall/wall/hall_w1"]
 
     def u_at(part, x, z, y):
-        distance = np.linalg.norm(part.vertices - [x, y, z], axis=1)
+        distance = np.linalg.norm(part.mesh.vertices - [x, y, z], axis=1)
         assert distance.min() < 2e-3
         return part.uv[distance.argmin()]
 
@@ -142,17 +142,32 @@ def test_uv_runs_on_round_the_corner_in_metres(l_house):
 
 def test_floor_uv_is_plan_position(l_house):
     floor = by_name(l_house)["hall/floor"]
-    np.testing.assert_allclose(floor.uv, floor.vertices[:, [0, 2]], atol=1e-5)
+    np.testing.assert_allclose(floor.uv, floor.mesh.vertices[:, [0, 2]], atol=1e-5)
 
 
 def test_normals_agree_with_faces(shared_house):
     for part in build_parts(shared_house):
-        corners = part.vertices[part.faces]
-        cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        length = np.linalg.norm(cross, axis=1)
-        solid = length > 1e-8
-        cosine = (cross[solid] * part.normals[part.faces[solid, 0]]).sum(axis=1) / length[solid]
+        solid = part.mesh.area_faces > 1e-8
+        normals = part.mesh.vertex_normals[part.mesh.faces[solid, 0]]
+        cosine = (part.mesh.face_normals[solid] * normals).sum(axis=1)
         assert cosine.min() > 0.999, part.name
+
+
+def test_doors_and_windows_are_closed_solids(l_house):
+    """Frames, leaves, handles and sills: boxes that face outwards, so their volume counts up."""
+    parts = by_name(l_house)
+    for name, boxes in (("hall/door/front", 10), ("hall/window/win", 6)):
+        mesh = parts[name].mesh.copy()
+        assert len(mesh.faces) == 12 * boxes
+        volumes = []
+        for first in range(0, len(mesh.faces), 12):
+            solid = mesh.submesh([range(first, first + 12)], append=True)
+            solid.merge_vertices(merge_norm=True, merge_tex=True)
+            assert solid.is_watertight and solid.is_winding_consistent
+            volumes.append(solid.volume)
+        assert min(volumes) > 0
+        if name == "hall/door/front":  # the leaf: 0.792 m wide, 2.038 m high, 4 cm thick
+            assert max(volumes) == pytest.approx(0.792 * 2.038 * 0.04, rel=1e-3)
 
 
 def test_hole_as_large_as_its_wall_leaves_no_face(l_house):
@@ -167,13 +182,13 @@ def test_wall_that_no_outline_knows(l_house):
     """A partition in the middle of a room still gets one face of the right area."""
     free = Wall("free", ("hall",), (0.5, 1.0), (1.5, 1.0), 2.0)
     part = by_name(dataclasses.replace(l_house, walls=(*l_house.walls, free)))
-    assert part["hall/wall/free"].area == pytest.approx(2.0, rel=3e-3)
+    assert part["hall/wall/free"].mesh.area == pytest.approx(2.0, rel=3e-3)
 
 
 def test_walls_without_thickness(l_house):
     walls = tuple(dataclasses.replace(w, depth=0.0, extra_height=0.0) for w in l_house.walls)
     parts = by_name(dataclasses.replace(l_house, walls=walls))
-    assert parts["hall/wall/hall_w2"].area == pytest.approx(3.0 * 2.5, rel=1e-3)
+    assert parts["hall/wall/hall_w2"].mesh.area == pytest.approx(3.0 * 2.5, rel=1e-3)
     assert "hall/door/front" in parts
     assert not any(name.startswith("structure/wall/hall_w2") for name in parts)
 

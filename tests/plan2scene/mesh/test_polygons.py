@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 from shapely.geometry import MultiPolygon, Polygon, box
 
-from plan2scene.errors import InputError
-from plan2scene.house import Room
-from plan2scene.mesh.polygons import room_polygon, signed_areas, triangulate
+from plan2scene.mesh.polygons import signed_areas, triangulate
 
 
 def test_random_stars_keep_their_area_and_turn():
@@ -35,15 +33,3 @@ def test_nothing_gives_nothing():
     points, faces = triangulate(Polygon())
     assert points.shape == (0, 2)
     assert faces.shape == (0, 3)
-
-
-def test_hole_that_touches_the_outline():
-    outline = ((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0))
-    hole = ((0.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0))
-    assert room_polygon(Room("r", ("Unknown",), (outline, hole), 2.5)).area == pytest.approx(15.0)
-
-
-def test_room_without_area_is_refused():
-    flat = ((0.0, 0.0), (1.0, 0.0), (2.0, 0.0))
-    with pytest.raises(InputError, match="room r: expected a room outline with an area"):
-        room_polygon(Room("r", ("Unknown",), (flat,), 2.5))
