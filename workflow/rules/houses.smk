@@ -5,13 +5,21 @@ CHOSEN_TEXTURES = f"{RESULTS}/drop_0.0/{config['house']['method']}/{{house}}/tex
 
 
 rule house:
-    # The 3D house: GLB with embedded textures, and scene.json with textures.
+    # The 3D house: GLB with embedded textures, scene.json with textures, and its preview (plan view
+    # with room names, and oblique view): one start, as all three need the meshes.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         textures=CHOSEN_TEXTURES,
     output:
         glb=f"{RESULTS}/houses/{{house}}/house.glb",
         scene=f"{RESULTS}/houses/{{house}}/house.scene.json",
+        preview=report(
+            f"{RESULTS}/houses/{{house}}/preview.png",
+            caption="../report/preview.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "preview"},
+        ),
     log:
         f"logs/{DATASET}/house/{{house}}.log",
     benchmark:
@@ -20,7 +28,7 @@ rule house:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=500,
+        mem_mb=1500,
     params:
         code=code_hash("mesh.build"),
     script:
@@ -49,34 +57,6 @@ rule house_obj:
         code=code_hash("mesh.build"),
     script:
         "../scripts/house_obj.py"
-
-
-rule preview:
-    # Plan view with room names, and oblique view.
-    input:
-        scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        textures=CHOSEN_TEXTURES,
-    output:
-        report(
-            f"{RESULTS}/houses/{{house}}/preview.png",
-            caption="../report/preview.rst",
-            category="Houses",
-            subcategory="{house}",
-            labels={"file": "preview"},
-        ),
-    log:
-        f"logs/{DATASET}/preview/{{house}}.log",
-    benchmark:
-        f"logs/{DATASET}/benchmarks/preview/{{house}}.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 1
-    resources:
-        mem_mb=1500,
-    params:
-        code=code_hash("mesh.preview"),
-    script:
-        "../scripts/preview.py"
 
 
 rule viewer:

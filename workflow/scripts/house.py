@@ -1,4 +1,4 @@
-"""Rule house: plan and textures -> GLB, and scene.json with textures."""
+"""Rule house: plan and textures -> GLB, scene.json with textures, preview."""
 
 from plan2scene.jobs import job
 from plan2scene.mesh.build import build_house
@@ -9,5 +9,6 @@ with job(snakemake.log[0]):
         snakemake.input.textures,
         snakemake.output.glb,
         snakemake.output.scene,
+        snakemake.output.preview,
         house_id=snakemake.wildcards.house,
     )

@@ -7,9 +7,11 @@ from pathlib import Path
 
 from plan2scene.floorplans import read_scene_json, write_scene_json
 from plan2scene.house import House, SurfaceKey
+from plan2scene.images import write_png
 from plan2scene.mesh.glb import write_glb
-from plan2scene.mesh.house_mesh import build_parts
+from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.obj import write_obj
+from plan2scene.mesh.preview import render_preview
 from plan2scene.mesh.textures import TileTexture, load_textures
 
 
@@ -26,10 +28,11 @@ def build_house(
     textures_dir: str | Path,
     glb: str | Path,
     textured_scene_json: str | Path,
+    preview: str | Path,
     *,
     house_id: str,
 ) -> None:
-    """Write a house as GLB and as scene.json with textures in the official form.
+    """Write a house as GLB, as scene.json with textures in the official form, and as a picture.
 
     Parameters
     ----------
@@ -37,21 +40,22 @@ def build_house(
         The normalised plan.
     textures_dir : path
         A method's tiles with ``textures.json``; surfaces without one get a plain colour.
-    glb, textured_scene_json : path
-        Outputs.
+    glb, textured_scene_json, preview : path
+        Outputs; the preview is a PNG, see :func:`~plan2scene.mesh.preview.render_preview`.
     house_id : str
     """
     house, textures = _load(scene_json, textures_dir, house_id)
-    parts = build_parts(house)
-    write_glb(house, textures, glb, parts)
+    assembly = assemble(house)
+    write_glb(house, textures, glb, assembly.parts)
     plain = {key: (tile.png, tile.size_m) for key, tile in textures.items()}
     write_scene_json(house, textured_scene_json, plain)
+    write_png(preview, render_preview(house, textures, assembly))
     logging.getLogger("plan2scene").info(
         "house %s: %d rooms, %d parts, %d triangles, %d textures",
         house_id,
         len(house.rooms),
-        len(parts),
-        sum(len(part.mesh.faces) for part in parts),
+        len(assembly.parts),
+        sum(len(part.mesh.faces) for part in assembly.parts),
         len(textures),
     )
 

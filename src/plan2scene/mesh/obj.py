@@ -49,8 +49,8 @@ def write_obj(
             (temporary / f"{key.filename}.png").write_bytes(tile.png)
     scene = _Scene()
     for part in build_parts(house) if parts is None else parts:
-        tile = None if part.surface is None else textures.get(part.surface)
-        for mesh in _pieces(part, tile, folder.name):
+        painted = None if part.surface is None else textures.get(part.surface)
+        for mesh in _pieces(part, painted, folder.name):
             scene.geometry[str(len(scene.geometry))] = mesh
     mtl = f"{target.stem}.mtl"
     text, files = export_obj(
@@ -69,7 +69,7 @@ class _Scene(trimesh.Scene):
         return list(self.geometry.values())
 
 
-class _Material(Material):  # type: ignore[misc]
+class _Material(Material):
     """A material's lines in an MTL file."""
 
     def __init__(self, name: str, rows: Sequence[str]) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -13,15 +12,13 @@ from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
-from plan2scene.floorplans import read_scene_json
 from plan2scene.house import House, SurfaceKey
-from plan2scene.images import write_png
 from plan2scene.mesh.house_mesh import Assembly, assemble
 from plan2scene.mesh.labels import SECTION_COLOUR, annotate
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.mesh.polygons import triangulate
 from plan2scene.mesh.raster import Camera, Soup, attributes, look_at, sample, soup_of, visible
-from plan2scene.mesh.textures import TileTexture, load_textures
+from plan2scene.mesh.textures import TileTexture
 
 BACKGROUND: Colour = (247, 246, 243)
 WINDOW_COLOUR: Colour = (176, 205, 216)
@@ -51,19 +48,14 @@ _OBLIQUE = _View(61.0, 24.0, 28.0)  # from the upper south-east
 _FROM_ABOVE = _View(90.0, 0.0, 50.0)
 
 
-def build_preview(
-    scene_json: str | Path, textures_dir: str | Path, png: str | Path, *, house_id: str
-) -> None:
-    """Write the preview picture of a house, see :func:`render_preview`."""
-    house = read_scene_json(scene_json, house_id)
-    write_png(png, render_preview(house, load_textures(textures_dir, house)))
-
-
 def render_preview(
-    house: House, textures: Mapping[SurfaceKey, TileTexture], side: int = SIDE
+    house: House,
+    textures: Mapping[SurfaceKey, TileTexture],
+    assembly: Assembly | None = None,
+    side: int = SIDE,
 ) -> np.ndarray:
     """Return (side, 2 side, 3) uint8 sRGB: plan view with room names, and oblique view."""
-    assembly = assemble(house)
+    assembly = assembly or assemble(house)
     plan = _plan_view(house, assembly, textures, side)
     oblique = _view(house, assembly, textures, side, _OBLIQUE)
     return np.concatenate([plan, oblique], axis=1)
@@ -108,8 +100,7 @@ def _plan_view(
     parts = [p for p in assembly.parts if not p.name.endswith("/ceiling")] + _section(assembly)
     soup = soup_of(parts, textures)
     below = soup.corners[..., 1].min(axis=1) <= CUT + 2e-3
-    image = _draw(soup, camera, below & ~soup.glass, house)
-    small = _small(image)
+    small = _draw(soup, camera, below & ~soup.glass, house)
     scale = camera.scale / SUPERSAMPLING
 
     def project(point: tuple[float, float]) -> tuple[float, float]:
@@ -183,29 +174,34 @@ def _view(
     camera = look_at(target + distance * direction, target, focal, size, perspective=True)
     parts = [p for p in assembly.parts if not p.name.endswith("/ceiling")]
     soup = soup_of(parts, textures)
-    return _small(_draw(soup, camera, np.ones(len(soup.corners), dtype=bool), house))
+    return _draw(soup, camera, np.ones(len(soup.corners), dtype=bool), house)
 
 
 def _draw(soup: Soup, camera: Camera, keep: np.ndarray, house: House) -> np.ndarray:
-    """Return the (h, w, 3) linear float32 picture of the kept triangles over the background."""
+    """Return the picture (h, w, 3) uint8 sRGB of the kept triangles, averaged down."""
     ids, depth = visible(soup, camera, keep & ~soup.glass)
     image = np.empty((*camera.size, 3), dtype=np.float32)
-    image[:] = _linear_colour(BACKGROUND)
-    rows, columns, t, points, uv = attributes(soup, camera, ids)
-    colour = soup.colours[t].astype(np.float32)
+    image[:] = srgb_to_linear(np.array(BACKGROUND, np.uint8))
+    pixels, t, points, uv = attributes(soup, camera, ids)
+    colour = soup.colours.astype(np.float32)[t]
     metres_per_pixel = (
-        depth[rows, columns] / camera.scale
+        depth.ravel()[pixels] / camera.scale
         if camera.perspective
-        else (np.full(len(t), 1.0 / camera.scale))
+        else np.full(len(t), 1.0 / camera.scale, dtype=np.float32)
     )
-    repeats, texture = _tiles_per_metre(soup)[t], soup.texture[t]
-    for number, levels in enumerate(soup.mipmaps):
-        mine = np.flatnonzero(texture == number)
+    repeats = _tiles_per_metre(soup).astype(np.float32)[t]
+    texture = soup.texture.astype(np.int16)[t]
+    order = np.argsort(texture, kind="stable")
+    ends = np.cumsum(np.bincount(texture + 1, minlength=len(soup.mipmaps) + 1))
+    for levels, start, end in zip(soup.mipmaps, ends[:-1], ends[1:], strict=True):
+        mine = order[start:end]
         footprint = metres_per_pixel[mine] * repeats[mine] * levels[0].shape[0]
         colour[mine] = sample(levels, uv[mine], footprint)
-    image[rows, columns] = colour * _light(soup.normals[t], points, house)[:, None]
-    _blend_glass(image, soup, camera, depth, keep)
-    return image
+    image.reshape(-1, 3)[pixels] = colour * _light(soup.normals, t, points, house)[:, None]
+    ids, far = visible(soup, camera, keep & soup.glass)
+    front = (ids >= 0) & (far < depth)
+    image[front] = 0.7 * image[front] + 0.3 * soup.colours[ids[front]]
+    return _small(image)
 
 
 def _tiles_per_metre(soup: Soup) -> np.ndarray:
@@ -214,14 +210,18 @@ def _tiles_per_metre(soup: Soup) -> np.ndarray:
     return np.linalg.norm(soup.uv[:, 1] - soup.uv[:, 0], axis=1) / np.maximum(edge, 1e-9)
 
 
-def _light(normals: np.ndarray, points: np.ndarray, house: House) -> np.ndarray:
-    """Return the (p,) light of sky, ground and sun, darker towards corners."""
+def _light(normals: np.ndarray, t: np.ndarray, points: np.ndarray, house: House) -> np.ndarray:
+    """Return the (p,) light of sky, ground and sun on points of triangles `t`, dark in corners."""
     up = 0.5 + 0.5 * normals[:, 1]
     light = _GROUND + (_SKY - _GROUND) * up + _SUNLIGHT * np.maximum(normals @ _SUN, 0.0)
-    flat = normals[:, 1] > 0.9
-    to_corner = np.where(flat, _wall_distance(house, points), np.maximum(points[:, 1], 0.0))
-    low = ~flat | (points[:, 1] < 0.01)
-    return light * (1.0 - low * _CORNER_DARK * np.exp(-to_corner / _CORNER_REACH))
+    light = light.astype(np.float32)[t]
+    flat = (normals[:, 1] > 0.9)[t]
+    low = np.flatnonzero(~flat | (points[:, 1] < 0.01))
+    to_corner = np.maximum(points[low, 1], 0.0)
+    floor = np.flatnonzero(flat[low])
+    to_corner[floor] = _wall_distance(house, points[low[floor]])
+    light[low] *= 1.0 - _CORNER_DARK * np.exp(-to_corner / _CORNER_REACH)
+    return light
 
 
 def _wall_distance(house: House, points: np.ndarray, cell: float = 0.02) -> np.ndarray:
@@ -233,28 +233,15 @@ def _wall_distance(house: House, points: np.ndarray, cell: float = 0.02) -> np.n
         ends = [np.round((np.array(p) - low) / cell).astype(int) for p in (wall.start, wall.end)]
         cv2.line(grid, tuple(ends[0].tolist()), tuple(ends[1].tolist()), 0, 1)
     distance = cv2.distanceTransform(grid, cv2.DIST_L2, 5) * cell
-    index = np.round((points[:, [0, 2]] - low) / cell).astype(int)
-    index = np.clip(index, 0, shape - 1)
-    return np.asarray(distance[index[:, 1], index[:, 0]])
-
-
-def _blend_glass(
-    image: np.ndarray, soup: Soup, camera: Camera, depth: np.ndarray, keep: np.ndarray
-) -> None:
-    """Lay the nearest glass over the picture where nothing solid is before it."""
-    ids, far = visible(soup, camera, keep & soup.glass)
-    front = (ids >= 0) & (far < depth)
-    image[front] = 0.7 * image[front] + 0.3 * soup.colours[ids[front]]
-
-
-def _linear_colour(colour: Colour) -> np.ndarray:
-    """Return an sRGB colour as linear float32."""
-    return srgb_to_linear(np.array(colour, np.uint8)).astype(np.float32)
+    column, row = (
+        np.clip(np.rint((points[:, axis] - low[k]) / cell).astype(np.int32), 0, shape[k] - 1)
+        for k, axis in enumerate((0, 2))
+    )
+    return np.asarray(distance.ravel()[row * distance.shape[1] + column])
 
 
 def _small(image: np.ndarray) -> np.ndarray:
     """Return a supersampled linear picture averaged down, as uint8 sRGB."""
-    k = SUPERSAMPLING
-    height, width = image.shape[0] // k, image.shape[1] // k
-    mean = image.reshape(height, k, width, k, 3).mean(axis=(1, 3)).clip(0, 1)
-    return np.round(linear_to_srgb(mean) * 255).astype(np.uint8)
+    share = 1 / SUPERSAMPLING
+    mean = cv2.resize(image, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
+    return np.asarray(np.round(linear_to_srgb(mean.clip(0, 1)) * 255).astype(np.uint8))

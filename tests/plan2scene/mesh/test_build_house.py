@@ -4,6 +4,7 @@ import json
 
 import pytest
 import trimesh
+from PIL import Image
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans import read_scene_textures, write_scene_json
@@ -43,7 +44,9 @@ def entries_of(folder):
 def test_files_of_a_house(folder, gap_house, paint):
     out = folder / "out"
     args = folder / "scene.json", folder / "textures"
-    build_house(*args, out / "house.glb", out / "house.scene.json", house_id="gap")
+    outputs = [out / name for name in ("house.glb", "house.scene.json", "preview.png")]
+    build_house(*args, *outputs, house_id="gap")
+    assert Image.open(outputs[2]).size == (1600, 800)
     build_obj(*args, out / "house.obj", house_id="gap")
     scene = trimesh.load(out / "house.glb")
     assert scene.geometry["a/floor"].area == pytest.approx(12.0, rel=1e-4)
