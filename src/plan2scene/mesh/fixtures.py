@@ -9,7 +9,6 @@ import math
 
 import numpy as np
 
-from plan2scene.mesh.frames import Frame
 from plan2scene.mesh.openings import Portal
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 
@@ -64,13 +63,11 @@ def _surround(
     """Add the frame: two jambs, the head, and for a window the bottom piece."""
     frame, half = _centre(portal), _depth(portal)
     size, low, high = portal.width, portal.hole.bottom, portal.hole.top
-    builder.box(frame, np.array([0, low, -half]), np.array([width, high, half]), colour)
-    builder.box(frame, np.array([size - width, low, -half]), np.array([size, high, half]), colour)
-    inner = np.array([width, high - width, -half]), np.array([size - width, high, half])
-    builder.box(frame, *inner, colour)
+    builder.box(frame, (0, low, -half), (width, high, half), colour)
+    builder.box(frame, (size - width, low, -half), (size, high, half), colour)
+    builder.box(frame, (width, high - width, -half), (size - width, high, half), colour)
     if sill:
-        inner = np.array([width, low, -half]), np.array([size - width, low + width, half])
-        builder.box(frame, *inner, colour)
+        builder.box(frame, (width, low, -half), (size - width, low + width, half), colour)
 
 
 def _door(portal: Portal) -> MeshPart:
@@ -88,13 +85,13 @@ def _door(portal: Portal) -> MeshPart:
     _surround(builder, portal, jamb, FRAME_COLOUR, sill=False)
     gap = 0.004
     clear = width - 2 * (jamb + gap)
-    top = portal.hole.top - jamb - gap
-    leaves = ((jamb + gap, 1.0, clear),)
+    low, high = portal.hole.bottom + 0.008, portal.hole.top - jamb - gap
     if width > TWO_LEAVES:
         half = clear / 2 - gap / 2
-        leaves = ((jamb + gap, 1.0, half), (width - jamb - gap, -1.0, half))  # type: ignore[assignment]
-    for hinge, turn, size in leaves:
-        _leaf(builder, portal, hinge, turn, (size, portal.hole.bottom + 0.008, top))
+        _leaf(builder, portal, jamb + gap, 1.0, (half, low, high))
+        _leaf(builder, portal, width - jamb - gap, -1.0, (half, low, high))
+    else:
+        _leaf(builder, portal, jamb + gap, 1.0, (clear, low, high))
     return builder.build(f"{room}/door/{opening.id}", extras=extras)
 
 
@@ -111,9 +108,8 @@ def _leaf(
     """
     width, low, high = size
     outside = portal.other is None
-    colour, panel = (
-        (ENTRANCE_COLOUR, ENTRANCE_PANEL_COLOUR) if outside else (LEAF_COLOUR, PANEL_COLOUR)
-    )
+    colour = ENTRANCE_COLOUR if outside else LEAF_COLOUR
+    panel = ENTRANCE_PANEL_COLOUR if outside else PANEL_COLOUR
     base = _centre(portal)
     angle = 0.0 if outside else AJAR
     inward = base[2]
@@ -123,33 +119,22 @@ def _leaf(
     if not outside:  # the pivot is at the room's face of the frame, so the leaf clears the jamb
         frame[3] += inward * (_depth(portal) - LEAF_THICKNESS)
     half = LEAF_THICKNESS / 2
-    builder.box(frame, np.array([0, low, -half]), np.array([width, high, half]), colour)
+    builder.box(frame, (0, low, -half), (width, high, half), colour)
     margin, middle = width * 0.16, low + (high - low) * 0.45
     for bottom, top in ((low + 0.18, middle - 0.05), (middle + 0.05, high - 0.14)):
         if top - bottom > 0.1 and width > 0.3:
             raised = half + 0.006
-            builder.box(
-                frame,
-                np.array([margin, bottom, -raised]),
-                np.array([width - margin, top, raised]),
-                panel,
-            )
+            builder.box(frame, (margin, bottom, -raised), (width - margin, top, raised), panel)
     grip = low + min(1.03, (high - low) * 0.5)
     for side in (-1.0, 1.0):
-        near, far = sorted((side * half, side * (half + 0.05)))
-        builder.box(
-            frame,
-            np.array([width - 0.085, grip - 0.012, near]),
-            np.array([width - 0.06, grip + 0.012, far]),
-            METAL_COLOUR,
-        )
-        near, far = sorted((side * (half + 0.035), side * (half + 0.05)))
-        builder.box(
-            frame,
-            np.array([width - 0.19, grip - 0.012, near]),
-            np.array([width - 0.06, grip + 0.012, far]),
-            METAL_COLOUR,
-        )
+        for left, right, start, end in ((0.085, 0.06, 0.0, 0.05), (0.19, 0.06, 0.035, 0.05)):
+            near, far = sorted((side * (half + start), side * (half + end)))
+            builder.box(
+                frame,
+                (width - left, grip - 0.012, near),
+                (width - right, grip + 0.012, far),
+                METAL_COLOUR,
+            )
 
 
 def _window(portal: Portal) -> list[MeshPart]:
@@ -159,42 +144,20 @@ def _window(portal: Portal) -> list[MeshPart]:
     width, low, high = portal.width, portal.hole.bottom, portal.hole.top
     bar = min(FRAME_WIDTH, 0.12 * min(width, high - low))
     _surround(builder, portal, bar, FRAME_COLOUR, sill=True)
-    frame = _centre(portal)
+    frame, colour = _centre(portal), FRAME_COLOUR
     count = max(1, round((width - bar) / PANE_WIDTH))
     for k in range(1, count):
         s = width * k / count
-        builder.box(
-            frame,
-            np.array([s - bar / 2, low + bar, -0.03]),
-            np.array([s + bar / 2, high - bar, 0.03]),
-            FRAME_COLOUR,
-        )
+        builder.box(frame, (s - bar / 2, low + bar, -0.03), (s + bar / 2, high - bar, 0.03), colour)
     if high - low > 1.6:  # a tall window has its upper lights apart
         y = high - 0.25 * (high - low)
-        builder.box(
-            frame,
-            np.array([bar, y - bar / 2, -0.025]),
-            np.array([width - bar, y + bar / 2, 0.025]),
-            FRAME_COLOUR,
-        )
+        builder.box(frame, (bar, y - bar / 2, -0.025), (width - bar, y + bar / 2, 0.025), colour)
     if low > 0.3:
-        reach = _depth(portal)
-        builder.box(
-            frame,
-            np.array([-0.03, low - 0.03, 0.0]),
-            np.array([width + 0.03, low, reach + 0.04]),
-            FRAME_COLOUR,
-        )
-    pane = Frame(
-        portal.side.frame.plan(portal.hole.left, -portal.depth / 2),
-        portal.side.frame.right,
-        portal.side.frame.normal,
-        width,
-    )
-    corners = np.array(
-        [[bar, low + bar], [width - bar, low + bar], [width - bar, high - bar], [bar, high - bar]]
-    )
-    glass.quad(pane.world(corners), (255, 255, 255))
+        reach = _depth(portal) + 0.04
+        builder.box(frame, (-0.03, low - 0.03, 0.0), (width + 0.03, low, reach), colour)
+    (x0, y0), (x1, y1) = (bar, low + bar), (width - bar, high - bar)
+    pane = np.array([[x0, y0, 0], [x1, y0, 0], [x1, y1, 0], [x0, y1, 0]])
+    glass.quad(pane @ frame[:3] + frame[3], (255, 255, 255))
     extras = {"kind": "window", "room_id": room, "opening_id": opening.id}
     name = f"{room}/window/{opening.id}"
     return [

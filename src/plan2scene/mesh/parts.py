@@ -5,6 +5,7 @@ World axes of ``docs/conventions.md``: metres, y up, right-handed; plan points a
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -16,6 +17,7 @@ from plan2scene.house import SurfaceKey
 #: Materials of a part: a room surface's texture, plain vertex colours, or window glass.
 MATERIALS = ("surface", "plain", "glass")
 Colour = tuple[int, int, int]  #: sRGB, 0..255
+Corner = tuple[float, float, float]
 #: Vertices are rounded to this many decimals of a metre, so that faces that meet at an edge share
 #: it exactly also in float32: otherwise light shines through the crack.
 GRID_DECIMALS = 5
@@ -100,20 +102,18 @@ class PartBuilder:
         """Add a quad: (4, 3) corners counter-clockwise seen from the visible side."""
         self.mesh(np.asarray(corners), np.array([[0, 1, 2], [0, 2, 3]]), colour=colour, uv=uv)
 
-    def box(self, frame: np.ndarray, low: np.ndarray, high: np.ndarray, colour: Colour) -> None:
+    def box(self, frame: np.ndarray, low: Corner, high: Corner, colour: Colour) -> None:
         """Add a box given in a local frame.
 
         Parameters
         ----------
         frame : (4, 3) float
             Right-handed orthonormal axes in rows 0-2 and the origin in row 3, world metres.
-        low, high : (3,) float
+        low, high : (3,) tuple of float
             Opposite corners along those axes, metres.
         """
-        axes, origin = frame[:3], frame[3]
-        c = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-        low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
-        points = (low + c * (high - low)) @ axes + origin
+        corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
+        points = corners @ frame[:3] + frame[3]
         for face in _BOX_FACES:
             self.quad(points[list(face)], colour)
 
@@ -139,7 +139,8 @@ class PartBuilder:
         )
 
 
-# Corner index = 4 x + 2 y + z; each face counter-clockwise seen from outside.
+# Corner index = 4 x + 2 y + z; each face counter-clockwise seen from outside. (trimesh's box shares
+# its corners between sides; here each side has normals of its own.)
 _BOX_FACES = (
     (0, 1, 3, 2),
     (4, 6, 7, 5),

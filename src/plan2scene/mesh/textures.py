@@ -86,28 +86,21 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
 
 def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house_id: str) -> TileTexture:
     """Return one tile of a textures folder."""
+
+    def fault(expected: str, found: object) -> InputError:
+        index = root / "textures.json"
+        return InputError(expected, str(found), file=index, house=house_id, room=key.room_id)
+
     size = entry.get("size_m")
     if not isinstance(size, int | float) or not 0 < size < 1000:
-        raise InputError(
-            "a size_m in metres over 0",
-            str(size),
-            file=root / "textures.json",
-            house=house_id,
-            room=key.room_id,
-        )
+        raise fault("a size_m in metres over 0", size)
     origin = entry.get("origin_m", [0.0, 0.0])
     if not (
         isinstance(origin, list)
         and len(origin) == 2
         and all(isinstance(v, int | float) and abs(v) < 1e6 for v in origin)
     ):
-        raise InputError(
-            "an origin_m of two numbers of metres",
-            str(origin),
-            file=root / "textures.json",
-            house=house_id,
-            room=key.room_id,
-        )
+        raise fault("an origin_m of two numbers of metres", origin)
     file = root / f"{key.filename}.png"
     try:
         data = file.read_bytes()

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import shapely
 
+from plan2scene.floorplans.geometry import room_polygon, walls_of_rooms
 from plan2scene.house import Door, House, Opening, Point, Ring, Room, Wall
 from plan2scene.seeds import generator
 from plan2scene_workshop.homes.layouts import OUTSIDE, GridPlan, draw_layout
@@ -127,17 +129,13 @@ def _borders(labels: np.ndarray, scale: float) -> list[Border]:
 def _walls(room: Room, index: int, holes: list[Hole], depth: float) -> list[Wall]:
     """Return the walls of a room, one per edge of its outline, with their openings."""
     walls = []
-    ring = room.rings[0]
-    for k, start in enumerate(ring):
-        end = ring[(k + 1) % len(ring)]
-        openings = tuple(
-            _cut(hole, f"hole_{number}", start, end)
+    for wall in walls_of_rooms([room], depth=depth, shared=False):
+        openings = (
+            _cut(hole, f"hole_{number}", wall.start, wall.end)
             for number, hole in enumerate(holes)
-            if index in (hole.border.a, hole.border.b) and _on_edge(hole, start, end)
+            if index in (hole.border.a, hole.border.b) and _on_edge(hole, wall.start, wall.end)
         )
-        openings = tuple(sorted(openings, key=lambda o: o.start))
-        name = f"{room.id}_wall_{k}"
-        walls.append(Wall(name, (room.id,), start, end, room.height, depth, openings=openings))
+        walls.append(replace(wall, openings=tuple(sorted(openings, key=lambda o: o.start))))
     return walls
 
 
@@ -174,7 +172,7 @@ def plan_statistics(houses: Sequence[House]) -> dict[str, dict[str, float]]:
     for house in houses:
         note("rooms per house", len(house.rooms))
         note("height (m)", house.rooms[0].height)
-        areas = {room.id: shapely.Polygon(room.rings[0]).area for room in house.rooms}
+        areas = {room.id: room_polygon(room).area for room in house.rooms}
         note("floor area (m2)", sum(areas.values()))
         for room in house.rooms:
             openings = [o for wall in house.walls_of(room.id) for o in wall.openings]

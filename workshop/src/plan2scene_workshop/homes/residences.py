@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
-import shapely
 
 from plan2scene.datasets import make_house_table
 from plan2scene.datasets.assignments import read_rows
 from plan2scene.floorplans import write_scene_json
+from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import write_png
 from plan2scene.io import atomic_directory, atomic_path, write_json
@@ -166,7 +166,7 @@ def photographed_rooms(
     """Return the ids of the rooms that get photos: all but about `hidden_share` of the rooms."""
     names, weights = [], []
     for room in house.rooms:
-        inner = shapely.Polygon(room.rings[0]).buffer(-LEAST_PHOTO_WIDTH / 2)
+        inner = room_polygon(room).buffer(-LEAST_PHOTO_WIDTH / 2)
         if not inner.is_empty:
             names.append(room.id)
             weights.append(PHOTO_WEIGHT[room.types[0]])
