@@ -1,7 +1,7 @@
 """glTF 2.0 binary by trimesh's exporter: every part a named node, textures embedded.
 
-By hand is only what the exporter has no argument for, in `_finish` and `_Png`: sampler and names,
-colours that are not rounded to bytes, equal tiles once, and PNG files as they are.
+By hand is only what the exporter has no argument for, in `_finish` and `_Png`: sampler, names,
+kinds of buffers, colours that are not rounded to bytes, equal tiles once, PNG files as they are.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from plan2scene.mesh.textures import UNTEXTURED, TileTexture
 
 #: Linear base colour and opacity of window glass.
 GLASS = (0.62, 0.75, 0.80, 0.28)
-#: Repeating, trilinear (the numbers are OpenGL's).
+#: Kinds of buffers; repeating, trilinear (the numbers are OpenGL's).
+_VERTICES, _INDICES = 34962, 34963
 _SAMPLER = {"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}
 #: Frame above the house's node; no id has a slash. The exporter leaves it out of the file.
 _WORLD = "/"
@@ -150,9 +151,14 @@ def _finish(tree: dict[str, Any], house_id: str, factors: Mapping[str, list[floa
     tree["scenes"][0]["name"] = house_id
     for mesh in tree["meshes"]:
         del mesh["extras"]
-        attributes = mesh["primitives"][0]["attributes"]
+        primitive = mesh["primitives"][0]
+        attributes = primitive["attributes"]
         if "_COLOR_0" in attributes:  # trimesh's own colours are bytes: too coarse when linear
             attributes["COLOR_0"] = attributes.pop("_COLOR_0")
+        for target, used in (_VERTICES, attributes.values()), (_INDICES, [primitive["indices"]]):
+            for accessor in used:
+                view = tree["accessors"][accessor]["bufferView"]
+                tree["bufferViews"][view]["target"] = target
     images: dict[int, dict[str, Any]] = {}  # by buffer view: equal files share one
     for material in tree["materials"]:
         pbr = material["pbrMetallicRoughness"]

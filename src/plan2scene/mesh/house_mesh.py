@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+from shapely.ops import unary_union
+
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House
 from plan2scene.mesh.fixtures import fixtures
@@ -13,7 +15,6 @@ from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.walls import (
     Body,
     flat_parts,
-    room_polygons,
     structure_part,
     threshold,
     wall_bodies,
@@ -48,7 +49,7 @@ def build_parts(house: House) -> list[MeshPart]:
 def assemble(house: House) -> Assembly:
     """Return the parts of a house, see :func:`build_parts`, with the bodies and portals."""
     polygons = {room.id: room_polygon(room) for room in house.rooms}
-    together = room_polygons(house, polygons)
+    together = unary_union(list(polygons.values()))
     sides = room_sides(house, polygons)
     openings = find_openings(house, sides, polygons)
     parts: list[MeshPart] = []

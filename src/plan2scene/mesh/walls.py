@@ -8,7 +8,6 @@ outer faces, a cap above the ceiling line and the reveals of openings, in plain 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +17,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from plan2scene.house import House, Room, SurfaceKey
+from plan2scene.house import Room, SurfaceKey
 from plan2scene.mesh.frames import Frame, arc_offset, frame_between, reveal_quads
 from plan2scene.mesh.openings import Openings, Portal, Side
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
@@ -241,8 +240,3 @@ def flat_parts(room: Room, polygon: BaseGeometry) -> list[MeshPart]:
         key = SurfaceKey(room.id, surface)
         parts.append(builder.build(f"{room.id}/{surface}", "surface", key, extras))
     return parts
-
-
-def room_polygons(house: House, polygons: Mapping[str, BaseGeometry]) -> BaseGeometry:
-    """Return the plan area of all rooms together."""
-    return unary_union([shapely.make_valid(polygons[room.id]) for room in house.rooms])
