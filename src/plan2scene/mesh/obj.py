@@ -26,7 +26,6 @@ def write_obj(
     house: House,
     textures: Mapping[SurfaceKey, TileTexture],
     path: str | Path,
-    parts: Sequence[MeshPart] | None = None,
 ) -> None:
     """Write ``{name}.obj`` with ``{name}.mtl`` and ``{name}_textures/*.png`` beside it.
 
@@ -39,8 +38,6 @@ def write_obj(
     textures : mapping of SurfaceKey to TileTexture
     path : path
         The .obj file; the MTL and textures are named after it.
-    parts : sequence of MeshPart, optional
-        What :func:`~plan2scene.mesh.build_parts` returned, when at hand.
     """
     target = Path(path)
     folder = target.with_name(f"{target.stem}_textures")
@@ -48,7 +45,7 @@ def write_obj(
         for key, tile in textures.items():
             (temporary / f"{key.filename}.png").write_bytes(tile.png)
     scene = _Scene()
-    for part in build_parts(house) if parts is None else parts:
+    for part in build_parts(house):
         painted = None if part.surface is None else textures.get(part.surface)
         for mesh in _pieces(part, painted, folder.name):
             scene.geometry[str(len(scene.geometry))] = mesh
@@ -92,16 +89,14 @@ def _pieces(part: MeshPart, tile: TileTexture | None, folder: str) -> Iterator[t
     # Every mesh has normals and texture coordinates: trimesh counts them with the vertices.
     uv = np.zeros((len(part.mesh.vertices), 2)) if part.uv is None else part.uv
     uv = (uv if tile is None or part.uv is None else tile.turns(uv)) * [1, -1]
-    first = part.mesh.faces[:, 0]
-    groups: dict[_Material, list[int]] = {}
+    faces = part.mesh.faces
     if part.colours is None:
-        groups[_surface_material(part, tile, folder)] = list(range(len(first)))
+        looks = [(_surface_material(part, tile, folder), np.full(len(faces), True))]
     else:
-        made = {tuple(c): _plain(c) for c in np.unique(part.colours[first], axis=0).tolist()}
-        for face, colour in enumerate(part.colours[first].tolist()):
-            groups.setdefault(made[tuple(colour)], []).append(face)
-    for number, (material, faces) in enumerate(groups.items()):
-        used, index = np.unique(part.mesh.faces[faces], return_inverse=True)
+        colours, which = np.unique(part.colours[faces[:, 0]], axis=0, return_inverse=True)
+        looks = [(_plain(colour), which == k) for k, colour in enumerate(colours.tolist())]
+    for number, (material, mine) in enumerate(looks):
+        used, index = np.unique(faces[mine], return_inverse=True)
         yield trimesh.Trimesh(
             part.mesh.vertices[used],
             index.reshape(-1, 3),

@@ -11,13 +11,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import trimesh
+from shapely.geometry.base import BaseGeometry
 
 from plan2scene.house import SurfaceKey
+from plan2scene.mesh.polygons import triangulate
 
 #: Materials of a part: a room surface's texture, plain vertex colours, or window glass.
 MATERIALS = ("surface", "plain", "glass")
 Colour = tuple[int, int, int]  #: sRGB, 0..255
 Corner = tuple[float, float, float]
+WHITE: Colour = (255, 255, 255)
 #: Vertices are rounded to this many decimals of a metre, so that faces that meet at an edge share
 #: it exactly also in float32: otherwise light shines through the crack.
 GRID_DECIMALS = 5
@@ -70,33 +73,37 @@ class PartBuilder:
     """Collects quads, boxes and flat meshes with colours or UVs into one `MeshPart`."""
 
     def __init__(self) -> None:
-        self._vertices: list[np.ndarray] = []
-        self._faces: list[np.ndarray] = []
-        self._colours: list[np.ndarray] = []
-        self._uv: list[np.ndarray] = []
+        self._pieces: list[tuple[np.ndarray, ...]] = []
         self._count = 0
 
     def __bool__(self) -> bool:
         """Return whether anything was added."""
-        return self._count > 0
+        return bool(self._pieces)
 
     def mesh(
         self,
         vertices: np.ndarray,
         faces: np.ndarray,
         *,
-        colour: Colour = (255, 255, 255),
+        colour: Colour = WHITE,
         uv: np.ndarray | None = None,
     ) -> None:
         """Add a flat mesh: (n, 3) vertices, (m, 3) faces, optionally (n, 2) UVs in metres."""
         if len(faces) == 0:
             return
         n = len(vertices)
-        self._vertices.append(np.asarray(vertices, dtype=np.float64))
-        self._faces.append(np.asarray(faces, dtype=np.int64) + self._count)
-        self._colours.append(np.tile(np.array(colour, dtype=np.uint8), (n, 1)))
-        self._uv.append(np.zeros((n, 2)) if uv is None else np.asarray(uv, dtype=np.float64))
+        colours = np.tile(np.array(colour, dtype=np.uint8), (n, 1))
+        uv = np.zeros((n, 2)) if uv is None else uv
+        self._pieces.append((vertices, faces + self._count, colours, uv))
         self._count += n
+
+    def level(
+        self, area: BaseGeometry, y: float, *, up: bool = True, colour: Colour = WHITE
+    ) -> None:
+        """Add a polygon of the plan at height `y` that looks up or down; UV = (x, z) in metres."""
+        points, faces = triangulate(area)
+        turned = faces[:, ::-1] if up else faces
+        self.mesh(np.insert(points, 1, y, axis=1), turned, colour=colour, uv=points)
 
     def quad(self, corners: np.ndarray, colour: Colour, uv: np.ndarray | None = None) -> None:
         """Add a quad: (4, 3) corners counter-clockwise seen from the visible side."""
@@ -125,16 +132,16 @@ class PartBuilder:
         extras: Mapping[str, object] | None = None,
     ) -> MeshPart:
         """Return what was added as one part."""
-        vertices = np.round(np.concatenate(self._vertices), GRID_DECIMALS)
-        faces = np.concatenate(self._faces)
+        vertices, faces, colours, uv = map(np.concatenate, zip(*self._pieces, strict=True))
+        vertices = np.round(vertices, GRID_DECIMALS)
         normals = flat_normals(vertices, faces)
         return MeshPart(
             name=name,
             mesh=trimesh.Trimesh(vertices, faces, vertex_normals=normals, process=False),
             material=material,
             surface=surface,
-            uv=np.concatenate(self._uv) if material == "surface" else None,
-            colours=np.concatenate(self._colours) if material == "plain" else None,
+            uv=uv if material == "surface" else None,
+            colours=colours if material == "plain" else None,
             extras=dict(extras or {}),
         )
 

@@ -16,7 +16,6 @@ from plan2scene.house import House, SurfaceKey
 from plan2scene.mesh.house_mesh import Assembly, assemble
 from plan2scene.mesh.labels import SECTION_COLOUR, annotate
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
-from plan2scene.mesh.polygons import triangulate
 from plan2scene.mesh.raster import Camera, Soup, attributes, look_at, sample, soup_of, visible
 from plan2scene.mesh.textures import TileTexture
 
@@ -112,10 +111,8 @@ def _plan_view(
 
 def _section(assembly: Assembly) -> list[MeshPart]:
     """Return flat parts at `CUT`: the wall bodies that it meets, and the windows in them."""
-    tall = [b.cap for b in assembly.bodies if b.side.wall.height > CUT]
-    solid = unary_union(tall)
-    parts = []
-    windows = []
+    solid = unary_union([b.cap for b in assembly.bodies if b.side.wall.height > CUT])
+    parts, windows = [], []
     for portal in assembly.portals:
         if portal.hole.top <= CUT and portal.hole.opening.kind != "window":
             continue
@@ -131,11 +128,9 @@ def _section(assembly: Assembly) -> list[MeshPart]:
         ("section/walls", solid, SECTION_COLOUR),
         ("section/windows", unary_union(windows), WINDOW_COLOUR),
     ):
-        points, faces = triangulate(area)
-        if len(faces):
-            builder = PartBuilder()
-            vertices = np.stack([points[:, 0], np.full(len(points), CUT), points[:, 1]], axis=1)
-            builder.mesh(vertices, faces[:, ::-1], colour=colour)
+        builder = PartBuilder()
+        builder.level(area, CUT, colour=colour)
+        if builder:
             parts.append(builder.build(name))
     return parts
 

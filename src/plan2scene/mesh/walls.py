@@ -188,11 +188,7 @@ def _outer_face(builder: PartBuilder, frame: Frame, height: float, portals: list
 
 def _prism(builder: PartBuilder, area: BaseGeometry, low: float, high: float) -> None:
     """Add the top and sides of an upright prism."""
-    points, faces = triangulate(area)
-    if len(faces) == 0:
-        return
-    top = np.stack([points[:, 0], np.full(len(points), high), points[:, 1]], axis=1)
-    builder.mesh(top, faces[:, ::-1], colour=CAP_COLOUR)
+    builder.level(area, high, colour=CAP_COLOUR)
     if high - low < 1e-6:
         return
     for start, end, normal in _edges(area):
@@ -230,12 +226,10 @@ def flat_parts(room: Room, polygon: BaseGeometry) -> list[MeshPart]:
 
     UV in metres: columns along +x, rows along +z.
     """
-    points, faces = triangulate(polygon)
     parts = []
-    for surface, y, turned in (("floor", 0.0, faces[:, ::-1]), ("ceiling", room.height, faces)):
-        vertices = np.stack([points[:, 0], np.full(len(points), y), points[:, 1]], axis=1)
+    for surface, y in (("floor", 0.0), ("ceiling", room.height)):
         builder = PartBuilder()
-        builder.mesh(vertices, turned, uv=points)
+        builder.level(polygon, y, up=surface == "floor")
         extras = {"kind": surface, "room_id": room.id, "surface": surface}
         key = SurfaceKey(room.id, surface)
         parts.append(builder.build(f"{room.id}/{surface}", "surface", key, extras))
