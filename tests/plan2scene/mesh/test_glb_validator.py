@@ -7,6 +7,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import trimesh
+from shapely.geometry import Polygon, box
+from shapely.ops import unary_union
 
 from plan2scene.mesh import write_glb
 
@@ -53,6 +56,20 @@ def test_the_validator_sees_faults(l_house, tmp_path):
 
 @pytest.mark.shared
 def test_sample_plans(sample_house, paint, tmp_path):
+    """Areas of the real sample plans' floors and walls when trimesh reads the GLB again, too."""
     write_glb(sample_house, paint(sample_house), tmp_path / "house.glb")
+    geometry = trimesh.load(tmp_path / "house.glb").geometry
+    for room in sample_house.rooms:
+        area = Polygon(room.rings[0], room.rings[1:]).area
+        assert geometry[f"{room.id}/floor"].area == pytest.approx(area, rel=1e-3)
+        assert geometry[f"{room.id}/ceiling"].area == pytest.approx(area, rel=1e-3)
+    for wall in sample_house.walls:
+        holes = unary_union([box(o.start, o.bottom, o.end, o.top) for o in wall.openings])
+        area = box(0, 0, wall.length, wall.height).difference(holes).area
+        for room_id in wall.room_ids:
+            face = geometry[f"{room_id}/wall/{wall.id}"]
+            assert face.area == pytest.approx(area, rel=5e-3), wall.id
+    openings = {o.id for wall in sample_house.walls for o in wall.openings}
+    assert 0 < sum("/door/" in n or "/window/" in n for n in geometry) <= 2 * len(openings)
     (report,) = validate(tmp_path / "house.glb")
     assert report["numErrors"] == 0, report["messages"]
