@@ -50,9 +50,9 @@ UNEVEN_LIGHT = Degradation(
     shadow_share=0.0,
     highlight_share=0.0,
     white_balance=0.0,
-    blur_px=(0.3, 0.9),
+    blur_px=(0.05, 0.8),
     noise=3.0,
-    jpeg_quality=(90, 100),
+    jpeg_quality=(98, 100),
 )
 #: What crops of real photos are like at worst: distant, dim, badly lit.
 ROOM_PHOTO = Degradation(
