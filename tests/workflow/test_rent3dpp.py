@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 import torch
 from clones import Clone, demo_rows, make_clone, photos_of, write_table
+from rent3dpp_copy import write_rent3dpp_copy
 
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
@@ -14,7 +15,6 @@ from plan2scene.materials import random_material
 from plan2scene.propagation.model import load_propagation
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.textures.model.network import Architecture, TextureModel
-from plan2scene_workshop.homes.rent3dpp import write_rent3dpp_copy
 
 TABLE = "results/rent3dpp/tables/paper_table.csv"
 CONFIG = ("--configfile", "config/rent3dpp.yaml", "two_seeds.yaml", "--config")

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 
 from plan2scene.datasets import (
     check_dataset,
@@ -28,7 +29,6 @@ from plan2scene.floorplans import (
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
 from plan2scene_workshop.homes.floorplans import generate_house
-from plan2scene_workshop.homes.rent3dpp import drawn_icons, write_rent3dpp_copy
 from plan2scene_workshop.homes.residences import write_dataset_index
 
 HOUSES = {
