@@ -12,6 +12,7 @@ from PIL import Image
 from plan2scene.colour import linear_to_srgb
 from plan2scene.errors import InputError
 from plan2scene.house import Door, House, Opening, Room, Wall
+from plan2scene.photos.labels.palette import FLOOR, WALL
 from plan2scene_workshop.rendering import encode_jpeg, plan_views, randomised
 from plan2scene_workshop.rendering.camera_effects import (
     CameraStyle,
@@ -20,7 +21,7 @@ from plan2scene_workshop.rendering.camera_effects import (
 )
 from plan2scene_workshop.rendering.denoise import filter_light, upsample
 from plan2scene_workshop.rendering.furniture import ALONG_WALLS, STANDING_FREE, furnish_room
-from plan2scene_workshop.rendering.geometry import FLOOR, WALL, Geometry, box, superquadric
+from plan2scene_workshop.rendering.geometry import Geometry, box, superquadric
 from plan2scene_workshop.rendering.palette import draw_palette
 from plan2scene_workshop.rendering.shell import (
     SKIRTING_DEPTH,

@@ -141,7 +141,9 @@ def write_residence(
     )
     assignment: list[tuple[str, str]] = []
     cameras: dict[str, Any] = {}
-    _remove_old_photos(root / "photos", house_id)
+    # An earlier run of this house may have had more photos.
+    for old in (root / "photos").glob(f"{house_id}_[0-9][0-9].jpg"):
+        old.unlink()
     with atomic_directory(root / "truth" / split / house_id) as truth:
         for k, photo in enumerate(photos):
             name = f"{house_id}_{k:02d}.jpg"
@@ -174,12 +176,6 @@ def photographed_rooms(
     shares = np.array(weights) / np.sum(weights)
     chosen = rng.choice(len(names), min(shown, len(names)), replace=False, p=shares)
     return tuple(names[i] for i in sorted(chosen))
-
-
-def _remove_old_photos(folder: Path, house_id: str) -> None:
-    """Remove photos of an earlier run of this house, of which there may have been more."""
-    for old in folder.glob(f"{house_id}_[0-9][0-9].jpg"):
-        old.unlink()
 
 
 def _write_photo(root: Path, truth: Path, name: str, photo: RenderedPhoto, quality: int) -> None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-#: Labels of the truth masks (``docs/conventions.md``).
-OTHER, FLOOR, WALL, CEILING = 0, 1, 2, 3
+from plan2scene.photos.labels.palette import OTHER
+
 #: Plane index of a triangle that lies on no labelled plane.
 NO_PLANE = 255
 
@@ -44,16 +44,6 @@ class Solid:
         return Solid(vertices, normals, self.uv, self.faces)
 
 
-@dataclass
-class Group:
-    """Triangles that share one material: lists of parts, joined by :meth:`Geometry.joined`."""
-
-    solids: list[Solid] = field(default_factory=list)
-    colours: list[Colour] = field(default_factory=list)
-    labels: list[int] = field(default_factory=list)
-    planes: list[int] = field(default_factory=list)
-
-
 @dataclass(frozen=True)
 class JoinedGroup:
     """One mesh per material: a solid and, per face, colour (m, 3), label (m,), plane (m,)."""
@@ -68,7 +58,7 @@ class Geometry:
     """Solids grouped by the name of their material."""
 
     def __init__(self) -> None:
-        self.groups: dict[str, Group] = {}
+        self._parts: dict[str, list[tuple[Solid, Colour, int, int]]] = {}
 
     def add(
         self,
@@ -80,24 +70,21 @@ class Geometry:
         plane: int = NO_PLANE,
     ) -> None:
         """Add a solid; `colour` counts only for materials that take their colour per face."""
-        group = self.groups.setdefault(material, Group())
-        group.solids.append(solid)
-        group.colours.append(colour)
-        group.labels.append(label)
-        group.planes.append(plane)
+        self._parts.setdefault(material, []).append((solid, colour, label, plane))
 
     def joined(self) -> dict[str, JoinedGroup]:
         """Return one mesh per material, in order of material name."""
-        return {name: _join(self.groups[name]) for name in sorted(self.groups)}
+        return {name: _join(parts) for name, parts in sorted(self._parts.items())}
 
 
-def _join(group: Group) -> JoinedGroup:
-    counts = [len(solid.faces) for solid in group.solids]
+def _join(parts: Sequence[tuple[Solid, Colour, int, int]]) -> JoinedGroup:
+    solids, colours, labels, planes = zip(*parts, strict=True)
+    counts = [len(solid.faces) for solid in solids]
     return JoinedGroup(
-        merge(group.solids),
-        np.repeat(np.array(group.colours, float), counts, axis=0),
-        np.repeat(np.array(group.labels, np.uint8), counts),
-        np.repeat(np.array(group.planes, np.uint8), counts),
+        merge(solids),
+        np.repeat(np.array(colours, float), counts, axis=0),
+        np.repeat(np.array(labels, np.uint8), counts),
+        np.repeat(np.array(planes, np.uint8), counts),
     )
 
 

@@ -25,10 +25,8 @@ from plan2scene.mesh.frames import (
     wall_frame,
 )
 from plan2scene.mesh.polygons import triangulate
+from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
 from plan2scene_workshop.rendering.geometry import (
-    CEILING,
-    FLOOR,
-    WALL,
     Array,
     Colour,
     Geometry,
