@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import json
 import logging
 import re
@@ -13,21 +12,19 @@ from typing import Annotated
 import typer
 
 from plan2scene.errors import InputError, WorkflowError
+from plan2scene.textures.methods import METHODS, methods_table
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
 
-class Method(enum.StrEnum):
-    """How textures are made."""
+def _method(name: str) -> str:
+    """Return the name of a registered texture method; refuse another one."""
+    if name not in METHODS:
+        raise typer.BadParameter(f"{name!r} is not one of {', '.join(METHODS)}")
+    return name
 
-    crop = "crop"
-    retrieve = "retrieve"
-    naivesynth = "naivesynth"
-    synth = "synth"
-    synth_large = "synth-large"
-    exemplar = "exemplar"
-    medoid_colour = "medoid_colour"
-    projection = "projection"
+
+_METHOD_NAMES = f"[{'|'.join(METHODS)}]"
 
 
 def _house_id(plan: Path, given: str | None) -> str:
@@ -46,7 +43,9 @@ def run_house(
     photos_dir: Annotated[
         Path | None, typer.Option(help="Folder of the photos; default: beside the table.")
     ] = None,
-    method: Annotated[Method, typer.Option(help="How textures are made.")] = Method.exemplar,
+    method: Annotated[
+        str, typer.Option(parser=_method, metavar=_METHOD_NAMES, help="How textures are made.")
+    ] = "exemplar",
     cores: Annotated[int, typer.Option(min=1)] = 2,
     house: Annotated[str | None, typer.Option(help="House id; default: the plan's name.")] = None,
     metres_per_pixel: Annotated[
@@ -63,7 +62,7 @@ def run_house(
         photo_table=photos,
         photos_dir=photos_dir,
         house=_house_id(plan, house),
-        method=method.value,
+        method=method,
         metres_per_pixel=metres_per_pixel,
         seed=seed,
         texture_size=texture_size,
@@ -104,7 +103,9 @@ def label_photos(
 def make_texture(
     crops: Annotated[list[Path], typer.Argument(help="Crops of one surface.")],
     out: Annotated[Path, typer.Option(help="The tile (PNG).")],
-    method: Annotated[Method, typer.Option(help="How the tile is made.")] = Method.exemplar,
+    method: Annotated[
+        str, typer.Option(parser=_method, metavar=_METHOD_NAMES, help="How the tile is made.")
+    ] = "exemplar",
     size: Annotated[int, typer.Option(min=64, max=1024, help="Pixels of the tile.")] = 128,
     seed: Annotated[int, typer.Option(min=0)] = 0,
 ) -> None:
@@ -113,8 +114,14 @@ def make_texture(
     from plan2scene.textures.single import tile_from_crops
 
     images = [read_image(path) for path in crops]
-    write_png(out, tile_from_crops(images, method.value, size_px=size, seed=seed))
+    write_png(out, tile_from_crops(images, method, size_px=size, seed=seed))
     print(out)
+
+
+@app.command("methods")
+def list_methods() -> None:
+    """List the texture methods as a Markdown table."""
+    print(methods_table(), end="")
 
 
 @app.command("metrics")

@@ -29,6 +29,7 @@ rule ablation_house:
         hidden=hidden_at_drops(TABLE_DROPS),
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
+        seam_correction={},  # the variants say
         code=code_hash("evaluation.ablation"),
     script:
         "../scripts/ablation_house.py"

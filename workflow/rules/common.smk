@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 
 import pandas as pd
-from snakemake.utils import validate
 
+from plan2scene.config import check_config
 from plan2scene.datasets.layout import find_layout
 from plan2scene.datasets.table import SPLITS
 from plan2scene.evaluation.drops import hidden_at
@@ -22,9 +22,12 @@ from plan2scene.datasets.house_table import (
 )
 from plan2scene.errors import InputError
 from plan2scene.provenance import code_hash
-from plan2scene.textures.methods import DECODERS
+from plan2scene.textures.methods import METHODS as TEXTURE_METHODS
 
-validate(config, schema="../schemas/config.schema.json")
+try:
+    check_config(config)
+except InputError as error:
+    sys.exit(f"plan2scene: {error}")
 
 DATASET = config["dataset"]["name"]
 LAYOUT = find_layout(config["dataset"]["root"])
@@ -65,8 +68,7 @@ except InputError as error:
 wildcard_constraints:
     house=r"[A-Za-z0-9_][A-Za-z0-9_.-]*",
     drop=r"[01]\.\d",
-    # The user study may compare others than the table.
-    method="|".join(sorted({*METHODS, *sum(config["study"]["pairs"], [])})),
+    method="|".join(TEXTURE_METHODS),
 
 
 def plan_of(wildcards):
@@ -185,10 +187,25 @@ def ready_crops_of(wildcards):
     return [path for stem in stems for path in ready_crops().get(stem, [])]
 
 
+def seam_correction(*methods):
+    """Return whether seams are corrected by method: as configured, else as registered."""
+    chosen = config["textures"]["seam_correction"]
+    return {
+        name: chosen.get(name, TEXTURE_METHODS[name].seam_correction)
+        for name in methods
+    }
+
+
 def decoder_of(wildcards):
     """Return the texture model of a method; none where nothing is decoded."""
-    name = DECODERS.get(wildcards.method)
+    name = TEXTURE_METHODS[wildcards.method].weights
     return model_of(name) if name else []
+
+
+def library_of(wildcards):
+    """Return the tile library; none for a method that takes nothing from it."""
+    needed = TEXTURE_METHODS[wildcards.method].library
+    return f"{RESULTS}/texture_library.parquet" if needed else []
 
 
 def metric_model(network):
@@ -199,8 +216,8 @@ def metric_model(network):
 
 
 def crop_pool_of(wildcards):
-    """Return the crops of other houses; none where none are configured or nothing is copied."""
-    copied = wildcards.method not in DECODERS
+    """Return the crops of other houses; none where none are configured or none are copied."""
+    copied = TEXTURE_METHODS[wildcards.method].crop_pool
     return f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES and copied else []
 
 

@@ -9,13 +9,8 @@ METRIC_MEMORY = 3000 if FEATURE_MODEL != SUBSTANCE_MODEL else 1000
 
 
 TABLE_DROPS = sorted({"0.0", TABLE_DROP})
-# What the house itself has is made for it alone; a comparison takes it from there.
-CHOSEN = ["0.0", config["house"]["method"]]
-COMPARED = [[drop, method] for drop in TABLE_DROPS for method in METHODS]
-
-
-# Every other texture of the table comes from the comparison.
-ruleorder: comparison > textures
+# Tiles by {drop}/{method}.
+COMPARED = f"{RESULTS}/houses/{{house}}/comparison"
 
 
 rule comparison:
@@ -24,12 +19,10 @@ rule comparison:
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
         propagated=[
             f"{RESULTS}/drop_{drop}/{{house}}/propagated.parquet"
             for drop in TABLE_DROPS
         ],
-        chosen=CHOSEN_TEXTURES if CHOSEN in COMPARED else [],
         library=f"{RESULTS}/texture_library.parquet",
         pool=f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else [],
         texture=model_of("texture"),
@@ -38,15 +31,8 @@ rule comparison:
         features=FEATURE_MODEL,
         substances=SUBSTANCE_MODEL,
     output:
-        textures=[
-            directory(f"{RESULTS}/drop_{drop}/{method}/{{house}}/textures")
-            for drop, method in COMPARED
-            if [drop, method] != CHOSEN
-        ],
-        metrics=[
-            f"{RESULTS}/drop_{drop}/{method}/{{house}}/metrics.parquet"
-            for drop, method in COMPARED
-        ],
+        textures=directory(COMPARED),
+        metrics=f"{RESULTS}/houses/{{house}}/metrics.parquet",
     log:
         f"logs/{DATASET}/comparison/{{house}}.log",
     benchmark:
@@ -58,15 +44,12 @@ rule comparison:
         mem_mb=max(2000, METRIC_MEMORY),
     params:
         dataset=DATASET,
-        pairs=COMPARED,
-        chosen=CHOSEN,
+        methods=METHODS,
         hidden=hidden_at_drops(TABLE_DROPS),
         images=config["metrics"]["fid_seeds"],
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
-        seam_correction={
-            method: config["textures"]["seam_correction"][method] for method in METHODS
-        },
+        seam_correction=seam_correction(*METHODS),
         code=code_hash("evaluation.comparison"),
     script:
         "../scripts/comparison.py"
@@ -98,12 +81,7 @@ rule reference_features:
 rule paper_table:
     # The paper's table 1 over all houses: published figures and differences beside ours.
     input:
-        metrics=expand(
-            f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/metrics.parquet",
-            drop=TABLE_DROPS,
-            method=METHODS,
-            house=HOUSES.index,
-        ),
+        metrics=house_files("metrics.parquet"),
         references=house_files("reference_features.parquet"),
     output:
         csv=report(

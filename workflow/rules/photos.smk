@@ -61,7 +61,6 @@ rule crops:
         filter=config["crops"]["filter"],
         white_balance=config["crops"]["white_balance"],
         exposure=config["crops"]["exposure"],
-        flatten=config["crops"]["flatten"],
         camera_height_m=config["photos"]["camera_height_m"],
         seed=config["seed"],
         code=code_hash("photos.crops.stage", "floorplans.scene_json", "datasets"),

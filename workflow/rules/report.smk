@@ -39,9 +39,7 @@ rule texture_sheet:
     # Reference crop and every method's tile of each surface of a house, to look at.
     input:
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        textures=[
-            f"{RESULTS}/drop_0.0/{method}/{{house}}/textures" for method in METHODS
-        ],
+        textures=COMPARED,
     output:
         report(
             f"{RESULTS}/houses/{{house}}/texture_sheet.png",

@@ -6,6 +6,9 @@ STUDY = config["study"]
 STUDY_METHODS = list(
     dict.fromkeys(method for pair in STUDY["pairs"] for method in pair)
 )
+# What the table compares is taken from there; other methods are made for the study.
+STUDY_COMPARED = [method for method in STUDY_METHODS if method in METHODS]
+STUDY_OTHERS = [method for method in STUDY_METHODS if method not in METHODS]
 STUDY_HOUSES = study_houses(list(HOUSES.index), STUDY["houses"], seed=config["seed"])
 
 
@@ -15,9 +18,9 @@ rule study_house:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         assignment=assignment_of,
         photos=photos_of,
-        textures=[
-            f"{RESULTS}/drop_0.0/{method}/{{house}}/textures"
-            for method in STUDY_METHODS
+        compared=COMPARED if STUDY_COMPARED else [],
+        others=[
+            f"{RESULTS}/drop_0.0/{method}/{{house}}/textures" for method in STUDY_OTHERS
         ],
     output:
         directory(f"{RESULTS}/study/houses/{{house}}"),
@@ -32,6 +35,7 @@ rule study_house:
         mem_mb=1500,
     params:
         methods=STUDY_METHODS,
+        others=STUDY_OTHERS,
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
         code=code_hash("evaluation.study_sheet", "datasets"),

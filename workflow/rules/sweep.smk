@@ -29,9 +29,8 @@ rule sweep_house:
     params:
         dataset=DATASET,
         hidden=hidden_at_drops(SWEEP_DROPS),
-        seam_correction={
-            method: config["textures"]["seam_correction"][method] for method in METHODS
-        },
+        methods=METHODS,
+        seam_correction=seam_correction(*METHODS),
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
         code=code_hash("evaluation.sweep"),

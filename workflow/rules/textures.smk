@@ -14,7 +14,7 @@ rule texture_library:
     params:
         folder=config["textures"]["library_folder"],
         per_substance=config["textures"]["library_tiles"],
-        seed=config["textures"]["library_seed"],
+        seed=config["seed"],
         size_px=config["textures"]["size_px"],
         code=code_hash("textures.baselines.retrieval"),
     script:
@@ -51,7 +51,7 @@ rule textures:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         propagated=f"{RESULTS}/drop_{{drop}}/{{house}}/propagated.parquet",
-        library=f"{RESULTS}/texture_library.parquet",
+        library=library_of,
         pool=crop_pool_of,
         model=decoder_of,
     output:
@@ -69,9 +69,8 @@ rule textures:
         hidden=hidden_photos,
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
-        seam_correction=lambda wildcards: config["textures"]["seam_correction"][
-            wildcards.method
-        ],
+        seam_correction=lambda wildcards: seam_correction(wildcards.method),
+        weights=lambda wildcards: TEXTURE_METHODS[wildcards.method].weights,
         code=code_hash("textures.stage"),
     script:
         "../scripts/textures.py"

@@ -1,15 +1,15 @@
 """Rule ablation_house: a house by method synth with parts of it left out -> metrics."""
 
+from pathlib import Path
+
 from plan2scene.evaluation.ablation import ablate_house
-from plan2scene.evaluation.houses import HouseFiles, Models
+from plan2scene.evaluation.houses import EvaluatedHouse
 from plan2scene.jobs import job
 
 with job(snakemake.log[0]):
     ablate_house(
-        HouseFiles.of(snakemake.input, snakemake.wildcards.house, snakemake.params.dataset),
-        Models.of(snakemake.input),
+        EvaluatedHouse.of(snakemake.input, snakemake.wildcards.house, snakemake.params),
+        Path(snakemake.input.embeddings),
         snakemake.output[0],
         hidden=snakemake.params.hidden,
-        seed=snakemake.params.seed,
-        size_px=snakemake.params.size_px,
     )

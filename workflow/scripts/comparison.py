@@ -2,30 +2,21 @@
 
 from pathlib import Path
 
-from plan2scene.evaluation.comparison import Compared, Settings, Visible, compare_house
-from plan2scene.evaluation.houses import HouseFiles, Models
+from plan2scene.evaluation.comparison import compare_house
+from plan2scene.evaluation.houses import EvaluatedHouse
 from plan2scene.jobs import job
+from plan2scene.textures.inputs import Visible
 
 with job(snakemake.log[0]):
-    found, output, params = snakemake.input, snakemake.output, snakemake.params
-    made = [(drop, method) for drop, method in params.pairs if [drop, method] != params.chosen]
-    written = dict(zip(made, output.textures, strict=True))
+    found, params = snakemake.input, snakemake.params
     compare_house(
-        HouseFiles.of(found, snakemake.wildcards.house, params.dataset),
-        Models.of(found),
+        EvaluatedHouse.of(found, snakemake.wildcards.house, params),
         {
             drop: Visible(Path(propagated), params.hidden[drop])
             for drop, propagated in zip(params.hidden, found.propagated, strict=True)
         },
-        [
-            Compared(
-                method,
-                drop,
-                Path(written.get((drop, method)) or found.chosen),
-                Path(metrics),
-                (drop, method) not in written,
-            )
-            for (drop, method), metrics in zip(params.pairs, output.metrics, strict=True)
-        ],
-        Settings(params.seed, params.size_px, params.seam_correction, params.images),
+        params.methods,
+        snakemake.output.textures,
+        snakemake.output.metrics,
+        images=params.images,
     )

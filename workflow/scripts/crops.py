@@ -37,6 +37,5 @@ with job(snakemake.log[0]):
                 filter=params.filter,
                 white_balance=params.white_balance,
                 exposure=params.exposure,
-                flatten=params.flatten,
             ),
         )

@@ -13,12 +13,15 @@ with job(snakemake.log[0]):
     for row in read_assignment(snakemake.input.assignment or None, house):
         rooms_of_photo.setdefault(row.photo, []).append(row.room_id)
     files = {name: Path(snakemake.params.photo_folder) / name for name in snakemake.params.names}
+    params, found = snakemake.params, snakemake.input
+    made = dict(zip(params.others, map(Path, found.others), strict=True))
     write_study_sheet(
         snakemake.output[0],
         house=house,
         photos={name: path for name, path in files.items() if path.is_file()},
         rooms_of_photo=rooms_of_photo,
-        textures=dict(
-            zip(snakemake.params.methods, map(Path, snakemake.input.textures), strict=True)
-        ),
+        textures={
+            method: made.get(method) or Path(found.compared) / "0.0" / method
+            for method in params.methods
+        },
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -15,15 +16,14 @@ from plan2scene.evaluation.aggregate import (
 )
 from plan2scene.evaluation.gather import read_metrics, read_references
 from plan2scene.evaluation.houses import (
-    HouseFiles,
-    Models,
-    Textures,
+    EvaluatedHouse,
     measured,
-    metadata_of,
     propagated_at,
     propagated_from,
+    write_measured,
 )
 from plan2scene.evaluation.latex import latex_table
+from plan2scene.evaluation.measure import reference_images
 from plan2scene.evaluation.variants import (
     MISSING,
     VARIANTS,
@@ -35,19 +35,19 @@ from plan2scene.evaluation.variants import (
 from plan2scene.floorplans import read_scene_json
 from plan2scene.io import atomic_path, read_parquet, write_parquet
 from plan2scene.metrics.registry import METRICS
+from plan2scene.textures.inputs import HouseData, Visible
+from plan2scene.textures.stage import house_tiles
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
 def ablate_house(
-    files: HouseFiles,
-    models: Models,
+    house: EvaluatedHouse,
+    embeddings: Path,
     output: str | Path,
     *,
     hidden: Mapping[str, Sequence[str]],
-    seed: int,
-    size_px: int,
 ) -> None:
     """Write ``ablation.parquet`` of a house: rows of ``metrics.parquet``, a variant as method.
 
@@ -56,77 +56,66 @@ def ablate_house(
     hidden : mapping
         Drop fraction to the photos hidden at it.
     """
-    import pandas as pd
-
+    data = HouseData(house.files)
     frames = []
     for drop, photos in hidden.items():
+        references = reference_images(data.crops, photos)
         with TemporaryDirectory() as name:
             folder = Path(name)
-            surfaces, _ = propagated_at(files, models, photos, folder)
+            surfaces, _ = propagated_at(house, embeddings, photos, folder)
             for variant in VARIANTS:
-                propagated = _propagated(variant, surfaces, files, models, photos, seed)
-                frames.append(
-                    _measured(variant, propagated, files, models, photos, seed, size_px, drop)
+                visible = Visible(
+                    _propagated(variant, surfaces, house, data.crops, embeddings, photos), photos
                 )
-    frame = pd.concat([f for f in frames if len(f)] or frames[:1], ignore_index=True)
-    write_parquet(output, frame, metadata_of(files, models))
+                of_variant = _variant_of(house, variant, folder)
+                inputs = data.at(visible, of_variant.models.decoders, of_variant.settings)
+                inputs = inputs.only(references)
+                tiles = house_tiles(variant.method, inputs)
+                frame = measured(of_variant, variant.method, inputs, tiles, references, drop=drop)
+                frames.append(frame.assign(method=variant.name))
+    write_measured(output, house, frames)
+
+
+def _variant_of(house: EvaluatedHouse, variant: Variant, folder: Path) -> EvaluatedHouse:
+    """Return the house with the noise and the seams that a variant wants."""
+    settings = replace(house.settings, seam_correction={variant.method: variant.seam_correction})
+    if not variant.plane_noise:
+        return replace(house, settings=settings)
+    plane = plane_noise_model(house.models.texture, folder / "plane_noise.safetensors")
+    return replace(house, settings=settings, models=replace(house.models, texture=plane))
 
 
 def _propagated(
     variant: Variant,
     surfaces: Path,
-    files: HouseFiles,
-    models: Models,
+    house: EvaluatedHouse,
+    crops: pd.DataFrame,
+    embeddings: Path,
     hidden_photos: Collection[str],
-    seed: int,
 ) -> Path:
     """Write the propagated table of a variant beside `surfaces`; return its path.
 
     What a variant selects is what its propagation starts from.
     """
-    table, crops, embeddings = (
-        read_parquet(path)[0] for path in (surfaces, files.crops, files.embeddings)
-    )
+    files = house.files
+    table, embedded = read_parquet(surfaces)[0], read_parquet(embeddings)[0]
     own = surfaces.with_name(f"{variant.name}_surfaces.parquet")
     output = surfaces.with_name(f"{variant.name}_propagated.parquet")
     chosen = selected(
-        table, crops, embeddings, hidden_photos, variant, house=files.house, seed=seed
-    )
-    write_parquet(own, chosen, {"house": files.house})
-    propagated_from(own, output, files, models)
-    frame, metadata = read_parquet(output)
-    plan = read_scene_json(files.scene, files.house)
-    write_parquet(output, predicted(plan, frame, variant, models), metadata)
-    return output
-
-
-def _measured(
-    variant: Variant,
-    propagated: Path,
-    files: HouseFiles,
-    models: Models,
-    hidden_photos: Collection[str],
-    seed: int,
-    size_px: int,
-    drop: str,
-) -> pd.DataFrame:
-    """Return the metrics of a variant."""
-    folder = propagated.parent
-    decoder = None
-    if variant.plane_noise:
-        decoder = plane_noise_model(models.texture, folder / "plane_noise.safetensors")
-    return measured(
-        "naivesynth" if variant.rgb else "synth",
-        propagated,
-        files,
-        models,
+        table,
+        crops,
+        embedded,
         hidden_photos,
-        folder,
-        textures=Textures(seed, size_px, variant.seam_correction),
-        drop=drop,
-        decoder=decoder,
-        name=variant.name,
+        variant,
+        house=files.house_id,
+        seed=house.settings.seed,
     )
+    write_parquet(own, chosen, {"house": files.house_id})
+    propagated_from(own, output, house)
+    frame, metadata = read_parquet(output)
+    plan = read_scene_json(files.scene, files.house_id)
+    write_parquet(output, predicted(plan, frame, variant, house.models), metadata)
+    return output
 
 
 def ablation_table(

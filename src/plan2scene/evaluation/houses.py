@@ -1,4 +1,4 @@
-"""One house through selection, propagation, textures and metrics in one process.
+"""A house that is evaluated: selection, propagation, textures and metrics in one process.
 
 A comparison of methods, a sweep or an ablation repeats these steps dozens of times per house; as
 jobs of their own, most of their time would be the start of processes. The functions are those of
@@ -7,51 +7,24 @@ the stages, so the figures are theirs.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from plan2scene.evaluation.measure import measure_house, read_references
-from plan2scene.io import read_parquet, write_parquet
-from plan2scene.metrics.networks import network_name
+from plan2scene.evaluation.measure import Networks, References, measure_tiles
+from plan2scene.io import write_parquet
 from plan2scene.propagation.stage import propagate_house
-from plan2scene.provenance import file_hash
-from plan2scene.textures.methods import DECODERS
+from plan2scene.textures.decoding import further_images
+from plan2scene.textures.inputs import HouseFiles, TextureInputs, TextureSettings
+from plan2scene.textures.methods import method_named
 from plan2scene.textures.selection import select_surfaces
-from plan2scene.textures.stage import make_textures
+from plan2scene.textures.tiles import Tile
 
 if TYPE_CHECKING:
     import pandas as pd
 
-
-@dataclass(frozen=True)
-class HouseFiles:
-    """Files of one house that do not depend on the drop, and what baselines take from elsewhere.
-
-    `library` are the tiles of Retrieve, `crop_pool` crops of other houses (None without).
-    """
-
-    house: str
-    dataset: str
-    scene: Path
-    crops: Path
-    embeddings: Path
-    library: Path
-    crop_pool: Path | None = None
-
-    @classmethod
-    def of(cls, paths: Mapping[str, str], house: str, dataset: str) -> HouseFiles:
-        """Return the files among a job's inputs; `pool` is there where crops are pooled."""
-        return cls(
-            house,
-            dataset,
-            scene=Path(paths["scene"]),
-            crops=Path(paths["crops"]),
-            embeddings=Path(paths["embeddings"]),
-            library=Path(paths["library"]),
-            crop_pool=Path(paths["pool"]) if paths.get("pool") else None,
-        )
+    from plan2scene.house import SurfaceKey
 
 
 @dataclass(frozen=True)
@@ -64,130 +37,110 @@ class Models:
     features: Path
     substances: Path
 
-    @classmethod
-    def of(cls, paths: Mapping[str, str]) -> Models:
-        """Return the weights among a job's inputs."""
-        return cls(**{field.name: Path(paths[field.name]) for field in fields(cls)})
+    @property
+    def networks(self) -> Networks:
+        """Return those that metrics ask."""
+        return Networks(self.features, self.substances)
 
-    def decoder(self, method: str) -> Path | None:
-        """Return the texture model of a method; None where nothing is decoded."""
-        name = DECODERS.get(method)
-        return getattr(self, name) if name else None
+    @property
+    def decoders(self) -> dict[str, Path]:
+        """Return those that texture methods may ask for, by name."""
+        return asdict(self)
 
 
 @dataclass(frozen=True)
-class Textures:
-    """How tiles are made: the global seed, pixels of a side, seam correction or not."""
+class EvaluatedHouse:
+    """A house's files, the weights of all stages, and how its tiles are made."""
 
-    seed: int
-    size_px: int
-    seam_correction: bool
+    dataset: str
+    files: HouseFiles
+    models: Models
+    settings: TextureSettings
+
+    @classmethod
+    def of(cls, paths: Mapping[str, Any], house_id: str, params: Any) -> EvaluatedHouse:
+        """Return the house of a job: its inputs by name, and its params."""
+        return cls(
+            params.dataset,
+            HouseFiles.of(paths, house_id),
+            Models(**{field.name: Path(paths[field.name]) for field in fields(Models)}),
+            TextureSettings(params.seed, params.size_px, params.seam_correction),
+        )
+
+    @property
+    def metadata(self) -> dict[str, str]:
+        """Return the metadata of a file of metrics: the house, and the networks behind them."""
+        names = {"dataset": self.dataset, "house": self.files.house_id}
+        return names | self.models.networks.metadata
 
 
 def propagated_at(
-    files: HouseFiles, models: Models, hidden_photos: Collection[str], folder: Path
+    house: EvaluatedHouse, embeddings: Path, hidden_photos: Sequence[str], folder: Path
 ) -> tuple[Path, Path]:
     """Write ``surfaces.parquet`` and ``propagated.parquet`` to `folder`; return both paths."""
     surfaces, propagated = folder / "surfaces.parquet", folder / "propagated.parquet"
     select_surfaces(
-        files.embeddings,
-        files.crops,
+        embeddings,
+        house.files.crops,
         hidden_photos,
         surfaces,
-        house=files.house,
-        dataset=files.dataset,
+        house=house.files.house_id,
+        dataset=house.dataset,
     )
-    propagated_from(surfaces, propagated, files, models)
+    propagated_from(surfaces, propagated, house)
     return surfaces, propagated
 
 
-def propagated_from(surfaces: Path, output: Path, files: HouseFiles, models: Models) -> None:
+def propagated_from(surfaces: Path, output: Path, house: EvaluatedHouse) -> None:
     """Write the ``propagated.parquet`` of a table of surfaces to `output`."""
     propagate_house(
-        files.scene,
+        house.files.scene,
         surfaces,
         output,
-        house=files.house,
-        dataset=files.dataset,
-        propagation_model=models.propagation,
-        texture_model=models.texture,
+        house=house.files.house_id,
+        dataset=house.dataset,
+        propagation_model=house.models.propagation,
+        texture_model=house.models.texture,
     )
 
 
 def measured(
+    house: EvaluatedHouse,
     method: str,
-    propagated: Path,
-    files: HouseFiles,
-    models: Models,
-    hidden_photos: Collection[str],
-    folder: Path,
+    inputs: TextureInputs,
+    tiles: Mapping[SurfaceKey, Tile],
+    references: References,
     *,
-    textures: Textures,
     drop: str,
-    decoder: Path | None = None,
-    name: str | None = None,
+    images: int = 1,
 ) -> pd.DataFrame:
-    """Return the metrics of one method's textures, the columns of ``metrics.parquet``.
+    """Return the metrics of a method's tiles, rows of ``metrics.parquet``.
 
     Parameters
     ----------
-    folder : path
-        Tiles are written below it.
-    decoder : path, optional
-        Weights to decode with; the method's when None.
-    name : str, optional
-        Stands in the column ``method``; the method itself when None.
+    images : int
+        Of each surface for FID and KID, the tile included, where the method draws noise.
     """
-    name = name or method
-    tiles, output = folder / f"{name}_textures", folder / f"{name}.parquet"
-    make_textures(
-        method,
-        _measurable(propagated, files.crops, folder / f"{name}_measurable.parquet"),
-        files.crops,
-        files.scene,
-        tiles,
-        house=files.house,
-        hidden_photos=hidden_photos,
-        library=files.library,
-        model=decoder or models.decoder(method),
-        seed=textures.seed,
-        size_px=textures.size_px,
-        seam_correction=textures.seam_correction,
-        crop_pool=files.crop_pool,
-    )
-    measure_house(
-        tiles,
-        read_references(files.crops, hidden_photos),
-        models.features,
-        output,
-        dataset=files.dataset,
-        house=files.house,
-        method=name,
+    registered = method_named(method)
+    keys = [key for key in tiles if key in references]
+    more = further_images(inputs, registered, keys, images - 1) if registered.noise else []
+    return measure_tiles(
+        {key: tiles[key].image for key in keys},
+        {surface.key for surface in inputs.surfaces if surface.observed},
+        references,
+        house.models.networks,
+        house=house.files.house_id,
+        method=method,
         drop=drop,
-        substance_model=models.substances,
+        more=more,
     )
-    return read_parquet(output)[0]
 
 
-def metadata_of(files: HouseFiles, models: Models) -> dict[str, str]:
-    """Return the metadata of a file of metrics: the house, and the networks behind them."""
-    return {
-        "dataset": files.dataset,
-        "house": files.house,
-        "features": network_name(models.features),
-        "model": file_hash(models.features),
-        "substances": network_name(models.substances),
-        "substance_model": file_hash(models.substances),
-    }
+def write_measured(
+    output: str | Path, house: EvaluatedHouse, frames: Sequence[pd.DataFrame]
+) -> None:
+    """Write frames of metrics, one after another, as a file of metrics."""
+    import pandas as pd
 
-
-def _measurable(propagated: Path, crops: Path, output: Path) -> Path:
-    """Write the rows of ``propagated.parquet`` that any crop shows; return the path.
-
-    The others have no reference: their tiles would be made and looked at by nobody.
-    """
-    frame, metadata = read_parquet(propagated)
-    shown = read_parquet(crops)[0][["room_id", "surface"]].drop_duplicates()
-    kept = frame.merge(shown, on=["room_id", "surface"], how="inner")
-    write_parquet(output, kept, metadata)
-    return output
+    filled = [frame for frame in frames if len(frame)] or frames[:1]
+    write_parquet(output, pd.concat(filled, ignore_index=True), house.metadata)

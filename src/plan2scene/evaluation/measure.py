@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.evaluation.resampling import FurtherSeeds, further_images
 from plan2scene.house import SUBSTANCES, SurfaceKey
-from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image, read_image
-from plan2scene.io import read_json, read_parquet, write_parquet
+from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image
+from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.networks import describe, features_of, network_name
 from plan2scene.metrics.registry import IMAGE_COLUMNS, image_metrics
 from plan2scene.photos.crops.sampling import medoid_index
@@ -21,108 +21,97 @@ from plan2scene.provenance import file_hash
 if TYPE_CHECKING:
     import pandas as pd
 
+#: Columns of ``metrics.parquet`` (docs/conventions.md).
 COLUMNS = (
     *("house", "room_id", "surface", "observed", "method", "drop"),
     *IMAGE_COLUMNS,
     *("subs", "substance_predicted", "substance_reference", "features", "further_features"),
 )
-
-
 #: Of each surface with crops: the medoid of its visible ones, if any, and that of all.
 References: TypeAlias = Mapping[SurfaceKey, tuple[np.ndarray | None, np.ndarray]]
 
 
-def measure_house(
-    textures: str | Path,
+@dataclass(frozen=True)
+class Networks:
+    """Weights of the network whose features FID and KID compare, and of the one SUBS asks."""
+
+    features: Path
+    substances: Path
+
+    @property
+    def metadata(self) -> dict[str, str]:
+        """Return the metadata that names both networks and their weights."""
+        return {
+            "features": network_name(self.features),
+            "model": file_hash(self.features),
+            "substances": network_name(self.substances),
+            "substance_model": file_hash(self.substances),
+        }
+
+
+def measure_tiles(
+    tiles: Mapping[SurfaceKey, np.ndarray],
+    observed: Collection[SurfaceKey],
     references: References,
-    model: str | Path,
-    output: str | Path,
+    networks: Networks,
     *,
-    dataset: str,
     house: str,
     method: str,
     drop: str,
-    substance_model: str | Path | None = None,
-    further: FurtherSeeds | None = None,
-) -> None:
-    """Write ``metrics.parquet`` (docs/conventions.md): a row per surface that has any crop.
+    more: Sequence[np.ndarray] = (),
+) -> pd.DataFrame:
+    """Return the rows of ``metrics.parquet``: one for each surface that has any crop.
 
     Parameters
     ----------
-    textures : path
-        Folder of the texture stage.
+    tiles : mapping
+        Tiles (s, s, 3) uint8 sRGB.
+    observed : collection of SurfaceKey
+        Surfaces that a visible photo shows: they are compared with the medoid of their visible
+        crops, any other with the medoid over all photos.
     references : mapping
-        Of :func:`read_references`: an observed surface is compared with the medoid of its
-        visible crops, any other with the medoid over all photos.
-    model : path
-        Weights of the network whose features FID and KID compare.
-    drop : str
-        Share of photos hidden, one decimal.
-    substance_model : path, optional
-        Weights of the network that SUBS asks; None: `model`.
-    further : FurtherSeeds, optional
-        Decode more images of each surface for FID and KID; None for a method that has one image.
+        Of :func:`reference_images`.
+    more : sequence of (s, s, 3) uint8
+        Further images of the surfaces with references for FID and KID, as many of each, one
+        surface's after another.
     """
     import pandas as pd
 
-    entries = read_json(Path(textures) / "textures.json")["surfaces"]
-    keys, observed, predictions, truths = [], [], [], []
-    for name, entry in entries.items():
-        key = SurfaceKey(*name.rsplit("/", 1))
-        visible, every = references.get(key, (None, None))
-        if every is None:
-            continue
-        if entry["observed"] and visible is None:
-            raise InputError(
-                f"a visible crop of {name}, observed at drop {drop}",
-                "none",
-                file=Path(textures) / "textures.json",
-                house=house,
-            )
-        keys.append(key)
-        observed.append(bool(entry["observed"]))
-        tile = read_image(Path(textures) / f"{key.filename}.png", house=house)
-        predictions.append(metric_image(tile))
-        truths.append(visible if entry["observed"] and visible is not None else every)
-    values = _measure(predictions, truths, model, substance_model or model)
-    more = further_images(further, keys, method=method, house=house) if further else []
-    values["further_features"] = _grouped(model, more, len(keys))
-    frame = pd.DataFrame(
+    keys = [key for key in tiles if key in references]
+    seen = [key in observed for key in keys]
+    truths = [_truth(key, key in observed, references, house) for key in keys]
+    values = _measure([metric_image(tiles[key]) for key in keys], truths, networks)
+    values["further_features"] = _grouped(networks.features, more, len(keys))
+    return pd.DataFrame(
         {
             "house": house,
             "room_id": [key.room_id for key in keys],
             "surface": [key.surface for key in keys],
-            "observed": np.array(observed, dtype=bool),
+            "observed": np.array(seen, dtype=bool),
             "method": method,
             "drop": drop,
             **values,
         },
         columns=list(COLUMNS),
     )
-    metadata = {"dataset": dataset, "house": house, **_networks(model, substance_model or model)}
-    write_parquet(output, frame, metadata)
 
 
-def _networks(model: str | Path, substance_model: str | Path) -> dict[str, str]:
-    """Return the metadata that names both networks and their weights."""
-    return {
-        "features": network_name(model),
-        "model": file_hash(model),
-        "substances": network_name(substance_model),
-        "substance_model": file_hash(substance_model),
-    }
+def _truth(key: SurfaceKey, observed: bool, references: References, house: str) -> np.ndarray:
+    """Return what a surface's tile is compared with, (128, 128, 3) uint8."""
+    visible, every = references[key]
+    if not observed:
+        return every
+    if visible is None:
+        expected = f"a visible crop of {key.surface}, which is observed"
+        raise InputError(expected, "none", house=house, room=key.room_id)
+    return visible
 
 
-def _grouped(model: str | Path, images: list[np.ndarray], count: int) -> list[np.ndarray]:
+def _grouped(model: Path, images: Sequence[np.ndarray], count: int) -> list[np.ndarray]:
     """Return for each of `count` surfaces the features of its further images, one after another."""
     if not images:
         return [np.zeros(0, np.float32)] * count
     return list(features_of(model, images).reshape(count, -1))
-
-
-def read_references(crops: str | Path, hidden_photos: Collection[str]) -> References:
-    """Return the :func:`reference_images` of ``crops.parquet``, which has hidden photos too."""
-    return reference_images(read_parquet(crops)[0], hidden_photos)
 
 
 def reference_images(crops: pd.DataFrame, hidden_photos: Collection[str]) -> References:
@@ -142,10 +131,7 @@ def reference_images(crops: pd.DataFrame, hidden_photos: Collection[str]) -> Ref
 
 
 def _measure(
-    predictions: list[np.ndarray],
-    references: list[np.ndarray],
-    model: str | Path,
-    substance_model: str | Path,
+    predictions: list[np.ndarray], references: list[np.ndarray], networks: Networks
 ) -> dict[str, object]:
     """Return the metric columns of paired (128, 128, 3) uint8 images."""
     count = len(predictions)
@@ -154,7 +140,7 @@ def _measure(
     wanted = np.array(references, dtype=np.uint8).reshape(shape)
     if not count:
         return {name: [] for name in COLUMNS[6:]}
-    features, classes = describe(model, substance_model, predictions, references)
+    features, classes = describe(networks.features, networks.substances, predictions, references)
     return {
         **image_metrics(predicted, wanted),
         "subs": (classes[:count] != classes[count:]).astype(np.int64),

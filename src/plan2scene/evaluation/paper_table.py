@@ -75,17 +75,14 @@ def partial_table(
     path; None when there is nothing to count yet.
     """
     root = Path(results)
-    metrics = [
-        root / f"drop_{drop}" / method / house / "metrics.parquet"
-        for drop in sorted({"0.0", request.drop})
-        for method in request.methods
-        for house in request.houses
-    ]
-    references = [
-        root / "houses" / house / "reference_features.parquet" for house in request.houses
-    ]
-    metrics = [path for path in metrics if path.is_file()]
-    references = [path for path in references if path.is_file()]
+    metrics, references = (
+        [
+            path
+            for house in request.houses
+            if (path := root / "houses" / house / f"{name}.parquet").is_file()
+        ]
+        for name in ("metrics", "reference_features")
+    )
     if not metrics or not references:
         return None
     output = Path(output_folder) / "paper_table_partial.csv"

@@ -10,29 +10,28 @@ from typing import TYPE_CHECKING
 from plan2scene.evaluation.aggregate import TableRequest, tidy_table, wide_table
 from plan2scene.evaluation.gather import read_metrics, read_references
 from plan2scene.evaluation.houses import (
-    HouseFiles,
-    Models,
-    Textures,
+    EvaluatedHouse,
     measured,
-    metadata_of,
     propagated_at,
+    write_measured,
 )
+from plan2scene.evaluation.measure import reference_images
 from plan2scene.evaluation.plot import plot_sweep
-from plan2scene.io import atomic_path, write_parquet
+from plan2scene.io import atomic_path
+from plan2scene.textures.inputs import HouseData, Visible
+from plan2scene.textures.stage import house_tiles
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
 def sweep_house(
-    files: HouseFiles,
-    models: Models,
+    house: EvaluatedHouse,
+    embeddings: Path,
     output: str | Path,
     *,
     hidden: Mapping[str, Sequence[str]],
-    seam_correction: Mapping[str, bool],
-    seed: int,
-    size_px: int,
+    methods: Sequence[str],
 ) -> None:
     """Write ``sweep.parquet`` of a house: the rows of ``metrics.parquet`` for all methods, drops.
 
@@ -40,50 +39,35 @@ def sweep_house(
     ----------
     hidden : mapping
         Drop fraction (``"0.3"``) to the photos hidden at it.
-    seam_correction : mapping
-        The methods, and whether each one's seams are corrected.
     """
-    import pandas as pd
-
-    done: dict[frozenset[str], pd.DataFrame] = {}
+    data = HouseData(house.files)
+    done: dict[frozenset[str], list[pd.DataFrame]] = {}
     frames = []
     for drop, photos in hidden.items():
         key = frozenset(photos)  # a house of few photos hides the same at several drops
         if key not in done:
-            done[key] = _at_drop(files, models, photos, seam_correction, seed, size_px)
-        frames.append(done[key].assign(drop=drop))
-    frame = pd.concat([f for f in frames if len(f)] or frames[:1], ignore_index=True)
-    write_parquet(output, frame, metadata_of(files, models))
+            done[key] = _at_drop(house, data, embeddings, photos, methods)
+        frames += [frame.assign(drop=drop) for frame in done[key]]
+    write_measured(output, house, frames)
 
 
 def _at_drop(
-    files: HouseFiles,
-    models: Models,
+    house: EvaluatedHouse,
+    data: HouseData,
+    embeddings: Path,
     hidden_photos: Sequence[str],
-    seam_correction: Mapping[str, bool],
-    seed: int,
-    size_px: int,
-) -> pd.DataFrame:
-    """Return the metrics of all methods with those photos hidden."""
-    import pandas as pd
-
+    methods: Sequence[str],
+) -> list[pd.DataFrame]:
+    """Return the metrics of each method with those photos hidden."""
+    references = reference_images(data.crops, hidden_photos)
     with TemporaryDirectory() as name:
-        folder = Path(name)
-        _, propagated = propagated_at(files, models, hidden_photos, folder)
-        frames = [
-            measured(
-                method,
-                propagated,
-                files,
-                models,
-                hidden_photos,
-                folder,
-                textures=Textures(seed, size_px, correct),
-                drop="",
-            )
-            for method, correct in seam_correction.items()
-        ]
-    return pd.concat([f for f in frames if len(f)] or frames[:1], ignore_index=True)
+        _, propagated = propagated_at(house, embeddings, hidden_photos, Path(name))
+        visible = Visible(propagated, hidden_photos)
+        inputs = data.at(visible, house.models.decoders, house.settings).only(references)
+    return [
+        measured(house, method, inputs, house_tiles(method, inputs), references, drop="")
+        for method in methods
+    ]
 
 
 def sweep_table(

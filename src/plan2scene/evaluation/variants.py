@@ -56,6 +56,11 @@ class Variant:
     plane_noise: bool = False
     seam_correction: bool = True
 
+    @property
+    def method(self) -> str:
+        """Return the method that decodes it."""
+        return "naivesynth" if self.rgb else "synth"
+
 
 VARIANTS = (
     Variant("synth", "the whole method"),

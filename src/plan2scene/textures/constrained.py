@@ -8,10 +8,16 @@ DOI 10.1016/j.cviu.2006.11.011). Both act on the torus, so what tiled before til
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
+
+from plan2scene.house import SurfaceKey
+from plan2scene.seeds import derive_seed
+from plan2scene.textures.inputs import TextureInputs
+from plan2scene.textures.tiles import Tile
 
 _ROUNDS = 4
 _TURNS = 8  # rotations of the colour space a round
@@ -19,6 +25,25 @@ _ORIENTATIONS = 8
 _OTHERS = 5  # crops that help with the light
 #: Frequencies below this many waves a tile are the light's as much as the texture's.
 _SLOWEST = 1.5
+
+
+def constrained_tiles(
+    inputs: TextureInputs, tiles: Mapping[SurfaceKey, Tile]
+) -> dict[SurfaceKey, Tile]:
+    """Return decoded tiles with the statistics of the crop that each was decoded from."""
+    images = {crop.crop_id: crop.image() for crop in inputs.crops}
+    result = dict(tiles)
+    for surface in inputs.surfaces:
+        key, tile = surface.key, tiles[surface.key]
+        if surface.source not in images or surface.tone is None:
+            continue
+        alike = [crop.crop_id for crop in inputs.crops if crop.key == key]
+        others = [images[name] for name in alike if name != surface.source]
+        even = even_crop(images[surface.source], others, surface.tone, len(tile.image))
+        seed = derive_seed(inputs.settings.seed, inputs.data.files.house_id, *key, "statistics")
+        matched = match_statistics(tile.image, even, seed)
+        result[key] = replace(tile, image=matched, source=f"{tile.source}, its statistics")
+    return result
 
 
 def match_statistics(tile: np.ndarray, crop: np.ndarray, seed: int) -> np.ndarray:

@@ -1,25 +1,40 @@
-"""One seamless tile from the crops of one surface: the texture stage without a house."""
+"""One seamless tile from the crops of one surface: the texture stage on a house of one surface."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 
+import cv2
 import numpy as np
 
-from plan2scene.seeds import derive_seed
+from plan2scene.house import House, Room, SurfaceKey
+from plan2scene.io import png_bytes
+from plan2scene.textures.baselines.nearest import Crop, PoolCrop
+from plan2scene.textures.baselines.retrieval import TextureLibrary, generated_library
+from plan2scene.textures.inputs import (
+    HouseData,
+    HouseFiles,
+    KnownSurface,
+    TextureInputs,
+    TextureSettings,
+)
+from plan2scene.textures.methods import TextureMethod, method_named
+from plan2scene.textures.tiles import NoTile
 from plan2scene.weights import MODELS
 
 #: Side of the crops that the models were trained on.
 CROP_PX = 128
 #: Tiles of each substance in the library that method retrieve chooses from.
 LIBRARY_TILES = 60
+_KEY = SurfaceKey("room", "wall")
 
 
 def square_crop(image: np.ndarray) -> np.ndarray:
     """Return the middle square of a (h, w, 3) uint8 sRGB image at 128x128 px."""
-    import cv2
-
     side = min(image.shape[:2])
     top, left = (image.shape[0] - side) // 2, (image.shape[1] - side) // 2
     square = image[top : top + side, left : left + side]
@@ -37,65 +52,81 @@ def tile_from_crops(
     images : non-empty sequence of (h, w, 3) uint8 sRGB
         Crops of the surface; their middle squares are used at 128 px.
     method : str
-        ``crop`` (medoid crop, seam-corrected), ``retrieve`` (nearest procedural tile),
-        ``naivesynth`` (decoded mean embedding), ``synth`` (decoded selected embedding),
-        ``synth-large`` (then with the selected crop's statistics),
-        ``exemplar`` (of the crops themselves; as ``synth`` where they are too poor).
-        ValueError for another one.
+        Of the registry (:mod:`plan2scene.textures.methods`); InputError for another one.
     """
-    import cv2
-
-    from plan2scene.photos.crops.sampling import medoid_index
-    from plan2scene.textures.seams import make_seamless
-
     crops = [square_crop(image) for image in images]
-    if method == "exemplar":
-        from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
-
-        unknown = float("nan")
-        known = [ExemplarCrop(crop, unknown, unknown) for crop in crops]
-        made = make_exemplar(known, size_px=size_px)
-        if made is not None:
-            return made.image
-        method = "synth"
-    if method in ("synth", "synth-large", "naivesynth"):
-        return _decoded(np.stack(crops), method, size_px, seed, models)
-    reference = crops[medoid_index(crops)]
-    if method == "retrieve":
-        from plan2scene.textures.baselines.retrieval import generated_library
-
-        library = generated_library(LIBRARY_TILES, seed, size_px)
-        return make_seamless(library.tiles[library.nearest(reference)])[0]
-    if method != "crop":
-        raise ValueError(
-            f"expected crop, retrieve, naivesynth, synth, synth-large or exemplar, found {method!r}"
+    chosen = method_named(method)
+    settings = TextureSettings(seed, size_px)
+    tile = chosen.make(_inputs(crops, chosen, settings, models))[_KEY]
+    if isinstance(tile, NoTile):
+        return tile_from_crops(
+            crops, str(chosen.fallback), size_px=size_px, seed=seed, models=models
         )
-    if size_px != CROP_PX:
-        reference = cv2.resize(reference, (size_px, size_px), interpolation=cv2.INTER_AREA)
-    return make_seamless(reference)[0]
+    image = tile.image
+    if len(image) != size_px:
+        image = cv2.resize(image, (size_px, size_px), interpolation=cv2.INTER_AREA)
+    return replace(tile, image=image).without_seams().image
 
 
-def _decoded(crops: np.ndarray, method: str, size_px: int, seed: int, models: Path) -> np.ndarray:
-    """Return the tile that the texture model of a method decodes; periodic by construction."""
+class _OneSurface(HouseData):
+    """A room of which nothing is known, and a library of procedural tiles."""
+
+    def __init__(self, settings: TextureSettings) -> None:
+        super().__init__(HouseFiles("crops", Path(), Path()))
+        self._settings = settings
+
+    @cached_property
+    def house(self) -> House:
+        """A house of one room, a square of a metre."""
+        outline = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+        return House(self.files.house_id, (Room(_KEY.room_id, ("Room",), (outline,), 1.0),), ())
+
+    @cached_property
+    def library(self) -> TextureLibrary:
+        """Tiles of each substance."""
+        return generated_library(LIBRARY_TILES, self._settings.seed, self._settings.size_px)
+
+    @cached_property
+    def pool(self) -> list[PoolCrop]:
+        """There are no other houses."""
+        return []
+
+
+def _inputs(
+    images: list[np.ndarray], method: TextureMethod, settings: TextureSettings, models: Path
+) -> TextureInputs:
+    """Return what a method makes the tile from; an embedding only where it asks for one."""
+    nan = math.nan
+    crops = tuple(Crop(str(k), _KEY, png_bytes(image), nan) for k, image in enumerate(images))
+    paths = {name: models / f"{name}.safetensors" for name in ("texture", "naivesynth")}
+    codes: dict[str, np.ndarray] = {}
+    best = 0
+    if method.embedding and method.model:
+        best, codes[method.embedding] = _embedding(
+            np.stack(images), paths[method.model], settings.seed
+        )
+    surface = KnownSurface(
+        *(_KEY, True, 1.0, "plaster", crops[best].crop_id, nan),
+        embedding=codes.get("embedding"),
+        naive_embedding=codes.get("naive_embedding"),
+    )
+    return TextureInputs(_OneSurface(settings), (surface,), crops, paths, settings)
+
+
+def _embedding(crops: np.ndarray, model: Path, seed: int) -> tuple[int, np.ndarray]:
+    """Return the crop that stands for the surface, and the surface's embedding.
+
+    A model that knows colours selects a crop; the code of one that does not is the crops' mean.
+    """
     from plan2scene.colour import clipped_share
-    from plan2scene.textures.constrained import even_crop, match_statistics
     from plan2scene.textures.model.embedding import embed_crops
     from plan2scene.textures.model.network import load_texture_model
-    from plan2scene.textures.model.synthesis import decode_textures
-    from plan2scene.textures.seams import make_seamless
     from plan2scene.textures.selection import surface_embedding
 
-    name = "naivesynth" if method == "naivesynth" else "texture"
-    model = load_texture_model(models / f"{name}.safetensors")
-    selected = method != "naivesynth"
-    embeddings = embed_crops(model, crops, seed=seed, textureness=selected)
-    if selected:
-        clipped = np.array([clipped_share(crop) for crop in crops])
-        best, code = surface_embedding(embeddings.codes, embeddings.textureness, clipped)
-    else:
-        code = embeddings.codes.mean(axis=0)
-    tile = decode_textures(model, code[None], [derive_seed(seed, "tile", method)], size_px)[0]
-    if method == "synth-large":
-        even = even_crop(crops[best], list(np.delete(crops, best, axis=0)), code[-3:], size_px)
-        tile = match_statistics(tile, even, derive_seed(seed, "statistics"))
-    return tile if model.architecture.periodic else make_seamless(tile)[0]
+    network = load_texture_model(model)
+    selects = network.architecture.delta_hsv
+    found = embed_crops(network, crops, seed=seed, textureness=selects)
+    if not selects:
+        return 0, found.codes.mean(axis=0)
+    clipped = np.array([clipped_share(crop) for crop in crops])
+    return surface_embedding(found.codes, found.textureness, clipped)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from plan2scene.io import atomic_directory, write_json
 from plan2scene.textures.seams import make_seamless, with_calm_border
 
 if TYPE_CHECKING:
-    import pandas as pd
+    from plan2scene.textures.inputs import KnownSurface
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,34 +30,47 @@ class Tile:
     source: str
     tiles_by_construction: bool = False
     origin_m: tuple[float, float] = (0.0, 0.0)
+    seam_corrected: bool = False
+
+    def without_seams(self) -> Tile:
+        """Return the tile with its seams repaired; itself where it tiles already."""
+        if self.tiles_by_construction:
+            return self
+        image, changed = make_seamless(self.image)
+        return (
+            replace(self, image=with_calm_border(image), seam_corrected=True)
+            if changed.any()
+            else self
+        )
+
+
+@dataclass(frozen=True)
+class NoTile:
+    """Why a method has no tile of a surface."""
+
+    reason: str
 
 
 def write_tiles(
     out_dir: str | Path,
     method: str,
-    surfaces: pd.DataFrame,
+    surfaces: Iterable[KnownSurface],
     tiles: Mapping[SurfaceKey, Tile],
-    seam_correction: bool,
 ) -> None:
-    """Write ``{room_id}_{surface}.png`` and ``textures.json``, seams corrected where asked for."""
+    """Write ``{room_id}_{surface}.png`` and ``textures.json`` (docs/conventions.md)."""
     entries = {}
     with atomic_directory(out_dir) as folder:
-        for row in surfaces.itertuples():
-            key = SurfaceKey(row.room_id, row.surface)
-            tile = tiles[key]
-            image, corrected = tile.image, False
-            if seam_correction and not tile.tiles_by_construction:
-                image, changed = make_seamless(image)
-                corrected = bool(changed.any())
-                image = with_calm_border(image) if corrected else image
-            write_png(folder / f"{key.filename}.png", image)
-            entries[f"{key.room_id}/{key.surface}"] = {
+        for surface in surfaces:
+            key, tile = surface.key, tiles[surface.key]
+            write_png(folder / f"{key.filename}.png", tile.image)
+            entry: dict[str, Any] = {
                 "size_m": tile.size_m,
-                "observed": bool(row.observed),
-                "substance": row.substance,
-                "seam_corrected": corrected,
+                "observed": surface.observed,
+                "substance": surface.substance,
+                "seam_corrected": tile.seam_corrected,
                 "source": tile.source,
             }
             if any(tile.origin_m):
-                entries[f"{key.room_id}/{key.surface}"]["origin_m"] = list(tile.origin_m)
+                entry["origin_m"] = list(tile.origin_m)
+            entries[f"{key.room_id}/{key.surface}"] = entry
         write_json(folder / "textures.json", {"method": method, "surfaces": entries})

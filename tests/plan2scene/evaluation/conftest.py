@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import torch
 
-from plan2scene.evaluation.houses import HouseFiles, Models
+from plan2scene.evaluation.houses import EvaluatedHouse, Models
 from plan2scene.evaluation.measure import reference_features
 from plan2scene.floorplans import read_scene_json
 from plan2scene.floorplans.scene_writer import write_scene_json
@@ -16,6 +16,7 @@ from plan2scene.propagation.model import save_propagation
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.prior import TypeMeans
 from plan2scene.textures.baselines.retrieval import write_library
+from plan2scene.textures.inputs import HouseFiles, TextureSettings
 from plan2scene.textures.model.embedding import make_embeddings
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
@@ -94,12 +95,8 @@ def models(tmp_path_factory):
 @pytest.fixture(scope="session")
 def files(tmp_path_factory, models):
     root = tmp_path_factory.mktemp("house")
-    made = HouseFiles(
-        "h1",
-        "d",
-        *(root / name for name in ("scene.json", "crops.parquet", "embeddings.parquet")),
-        root / "library.parquet",
-    )
+    names = ("scene.json", "crops.parquet", "library.parquet")
+    made = HouseFiles("h1", *(root / name for name in names))
     write_scene_json(PLAN, made.scene)
     rows = [
         {
@@ -116,7 +113,7 @@ def files(tmp_path_factory, models):
     write_parquet(made.crops, pd.DataFrame(rows), {"house": "h1"})
     make_embeddings(
         made.crops,
-        made.embeddings,
+        root / "embeddings.parquet",
         models.texture,
         models.naivesynth,
         house="h1",
@@ -127,6 +124,16 @@ def files(tmp_path_factory, models):
     references = root / "reference_features.parquet"
     reference_features(made.crops, models.features, references, dataset="d", house="h1")
     return made
+
+
+@pytest.fixture(scope="session")
+def house(files, models):
+    return EvaluatedHouse("d", files, models, TextureSettings(0, 64))
+
+
+@pytest.fixture(scope="session")
+def embeddings(files):
+    return files.scene.with_name("embeddings.parquet")
 
 
 @pytest.fixture(scope="session")

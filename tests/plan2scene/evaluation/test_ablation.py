@@ -26,10 +26,20 @@ HIDDEN = {"0.0": [], "0.6": ["p1.jpg", "p3.jpg"]}
 
 
 @pytest.fixture
-def tables(files, models, tmp_path):
-    surfaces, propagated = propagated_at(files, models, HIDDEN["0.6"], tmp_path)
-    paths = (surfaces, files.crops, files.embeddings, propagated)
-    return tuple(read_parquet(path)[0] for path in paths)
+def at(house, embeddings, tmp_path):
+    """Return a function: hidden photos to the tables of the stages."""
+
+    def read(hidden):
+        surfaces, propagated = propagated_at(house, embeddings, hidden, tmp_path)
+        paths = (surfaces, house.files.crops, embeddings, propagated)
+        return tuple(read_parquet(path)[0] for path in paths)
+
+    return read
+
+
+@pytest.fixture
+def tables(at):
+    return at(HIDDEN["0.6"])
 
 
 def _select(tables, hidden, **changes):
@@ -47,18 +57,16 @@ def test_the_whole_method_selects_as_the_stage_does(tables):
     pd.testing.assert_frame_equal(_select(tables, HIDDEN["0.6"]), tables[0], check_dtype=False)
 
 
-def test_mean_embedding_is_the_mean_of_visible_crops(files, models, tmp_path):
-    surfaces, _ = propagated_at(files, models, [], tmp_path)
-    tables = tuple(read_parquet(p)[0] for p in (surfaces, files.crops, files.embeddings)) + (None,)
+def test_mean_embedding_is_the_mean_of_visible_crops(at):
+    tables = at([])
     row = _select(tables, [], select="mean").set_index(["room_id", "surface"]).loc["bed", "floor"]
     np.testing.assert_allclose(
         row["embedding"], _codes(tables[2], ["a", "b", "c"]).mean(axis=0), rtol=1e-5
     )
 
 
-def test_a_random_crop_is_one_of_the_visible_ones(files, models, tmp_path):
-    surfaces, _ = propagated_at(files, models, ["p2.jpg"], tmp_path)
-    tables = tuple(read_parquet(p)[0] for p in (surfaces, files.crops, files.embeddings)) + (None,)
+def test_a_random_crop_is_one_of_the_visible_ones(at):
+    tables = at(["p2.jpg"])
     drawn = set()
     for seed in range(20):
         frame = selected(
@@ -73,9 +81,8 @@ def test_a_random_crop_is_one_of_the_visible_ones(files, models, tmp_path):
     assert drawn == {"a", "b"}
 
 
-def test_the_paper_s_colour_is_the_selected_crop_s(files, models, tmp_path):
-    surfaces, _ = propagated_at(files, models, [], tmp_path)
-    tables = tuple(read_parquet(p)[0] for p in (surfaces, files.crops, files.embeddings)) + (None,)
+def test_the_paper_s_colour_is_the_selected_crop_s(at):
+    tables = at([])
     frame = _select(tables, [], crop_colour=True)
     for row in frame.itertuples():
         np.testing.assert_array_equal(row.embedding, _codes(tables[2], [row.crop_id])[0])
@@ -145,9 +152,9 @@ def test_plane_noise_is_another_noise_of_the_same_weights(models, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def ablated(files, models, tmp_path_factory):
+def ablated(house, embeddings, tmp_path_factory):
     path = tmp_path_factory.mktemp("ablation") / "ablation.parquet"
-    ablate_house(files, models, path, hidden=HIDDEN, seed=0, size_px=64)
+    ablate_house(house, embeddings, path, hidden=HIDDEN)
     return path
 
 

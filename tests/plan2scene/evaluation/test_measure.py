@@ -1,7 +1,5 @@
 """Metrics of a house against crops made by hand, and the table over such houses."""
 
-import json
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,14 +7,21 @@ import torch
 
 from plan2scene.errors import InputError
 from plan2scene.evaluation.aggregate import TableRequest
-from plan2scene.evaluation.measure import measure_house, read_references, reference_features
+from plan2scene.evaluation.measure import (
+    Networks,
+    measure_tiles,
+    reference_features,
+    reference_images,
+)
 from plan2scene.evaluation.paper_table import paper_table, partial_table
 from plan2scene.evaluation.published import published_value
-from plan2scene.images import png_bytes, write_png
+from plan2scene.house import SurfaceKey
+from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 from plan2scene.metrics.freq import freq_distance
+from plan2scene.metrics.networks import features_of
 from plan2scene.metrics.registry import METRICS
 from plan2scene.metrics.tile import tile_score
 from plan2scene_workshop.features.network import SubstanceNetwork, save_features_network
@@ -46,42 +51,31 @@ def model(tmp_path_factory):
     return path
 
 
-def _write_house(root, house, tiles, observed, method, drop, model, hidden):
-    """Write what the metrics stage reads, run it, and return its output's path."""
-    frame = pd.DataFrame(
-        [(i, photo, room, s, png_bytes(image)) for i, (photo, room, s, image) in CROPS.items()],
-        columns=["crop_id", "photo", "room_id", "surface", "png"],
-    )
-    crops = root / "houses" / house / "crops.parquet"
-    write_parquet(crops, frame, {"house": house})
-    folder = root / f"drop_{drop}" / method / house
-    for name, image in tiles.items():
-        write_png(folder / "textures" / f"{name.replace('/', '_')}.png", image)
-    entries = {name: {"observed": name in observed} for name in tiles}
-    listing = {"method": method, "surfaces": entries}
-    (folder / "textures" / "textures.json").write_text(json.dumps(listing))
-    measure_house(
-        folder / "textures",
-        read_references(crops, hidden),
-        model,
-        folder / "metrics.parquet",
-        dataset="d",
+def _references(hidden):
+    rows = [(i, photo, room, s, png_bytes(image)) for i, (photo, room, s, image) in CROPS.items()]
+    frame = pd.DataFrame(rows, columns=["crop_id", "photo", "room_id", "surface", "png"])
+    return frame, reference_images(frame, hidden)
+
+
+def _measured(house, tiles, observed, method, drop, model, hidden, more=()):
+    """Return the rows of a house's tiles by room/surface."""
+    return measure_tiles(
+        {SurfaceKey(*name.split("/")): image for name, image in tiles.items()},
+        {SurfaceKey(*name.split("/")) for name in observed},
+        _references(hidden)[1],
+        Networks(model, model),
         house=house,
         method=method,
         drop=drop,
+        more=more,
     )
-    references = root / "houses" / house / "reference_features.parquet"
-    reference_features(crops, model, references, dataset="d", house=house)
-    return folder / "metrics.parquet"
 
 
 TILES = {"r1/floor": _noise(11), "r1/wall": _noise(12, 90), "r1/ceiling": _noise(13)}
 
 
-def test_values_are_those_of_the_metrics(tmp_path, model):
-    path = _write_house(tmp_path, "h", TILES, {"r1/floor"}, "synth", "0.6", model, ["p2.jpg"])
-    frame, metadata = read_parquet(path)
-    assert metadata["features"] == "embedded"
+def test_values_are_those_of_the_metrics(model):
+    frame = _measured("h", TILES, {"r1/floor"}, "synth", "0.6", model, ["p2.jpg"])
     # The ceiling has no crop at all: no row.
     assert frame["surface"].tolist() == ["floor", "wall"]
     assert frame["observed"].tolist() == [True, False]
@@ -92,39 +86,67 @@ def test_values_are_those_of_the_metrics(tmp_path, model):
     assert floor.tile == pytest.approx(tile_score(TILES["r1/floor"]))
     assert wall.color == color_distance(TILES["r1/wall"], CROPS["d"][3])
     assert floor.subs == int(floor.substance_predicted != floor.substance_reference)
-    assert len(wall.features) == 6
+    assert len(wall.features) == 6 and len(wall.further_features) == 0
 
 
-def test_a_crop_against_itself_is_perfect(tmp_path, model):
+def test_a_crop_against_itself_is_perfect(model):
     tiles = {"r1/wall": CROPS["d"][3]}
-    path = _write_house(tmp_path, "h", tiles, {"r1/wall"}, "crop", "0.0", model, [])
-    row = read_parquet(path)[0].iloc[0]
+    row = _measured("h", tiles, {"r1/wall"}, "crop", "0.0", model, []).iloc[0]
     assert (row.color, row.freq, row.subs) == (0.0, 0.0, 0)
 
 
-def test_a_house_without_measurable_surface_has_no_row(tmp_path, model):
-    tiles = {"r9/floor": _noise(1)}
-    path = _write_house(tmp_path, "h", tiles, set(), "crop", "0.0", model, [])
-    frame, _ = read_parquet(path)
+def test_further_images_count_for_the_features_alone(model):
+    more = [_noise(20 + k) for k in range(4)]
+    given = ("h", TILES, {"r1/floor"}, "synth", "0.6", model, ["p2.jpg"])
+    one, three = _measured(*given), _measured(*given, more)
+    expected = features_of(model, more).reshape(2, -1)
+    assert np.allclose(np.stack(three["further_features"]), expected, atol=1e-5)
+    assert one["color"].tolist() == three["color"].tolist()
+    assert np.array_equal(np.stack(one["features"]), np.stack(three["features"]))
+
+
+def test_a_house_without_measurable_surface_has_no_row(model):
+    frame = _measured("h", {"r9/floor": _noise(1)}, set(), "crop", "0.0", model, [])
     assert len(frame) == 0
     assert "features" in frame
 
 
-def test_an_observed_surface_without_visible_crop_is_a_fault(tmp_path, model):
-    with pytest.raises(InputError, match=r"house h: expected a visible crop of r1/wall"):
-        _write_house(tmp_path, "h", TILES, {"r1/wall"}, "crop", "0.6", model, ["p2.jpg"])
+def test_an_observed_surface_without_visible_crop_is_a_fault(model):
+    with pytest.raises(InputError, match=r"house h, room r1: expected a visible crop of wall"):
+        _measured("h", TILES, {"r1/wall"}, "crop", "0.6", model, ["p2.jpg"])
 
 
 @pytest.fixture
 def results(tmp_path, model):
     """Two houses, two methods, both drops, as the workflow lays them out."""
     for house, seed in (("h1", 0), ("h2", 50)):
+        folder, frames = tmp_path / "houses" / house, []
         for method in METHODS:
             for drop, hidden in (("0.0", []), ("0.6", ["p2.jpg"])):
                 tiles = {name: _noise(seed + i, 110 + 9 * i) for i, name in enumerate(TILES)}
                 seen = {"r1/floor"} if hidden else {"r1/floor", "r1/wall"}
-                _write_house(tmp_path, house, tiles, seen, method, drop, model, hidden)
+                frames.append(_measured(house, tiles, seen, method, drop, model, hidden))
+        names = {"dataset": "d", "house": house}
+        table = pd.concat(frames, ignore_index=True)
+        write_parquet(folder / "metrics.parquet", table, names | Networks(model, model).metadata)
+        write_parquet(folder / "crops.parquet", _references([])[0], names)
+        references = folder / "reference_features.parquet"
+        reference_features(folder / "crops.parquet", model, references, dataset="d", house=house)
     return tmp_path
+
+
+def _rows(results, method, drop):
+    """Return the rows of both houses by a method at a drop."""
+    paths = sorted(results.glob("houses/*/metrics.parquet"))
+    frame = pd.concat([read_parquet(path)[0] for path in paths])
+    return frame[(frame["method"] == method) & (frame["drop"] == drop)]
+
+
+def _rewritten(results, change):
+    """Replace each house's metrics by what a function makes of them."""
+    for path in sorted(results.glob("houses/*/metrics.parquet")):
+        frame, metadata = read_parquet(path)
+        write_parquet(path, change(frame), metadata)
 
 
 def _request(houses=("h1", "h2"), methods=METHODS):
@@ -132,7 +154,7 @@ def _request(houses=("h1", "h2"), methods=METHODS):
 
 
 def _table(root, request):
-    metrics = sorted(root.glob("drop_*/*/*/metrics.parquet"))
+    metrics = sorted(root.glob("houses/*/metrics.parquet"))
     references = sorted(root.glob("houses/*/reference_features.parquet"))
     out = root / "tables"
     tidy = paper_table(
@@ -150,11 +172,7 @@ def test_table_counts_and_averages_the_right_surfaces(results):
     assert wide.loc[0, "missing"] == "none"
     assert wide["seed"].unique().tolist() == ["7"]
     cells = tidy.set_index(["method", "column", "metric"])["value"]
-    frames = [
-        read_parquet(results / "drop_0.6" / "synth" / h / "metrics.parquet")[0]
-        for h in ("h1", "h2")
-    ]
-    frame = pd.concat(frames)
+    frame = _rows(results, "synth", "0.6")
     unobserved = frame[~frame["observed"]]
     assert cells["synth", "unobserved", "COLOR"] == pytest.approx(unobserved["color"].mean())
     assert cells["synth", "all", "TILE"] == pytest.approx(frame["tile"].mean())
@@ -182,11 +200,7 @@ def test_table_counts_and_averages_the_right_surfaces(results):
 
 
 def test_a_method_that_the_paper_has_not_reads_none(results):
-    for path in sorted(results.glob("drop_*/synth/*/metrics.parquet")):
-        frame, metadata = read_parquet(path)
-        target = results / path.relative_to(results).as_posix().replace("synth", "exemplar")
-        target.parent.mkdir(parents=True)
-        write_parquet(target, frame.assign(method="exemplar"), metadata)
+    _rewritten(results, lambda frame: frame.replace({"method": {"crop": "exemplar"}}))
     _, wide = _table(results, _request(methods=(*METHODS, "exemplar")))
     rows = wide[wide["method"] == "exemplar"]
     assert len(rows) == 3
@@ -198,10 +212,7 @@ def test_a_method_that_the_paper_has_not_reads_none(results):
 def test_each_surface_counts_once_for_fid_however_many_crops_it_has(results):
     # The floor has three crops, the wall one: the weighted reference mean is that of surfaces.
     tidy, _ = _table(results, _request())
-    frames = [
-        read_parquet(results / "drop_0.0" / "crop" / h / "metrics.parquet")[0] for h in ("h1", "h2")
-    ]
-    predictions = np.stack(pd.concat(frames)["features"])
+    predictions = np.stack(_rows(results, "crop", "0.0")["features"])
     references = [
         read_parquet(results / "houses" / h / "reference_features.parquet")[0] for h in ("h1", "h2")
     ]
@@ -214,8 +225,7 @@ def test_each_surface_counts_once_for_fid_however_many_crops_it_has(results):
 
 
 def test_missing_houses_and_empty_columns_are_named(results):
-    for path in results.glob("drop_0.6/synth/*/metrics.parquet"):
-        path.unlink()
+    _rewritten(results, lambda f: f[(f["method"] != "synth") | (f["drop"] != "0.6")])
     request = _request(houses=("h1", "h2", "h3"))
     _, wide = _table(results, request)
     empty = wide[(wide["method"] == "synth") & (wide["column"] == "all")].iloc[0]
@@ -236,7 +246,7 @@ def test_partial_table_of_what_exists(results):
 
 
 def test_metrics_of_two_networks_are_not_mixed(results):
-    path = results / "drop_0.0" / "crop" / "h1" / "metrics.parquet"
+    path = results / "houses" / "h1" / "metrics.parquet"
     frame, metadata = read_parquet(path)
     write_parquet(path, frame, metadata | {"model": "another"})
     with pytest.raises(InputError, match="one features network"):

@@ -10,13 +10,15 @@ from PIL import Image
 
 from plan2scene.evaluation.aggregate import TableRequest
 from plan2scene.evaluation.drops import SWEEP_DROPS, hidden_at
-from plan2scene.evaluation.houses import Textures, measured, propagated_at
+from plan2scene.evaluation.houses import propagated_at
 from plan2scene.evaluation.measure import reference_images
 from plan2scene.evaluation.sweep import sweep_house, sweep_table
-from plan2scene.images import metric_image, read_image
-from plan2scene.io import read_json, read_parquet
+from plan2scene.io import read_image, read_json, read_parquet
 from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.images import metric_image
+from plan2scene.textures.inputs import HouseData, Visible
 from plan2scene.textures.methods import METHODS
+from plan2scene.textures.stage import make_textures
 
 HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}
 NAMES = [f"{i}.jpg" for i in range(10)]
@@ -52,10 +54,9 @@ def test_without_a_list_the_stages_fractions_hold(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def swept(files, models, tmp_path_factory):
+def swept(house, embeddings, tmp_path_factory):
     path = tmp_path_factory.mktemp("sweep") / "sweep.parquet"
-    correct = {method: method in ("naivesynth", "synth") for method in METHODS}
-    sweep_house(files, models, path, hidden=HIDDEN, seam_correction=correct, seed=0, size_px=64)
+    sweep_house(house, embeddings, path, hidden=HIDDEN, methods=list(METHODS))
     return path
 
 
@@ -70,25 +71,24 @@ def test_every_method_is_measured_at_every_drop(swept):
     assert np.isfinite(frame[["color", "freq", "tile"]].to_numpy()).all()
 
 
-def test_figures_are_those_of_the_stages(swept, files, models, tmp_path):
+def test_figures_are_those_of_the_stages(swept, house, embeddings, tmp_path):
     frame, _ = read_parquet(swept)
-    _, propagated = propagated_at(files, models, HIDDEN["0.5"], tmp_path)
-    textures = Textures(0, 64, True)
-    again = measured(
-        "synth", propagated, files, models, HIDDEN["0.5"], tmp_path, textures=textures, drop="0.5"
-    )
-    mine = frame[(frame["method"] == "synth") & (frame["drop"] == "0.5")]
-    assert mine["color"].tolist() == again["color"].tolist()
-    references = reference_images(read_parquet(files.crops)[0], HIDDEN["0.5"])
-    folder = tmp_path / "synth_textures"
-    assert read_image(folder / "hall_wall.png").shape == (64, 64, 3)
+    _, propagated = propagated_at(house, embeddings, HIDDEN["0.5"], tmp_path)
+    visible = Visible(propagated, HIDDEN["0.5"])
+    inputs = HouseData(house.files).at(visible, house.models.decoders, house.settings)
+    references = reference_images(inputs.data.crops, HIDDEN["0.5"])
+    folder = tmp_path / "synth"
+    make_textures("synth", inputs.only(references), folder)
     entries = read_json(folder / "textures.json")["surfaces"]
-    for row in again.itertuples():
+    mine = frame[(frame["method"] == "synth") & (frame["drop"] == "0.5")]
+    assert len(mine) == len(entries) == 4
+    for row in mine.itertuples():
         assert entries[f"{row.room_id}/{row.surface}"]["observed"] == row.observed
-        visible, every = references[row.room_id, row.surface]
-        assert (visible is not None) == row.observed
-        tile = metric_image(read_image(folder / f"{row.room_id}_{row.surface}.png"))
-        assert row.color == color_distance(tile, visible if row.observed else every)
+        shown, every = references[row.room_id, row.surface]
+        assert (shown is not None) == row.observed
+        tile = read_image(folder / f"{row.room_id}_{row.surface}.png")
+        assert tile.shape == (64, 64, 3)
+        assert row.color == color_distance(metric_image(tile), shown if row.observed else every)
 
 
 def test_crop_is_its_own_reference_while_observed(swept):

@@ -5,14 +5,12 @@ import pandas as pd
 import pytest
 import torch
 
-from plan2scene.errors import InputError
-from plan2scene.house import SUBSTANCES, SurfaceKey
-from plan2scene.images import png_bytes
-from plan2scene.io import read_parquet, write_parquet
+from plan2scene.house import SUBSTANCES
+from plan2scene.io import png_bytes, read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.textures.model.embedding import embed_crops, make_embeddings
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
-from plan2scene.textures.model.synthesis import decode_textures, noise_seeds, synthesise_surfaces
+from plan2scene.textures.model.synthesis import decode_textures, noise_seeds
 from plan2scene.weights import save_model_file
 
 
@@ -122,37 +120,3 @@ def test_house_without_crops(models, tmp_path) -> None:
     frame, _ = read_parquet(output)
     assert len(frame) == 0
     assert "textureness" in frame.columns
-
-
-def propagated(tmp_path, code_length: int = 11):
-    path = tmp_path / "propagated.parquet"
-    table = pd.DataFrame(
-        {
-            "room_id": ["r1", "r1"],
-            "surface": ["floor", "wall"],
-            "embedding": [np.full(code_length, 0.5, np.float32)] * 2,
-            "naive_embedding": [np.full(8, 0.5, np.float32)] * 2,
-        }
-    )
-    write_parquet(path, table, {"house": "h"})
-    return path
-
-
-def test_surfaces_of_a_house(models, tmp_path) -> None:
-    path = propagated(tmp_path)
-    for method, model in zip(("synth", "naivesynth"), models, strict=True):
-        tiles = synthesise_surfaces(path, model, method=method, house="h", seed=0, size_px=32)
-        assert list(tiles) == [SurfaceKey("r1", "floor"), SurfaceKey("r1", "wall")]
-        assert tiles[SurfaceKey("r1", "floor")].shape == (32, 32, 3)
-        # The same embedding, but each surface has its own noise.
-        assert not np.array_equal(*tiles.values())
-        again = synthesise_surfaces(path, model, method=method, house="h", seed=0, size_px=32)
-        assert all(np.array_equal(again[key], tiles[key]) for key in tiles)
-
-
-def test_wrong_method_or_model_is_refused(models, tmp_path) -> None:
-    path = propagated(tmp_path)
-    with pytest.raises(InputError, match="retrieve"):
-        synthesise_surfaces(path, models[0], method="retrieve", house="h", seed=0)
-    with pytest.raises(InputError, match="embedding of length 8"):
-        synthesise_surfaces(path, models[1], method="synth", house="h", seed=0)

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from plan2scene.errors import InputError
 from plan2scene.materials import random_material
+from plan2scene.textures.methods import METHODS
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene.textures.single import square_crop, tile_from_crops
 
@@ -17,9 +19,7 @@ def test_the_middle_square_is_used():
     assert square_crop(image).shape == (128, 128, 3)
 
 
-@pytest.mark.parametrize(
-    "method", ["crop", "retrieve", "naivesynth", "synth", "synth-large", "exemplar"]
-)
+@pytest.mark.parametrize("method", sorted(METHODS))
 def test_every_method_gives_a_tile_that_repeats(method):
     tile = tile_from_crops(CROPS, method, size_px=128, seed=0)
     assert tile.shape == (128, 128, 3) and tile.dtype == np.uint8
@@ -31,6 +31,14 @@ def test_size_is_asked_for():
     assert tile_from_crops(CROPS, "crop", size_px=256, seed=0).shape == (256, 256, 3)
 
 
+def test_crops_too_poor_for_an_exemplar_are_decoded():
+    white = [np.full((128, 128, 3), 255, np.uint8)]
+    assert np.array_equal(
+        tile_from_crops(white, "exemplar", size_px=128, seed=0),
+        tile_from_crops(white, "synth", size_px=128, seed=0),
+    )
+
+
 def test_an_unknown_method_is_an_error():
-    with pytest.raises(ValueError, match="found 'other'"):
+    with pytest.raises(InputError, match="found other"):
         tile_from_crops(CROPS, "other", size_px=128, seed=0)

@@ -26,6 +26,7 @@ from plan2scene.textures.baselines.nearest import (
 )
 from plan2scene.textures.baselines.retrieval import read_library, write_library
 from plan2scene.textures.constrained import even_crop
+from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
 from plan2scene.textures.methods import METHODS
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.textures.seams import wrap_ratio
@@ -180,33 +181,29 @@ def files(tmp_path):
     return tmp_path
 
 
-def _make(files, method, out="out", **changes):
-    settings = {
-        "house": "h1",
-        "hidden_photos": [],
-        "library": files / "library.parquet",
-        "model": None,
-        "seed": 0,
-        "size_px": 128,
-        "seam_correction": False,
-    } | changes
-    if method in DECODED:
-        name = "naivesynth" if method == "naivesynth" else "synth"
-        settings["model"] = files / f"{name}.safetensors"
-    make_textures(
-        method,
-        files / "propagated.parquet",
-        files / "crops.parquet",
-        files / "scene.json",
-        files / out,
-        **settings,
+def _inputs(files, *, size_px=128, seam_correction=None, hidden_photos=(), crop_pool=None):
+    house = HouseFiles(
+        "h1", files / "scene.json", files / "crops.parquet", files / "library.parquet", crop_pool
     )
+    models = {
+        "texture": files / "synth.safetensors",
+        "naivesynth": files / "naivesynth.safetensors",
+    }
+    corrected = {} if seam_correction is None else dict.fromkeys(METHODS, seam_correction)
+    settings = TextureSettings(0, size_px, corrected)
+    return HouseData(house).at(
+        Visible(files / "propagated.parquet", hidden_photos), models, settings
+    )
+
+
+def _make(files, method, out="out", **changes):
+    make_textures(method, _inputs(files, **changes), files / out)
     listing = json.loads((files / out / "textures.json").read_text())
     assert listing["method"] == method
     return files / out, listing["surfaces"]
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", sorted(METHODS))
 def test_every_surface_gets_a_tile_the_same_again(files, method):
     folder, surfaces = _make(files, method, size_px=48)
     assert set(surfaces) == {f"{k.room_id}/{k.surface}" for k in PLAN.surface_keys()}
@@ -403,21 +400,24 @@ def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):
     assert surfaces["bed2/floor"]["source"].startswith("exemplar of hall, ")
 
 
+def test_surfaces_of_one_embedding_have_noise_of_their_own(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    table["embedding"] = [table["embedding"][0]] * len(table)
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    folder, _ = _make(files, "synth", size_px=32)
+    floor, wall = (read_image(folder / f"bed1_{name}.png") for name in ("floor", "wall"))
+    assert not np.array_equal(floor, wall)
+
+
 def test_wrong_requests_are_refused(files):
+    inputs = _inputs(files)
     with pytest.raises(InputError, match="a method of crop"):
-        _make(files, "magic")
-    with pytest.raises(InputError, match="texture model"):
-        make_textures(
-            "synth",
-            files / "propagated.parquet",
-            files / "crops.parquet",
-            files / "scene.json",
-            files / "x",
-            house="h1",
-            hidden_photos=[],
-            library=files / "library.parquet",
-            model=None,
-            seed=0,
-            size_px=128,
-            seam_correction=False,
-        )
+        make_textures("magic", inputs, files / "x")
+    with pytest.raises(InputError, match="texture model for method exemplar"):
+        make_textures("exemplar", replace(inputs, models={}), files / "x")
+    other = {"texture": files / "naivesynth.safetensors"}
+    with pytest.raises(InputError, match="embedding of length 8"):
+        make_textures("synth", replace(inputs, models=other), files / "x")
+    without = HouseFiles("h1", inputs.data.files.scene, inputs.data.files.crops)
+    with pytest.raises(InputError, match="a texture library"):
+        make_textures("retrieve", replace(inputs, data=HouseData(without)), files / "x")

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
 from plan2scene.house import House, SurfaceKey
 from plan2scene.seeds import generator
 from plan2scene.textures.baselines.nearest import (
     Choice,
     Crop,
-    PoolCrop,
     choose_crop,
     flat_image,
     largest_crop,
@@ -21,58 +20,75 @@ from plan2scene.textures.baselines.nearest import (
     usual_substance,
 )
 from plan2scene.textures.baselines.retrieval import TextureLibrary
+from plan2scene.textures.inputs import TextureInputs
 from plan2scene.textures.tiles import Tile
 
-if TYPE_CHECKING:
-    import pandas as pd
+_Tiles: TypeAlias = dict[SurfaceKey, Tile]
 
 
-def copied_tiles(
-    method: str,
-    plan: House,
-    surfaces: pd.DataFrame,
-    crops: list[Crop],
-    others: list[PoolCrop],
-    library: TextureLibrary,
-    seed: int,
-) -> dict[SurfaceKey, Tile]:
-    """Return the tiles of the methods that decode nothing."""
-    make: Callable[[Choice, float], Tile]
-    if method != "retrieve":
-        make = _crop_tile
-    else:
-        nearest: dict[str, int] = {}  # rooms often fall back on one crop
+def crop_tiles(
+    inputs: TextureInputs, own_crop: Callable[[Sequence[Crop]], Crop] = medoid_crop
+) -> _Tiles:
+    """Return the crop that stands for each surface, at its own scale where it is known."""
 
-        def make(choice: Choice, metres: float) -> Tile:
-            name = choice.crop.crop_id
-            if name not in nearest:
-                nearest[name] = library.nearest(choice.crop.image())
-            return _library_tile(library, nearest[name], f"nearest to {choice.source}")
+    def make(choice: Choice, size_m: float) -> Tile:
+        own = choice.crop.metres
+        return Tile(choice.crop.image(), own if math.isfinite(own) else size_m, choice.source)
 
+    return _tiles(inputs, make, own_crop)
+
+
+def retrieved_tiles(inputs: TextureInputs) -> _Tiles:
+    """Return the library's tile nearest to each of those crops."""
+    nearest: dict[str, int] = {}  # rooms often fall back on one crop
+
+    def make(choice: Choice, size_m: float) -> Tile:
+        library, name = inputs.data.library, choice.crop.crop_id
+        if name not in nearest:
+            nearest[name] = library.nearest(choice.crop.image())
+        return _library_tile(library, nearest[name], f"nearest to {choice.source}")
+
+    return _tiles(inputs, make, medoid_crop)
+
+
+def flat_tiles(inputs: TextureInputs) -> _Tiles:
+    """Return the median colour of each of those crops."""
+    return {
+        key: replace(
+            tile,
+            image=flat_image(tile.image),
+            source=f"median colour of {tile.source}",
+            tiles_by_construction=True,
+        )
+        for key, tile in crop_tiles(inputs).items()
+    }
+
+
+def projected_tiles(inputs: TextureInputs) -> _Tiles:
+    """Return the largest crop of each surface, stretched over it."""
     tiles = {}
-    for row in surfaces.itertuples():
-        key = SurfaceKey(row.room_id, row.surface)
-        own_crop = largest_crop if method == "projection" else medoid_crop
-        choice = choose_crop(plan, key, crops, seed, own_crop, others)
-        if choice is None:
-            tile = _usual_tile(plan, key, library, seed)
-        else:
-            tile = make(choice, float(row.metres))
-        if method == "medoid_colour":
-            flat, source = flat_image(tile.image), f"median colour of {tile.source}"
-            tile = replace(tile, image=flat, source=source, tiles_by_construction=True)
-        elif method == "projection":
-            size_m, origin_m = surface_extent(plan, key)
-            source = f"{tile.source}, stretched"
-            tile = replace(tile, size_m=size_m, origin_m=origin_m, source=source)
-        tiles[key] = tile
+    for key, tile in crop_tiles(inputs, largest_crop).items():
+        size_m, origin_m = surface_extent(inputs.house, key)
+        source = f"{tile.source}, stretched"
+        tiles[key] = replace(tile, size_m=size_m, origin_m=origin_m, source=source)
     return tiles
 
 
-def _crop_tile(choice: Choice, metres: float) -> Tile:
-    """Return a crop as a tile, at its own scale, else at `metres`."""
-    own = choice.crop.metres
-    return Tile(choice.crop.image(), own if math.isfinite(own) else metres, choice.source)
+def _tiles(
+    inputs: TextureInputs,
+    make: Callable[[Choice, float], Tile],
+    own_crop: Callable[[Sequence[Crop]], Crop],
+) -> _Tiles:
+    """Return what is made of each surface's crop; a usual tile where there is no crop at all."""
+    house, seed = inputs.house, inputs.settings.seed
+    tiles = {}
+    for surface in inputs.surfaces:
+        choice = choose_crop(house, surface.key, inputs.crops, seed, own_crop, inputs.data.pool)
+        if choice is None:
+            tiles[surface.key] = _usual_tile(house, surface.key, inputs.data.library, seed)
+        else:
+            tiles[surface.key] = make(choice, surface.size_m)
+    return tiles
 
 
 def _library_tile(library: TextureLibrary, index: int, why: str) -> Tile:
@@ -82,10 +98,10 @@ def _library_tile(library: TextureLibrary, index: int, why: str) -> Tile:
     )
 
 
-def _usual_tile(plan: House, key: SurfaceKey, library: TextureLibrary, seed: int) -> Tile:
+def _usual_tile(house: House, key: SurfaceKey, library: TextureLibrary, seed: int) -> Tile:
     """Return a random library tile of the usual substance, for a house that no photo shows."""
-    substance = usual_substance(plan, key)
+    substance = usual_substance(house, key)
     pool = library.of_substance(substance) or list(range(len(library)))
-    rng = generator(seed, plan.id, key.room_id, key.surface, "library")
+    rng = generator(seed, house.id, key.room_id, key.surface, "library")
     index = pool[int(rng.integers(len(pool)))]
     return _library_tile(library, index, "no crop in the house")

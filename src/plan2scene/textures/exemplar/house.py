@@ -11,9 +11,8 @@ Each tile's source says which way it went.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,105 +25,80 @@ from plan2scene.colour import (
     srgb_to_linear,
 )
 from plan2scene.house import SurfaceKey
-from plan2scene.images import image_from_bytes
-from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
-
-if TYPE_CHECKING:
-    import pandas as pd
+from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+from plan2scene.textures.inputs import KnownSurface, TextureInputs
+from plan2scene.textures.tiles import NoTile, Tile
 
 #: Largest difference (CIEDE2000) of an exemplar's colour to the predicted one.
 MAX_AWAY = 25.0
 
 
-@dataclass(frozen=True, eq=False)
-class HouseExemplar:
-    """A surface's tile (s, s, 3) uint8 sRGB, its side in metres (NaN unknown), its source."""
+def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
+    """Return the exemplars, and for surfaces without one why there is none.
 
-    image: np.ndarray
-    size_m: float
-    source: str
-
-
-def house_exemplars(
-    propagated: pd.DataFrame,
-    crops: pd.DataFrame,
-    hidden_photos: Collection[str],
-    size_px: int,
-) -> tuple[dict[SurfaceKey, HouseExemplar], dict[SurfaceKey, str]]:
-    """Return the surfaces that exemplars serve, and the others with the reason why not.
-
-    Parameters
-    ----------
-    propagated, crops : DataFrame
-        ``propagated.parquet`` and ``crops.parquet`` (docs/conventions.md).
-    hidden_photos : collection of str
-        Photos whose crops are not to be seen.
+    No crop of a surface may know its scale: then the tile is as large as the surface's row says.
     """
-    rows = {SurfaceKey(row.room_id, row.surface): row for row in propagated.itertuples()}
-    own: dict[SurfaceKey, Exemplar] = {}
-    poor: dict[SurfaceKey, str] = {}
-    for key, group in _crops_by_surface(crops, hidden_photos).items():
-        if key not in rows:
-            continue
+    surfaces = {surface.key: surface for surface in inputs.surfaces}
+    own: dict[SurfaceKey, Tile] = {}
+    tiles: dict[SurfaceKey, Tile | NoTile] = {}
+    for key, group in _crops_by_surface(inputs).items():
         # The colour that the surface was given goes for all methods, so for the choice of crops.
-        tone = np.clip(np.asarray(rows[key].embedding, dtype=np.float64)[-3:], 0.0, 1.0)
-        made = make_exemplar(group, size_px=size_px, tone=tone)
+        tone = surfaces[key].tone
+        made = make_exemplar(group, size_px=inputs.settings.size_px, tone=tone)
         if made is None:
-            poor[key] = f"none of {len(group)} crops is sharp enough"
+            tiles[key] = NoTile(f"none of {len(group)} crops is sharp enough")
         else:
-            own[key] = made
-    tiles = {
-        key: HouseExemplar(made.image, made.size_m, f"exemplar of {made.crops} crops")
-        for key, made in own.items()
-    }
-    for key, row in rows.items():
-        if key not in tiles and key not in poor:
-            found = _nearest(key, row, rows, own)
-            if isinstance(found, str):
-                poor[key] = found
-            else:
-                tiles[key] = found
-    return tiles, poor
+            own[key] = Tile(made.image, made.size_m, f"exemplar of {made.crops} crops", True)
+    for key, surface in surfaces.items():
+        if key not in tiles:
+            tile = own[key] if key in own else _nearest(surface, surfaces, own)
+            if isinstance(tile, Tile) and not math.isfinite(tile.size_m):
+                tile = replace(tile, size_m=surface.size_m)
+            tiles[key] = tile
+    return tiles
 
 
-def _crops_by_surface(
-    crops: pd.DataFrame, hidden_photos: Collection[str]
-) -> dict[SurfaceKey, list[ExemplarCrop]]:
-    """Return the visible crops of each surface, in the file's order."""
+def _crops_by_surface(inputs: TextureInputs) -> dict[SurfaceKey, list[ExemplarCrop]]:
+    """Return the crops of each surface, in the file's order."""
     found: dict[SurfaceKey, list[ExemplarCrop]] = {}
-    for row in crops[~crops["photo"].isin(set(hidden_photos))].itertuples():
-        crop = ExemplarCrop(image_from_bytes(row.png), float(row.metres), float(row.sharpness))
-        found.setdefault(SurfaceKey(row.room_id, row.surface), []).append(crop)
+    wanted = {surface.key for surface in inputs.surfaces}
+    for crop in inputs.crops:
+        if crop.key in wanted:
+            known = ExemplarCrop(crop.image(), crop.metres, crop.sharpness)
+            found.setdefault(crop.key, []).append(known)
     return found
 
 
 def _nearest(
-    key: SurfaceKey,
-    row: Any,
-    rows: Mapping[SurfaceKey, Any],
-    own: Mapping[SurfaceKey, Exemplar],
-) -> HouseExemplar | str:
+    surface: KnownSurface,
+    surfaces: Mapping[SurfaceKey, KnownSurface],
+    own: Mapping[SurfaceKey, Tile],
+) -> Tile | NoTile:
     """Return the exemplar nearest to an unobserved surface, or why there is none."""
-    wanted = np.asarray(row.embedding, dtype=np.float64)
-    pool = [other for other in own if other.surface == key.surface]
+    kind = surface.key.surface
+    pool = [key for key in own if key.surface == kind]
     if not pool:
-        return f"no exemplar of a {key.surface} in the house"
-    pool = [other for other in pool if rows[other].substance == row.substance] or pool
-    distances = [np.abs(np.asarray(rows[other].embedding) - wanted).mean() for other in pool]
+        return NoTile(f"no exemplar of a {kind} in the house")
+    pool = [key for key in pool if surfaces[key].substance == surface.substance] or pool
+    wanted = _code(surface)
+    distances = [np.abs(_code(surfaces[key]) - wanted).mean() for key in pool]
     nearest = pool[int(np.argmin(distances))]
-    made = own[nearest]
-    tone = np.clip(wanted[-3:], 0.0, 1.0)
+    made, tone = own[nearest], np.clip(wanted[-3:], 0.0, 1.0)
     away = colour_difference(made.image, tone)
     if away > MAX_AWAY:
-        return f"the nearest exemplar, of {nearest.room_id}, is {away:.0f} dE2000 away"
+        return NoTile(f"the nearest exemplar, of {nearest.room_id}, is {away:.0f} dE2000 away")
     source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 from the predicted colour"
     # The surer the prediction is that the house shows this material, the more its colour counts.
-    confidence = float(row.confidence)
-    if not math.isfinite(confidence):
-        return HouseExemplar(made.image, made.size_m, source)
-    image = recoloured(made.image, tone, 1.0 - confidence)
-    source += f", {1.0 - confidence:.0%} of the way to it"
-    return HouseExemplar(image, made.size_m, source)
+    if not math.isfinite(surface.confidence):
+        return replace(made, source=source)
+    share = 1.0 - surface.confidence
+    image = recoloured(made.image, tone, share)
+    return replace(made, image=image, source=f"{source}, {share:.0%} of the way to it")
+
+
+def _code(surface: KnownSurface) -> np.ndarray:
+    """Return the embedding (11,) float64 of a surface."""
+    return np.asarray(surface.embedding, dtype=np.float64)
 
 
 def recoloured(image: np.ndarray, tone: np.ndarray, share: float) -> np.ndarray:

@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import torch
 
-from plan2scene.errors import InputError
-from plan2scene.house import SurfaceKey
-from plan2scene.io import read_parquet
-from plan2scene.seeds import derive_seed
-from plan2scene.textures.methods import EMBEDDING_COLUMNS
-from plan2scene.textures.model.network import TextureModel, fast_decoding, load_texture_model
+from plan2scene.textures.model.network import TextureModel, fast_decoding
 from plan2scene.textures.model.noise import CHANNELS, OCTAVES
 
 #: Textures decoded at once hold about this many pixels (bounds memory at any size).
@@ -59,42 +53,3 @@ def decode_textures(
             pixels = (rgb.clamp(0.0, 1.0) * 255.0).round().to(torch.uint8)
             tiles[part] = pixels.permute(0, 2, 3, 1).numpy()
     return tiles
-
-
-def synthesise_surfaces(
-    propagated_parquet: str | Path,
-    model_path: str | Path,
-    *,
-    method: str,
-    house: str,
-    seed: int,
-    size_px: int = 128,
-) -> dict[SurfaceKey, np.ndarray]:
-    """Return a tile (size, size, 3) uint8 for every surface of a propagated house.
-
-    Parameters
-    ----------
-    method : str
-        ``"synth"`` (decodes ``embedding``) or ``"naivesynth"`` (``naive_embedding``); the model
-        file is the one of that method.
-    seed : int
-        Global seed; each surface's noise derives from (seed, house, room, surface).
-    """
-    if method not in EMBEDDING_COLUMNS:
-        raise InputError(f"a method of {tuple(EMBEDDING_COLUMNS)}", repr(method), house=house)
-    table, _ = read_parquet(propagated_parquet)
-    keys = [SurfaceKey(row.room_id, row.surface) for row in table.itertuples()]
-    if not keys:
-        return {}
-    model = load_texture_model(model_path)
-    codes = np.stack([np.asarray(code, np.float32) for code in table[EMBEDDING_COLUMNS[method]]])
-    if codes.shape[1] != model.embedding_dim:
-        raise InputError(
-            f"{EMBEDDING_COLUMNS[method]} of length {model.embedding_dim}, the model's",
-            str(codes.shape[1]),
-            file=propagated_parquet,
-            house=house,
-        )
-    seeds = [derive_seed(seed, house, key.room_id, key.surface) for key in keys]
-    tiles = decode_textures(model, codes, seeds, size_px)
-    return dict(zip(keys, tiles, strict=True))

@@ -1,0 +1,32 @@
+"""The workflow's configuration: its schema, with what the library registers filled in."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from plan2scene.errors import InputError
+from plan2scene.provenance import WORKFLOW
+from plan2scene.textures.methods import METHODS
+
+
+def config_schema() -> dict[str, Any]:
+    """Return ``workflow/schemas/config.schema.json`` with the names of the texture methods."""
+    path = WORKFLOW / "workflow" / "schemas" / "config.schema.json"
+    schema: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    schema["$defs"]["method"]["enum"] = list(METHODS)
+    return schema
+
+
+def check_config(config: Mapping[str, Any]) -> None:
+    """Raise InputError for a configuration that the schema does not allow: its first fault."""
+    from jsonschema import Draft202012Validator
+    from jsonschema.exceptions import best_match
+
+    error = best_match(Draft202012Validator(config_schema()).iter_errors(config))
+    if error is None:
+        return
+    key = ".".join(str(part) for part in error.absolute_path)
+    found = f"{key}: {error.message}" if key else error.message
+    raise InputError("a configuration as config/README.md has it", found)

@@ -1,0 +1,185 @@
+"""What texture methods make a house's tiles from: its files, read when first asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans.scene_json import read_scene_json
+from plan2scene.house import House, SurfaceKey
+from plan2scene.io import read_parquet
+from plan2scene.textures.baselines.crop_pool import read_pool
+from plan2scene.textures.baselines.nearest import Crop, PoolCrop
+from plan2scene.textures.baselines.retrieval import TextureLibrary, read_library
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class HouseFiles:
+    """Files of one house that do not depend on the drop, and what methods take from elsewhere.
+
+    `library` are the tiles of Retrieve, `crop_pool` the crops of other houses; None without.
+    """
+
+    house_id: str
+    scene: Path
+    crops: Path
+    library: Path | None = None
+    crop_pool: Path | None = None
+
+    @classmethod
+    def of(cls, paths: Mapping[str, Any], house_id: str) -> HouseFiles:
+        """Return the files among a job's inputs: scene, crops and, where given, library, pool."""
+        library, pool = paths.get("library"), paths.get("pool")
+        return cls(
+            house_id,
+            Path(paths["scene"]),
+            Path(paths["crops"]),
+            Path(library) if library else None,
+            Path(pool) if pool else None,
+        )
+
+
+@dataclass(frozen=True)
+class Visible:
+    """What a house shows at one drop: ``propagated.parquet``, and the photos that are hidden."""
+
+    propagated: Path
+    hidden_photos: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class TextureSettings:
+    """Global seed, pixels of a tile's side, whether seams are corrected by method.
+
+    A method that `seam_correction` leaves out is treated as the registry says.
+    """
+
+    seed: int
+    size_px: int
+    seam_correction: Mapping[str, bool] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class KnownSurface:
+    """What is known of a surface, a row of ``propagated.parquet``.
+
+    `embedding` (11,) and `naive_embedding` (8,) are float32, None where not worked out;
+    `size_m` is the metres that its tile covers, `source` the crop or the propagation behind it.
+    """
+
+    key: SurfaceKey
+    observed: bool
+    size_m: float
+    substance: str
+    source: str
+    confidence: float
+    embedding: np.ndarray | None
+    naive_embedding: np.ndarray | None
+
+    @classmethod
+    def of(cls, row: Any) -> KnownSurface:
+        """Return the surface of a row (a named tuple)."""
+        return cls(
+            SurfaceKey(row.room_id, row.surface),
+            bool(row.observed),
+            float(row.metres),
+            row.substance,
+            str(row.source),
+            float(row.confidence),
+            np.asarray(row.embedding, dtype=np.float32),
+            np.asarray(row.naive_embedding, dtype=np.float32),
+        )
+
+    @property
+    def tone(self) -> np.ndarray | None:
+        """Return the colour that the surface has by its embedding, (3,) sRGB in [0, 1]."""
+        if self.embedding is None:
+            return None
+        return np.clip(self.embedding[-3:].astype(np.float64), 0.0, 1.0)
+
+
+class HouseData:
+    """The plan and tables behind :class:`HouseFiles`, each read once, when first asked for."""
+
+    def __init__(self, files: HouseFiles) -> None:
+        self.files = files
+
+    @cached_property
+    def house(self) -> House:
+        """The plan."""
+        return read_scene_json(self.files.scene, self.files.house_id)
+
+    @cached_property
+    def crops(self) -> pd.DataFrame:
+        """``crops.parquet``, with the crops of hidden photos."""
+        return read_parquet(self.files.crops)[0]
+
+    @cached_property
+    def library(self) -> TextureLibrary:
+        """The tiles to retrieve from."""
+        if self.files.library is None:
+            raise InputError("a texture library", "none", house=self.files.house_id)
+        return read_library(self.files.library)
+
+    @cached_property
+    def pool(self) -> list[PoolCrop]:
+        """Crops of other houses; none where none are pooled."""
+        path = self.files.crop_pool
+        return read_pool(path, but=self.files.house_id) if path else []
+
+    def at(
+        self, visible: Visible, models: Mapping[str, Path], settings: TextureSettings
+    ) -> TextureInputs:
+        """Return what there is to make tiles from at a drop."""
+        hidden = set(visible.hidden_photos)
+        rows = read_parquet(visible.propagated)[0].itertuples()
+        crops = (Crop.of(row) for row in self.crops.itertuples() if row.photo not in hidden)
+        surfaces = tuple(KnownSurface.of(row) for row in rows)
+        return TextureInputs(self, surfaces, tuple(crops), models, settings)
+
+
+@dataclass(frozen=True, eq=False)
+class TextureInputs:
+    """What a method makes tiles from.
+
+    Attributes
+    ----------
+    data : HouseData
+        Gives the plan, the library and the crops of other houses.
+    surfaces : tuple of KnownSurface
+        Those that want a tile.
+    crops : tuple of Crop
+        Crops of visible photos, in the file's order.
+    models : mapping
+        Weight files by name (``texture``, ``naivesynth``).
+    settings : TextureSettings
+    decoded : dict
+        Tiles that were decoded by now, by weights and embedding: methods share them.
+    """
+
+    data: HouseData
+    surfaces: tuple[KnownSurface, ...]
+    crops: tuple[Crop, ...]
+    models: Mapping[str, Path]
+    settings: TextureSettings
+    decoded: dict[tuple[str, str], Mapping[SurfaceKey, Any]] = field(
+        default_factory=dict, init=False
+    )
+
+    @property
+    def house(self) -> House:
+        """The plan."""
+        return self.data.house
+
+    def only(self, keys: Container[SurfaceKey]) -> TextureInputs:
+        """Return the inputs of some surfaces alone: what nobody looks at is not made."""
+        return replace(self, surfaces=tuple(s for s in self.surfaces if s.key in keys))
