@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -108,10 +108,14 @@ class KnownSurface:
 
 
 class HouseData:
-    """The plan and tables behind :class:`HouseFiles`, each read once, when first asked for."""
+    """The plan and tables behind :class:`HouseFiles`, each read once, when first asked for.
+
+    `exemplars` are those made by now: many a surface shows the same crops at several drops.
+    """
 
     def __init__(self, files: HouseFiles) -> None:
         self.files = files
+        self.exemplars: dict[Hashable, Any] = {}
 
     @cached_property
     def house(self) -> House:

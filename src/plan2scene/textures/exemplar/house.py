@@ -11,7 +11,7 @@ Each tile's source says which way it went.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -25,7 +25,8 @@ from plan2scene.colour import (
     srgb_to_linear,
 )
 from plan2scene.house import SurfaceKey
-from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+from plan2scene.textures.baselines.nearest import Crop
+from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import NoTile, Tile
 
@@ -42,9 +43,7 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     own: dict[SurfaceKey, Tile] = {}
     tiles: dict[SurfaceKey, Tile | NoTile] = {}
     for key, group in _crops_by_surface(inputs).items():
-        # The colour that the surface was given goes for all methods, so for the choice of crops.
-        tone = surfaces[key].tone
-        made = make_exemplar(group, size_px=inputs.settings.size_px, tone=tone)
+        made = _exemplar(inputs, group, surfaces[key].tone)
         if made is None:
             tiles[key] = NoTile(f"none of {len(group)} crops is sharp enough")
         else:
@@ -58,15 +57,31 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     return tiles
 
 
-def _crops_by_surface(inputs: TextureInputs) -> dict[SurfaceKey, list[ExemplarCrop]]:
+def _crops_by_surface(inputs: TextureInputs) -> dict[SurfaceKey, list[Crop]]:
     """Return the crops of each surface, in the file's order."""
-    found: dict[SurfaceKey, list[ExemplarCrop]] = {}
+    found: dict[SurfaceKey, list[Crop]] = {}
     wanted = {surface.key for surface in inputs.surfaces}
     for crop in inputs.crops:
         if crop.key in wanted:
-            known = ExemplarCrop(crop.image(), crop.metres, crop.sharpness)
-            found.setdefault(crop.key, []).append(known)
+            found.setdefault(crop.key, []).append(crop)
     return found
+
+
+def _exemplar(
+    inputs: TextureInputs, crops: Sequence[Crop], tone: np.ndarray | None
+) -> Exemplar | None:
+    """Return the exemplar of a surface's crops, which is made once; None if they are too poor.
+
+    The colour that the surface was given goes for all methods, so for the choice of crops.
+    """
+    size_px = inputs.settings.size_px
+    names = tuple(crop.crop_id for crop in crops)
+    made, key = inputs.data.exemplars, (names, size_px, None if tone is None else tuple(tone))
+    if key not in made:
+        known = [ExemplarCrop(crop.image(), crop.metres, crop.sharpness) for crop in crops]
+        made[key] = make_exemplar(known, size_px=size_px, tone=tone)
+    exemplar: Exemplar | None = made[key]
+    return exemplar
 
 
 def _nearest(
