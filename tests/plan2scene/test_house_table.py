@@ -1,11 +1,8 @@
-import json
-
 import pytest
 
 from plan2scene.datasets.house_table import (
     check_metrics,
     check_official,
-    hidden_photo_names,
     load_houses,
     photo_paths,
 )
@@ -36,26 +33,6 @@ def test_only_photos_that_exist_inside_the_folder(tmp_path):
     (folder / "a.jpg").write_text("")
     (tmp_path / "secret.jpg").write_text("")
     assert photo_paths(folder, ["a.jpg", "b.jpg", "../secret.jpg"]) == [folder / "a.jpg"]
-
-
-def test_hidden_photos_come_from_the_data_set(tmp_path):
-    path = tmp_path / "unobserved_photos.json"
-    path.write_text(json.dumps({"0.0": [], "0.6": ["a.jpg", "other.jpg"]}))
-    photos = ["b.jpg", "a.jpg"]
-    assert hidden_photo_names(path, "0.6", photos, seed=0, house="h") == ["a.jpg"]
-    assert hidden_photo_names(path, "0.0", photos, seed=0, house="h") == []
-    with pytest.raises(InputError, match=r"fraction 0\.4"):
-        hidden_photo_names(path, "0.4", photos, seed=0, house="h")
-
-
-def test_without_a_list_photos_are_hidden_by_seed_and_nested(tmp_path):
-    photos = [f"{i}.jpg" for i in range(10)]
-    hidden = {
-        drop: set(hidden_photo_names(tmp_path / "no.json", drop, photos, seed=0, house="h"))
-        for drop in ("0.2", "0.6", "1.0")
-    }
-    assert [len(names) for names in hidden.values()] == [2, 6, 10]
-    assert hidden["0.2"] < hidden["0.6"] < hidden["1.0"]
 
 
 def test_official_weights_need_their_checkpoints(tmp_path):

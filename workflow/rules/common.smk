@@ -8,14 +8,14 @@ from pathlib import Path
 import pandas as pd
 
 from plan2scene.config import check_config
+from plan2scene.datasets import read_unobserved
+from plan2scene.datasets.drops import hidden_photos
 from plan2scene.datasets.layout import find_layout
 from plan2scene.datasets.table import SPLITS
-from plan2scene.evaluation.drops import hidden_at
 from plan2scene.datasets.house_table import (
     check_metrics,
     check_official,
     chosen_crops,
-    hidden_photo_names,
     load_houses,
     photo_paths,
     table_of,
@@ -55,6 +55,10 @@ try:
     # Whose crops the copying methods may take where their own house has none.
     POOL_HOUSES = list(
         ALL_HOUSES.index[ALL_HOUSES["split"].isin(config["textures"]["crop_pool"])]
+    )
+    # Photos hidden at drop fractions, where the data set says so.
+    UNOBSERVED = (
+        read_unobserved(LAYOUT.unobserved) if LAYOUT.unobserved.is_file() else None
     )
     MEANS_HOUSES = (
         list(load_houses(TABLE, splits=config["official"]["means_splits"]).index)
@@ -103,15 +107,11 @@ def photos_of(wildcards):
     return [str(path) for path in photo_paths(LAYOUT.photos, photo_names_of(wildcards))]
 
 
-def hidden_photos(wildcards):
+def hidden_at(drop, wildcards):
     """Return the photos of a house that are hidden at a drop fraction, sorted."""
-    return hidden_photo_names(
-        LAYOUT.unobserved,
-        wildcards.drop,
-        photo_names_of(wildcards),
-        seed=config["seed"],
-        house=wildcards.house,
-    )
+    photos = photo_names_of(wildcards)
+    house = wildcards.house
+    return hidden_photos(UNOBSERVED, drop, photos, seed=config["seed"], house=house)
 
 
 def model_of(name):
@@ -223,20 +223,7 @@ def crop_pool_of(wildcards):
 
 def hidden_at_drops(drops):
     """Return an input function: drop fraction to the photos of a house hidden at it."""
-
-    def hidden(wildcards):
-        return {
-            drop: hidden_at(
-                LAYOUT.unobserved,
-                drop,
-                photo_names_of(wildcards),
-                seed=config["seed"],
-                house=wildcards.house,
-            )
-            for drop in drops
-        }
-
-    return hidden
+    return lambda wildcards: {drop: hidden_at(drop, wildcards) for drop in drops}
 
 
 def study_answers_of(wildcards):

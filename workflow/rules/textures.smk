@@ -66,7 +66,7 @@ rule textures:
     resources:
         mem_mb=1500,
     params:
-        hidden=hidden_photos,
+        hidden=lambda wildcards: hidden_at(wildcards.drop, wildcards),
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
         seam_correction=lambda wildcards: seam_correction(wildcards.method),

@@ -1,4 +1,4 @@
-"""What the workflow reads while it builds its job graph: the house table and hidden photos.
+"""What the workflow reads while it builds its job graph: the house table.
 
 Nothing of a house itself is opened here but its photo table, and that only where the house table
 is worked out from the data lists; a fault of one house is its own jobs' to report.
@@ -10,11 +10,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from plan2scene.datasets import make_house_table, read_house_table, read_unobserved
+from plan2scene.datasets import make_house_table, read_house_table
 from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.errors import InputError
 from plan2scene.io import safe_join
-from plan2scene.seeds import generator
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -128,25 +127,3 @@ def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:
         if path.is_file():
             found.append(path)
     return found
-
-
-def hidden_photo_names(
-    path: Path, drop: str, photos: Sequence[str], *, seed: int, house: str
-) -> list[str]:
-    """Return the photos of one house that are hidden at drop fraction `drop` (``"0.6"``), sorted.
-
-    From ``unobserved_photos.json`` when the data set has one with that fraction, else that share
-    of the house's photos by a seeded order (nested: what 0.2 hides, 0.4 hides too).
-    """
-    fraction = float(drop)
-    if fraction == 0.0:
-        return []
-    if path.is_file():
-        table = read_unobserved(path)
-        if drop not in table:
-            raise InputError(f"fraction {drop}", f"only {', '.join(sorted(table))}", file=path)
-        return sorted(set(photos) & set(table[drop]))
-    order = generator(seed, "hidden_photos", house).permutation(len(photos))
-    count = round(fraction * len(photos))
-    names = sorted(photos)
-    return sorted(names[i] for i in order[:count])

@@ -15,8 +15,10 @@ from plan2scene.datasets import (
     make_house_table,
     read_assignment,
     read_house_table,
+    read_unobserved,
 )
-from plan2scene.datasets.house_table import chosen_crops, hidden_photo_names, load_houses, table_of
+from plan2scene.datasets.drops import hidden_photos
+from plan2scene.datasets.house_table import chosen_crops, load_houses, table_of
 from plan2scene.datasets.layout import find_layout
 from plan2scene.errors import InputError
 from plan2scene.floorplans import (
@@ -123,8 +125,8 @@ def test_splits_and_hidden_photos(copy, tmp_path):
     assert list(load_houses(table, splits=["test"]).index) == ["home_test_0", "home_test_1"]
     assert list(load_houses(table, splits=["train", "val"]).index) == ["home_train_0", "home_val_0"]
     hidden = [
-        hidden_photo_names(
-            find_layout(copy).unobserved,
+        hidden_photos(
+            read_unobserved(find_layout(copy).unobserved),
             drop,
             [f"home_test_0_{k}.png" for k in range(3)],
             seed=0,

@@ -1,15 +1,12 @@
 """The sweep: photos hidden at any fraction, and figures that are those of the stages."""
 
 import csv
-import json
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from plan2scene.evaluation.aggregate import TableRequest
-from plan2scene.evaluation.drops import SWEEP_DROPS, hidden_at
 from plan2scene.evaluation.houses import propagated_at
 from plan2scene.evaluation.measure import reference_images
 from plan2scene.evaluation.sweep import sweep_house, sweep_table
@@ -21,36 +18,6 @@ from plan2scene.textures.methods import METHODS
 from plan2scene.textures.stage import make_textures
 
 HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}
-NAMES = [f"{i}.jpg" for i in range(10)]
-
-
-def _hidden(path, drop):
-    return hidden_at(path, drop, NAMES, seed=0, house="h")
-
-
-def test_fractions_of_the_list_are_the_list_s(tmp_path):
-    path = tmp_path / "unobserved_photos.json"
-    path.write_text(json.dumps({"0.2": ["3.jpg", "7.jpg", "other.jpg"], "0.6": NAMES[2:8]}))
-    assert _hidden(path, "0.2") == ["3.jpg", "7.jpg"]
-    assert _hidden(path, "0.6") == NAMES[2:8]
-
-
-def test_other_fractions_lie_between_and_are_nested(tmp_path):
-    path = tmp_path / "unobserved_photos.json"
-    path.write_text(json.dumps({"0.2": ["3.jpg", "7.jpg"], "0.6": NAMES[2:8]}))
-    hidden = {drop: set(_hidden(path, drop)) for drop in SWEEP_DROPS}
-    assert [len(hidden[drop]) for drop in SWEEP_DROPS] == [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10]
-    for smaller, larger in pairwise(SWEEP_DROPS):
-        assert hidden[smaller] < hidden[larger]
-    assert _hidden(path, "0.4") == _hidden(path, "0.4")
-
-
-def test_without_a_list_the_stages_fractions_hold(tmp_path):
-    assert [len(_hidden(tmp_path / "none.json", drop)) for drop in ("0.0", "0.3", "1.0")] == [
-        0,
-        3,
-        10,
-    ]
 
 
 @pytest.fixture(scope="module")

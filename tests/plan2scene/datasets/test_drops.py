@@ -1,0 +1,33 @@
+"""Photos that are hidden at a drop fraction, with and without the data set's list."""
+
+from itertools import pairwise
+
+from plan2scene.datasets.drops import SWEEP_DROPS, hidden_photos
+
+NAMES = [f"{i}.jpg" for i in range(10)]
+LISTED = {"0.0": [], "0.2": ["3.jpg", "7.jpg", "other.jpg"], "0.6": NAMES[2:8]}
+
+
+def _hidden(listed, drop, house="h"):
+    return hidden_photos(listed, drop, NAMES, seed=0, house=house)
+
+
+def test_fractions_of_the_list_are_the_list_s():
+    assert _hidden(LISTED, "0.0") == []
+    assert _hidden(LISTED, "0.2") == ["3.jpg", "7.jpg"]
+    assert _hidden(LISTED, "0.6") == NAMES[2:8]
+
+
+def test_other_fractions_lie_between_and_are_nested():
+    hidden = {drop: set(_hidden(LISTED, drop)) for drop in SWEEP_DROPS}
+    assert [len(names) for names in hidden.values()] == list(range(11))
+    for smaller, larger in pairwise(SWEEP_DROPS):
+        assert hidden[smaller] < hidden[larger]
+
+
+def test_without_a_list_photos_are_hidden_by_seed_and_nested():
+    hidden = {drop: set(_hidden(None, drop)) for drop in SWEEP_DROPS}
+    assert [len(names) for names in hidden.values()] == list(range(11))
+    for smaller, larger in pairwise(SWEEP_DROPS):
+        assert hidden[smaller] < hidden[larger]
+    assert _hidden(None, "0.6", house="another") != _hidden(None, "0.6")
