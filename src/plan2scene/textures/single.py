@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from plan2scene.house import House, Room, SurfaceKey
-from plan2scene.io import png_bytes
+from plan2scene.images import png_bytes
 from plan2scene.textures.baselines.nearest import Crop, PoolCrop
 from plan2scene.textures.baselines.retrieval import TextureLibrary, generated_library
 from plan2scene.textures.inputs import (

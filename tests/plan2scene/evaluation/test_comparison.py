@@ -9,7 +9,8 @@ from plan2scene.evaluation.comparison import compare_house
 from plan2scene.evaluation.houses import EvaluatedHouse, propagated_at
 from plan2scene.evaluation.measure import measure_tiles, reference_images
 from plan2scene.house import SurfaceKey
-from plan2scene.io import read_image, read_json, read_parquet
+from plan2scene.images import read_image
+from plan2scene.io import read_json, read_parquet
 from plan2scene.textures.inputs import HouseData, TextureSettings, Visible
 from plan2scene.textures.methods import METHODS
 from plan2scene.textures.stage import make_textures

@@ -6,7 +6,8 @@ import pytest
 import torch
 
 from plan2scene.house import SUBSTANCES
-from plan2scene.io import png_bytes, read_parquet, write_parquet
+from plan2scene.images import png_bytes
+from plan2scene.io import read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.textures.model.embedding import embed_crops, make_embeddings
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
