@@ -2,7 +2,7 @@
 
     python benchmarks/texture_gallery.py results/demo --by exemplar --output gallery.jpg
 
-Reads the textures at drop 0.0 and the crops of every house under the results folder; rows are
+Reads the compared textures at drop 0.0 and the crops of every house under the results folder; rows are
 drawn as in a house's texture sheet. Prints COLOR of the rows shown and its quantiles.
 """
 
@@ -12,16 +12,15 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.evaluation.texture_sheet import SheetRow, draw_sheet, ranked, sheet_rows
+from plan2scene.textures.methods import METHODS
 
-METHODS = ("crop", "retrieve", "naivesynth", "synth", "synth-large", "exemplar")
 
-
-def observed_rows(results: Path, methods: list[str]) -> dict[str, SheetRow]:
+def observed_rows(results: Path) -> dict[str, SheetRow]:
     """Return the observed surfaces of all houses as rows, by a name of house and surface."""
     rows = {}
-    for folder in sorted((results / "drop_0.0" / methods[0]).iterdir()):
-        house = folder.name
-        textures = {m: results / "drop_0.0" / m / house / "textures" for m in methods}
+    for folder in sorted(results.glob("houses/*/comparison/0.0")):
+        house = folder.parents[1].name
+        textures = {name: folder / name for name in METHODS if (folder / name).is_dir()}
         crops = results / "houses" / house / "crops.parquet"
         for key, row in sheet_rows(textures, crops, []).items():
             if "observed" in row.title:
@@ -37,8 +36,7 @@ def main() -> None:
     parser.add_argument("--each", type=int, default=3)
     parser.add_argument("--output", type=Path, required=True)
     options = parser.parse_args()
-    methods = [m for m in METHODS if (options.results / "drop_0.0" / m).is_dir()]
-    rows = observed_rows(options.results, methods)
+    rows = observed_rows(options.results)
     order = ranked(rows, options.by)
     middle = (len(order) - options.each) // 2
     each = options.each

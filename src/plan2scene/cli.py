@@ -24,7 +24,9 @@ def _method(name: str) -> str:
     return name
 
 
-_METHOD_NAMES = f"[{'|'.join(METHODS)}]"
+def _method_names() -> str:
+    """Return the names of the texture methods as help shows them."""
+    return f"[{'|'.join(METHODS)}]"
 
 
 def _house_id(plan: Path, given: str | None) -> str:
@@ -44,7 +46,7 @@ def run_house(
         Path | None, typer.Option(help="Folder of the photos; default: beside the table.")
     ] = None,
     method: Annotated[
-        str, typer.Option(parser=_method, metavar=_METHOD_NAMES, help="How textures are made.")
+        str, typer.Option(parser=_method, metavar=_method_names(), help="How textures are made.")
     ] = "exemplar",
     cores: Annotated[int, typer.Option(min=1)] = 2,
     house: Annotated[str | None, typer.Option(help="House id; default: the plan's name.")] = None,
@@ -104,7 +106,7 @@ def make_texture(
     crops: Annotated[list[Path], typer.Argument(help="Crops of one surface.")],
     out: Annotated[Path, typer.Option(help="The tile (PNG).")],
     method: Annotated[
-        str, typer.Option(parser=_method, metavar=_METHOD_NAMES, help="How the tile is made.")
+        str, typer.Option(parser=_method, metavar=_method_names(), help="How the tile is made.")
     ] = "exemplar",
     size: Annotated[int, typer.Option(min=64, max=1024, help="Pixels of the tile.")] = 128,
     seed: Annotated[int, typer.Option(min=0)] = 0,

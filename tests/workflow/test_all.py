@@ -30,9 +30,14 @@ def test_every_house_has_its_files(made):
         assert Image.open(folder / "preview.png").size[0] > 400
         assert Image.open(folder / "contact_sheet.png").size[0] > 1000
         assert Image.open(folder / "texture_sheet.png").size[0] > 1000
-        textures = made.root / "results/tiny/drop_0.0/synth" / house / "textures"
-        names = {path.stem for path in textures.glob("*.png")}
+        own = made.root / "results/tiny/drop_0.0/exemplar" / house / "textures"
+        names = {path.stem for path in own.glob("*.png")}
         assert names == {key.filename for key in plan.surface_keys()}
+        # The same tiles by both ways that make them.
+        compared = folder / "comparison/0.0"
+        assert {path.name for path in compared.iterdir()} == METHODS
+        for path in (*own.glob("*.png"), own / "textures.json"):
+            assert path.read_bytes() == (compared / "exemplar" / path.name).read_bytes()
 
 
 def test_floors_and_walls_of_the_glb_have_the_plans_areas(made):

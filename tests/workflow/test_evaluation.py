@@ -35,22 +35,31 @@ def test_a_house_is_made_without_the_comparison(bare):
 
 def test_one_method_of_one_house_can_be_asked_for(bare):
     house = bare.houses()[0]
-    compared = bare.jobs(f"results/tiny/drop_0.6/crop/{house}/textures")
-    assert ("comparison", house) in compared
-    # A method of the study alone is a job of its own.
-    alone = bare.jobs(
-        f"results/tiny/drop_0.6/retrieve/{house}/textures", "--config", "methods=[crop]"
-    )
-    assert ("textures", house) in alone
-    assert "comparison" not in {rule for rule, _ in alone}
+    for drop, method in (("0.6", "crop"), ("0.0", "projection")):
+        jobs = bare.jobs(f"results/tiny/drop_{drop}/{method}/{house}/textures")
+        rules = Counter(rule for rule, _ in jobs)
+        assert rules["textures"] == rules["texture_library"] == 1
+        assert "comparison" not in rules
+    # A method that takes no tile of the library does not wait for it.
+    jobs = bare.jobs(f"results/tiny/drop_0.6/synth/{house}/textures")
+    assert "texture_library" not in {rule for rule, _ in jobs}
 
 
 def test_the_study_needs_the_textures_of_its_methods_alone(bare, tmp_path):
     config = tmp_path / "study.yaml"
     config.write_text("study: {houses: 1, pairs: [[projection, medoid_colour]]}\n")
     jobs = bare.jobs("study", "--configfile", "config/config.yaml", str(config))
-    assert Counter(rule for rule, _ in jobs)["textures"] == 2
+    rules = Counter(rule for rule, _ in jobs)
+    assert rules["textures"] == 2 and "comparison" not in rules
     assert len({house for _, house in jobs if house}) == 1
+
+
+def test_the_study_takes_from_the_comparison_what_is_compared(bare, tmp_path):
+    config = tmp_path / "study.yaml"
+    config.write_text("study: {houses: 1, pairs: [[synth, crop], [synth, projection]]}\n")
+    jobs = bare.jobs("study", "--configfile", "config/config.yaml", str(config))
+    rules = Counter(rule for rule, _ in jobs)
+    assert rules["textures"] == rules["comparison"] == 1
 
 
 def test_without_answers_the_study_has_no_result(bare):

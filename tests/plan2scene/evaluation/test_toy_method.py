@@ -1,0 +1,111 @@
+"""A new texture method is one registration: command line, configuration, tables follow."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from plan2scene import cli
+from plan2scene.config import check_config
+from plan2scene.errors import InputError
+from plan2scene.evaluation.comparison import compare_house
+from plan2scene.evaluation.houses import propagated_at
+from plan2scene.evaluation.paper_table import TableRequest, paper_table
+from plan2scene.images import read_image, write_png
+from plan2scene.io import read_json
+from plan2scene.textures.inputs import Visible
+from plan2scene.textures.methods import METHODS, TextureMethod, methods_table, register
+from plan2scene.textures.tiles import Tile
+
+ROOT = Path(__file__).parents[3]
+
+
+def _grey(inputs):
+    """Make tiles as bright as the surface's first crop, grey where it has none."""
+    tiles = {}
+    for surface in inputs.surfaces:
+        own = [crop for crop in inputs.crops if crop.key == surface.key]
+        level = own[0].image().mean() if own else 128
+        size = inputs.settings.size_px
+        tiles[surface.key] = Tile(np.full((size, size, 3), level, np.uint8), 1.0, "toy", True)
+    return tiles
+
+
+@pytest.fixture
+def toy():
+    register(TextureMethod("toy", "a grey as bright as its crop", "grey", _grey))
+    yield "toy"
+    del METHODS["toy"]
+
+
+def test_the_command_line_has_it(toy, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")
+    write_png(tmp_path / "crop.png", np.full((90, 90, 3), 77, np.uint8))
+    command = ["texture", str(tmp_path / "crop.png"), "--out", str(tmp_path / "tile.png")]
+    made = CliRunner().invoke(cli.app, [*command, "--method", toy])
+    assert made.exit_code == 0, made.output
+    assert np.array_equal(read_image(tmp_path / "tile.png"), np.full((128, 128, 3), 77))
+    refused = CliRunner().invoke(cli.app, [*command, "--method", "magic"])
+    assert refused.exit_code == 2
+    helps = [CliRunner().invoke(cli.app, [name, "--help"]).output for name in ("texture", "run")]
+    for text in (refused.output, *helps):
+        assert re.search(r"\btoy\b", text)
+
+
+def _config(name):
+    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
+    config["methods"] = ["crop", name]
+    config["house"]["method"] = name
+    config["study"]["pairs"] = [[name, "crop"]]
+    config["textures"]["seam_correction"] = {name: True}
+    return config
+
+
+def test_the_configuration_may_name_it(toy):
+    check_config(_config(toy))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("methods", ["magic"]),
+        ("house", {"method": "magic"}),
+        ("study", {"houses": 1, "pairs": [["magic", "crop"]], "answers": None}),
+    ],
+)
+def test_a_name_that_nobody_registered_is_refused_in_one_line(key, value):
+    with pytest.raises(InputError, match=rf"{key}.*'magic' is not one of") as error:
+        check_config(_config("synth") | {key: value})
+    assert "\n" not in str(error.value)
+
+
+def test_a_name_is_registered_once(toy):
+    with pytest.raises(ValueError, match="toy twice"):
+        register(METHODS[toy])
+
+
+def test_the_comparison_and_the_paper_s_table_have_it(toy, house, embeddings, references, tmp_path):
+    _, propagated = propagated_at(house, embeddings, [], tmp_path)
+    metrics = tmp_path / "metrics.parquet"
+    bare = replace(house, files=replace(house.files, library=None))  # it asks for none
+    compare_house(bare, {"0.0": Visible(propagated)}, [toy], tmp_path / "tiles", metrics)
+    listing = read_json(tmp_path / "tiles" / "0.0" / toy / "textures.json")
+    assert (listing["method"], len(listing["surfaces"])) == (toy, 12)
+    paths = [tmp_path / f"table.{suffix}" for suffix in ("csv", "parquet", "png")]
+    request = TableRequest("d", ("h1",), (toy,), "0.0", 0)
+    paper_table([metrics], [references], *paths, request=request)
+    rows = pd.read_csv(paths[0])
+    assert set(rows["method"]) == {toy}
+    assert rows["n"].tolist() == [4, 0, 4]
+
+
+def test_the_docs_table_is_the_registry_s(toy):
+    assert "| `toy` | a grey as bright as its crop | grey | crops | left | one |" in methods_table()
+    del METHODS[toy]
+    assert methods_table() in (ROOT / "docs" / "textures.md").read_text()
+    register(TextureMethod(toy, "", "", _grey))
