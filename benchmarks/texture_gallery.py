@@ -2,16 +2,18 @@
 
     python benchmarks/texture_gallery.py results/demo --by exemplar --output gallery.jpg
 
-Reads the compared textures at drop 0.0 and the crops of every house under the results folder; rows are
-drawn as in a house's texture sheet. Prints COLOR of the rows shown and its quantiles.
+Reads the compared textures at drop 0.0 and the crops of every house under the results folder;
+rows are drawn as in a house's texture sheet. Prints COLOR of the rows shown and its quantiles.
 """
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
-from plan2scene.evaluation.texture_sheet import SheetRow, draw_sheet, ranked, sheet_rows
+from plan2scene.evaluation.texture_sheet import SheetRow, draw_sheet, sheet_rows
 from plan2scene.textures.methods import METHODS
 
 
@@ -27,6 +29,15 @@ def observed_rows(results: Path) -> dict[str, SheetRow]:
                 title = (house, *row.title[:3])
                 rows[f"{house}/{key.filename}"] = SheetRow(title, row.reference, row.tiles)
     return rows
+
+
+def ranked(rows: Mapping[str, SheetRow], method: str) -> pd.DataFrame:
+    """Return ``name, color`` of all rows that have a reference, best COLOR of a method first."""
+    frame = pd.DataFrame(
+        [(name, row.color(method)) for name, row in rows.items() if row.reference is not None],
+        columns=["name", "color"],
+    )
+    return frame.sort_values(["color", "name"], ignore_index=True)
 
 
 def main() -> None:

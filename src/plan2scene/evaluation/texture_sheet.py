@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -14,9 +13,6 @@ from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.images import metric_image, read_image
 from plan2scene.io import atomic_path, read_json, read_parquet
 from plan2scene.metrics.color import color_distance
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _CELL, _GAP, _LABEL, _HEAD, _CAPTION = 192, 8, 132, 26, 16
 _PAPER, _INK, _PALE = (250, 250, 250), (25, 25, 25), (225, 225, 225)
@@ -143,14 +139,3 @@ def _paste(
 def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     """Return Pillow's own font at a size in pixels."""
     return ImageFont.load_default(size=size)
-
-
-def ranked(rows: Mapping[str, SheetRow], method: str) -> pd.DataFrame:
-    """Return ``name, color`` of all rows that have a reference, best COLOR of a method first."""
-    import pandas as pd
-
-    frame = pd.DataFrame(
-        [(name, row.color(method)) for name, row in rows.items() if row.reference is not None],
-        columns=["name", "color"],
-    )
-    return frame.sort_values(["color", "name"], ignore_index=True)

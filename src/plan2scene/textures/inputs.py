@@ -21,6 +21,8 @@ from plan2scene.textures.baselines.retrieval import TextureLibrary, read_library
 if TYPE_CHECKING:
     import pandas as pd
 
+    from plan2scene.textures.tiles import Tile
+
 
 @dataclass(frozen=True)
 class HouseFiles:
@@ -167,7 +169,7 @@ class TextureInputs:
         Weight files by name (``texture``, ``naivesynth``).
     settings : TextureSettings
     decoded : dict
-        Tiles that were decoded by now, by weights and embedding: methods share them.
+        Tiles that were decoded by now, by method: others start from them.
     """
 
     data: HouseData
@@ -175,9 +177,7 @@ class TextureInputs:
     crops: tuple[Crop, ...]
     models: Mapping[str, Path]
     settings: TextureSettings
-    decoded: dict[tuple[str, str], Mapping[SurfaceKey, Any]] = field(
-        default_factory=dict, init=False
-    )
+    decoded: dict[str, Mapping[SurfaceKey, Tile]] = field(default_factory=dict, init=False)
 
     @property
     def house(self) -> House:

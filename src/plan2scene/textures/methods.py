@@ -1,14 +1,14 @@
 """The texture methods: one registry for command line, configuration, workflow, stage and docs.
 
-A new method is a maker and one :func:`register`. A maker imports what it needs when it runs, so
-that the names cost nothing.
+A new method is a maker with a :func:`register`. A maker imports what it needs when it runs, so that
+the names cost nothing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from plan2scene.errors import InputError
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
     #: Makes the tiles of a house's surfaces, or says why there is none of one.
     Maker: TypeAlias = Callable[[TextureInputs], Mapping[SurfaceKey, Tile | NoTile]]
+
+
+_Maker = TypeVar("_Maker", bound="Maker")
 
 
 @dataclass(frozen=True)
@@ -71,11 +74,19 @@ class TextureMethod:
 METHODS: dict[str, TextureMethod] = {}
 
 
-def register(method: TextureMethod) -> None:
-    """Add a method; ValueError where its name is taken."""
-    if method.name in METHODS:
-        raise ValueError(f"expected a new name, found method {method.name} twice")
-    METHODS[method.name] = method
+def register(name: str, summary: str, unobserved: str, **needs: Any) -> Callable[[_Maker], _Maker]:
+    """Return a decorator that registers a maker as a method; arguments of TextureMethod.
+
+    ValueError where the name is taken.
+    """
+
+    def registered(make: _Maker) -> _Maker:
+        if name in METHODS:
+            raise ValueError(f"expected a new name, found method {name} twice")
+        METHODS[name] = TextureMethod(name, summary, unobserved, make, **needs)
+        return make
+
+    return registered
 
 
 def method_named(name: str) -> TextureMethod:
@@ -99,137 +110,104 @@ def methods_table() -> str:
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)
 
 
+_COPIED = {"library": True, "crop_pool": True}
+
+
+@register("crop", "its reference crop, the medoid", "a crop of another surface", **_COPIED)
 def _crop(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
     from plan2scene.textures.baselines.copying import crop_tiles
 
     return crop_tiles(inputs)
 
 
+@register(
+    "retrieve",
+    "the tile nearest to its reference crop",
+    "the tile nearest to a crop of another surface",
+    **_COPIED,
+)
 def _retrieve(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
     from plan2scene.textures.baselines.copying import retrieved_tiles
 
     return retrieved_tiles(inputs)
 
 
-def _medoid_colour(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
-    from plan2scene.textures.baselines.copying import flat_tiles
-
-    return flat_tiles(inputs)
-
-
-def _projection(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
-    from plan2scene.textures.baselines.copying import projected_tiles
-
-    return projected_tiles(inputs)
-
-
+@register(
+    "naivesynth",
+    "decoded from the mean code of its crops by the unmodified model",
+    "decoded from the mean of its room type",
+    model="naivesynth",
+    embedding="naive_embedding",
+    seam_correction=True,
+    noise=True,
+)
 def _naivesynth(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
     from plan2scene.textures.decoding import decoded_tiles
 
-    return decoded_tiles(inputs, METHODS["naivesynth"])
+    return decoded_tiles(inputs, "naivesynth")
 
 
+@register(
+    "synth",
+    "decoded from the code of its best crop (the paper's)",
+    "decoded from the propagated embedding",
+    model="texture",
+    embedding="embedding",
+    seam_correction=True,
+    noise=True,
+)
 def _synth(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
     from plan2scene.textures.decoding import decoded_tiles
 
-    return decoded_tiles(inputs, METHODS["synth"])
+    return decoded_tiles(inputs, "synth")
 
 
+@register(
+    "synth-large",
+    "as synth, then with the colours and the spectrum of that crop",
+    "as synth",
+    model="texture",
+    embedding="embedding",
+    seam_correction=True,
+)
 def _synth_large(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
     from plan2scene.textures.constrained import constrained_tiles
-    from plan2scene.textures.decoding import decoded_tiles
 
-    return constrained_tiles(inputs, decoded_tiles(inputs, METHODS["synth"]))
+    return constrained_tiles(inputs, _synth(inputs))
 
 
+@register(
+    "exemplar",
+    "quilted from its crops; as synth where they are too poor",
+    "the house's nearest exemplar; as synth where none is near",
+    seam_correction=True,
+    fallback="synth",
+)
 def _exemplar(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile | NoTile]:
     from plan2scene.textures.exemplar.house import exemplar_tiles
 
     return exemplar_tiles(inputs)
 
 
-register(
-    TextureMethod(
-        "crop",
-        "its reference crop, the medoid",
-        "a crop of another surface",
-        _crop,
-        library=True,
-        crop_pool=True,
-    )
+@register(
+    "medoid_colour",
+    "the median colour of its reference crop (IM2CAD)",
+    "the median colour of a crop of another surface",
+    **_COPIED,
 )
-register(
-    TextureMethod(
-        "retrieve",
-        "the tile nearest to its reference crop",
-        "the tile nearest to a crop of another surface",
-        _retrieve,
-        library=True,
-        crop_pool=True,
-    )
+def _medoid_colour(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
+    from plan2scene.textures.baselines.copying import flat_tiles
+
+    return flat_tiles(inputs)
+
+
+@register(
+    "projection",
+    "its largest crop, stretched over it (Rent3D)",
+    "a crop of another surface, stretched over it",
+    **_COPIED,
 )
-register(
-    TextureMethod(
-        "naivesynth",
-        "decoded from the mean code of its crops by the unmodified model",
-        "decoded from the mean of its room type",
-        _naivesynth,
-        model="naivesynth",
-        embedding="naive_embedding",
-        seam_correction=True,
-        noise=True,
-    )
-)
-register(
-    TextureMethod(
-        "synth",
-        "decoded from the code of its best crop (the paper's)",
-        "decoded from the propagated embedding",
-        _synth,
-        model="texture",
-        embedding="embedding",
-        seam_correction=True,
-        noise=True,
-    )
-)
-register(
-    TextureMethod(
-        "synth-large",
-        "as synth, then with the colours and the spectrum of that crop",
-        "as synth",
-        _synth_large,
-        model="texture",
-        embedding="embedding",
-        seam_correction=True,
-    )
-)
-register(
-    TextureMethod(
-        "exemplar",
-        "quilted from its crops; as synth where they are too poor",
-        "the house's nearest exemplar; as synth where none is near",
-        _exemplar,
-        seam_correction=True,
-        fallback="synth",
-    )
-)
-register(
-    TextureMethod(
-        "medoid_colour",
-        "the median colour of its reference crop (IM2CAD)",
-        "the median colour of a crop of another surface",
-        _medoid_colour,
-        library=True,
-        crop_pool=True,
-    )
-)
-register(
-    TextureMethod(
-        "projection",
-        "its largest crop, stretched over it (Rent3D)",
-        "a crop of another surface, stretched over it",
-        _projection,
-        library=True,
-        crop_pool=True,
-    )
-)
+def _projection(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
+    from plan2scene.textures.baselines.copying import projected_tiles
+
+    return projected_tiles(inputs)

@@ -8,9 +8,7 @@ import pytest
 from PIL import Image
 
 from plan2scene.evaluation.texture_sheet import (
-    SheetRow,
     draw_sheet,
-    ranked,
     sheet_rows,
     write_texture_sheet,
 )
@@ -57,12 +55,3 @@ def test_the_picture_has_a_column_for_each_method(house):
     red, blue = ((page == np.array(c)).all(2).any(0).sum() for c in ((200, 30, 30), (30, 30, 200)))
     assert red == 2 * 192 and blue == 192  # reference and synth; exemplar
     assert draw_sheet("nothing", []).size[0] > 100
-
-
-def test_ranking_leaves_out_what_has_no_reference():
-    rows = {
-        "a": SheetRow(("a",), RED, {"synth": BLUE}),
-        "b": SheetRow(("b",), RED, {"synth": RED}),
-        "c": SheetRow(("c",), None, {"synth": RED}),
-    }
-    assert ranked(rows, "synth")["name"].tolist() == ["b", "a"]

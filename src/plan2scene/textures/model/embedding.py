@@ -14,7 +14,7 @@ from plan2scene.io import read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
 from plan2scene.textures.model.network import TextureModel, fast_decoding, load_texture_model
-from plan2scene.textures.model.statistics import FilterBankStatistics, TextureStatistics
+from plan2scene.textures.model.statistics import FilterBankStatistics
 from plan2scene.textures.model.synthesis import noise_seeds
 
 _BATCH = 16
@@ -49,7 +49,6 @@ def embed_crops(
     model: TextureModel,
     crops: np.ndarray,
     *,
-    statistics: TextureStatistics | None = None,
     seed: int = 0,
     textureness: bool = True,
 ) -> Embeddings:
@@ -58,15 +57,13 @@ def embed_crops(
     Parameters
     ----------
     crops : (n, 128, 128, 3) uint8
-    statistics : TextureStatistics, optional
-        The embedded filter bank when None.
     seed : int
         Of the noise that the decoded textures are drawn from: the same for every crop, so that
         their scores compare.
     textureness : bool
         Decode each crop and score it; leave it out where only embeddings are needed.
     """
-    statistics = FilterBankStatistics(_LEVELS) if statistics is None else statistics
+    statistics = FilterBankStatistics(_LEVELS)
     noise = noise_seeds([seed])
     codes, probabilities, scores = [], [], []
     with torch.inference_mode(), fast_decoding(model):

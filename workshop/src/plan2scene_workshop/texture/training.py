@@ -17,16 +17,16 @@ from plan2scene.seeds import derive_seed, generator
 from plan2scene.textures.model.encoder import StatisticsEncoder
 from plan2scene.textures.model.network import Architecture, Encoding, TextureModel
 from plan2scene.textures.model.noise import CHANNELS, OCTAVES
-from plan2scene.textures.model.statistics import (
-    SpectrumStatistics,
+from plan2scene.textures.model.statistics import SpectrumStatistics
+from plan2scene_workshop.texture.data import TextureSet, draw_crops, sampling_weights
+from plan2scene_workshop.texture.degradation import CROP_PX, UNEVEN_LIGHT, photographed
+from plan2scene_workshop.texture.losses import (
     colour_distance,
     frequency_distance,
     histogram_distance,
 )
-from plan2scene.textures.model.vgg_statistics import load_statistics
-from plan2scene_workshop.texture.data import TextureSet, draw_crops, sampling_weights
-from plan2scene_workshop.texture.degradation import CROP_PX, UNEVEN_LIGHT, photographed
 from plan2scene_workshop.texture.settings import TextureSettings
+from plan2scene_workshop.texture.vgg_statistics import load_statistics
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions
 
 

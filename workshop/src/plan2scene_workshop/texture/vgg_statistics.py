@@ -9,7 +9,7 @@ import torch
 from torch import nn
 
 from plan2scene.errors import InputError
-from plan2scene.textures.model.statistics import FilterBankStatistics, TextureStatistics, gram
+from plan2scene.textures.model.statistics import FilterBankStatistics, gram
 
 #: Output channels of VGG-19's convolutions up to relu5_1; "pool" halves the size.
 _VGG19: tuple[int | str, ...] = (
@@ -85,7 +85,7 @@ def _fill(layer: nn.Conv2d, state: object, prefix: str, path: str | Path) -> Non
 
 def load_statistics(
     source: str, path: str | Path | None = None, *, levels: int = 5, device: str = "cpu"
-) -> TextureStatistics:
+) -> FilterBankStatistics | VggStatistics:
     """Return the texture statistics of a source.
 
     ``embedded`` (of that many pyramid levels), or ``pretrained`` from `path`.

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
-from plan2scene.textures.model import vgg_statistics as vs
+from plan2scene_workshop.texture import vgg_statistics as vs
 
 
 @pytest.fixture(scope="module")
