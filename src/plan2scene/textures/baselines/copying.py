@@ -32,7 +32,7 @@ def crop_tiles(
     """Return the crop that stands for each surface, at its own scale where it is known."""
 
     def make(choice: Choice, size_m: float) -> Tile:
-        own = choice.crop.metres
+        own = choice.crop.size_m
         return Tile(choice.crop.image(), own if math.isfinite(own) else size_m, choice.source)
 
     return _tiles(inputs, make, own_crop)

@@ -44,13 +44,13 @@ _TILED_ROOMS = frozenset({"Bathroom", "Balcony", "Terrace", "Outdoor"})
 class Crop:
     """A visible crop of a surface: PNG bytes of 128x128 sRGB, and the metres it covers.
 
-    `metres` and `sharpness` (photo pixels per crop pixel) are NaN where unknown.
+    `size_m` and `sharpness` (photo pixels per crop pixel) are NaN where unknown.
     """
 
     crop_id: str
     key: SurfaceKey
     png: bytes
-    metres: float
+    size_m: float
     sharpness: float = math.nan
 
     @classmethod
@@ -93,7 +93,7 @@ def largest_crop(crops: Sequence[Crop]) -> Crop:
     count as nothing.
     """
     known = [
-        (round(np.nan_to_num(crop.metres), 2), float(np.nan_to_num(crop.sharpness)))
+        (round(np.nan_to_num(crop.size_m), 2), float(np.nan_to_num(crop.sharpness)))
         for crop in crops
     ]
     return crops[known.index(max(known))]

@@ -78,7 +78,7 @@ def _exemplar(
     names = tuple(crop.crop_id for crop in crops)
     made, key = inputs.data.exemplars, (names, size_px, None if tone is None else tuple(tone))
     if key not in made:
-        known = [ExemplarCrop(crop.image(), crop.metres, crop.sharpness) for crop in crops]
+        known = [ExemplarCrop(crop.image(), crop.size_m, crop.sharpness) for crop in crops]
         made[key] = make_exemplar(known, size_px=size_px, tone=tone)
     exemplar: Exemplar | None = made[key]
     return exemplar

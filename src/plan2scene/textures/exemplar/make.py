@@ -41,14 +41,14 @@ class ExemplarCrop:
     ----------
     image : (128, 128, 3) uint8
         sRGB.
-    metres : float
+    size_m : float
         Side of the square that it covers; NaN when unknown.
     sharpness : float
         Photo pixels per crop pixel; NaN when unknown.
     """
 
     image: np.ndarray
-    metres: float
+    size_m: float
     sharpness: float
 
 
@@ -124,7 +124,7 @@ def make_exemplar(
     work = work_size(size_px, len(good))
     flat, masks, colour, order = _evened(good)
     sides, size_m = tile_scale(good, work / WORK_PX)
-    known = np.isfinite([crop.metres for crop in good]).all()
+    known = np.isfinite([crop.size_m for crop in good]).all()
     lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
     large = [k for k in order if fits[k] and sides[k] * work >= _SMALLEST_PX]
     order = (large or [int(sides.argmax())])[:MAX_CROPS]
@@ -174,14 +174,14 @@ def tile_scale(crops: Sequence[ExemplarCrop], extent: float = 1.0) -> tuple[np.n
 
     `extent`: how many times the metres that crops have pixels for it covers.
     """
-    metres = np.array([crop.metres for crop in crops], dtype=np.float64)
+    sides = np.array([crop.size_m for crop in crops], dtype=np.float64)
     sharp = np.array([crop.sharpness for crop in crops], dtype=np.float64)
-    known = np.isfinite(metres)
-    usual = float(np.median(metres[known])) if known.any() else 1.0
-    metres = np.where(known, metres, usual)
+    known = np.isfinite(sides)
+    usual = float(np.median(sides[known])) if known.any() else 1.0
+    sides = np.where(known, sides, usual)
     sharp = np.clip(np.where(np.isfinite(sharp), sharp, 1.0), 1.0 / _LARGEST, 1.0)
-    size = max(float(np.median(metres / sharp)), float(metres.max())) * extent
-    return metres / size, size if known.any() else float("nan")
+    size = max(float(np.median(sides / sharp)), float(sides.max())) * extent
+    return sides / size, size if known.any() else float("nan")
 
 
 def consensus(tones: np.ndarray, repair: np.ndarray) -> np.ndarray:
