@@ -24,7 +24,7 @@ def observed_rows(results: Path) -> dict[str, SheetRow]:
         house = folder.parents[1].name
         textures = {name: folder / name for name in METHODS if (folder / name).is_dir()}
         crops = results / "houses" / house / "crops.parquet"
-        for key, row in sheet_rows(textures, crops, []).items():
+        for key, row in sheet_rows(textures, crops).items():
             if "observed" in row.title:
                 title = (house, *row.title[:3])
                 rows[f"{house}/{key.filename}"] = SheetRow(title, row.reference, row.tiles)

@@ -11,6 +11,5 @@ with job(snakemake.log[0]):
         snakemake.output[0],
         {method: compared / method for method in snakemake.params.methods},
         snakemake.input.crops,
-        [],
         house=snakemake.wildcards.house,
     )

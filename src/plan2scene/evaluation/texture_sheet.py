@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,11 +44,7 @@ class SheetRow:
         return float(color_distance(tile, reference))
 
 
-def sheet_rows(
-    textures: Mapping[str, str | Path],
-    crops: str | Path,
-    hidden_photos: Collection[str],
-) -> dict[SurfaceKey, SheetRow]:
+def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[SurfaceKey, SheetRow]:
     """Return a row for each surface of a house, room by room.
 
     Parameters
@@ -57,12 +53,10 @@ def sheet_rows(
         Method -> folder of the texture stage.
     crops : path
         ``crops.parquet`` of the house.
-    hidden_photos : collection of str
-        Photos that the textures did not see: their crops are the references of what they show.
     """
     from plan2scene.evaluation.measure import reference_images
 
-    references = reference_images(read_parquet(crops)[0], hidden_photos)
+    references = reference_images(read_parquet(crops)[0], [])
     listed = read_json(Path(next(iter(textures.values()))) / "textures.json")["surfaces"]
     rows = {}
     for name, entry in sorted(listed.items(), key=lambda item: _order(item[0])):
@@ -85,15 +79,10 @@ def _order(name: str) -> tuple[str, int]:
 
 
 def write_texture_sheet(
-    output: str | Path,
-    textures: Mapping[str, str | Path],
-    crops: str | Path,
-    hidden_photos: Collection[str],
-    *,
-    house: str,
+    output: str | Path, textures: Mapping[str, str | Path], crops: str | Path, *, house: str
 ) -> None:
     """Write a house's sheet as PNG; parameters as of :func:`sheet_rows`."""
-    rows = list(sheet_rows(textures, crops, hidden_photos).values())
+    rows = list(sheet_rows(textures, crops).values())
     with atomic_path(output) as temporary:
         draw_sheet(f"{house}: tiles, each twice in both directions", rows).save(
             temporary, format="PNG", optimize=True

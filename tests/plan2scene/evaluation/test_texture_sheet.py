@@ -38,7 +38,7 @@ def house(tmp_path):
 
 def test_rows_by_room_and_surface_with_their_references(house):
     folders = {name: house / name for name in ("synth", "exemplar")}
-    rows = sheet_rows(folders, house / "crops.parquet", [])
+    rows = sheet_rows(folders, house / "crops.parquet")
     assert [f"{k.room_id}/{k.surface}" for k in rows] == ["attic/floor", "hall/floor", "hall/wall"]
     shown = next(row for key, row in rows.items() if tuple(key) == ("hall", "floor"))
     assert np.array_equal(shown.reference, RED)
@@ -50,7 +50,7 @@ def test_rows_by_room_and_surface_with_their_references(house):
 
 def test_the_picture_has_a_column_for_each_method(house):
     folders = {name: house / name for name in ("synth", "exemplar")}
-    write_texture_sheet(house / "sheet.png", folders, house / "crops.parquet", [], house="h")
+    write_texture_sheet(house / "sheet.png", folders, house / "crops.parquet", house="h")
     page = np.asarray(Image.open(house / "sheet.png"))
     red, blue = ((page == np.array(c)).all(2).any(0).sum() for c in ((200, 30, 30), (30, 30, 200)))
     assert red == 2 * 192 and blue == 192  # reference and synth; exemplar
