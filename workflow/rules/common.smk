@@ -109,9 +109,13 @@ def photos_of(wildcards):
 
 def hidden_at(drop, wildcards):
     """Return the photos of a house that are hidden at a drop fraction, sorted."""
-    photos = photo_names_of(wildcards)
-    house = wildcards.house
-    return hidden_photos(UNOBSERVED, drop, photos, seed=config["seed"], house=house)
+    return hidden_photos(
+        UNOBSERVED,
+        drop,
+        photo_names_of(wildcards),
+        seed=config["seed"],
+        house_id=wildcards.house,
+    )
 
 
 def model_of(name):

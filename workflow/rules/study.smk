@@ -20,7 +20,8 @@ rule study_house:
         photos=photos_of,
         compared=COMPARED if STUDY_COMPARED else [],
         others=[
-            f"{RESULTS}/drop_0.0/{method}/{{house}}/textures" for method in STUDY_OTHERS
+            f"{RESULTS}/drop_0.0/{method}/{{house}}/textures"
+            for method in STUDY_OTHERS
         ],
     output:
         directory(f"{RESULTS}/study/houses/{{house}}"),

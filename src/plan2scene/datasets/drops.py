@@ -16,7 +16,7 @@ def hidden_photos(
     photos: Sequence[str],
     *,
     seed: int,
-    house: str,
+    house_id: str,
 ) -> list[str]:
     """Return the photos of a house that are hidden at drop fraction `drop` (``"0.3"``), sorted.
 
@@ -43,5 +43,5 @@ def hidden_photos(
     more = sorted(known[high] - known[low])
     count = round((fraction - low) / (high - low) * len(more))
     interval = () if listed is None else (f"{low:.1f}",)
-    order = generator(seed, "hidden_photos", house, *interval).permutation(len(more))
+    order = generator(seed, "hidden_photos", house_id, *interval).permutation(len(more))
     return sorted(known[low] | {more[i] for i in order[:count]})

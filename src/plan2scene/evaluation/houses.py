@@ -129,7 +129,7 @@ def measured(
         {surface.key for surface in inputs.surfaces if surface.observed},
         references,
         house.models.networks,
-        house=house.files.house_id,
+        house_id=house.files.house_id,
         method=method,
         drop=drop,
         more=more,

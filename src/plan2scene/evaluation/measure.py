@@ -55,7 +55,7 @@ def measure_tiles(
     references: References,
     networks: Networks,
     *,
-    house: str,
+    house_id: str,
     method: str,
     drop: str,
     more: Sequence[np.ndarray] = (),
@@ -79,12 +79,12 @@ def measure_tiles(
 
     keys = [key for key in tiles if key in references]
     seen = [key in observed for key in keys]
-    truths = [_truth(key, key in observed, references, house) for key in keys]
+    truths = [_truth(key, key in observed, references, house_id) for key in keys]
     values = _measure([metric_image(tiles[key]) for key in keys], truths, networks)
     values["further_features"] = _grouped(networks.features, more, len(keys))
     return pd.DataFrame(
         {
-            "house": house,
+            "house": house_id,
             "room_id": [key.room_id for key in keys],
             "surface": [key.surface for key in keys],
             "observed": np.array(seen, dtype=bool),
@@ -96,14 +96,14 @@ def measure_tiles(
     )
 
 
-def _truth(key: SurfaceKey, observed: bool, references: References, house: str) -> np.ndarray:
+def _truth(key: SurfaceKey, observed: bool, references: References, house_id: str) -> np.ndarray:
     """Return what a surface's tile is compared with, (128, 128, 3) uint8."""
     visible, every = references[key]
     if not observed:
         return every
     if visible is None:
         expected = f"a visible crop of {key.surface}, which is observed"
-        raise InputError(expected, "none", house=house, room=key.room_id)
+        raise InputError(expected, "none", house=house_id, room=key.room_id)
     return visible
 
 

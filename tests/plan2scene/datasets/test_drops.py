@@ -9,7 +9,7 @@ LISTED = {"0.0": [], "0.2": ["3.jpg", "7.jpg", "other.jpg"], "0.6": NAMES[2:8]}
 
 
 def _hidden(listed, drop, house="h"):
-    return hidden_photos(listed, drop, NAMES, seed=0, house=house)
+    return hidden_photos(listed, drop, NAMES, seed=0, house_id=house)
 
 
 def test_fractions_of_the_list_are_the_list_s():

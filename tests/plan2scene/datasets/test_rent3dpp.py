@@ -130,7 +130,7 @@ def test_splits_and_hidden_photos(copy, tmp_path):
             drop,
             [f"home_test_0_{k}.png" for k in range(3)],
             seed=0,
-            house="home_test_0",
+            house_id="home_test_0",
         )
         for drop in FRACTIONS
     ]
