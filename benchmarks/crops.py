@@ -39,7 +39,7 @@ from plan2scene.colour import (
     rgb_to_lab,
     srgb_to_linear,
 )
-from plan2scene.datasets import read_assignment
+from plan2scene.datasets import rooms_of_photos
 from plan2scene.datasets.house_table import load_houses
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import House
@@ -50,7 +50,7 @@ from plan2scene.metrics.freq import freq_distance
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.sampling import CROP_PX, medoid_index
 from plan2scene.photos.crops.stage import draw_candidates, under_common_light
-from plan2scene.photos.crops.tables import LAST_RESORT_PREFIX, PhotoCandidate, choose_kept
+from plan2scene.photos.crops.tables import PhotoCandidate, choose_kept
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, read_label_png
 from plan2scene.photos.masks import make_masks
 from plan2scene.weights import MODELS
@@ -85,9 +85,7 @@ def sources(root: Path, split: str) -> Iterator[Source]:
     table = load_houses(root / "houses.tsv", splits=[split])
     for name, row in table.iterrows():
         house = read_scene_json(root / str(row["plan"]), str(name))
-        rooms: dict[str, list[str]] = {}
-        for entry in read_assignment(root / str(row["assignment"]), house):
-            rooms.setdefault(entry.photo, []).append(entry.room_id)
+        rooms = rooms_of_photos(root / str(row["assignment"]), house)
         if rooms:
             photos = {photo: root / "photos" / photo for photo in rooms}
             yield Source(house, rooms, photos, root / "truth" / split / str(name))
@@ -100,7 +98,7 @@ def masks_of(source: Source, kind: str, work: Path) -> Path:
         make_masks(
             source.photos,
             folder,
-            house=source.house.id,
+            house_id=source.house.id,
             source="precomputed" if kind == "true" else "embedded",
             fov_deg=60.0,
             model=MODELS / "segmentation.safetensors",
@@ -215,8 +213,8 @@ def measure_house(
                 "photo": item.photo,
                 "room_id": room,
                 "surface": item.surface,
-                "reason": kept.reasons[number, room],
-                "metres": item.candidate.crop.metres,
+                "good": item.candidate.verdict.good,
+                "metres": item.candidate.crop.size_m,
                 "wrong": drawn.touched[number][0],
                 "other_plane": drawn.touched[number][1],
                 "image": only.candidate.crop.image,
@@ -247,7 +245,7 @@ def _surfaces(crops: pd.DataFrame, source: Source, more: list[str]) -> pd.DataFr
                 "free": free,
                 "color": color_distance(medoid.image, true),
                 "freq": freq_distance(medoid.image, true),
-                "last": group.reason.str.startswith(LAST_RESORT_PREFIX).all(),
+                "last": not group.good.any(),
             }
         )
     return pd.DataFrame(rows)

@@ -91,7 +91,7 @@ def main() -> None:
         warnings = make_masks(
             {path.name: path for path in stems.values()},
             Path(name) / "masks",
-            house="odd",
+            house_id="odd",
             source="embedded",
             fov_deg=60.0,
             model=MODELS / "segmentation.safetensors",

@@ -81,18 +81,21 @@ def label_photos(
 ) -> None:
     """Write label images (0 other, 1 floor, 2 wall, 3 ceiling) at the photos' size."""
     from plan2scene.images import read_image, write_png
-    from plan2scene.photos.labels.segmentation import labels_told_camera, load_segmenter
+    from plan2scene.photos.camera.exif import read_exif_focal
+    from plan2scene.photos.labels.labeller import labeller
     from plan2scene.weights import MODELS
 
     targets = [out / f"{photo.stem}.png" for photo in photos]
     for i, target in enumerate(targets):
         if target in targets[:i]:
             raise InputError("photos of different names", f"{photos[i].stem} twice", file=photos[i])
-    segmenter = load_segmenter(model or MODELS / "segmentation.safetensors")
+    label = labeller("embedded", model=model or MODELS / "segmentation.safetensors")
     failed = 0
     for photo, target in zip(photos, targets, strict=True):
         try:
-            write_png(target, labels_told_camera(segmenter, read_image(photo)))
+            image = read_image(photo)
+            exif = read_exif_focal(photo, (image.shape[0], image.shape[1]))
+            write_png(target, label.labels_and_camera(photo.name, image, exif=exif)[0])
             print(target)
         except InputError as error:
             print(f"ERROR {error}", file=sys.stderr)

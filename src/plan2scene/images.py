@@ -35,7 +35,7 @@ FORMAT_NAMES = "JPEG, PNG, GIF, WebP, TIFF, BMP or PPM"
 METRIC_SIZE = 128
 
 
-def read_image(path: str | os.PathLike[str], *, house: str = "") -> np.ndarray:
+def read_image(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarray:
     """Return an image as (h, w, 3) uint8 sRGB, EXIF orientation applied, alpha over white.
 
     Any mode of `FORMATS` is converted (palette, CMYK, grey, 16 bit, float), an embedded colour
@@ -43,14 +43,14 @@ def read_image(path: str | os.PathLike[str], *, house: str = "") -> np.ndarray:
     for what is no such image, is truncated, has over `MAX_PIXELS` pixels or `MAX_IMAGE_BYTES`
     bytes; the limits are checked before decoding.
     """
-    return decode_image(path, to_srgb, house=house)
+    return decode_image(path, to_srgb, house_id=house_id)
 
 
 def decode_image(
     source: str | os.PathLike[str] | io.BytesIO,
     decode: Callable[[Image.Image], _Decoded],
     *,
-    house: str = "",
+    house_id: str = "",
 ) -> _Decoded:
     """Return what `decode` makes of the opened Pillow image; one InputError for all that fails."""
     from PIL import Image, UnidentifiedImageError
@@ -68,17 +68,19 @@ def decode_image(
                 _check_size(*image.size)
                 return decode(image)
     except InputError as error:
-        raise InputError(error.expected, error.found, file=file, house=house) from None
+        raise InputError(error.expected, error.found, file=file, house=house_id) from None
     except UnidentifiedImageError:
         expected = f"an image ({FORMAT_NAMES})"
-        raise InputError(expected, _kind_of(head), file=file, house=house) from None
+        raise InputError(expected, _kind_of(head), file=file, house=house_id) from None
     except Image.DecompressionBombError as error:  # Pillow's own limit, before the size is known
         count = re.search(r"\d+", str(error))
         expected = f"an image of at most {MAX_PIXELS} pixels"
-        raise InputError(expected, count[0] if count else "more", file=file, house=house) from None
+        raise InputError(
+            expected, count[0] if count else "more", file=file, house=house_id
+        ) from None
     except Exception as error:  # decoders raise many kinds on damaged data; all mean the same
         found = f"{type(error).__name__}: {error}"
-        raise InputError("an image that decodes", found, file=file, house=house) from None
+        raise InputError("an image that decodes", found, file=file, house=house_id) from None
 
 
 def _check_file(path: Path) -> None:

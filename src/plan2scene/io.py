@@ -88,7 +88,7 @@ def write_json(path: str | os.PathLike[str], value: Any) -> None:
 
 
 def safe_join(
-    folder: str | os.PathLike[str], name: str, *, file: object = "", house: str = ""
+    folder: str | os.PathLike[str], name: str, *, file: object = "", house_id: str = ""
 ) -> Path:
     """Return folder/name for a name out of a table; InputError when it would leave the folder."""
     bad = (
@@ -100,7 +100,7 @@ def safe_join(
     )
     if bad:
         raise InputError(
-            "a plain file name without '..' or a leading '/'", repr(name), file=file, house=house
+            "a plain file name without '..' or a leading '/'", repr(name), file=file, house=house_id
         )
     return Path(folder) / name
 

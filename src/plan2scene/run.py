@@ -72,7 +72,7 @@ def prepare(request: SingleHouse, work: Path) -> Path:
 def _copy_photos(names: list[str], source: Path, target: Path, request: SingleHouse) -> None:
     """Copy photos whose bytes or times differ; times are kept, so that reruns stay incremental."""
     for name in names:
-        path = safe_join(source, name, file=request.photo_table or "", house=request.house)
+        path = safe_join(source, name, file=request.photo_table or "", house_id=request.house)
         if not path.is_file():
             _LOG.warning(
                 "%s",

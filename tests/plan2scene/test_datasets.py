@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,11 +12,10 @@ from plan2scene.datasets import (
     import_plan,
     make_house_table,
     photo_problem,
-    photos_of_room,
     read_assignment,
     read_house_table,
     read_unobserved,
-    rooms_of_photo,
+    rooms_of_photos,
 )
 from plan2scene.errors import InputError
 from plan2scene.floorplans import write_scene_json
@@ -66,11 +66,12 @@ def test_assignment_headers(tmp_path, text):
     assert rows == (PhotoAssignment("a", "one.jpg"), PhotoAssignment("a", "two.jpg"))
 
 
-def test_photos_and_rooms():
-    rows = [PhotoAssignment(*row) for row in (("a", "x.jpg"), ("b", "x.jpg"), ("a", "y.jpg"))]
-    assert photos_of_room(rows, "a") == ("x.jpg", "y.jpg")
-    assert photos_of_room(rows, "c") == ()
-    assert rooms_of_photo(rows, "x.jpg") == ("a", "b")
+def test_rooms_of_photos(tmp_path):
+    path = table(tmp_path, "room_id,photo\nb,x.jpg\na,y.jpg\na,x.jpg\nb,x.jpg\n")
+    house = small_house()
+    house = replace(house, rooms=(*house.rooms, replace(house.rooms[0], id="b")))
+    assert rooms_of_photos(path, house) == {"x.jpg": ["b", "a"], "y.jpg": ["a"]}
+    assert rooms_of_photos(None, house) == {}
 
 
 @pytest.mark.parametrize("text", ["", "\n", "room_id,photo\n"])
@@ -323,12 +324,12 @@ def test_photo_problem(tmp_path):
 
     whole = tmp_path / "whole.jpg"
     Image.effect_noise((64, 64), 50).save(whole)
-    photo_problem(whole, house="h1")
+    photo_problem(whole, house_id="h1")
     for name, data in (("cut.jpg", whole.read_bytes()[:-200]), ("none.jpg", b"")):
         (tmp_path / name).write_bytes(data)
         with pytest.raises(InputError, match=f"{name}, house h1: expected"):
-            photo_problem(tmp_path / name, house="h1")
+            photo_problem(tmp_path / name, house_id="h1")
     with (tmp_path / "big.png").open("wb") as file:
         Image.new("1", (8000, 7000)).save(file, format="PNG")
     with pytest.raises(InputError, match="50000000 pixels, found 8000x7000"):
-        photo_problem(tmp_path / "big.png", house="h1")
+        photo_problem(tmp_path / "big.png", house_id="h1")

@@ -66,7 +66,7 @@ def test_what_is_no_image_gives_one_line(tmp_path, name):
     path = tmp_path / name
     path.write_bytes(damaged()[name])
     with pytest.raises(InputError) as error:
-        images.read_image(path, house="h")
+        images.read_image(path, house_id="h")
     text = str(error.value)
     assert name in text and "house h" in text and "expected" in text and "\n" not in text
 

@@ -324,7 +324,7 @@ def test_damaged_images_give_one_clear_line(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     path.write_bytes(make())
     with pytest.raises(InputError) as error:
-        read_image(path, house="h1")
+        read_image(path, house_id="h1")
     line = str(error.value)
     assert line.startswith(f"file {path}, house h1: expected an image")
     assert words in line

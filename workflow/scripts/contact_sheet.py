@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from plan2scene.datasets import read_assignment
+from plan2scene.datasets import rooms_of_photos
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job
 from plan2scene.photos.contact_sheet.sheet import write_contact_sheet
@@ -10,13 +10,10 @@ from plan2scene.photos.contact_sheet.sheet import write_contact_sheet
 with job(snakemake.log[0]):
     params = snakemake.params
     house = read_scene_json(snakemake.input.scene, snakemake.wildcards.house)
-    rooms_of_photo: dict[str, list[str]] = {}
-    for row in read_assignment(snakemake.input.assignment or None, house):
-        rooms_of_photo.setdefault(row.photo, []).append(row.room_id)
     write_contact_sheet(
         snakemake.output[0],
         {name: Path(params.photo_folder) / name for name in params.names},
-        rooms_of_photo,
+        rooms_of_photos(snakemake.input.assignment or None, house),
         house=house,
         masks_dir=snakemake.input.masks or None,
         crops=snakemake.input.crops,

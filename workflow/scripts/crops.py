@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from plan2scene.datasets import read_assignment
+from plan2scene.datasets import rooms_of_photos
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job
 from plan2scene.photos.crops.candidates import CropSettings
@@ -11,15 +11,11 @@ from plan2scene.photos.crops.stage import load_crops, make_crops
 with job(snakemake.log[0]):
     name, params = snakemake.wildcards.house, snakemake.params
     house = read_scene_json(snakemake.input.scene, name)
-    table = snakemake.input.assignment
-    rooms_of_photo: dict[str, list[str]] = {}
-    for row in read_assignment(table or None, house):
-        rooms_of_photo.setdefault(row.photo, []).append(row.room_id)
+    rooms_of_photo = rooms_of_photos(snakemake.input.assignment or None, house)
     output = snakemake.output
     paths = (output.crops, output.candidates, output.light)
-    dataset = params.dataset
     if params.source == "precomputed":
-        load_crops(house, rooms_of_photo, params.folder, *paths, dataset=dataset)
+        load_crops(house, rooms_of_photo, params.folder, *paths, dataset=params.dataset)
     else:
         make_crops(
             house,
@@ -27,10 +23,10 @@ with job(snakemake.log[0]):
             {photo: Path(params.photo_folder) / photo for photo in rooms_of_photo},
             snakemake.input.masks,
             *paths,
-            dataset=dataset,
+            dataset=params.dataset,
             seed=params.seed,
             settings=CropSettings(
-                metres=tuple(params.metres),
+                sizes_m=tuple(params.metres),
                 per_mask=params.per_mask,
                 tries=params.tries,
                 camera_height_m=params.camera_height_m,

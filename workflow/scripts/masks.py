@@ -16,7 +16,7 @@ with job(snakemake.log[0]):
     make_masks(
         {name: Path(params.photo_folder) / name for name in params.names},
         snakemake.output[0],
-        house=snakemake.wildcards.house,
+        house_id=snakemake.wildcards.house,
         source=params.source,
         model=snakemake.input.model or None,
         precomputed_dir=params.masks_folder,

@@ -2,16 +2,13 @@
 
 from pathlib import Path
 
-from plan2scene.datasets import read_assignment
+from plan2scene.datasets import rooms_of_photos
 from plan2scene.evaluation.study_sheet import write_study_sheet
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job
 
 with job(snakemake.log[0]):
     house = read_scene_json(snakemake.input.scene, snakemake.wildcards.house)
-    rooms_of_photo: dict[str, list[str]] = {}
-    for row in read_assignment(snakemake.input.assignment or None, house):
-        rooms_of_photo.setdefault(row.photo, []).append(row.room_id)
     files = {name: Path(snakemake.params.photo_folder) / name for name in snakemake.params.names}
     params, found = snakemake.params, snakemake.input
     made = dict(zip(params.others, map(Path, found.others), strict=True))
@@ -19,7 +16,7 @@ with job(snakemake.log[0]):
         snakemake.output[0],
         house=house,
         photos={name: path for name, path in files.items() if path.is_file()},
-        rooms_of_photo=rooms_of_photo,
+        rooms_of_photo=rooms_of_photos(found.assignment or None, house),
         textures={
             method: made.get(method) or Path(found.compared) / "0.0" / method
             for method in params.methods

@@ -3,9 +3,8 @@
 from plan2scene.datasets.assignments import (
     PhotoAssignment,
     check_assignment,
-    photos_of_room,
     read_assignment,
-    rooms_of_photo,
+    rooms_of_photos,
 )
 from plan2scene.datasets.check import Problem, check_dataset, check_plan, photo_problem
 from plan2scene.datasets.import_plan import import_plan
@@ -20,9 +19,8 @@ __all__ = [
     "import_plan",
     "make_house_table",
     "photo_problem",
-    "photos_of_room",
     "read_assignment",
     "read_house_table",
     "read_unobserved",
-    "rooms_of_photo",
+    "rooms_of_photos",
 ]

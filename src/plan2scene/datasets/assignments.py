@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
@@ -59,7 +59,7 @@ def read_assignment(
                 house=name,
                 room=row.room_id,
             )
-        safe_join("", row.photo, file=path, house=name)
+        safe_join("", row.photo, file=path, house_id=name)
         stem = PurePosixPath(row.photo).stem
         if stems.setdefault(stem, row.photo) != row.photo:
             raise InputError(
@@ -130,18 +130,16 @@ def check_assignment(
             raise InputError(
                 "a room of the plan", repr(room_id), file=file, house=house.id, room=room_id
             )
-        if not safe_join(photos_dir, photo, file=file, house=house.id).is_file():
+        if not safe_join(photos_dir, photo, file=file, house_id=house.id).is_file():
             expected = f"photo {photo} in {photos_dir}"
             line = InputError(expected, "no such file", file=file, house=house.id, room=room_id)
             warnings[str(line)] = None
     return list(warnings)
 
 
-def photos_of_room(assignments: Iterable[PhotoAssignment], room_id: str) -> tuple[str, ...]:
-    """Return the photos that show a room, in the table's order."""
-    return tuple(dict.fromkeys(row.photo for row in assignments if row.room_id == room_id))
-
-
-def rooms_of_photo(assignments: Iterable[PhotoAssignment], photo: str) -> tuple[str, ...]:
-    """Return the rooms that a photo shows, in the table's order."""
-    return tuple(dict.fromkeys(row.room_id for row in assignments if row.photo == photo))
+def rooms_of_photos(path: str | Path | None, house: House) -> dict[str, list[str]]:
+    """Return photo -> rooms that it shows, in the order of a photo table (`read_assignment`)."""
+    rooms: dict[str, list[str]] = {}
+    for row in read_assignment(path, house):
+        rooms.setdefault(row.photo, []).append(row.room_id)
+    return rooms

@@ -116,7 +116,7 @@ def _check_house(
     assigned = {row.photo for row in rows}
     for photo in sorted(names):
         try:
-            path = safe_join(layout.photos, photo, file=table, house=house_id)
+            path = safe_join(layout.photos, photo, file=table, house_id=house_id)
         except InputError as error:
             yield Problem("error", str(error))
             continue
@@ -124,7 +124,7 @@ def _check_house(
             continue
         checked.add(photo)
         try:
-            photo_problem(path, house=house_id)
+            photo_problem(path, house_id=house_id)
         except InputError as error:
             # The masks stage leaves the photo out and the house goes on.
             yield Problem("warning", str(error))
@@ -154,19 +154,19 @@ def _check_unobserved(path: Path, known: set[str]) -> Iterator[Problem]:
         yield Problem("warning", str(InputError("photos of the house table", found, file=path)))
 
 
-def photo_problem(path: str | Path, *, house: str = "") -> None:
+def photo_problem(path: str | Path, *, house_id: str = "") -> None:
     """Raise InputError for a photo that won't open: no image, too large, cut short.
 
     Only the header is decoded; of a JPEG the end marker is looked for, a PNG's checksums are
     verified. Damage inside the picture of a JPEG shows only when a stage decodes it.
     """
-    kind = decode_image(path, _verified_format, house=house)
+    kind = decode_image(path, _verified_format, house_id=house_id)
     if kind == "JPEG":
         with Path(path).open("rb") as file:
             file.seek(max(0, Path(path).stat().st_size - _JPEG_TAIL))
             if b"\xff\xd9" not in file.read():
                 raise InputError(
-                    "a whole JPEG", "one cut short (no end marker)", file=path, house=house
+                    "a whole JPEG", "one cut short (no end marker)", file=path, house=house_id
                 )
 
 

@@ -59,13 +59,13 @@ class Layout:
         full = [self.processed / "full_archs" / split, self.data / "full_archs" / split]
         return [*full, *bare] if architecture == "full" else [*bare, *full]
 
-    def assignment(self, split: str, house: str) -> Path:
+    def assignment(self, split: str, house_id: str) -> Path:
         """Return where the photo table of a house lies, there or not."""
-        return self.data / "photo_assignments" / split / f"{house}.photoroom.csv"
+        return self.data / "photo_assignments" / split / f"{house_id}.photoroom.csv"
 
-    def object_boxes(self, split: str, house: str) -> Path:
+    def object_boxes(self, split: str, house_id: str) -> Path:
         """Return where the object boxes of a house lie, there or not."""
-        return self.data / "object_aabbs" / split / f"{house}.objectaabb.json"
+        return self.data / "object_aabbs" / split / f"{house_id}.objectaabb.json"
 
     def relative(self, path: Path) -> str:
         """Return a path as the house table writes it."""

@@ -55,17 +55,19 @@ def read_house_table(path: str | Path) -> pd.DataFrame:
 
 def _check_row(row: dict[str, str], seen: set[str], path: str | Path) -> None:
     """Raise InputError for a row that can't become jobs; note its house in `seen`."""
-    house = row["house"]
-    if not house or house.startswith((".", "-")) or not set(house) <= _NAME_CHARACTERS:
-        raise InputError("a house name of letters, digits, '_', '-', '.'", repr(house), file=path)
-    if house in seen:
-        raise InputError("each house once", f"{house} twice", file=path, house=house)
-    seen.add(house)
+    house_id = row["house"]
+    if not house_id or house_id.startswith((".", "-")) or not set(house_id) <= _NAME_CHARACTERS:
+        raise InputError(
+            "a house name of letters, digits, '_', '-', '.'", repr(house_id), file=path
+        )
+    if house_id in seen:
+        raise InputError("each house once", f"{house_id} twice", file=path, house=house_id)
+    seen.add(house_id)
     if row["split"] not in SPLITS:
-        raise InputError(f"a split ({', '.join(SPLITS)})", row["split"], file=path, house=house)
-    safe_join("", row["plan"], file=path, house=house)
+        raise InputError(f"a split ({', '.join(SPLITS)})", row["split"], file=path, house=house_id)
+    safe_join("", row["plan"], file=path, house_id=house_id)
     if row["assignment"]:
-        safe_join("", row["assignment"], file=path, house=house)
+        safe_join("", row["assignment"], file=path, house_id=house_id)
 
 
 def make_house_table(
@@ -98,11 +100,11 @@ def make_house_table(
         raise InputError("train.txt, val.txt or test.txt", "none", file=layout.data / "data_lists")
     for split, file in lists:
         names = read_text(file).split() if file.is_file() else []
-        for house in names:
-            if house in rows:
-                raise InputError("each house once", f"{house} twice", file=file, house=house)
-            rows[house] = _row(layout, split, house, architecture, warnings)
-            _check_row(dict(zip(COLUMNS, rows[house], strict=True)), set(), file)
+        for house_id in names:
+            if house_id in rows:
+                raise InputError("each house once", f"{house_id} twice", file=file, house=house_id)
+            rows[house_id] = _row(layout, split, house_id, architecture, warnings)
+            _check_row(dict(zip(COLUMNS, rows[house_id], strict=True)), set(), file)
     if not rows:
         raise InputError("at least one house", "none", file=layout.data / "data_lists")
     lines = ["\t".join(COLUMNS), *("\t".join(row) for row in rows.values())]
@@ -115,30 +117,30 @@ def make_house_table(
 
 
 def _row(
-    layout: Layout, split: str, house: str, architecture: str, warnings: list[str]
+    layout: Layout, split: str, house_id: str, architecture: str, warnings: list[str]
 ) -> list[str]:
     """Return the row of a house."""
     folders = layout.plan_folders(split, architecture)
-    plans = [folder / f"{house}.scene.json" for folder in folders]
+    plans = [folder / f"{house_id}.scene.json" for folder in folders]
     plan = next((path for path in plans if path.is_file()), None)
     if plan is None:
         plan = plans[0]
-        warnings.append(str(InputError("a plan", "no such file", file=plan, house=house)))
+        warnings.append(str(InputError("a plan", "no such file", file=plan, house=house_id)))
     elif architecture == "full" and plan.parent.parent.name != "full_archs":
-        expected = f"{house}.scene.json in {folders[0]}"
-        line = InputError(expected, f"only {plan}", file=layout.root, house=house)
+        expected = f"{house_id}.scene.json in {folders[0]}"
+        line = InputError(expected, f"only {plan}", file=layout.root, house=house_id)
         warnings.append(str(line))
-    assignment = layout.assignment(split, house)
+    assignment = layout.assignment(split, house_id)
     photos: list[str] = []
     if assignment.is_file():
         try:
-            for _, photo in read_rows(assignment, house_id=house):
-                safe_join("", photo, file=assignment, house=house)
+            for _, photo in read_rows(assignment, house_id=house_id):
+                safe_join("", photo, file=assignment, house_id=house_id)
                 photos.append(photo)
         except InputError as error:
             warnings.append(str(error))
     named = layout.relative(assignment) if assignment.is_file() else ""
-    return [house, split, layout.relative(plan), named, "|".join(dict.fromkeys(photos))]
+    return [house_id, split, layout.relative(plan), named, "|".join(dict.fromkeys(photos))]
 
 
 def read_unobserved(path: str | Path) -> dict[str, list[str]]:

@@ -45,7 +45,7 @@ def write_study_sheet(
     numbers: dict[str, list[str]] = {room.id: [] for room in house.rooms}
     for name in sorted(set(rooms_of_photo) & set(photos)):
         try:
-            picture = Image.fromarray(read_photo(photos[name], house=house.id))
+            picture = Image.fromarray(read_photo(photos[name], house_id=house.id))
         except InputError as error:
             logging.getLogger("plan2scene").warning("%s", error)
             continue

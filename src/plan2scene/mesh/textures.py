@@ -107,7 +107,7 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house_id: str) 
     except OSError:
         raise InputError("a texture", "no such file", file=file, house=house_id) from None
     if not data.startswith(b"\x89PNG"):
-        data = png_bytes(read_image(file, house=house_id))
+        data = png_bytes(read_image(file, house_id=house_id))
     observed, substance = entry.get("observed"), entry.get("substance")
     return TileTexture(
         png=data,

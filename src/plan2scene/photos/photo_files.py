@@ -23,20 +23,20 @@ def reduced_size(size: tuple[int, int]) -> tuple[int, int]:
     return max(1, round(size[0] * scale)), max(1, round(size[1] * scale))
 
 
-def read_photo(path: str | os.PathLike[str], *, house: str = "") -> np.ndarray:
+def read_photo(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarray:
     """Return a photo as (h, w, 3) uint8 sRGB, its longer side at most `MAX_SIDE`.
 
     Masks, cameras and windows are in the pixels of this picture. Raises InputError as
     :func:`plan2scene.images.read_image` does, and for a side below `MIN_SIDE`.
     """
-    image = read_image(path, house=house)
+    image = read_image(path, house_id=house_id)
     height, width = reduced_size((image.shape[0], image.shape[1]))
     if min(height, width) < MIN_SIDE:
         raise InputError(
             f"a photo of at least {MIN_SIDE} pixels a side and no narrow strip",
             f"{image.shape[1]}x{image.shape[0]}",
             file=path,
-            house=house,
+            house=house_id,
         )
     if (height, width) == image.shape[:2]:
         return image

@@ -1,29 +1,31 @@
 """Filters before the selection: what they refuse, and that patterns and shading pass."""
 
-from dataclasses import replace
-
 import cv2
 import numpy as np
 import pytest
 
 from plan2scene.photos.crops.filter import (
-    REASONS,
     has_object,
-    image_faults,
+    image_reasons,
     inner_mask,
     outvoted,
     smooth_field,
     step_of,
-    verdict_of,
-    with_fault,
+    with_reason,
 )
-from plan2scene.photos.crops.sampling import GRAVE, Candidate, Crop, Verdict
+from plan2scene.photos.crops.sampling import Candidate, Crop
 from plan2scene.photos.crops.tables import (
     LAST_RESORT,
-    LAST_RESORT_PREFIX,
     WORST_RESORT,
     PhotoCandidate,
     choose_kept,
+)
+from plan2scene.photos.crops.verdict import (
+    GRAVE,
+    Reason,
+    Verdict,
+    reason_text,
+    reasons_of_text,
 )
 
 
@@ -45,10 +47,10 @@ def shaded(image, left=0.8, right=1.2):
     return np.clip(image * gain, 0, 255).astype(np.uint8)
 
 
-def candidate(reason="", badness=0.0, index=0):
+def candidate(*reasons, index=0):
     nan = (float("nan"),) * 4
     crop = Crop(index, nan, 1.0, 1.0, 60.0, plain(index))
-    return Candidate(crop, Verdict(reason, badness))
+    return Candidate(crop, Verdict.of(reasons, crop.sharpness))
 
 
 @pytest.mark.parametrize(
@@ -57,7 +59,7 @@ def candidate(reason="", badness=0.0, index=0):
     ids=["plain", "smooth shading", "checker", "large checker", "fine checker"],
 )
 def test_surfaces_pass(image):
-    assert image_faults(image) == []
+    assert image_reasons(image) == []
 
 
 def test_a_thing_in_the_corner_is_clutter():
@@ -76,10 +78,10 @@ def test_shadow_edges_and_things_of_another_colour_divide_a_crop():
     image = plain()
     image[:, :60] = (image[:, :60] * 0.75).astype(np.uint8)
     image = cv2.GaussianBlur(image, (0, 0), 3.0)
-    assert step_of(image) == "shadow edge"
+    assert step_of(image) is Reason.SHADOW
     door = plain()
     door[:, :60] = (130, 80, 40)
-    assert step_of(door) == "clutter"
+    assert step_of(door) is Reason.CLUTTER
     assert step_of(shaded(plain(), 0.75, 1.25)) is None
     assert step_of(checker(32)) is None
 
@@ -87,7 +89,7 @@ def test_shadow_edges_and_things_of_another_colour_divide_a_crop():
 def test_highlights_are_refused():
     image = plain()
     cv2.circle(image, (64, 64), 5, (255, 255, 255), -1)
-    assert "highlight" in image_faults(image)
+    assert Reason.HIGHLIGHT in image_reasons(image)
 
 
 def test_masks_shrink_more_where_the_photo_shows_no_edge():
@@ -118,44 +120,49 @@ def test_a_clear_majority_outvotes():
     assert not outvoted(colours[1:], np.array([10.0, 10])).any()
 
 
-def test_grave_faults_weigh_more_than_all_mild_ones():
-    crop = candidate().crop
-    mild = verdict_of(list(REASONS[-3:]), crop)
-    grave = verdict_of([REASONS[-4]], crop)
-    assert mild.badness < GRAVE <= grave.badness
-    assert verdict_of([REASONS[0]], crop).badness > verdict_of(list(REASONS[1:]), crop).badness
-    assert verdict_of([], crop) == Verdict()
-    sharper = replace(crop, sharpness=2.0)
-    assert verdict_of(["oblique"], sharper).badness < verdict_of(["oblique"], crop).badness
-    both = with_fault(Candidate(crop, verdict_of(["oblique"], crop)), "clutter")
-    assert both.verdict.reason == "clutter, oblique"
+def test_grave_reasons_weigh_more_than_all_mild_ones():
+    worst, *rest = Reason
+    mild = Verdict.of([Reason.UNKNOWN_DISTANCE, Reason.OBLIQUE, Reason.BLURRED], 1.0)
+    grave = Verdict.of([Reason.SHADOW], 1.0)
+    assert mild.score < GRAVE <= grave.score
+    assert grave.grave and not mild.grave and not mild.good
+    assert Verdict.of([worst], 1.0).score > Verdict.of(rest, 1.0).score
+    assert Verdict.of([], 1.0) == Verdict() and Verdict().good
+    assert Verdict.of([Reason.OBLIQUE], 2.0).score < Verdict.of([Reason.OBLIQUE], 1.0).score
+    both = with_reason(candidate(Reason.OBLIQUE), Reason.CLUTTER).verdict
+    assert both.reasons == (Reason.CLUTTER, Reason.OBLIQUE)
+
+
+@pytest.mark.parametrize(
+    ("reasons", "kept", "text"),
+    [
+        ((), True, ""),
+        ((Reason.OBLIQUE,), False, "oblique"),
+        ((Reason.OBLIQUE, Reason.CLUTTER), True, "last resort: clutter, oblique"),
+    ],
+)
+def test_reasons_are_a_cell_of_the_table_and_back(reasons, kept, text):
+    verdict = Verdict.of(reasons, 1.0)
+    assert reason_text(verdict, kept=kept) == text
+    assert reasons_of_text(text) == verdict.reasons
 
 
 def test_a_surface_without_good_windows_keeps_its_least_bad():
     def place(item, photo="a.png", rooms=("r1",), surface="wall"):
         return PhotoCandidate(photo, rooms, surface, 0, item)
 
-    crop = candidate().crop
-    bad = Candidate(crop, verdict_of(["clutter"], crop))
-    mild = Candidate(crop, verdict_of(["oblique"], crop))
-    good = candidate()
+    bad, mild, good = candidate(Reason.CLUTTER), candidate(Reason.OBLIQUE), candidate()
     kept = choose_kept([place(bad), place(mild), place(good)])
     assert kept.rooms == {(2, "r1")}
     assert kept.crop_index == {2: 0}
     kept = choose_kept([place(bad), *[place(mild)] * (LAST_RESORT + 2)])
-    assert len(kept.rooms) == LAST_RESORT
-    assert (0, "r1") not in kept.rooms
-    assert kept.reasons[1, "r1"] == LAST_RESORT_PREFIX + "oblique"
-    assert kept.reasons[0, "r1"] == "clutter"
+    assert kept.rooms == {(number, "r1") for number in range(1, LAST_RESORT + 1)}
     kept = choose_kept([place(bad)] * 9)
     assert len(kept.rooms) == WORST_RESORT
-    # With grave faults every photo has a say, not only the one whose windows look least bad.
-    worse = Candidate(crop, verdict_of(["border", "clutter"], crop))
+    # With grave reasons every photo has a say, not only the one whose windows look least bad.
+    worse = candidate(Reason.BORDER, Reason.CLUTTER)
     kept = choose_kept([*[place(bad)] * 5, *[place(worse, photo="b.png")] * 5])
     assert kept.rooms == {(number, "r1") for number in (0, 1, 2, 5, 6, 7)}
     # A room that has a good one elsewhere refuses what another must keep.
     shared = [place(mild, rooms=("r1", "r2")), place(good, photo="b.png", rooms=("r2",))]
-    kept = choose_kept(shared)
-    assert kept.rooms == {(0, "r1"), (1, "r2")}
-    assert kept.reasons[0, "r1"].startswith(LAST_RESORT_PREFIX)
-    assert kept.reasons[0, "r2"] == "oblique"
+    assert choose_kept(shared).rooms == {(0, "r1"), (1, "r2")}

@@ -11,7 +11,7 @@ from plan2scene.house import House, Room
 from plan2scene.images import image_from_bytes, write_png
 from plan2scene.io import read_parquet, write_json
 from plan2scene.photos.crops.candidates import CropSettings
-from plan2scene.photos.crops.sampling import draw_windows, medoid_index, sample_crops
+from plan2scene.photos.crops.sampling import draw_windows, medoid_index, sample_candidates
 from plan2scene.photos.crops.stage import load_crops, make_crops
 from plan2scene.photos.crops.tables import CANDIDATE_COLUMNS, COLUMNS
 from plan2scene.photos.labels.palette import write_label_png
@@ -42,12 +42,12 @@ def checkered_floor(camera, height=1.5, cell=0.25):
 def test_crops_are_metric_and_square_on():
     camera = looking(turn_deg=31.0)
     image, plane = checkered_floor(camera, cell=0.25)
-    crops = sample_crops(image, camera, plane, np.random.default_rng(0), metres=(1.0,))
-    assert len(crops) == 10
-    for crop in crops:
-        assert crop.metres == pytest.approx(1.0, abs=0.01)
+    drawn = sample_candidates(image, camera, plane, np.random.default_rng(0), sizes_m=(1.0,))
+    assert len(drawn) == 10
+    for crop in (candidate.crop for candidate in drawn):
+        assert crop.size_m == pytest.approx(1.0, abs=0.01)
         x0, z0, _, _ = crop.window
-        step = crop.metres / 128
+        step = crop.size_m / 128
         x = x0 + (np.arange(128) + 0.5) * step
         z = z0 + (np.arange(128) + 0.5) * step
         odd = (np.floor(x / 0.25)[None, :] + np.floor(z / 0.25)[:, None]) % 2
@@ -77,13 +77,13 @@ def test_smaller_windows_where_large_ones_do_not_fit():
     mask = np.zeros(SIZE, bool)
     mask[380:470, 260:380] = True
     small = Plane("floor", 0, plane.normal, plane.offset, mask, "x")
-    crops = sample_crops(image, camera, small, np.random.default_rng(0))
-    assert crops
-    assert crops[0].metres < 0.4
+    drawn = sample_candidates(image, camera, small, np.random.default_rng(0))
+    assert drawn
+    assert drawn[0].crop.size_m < 0.4
     speck = np.zeros(SIZE, bool)
     speck[400:412, 300:312] = True
     tiny = Plane("floor", 0, plane.normal, plane.offset, speck, "x")
-    assert sample_crops(image, camera, tiny, np.random.default_rng(0)) == []
+    assert sample_candidates(image, camera, tiny, np.random.default_rng(0)) == []
 
 
 def test_sharpness_falls_with_distance():
@@ -203,7 +203,7 @@ def test_stage_is_deterministic(house, inputs):
 
 
 def test_stage_settings_are_used(house, inputs):
-    settings = CropSettings(metres=(0.5,), per_mask=3, filter=False)
+    settings = CropSettings(sizes_m=(0.5,), per_mask=3, filter=False)
     frame = run(house, inputs, {"a.png": ["room1"]}, settings=settings)
     assert len(frame) == 3
     assert frame.metres.to_numpy() == pytest.approx(0.5, abs=0.01)

@@ -10,7 +10,8 @@ from PIL import Image
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.photos.labels import palette as masks
-from plan2scene.photos.masks import labeller, make_masks
+from plan2scene.photos.labels.labeller import labeller
+from plan2scene.photos.masks import make_masks
 from plan2scene.photos.photo_files import read_photo
 
 
@@ -141,9 +142,9 @@ def test_overlay_mixes_label_colours() -> None:
 
 def test_labeller_refuses_unknown_source_and_missing_folder(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="embedded, precomputed, pretrained"):
-        labeller("guess", house="h")
+        labeller("guess", house_id="h")
     with pytest.raises(InputError, match=r"house h.*masks"):
-        labeller("precomputed", precomputed_dir=tmp_path / "none", house="h")
+        labeller("precomputed", precomputed_dir=tmp_path / "none", house_id="h")
     with pytest.raises(InputError, match="model"):
         labeller("embedded")
 
@@ -160,7 +161,7 @@ def test_make_masks_goes_on_without_bad_photos(tmp_path: Path) -> None:
     warnings = make_masks(
         {name: photos / name for name in names},
         out,
-        house="h1",
+        house_id="h1",
         source="precomputed",
         precomputed_dir=ready,
         fov_deg=60.0,
@@ -177,7 +178,7 @@ def test_make_masks_goes_on_without_bad_photos(tmp_path: Path) -> None:
 
 
 def test_make_masks_without_photos_needs_no_model(tmp_path: Path) -> None:
-    assert make_masks({}, tmp_path / "out", house="h", source="embedded", fov_deg=60.0) == []
+    assert make_masks({}, tmp_path / "out", house_id="h", source="embedded", fov_deg=60.0) == []
     assert json.loads((tmp_path / "out" / "cameras.json").read_text()) == {}
 
 
@@ -186,7 +187,7 @@ def test_make_masks_refuses_two_photos_with_one_stem(tmp_path: Path) -> None:
         make_masks(
             {name: tmp_path / name for name in ("a.png", "a.jpg")},
             tmp_path / "out",
-            house="h",
+            house_id="h",
             source="precomputed",
             precomputed_dir=tmp_path,
             fov_deg=60.0,

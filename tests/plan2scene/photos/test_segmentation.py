@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import dataclasses
 import subprocess
 import sys
 from pathlib import Path
@@ -11,11 +10,10 @@ import torch
 
 from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import Camera
-from plan2scene.photos.labels import segmentation
+from plan2scene.photos.labels import labeller
 from plan2scene.photos.labels.segmentation import (
     SegmentationNet,
     Segmenter,
-    labels_told_camera,
     load_segmenter,
     network_size,
     upsampled_argmax,
@@ -108,11 +106,11 @@ def test_segmenter_tells_the_network_where_the_horizon_is() -> None:
     rotation = np.stack([(1, 0, 0), up, np.cross((1, 0, 0), up)], 1)
     camera = Camera(64, 48, 40.0, 31.5, 23.5, tuple(map(tuple, rotation)), "config", 1.0, False)
     Segmenter(network).labels(_photo(48, 64), camera)
-    mirrored, sine = (x[0].numpy() for x in seen[:2])
-    assert np.allclose(mirrored[:, ::-1], sine)
-    below = sine < 0
+    elevation, mirrored = (x[0].numpy() for x in seen[:2])
+    assert np.allclose(mirrored[:, ::-1], elevation)
+    below = elevation < 0
     horizon = 48 / 2 - 40 * np.tan(tilt)  # rows of the photo
-    rows = (np.arange(sine.shape[0]) + 0.5) / sine.shape[0] * 48
+    rows = (np.arange(elevation.shape[0]) + 0.5) / elevation.shape[0] * 48
     assert np.array_equal(below.all(axis=1), rows > horizon)
 
 
@@ -141,24 +139,23 @@ def test_reading_masks_does_not_import_torch() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_labels_are_made_again_once_a_camera_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = Segmenter(SegmentationNet(**TINY, elevation=True))  # type: ignore[arg-type]
-    image = _photo(48, 64)
-    camera = Camera.from_json(
-        {
-            "width": 64,
-            "height": 48,
-            "focal_px": 40.0,
-            "cx": 31.5,
-            "cy": 23.5,
-            "rotation": [[-1, 0, 0], [0, -1, 0], [0, 0, 1]],
-        }
-    )
-    monkeypatch.setattr(segmentation, "estimate_camera", lambda *_: camera)
-    assert np.array_equal(labels_told_camera(told, image), told.labels(image, camera))
-    unknown = dataclasses.replace(camera, fallback=True)
-    monkeypatch.setattr(segmentation, "estimate_camera", lambda *_: unknown)
-    assert np.array_equal(labels_told_camera(told, image), told.labels(image))
-    plain = Segmenter(_tiny())
-    monkeypatch.setattr(segmentation, "estimate_camera", lambda *_: pytest.fail("not needed"))
-    assert np.array_equal(labels_told_camera(plain, image), plain.labels(image))
+@pytest.mark.parametrize(
+    ("uses_camera", "fallback", "seen"),
+    [(True, False, [False, True]), (True, True, [False]), (False, False, [False])],
+)
+def test_labels_are_made_again_once_a_camera_is_found(
+    monkeypatch: pytest.MonkeyPatch, uses_camera: bool, fallback: bool, seen: list[bool]
+) -> None:
+    rows = ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
+    camera = Camera(64, 48, 40.0, 31.5, 23.5, rows, "config", 1.0, fallback)
+    monkeypatch.setattr(labeller, "estimate_camera", lambda _image, labels, **_: camera)
+    told: list[bool] = []
+
+    def label(_photo: str, image: np.ndarray, given: Camera | None) -> np.ndarray:
+        told.append(given is camera)
+        return np.full(image.shape[:2], len(told), np.uint8)
+
+    found = labeller.Labeller(label, uses_camera).labels_and_camera("a.jpg", _photo(48, 64))
+    assert told == seen
+    assert (found[0] == len(seen)).all()
+    assert found[1] is camera

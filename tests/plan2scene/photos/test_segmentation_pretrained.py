@@ -9,12 +9,12 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
+from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.labels.pretrained import (
     Checkpoint,
     PretrainedSegmenter,
     load_pretrained,
 )
-from plan2scene.photos.masks import labeller
 
 COMMIT = "0123456789abcdef0123456789abcdef01234567"
 
@@ -106,11 +106,13 @@ def test_a_segformer_checkpoint_loads_and_labels(tmp_path: Path) -> None:
 
 def test_the_masks_stage_takes_a_checkpoint(tmp_path: Path) -> None:
     checkpoint = _tiny_segformer(tmp_path)
-    label = labeller("pretrained", pretrained=checkpoint, house="h")
+    label = labeller("pretrained", pretrained=checkpoint, house_id="h")
     image = np.zeros((30, 40, 3), np.uint8)
-    assert np.array_equal(label.first("a.jpg", image), load_pretrained(checkpoint).labels(image))
+    assert np.array_equal(
+        label.label("a.jpg", image, None), load_pretrained(checkpoint).labels(image)
+    )
     with pytest.raises(InputError, match="neither"):
-        labeller("pretrained", pretrained=Checkpoint(), house="h")
+        labeller("pretrained", pretrained=Checkpoint(), house_id="h")
 
 
 def test_the_checkpoint_says_how_pixels_are_scaled(tmp_path: Path) -> None:

@@ -122,14 +122,14 @@ def _read(
     rooms: tuple[str, ...],
     windows: Sequence[Window],
     masks_dir: str | Path | None,
-    house: str,
+    house_id: str,
 ) -> _Photo:
     """Return a photo with its mask and camera, or with a note why it has none."""
     empty = _Photo(name, rooms, None, None, tuple(windows))
     if path is None:
         return replace(empty, note="not in the house table")
     try:
-        full = read_photo(path, house=house)
+        full = read_photo(path, house_id=house_id)
     except InputError as error:
         return replace(empty, note=str(error))
     photo = replace(empty, image=fit(full, PANEL), full=full)
@@ -141,23 +141,23 @@ def _read(
         lines = read_json(folder / "warnings.json")
         line = next((line for line in lines if line.startswith(f"photo {name} ")), "no mask")
         return replace(photo, note=line)
-    labels = read_label_png(folder / f"{Path(name).stem}.png", house=house)
+    labels = read_label_png(folder / f"{Path(name).stem}.png", house_id=house_id)
     return replace(photo, labels=labels, camera=Camera.from_json(camera))
 
 
 def _header(
     draw: Any,
-    house: str,
+    house_id: str,
     n_photos: int,
     n_shown: int,
     counts: Mapping[str, int],
     windows: Sequence[Window],
 ) -> None:
     """Write the house's name, the counts and the colours' meaning."""
-    reasons = Counter(part for window in windows if not window.kept for part in window.faults)
+    reasons = Counter(part for window in windows if not window.kept for part in window.reasons)
     why = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common(8))
     more = "" if n_shown == n_photos else f" (the first {n_shown} shown)"
-    draw.text((GAP, 4), f"{house}: {n_photos} photos{more}", font=font(17), fill=INK)
+    draw.text((GAP, 4), f"{house_id}: {n_photos} photos{more}", font=font(17), fill=INK)
     pieces = [
         (f"{counts['kept']} crops kept", KEPT),
         (f"{counts['last_resort']} kept for want of better ones", LAST_RESORT),
@@ -287,10 +287,10 @@ def _draw_crops(sheet: Any, corner: tuple[int, int], photo: _Photo) -> None:
 
 def _reason_lines(draw: Any, window: Window) -> list[str]:
     """Return why a window is not good in at most two lines of a cell's width, else its side."""
-    if not window.reason:
-        return [f"{window.metres:.2f} m"] if np.isfinite(window.metres) else []
-    lines = window.faults[:1]
-    for part in window.faults[1:]:
+    if not window.reasons:
+        return [f"{window.size_m:.2f} m"] if np.isfinite(window.size_m) else []
+    lines = list(window.reasons[:1])
+    for part in window.reasons[1:]:
         longer = f"{lines[-1]}, {part}"
         if draw.textlength(longer, font=font(9)) <= CELL[1] - 4:
             lines[-1] = longer

@@ -12,7 +12,7 @@ import numpy as np
 
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet
-from plan2scene.photos.crops.tables import LAST_RESORT_PREFIX
+from plan2scene.photos.crops.verdict import reasons_of_text
 
 #: sRGB of kept crops, crops kept for want of better ones, and rejected windows.
 KEPT, LAST_RESORT, REJECTED = (40, 200, 70), (250, 170, 30), (225, 50, 50)
@@ -27,10 +27,10 @@ class Window:
     surface : str
     plane : int
     kept : bool
-    reason : str
+    reasons : tuple of str
         Empty for a good one.
-    metres : float
-        Side, NaN where unknown.
+    size_m : float
+        Side in metres, NaN where unknown.
     corners : (4, 2) float64
         Pixels x, y in the photo, clockwise from the crop's top left; NaN where unknown.
     image : (128, 128, 3) uint8, optional
@@ -40,25 +40,20 @@ class Window:
     surface: str
     plane: int
     kept: bool
-    reason: str
-    metres: float
+    reasons: tuple[str, ...]
+    size_m: float
     corners: np.ndarray
     image: np.ndarray | None = None
 
     @property
     def colour(self) -> tuple[int, int, int]:
         """Return the colour of its frame."""
-        return REJECTED if not self.kept else LAST_RESORT if self.reason else KEPT
+        return REJECTED if not self.kept else LAST_RESORT if self.reasons else KEPT
 
     @property
     def name(self) -> str:
         """Return the name of its plane: floor, ceiling, wall 0 ..."""
         return f"wall {self.plane}" if self.surface == "wall" else self.surface
-
-    @property
-    def faults(self) -> list[str]:
-        """Return the single reasons why it is not good."""
-        return [part for part in self.reason.removeprefix(LAST_RESORT_PREFIX).split(", ") if part]
 
 
 def read_windows(crops: str | Path, candidates: str | Path) -> dict[str, tuple[Window, ...]]:
@@ -85,8 +80,8 @@ def _window(row: Mapping[str, Any], png: Mapping[str, bytes]) -> Window:
         surface=row["surface"],
         plane=int(row["plane"]),
         kept=bool(row["crop_id"]),
-        reason=row["reason"],
-        metres=float(row["metres"]),
+        reasons=reasons_of_text(row["reason"]),
+        size_m=float(row["metres"]),
         corners=np.array(list(row["corners"]), np.float64).reshape(4, 2),
         image=None if data is None else image_from_bytes(data),
     )
@@ -95,8 +90,8 @@ def _window(row: Mapping[str, Any], png: Mapping[str, bytes]) -> Window:
 def count_windows(windows: Sequence[Window]) -> dict[str, int]:
     """Return how many windows are kept, kept for want of better ones, and rejected."""
     return {
-        "kept": sum(window.kept and not window.reason for window in windows),
-        "last_resort": sum(window.kept and bool(window.reason) for window in windows),
+        "kept": sum(window.kept and not window.reasons for window in windows),
+        "last_resort": sum(window.kept and bool(window.reasons) for window in windows),
         "rejected": sum(not window.kept for window in windows),
     }
 
@@ -116,9 +111,9 @@ def thumbnail(window: Window, full: np.ndarray | None, side: int) -> np.ndarray:
 
 def in_turns(windows: Sequence[Window]) -> list[Window]:
     """Return windows in turns over planes and reasons, so that the first few show every kind."""
-    groups: dict[tuple[str, int, str], list[Window]] = {}
+    groups: dict[tuple[str, int, tuple[str, ...]], list[Window]] = {}
     for window in windows:
-        groups.setdefault((window.surface, window.plane, window.reason), []).append(window)
+        groups.setdefault((window.surface, window.plane, window.reasons), []).append(window)
     longest = max((len(group) for group in groups.values()), default=0)
     return [
         groups[name][k] for k in range(longest) for name in sorted(groups) if k < len(groups[name])

@@ -10,15 +10,16 @@ import numpy as np
 
 from plan2scene.house import House
 from plan2scene.photos.camera.calibration import Camera
-from plan2scene.photos.crops.filter import inner_plane, judge_of, with_fault
+from plan2scene.photos.crops.filter import inner_plane, judge_of, with_reason
 from plan2scene.photos.crops.sampling import (
-    CROP_METRES,
     CROPS_PER_MASK,
     TRIES,
+    WINDOW_SIZES_M,
     Candidate,
     sample_candidates,
 )
 from plan2scene.photos.crops.tables import WORST_RESORT, PhotoCandidate
+from plan2scene.photos.crops.verdict import Reason
 from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
 from plan2scene.photos.planes.room_size import RoomSize, room_extent
 from plan2scene.seeds import generator
@@ -33,7 +34,7 @@ class CropSettings:
     :mod:`plan2scene.photos.crops.light`.
     """
 
-    metres: tuple[float, ...] = CROP_METRES
+    sizes_m: tuple[float, ...] = WINDOW_SIZES_M
     per_mask: int = CROPS_PER_MASK
     tries: int = TRIES
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
@@ -60,7 +61,7 @@ def candidates_of_photo(
     settings: CropSettings,
     *,
     seed: int,
-    house: str,
+    house_id: str,
     photo: str,
 ) -> list[PhotoCandidate]:
     """Return the windows drawn on all planes of one photo, for its rooms of each size.
@@ -81,7 +82,7 @@ def candidates_of_photo(
             room_extent_m=size.extent_m,
         )
         for plane in planes:
-            rng = generator(seed, "crops", house, photo, plane.surface, plane.index)
+            rng = generator(seed, "crops", house_id, photo, plane.surface, plane.index)
             drawn = candidates_of_plane(image, camera, plane, settings, rng)
             first = count.get((plane.surface, plane.index), 0)
             count[plane.surface, plane.index] = first + len(drawn)
@@ -108,18 +109,18 @@ def candidates_of_plane(
         image,
         camera,
         rng=rng,
-        metres=settings.metres,
+        sizes_m=settings.sizes_m,
         tries=settings.tries,
     )
     if not settings.filter:
         return sample(plane, per_mask=settings.per_mask)
     inner = inner_plane(plane, image)
     drawn = sample(inner, per_mask=settings.per_mask, judge=judge_of(inside=True))
-    if all(candidate.verdict.reason for candidate in drawn):
+    if not any(candidate.verdict.good for candidate in drawn):
         few = min(WORST_RESORT, settings.per_mask)
         for candidate in sample(plane, per_mask=few, judge=judge_of(inside=False)):
             crop = replace(candidate.crop, index=len(drawn))
             drawn.append(replace(candidate, crop=crop))
     if plane.scale_source == "prior":  # no other window of the plane would be better
-        drawn = [with_fault(candidate, "unknown distance") for candidate in drawn]
+        drawn = [with_reason(candidate, Reason.UNKNOWN_DISTANCE) for candidate in drawn]
     return drawn

@@ -14,7 +14,8 @@ import cv2
 import numpy as np
 
 from plan2scene.colour import clipped_share, rgb_to_lab, srgb_to_linear
-from plan2scene.photos.crops.sampling import GRAVE, Candidate, Crop, Judge, Verdict
+from plan2scene.photos.crops.sampling import Candidate, Crop, Judge
+from plan2scene.photos.crops.verdict import Reason, Verdict
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane
 
@@ -57,19 +58,6 @@ GROUP_LIMIT = 10.0
 #: Least share of a surface's windows that can outvote the rest.
 MAJORITY = 0.6
 
-#: Reasons from the worst to the mildest. The last three take away quality, not truth.
-REASONS = (
-    "border",
-    "clutter",
-    "unlike the rest",
-    "highlight",
-    "shadow edge",
-    "not sharp",
-    "oblique",
-    "unknown distance",
-)
-_MILD = 3
-
 
 def inner_plane(plane: Plane, image: np.ndarray) -> Plane:
     """Return a plane with its mask eroded: less where the photo shows an edge at its border.
@@ -111,54 +99,37 @@ def judge_of(*, inside: bool) -> Judge:
         if key not in typical:
             typical[key] = window_colours(rectified, side)
         patch = rectified.image[row : row + side, column : column + side]
-        faults = image_faults(crop.image)
+        reasons = image_reasons(crop.image)
         if is_unlike(patch, *typical[key]):
-            faults.append("clutter")
+            reasons.append(Reason.CLUTTER)
         if not inside:
-            faults.append("border")
+            reasons.append(Reason.BORDER)
         if crop.sharpness < MIN_SHARPNESS:
-            faults.append("not sharp")
+            reasons.append(Reason.BLURRED)
         if crop.grazing_deg < MIN_GRAZING_DEG:
-            faults.append("oblique")
-        return verdict_of(faults, crop)
+            reasons.append(Reason.OBLIQUE)
+        return Verdict.of(reasons, crop.sharpness)
 
     return judge
 
 
-def with_fault(candidate: Candidate, fault: str) -> Candidate:
-    """Return a candidate with one more fault."""
-    faults = [reason for reason in candidate.verdict.reason.split(", ") if reason]
-    return replace(candidate, verdict=verdict_of([*faults, fault], candidate.crop))
+def with_reason(candidate: Candidate, reason: Reason) -> Candidate:
+    """Return a candidate with one more reason against it."""
+    reasons = (*candidate.verdict.reasons, reason)
+    return replace(candidate, verdict=Verdict.of(reasons, candidate.crop.sharpness))
 
 
-def verdict_of(faults: list[str], crop: Crop) -> Verdict:
-    """Return the verdict: the faults from the worst to the mildest, and how bad that is.
-
-    Any grave fault weighs more than all mild ones; of equals the sharper crop is better.
-    """
-    ordered = [reason for reason in REASONS if reason in faults]
-    if not ordered:
-        return Verdict()
-    grave = len(REASONS) - _MILD
-    badness = sum(
-        GRAVE * 2 ** (grave - 1 - rank) if rank < grave else 0.25
-        for rank, reason in enumerate(REASONS)
-        if reason in ordered
-    )
-    return Verdict(", ".join(ordered), badness + 0.2 * GRAVE / (1.0 + crop.sharpness))
-
-
-def image_faults(image: np.ndarray) -> list[str]:
+def image_reasons(image: np.ndarray) -> list[Reason]:
     """Return what is wrong with a crop (n, n, 3) uint8 sRGB by itself: highlight, clutter, ..."""
-    faults = []
+    reasons = []
     if clipped_share(image, CLIPPED_LEVELS) > CLIPPED_SHARE:
-        faults.append("highlight")
+        reasons.append(Reason.HIGHLIGHT)
     if has_object(image):
-        faults.append("clutter")
+        reasons.append(Reason.CLUTTER)
     step = step_of(image)
-    if step is not None and step not in faults:
-        faults.append(step)
-    return faults
+    if step is not None and step not in reasons:
+        reasons.append(step)
+    return reasons
 
 
 def has_object(image: np.ndarray) -> bool:
@@ -181,8 +152,8 @@ def has_object(image: np.ndarray) -> bool:
     return False
 
 
-def step_of(image: np.ndarray) -> str | None:
-    """Return "shadow edge" or "clutter" when one step of luminance divides a crop, else None."""
+def step_of(image: np.ndarray) -> Reason | None:
+    """Return `SHADOW` or `CLUTTER` when one step of luminance divides a crop, else None."""
     small = cv2.resize(image, (64, 64), interpolation=cv2.INTER_AREA)
     smooth = cv2.GaussianBlur(small, (0, 0), 2.0)
     log = np.log(np.maximum(luminance(smooth), 1e-3))
@@ -202,7 +173,7 @@ def step_of(image: np.ndarray) -> str | None:
         return None
     lab = rgb_to_lab(smooth / 255.0)
     ab = [np.median(lab[side > 0][:, 1:], axis=0) for side in (bright, 1 - bright)]
-    return "clutter" if np.linalg.norm(ab[0] - ab[1]) > SHADOW_CHROMA else "shadow edge"
+    return Reason.CLUTTER if np.linalg.norm(ab[0] - ab[1]) > SHADOW_CHROMA else Reason.SHADOW
 
 
 def luminance(image: np.ndarray) -> np.ndarray:

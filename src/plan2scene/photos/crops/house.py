@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from plan2scene.colour import linear_to_srgb, median_colour, rgb_to_lab, srgb_to_linear
-from plan2scene.photos.crops.filter import outvoted, with_fault
+from plan2scene.photos.crops.filter import outvoted, with_reason
 from plan2scene.photos.crops.light import flatten, relight
-from plan2scene.photos.crops.sampling import GRAVE
 from plan2scene.photos.crops.tables import PhotoCandidate
+from plan2scene.photos.crops.verdict import Reason
 
 
 def corrected(
@@ -33,19 +33,19 @@ def corrected(
 def agreeing(
     drawn: Sequence[PhotoCandidate], lights: Mapping[str, np.ndarray]
 ) -> list[PhotoCandidate]:
-    """Return the candidates, those outvoted by the rest of their surface with that fault.
+    """Return the candidates, those outvoted by the rest of their surface with that reason.
 
     Parameters
     ----------
     drawn : sequence of PhotoCandidate
-        Of a house, as photographed. Only windows without grave faults vote, one group per plane
+        Of a house, as photographed. Only windows without grave reasons vote, one group per plane
         of a photo.
     lights : mapping
         Light (3,) of each photo, linear RGB, which is divided out before colours are compared.
     """
     groups: dict[tuple[str, str], dict[tuple[str, int], list[int]]] = {}
     for number, item in enumerate(drawn):
-        if item.candidate.verdict.badness < GRAVE:
+        if not item.candidate.verdict.grave:
             for room in item.rooms:
                 planes = groups.setdefault((room, item.surface), {})
                 planes.setdefault((item.photo, item.plane), []).append(number)
@@ -59,8 +59,8 @@ def agreeing(
         unlike = outvoted(np.stack(colours), weights)
         for members, out in zip(planes.values(), unlike, strict=True):
             for number in members if out else ():
-                fault = with_fault(drawn[number].candidate, "unlike the rest")
-                result[number] = replace(drawn[number], candidate=fault)
+                refused = with_reason(drawn[number].candidate, Reason.UNLIKE)
+                result[number] = replace(drawn[number], candidate=refused)
     return result
 
 

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 
 from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.crops.verdict import Verdict
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, rectify
 
@@ -21,7 +22,7 @@ CROP_PX = 128
 CROPS_PER_MASK = 10
 TRIES = 1000
 #: Sides of the windows in metres; the first that fits a plane is taken.
-CROP_METRES = (1.0, 0.75, 0.5, 0.35, 0.25)
+WINDOW_SIZES_M = (1.0, 0.75, 0.5, 0.35)
 #: Most crop pixels per photo pixel (paper: 256 px windows of a x3 image at 128 px are 1.5).
 MAX_UPSAMPLING = 1.5
 #: The same where nothing of a plane is that sharp: its colour is still worth having.
@@ -42,8 +43,8 @@ class Crop:
         Number within its mask: of the crops kept, of the candidates otherwise.
     window : (4,) tuple of float
         x0 y0 x1 y1 on the rectified plane, metres.
-    metres : float
-        Side of the window.
+    size_m : float
+        Side of the window, metres.
     sharpness : float
         Photo pixels per crop pixel at its middle (1: as sharp as the photo; 0.5: upsampled x2).
     grazing_deg : float
@@ -56,32 +57,11 @@ class Crop:
 
     index: int
     window: tuple[float, float, float, float]
-    metres: float
+    size_m: float
     sharpness: float
     grazing_deg: float
     image: np.ndarray
     corners: tuple[float, ...] = (float("nan"),) * 8
-
-
-#: Badness of a window that may show something else.
-GRAVE = 1.0
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """What is wrong with a candidate, if anything.
-
-    Parameters
-    ----------
-    reason : str
-        Empty for a good one.
-    badness : float
-        Orders the refused: where a surface has nothing good, the least bad is kept. From `GRAVE`
-        on it may not show the surface; below, it shows it poorly.
-    """
-
-    reason: str = ""
-    badness: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -102,7 +82,7 @@ def sample_candidates(
     plane: Plane,
     rng: np.random.Generator,
     *,
-    metres: Sequence[float] = CROP_METRES,
+    sizes_m: Sequence[float] = WINDOW_SIZES_M,
     per_mask: int = CROPS_PER_MASK,
     tries: int = TRIES,
     judge: Judge | None = None,
@@ -117,8 +97,8 @@ def sample_candidates(
         Its camera and the plane.
     rng : numpy.random.Generator
         Draws the windows.
-    metres : sequence of float
-        Sides to try, in this order, until one gives a good window.
+    sizes_m : sequence of float
+        Sides to try, metres, in this order, until one gives a good window.
     per_mask, tries : int
         Most crops, and most draws for each.
     judge : Judge, optional
@@ -127,19 +107,19 @@ def sample_candidates(
     drawn: list[Candidate] = []
     wanted = per_mask if judge is None else DRAWS_PER_CROP * per_mask
     for upsampling in (MAX_UPSAMPLING, LAST_UPSAMPLING):
-        for side in metres:
-            density = CROP_PX / side / upsampling
+        for size_m in sizes_m:
+            density = CROP_PX / size_m / upsampling
             rectified = rectify(image, camera, plane, min_density=density)
             if rectified is None:
                 continue
             good = 0
-            for row, column in draw_windows(rectified, side, rng, per_mask=wanted, tries=tries):
-                crop = _cut(rectified, camera, len(drawn), row, column, side)
+            for row, column in draw_windows(rectified, size_m, rng, per_mask=wanted, tries=tries):
+                crop = _cut(rectified, camera, len(drawn), row, column, size_m)
                 verdict = Verdict()
                 if judge is not None:
-                    verdict = judge(rectified, row, column, window_pixels(rectified, side), crop)
+                    verdict = judge(rectified, row, column, window_pixels(rectified, size_m), crop)
                 drawn.append(Candidate(crop, verdict))
-                good += not verdict.reason
+                good += verdict.good
                 if good == per_mask:
                     break
             if good:
@@ -147,34 +127,14 @@ def sample_candidates(
     return drawn
 
 
-def sample_crops(
-    image: np.ndarray,
-    camera: Camera,
-    plane: Plane,
-    rng: np.random.Generator,
-    *,
-    metres: Sequence[float] = CROP_METRES,
-    per_mask: int = CROPS_PER_MASK,
-    tries: int = TRIES,
-) -> list[Crop]:
-    """Return up to `per_mask` crops of a plane of a photo, unjudged; empty when none fits.
-
-    Parameters as in :func:`sample_candidates`.
-    """
-    drawn = sample_candidates(
-        image, camera, plane, rng, metres=metres, per_mask=per_mask, tries=tries
-    )
-    return [candidate.crop for candidate in drawn]
-
-
-def window_pixels(rectified: RectifiedPlane, metres: float) -> int:
+def window_pixels(rectified: RectifiedPlane, size_m: float) -> int:
     """Return the side of a window of that many metres in pixels of the rectified image."""
-    return max(1, round(metres / rectified.metres_per_pixel))
+    return max(1, round(size_m / rectified.metres_per_pixel))
 
 
 def draw_windows(
     rectified: RectifiedPlane,
-    metres: float,
+    size_m: float,
     rng: np.random.Generator,
     *,
     per_mask: int = CROPS_PER_MASK,
@@ -184,7 +144,7 @@ def draw_windows(
 
     No window is drawn twice; fewer come back when `tries` draws find none.
     """
-    side = window_pixels(rectified, metres)
+    side = window_pixels(rectified, size_m)
     rows, columns = (extent - side + 1 for extent in rectified.mask.shape)
     if rows < 1 or columns < 1:
         return []
@@ -207,10 +167,10 @@ def draw_windows(
 
 
 def _cut(
-    rectified: RectifiedPlane, camera: Camera, index: int, row: int, column: int, metres: float
+    rectified: RectifiedPlane, camera: Camera, index: int, row: int, column: int, size_m: float
 ) -> Crop:
     """Return one window as a crop."""
-    side = window_pixels(rectified, metres)
+    side = window_pixels(rectified, size_m)
     patch = rectified.image[row : row + side, column : column + side]
     shrink = side > CROP_PX
     patch = cv2.resize(
@@ -222,7 +182,7 @@ def _cut(
     return Crop(
         index=index,
         window=window,
-        metres=covered,
+        size_m=covered,
         sharpness=density * covered / CROP_PX,
         grazing_deg=grazing,
         image=patch,

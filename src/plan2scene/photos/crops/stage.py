@@ -22,8 +22,9 @@ from plan2scene.photos.crops.candidates import (
 )
 from plan2scene.photos.crops.house import agreeing, corrected
 from plan2scene.photos.crops.light import SurfaceColour, estimate_light, gains_of, surface_colours
-from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Verdict
+from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop
 from plan2scene.photos.crops.tables import PhotoCandidate, write_tables
+from plan2scene.photos.crops.verdict import Verdict
 from plan2scene.photos.labels.palette import read_label_png
 from plan2scene.photos.photo_files import read_photo
 
@@ -83,7 +84,7 @@ def make_crops(
     )
     drawn, gains = under_common_light(drawn, lights, chosen)
     _write_light(light, gains, chosen)
-    return write_tables(drawn, output, candidates, dataset=dataset, house=house.id)
+    return write_tables(drawn, output, candidates, dataset=dataset, house_id=house.id)
 
 
 def draw_candidates(
@@ -110,8 +111,8 @@ def draw_candidates(
             _log.info("photo %s of house %s has no mask: skipped", photo, house.id)
             continue
         camera = Camera.from_json(cameras[photo], file=folder / "cameras.json")
-        labels = read_label_png(folder / f"{Path(photo).stem}.png", house=house.id)
-        image = read_photo(photos[photo], house=house.id)
+        labels = read_label_png(folder / f"{Path(photo).stem}.png", house_id=house.id)
+        image = read_photo(photos[photo], house_id=house.id)
         _check_sizes(image, labels, camera, photos[photo], house.id)
         of_photo = candidates_of_photo(
             image,
@@ -120,7 +121,7 @@ def draw_candidates(
             rooms_by_size(house, rooms_of_photo[photo]),
             settings,
             seed=seed,
-            house=house.id,
+            house_id=house.id,
             photo=photo,
         )
         colours += surface_colours(image, labels, photo, list(dict.fromkeys(rooms_of_photo[photo])))
@@ -185,18 +186,20 @@ def load_crops(
             found.append(PhotoCandidate(photo, rooms, surface, int(match["mask"]), ready))
     found.sort(key=lambda item: item.photo)
     _write_light(light, {}, None)
-    return write_tables(found, output, candidates, dataset=dataset, house=house.id, keep_index=True)
+    return write_tables(
+        found, output, candidates, dataset=dataset, house_id=house.id, keep_index=True
+    )
 
 
-def _ready_crop(path: Path, index: int, house: str) -> Crop:
+def _ready_crop(path: Path, index: int, house_id: str) -> Crop:
     """Return a crop read from a file."""
-    image = read_image(path, house=house)
+    image = read_image(path, house_id=house_id)
     if image.shape != (CROP_PX, CROP_PX, 3):
         raise InputError(
             f"a crop of {CROP_PX}x{CROP_PX}",
             f"{image.shape[1]}x{image.shape[0]}",
             file=path,
-            house=house,
+            house=house_id,
         )
     nan = float("nan")
     return Crop(index, (nan, nan, nan, nan), nan, nan, nan, image)
@@ -217,7 +220,7 @@ def check_rooms(house: House, rooms_of_photo: Mapping[str, Sequence[str]]) -> No
 
 
 def _check_sizes(
-    image: np.ndarray, labels: np.ndarray, camera: Camera, path: Path, house: str
+    image: np.ndarray, labels: np.ndarray, camera: Camera, path: Path, house_id: str
 ) -> None:
     """Raise InputError when photo, mask and camera are of different sizes."""
     height, width = image.shape[:2]
@@ -226,5 +229,5 @@ def _check_sizes(
             f"mask and camera of the photo's size {width}x{height}",
             f"mask {labels.shape[1]}x{labels.shape[0]}, camera {camera.width}x{camera.height}",
             file=path,
-            house=house,
+            house=house_id,
         )

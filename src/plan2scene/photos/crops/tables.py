@@ -11,14 +11,14 @@ import numpy as np
 
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
-from plan2scene.photos.crops.sampling import GRAVE, Candidate, medoid_index
+from plan2scene.photos.crops.sampling import Candidate, medoid_index
+from plan2scene.photos.crops.verdict import reason_text
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Columns of crops.parquet with the type of an empty one (docs/conventions.md).
-COLUMNS = {
-    "crop_id": "str",
+#: Columns of both tables with the type of an empty one (docs/conventions.md).
+_SHARED = {
     "photo": "str",
     "room_id": "str",
     "surface": "str",
@@ -28,29 +28,13 @@ COLUMNS = {
     "metres": "float64",
     "sharpness": "float64",
     "grazing_deg": "float64",
-    "medoid": "bool",
-    "png": "object",
 }
-#: Columns of candidates.parquet.
-CANDIDATE_COLUMNS = {
-    "photo": "str",
-    "room_id": "str",
-    "surface": "str",
-    "plane": "int64",
-    "index": "int64",
-    "window": "object",
-    "metres": "float64",
-    "sharpness": "float64",
-    "grazing_deg": "float64",
-    "reason": "str",
-    "crop_id": "str",
-    "corners": "object",
-}
-#: Crops kept of a surface that has no good one: with mild faults only, and of each photo with grave
-#: ones.
+#: Columns of crops.parquet and of candidates.parquet.
+COLUMNS = {"crop_id": "str", **_SHARED, "medoid": "bool", "png": "object"}
+CANDIDATE_COLUMNS = {**_SHARED, "reason": "str", "crop_id": "str", "corners": "object"}
+#: Crops kept of a surface that has no good one: with mild reasons only, and of each photo with
+#: grave ones.
 LAST_RESORT, WORST_RESORT = 10, 3
-#: Reason of such a crop is this and what is wrong with it.
-LAST_RESORT_PREFIX = "last resort: "
 
 
 @dataclass(frozen=True)
@@ -77,19 +61,16 @@ class PhotoCandidate:
 
 @dataclass(frozen=True)
 class Kept:
-    """What became of the candidates of a house.
+    """Which candidates of a house become crops.
 
     Parameters
     ----------
-    reasons : dict
-        (candidate's number, room) to the reason, empty for good ones; last resorts say so.
     crop_index : dict
         Number of a candidate that some room keeps to its number k within the mask.
     rooms : set
         (candidate's number, room) of the crops.
     """
 
-    reasons: dict[tuple[int, str], str]
     crop_index: dict[int, int]
     rooms: set[tuple[int, str]]
 
@@ -97,27 +78,22 @@ class Kept:
 def choose_kept(candidates: Sequence[PhotoCandidate], *, keep_index: bool = False) -> Kept:
     """Keep the good candidates; of a surface that has none, the least bad.
 
-    A surface that a photo shows thus stays observed; its crops' reasons begin with
-    `LAST_RESORT_PREFIX`. With `keep_index` the crops keep their candidates' numbers, else they
-    are counted within each mask.
+    A surface that a photo shows thus stays observed. With `keep_index` the crops keep their
+    candidates' numbers, else they are counted within each mask.
     """
     members: dict[tuple[str, str], list[int]] = {}
     for number, item in enumerate(candidates):
         for room in item.rooms:
             members.setdefault((room, item.surface), []).append(number)
-    reasons: dict[tuple[int, str], str] = {}
     rooms: set[tuple[int, str]] = set()
     for (room, _), numbers in members.items():
         verdicts = {number: candidates[number].candidate.verdict for number in numbers}
-        reasons.update({(number, room): verdict.reason for number, verdict in verdicts.items()})
-        kept = [number for number in numbers if not verdicts[number].reason]
+        kept = [number for number in numbers if verdicts[number].good]
         if not kept:
-            kept = sorted(numbers, key=lambda number: (verdicts[number].badness, number))
-            mild = verdicts[kept[0]].badness < GRAVE
-            kept = [k for k in kept if (verdicts[k].badness < GRAVE) == mild]
+            kept = sorted(numbers, key=lambda number: (verdicts[number].score, number))
+            mild = not verdicts[kept[0]].grave
+            kept = [number for number in kept if verdicts[number].grave != mild]
             kept = kept[:LAST_RESORT] if mild else _few_of_each(kept, candidates)
-            for number in kept:
-                reasons[number, room] = LAST_RESORT_PREFIX + verdicts[number].reason
         rooms.update((number, room) for number in kept)
     count: dict[tuple[str, str, int], int] = {}
     crop_index: dict[int, int] = {}
@@ -127,7 +103,7 @@ def choose_kept(candidates: Sequence[PhotoCandidate], *, keep_index: bool = Fals
         rank = count.get(key, 0)
         count[key] = rank + 1
         crop_index[number] = item.candidate.crop.index if keep_index else rank
-    return Kept(reasons, crop_index, rooms)
+    return Kept(crop_index, rooms)
 
 
 def _few_of_each(numbers: Sequence[int], candidates: Sequence[PhotoCandidate]) -> list[int]:
@@ -144,7 +120,7 @@ def write_tables(
     candidates_path: str | Path,
     *,
     dataset: str,
-    house: str,
+    house_id: str,
     keep_index: bool = False,
 ) -> pd.DataFrame:
     """Write both tables, one row per candidate and room; return crops.parquet's.
@@ -166,22 +142,19 @@ def write_tables(
         }
         for room in candidates[numbers[0]].rooms:
             for number in numbers:
-                item = candidates[number]
-                shared = _shared(item, room)
-                crop = item.candidate.crop
-                name = ""
-                if (number, room) in kept.rooms:
+                item, name = candidates[number], ""
+                is_kept = (number, room) in kept.rooms
+                if is_kept:
                     index = kept.crop_index[number]
                     name = f"{item.surface}/{Path(item.photo).stem}_{item.plane}_crop{index}"
+                    crop = item.candidate.crop
                     images.setdefault((room, item.surface), []).append((len(rows), crop.image))
                     own = {"crop_id": name, "index": index, "medoid": False}
-                    rows.append({**shared, **own, "png": encoded[number]})
-                corners = [float(value) for value in crop.corners]
-                why = {"reason": kept.reasons[number, room], "crop_id": name, "corners": corners}
-                drawn.append({**shared, **why})
+                    rows.append({**_shared(item, room), **own, "png": encoded[number]})
+                drawn.append(_candidate_row(item, room, name, kept=is_kept))
     for members in images.values():
         rows[members[medoid_index([image for _, image in members])][0]]["medoid"] = True
-    metadata = {"dataset": dataset, "house": house}
+    metadata = {"dataset": dataset, "house": house_id}
     frame = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
     write_parquet(crops_path, frame, metadata)
     table = pd.DataFrame(drawn, columns=list(CANDIDATE_COLUMNS)).astype(CANDIDATE_COLUMNS)
@@ -207,7 +180,17 @@ def _shared(item: PhotoCandidate, room: str) -> dict[str, Any]:
         "plane": item.plane,
         "index": crop.index,
         "window": [float(value) for value in crop.window],
-        "metres": crop.metres,
+        "metres": crop.size_m,
         "sharpness": crop.sharpness,
         "grazing_deg": crop.grazing_deg,
+    }
+
+
+def _candidate_row(item: PhotoCandidate, room: str, crop_id: str, *, kept: bool) -> dict[str, Any]:
+    """Return a row of candidates.parquet."""
+    return {
+        **_shared(item, room),
+        "reason": reason_text(item.candidate.verdict, kept=kept),
+        "crop_id": crop_id,
+        "corners": [float(value) for value in item.candidate.crop.corners],
     }

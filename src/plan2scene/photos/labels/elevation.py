@@ -17,7 +17,7 @@ def elevation_map(
     photo_size: tuple[int, int],
     size: tuple[int, int],
 ) -> np.ndarray:
-    """Return the sine of the angle above the horizon, (h, w) float32 in [-1, 1].
+    """Return the sine of each pixel's elevation above the horizon, (h, w) float32 in [-1, 1].
 
     Parameters
     ----------

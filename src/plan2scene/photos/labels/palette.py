@@ -25,8 +25,6 @@ OTHER, FLOOR, WALL, CEILING = range(4)
 IGNORE = 255
 #: sRGB colour of each label in the palette PNG and in overlays.
 PALETTE = ((128, 128, 128), (60, 180, 75), (70, 110, 220), (240, 200, 40))
-#: Where masks may come from (config key ``masks.source``).
-SOURCES = ("embedded", "precomputed", "pretrained")
 
 
 def write_label_png(path: str | Path, labels: np.ndarray) -> None:
@@ -41,15 +39,15 @@ def write_label_png(path: str | Path, labels: np.ndarray) -> None:
         image.save(temporary, format="PNG", optimize=False, compress_level=6)
 
 
-def read_label_png(path: str | Path, *, house: str = "") -> np.ndarray:
+def read_label_png(path: str | Path, *, house_id: str = "") -> np.ndarray:
     """Return (h, w) uint8 labels of a palette or grey PNG.
 
     Raises InputError for a file that is missing, no such image, or has a value that is no label.
     """
-    labels = decode_image(path, _label_values, house=house)
+    labels = decode_image(path, _label_values, house_id=house_id)
     strange = sorted(set(np.unique(labels).tolist()) - {*range(len(LABELS)), IGNORE})
     if strange:
-        raise InputError("labels 0 to 3 (or 255)", f"value {strange[0]}", file=path, house=house)
+        raise InputError("labels 0 to 3 (or 255)", f"value {strange[0]}", file=path, house=house_id)
     return labels
 
 
@@ -61,7 +59,7 @@ def _label_values(image: Image.Image) -> np.ndarray:
 
 
 def labels_from_folder(
-    folder: str | Path, photo: str, size: tuple[int, int], *, house: str = ""
+    folder: str | Path, photo: str, size: tuple[int, int], *, house_id: str = ""
 ) -> np.ndarray:
     """Return the labels of `photo` from a folder of ``{stem}.png`` (the precomputed source).
 
@@ -74,15 +72,15 @@ def labels_from_folder(
 
     Pixels marked 255 become 0 (other): nothing is taken from them.
     """
-    path = safe_join(folder, f"{Path(photo).stem}.png", house=house)
-    labels = read_label_png(path, house=house)
+    path = safe_join(folder, f"{Path(photo).stem}.png", house_id=house_id)
+    labels = read_label_png(path, house_id=house_id)
     found = (labels.shape[0], labels.shape[1])
     if reduced_size(found) != tuple(size):
         raise InputError(
             f"a mask of the photo's size {size[1]}x{size[0]}",
             f"{found[1]}x{found[0]}",
             file=path,
-            house=house,
+            house=house_id,
         )
     if found != tuple(size):
         rows, columns = (

@@ -1,6 +1,6 @@
 """Segmentation of a room photo into floor, wall, ceiling and other by the embedded network.
 
-The paper takes the surfaces of a photo from a network trained on ADE20K (section 4.1). This one is
+The paper takes the surfaces of a photo from a network trained on ADE20K (section 4). This one is
 small enough to ship: inverted residuals, a block that sees the whole picture along rows, columns
 and altogether, and a light decoder to half resolution.
 """
@@ -18,7 +18,7 @@ from torch import nn
 from torch.nn import functional as F
 
 from plan2scene.errors import InputError
-from plan2scene.photos.camera.calibration import Camera, estimate_camera
+from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.palette import LABELS
 from plan2scene.weights import load_model_file
@@ -166,17 +166,18 @@ class SegmentationNet(nn.Module):
     def forward(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> torch.Tensor:
         """Return logits; see the class for shapes.
 
-        `elevation` is (n, h, w) float32, the sine of :func:`.elevation.elevation_map`; NaN where
-        it is not known. A network that was made without it ignores it.
+        `elevation` is (n, h, w) float32 of :func:`.elevation.elevation_map`; NaN where it is not
+        known. A network that was made without it ignores it.
         """
         n, _, h, w = x.shape
         rows = torch.linspace(-1, 1, h, device=x.device).view(1, 1, h, 1).expand(n, 1, h, w)
         columns = torch.linspace(-1, 1, w, device=x.device).view(1, 1, 1, w).expand(n, 1, h, w)
         planes = [(x - _MEAN) / _STD, rows, columns]
         if self.elevation:
-            sine = x.new_full((n, h, w), torch.nan) if elevation is None else elevation
-            known = ~sine.isnan()
-            planes += [(2 * sine).where(known, 0)[:, None], known[:, None].to(x.dtype)]
+            if elevation is None:
+                elevation = x.new_full((n, h, w), torch.nan)
+            known = ~elevation.isnan()
+            planes += [(2 * elevation).where(known, 0)[:, None], known[:, None].to(x.dtype)]
         y = self.stem(torch.cat(planes, dim=1))
         skips = [y]
         for stage in self.stages:
@@ -252,9 +253,12 @@ class Segmenter:
             image, size[::-1], interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
         )
         batch = to_tensor(small)[None]
-        sine = None if camera is None else torch.from_numpy(_elevation(camera, size))[None]
-        mirrored = self.network(batch.flip(3), None if sine is None else sine.flip(2)).flip(3)
-        logits = (self.network(batch, sine) + mirrored) / 2
+        elevation = mirrored = None
+        if camera is not None:
+            elevation = torch.from_numpy(_elevation(camera, size))[None]
+            mirrored = elevation.flip(2)
+        logits = self.network(batch, elevation)
+        logits = (logits + self.network(batch.flip(3), mirrored).flip(3)) / 2
         return np.ascontiguousarray(logits[0].numpy())
 
     def labels(self, image: np.ndarray, camera: Camera | None = None) -> np.ndarray:
@@ -281,18 +285,6 @@ class Segmenter:
 def _elevation(camera: Camera, size: tuple[int, int]) -> np.ndarray:
     """Return the elevation map of a photo's camera at the network's size."""
     return elevation_map(camera.matrix[:, 1], camera.focal_px, (camera.height, camera.width), size)
-
-
-def labels_told_camera(segmenter: Segmenter, image: np.ndarray) -> np.ndarray:
-    """Return labels as the masks stage makes them: again, once the first ones gave a camera.
-
-    `image` is (h, w, 3) uint8 sRGB without EXIF data, labels are (h, w) uint8.
-    """
-    labels = segmenter.labels(image)
-    if not segmenter.network.elevation:
-        return labels
-    camera = estimate_camera(image, labels)
-    return labels if camera.fallback else segmenter.labels(image, camera)
 
 
 def load_segmenter(path: str | Path) -> Segmenter:

@@ -73,8 +73,8 @@ def _house_photos(base: Path, split: str, house: str, long_side: int) -> Iterato
     truth = safe_join(base / "truth" / split, house)
     cameras = read_json(truth / "cameras.json")
     for name in sorted(cameras):
-        image = read_image(safe_join(base / "photos", name), house=house)
-        labels = read_label_png(truth / "masks" / f"{Path(name).stem}.png", house=house)
+        image = read_image(safe_join(base / "photos", name), house_id=house)
+        labels = read_label_png(truth / "masks" / f"{Path(name).stem}.png", house_id=house)
         if labels.shape != image.shape[:2]:
             raise InputError(
                 f"a mask of size {image.shape[:2]}", str(labels.shape), file=name, house=house

@@ -1,0 +1,123 @@
+"""What labels photos, by source, and the pass that tells it the camera."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera, estimate_camera
+from plan2scene.photos.camera.exif import ExifFocal
+from plan2scene.photos.labels.palette import labels_from_folder
+
+if TYPE_CHECKING:
+    from plan2scene.photos.labels.pretrained import Checkpoint
+
+#: Where masks may come from (config key ``photos.masks``).
+SOURCES = ("embedded", "precomputed", "pretrained")
+
+
+@dataclass(frozen=True)
+class Labeller:
+    """What labels photos.
+
+    Parameters
+    ----------
+    label : callable
+        Given a photo's name, its (h, w, 3) uint8 sRGB pixels and its camera, where one is known,
+        returns its (h, w) uint8 labels.
+    uses_camera : bool
+        Whether the labels depend on the camera.
+    """
+
+    label: Callable[[str, np.ndarray, Camera | None], np.ndarray]
+    uses_camera: bool = False
+
+    def labels_and_camera(
+        self,
+        photo: str,
+        image: np.ndarray,
+        *,
+        fov_deg: float = DEFAULT_FOV_DEG,
+        exif: ExifFocal | None = None,
+    ) -> tuple[np.ndarray, Camera]:
+        """Return labels (h, w) uint8 of a photo and the camera estimated with them.
+
+        Labels that depend on the camera are made again once the first ones gave it. `fov_deg`
+        and `exif` as of :func:`plan2scene.photos.camera.calibration.estimate_camera`.
+        """
+        labels = self.label(photo, image, None)
+        camera = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
+        if self.uses_camera and not camera.fallback:
+            labels = self.label(photo, image, camera)
+            camera = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
+        return labels, camera
+
+
+def labeller(
+    source: str,
+    *,
+    model: str | Path | None = None,
+    precomputed_dir: str | Path | None = None,
+    pretrained: Checkpoint | None = None,
+    threads: int | None = None,
+    house_id: str = "",
+) -> Labeller:
+    """Return what labels a photo, by source.
+
+    Parameters
+    ----------
+    source : {"embedded", "precomputed", "pretrained"}
+    model : path
+        Embedded: the safetensors file.
+    precomputed_dir : path
+        Precomputed: the folder of ``{stem}.png``.
+    pretrained : Checkpoint
+        Pretrained: where the ADE20K network is.
+    threads : int, optional
+        Processor threads of a network; torch's choice by default.
+
+    Raises InputError when the source is unknown or what it needs is missing.
+    """
+    if source == "precomputed":
+        return _precomputed(precomputed_dir, house_id)
+    if source not in SOURCES:
+        raise InputError(f"a mask source of {', '.join(SOURCES)}", source, house=house_id)
+    if not (pretrained if source == "pretrained" else model):
+        raise InputError(f"a model for mask source {source}", "none", house=house_id)
+    import torch
+
+    if threads is not None:
+        torch.set_num_threads(threads)
+    if source == "pretrained" and pretrained:
+        from plan2scene.photos.labels.pretrained import load_pretrained
+
+        ade20k = load_pretrained(pretrained)
+        return Labeller(lambda _photo, image, _camera: ade20k.labels(image))
+    from plan2scene.photos.labels.segmentation import load_segmenter
+
+    embedded = load_segmenter(str(model))
+    return Labeller(
+        lambda _photo, image, camera: embedded.labels(image, camera),
+        uses_camera=embedded.network.elevation,
+    )
+
+
+def _precomputed(folder: str | Path | None, house_id: str) -> Labeller:
+    """Return what reads labels from a folder."""
+    if not folder or not Path(folder).is_dir():
+        raise InputError(
+            "a folder of label PNGs (photos.masks_folder)",
+            f"no such folder {folder or ''}".strip(),
+            house=house_id,
+        )
+    ready = Path(folder)
+    return Labeller(
+        lambda photo, image, _camera: labels_from_folder(
+            ready, photo, (image.shape[0], image.shape[1]), house_id=house_id
+        )
+    )
