@@ -7,15 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
+from plan2scene.drawing import INK, PAPER, font
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.images import metric_image, read_image
 from plan2scene.io import atomic_path, read_json, read_parquet
 from plan2scene.metrics.color import color_distance
 
 _CELL, _GAP, _LABEL, _HEAD, _CAPTION = 192, 8, 132, 26, 16
-_PAPER, _INK, _PALE = (250, 250, 250), (25, 25, 25), (225, 225, 225)
+_PALE = (225, 225, 225)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,14 +96,14 @@ def draw_sheet(title: str, rows: Sequence[SheetRow]) -> Image.Image:
     step = _CELL + _GAP
     width = _LABEL + (len(methods) + 1) * step + _GAP
     height = 2 * _HEAD + len(rows) * (step + _CAPTION) + _GAP
-    page = Image.new("RGB", (width, height), _PAPER)
+    page = Image.new("RGB", (width, height), PAPER)
     draw = ImageDraw.Draw(page)
-    draw.text((_GAP, 5), title, font=_font(15), fill=_INK)
+    draw.text((_GAP, 5), title, font=font(15), fill=INK)
     for column, name in enumerate(["reference crop", *methods]):
-        draw.text((_LABEL + column * step, _HEAD + 5), name, font=_font(13), fill=_INK)
+        draw.text((_LABEL + column * step, _HEAD + 5), name, font=font(13), fill=INK)
     for index, row in enumerate(rows):
         top = 2 * _HEAD + index * (step + _CAPTION)
-        draw.text((_GAP, top), "\n".join(row.title), font=_font(12), fill=_INK)
+        draw.text((_GAP, top), "\n".join(row.title), font=font(12), fill=INK)
         _paste(page, (_LABEL, top), row.reference, 1)
         for column, (method, tile) in enumerate(row.tiles.items(), start=1):
             corner = (_LABEL + column * step, top)
@@ -110,7 +111,7 @@ def draw_sheet(title: str, rows: Sequence[SheetRow]) -> Image.Image:
             color = row.color(method)
             if np.isfinite(color):
                 text = f"COLOR {color:.2f}"
-                draw.text((corner[0], top + _CELL + 1), text, font=_font(11), fill=_INK)
+                draw.text((corner[0], top + _CELL + 1), text, font=font(11), fill=INK)
     return page
 
 
@@ -123,8 +124,3 @@ def _paste(
         return
     repeated = Image.fromarray(np.tile(image, (times, times, 1)))
     page.paste(repeated.resize((_CELL, _CELL), Image.Resampling.BOX), corner)
-
-
-def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return Pillow's own font at a size in pixels."""
-    return ImageFont.load_default(size=size)

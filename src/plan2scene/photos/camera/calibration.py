@@ -14,7 +14,7 @@ from plan2scene.photos.camera.line_weights import weighted_segments
 from plan2scene.photos.camera.manhattan import Manhattan, fit_manhattan, refine_rotation
 from plan2scene.photos.camera.vanishing import Segments
 
-#: Horizontal field of view of the paper's reference, degrees (method section "Surface crops").
+#: Horizontal field of view where nothing tells it, degrees: that of the paper's reference.
 DEFAULT_FOV_DEG = 60.0
 #: Photos are reduced to this width or height (the larger) before segments are sought.
 WORKING_SIDE = 800
@@ -27,7 +27,6 @@ MIN_HORIZONTAL = 5
 MIN_SHARE = 0.30
 FULL_SHARE = 0.7
 MAX_LOG_FOCAL_SD = 0.30
-FOCAL_SOURCES = ("exif", "vanishing_points", "config")
 #: From this confidence on a camera counts as well known: more likely than not its focal length is
 #: within 15 %. Later stages may rely on it.
 HIGH_CONFIDENCE = 0.5
@@ -153,7 +152,7 @@ def estimate_camera(
     exif: ExifFocal | None = None,
     seed: int = 0,
 ) -> Camera:
-    """Return focal length and rotation of a photo of a room (paper section 3.2, made metric).
+    """Return focal length and rotation of a photo of a room (paper section 4, made metric).
 
     Parameters
     ----------

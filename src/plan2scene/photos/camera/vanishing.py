@@ -206,10 +206,10 @@ def _verticals(segments: Segments, width: int, rng: np.random.Generator) -> np.n
     middle = segments.middle[upright] / width
     toward = found[:, None, :2] - middle[None] * found[:, None, 2:]
     along = points[:, 2:] - points[:, :2]
-    sine = toward[..., 0] * along[:, 1] - toward[..., 1] * along[:, 0]
-    sine /= np.linalg.norm(toward, axis=2) * np.linalg.norm(along, axis=1) + 1e-12
+    turn = toward[..., 0] * along[:, 1] - toward[..., 1] * along[:, 0]
+    turn /= np.linalg.norm(toward, axis=2) * np.linalg.norm(along, axis=1) + 1e-12
     noise = segments.coarse_noise[upright] / 2
-    score = (chance * np.exp(-0.5 * (sine / noise) ** 2)).sum(axis=1)
+    score = (chance * np.exp(-0.5 * (turn / noise) ** 2)).sum(axis=1)
     return _distinct(found, score)
 
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 
+from plan2scene.drawing import INK, PAPER, font
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.camera.lines import detect_segments
 from plan2scene.photos.contact_sheet.windows import Window
@@ -20,24 +20,13 @@ from plan2scene.photos.labels.palette import overlay
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, rectify
 
-if TYPE_CHECKING:
-    from PIL import ImageFont
-
 #: sRGB of segments along the photo's x, y (up) and z, of other segments, and of the horizon.
 AXES = ((235, 70, 60), (60, 190, 80), (70, 130, 250))
 STRAY, HORIZON = (150, 150, 150), (255, 220, 0)
 #: A segment belongs to an axis that it misses by less than this, degrees.
 AXIS_DEG = 3.0
-PAPER, INK = (250, 250, 250), (25, 25, 25)
 #: Rectified planes shown of one photo, the largest first.
 MAX_PLANES = 6
-
-
-def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return Pillow's own font at a size in pixels."""
-    from PIL import ImageFont
-
-    return ImageFont.load_default(size=size)
 
 
 def fit(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
@@ -140,7 +129,7 @@ def segment_axes(segments: np.ndarray, camera: Camera) -> np.ndarray:
     """Return the axis (0 x, 1 up, 2 z) that each segment (n, 4) runs along, or -1, as (n,) int.
 
     The angle is that by which a segment would have to turn about its middle to point to the
-    axis' vanishing point (as in ``photos/vanishing.py``).
+    axis' vanishing point (as in ``camera/vanishing.py``).
     """
     if not len(segments):
         return np.zeros(0, int)

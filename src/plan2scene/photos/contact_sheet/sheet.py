@@ -15,13 +15,14 @@ from typing import Any
 import cv2
 import numpy as np
 
+from plan2scene.drawing import INK, PAPER, font
 from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.images import write_png
 from plan2scene.io import read_json
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.contact_sheet import panels
-from plan2scene.photos.contact_sheet.panels import INK, PAPER, fit, font
+from plan2scene.photos.contact_sheet.panels import fit
 from plan2scene.photos.contact_sheet.windows import (
     KEPT,
     LAST_RESORT,

@@ -69,9 +69,9 @@ class RectifiedPlane:
         """
         point = self.axes[2] + x * self.axes[0] + y * self.axes[1]
         reach = float(np.linalg.norm(point))
-        sine = float(np.linalg.norm(self.axes[2])) / max(reach, 1e-9)
-        density = self.focal_px / max(reach, 1e-9) * np.sqrt(sine)
-        return float(np.degrees(np.arcsin(np.clip(sine, 0.0, 1.0)))), float(density)
+        facing = float(np.linalg.norm(self.axes[2])) / max(reach, 1e-9)
+        density = self.focal_px / max(reach, 1e-9) * np.sqrt(facing)
+        return float(np.degrees(np.arcsin(np.clip(facing, 0.0, 1.0)))), float(density)
 
 
 def plane_axes(plane: Plane) -> np.ndarray:
@@ -110,10 +110,10 @@ def usable_pixels(
     mask = cv2.erode(plane.mask.astype(np.uint8), kernel) > 0
     rows, columns = np.nonzero(mask)
     rays = camera.rays(np.stack([columns, rows], axis=-1))
-    sine = -(rays @ np.array(plane.normal))
-    reach = -plane.offset / np.maximum(sine, 1e-6)
-    density = camera.focal_px / reach * np.sqrt(np.maximum(sine, 0.0))
-    good = (sine >= np.sin(np.radians(MIN_GRAZING_DEG))) & (density >= min_density)
+    facing = -(rays @ np.array(plane.normal))
+    reach = -plane.offset / np.maximum(facing, 1e-6)
+    density = camera.focal_px / reach * np.sqrt(np.maximum(facing, 0.0))
+    good = (facing >= np.sin(np.radians(MIN_GRAZING_DEG))) & (density >= min_density)
     points = (rays * reach[:, None]) @ plane_axes(plane)[:2].T
     if plane.surface == "wall":
         good &= points[:, 1] < plane.camera_height_m - SKIRTING_M

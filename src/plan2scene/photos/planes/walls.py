@@ -38,7 +38,6 @@ JUMP = 28.0
 UNSEEN = 0.4
 #: Further cost of a crease with a wall that faces neither Manhattan direction.
 SLANT = 16.0
-NEARER = 0.05
 #: Bins on both sides of a crease that must show something for it to be believed.
 CREASE_BINS = 6
 #: Cost per bin of each segment that runs along the other kind of wall, and its bound.
