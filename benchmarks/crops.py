@@ -26,6 +26,7 @@ import logging
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,7 @@ from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.sampling import CROP_PX, medoid_index
 from plan2scene.photos.crops.stage import draw_candidates, under_common_light
 from plan2scene.photos.crops.tables import PhotoCandidate, choose_kept
+from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, read_label_png
 from plan2scene.photos.masks import make_masks
 from plan2scene.weights import MODELS
@@ -63,10 +65,7 @@ VARIANTS = (
     ("filter",),
     ("filter", "white_balance"),
     ("filter", "exposure"),
-    ("filter", "flatten"),
     ("filter", "white_balance", "exposure"),
-    ("white_balance", "exposure", "flatten"),
-    ("filter", "white_balance", "exposure", "flatten"),
 )
 
 
@@ -95,15 +94,13 @@ def masks_of(source: Source, kind: str, work: Path) -> Path:
     """Return the folder of masks and cameras of a house, made unless it is there."""
     folder = work / kind / source.house.id
     if not folder.is_dir():
-        make_masks(
-            source.photos,
-            folder,
-            house_id=source.house.id,
-            source="precomputed" if kind == "true" else "embedded",
-            fov_deg=60.0,
+        label = partial(
+            labeller,
+            "precomputed" if kind == "true" else "embedded",
             model=MODELS / "segmentation.safetensors",
             precomputed_dir=source.truth / "masks",
         )
+        make_masks(source.photos, label, folder, house_id=source.house.id)
     return folder
 
 
@@ -325,7 +322,6 @@ def main() -> None:
                     filter="filter" in variant,
                     white_balance="white_balance" in variant,
                     exposure="exposure" in variant,
-                    flatten="flatten" in variant,
                 )
                 if settings.filter not in windows:
                     windows[settings.filter] = [

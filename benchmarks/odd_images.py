@@ -15,6 +15,7 @@ import resource
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 
@@ -65,6 +66,7 @@ def write_files(folder: Path) -> list[Path]:
 
 def main() -> None:
     """Print a line per file, then what the masks stage did with all of them."""
+    from plan2scene.photos.labels.labeller import labeller
     from plan2scene.photos.masks import make_masks
     from plan2scene.weights import MODELS
 
@@ -90,11 +92,9 @@ def main() -> None:
         stems = {path.stem: path for path in paths}  # two photos of one stem are refused
         warnings = make_masks(
             {path.name: path for path in stems.values()},
+            partial(labeller, "embedded", model=MODELS / "segmentation.safetensors"),
             Path(name) / "masks",
             house_id="odd",
-            source="embedded",
-            fov_deg=60.0,
-            model=MODELS / "segmentation.safetensors",
         )
         left = sum("left out" in line for line in warnings)
         print(f"masks stage: {len(stems)} photos, {left} left out with a line each")

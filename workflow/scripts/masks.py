@@ -3,24 +3,23 @@
 from pathlib import Path
 
 from plan2scene.jobs import job
+from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.masks import make_masks
 
 with job(snakemake.log[0]):
-    params = snakemake.params
-    pretrained = None
-    if params.source == "pretrained":
-        from plan2scene.photos.labels.pretrained import Checkpoint
-
-        pretrained = Checkpoint(**params.pretrained)
+    params, house_id = snakemake.params, snakemake.wildcards.house
     # All names of the house table: the stage says which photos are missing or unsafe.
     make_masks(
         {name: Path(params.photo_folder) / name for name in params.names},
+        lambda: labeller(
+            params.source,
+            model=snakemake.input.model or None,
+            precomputed_dir=params.masks_folder,
+            pretrained=params.pretrained,
+            threads=snakemake.threads,
+            house_id=house_id,
+        ),
         snakemake.output[0],
-        house_id=snakemake.wildcards.house,
-        source=params.source,
-        model=snakemake.input.model or None,
-        precomputed_dir=params.masks_folder,
-        pretrained=pretrained,
+        house_id=house_id,
         fov_deg=params.fov_deg,
-        threads=snakemake.threads,
     )

@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_directory, safe_join, write_json
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera
 from plan2scene.photos.camera.exif import ExifFocal, read_exif_focal
-from plan2scene.photos.labels.labeller import Labeller, labeller
+from plan2scene.photos.labels.labeller import Labeller
 from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.photos.photo_files import read_photo
-
-if TYPE_CHECKING:
-    from plan2scene.photos.labels.pretrained import Checkpoint
 
 _log = logging.getLogger("plan2scene")
 
 
 def make_masks(
     photos: Mapping[str, Path],
+    label: Callable[[], Labeller],
     out_dir: str | Path,
     *,
     house_id: str,
-    source: str,
-    fov_deg: float,
-    model: str | Path | None = None,
-    precomputed_dir: str | Path | None = None,
-    pretrained: Checkpoint | None = None,
-    threads: int = 1,
+    fov_deg: float = DEFAULT_FOV_DEG,
 ) -> list[str]:
     """Write the masks folder of a house and return its warnings.
 
@@ -41,45 +33,46 @@ def make_masks(
         A photo that is missing, damaged or tiny, has an unsafe name, or lacks its precomputed
         mask, becomes a warning and is left out; the house goes on without it. A focal length in
         its EXIF data that is not used becomes a warning too.
+    label : callable
+        Returns what labels the photos; not called for a house without any.
     out_dir : path
         Replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
         ``cameras.json``, ``warnings.json`` (``docs/conventions.md``).
     fov_deg : float
         Horizontal field of view in degrees where neither EXIF data nor vanishing points give one.
-    source, model, precomputed_dir, pretrained, threads
-        As in :func:`labeller`.
     """
     _refuse_equal_stems(photos, house_id)
-    cameras: dict[str, object] = {}
-    warnings: list[str] = []
     with atomic_directory(out_dir) as folder:
-        label: Labeller | None = None
-        for name in sorted(photos):
-            if label is None:  # a house without photos needs no network
-                label = labeller(
-                    source,
-                    model=model,
-                    precomputed_dir=precomputed_dir,
-                    pretrained=pretrained,
-                    threads=threads,
-                    house_id=house_id,
-                )
-            try:
-                safe_join("", name, house_id=house_id)
-                image = read_photo(photos[name], house_id=house_id)
-                exif = read_exif_focal(photos[name], (image.shape[0], image.shape[1]))
-                labels, camera = label.labels_and_camera(name, image, fov_deg=fov_deg, exif=exif)
-            except InputError as error:
-                _log.warning("photo %s left out: %s", name, error)
-                warnings.append(f"photo {name} left out: {error}")
-                continue
-            write_label_png(folder / f"{Path(name).stem}.png", labels)
-            cameras[name] = camera.to_json()
-            warnings += [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
+        cameras: dict[str, object] = {}
+        warnings: list[str] = []
+        if photos:
+            cameras, warnings = _label_photos(photos, label(), folder, house_id, fov_deg)
         _log.info("%d photos labelled, %d left out", len(cameras), len(photos) - len(cameras))
         write_json(folder / "cameras.json", cameras)
         write_json(folder / "warnings.json", warnings)
     return warnings
+
+
+def _label_photos(
+    photos: Mapping[str, Path], labeller: Labeller, folder: Path, house_id: str, fov_deg: float
+) -> tuple[dict[str, object], list[str]]:
+    """Write the label PNGs of photos; return their cameras as JSON values, and the warnings."""
+    cameras: dict[str, object] = {}
+    warnings: list[str] = []
+    for name in sorted(photos):
+        try:
+            safe_join("", name, house_id=house_id)
+            image = read_photo(photos[name], house_id=house_id)
+            exif = read_exif_focal(photos[name], (image.shape[0], image.shape[1]))
+            labels, camera = labeller.labels_and_camera(name, image, fov_deg=fov_deg, exif=exif)
+        except InputError as error:
+            _log.warning("photo %s left out: %s", name, error)
+            warnings.append(f"photo {name} left out: {error}")
+            continue
+        write_label_png(folder / f"{Path(name).stem}.png", labels)
+        cameras[name] = camera.to_json()
+        warnings += [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
+    return cameras, warnings
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

@@ -1,4 +1,4 @@
-"""Light of a house's photos: what the estimate recovers, and what flattening leaves alone."""
+"""Light of a house's photos: what the estimate recovers, and what it leaves alone."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,6 @@ from plan2scene.photos.crops.light import (
     MAX_EXPOSURE,
     SurfaceColour,
     estimate_light,
-    flatten,
     gains_of,
     relight,
     surface_colours,
@@ -98,25 +97,3 @@ def test_surface_colours_leave_lamps_and_specks_aside():
     }
     expected = srgb_to_linear(np.array([180, 170, 160], np.uint8))
     np.testing.assert_allclose(found[0].colour, expected, atol=1e-6)
-
-
-def test_flatten_takes_smooth_shading_and_keeps_the_median():
-    rng = np.random.default_rng(0)
-    wall = np.clip(rng.normal(150, 3, (128, 128, 3)), 0, 255)
-    y, x = np.mgrid[-1:1:128j, -1:1:128j]
-    gain = np.exp(0.2 * x - 0.1 * y + 0.1 * x * y)
-    lit = (wall * gain[..., None]).clip(0, 255).astype(np.uint8)
-    flat = flatten(lit)
-    corners = [flat[:32, :32], flat[-32:, -32:], flat[:32, -32:], flat[-32:, :32]]
-    assert np.ptp([corner.mean() for corner in corners]) < 3.0
-    assert np.ptp([c.mean() for c in (lit[:32, :32], lit[-32:, -32:], lit[:32, -32:])]) > 20.0
-    assert abs(np.median(flat) - np.median(lit)) <= 2
-
-
-def test_flatten_leaves_large_patterns():
-    rows, columns = np.indices((128, 128)) // 40
-    image = np.where(((rows + columns) % 2)[..., None] > 0, 90, 190).astype(np.uint8)
-    image = np.repeat(image, 3, axis=2)
-    assert np.abs(flatten(image).astype(int) - image).max() <= 6
-    same = np.full((128, 128, 3), 77, np.uint8)
-    np.testing.assert_array_equal(flatten(same), same)

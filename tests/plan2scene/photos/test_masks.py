@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -158,14 +159,9 @@ def test_make_masks_goes_on_without_bad_photos(tmp_path: Path) -> None:
     (photos / "broken.jpg").write_bytes(b"\xff\xd8\xff\xe0 no more")
     masks.write_label_png(ready / "good.png", _labels())
     names = ["good.png", "unmasked.png", "broken.jpg", "gone.jpg", "../escape.png"]
-    warnings = make_masks(
-        {name: photos / name for name in names},
-        out,
-        house_id="h1",
-        source="precomputed",
-        precomputed_dir=ready,
-        fov_deg=60.0,
-    )
+    files = {name: photos / name for name in names}
+    ready_labels = partial(labeller, "precomputed", precomputed_dir=ready, house_id="h1")
+    warnings = make_masks(files, ready_labels, out, house_id="h1")
     assert sorted(p.name for p in out.iterdir()) == ["cameras.json", "good.png", "warnings.json"]
     assert np.array_equal(masks.read_label_png(out / "good.png"), _labels())
     cameras = json.loads((out / "cameras.json").read_text())
@@ -178,18 +174,12 @@ def test_make_masks_goes_on_without_bad_photos(tmp_path: Path) -> None:
 
 
 def test_make_masks_without_photos_needs_no_model(tmp_path: Path) -> None:
-    assert make_masks({}, tmp_path / "out", house_id="h", source="embedded", fov_deg=60.0) == []
+    assert make_masks({}, partial(labeller, "embedded"), tmp_path / "out", house_id="h") == []
     assert json.loads((tmp_path / "out" / "cameras.json").read_text()) == {}
 
 
 def test_make_masks_refuses_two_photos_with_one_stem(tmp_path: Path) -> None:
+    photos = {name: tmp_path / name for name in ("a.png", "a.jpg")}
     with pytest.raises(InputError, match=r"a\.jpg and a\.png"):
-        make_masks(
-            {name: tmp_path / name for name in ("a.png", "a.jpg")},
-            tmp_path / "out",
-            house_id="h",
-            source="precomputed",
-            precomputed_dir=tmp_path,
-            fov_deg=60.0,
-        )
+        make_masks(photos, partial(labeller, "embedded"), tmp_path / "out", house_id="h")
     assert not (tmp_path / "out").exists()

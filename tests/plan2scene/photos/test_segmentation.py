@@ -68,23 +68,14 @@ def test_upsampled_argmax_keeps_the_border_in_place() -> None:
     assert (labels[20:] == 1).all()
 
 
-def test_labels_have_the_photos_size_and_match_probabilities() -> None:
+def test_labels_of_a_mirrored_photo_are_mirrored() -> None:
     segmenter = Segmenter(_tiny())
     image = _photo(50, 70)
     labels = segmenter.labels(image)
     assert labels.shape == (50, 70)
     assert labels.dtype == np.uint8
-    probabilities = segmenter.probabilities(image)
-    assert probabilities.shape == (50, 70, 4)
-    assert np.allclose(probabilities.sum(axis=2), 1, atol=1e-5)
-    assert np.array_equal(probabilities.argmax(axis=2), labels)
-
-
-def test_labels_of_a_mirrored_photo_are_mirrored() -> None:
-    segmenter = Segmenter(_tiny())
-    image = _photo(64, 64)
-    mirrored = segmenter.probabilities(np.ascontiguousarray(image[:, ::-1]))
-    assert np.allclose(mirrored[:, ::-1], segmenter.probabilities(image), atol=1e-4)
+    mirrored = segmenter.labels(np.ascontiguousarray(image[:, ::-1]))
+    assert (mirrored[:, ::-1] == labels).mean() > 0.99  # rounding decides between near equals
 
 
 def test_elevation_counts_where_it_is_known() -> None:
@@ -121,7 +112,7 @@ def test_weights_file_round_trip(tmp_path: Path) -> None:
     image = _photo(50, 70)
     loaded = load_segmenter(path)
     assert loaded.network.long_side == 64
-    assert np.array_equal(loaded.probabilities(image), Segmenter(network).probabilities(image))
+    assert np.array_equal(loaded.labels(image), Segmenter(network).labels(image))
 
 
 def test_weights_of_another_network_are_refused(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -106,13 +107,13 @@ def test_a_segformer_checkpoint_loads_and_labels(tmp_path: Path) -> None:
 
 def test_the_masks_stage_takes_a_checkpoint(tmp_path: Path) -> None:
     checkpoint = _tiny_segformer(tmp_path)
-    label = labeller("pretrained", pretrained=checkpoint, house_id="h")
+    label = labeller("pretrained", pretrained=asdict(checkpoint), house_id="h")
     image = np.zeros((30, 40, 3), np.uint8)
     assert np.array_equal(
         label.label("a.jpg", image, None), load_pretrained(checkpoint).labels(image)
     )
     with pytest.raises(InputError, match="neither"):
-        labeller("pretrained", pretrained=Checkpoint(), house_id="h")
+        labeller("pretrained", pretrained={"path": None}, house_id="h")
 
 
 def test_the_checkpoint_says_how_pixels_are_scaled(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import cv2
@@ -102,17 +102,7 @@ class Camera:
 
     def to_json(self) -> dict[str, Any]:
         """Return the camera as plain JSON values (masks/cameras.json)."""
-        return {
-            "width": self.width,
-            "height": self.height,
-            "focal_px": self.focal_px,
-            "cx": self.cx,
-            "cy": self.cy,
-            "rotation": [list(row) for row in self.rotation],
-            "focal_source": self.focal_source,
-            "confidence": self.confidence,
-            "fallback": self.fallback,
-        }
+        return asdict(self)
 
     @classmethod
     def from_json(cls, value: Any, *, file: object = "") -> Camera:

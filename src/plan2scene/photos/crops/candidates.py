@@ -10,7 +10,7 @@ import numpy as np
 
 from plan2scene.house import House
 from plan2scene.photos.camera.calibration import Camera
-from plan2scene.photos.crops.filter import inner_plane, judge_of, with_reason
+from plan2scene.photos.crops.filter import inner_mask, judge_of, with_reason
 from plan2scene.photos.crops.sampling import (
     CROPS_PER_MASK,
     TRIES,
@@ -41,7 +41,6 @@ class CropSettings:
     filter: bool = True
     white_balance: bool = True
     exposure: bool = True
-    flatten: bool = False
 
 
 def rooms_by_size(house: House, rooms: Sequence[str]) -> dict[RoomSize, tuple[str, ...]]:
@@ -114,7 +113,7 @@ def candidates_of_plane(
     )
     if not settings.filter:
         return sample(plane, per_mask=settings.per_mask)
-    inner = inner_plane(plane, image)
+    inner = replace(plane, mask=inner_mask(plane.mask, image))
     drawn = sample(inner, per_mask=settings.per_mask, judge=judge_of(inside=True))
     if not any(candidate.verdict.good for candidate in drawn):
         few = min(WORST_RESORT, settings.per_mask)

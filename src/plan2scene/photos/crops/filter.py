@@ -16,7 +16,6 @@ import numpy as np
 from plan2scene.colour import clipped_share, rgb_to_lab, srgb_to_linear
 from plan2scene.photos.crops.sampling import Candidate, Crop, Judge
 from plan2scene.photos.crops.verdict import Reason, Verdict
-from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane
 
 #: Margin to the mask's border, share of the photo's width.
@@ -59,20 +58,12 @@ GROUP_LIMIT = 10.0
 MAJORITY = 0.6
 
 
-def inner_plane(plane: Plane, image: np.ndarray) -> Plane:
-    """Return a plane with its mask eroded: less where the photo shows an edge at its border.
-
-    Parameters
-    ----------
-    plane : Plane
-    image : (h, w, 3) uint8
-        The photo, sRGB. Its frame is no border.
-    """
-    return replace(plane, mask=inner_mask(plane.mask, image))
-
-
 def inner_mask(mask: np.ndarray, image: np.ndarray) -> np.ndarray:
-    """Return the pixels (h, w) bool of a mask far enough from its border."""
+    """Return the pixels (h, w) bool of a mask far enough from its border.
+
+    The margin is less where `image` (h, w, 3) uint8 sRGB shows an edge at the border. The photo's
+    frame is no border.
+    """
     width = image.shape[1]
     margin, blind_margin = MARGIN_SHARE * width, BLIND_MARGIN_SHARE * width
     padded = cv2.copyMakeBorder(mask.astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_REPLICATE)
@@ -207,9 +198,7 @@ def window_colours(rectified: RectifiedPlane, side: int) -> tuple[np.ndarray, fl
 
     The spread is the median distance from it.
     """
-    total = cv2.integral(rectified.mask.astype(np.uint8))
-    covered = total[side:, side:] - total[:-side, side:] - total[side:, :-side]
-    rows, columns = np.nonzero(covered + total[:-side, :-side] == side * side)
+    rows, columns = np.nonzero(rectified.places(side))
     pick = slice(None, None, max(1, len(rows) // 400))
     sums = cv2.integral(rectified.image, sdepth=cv2.CV_64F)
     r, c = rows[pick], columns[pick]

@@ -1,4 +1,4 @@
-"""Light of the photos of a house: brought to one reference, and flattened inside a crop.
+"""Light of the photos of a house, brought to one reference.
 
 A photo's colours are albedo times light. One photo cannot tell them apart (the paper's failure: a
 blue-tinted photo gives blue walls), the photos of a house together with what is known of rooms
@@ -15,11 +15,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from plan2scene.colour import as_uint8, linear_to_srgb, srgb_to_linear
-from plan2scene.photos.crops.filter import CLIPPED_LEVELS, inner_mask, luminance, smooth_field
+from plan2scene.photos.crops.filter import CLIPPED_LEVELS, inner_mask
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
 
 #: Surfaces smaller than this share of the photo tell nothing.
@@ -44,8 +43,6 @@ LOCAL_LIGHT = {
 HUBER = 1.5
 #: Largest correction: of brightness, and of red or blue against green (log).
 MAX_EXPOSURE, MAX_BALANCE = np.log(2.5), 0.6
-#: Largest correction by :func:`flatten` (log) to either side.
-MAX_FLATTEN = 0.7
 
 
 @dataclass(frozen=True)
@@ -140,34 +137,6 @@ def relight(image: np.ndarray, gains: np.ndarray) -> np.ndarray:
     if np.array_equal(gains, np.ones(3)):
         return image
     return as_uint8(linear_to_srgb(np.minimum(srgb_to_linear(image) * gains, 1.0)))
-
-
-def flatten(image: np.ndarray) -> np.ndarray:
-    """Return a crop (n, n, 3) uint8 sRGB without its smooth shading.
-
-    The log luminance's robust quadratic fit is divided out, as far as it explains the coarse
-    variation: light on a plain wall goes, the joints of tiles and the marks of stucco do not
-    follow a quadratic and stay. The median brightness stays.
-    """
-    field = shading(image)
-    if not field.any():
-        return image
-    linear = srgb_to_linear(image) * np.exp(-field)[..., None]
-    return as_uint8(linear_to_srgb(np.minimum(linear, 1.0)))
-
-
-def shading(image: np.ndarray) -> np.ndarray:
-    """Return the smooth log light (n, n) float64 of a crop, median 0."""
-    small = cv2.resize(image, (32, 32), interpolation=cv2.INTER_AREA)
-    log = np.log(np.maximum(luminance(small), 1e-3))
-    coarse = cv2.GaussianBlur(log, (0, 0), 2.0)
-    fit = smooth_field(coarse)
-    total = float(np.var(coarse))
-    if total < 1e-8:
-        return np.zeros(image.shape[:2])
-    explained = float(np.clip(1.0 - np.var(coarse - fit) / total, 0.0, 1.0))
-    field = cv2.resize(fit, image.shape[1::-1], interpolation=cv2.INTER_CUBIC) * explained
-    return np.asarray(np.clip(field - np.median(field), -MAX_FLATTEN, MAX_FLATTEN))
 
 
 def _axes(rgb: np.ndarray) -> np.ndarray:

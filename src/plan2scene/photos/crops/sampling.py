@@ -144,19 +144,13 @@ def draw_windows(
 
     No window is drawn twice; fewer come back when `tries` draws find none.
     """
-    side = window_pixels(rectified, size_m)
-    rows, columns = (extent - side + 1 for extent in rectified.mask.shape)
-    if rows < 1 or columns < 1:
-        return []
-    total = cv2.integral(rectified.mask.astype(np.uint8))
-    covered = total[side:, side:] - total[:-side, side:] - total[side:, :-side]
-    inside = covered + total[:-side, :-side] == side * side
+    inside = rectified.places(window_pixels(rectified, size_m))
     if inside.sum() < MIN_PLACES:
         return []
     chosen: list[tuple[int, int]] = []
     for _ in range(per_mask):
-        row = rng.integers(0, rows, tries)
-        column = rng.integers(0, columns, tries)
+        row = rng.integers(0, inside.shape[0], tries)
+        column = rng.integers(0, inside.shape[1], tries)
         hits = np.nonzero(inside[row, column])[0]
         if not len(hits):
             break

@@ -139,14 +139,14 @@ def under_common_light(
         photo: gains_of(value, white_balance=settings.white_balance, exposure=settings.exposure)
         for photo, value in lights.items()
     }
-    return [corrected(item, gains, flat=settings.flatten) for item in drawn], gains
+    return [corrected(item, gains) for item in drawn], gains
 
 
 def _write_light(
     path: str | Path, gains: Mapping[str, np.ndarray], settings: CropSettings | None
 ) -> None:
     """Write light.json; `settings` None where crops are taken as they are."""
-    names = ("filter", "white_balance", "exposure", "flatten")
+    names = ("filter", "white_balance", "exposure")
     on = {name: bool(settings is not None and getattr(settings, name)) for name in names}
     photos = {photo: [round(float(gain), 6) for gain in gains[photo]] for photo in sorted(gains)}
     write_json(path, {**on, "gains": photos})

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,9 +12,6 @@ from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal
 from plan2scene.photos.labels.palette import labels_from_folder
-
-if TYPE_CHECKING:
-    from plan2scene.photos.labels.pretrained import Checkpoint
 
 #: Where masks may come from (config key ``photos.masks``).
 SOURCES = ("embedded", "precomputed", "pretrained")
@@ -63,7 +59,7 @@ def labeller(
     *,
     model: str | Path | None = None,
     precomputed_dir: str | Path | None = None,
-    pretrained: Checkpoint | None = None,
+    pretrained: Mapping[str, str | None] | None = None,
     threads: int | None = None,
     house_id: str = "",
 ) -> Labeller:
@@ -76,8 +72,8 @@ def labeller(
         Embedded: the safetensors file.
     precomputed_dir : path
         Precomputed: the folder of ``{stem}.png``.
-    pretrained : Checkpoint
-        Pretrained: where the ADE20K network is.
+    pretrained : mapping
+        Pretrained: where the ADE20K network is (the fields of `pretrained.Checkpoint`).
     threads : int, optional
         Processor threads of a network; torch's choice by default.
 
@@ -94,9 +90,9 @@ def labeller(
     if threads is not None:
         torch.set_num_threads(threads)
     if source == "pretrained" and pretrained:
-        from plan2scene.photos.labels.pretrained import load_pretrained
+        from plan2scene.photos.labels.pretrained import Checkpoint, load_pretrained
 
-        ade20k = load_pretrained(pretrained)
+        ade20k = load_pretrained(Checkpoint(**pretrained))
         return Labeller(lambda _photo, image, _camera: ade20k.labels(image))
     from plan2scene.photos.labels.segmentation import load_segmenter
 

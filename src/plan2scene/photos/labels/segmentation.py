@@ -273,14 +273,6 @@ class Segmenter:
         """
         return upsampled_argmax(self._logits(image, camera), (image.shape[0], image.shape[1]))
 
-    def probabilities(self, image: np.ndarray, camera: Camera | None = None) -> np.ndarray:
-        """Return (h, w, 4) float32 label probabilities of a (h, w, 3) uint8 sRGB photo."""
-        height, width = image.shape[:2]
-        logits = self._logits(image, camera).transpose(1, 2, 0)
-        large = cv2.resize(logits, (width, height), interpolation=cv2.INTER_LINEAR)
-        large = np.exp(large - large.max(axis=2, keepdims=True))
-        return (large / large.sum(axis=2, keepdims=True)).astype(np.float32)
-
 
 def _elevation(camera: Camera, size: tuple[int, int]) -> np.ndarray:
     """Return the elevation map of a photo's camera at the network's size."""

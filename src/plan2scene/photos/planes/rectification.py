@@ -62,6 +62,17 @@ class RectifiedPlane:
         x, y = self.origin[0] + column * step, self.origin[1] + row * step
         return (x, y, x + side * step, y + side * step)
 
+    def places(self, side: int) -> np.ndarray:
+        """Return where a square of `side` pixels lies fully inside the mask: its top left pixels.
+
+        (h - side + 1, w - side + 1) bool; empty where it does not fit.
+        """
+        if side > min(self.mask.shape):
+            return np.zeros((0, 0), bool)
+        total = cv2.integral(self.mask.astype(np.uint8))
+        covered = total[side:, side:] - total[:-side, side:] - total[side:, :-side]
+        return np.asarray(covered + total[:-side, :-side] == side * side)
+
     def view(self, x: float, y: float) -> tuple[float, float]:
         """Return (grazing angle in degrees, photo pixels per metre) at a point of the plane.
 
