@@ -1,82 +1,10 @@
-"""Files from strangers: what is read, what is refused, and that writes are all or nothing."""
+"""Files: what is refused, round trips, and that writes are all or nothing."""
 
-import io
-
-import numpy as np
 import pandas as pd
 import pytest
-from PIL import Image
 
-from plan2scene import images
 from plan2scene import io as p2s_io
 from plan2scene.errors import InputError
-
-
-def picture(mode: str) -> Image.Image:
-    values = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
-    return Image.fromarray(values).convert(mode)
-
-
-@pytest.mark.parametrize("mode", ["RGB", "L", "P", "1", "RGBA", "LA", "CMYK", "YCbCr"])
-def test_every_mode_becomes_rgb(tmp_path, mode):
-    suffix = "tif" if mode in ("CMYK", "YCbCr") else "png"
-    path = tmp_path / f"x.{suffix}"
-    picture(mode).save(path)
-    image = images.read_image(path)
-    assert image.shape == (4, 4, 3)
-    assert image.dtype == np.uint8
-
-
-def test_16_bit_keeps_its_brightness(tmp_path):
-    path = tmp_path / "x.png"
-    Image.fromarray(np.full((2, 2), 32768, dtype=np.uint16)).save(path)
-    assert np.all(images.read_image(path) == 128)
-
-
-def test_transparent_pixels_are_white(tmp_path):
-    path = tmp_path / "x.png"
-    Image.new("RGBA", (2, 2), (255, 0, 0, 0)).save(path)
-    assert np.all(images.read_image(path) == 255)
-
-
-def test_exif_rotation_is_applied(tmp_path):
-    path = tmp_path / "x.jpg"
-    exif = Image.Exif()
-    exif[0x0112] = 6
-    Image.new("RGB", (8, 4)).save(path, exif=exif)
-    assert images.read_image(path).shape == (8, 4, 3)
-
-
-def damaged() -> dict[str, bytes]:
-    buffer = io.BytesIO()
-    Image.fromarray(np.random.default_rng(0).integers(0, 255, (64, 64, 3), np.uint8)).save(
-        buffer, format="JPEG"
-    )
-    whole = buffer.getvalue()
-    return {
-        "truncated.jpg": whole[: len(whole) // 2],
-        "text.jpg": b"not an image",
-        "empty.jpg": b"",
-        "header.png": b"\x89PNG\r\n\x1a\n" + b"\0" * 40,
-    }
-
-
-@pytest.mark.parametrize("name", sorted(damaged()))
-def test_what_is_no_image_gives_one_line(tmp_path, name):
-    path = tmp_path / name
-    path.write_bytes(damaged()[name])
-    with pytest.raises(InputError) as error:
-        images.read_image(path, house_id="h")
-    text = str(error.value)
-    assert name in text and "house h" in text and "expected" in text and "\n" not in text
-
-
-def test_too_many_pixels_are_refused_before_decoding(tmp_path, monkeypatch):
-    monkeypatch.setattr(images, "MAX_PIXELS", 99)
-    path = tmp_path / "x.png"
-    Image.new("RGB", (10, 10)).save(path)
-    with pytest.raises(InputError, match="10x10"):
-        images.read_image(path)
 
 
 @pytest.mark.parametrize(
@@ -124,12 +52,6 @@ def test_foreign_parquet_is_refused(tmp_path):
     pd.DataFrame({"a": [1]}).to_parquet(tmp_path / "x.parquet")
     with pytest.raises(InputError):
         p2s_io.read_parquet(tmp_path / "x.parquet")
-
-
-def test_png_bytes_round_trip():
-    image = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
-    assert np.array_equal(images.image_from_bytes(images.png_bytes(image)), image)
-    assert images.png_bytes(image) == images.png_bytes(image.copy())
 
 
 def test_deep_json_is_one_line(tmp_path):

@@ -8,21 +8,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
 from plan2scene.drawing import INK, PAPER, font
-from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.images import write_png
-from plan2scene.io import read_json
-from plan2scene.photos.camera.calibration import Camera
-from plan2scene.photos.contact_sheet import panels
-from plan2scene.photos.contact_sheet.panels import fit
+from plan2scene.photos.contact_sheet.rows import PANEL, SheetPhoto, row_panels, sheet_photo
 from plan2scene.photos.contact_sheet.windows import (
     KEPT,
     LAST_RESORT,
@@ -33,34 +27,18 @@ from plan2scene.photos.contact_sheet.windows import (
     read_windows,
     thumbnail,
 )
-from plan2scene.photos.labels.palette import LABELS, read_label_png
-from plan2scene.photos.photo_files import read_photo
-from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
+from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M
 from plan2scene.photos.planes.room_size import RoomSize, room_extent
 
 #: Photos on a sheet; of houses with more the first are shown, the rest counted.
 MAX_PHOTOS = 20
-#: Height and width of a panel, of the crops' panel's width, and of what is between, pixels.
-PANEL, CROPS_WIDTH, GAP = (225, 300), 516, 8
+#: Width of the crops' panel, and of what is between panels, pixels.
+CROPS_WIDTH, GAP = 516, 8
 TITLE, CAPTION, HEADER = 20, 18, 44
 #: Crops and rejected windows shown of one photo, side of one, and of its cell with text.
 COLUMNS, KEPT_ROWS, THUMB, CELL = 6, 1, 50, (83, 86)
 ROW = TITLE + PANEL[0] + CAPTION + 2 * GAP
 WIDTH = 4 * (PANEL[1] + GAP) + CROPS_WIDTH + 2 * GAP
-
-
-@dataclass(frozen=True)
-class _Photo:
-    """One row: the photo reduced to a panel, what is known of it, and why it may be missing."""
-
-    name: str
-    rooms: tuple[str, ...]
-    image: np.ndarray | None
-    full: np.ndarray | None
-    windows: tuple[Window, ...]
-    camera: Camera | None = None
-    labels: np.ndarray | None = None
-    note: str = ""
 
 
 def write_contact_sheet(
@@ -109,41 +87,14 @@ def write_contact_sheet(
     _header(draw, house.id, len(names), len(shown), counts, everything)
     for row, name in enumerate(shown):
         rooms = tuple(rooms_of_photo.get(name, ()))
-        photo = _read(name, photos.get(name), rooms, windows.get(name, ()), masks_dir, house.id)
+        photo = sheet_photo(
+            name, photos.get(name), rooms, windows.get(name, ()), masks_dir, house.id
+        )
         room = house.room(rooms[0]) if rooms else None
         room_size = RoomSize(room.height, room_extent(room)) if room else None
         _draw_row(sheet, HEADER + row * ROW, photo, room_size, camera_height_m)
     write_png(output, np.asarray(sheet))
     return {"photos": len(shown), **counts}
-
-
-def _read(
-    name: str,
-    path: Path | None,
-    rooms: tuple[str, ...],
-    windows: Sequence[Window],
-    masks_dir: str | Path | None,
-    house_id: str,
-) -> _Photo:
-    """Return a photo with its mask and camera, or with a note why it has none."""
-    empty = _Photo(name, rooms, None, None, tuple(windows))
-    if path is None:
-        return replace(empty, note="not in the house table")
-    try:
-        full = read_photo(path, house_id=house_id)
-    except InputError as error:
-        return replace(empty, note=str(error))
-    photo = replace(empty, image=fit(full, PANEL), full=full)
-    if masks_dir is None:
-        return replace(photo, note="crops come from a folder: no masks, no camera")
-    folder = Path(masks_dir)
-    camera = read_json(folder / "cameras.json").get(name)
-    if camera is None:
-        lines = read_json(folder / "warnings.json")
-        line = next((line for line in lines if line.startswith(f"photo {name} ")), "no mask")
-        return replace(photo, note=line)
-    labels = read_label_png(folder / f"{Path(name).stem}.png", house_id=house_id)
-    return replace(photo, labels=labels, camera=Camera.from_json(camera))
 
 
 def _header(
@@ -172,7 +123,7 @@ def _header(
 
 
 def _draw_row(
-    sheet: Any, top: int, photo: _Photo, room_size: RoomSize | None, camera_height_m: float
+    sheet: Any, top: int, photo: SheetPhoto, room_size: RoomSize | None, camera_height_m: float
 ) -> None:
     """Draw one photo's row at `top`."""
     from PIL import Image, ImageDraw
@@ -182,7 +133,7 @@ def _draw_row(
     rooms = ", ".join(photo.rooms) or "no room"
     draw.text((GAP, top + 4), f"{photo.name}  ({rooms})", font=font(13), fill=INK)
     top += TITLE + 2
-    found = _panels(photo, room_size, camera_height_m)
+    found = row_panels(photo, room_size, camera_height_m)
     for k, (picture, caption) in enumerate(found):
         left = GAP + k * (PANEL[1] + GAP)
         sheet.paste(Image.fromarray(picture), (left, top))
@@ -194,73 +145,7 @@ def _draw_row(
     _draw_crops(sheet, (GAP + 4 * (PANEL[1] + GAP), top), photo)
 
 
-def _panels(
-    photo: _Photo, room_size: RoomSize | None, camera_height_m: float
-) -> list[tuple[np.ndarray, str]]:
-    """Return the panels of a photo with their captions, as far as it got."""
-    if photo.image is None or photo.full is None:
-        return []
-    height, width = photo.full.shape[:2]
-    scale = photo.image.shape[1] / width
-    found = [(panels.windows_panel(photo.image, photo.windows, scale), f"{width}x{height}")]
-    if photo.camera is None or photo.labels is None:
-        return found
-    # Planes are looked for at three times the panel's size: enough for a picture, and quick.
-    image = fit(photo.full, (3 * PANEL[0], 3 * PANEL[1])) if scale < 1 / 3 else photo.full
-    size = (image.shape[0], image.shape[1])
-    camera = panels.scaled_camera(photo.camera, size)
-    labels = cv2.resize(photo.labels, size[::-1], interpolation=cv2.INTER_NEAREST)
-    planes = split_planes(
-        labels,
-        camera,
-        image=image,
-        camera_height_m=camera_height_m,
-        room_height_m=room_size.height_m if room_size else None,
-        room_extent_m=room_size.extent_m if room_size else None,
-    )
-    small = (photo.image.shape[0], photo.image.shape[1])
-    thin = [
-        replace(
-            plane,
-            mask=cv2.resize(
-                plane.mask.astype(np.uint8), small[::-1], interpolation=cv2.INTER_NEAREST
-            )
-            > 0,
-        )
-        for plane in planes
-    ]
-    few = cv2.resize(photo.labels, small[::-1], interpolation=cv2.INTER_NEAREST)
-    shares = ", ".join(f"{LABELS[k]} {(labels == k).mean():.0%}" for k in (1, 2, 3))
-    lines = fit(panels.lines_panel(image, camera), PANEL)
-    return [
-        *found,
-        (panels.mask_panel(photo.image, few, thin), shares),
-        (lines, _camera_text(photo.camera)),
-        (panels.planes_panel(image, camera, planes, PANEL), _planes_text(planes)),
-    ]
-
-
-def _camera_text(camera: Camera) -> str:
-    """Return field of view, where it is from, tilt and confidence in a line."""
-    fov = np.degrees(2 * np.arctan(camera.width / 2 / camera.focal_px))
-    up = camera.matrix[:, 1]
-    down = round(-float(np.degrees(np.arcsin(np.clip(up[2], -1, 1)))))
-    roll = np.degrees(np.arctan2(up[0], -up[1]))
-    source = camera.focal_source.replace("_", " ")
-    tilt = f"{abs(down)}° {'down' if down >= 0 else 'up'}, roll {round(float(roll)):+d}°"
-    frame = "no frame found" if camera.fallback else tilt
-    return f"{fov:.0f}° ({source}), confidence {camera.confidence:.2f}, {frame}"
-
-
-def _planes_text(planes: Sequence[Any]) -> str:
-    """Return the scale's source and the camera's height in a line."""
-    if not planes:
-        return ""
-    sources = ", ".join(sorted({plane.scale_source.replace("_", " ") for plane in planes}))
-    return f"1 m grid; camera at {planes[0].camera_height_m:.2f} m; scale by {sources}"
-
-
-def _draw_crops(sheet: Any, corner: tuple[int, int], photo: _Photo) -> None:
+def _draw_crops(sheet: Any, corner: tuple[int, int], photo: SheetPhoto) -> None:
     """Draw kept crops, then rejected windows with their reasons."""
     from PIL import Image, ImageDraw
 

@@ -7,6 +7,7 @@ into the room, so offsets are negative.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import cv2
@@ -16,8 +17,7 @@ from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.camera.lines import detect_segments
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
 from plan2scene.photos.planes.room_size import RoomSize
-from plan2scene.photos.planes.wall_lines import WallLine
-from plan2scene.photos.planes.walls import trace_walls
+from plan2scene.photos.planes.walls import TracedWalls, trace_walls
 
 #: Walls kept per photo, the largest first (paper: the 10 largest planes).
 MAX_WALLS = 10
@@ -101,40 +101,48 @@ def split_planes(
         solve_height=room_height_m is not None,
         segments=segments,
     )
-    scale = traced.scale_source
-    smallest = MIN_SHARE * labels.size
+    # Without the room's height, the ceiling's distance is a guess whatever the floor's is.
+    known = {"floor": True, "ceiling": room_height_m is not None}
+    return [*_flat_planes(labels, traced, room, known), *_wall_planes(labels, traced)]
+
+
+def _flat_planes(
+    labels: np.ndarray, traced: TracedWalls, room_height_m: float, known: Mapping[str, bool]
+) -> list[Plane]:
+    """Return floor and ceiling, as far as they are seen; `known` tells whose distance is."""
     height = traced.camera_height_m
-    planes: list[Plane] = []
-    flat = (
+    planes = []
+    for surface, label, up, distance in (
         ("floor", FLOOR, 1.0, height),
-        ("ceiling", CEILING, -1.0, room - height),
-    )
-    for surface, label, up, distance in flat:
-        mask = _without_specks(labels == label, smallest)
+        ("ceiling", CEILING, -1.0, room_height_m - height),
+    ):
+        mask = _without_specks(labels == label)
         if mask.any():
-            source = scale if room_height_m is not None or surface == "floor" else "prior"
+            source = traced.scale_source if known[surface] else "prior"
             planes.append(Plane(surface, 0, (0.0, up, 0.0), -distance, mask, source, height))
+    return planes
+
+
+def _wall_planes(labels: np.ndarray, traced: TracedWalls) -> list[Plane]:
+    """Return the largest walls, by size."""
     walls = [
-        (line, _without_specks((labels == WALL) & (traced.owner == index), smallest))
+        (line, _without_specks((labels == WALL) & (traced.owner == index)))
         for index, line in enumerate(traced.lines)
     ]
     walls = [(line, mask) for line, mask in walls if mask.any()]
     walls.sort(key=lambda item: -int(item[1].sum()))
+    planes = []
     for index, (line, mask) in enumerate(walls[:MAX_WALLS]):
-        source = scale if line.seen else "prior"
-        normal = _wall_normal(line)
+        source = traced.scale_source if line.seen else "prior"
+        normal = (0.0 - line.outward[0], 0.0, 0.0 - line.outward[1])
+        height = traced.camera_height_m
         planes.append(Plane("wall", index, normal, -line.distance, mask, source, height))
     return planes
 
 
-def _wall_normal(line: WallLine) -> tuple[float, float, float]:
-    """Return the inward normal of a wall."""
-    return (0.0 - line.outward[0], 0.0, 0.0 - line.outward[1])
-
-
-def _without_specks(mask: np.ndarray, smallest: float) -> np.ndarray:
-    """Return a mask without connected parts of fewer than `smallest` pixels."""
+def _without_specks(mask: np.ndarray) -> np.ndarray:
+    """Return a mask without connected parts smaller than `MIN_SHARE` of the photo."""
     count, parts, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
-    keep = stats[:, cv2.CC_STAT_AREA] >= max(1.0, smallest)
+    keep = stats[:, cv2.CC_STAT_AREA] >= max(1.0, MIN_SHARE * mask.size)
     keep[0] = False
     return np.asarray(keep[parts]) if count > 1 else np.zeros_like(mask)
