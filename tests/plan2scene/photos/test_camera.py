@@ -10,7 +10,7 @@ from views import camera_looking
 from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import HIGH_CONFIDENCE, Camera, canonical, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal
-from plan2scene.photos.camera.lines import detect_segments, hough_segments
+from plan2scene.photos.camera.lines import detect_segments
 
 
 def rotation_of(heading_deg, pitch_deg, roll_deg):
@@ -247,12 +247,11 @@ def test_canonical_ignores_quarter_turns():
     assert np.linalg.det(canonical(truth)) == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("detect", [detect_segments, hough_segments])
-def test_segments_of_a_rectangle(detect):
+def test_segments_of_a_rectangle():
     grey = np.zeros((200, 240), np.uint8)
     corners = np.array([[40, 30], [200, 50], [185, 170], [30, 150]])
     cv2.fillPoly(grey, [corners], 220, lineType=cv2.LINE_AA)
-    found = detect(grey)
+    found = detect_segments(grey)
     for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         along = (end - start) / np.linalg.norm(end - start)
         direction = found[:, 2:] - found[:, :2]

@@ -33,33 +33,13 @@ def detect_segments(grey: np.ndarray, min_length: float = MIN_LENGTH) -> np.ndar
 
     Notes
     -----
-    OpenCV's detector (von Gioi et al., LSD, 2012) where the wheel has it; otherwise Hough
-    segments whose direction is refined by least squares on the edge pixels around them.
+    OpenCV's detector (von Gioi et al., LSD, 2012).
     """
-    if hasattr(cv2, "createLineSegmentDetector"):
-        found = cv2.createLineSegmentDetector().detect(np.ascontiguousarray(grey))[0]
-        segments = np.zeros((0, 4)) if found is None else found.reshape(-1, 4).astype(np.float64)
-    else:
-        segments = hough_segments(grey, min_length)
+    found = cv2.createLineSegmentDetector().detect(np.ascontiguousarray(grey))[0]
+    segments = np.zeros((0, 4)) if found is None else found.reshape(-1, 4).astype(np.float64)
     length = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
     order = np.argsort(-length, kind="stable")
     return segments[order[length[order] >= min_length]]
-
-
-def hough_segments(grey: np.ndarray, min_length: float = MIN_LENGTH) -> np.ndarray:
-    """Return Hough segments refined on their edge pixels; same units as `detect_segments`."""
-    smooth = cv2.GaussianBlur(grey, (5, 5), 1.0)
-    edges = cv2.Canny(smooth, 40, 110, L2gradient=True)
-    found = cv2.HoughLinesP(
-        edges, 1.0, np.pi / 360, threshold=25, minLineLength=max(min_length, 20.0), maxLineGap=3
-    )
-    if found is None:
-        return np.zeros((0, 4))
-    rows, columns = np.nonzero(edges)
-    points = np.stack([columns, rows], axis=1).astype(np.float64)
-    segments = found.reshape(-1, 4).astype(np.float64)
-    refined = [_refine(segment, points, 1.5)[0] for segment in segments]
-    return np.array(refined).reshape(-1, 4)
 
 
 def border_lines(labels: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.ndarray:
