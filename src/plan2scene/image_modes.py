@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -57,25 +56,20 @@ def to_srgb(image: Image.Image) -> np.ndarray:
 
 def _upright(image: Image.Image) -> Image.Image:
     """Return an image turned as its EXIF orientation says; as it is where EXIF is damaged."""
+    import struct
+
     from PIL import Image
 
-    orientation = _or_none(lambda: image.getexif().get(0x0112, 1))
+    try:
+        orientation = image.getexif().get(0x0112, 1)
+    except (OSError, ValueError, TypeError, LookupError, SyntaxError, struct.error, EOFError):
+        return image
     method = _UPRIGHT.get(orientation) if isinstance(orientation, int) else None
     if method is None:
         return image
     turned = image.transpose(Image.Transpose[method])
     turned.info = image.info
     return turned
-
-
-def _or_none(attempt: Callable[[], Any]) -> Any:
-    """Return what `attempt` gives, or None when the metadata that it parses are damaged."""
-    import struct
-
-    try:
-        return attempt()
-    except (OSError, ValueError, TypeError, LookupError, SyntaxError, struct.error, EOFError):
-        return None
 
 
 def _grey_from_numbers(values: np.ndarray) -> np.ndarray:

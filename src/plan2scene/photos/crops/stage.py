@@ -33,8 +33,6 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger("plan2scene")
 
-#: Where crops come from (config key ``crops.source``).
-SOURCES = ("sampled", "precomputed")
 _CROP_NAME = re.compile(r"(?P<stem>.+)_(?P<mask>\d+)_crop(?P<index>\d+)\.png")
 
 
@@ -58,8 +56,9 @@ def make_crops(
     house : House
         The plan; gives the rooms' heights.
     rooms_of_photo : mapping
-        Photo name to the rooms it shows; a photo of several rooms gives rows for each, with
-        the planes at the distance that each room's own height tells.
+        Photo name to the rooms of the house that it shows (`datasets.rooms_of_photos`); a photo
+        of several rooms gives rows for each, with the planes at the distance that each room's own
+        height tells.
     photos : mapping
         Photo name to its file.
     masks_dir : path
@@ -101,7 +100,6 @@ def draw_candidates(
     Parameters as in :func:`make_crops`; light as of
     :func:`plan2scene.photos.crops.light.estimate_light`.
     """
-    check_rooms(house, rooms_of_photo)
     folder = Path(masks_dir)
     cameras = read_json(folder / "cameras.json")
     drawn: list[PhotoCandidate] = []
@@ -171,7 +169,6 @@ def load_crops(
     root = Path(folder)
     if not root.is_dir():
         raise InputError("a folder of surface crops", "no such folder", file=root, house=house.id)
-    check_rooms(house, rooms_of_photo)
     found: list[PhotoCandidate] = []
     photo_of_stem = {Path(photo).stem: photo for photo in rooms_of_photo}
     for surface in SURFACES:
@@ -203,20 +200,6 @@ def _ready_crop(path: Path, index: int, house_id: str) -> Crop:
         )
     nan = float("nan")
     return Crop(index, (nan, nan, nan, nan), nan, nan, nan, image)
-
-
-def check_rooms(house: House, rooms_of_photo: Mapping[str, Sequence[str]]) -> None:
-    """Raise InputError when a photo is assigned to a room that the plan lacks."""
-    known = {room.id for room in house.rooms}
-    for photo, rooms in rooms_of_photo.items():
-        for room in rooms:
-            if room not in known:
-                raise InputError(
-                    f"a room of the plan ({', '.join(sorted(known))})",
-                    f"{room} in the photo table for {photo}",
-                    house=house.id,
-                    room=room,
-                )
 
 
 def _check_sizes(
