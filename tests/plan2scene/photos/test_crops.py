@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from views import camera_looking
 
 from plan2scene.errors import InputError
@@ -17,6 +18,7 @@ from plan2scene.photos.crops.tables import CANDIDATE_COLUMNS, COLUMNS
 from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import rectify
+from plan2scene.provenance import WORKFLOW
 
 SIZE = (480, 640)
 
@@ -241,3 +243,14 @@ def test_ready_crops(house, tmp_path):
     write_png(tmp_path / "floor/x_1_0_crop3.png", np.zeros((64, 64, 3), np.uint8))
     with pytest.raises(InputError, match="128x128"):
         load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, light, dataset="d")
+
+
+def test_default_settings_are_those_of_the_configuration():
+    config = yaml.safe_load((WORKFLOW / "config" / "config.yaml").read_text())
+    given = config["crops"]
+    names = ("per_mask", "tries", "filter", "white_balance", "exposure")
+    assert CropSettings() == CropSettings(
+        sizes_m=tuple(given["metres"]),
+        camera_height_m=config["photos"]["camera_height_m"],
+        **{name: given[name] for name in names},
+    )

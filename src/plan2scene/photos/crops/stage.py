@@ -70,7 +70,7 @@ def make_crops(
     seed : int
         Windows are drawn by (seed, house, photo, surface, plane).
     settings : CropSettings, optional
-        Sampling settings; the paper's by default.
+        How windows are drawn and corrected.
 
     Returns
     -------
