@@ -8,7 +8,7 @@ from pathlib import Path
 
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_directory, safe_join, write_json
-from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera
+from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal, read_exif_focal
 from plan2scene.photos.labels.labeller import Labeller
 from plan2scene.photos.labels.palette import write_label_png
@@ -64,11 +64,12 @@ def _label_photos(
             safe_join("", name, house_id=house_id)
             image = read_photo(photos[name], house_id=house_id)
             exif = read_exif_focal(photos[name], (image.shape[0], image.shape[1]))
-            labels, camera = labeller.labels_and_camera(name, image, fov_deg=fov_deg, exif=exif)
+            labels = labeller.labels(name, image, fov_deg=fov_deg, exif=exif)
         except InputError as error:
             _log.warning("photo %s left out: %s", name, error)
             warnings.append(f"photo {name} left out: {error}")
             continue
+        camera = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
         write_label_png(folder / f"{Path(name).stem}.png", labels)
         cameras[name] = camera.to_json()
         warnings += [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]

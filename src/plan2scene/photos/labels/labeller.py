@@ -33,25 +33,24 @@ class Labeller:
     label: Callable[[str, np.ndarray, Camera | None], np.ndarray]
     uses_camera: bool = False
 
-    def labels_and_camera(
+    def labels(
         self,
         photo: str,
         image: np.ndarray,
         *,
         fov_deg: float = DEFAULT_FOV_DEG,
         exif: ExifFocal | None = None,
-    ) -> tuple[np.ndarray, Camera]:
-        """Return labels (h, w) uint8 of a photo and the camera estimated with them.
+    ) -> np.ndarray:
+        """Return labels (h, w) uint8 of a photo.
 
-        Labels that depend on the camera are made again once the first ones gave it. `fov_deg`
-        and `exif` as of :func:`plan2scene.photos.camera.calibration.estimate_camera`.
+        Those that depend on the camera are made again once the first ones gave it. `fov_deg` and
+        `exif` as of :func:`plan2scene.photos.camera.calibration.estimate_camera`.
         """
         labels = self.label(photo, image, None)
+        if not self.uses_camera:
+            return labels
         camera = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
-        if self.uses_camera and not camera.fallback:
-            labels = self.label(photo, image, camera)
-            camera = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
-        return labels, camera
+        return labels if camera.fallback else self.label(photo, image, camera)
 
 
 def labeller(
