@@ -2,8 +2,9 @@
 
 ``python benchmarks/odd_images.py``
 
-The files are those of tests/test_odd_images.py. Each is read in a process of its own that may map
-at most 400 MB beyond what it has before; the masks stage then takes them all as one house.
+The files are those of tests/plan2scene/test_odd_images.py. Each is read in a process of its own
+that may map at most 400 MB beyond what it has before; the masks stage then takes them all as one
+house.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ print((peak() - before) // 1024, what)
 
 def cases() -> ModuleType:
     """Return the module of the tests, which makes the files."""
-    path = Path(__file__).parents[1] / "tests" / "test_odd_images.py"
+    path = Path(__file__).parents[1] / "tests" / "plan2scene" / "test_odd_images.py"
     spec = importlib.util.spec_from_file_location("odd_images_cases", path)
     if spec is None or spec.loader is None:
         raise SystemExit(f"no module {path}")
