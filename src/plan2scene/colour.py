@@ -24,7 +24,7 @@ def median_colour(image: np.ndarray) -> np.ndarray:
     """Return the per-channel median (3,) float32 of an (h, w, 3) RGB image.
 
     The lower of the two middle values of an even count, as ``torch.median`` gives (paper
-    section 4.3: the median colour is part of the texture embedding).
+    section 5.2: the median colour is part of the texture embedding).
     """
     pixels = np.sort(as_float(image).reshape(-1, 3), axis=0)
     return pixels[(len(pixels) - 1) // 2]

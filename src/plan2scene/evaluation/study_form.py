@@ -1,6 +1,6 @@
 """The user study's form: forced choices between two renders, in one offline HTML file.
 
-As in the paper (section 5.4): two methods' renders from above without ceilings, given the plan
+As in the paper (section 6.5): two methods' renders from above without ceilings, given the plan
 and the photos; both the order of the questions and which method is left are drawn by seed. The
 form does not say which is which: that is in the key, a file of its own.
 """

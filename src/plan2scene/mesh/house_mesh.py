@@ -1,4 +1,4 @@
-"""A house as mesh parts (method paper section 3: the 3D house that textures are put on)."""
+"""A house as mesh parts (paper section 3: the 3D house that textures are put on)."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""COLOR, FREQ, SUBS, FID, TILE and KID of textures (paper section 5)."""
+"""COLOR, FREQ, SUBS, FID, TILE and KID of textures (paper section 6.2)."""

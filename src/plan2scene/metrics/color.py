@@ -1,4 +1,4 @@
-"""COLOR: difference of HSL histograms of 10 x 3 x 3 bins (paper section 5).
+"""COLOR: difference of HSL histograms of 10 x 3 x 3 bins (paper section 6.2).
 
 The reference works out hue, lightness and saturation of every pixel in floats (``colorsys``) and
 compares them with the edges of the bins. The conversions of libraries take longer than all of this

@@ -1,4 +1,4 @@
-"""FREQ: difference of radial amplitude spectra (paper section 5).
+"""FREQ: difference of radial amplitude spectra (paper section 6.2).
 
 Spectra of real images are kept as their first half (``rfft2``): the other half mirrors it.
 """

@@ -1,4 +1,4 @@
-"""TILE: how much an image's low frequencies betray a repeated tile (paper section 5)."""
+"""TILE: how much an image's low frequencies betray a repeated tile (paper section 6.2)."""
 
 from __future__ import annotations
 

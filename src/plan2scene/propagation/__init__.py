@@ -1,1 +1,1 @@
-"""Propagation of texture embeddings to the surfaces that no photo shows (paper section 4.3)."""
+"""Propagation of texture embeddings to the surfaces that no photo shows (paper section 5.4)."""

@@ -1,6 +1,6 @@
 """The room-door-room graph of a house as arrays; numpy only.
 
-Node features (paper section 4.3, constants of the authors' public configuration): 12 room-type
+Node features (paper section 5.4, constants of the authors' public configuration): 12 room-type
 flags, then for floor, wall and ceiling a presence flag and 11 embedding values, zeros where
 absent: 12 + 3 x 12 = 48 per room.
 """

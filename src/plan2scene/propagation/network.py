@@ -1,4 +1,4 @@
-"""The gated graph network that predicts unseen embeddings (paper section 4.3, Li et al. 2016)."""
+"""The gated graph network that predicts unseen embeddings (paper section 5.4, Li et al. 2016)."""
 
 from __future__ import annotations
 

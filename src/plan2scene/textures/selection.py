@@ -43,7 +43,7 @@ def select_surfaces(
 ) -> pd.DataFrame:
     """Choose a crop for every surface that a visible photo shows; write ``surfaces.parquet``.
 
-    The crop with the least textureness score gives the code (paper section 4.3), burned-out ones
+    The crop with the least textureness score gives the code (paper section 5.3), burned-out ones
     left aside where there are others, and all crops give the colour (:func:`surface_embedding`);
     NaiveSynth gets the mean of the crops' codes.
     ``docs/conventions.md`` lists the columns. ``metres`` is the side of the square that the chosen

@@ -1,4 +1,4 @@
-"""Crops of other houses: where Crop looks when its own house has none (paper section 5)."""
+"""Crops of other houses: where Crop looks when its own house has none (paper section 6.1)."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The photo crop that stands for each surface: what the baselines' tiles are made of.
 
-Crop (paper section 5) puts it on the surface as it is; two from related work make more of it:
+Crop (paper section 6.1) puts it on the surface as it is; two from related work make more of it:
 
 ``medoid_colour``  one flat colour, the crop's median (IM2CAD, Izadinia et al. 2017, section 4.4)
 ``projection``     the photo region itself, stretched over the surface, so that it does not repeat

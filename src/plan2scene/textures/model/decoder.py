@@ -1,4 +1,4 @@
-"""The texture decoder: a small network applied to the noise at every pixel (paper section 4.3)."""
+"""The texture decoder: a small network applied to the noise at every pixel (paper section 5.2)."""
 
 from __future__ import annotations
 

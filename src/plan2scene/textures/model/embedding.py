@@ -37,7 +37,7 @@ class Embeddings:
         In the order of ``house.SUBSTANCES``; (n, 0) for a model without substance head.
     textureness : (n,) float32
         Distance between the texture statistics of the crop and of its decoded embedding (paper
-        section 4.3); the lower, the better the crop stands for its surface. Empty when not asked.
+        section 5.3); the lower, the better the crop stands for its surface. Empty when not asked.
     """
 
     codes: np.ndarray

@@ -1,6 +1,6 @@
 """Crop encoders: the paper's ResNet-18 with instance normalisation, and one of fixed statistics.
 
-Both turn crops into a bottleneck code and codes into the decoder's controls (paper section 4.3).
+Both turn crops into a bottleneck code and codes into the decoder's controls (paper section 5.2).
 The second reads the energies of a fixed filter bank and the spectrum instead of learned features:
 it learns from some thousand textures within minutes on a CPU, where the residual network needs
 orders of magnitude more steps.

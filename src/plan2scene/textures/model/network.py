@@ -1,4 +1,4 @@
-"""The texture model: crop -> 11 numbers -> seamless texture (paper section 4.3, Figure 3).
+"""The texture model: crop -> 11 numbers -> seamless texture (paper section 5.2, Figure 3).
 
 With ``delta_hsv`` it is the paper's Synth: the network sees and makes HSV offsets from the crop's
 median colour, and the embedding is the bottleneck code followed by the median RGB. Without, it is

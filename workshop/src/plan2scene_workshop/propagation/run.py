@@ -33,7 +33,7 @@ _ABLATIONS: Mapping[str, dict[str, Any]] = {
     "pointer without doors": {"network": "pointer", "doors": False},
 }
 _WHAT = """
-Embeddings of surfaces that no photo shows, from the room-door-room graph (paper section 4.3). Also
+Embeddings of surfaces that no photo shows, from the room-door-room graph (paper section 5.4). Also
 holds the mean embedding by room type and surface that NaiveSynth uses.
 """
 _FIGURES = """

@@ -1,4 +1,4 @@
-"""Training of the propagation networks on synthetic houses (paper section 4.3).
+"""Training of the propagation networks on synthetic houses (paper section 5.4).
 
 A sample hides surfaces, singly or by whole rooms (what a house with unphotographed rooms looks
 like), and predicts all that it hid. Each sample starts from the full house: exclusions never

@@ -36,7 +36,7 @@ ARCHITECTURES: Mapping[str, Architecture] = {
     "naivesynth": Architecture(width=192, encoder="statistics", delta_hsv=False, substances=0),
 }
 _WHAT = {
-    "texture": "The paper's texture model (section 4.3): delta-HSV, 8 + 3 numbers, substance.",
+    "texture": "The paper's texture model (section 5.2): delta-HSV, 8 + 3 numbers, substance.",
     "naivesynth": "The unmodified model of Henzler et al. (2020): 8 numbers, no substance.",
 }
 _FIGURES = """
