@@ -1,4 +1,4 @@
-"""The tileable library and the Retrieve baseline: the texture nearest to a crop (paper section 6.1).
+"""The tileable library and the Retrieve baseline: the texture nearest to a crop (paper, 6.1).
 
 The paper takes the least pixel L1. Textures are not aligned with crops, so that compares little
 more than brightness; here colour and coarseness decide, which finds clearly nearer tiles.
