@@ -10,9 +10,8 @@ from typing import Any
 from plan2scene.errors import InputError
 from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
 from plan2scene.floorplans.openings import Segment, place_openings
-from plan2scene.floorplans.parse import MAX_CORNERS, Source, parse_json
+from plan2scene.floorplans.parse import MAX_CORNERS, Source
 from plan2scene.house import House, Room
-from plan2scene.io import read_text
 
 FORMAT = "plan2scene-plan"
 #: Height in metres of a room that states none, and thickness of the walls (as in the schema).
@@ -29,21 +28,11 @@ def plan_schema() -> dict[str, Any]:
     return dict(json.loads(text))
 
 
-def read_plan_json(
-    path: str | Path, house_id: str, *, snap_tolerance: float = SNAP_TOLERANCE
-) -> House:
-    """Return the house of a plan JSON file; see :func:`house_of_plan`."""
-    document = parse_json(read_text(path), path, house_id)
-    return house_of_plan(document, house_id, file=str(path), snap_tolerance=snap_tolerance)
-
-
-def house_of_plan(
-    document: Any, house_id: str, *, file: str = "", snap_tolerance: float = SNAP_TOLERANCE
-) -> House:
+def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
     """Return the house of a parsed plan JSON.
 
     Walls follow the outlines; where two outlines coincide they share one. Openings lie on the
-    walls within `snap_tolerance` metres; doors join the rooms on both sides of their wall.
+    walls within `SNAP_TOLERANCE` metres; doors join the rooms on both sides of their wall.
 
     Raises
     ------
@@ -75,7 +64,7 @@ def house_of_plan(
         raise source.fault(f"at most {MAX_CORNERS} corners of all rooms", corners)
     walls = walls_of_rooms(rooms, depth=float(document.get("wall_depth", DEFAULT_DEPTH)))
     segments = _segments(source, document.get("openings", []))
-    walls = place_openings(source, walls, segments, tolerance=snap_tolerance)
+    walls = place_openings(source, walls, segments, tolerance=SNAP_TOLERANCE)
     return House(
         id=house_id,
         rooms=tuple(rooms),

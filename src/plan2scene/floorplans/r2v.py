@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 from shapely.geometry import LineString, Polygon, box
 
@@ -27,7 +26,6 @@ from plan2scene.floorplans.r2v_text import (
     parse_r2v,
 )
 from plan2scene.house import House, IconBox, Opening, Room, Wall
-from plan2scene.io import read_text
 
 #: The reference converter's constants, in metres.
 WALL_HEIGHT = 2.8
@@ -44,14 +42,7 @@ ENTRANCE_SHARE = 0.6
 _LOW_WALLED = frozenset({"Balcony"})
 
 
-def read_r2v(path: str | Path, house_id: str, metres_per_pixel: float | None) -> House:
-    """Return the house of a raster-to-vector file; see :func:`house_of_r2v`."""
-    return house_of_r2v(read_text(path), house_id, metres_per_pixel, file=str(path))
-
-
-def house_of_r2v(
-    text: str, house_id: str, metres_per_pixel: float | None, *, file: str = ""
-) -> House:
+def house_of_r2v(text: str, house_id: str, metres_per_pixel: float, *, file: str = "") -> House:
     """Return the house of raster-to-vector text of either dialect.
 
     Rooms are the faces that the walls close. Openings between two rooms are doors; of a room
@@ -64,10 +55,6 @@ def house_of_r2v(
     """
     source = Source(file, house_id)
     source.identifier(house_id, "a house name")
-    if metres_per_pixel is None or not 0 < metres_per_pixel <= 1:
-        raise source.fault(
-            "metres_per_pixel above 0 and up to 1 for a raster-to-vector plan", metres_per_pixel
-        )
     plan = parse_r2v(source, text)
     faces, loose = room_polygons(source, plan.walls)
     if loose > 0.5:

@@ -69,6 +69,15 @@ class PixelPlan:
     boxes: tuple[PixelBox, ...]
 
 
+def is_r2v(text: str) -> bool:
+    """Return whether text may be of either dialect: its first field is a number."""
+    try:
+        float(text.split(maxsplit=1)[0])
+    except (ValueError, IndexError):
+        return False
+    return True
+
+
 def parse_r2v(source: Source, text: str) -> PixelPlan:
     """Return the walls, doors and boxes of either dialect, told apart by the first line."""
     lines = [

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans import read_plan, read_r2v, read_scene_json, validate_house
+from plan2scene.floorplans import read_plan, read_scene_json, validate_house
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Door, IconBox
 
@@ -131,7 +131,7 @@ def test_loose_wall_and_stray_door_are_warnings(tmp_path):
         ("256 256\n5\n0 0 1 1 0 1", "expected the number of walls (1 to 1) in line 2, found 5"),
         ("256 256\n1\n0 0 1 1 0 11", "expected a room index of 0 to 10 in line 3, found 11"),
         ("256 256\n1\n0 0 1 1 0", "expected x1 y1 x2 y2 a b in line 3, found 5 fields"),
-        ("what is this", "expected x1 y1 x2 y2 label in line 1, found 3 fields"),
+        ("1 is this", "expected x1 y1 x2 y2 label in line 1, found 3 fields"),
     ],
 )
 def test_bad_text(tmp_path, text, line):
@@ -149,7 +149,7 @@ def test_scale_must_be_given(tmp_path, scale):
 @pytest.mark.shared
 @pytest.mark.skipif(not SHARED.is_dir(), reason="no samples beside the repository")
 def test_network_output_agrees_with_the_reference_converter():
-    house = read_r2v(SHARED / "sample_r2v_output.txt", "sample", 0.05)
+    house = read_plan(SHARED / "sample_r2v_output.txt", "sample", 0.05)
     reference = read_scene_json(SHARED / "sample_input.scene.json", "sample")
     assert len(house.rooms) == len(reference.rooms) == 5
     assert len(house.walls) == len(reference.walls) == 20
@@ -176,7 +176,7 @@ def test_network_output_agrees_with_the_reference_converter():
 @pytest.mark.shared
 @pytest.mark.skipif(not SHARED.is_dir(), reason="no samples beside the repository")
 def test_annotation_sample():
-    house = read_r2v(SHARED / "sample_r2v_annot.txt", "sample", 0.02)
+    house = read_plan(SHARED / "sample_r2v_annot.txt", "sample", 0.02)
     assert (len(house.rooms), len(house.walls)) == (13, 47)
     assert sum(len(wall.openings) for wall in house.walls) == 13
     types = [room.types[0] for room in house.rooms]

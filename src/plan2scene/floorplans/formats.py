@@ -1,0 +1,130 @@
+"""The plan formats: one registry, which :func:`read_plan` and its messages follow.
+
+A new format is a reader module in this folder and an entry in :data:`FORMATS`
+(docs/extending.md).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans.parse import parse_json
+from plan2scene.floorplans.plan_json import FORMAT, house_of_plan
+from plan2scene.floorplans.r2v import house_of_r2v
+from plan2scene.floorplans.r2v_text import is_r2v
+from plan2scene.floorplans.scene_json import house_of_scene
+from plan2scene.house import House
+from plan2scene.io import read_text
+
+
+@dataclass(frozen=True)
+class PlanFile:
+    """A plan on disk, read when a format first looks at it.
+
+    Parameters
+    ----------
+    path : path
+    house_id : str
+        Name that the house gets.
+    metres_per_pixel : float, optional
+        Scale of formats that are in pixels.
+    """
+
+    path: Path
+    house_id: str
+    metres_per_pixel: float | None = None
+
+    @cached_property
+    def text(self) -> str:
+        """The file as UTF-8 text."""
+        return read_text(self.path)
+
+    @cached_property
+    def document(self) -> Any:
+        """The parsed JSON; None where the text is none (a syntax error is an InputError)."""
+        if not self.text.lstrip().startswith(("{", "[")):
+            return None
+        return parse_json(self.text, self.path, self.house_id)
+
+    def fault(self, expected: str, found: str) -> InputError:
+        """Return (not raise) the error of a fault of this file."""
+        return InputError(expected, found, file=self.path, house=self.house_id)
+
+
+@dataclass(frozen=True)
+class PlanFormat:
+    """A format of plans.
+
+    Parameters
+    ----------
+    name : str
+        As users know it.
+    sniff : callable
+        Whether a file is of this format, by its content; the first format that says yes reads it.
+    read : callable
+        The house of such a file; InputError for a fault that can't be repaired.
+    needs_scale : bool
+        Drawn in pixels: `metres_per_pixel` must be given.
+    """
+
+    name: str
+    sniff: Callable[[PlanFile], bool]
+    read: Callable[[PlanFile], House]
+    needs_scale: bool = False
+
+
+def _is_plan_json(plan: PlanFile) -> bool:
+    """Return whether the document names this program's own format."""
+    return isinstance(plan.document, dict) and str(plan.document.get("format")) == FORMAT
+
+
+def _read_r2v(plan: PlanFile) -> House:
+    """Return the house of raster-to-vector text, drawn in pixels."""
+    return house_of_r2v(plan.text, plan.house_id, plan.metres_per_pixel or 0.0, file=str(plan.path))
+
+
+#: In the order in which they are asked.
+FORMATS: tuple[PlanFormat, ...] = (
+    PlanFormat(
+        "plan2scene-plan JSON",
+        _is_plan_json,
+        lambda plan: house_of_plan(plan.document, plan.house_id, file=str(plan.path)),
+    ),
+    PlanFormat(
+        "scene.json",
+        lambda plan: plan.document is not None,
+        lambda plan: house_of_scene(plan.document, plan.house_id, file=str(plan.path)),
+    ),
+    PlanFormat("raster-to-vector text", lambda plan: is_r2v(plan.text), _read_r2v, True),
+)
+
+
+def read_plan(path: str | Path, house_id: str, metres_per_pixel: float | None = None) -> House:
+    """Return the house of any plan of :data:`FORMATS`; its content tells which.
+
+    Parameters
+    ----------
+    path : path
+    house_id : str
+        Name that the house gets.
+    metres_per_pixel : float, optional
+        Scale of formats that are in pixels; needed for those only.
+    """
+    plan = PlanFile(Path(path), house_id, metres_per_pixel)
+    if not plan.path.is_file():
+        raise plan.fault("a plan", "no such file")
+    if not plan.text.strip():
+        raise plan.fault("a plan", "an empty file")
+    found = next((entry for entry in FORMATS if entry.sniff(plan)), None)
+    if found is None:
+        names = ", ".join(entry.name for entry in FORMATS)
+        raise plan.fault(f"a plan ({names})", f"{plan.text.split()[0][:40]!r} at its start")
+    if found.needs_scale and not 0 < (metres_per_pixel or 0) <= 1:
+        expected = f"metres_per_pixel above 0 and up to 1 for {found.name}"
+        raise plan.fault(expected, str(metres_per_pixel))
+    return found.read(plan)

@@ -1,0 +1,63 @@
+"""The registry of plan formats: told apart by content, and a new one is one entry."""
+
+from pathlib import Path
+
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans import FORMATS, PlanFile, PlanFormat, formats, read_plan
+from plan2scene.house import House, Room
+
+DOCS = Path(__file__).parents[3] / "docs" / "floorplans.md"
+
+
+def written(tmp_path, text):
+    path = tmp_path / "plan.any"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ('{"format": "plan2scene-plan"}', "plan2scene-plan JSON"),
+        ('\n {"arch": {}}', "scene.json"),
+        ("[]", "scene.json"),
+        ("256 256\n1\n", "raster-to-vector text"),
+        (" 1.5 2 3 4 wall", "raster-to-vector text"),
+    ],
+)
+def test_content_tells_the_format(tmp_path, text, name):
+    plan = PlanFile(written(tmp_path, text), "h1")
+    assert next(entry.name for entry in FORMATS if entry.sniff(plan)) == name
+
+
+def test_the_message_of_another_file_names_every_format(tmp_path):
+    path = written(tmp_path, "what is this")
+    with pytest.raises(InputError) as caught:
+        read_plan(path, "h1")
+    names = ", ".join(entry.name for entry in FORMATS)
+    assert str(caught.value) == (
+        f"file {path}, house h1: expected a plan ({names}), found 'what' at its start"
+    )
+
+
+def test_docs_list_every_format():
+    table = DOCS.read_text()
+    assert all(f"| {entry.name} |" in table for entry in FORMATS)
+
+
+def test_a_new_format_is_one_entry(tmp_path, monkeypatch):
+    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
+
+    def read(plan):
+        side = float(plan.text.split()[1]) * plan.metres_per_pixel
+        outline = tuple((x * side, z * side) for x, z in ring)
+        return House(plan.house_id, (Room("a", ("Unknown",), (outline,), 2.5),), ())
+
+    square = PlanFormat("square", lambda plan: plan.text.startswith("square"), read, True)
+    monkeypatch.setattr(formats, "FORMATS", (*FORMATS, square))
+    path = written(tmp_path, "square 10")
+    assert read_plan(path, "h1", 0.1).rooms[0].rings[0] == ring
+    with pytest.raises(InputError, match="metres_per_pixel above 0 and up to 1 for square"):
+        read_plan(path, "h1")
