@@ -1,10 +1,11 @@
-"""Put the sweep, the ablations and a page of the user study into docs/evaluation.md.
+"""Put the sweep, the ablations and a picture of the user study into the docs.
 
     snakemake -j2 sweep ablation study --configfile config/benchmark.yaml
     python benchmarks/evaluation_page.py results/benchmark
 
 Writes docs/pictures/sweep.png and study.jpg (a picture of the form's first question, by a headless
-Chromium) and the text between the page's two marks, with commit and date.
+Chromium), and the text between the two marks of docs/measurements/evaluation.md, with commit and
+date.
 """
 
 from __future__ import annotations
@@ -67,11 +68,11 @@ def main() -> None:
     commit = subprocess.run(
         ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True
     ).stdout.strip()
-    text = [BEGIN, "![Every metric against the share of hidden photos](pictures/sweep.png)", ""]
+    text = [BEGIN, "![Every metric against the share of hidden photos](../pictures/sweep.png)", ""]
     text += [*sweep_rows(tables / "sweep.csv", "COLOR"), ""]
     text += [(tables / "ablation.md").read_text().rstrip()]
     text += [f"Commit {commit}, {datetime.date.today()}, 2-core x86-64.", END]
-    page = DOCS / "evaluation.md"
+    page = DOCS / "measurements" / "evaluation.md"
     old = page.read_text()
     head, tail = old.split(BEGIN)[0], old.split(END)[1]
     page.write_text(head + "\n".join(text) + tail)

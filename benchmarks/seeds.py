@@ -8,7 +8,7 @@ A seed draws crops, noise and library tiles anew; houses, photos and what is hid
 set's. ``run`` makes the table for each seed, one after another in the same results (the last one's
 files stay), and keeps ``tables/seeds/{seed}.json``: table, errors against the true materials and
 seconds. ``page`` writes their means and standard deviations (of the seeds, n - 1) to
-docs/benchmark.md, between its two marks.
+docs/measurements/benchmark.md, between its two marks.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from truth import error_rows
 
 from plan2scene.metrics.registry import METRICS
 
-PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
+PAGE = Path(__file__).parents[1] / "docs" / "measurements" / "benchmark.md"
 BEGIN, END = "<!-- figures: benchmarks/seeds.py -->", "<!-- end of figures -->"
 
 

@@ -1,9 +1,9 @@
 """Scores of the embedded segmentation network: intersection over union per label, and its time.
 
     python benchmarks/segmentation.py --dataset data/benchmark --split val
-    python benchmarks/segmentation.py --folder ../shared/photos/real
+    python benchmarks/segmentation.py --folder FOLDER
 
-A folder holds ``{name}.jpg`` with ``{name}.mask.png`` (0 other, 1 floor, 2 wall, 3 ceiling,
+FOLDER holds ``{name}.jpg`` with ``{name}.mask.png`` (0 other, 1 floor, 2 wall, 3 ceiling,
 255 left out). Each photo is labelled as the masks stage does it: once without a camera, then told
 the camera that the first labels gave; both are scored.
 """

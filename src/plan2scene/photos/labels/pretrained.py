@@ -23,7 +23,7 @@ from plan2scene.errors import InputError
 from plan2scene.photos.labels.segmentation import network_size, to_tensor, upsampled_argmax
 
 #: ADE20K class indices of floor, wall and ceiling, in the order of our labels 1, 2, 3; the other
-#: 147 are other (table in docs/photos.md).
+#: 147 are other (docs/photos.md).
 ADE20K_SURFACES = (3, 0, 5)
 ADE20K_CLASSES = 150
 #: Channel means and standard deviations of ImageNet, for checkpoints that come without their own.

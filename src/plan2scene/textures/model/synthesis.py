@@ -35,7 +35,7 @@ def decode_textures(
         Side of the tiles. A larger one draws the same tile with more pixels.
 
     Processors without fast bfloat16 multiply in float32: their tiles differ by a level here and
-    there (docs/conventions.md, determinism).
+    there (docs/conventions.md: same seed, same bytes).
     """
     if codes.ndim != 2 or codes.shape[1] != model.embedding_dim or len(codes) != len(seeds):
         raise ValueError(

@@ -1,6 +1,6 @@
 """Which material every surface of a home has: the correlations that propagation can learn.
 
-The tables below are the whole model; ``docs/synthetic.md`` explains them.
+The tables below are the whole model (docs/workshop.md).
 """
 
 from __future__ import annotations
