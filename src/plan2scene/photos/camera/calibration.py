@@ -41,35 +41,24 @@ EXIF_CERTAINTY = 0.95
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera in the Manhattan frame of its photo.
+    """A pinhole camera in the Manhattan frame of its photo."""
 
-    Parameters
-    ----------
-    width, height : int
-        Size of the photo, pixels.
-    focal_px, cx, cy : float
-        Focal length and principal point, pixels.
-    rotation : (3, 3) tuple of float
-        World to camera; the world has y up and x, z along the two horizontal vanishing
-        directions, z the one nearest to the view direction. Camera axes: x right, y down,
-        z forward.
-    focal_source : str
-        ``exif``, ``vanishing_points`` or ``config`` (the constant field of view).
-    confidence : float
-        0..1: the probability that the focal length is within 15 %, times the support of the
-        frame; high from `HIGH_CONFIDENCE` on.
-    fallback : bool
-        True when no frame was found: a level camera that looks straight at a wall.
-    """
-
+    #: Size of the photo, pixels.
     width: int
     height: int
+    #: Focal length and principal point, pixels.
     focal_px: float
     cx: float
     cy: float
+    #: (3, 3), world to camera; the world has y up and x, z along the two horizontal vanishing
+    #: directions, z the one nearest to the view direction. Camera axes: x right, y down, z forward.
     rotation: tuple[tuple[float, float, float], ...]
+    #: ``exif``, ``vanishing_points`` or ``config`` (the constant field of view).
     focal_source: str
+    #: 0..1: the probability that the focal length is within 15 %, times the support of the frame;
+    #: high from `HIGH_CONFIDENCE` on.
     confidence: float
+    #: True when no frame was found: a level camera that looks straight at a wall.
     fallback: bool
 
     @property

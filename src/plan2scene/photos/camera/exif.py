@@ -55,20 +55,13 @@ UNIT_MM = {2: 25.4, 3: 10.0, 4: 1.0}
 
 @dataclass(frozen=True)
 class ExifFocal:
-    """What a photo's EXIF data say about its focal length.
+    """What a photo's EXIF data say about its focal length."""
 
-    Parameters
-    ----------
-    focal_px : float or None
-        Focal length in pixels of the photo as it is, None when it is unknown or absurd.
-    cropped : bool
-        The photo's aspect is not the one that the camera noted: `focal_px` may be wrong.
-    warning : str
-        Why a focal length that was there is not used; empty otherwise.
-    """
-
+    #: Focal length in pixels of the photo as it is, None when it is unknown or absurd.
     focal_px: float | None = None
+    #: The photo's aspect is not the one that the camera noted: `focal_px` may be wrong.
     cropped: bool = False
+    #: Why a focal length that was there is not used; empty otherwise.
     warning: str = ""
 
 

@@ -45,32 +45,22 @@ AGREES = 2.5
 
 @dataclass(frozen=True)
 class Manhattan:
-    """A fitted frame.
+    """A fitted frame."""
 
-    Parameters
-    ----------
-    axes : (3, 3) float64
-        Columns are the world's x, y (up), z in camera axes: the world-to-camera rotation.
-    focal : float
-        Focal length, pixels.
-    bend : float
-        Lens distortion, see `Segments.bent_rays`.
-    counts : (3,) int
-        Segments that agree with x, y, z.
-    share : float
-        Share of the segments' weight that agrees with one of the three.
-    log_focal_sd : float
-        Standard deviation of log(focal) given the segments and the prior.
-    certainty : float
-        Probability that the true focal length is within `RIGHT_WITHIN` of `focal`.
-    """
-
+    #: (3, 3) float64, columns are the world's x, y (up), z in camera axes: the world-to-camera
+    #: rotation.
     axes: np.ndarray
+    #: Focal length, pixels.
     focal: float
+    #: Lens distortion, see `Segments.bent_rays`.
     bend: float
+    #: (3,) int: Segments that agree with x, y, z.
     counts: tuple[int, int, int]
+    #: Share of the segments' weight that agrees with one of the three.
     share: float
+    #: Standard deviation of log(focal) given the segments and the prior.
     log_focal_sd: float
+    #: Probability that the true focal length is within `RIGHT_WITHIN` of `focal`.
     certainty: float
 
 

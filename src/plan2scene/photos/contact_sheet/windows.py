@@ -20,29 +20,19 @@ KEPT, LAST_RESORT, REJECTED = (40, 200, 70), (250, 170, 30), (225, 50, 50)
 
 @dataclass(frozen=True)
 class Window:
-    """One candidate window of a photo.
-
-    Parameters
-    ----------
-    surface : str
-    plane : int
-    kept : bool
-    reasons : tuple of str
-        Empty for a good one.
-    size_m : float
-        Side in metres, NaN where unknown.
-    corners : (4, 2) float64
-        Pixels x, y in the photo, clockwise from the crop's top left; NaN where unknown.
-    image : (128, 128, 3) uint8, optional
-        The crop, of a kept one.
-    """
+    """One candidate window of a photo."""
 
     surface: str
     plane: int
     kept: bool
+    #: Empty for a good one.
     reasons: tuple[str, ...]
+    #: Side in metres, NaN where unknown.
     size_m: float
+    #: (4, 2) float64: Pixels x, y in the photo, clockwise from the crop's top left; NaN where
+    #: unknown.
     corners: np.ndarray
+    #: (128, 128, 3) uint8: The crop, of a kept one.
     image: np.ndarray | None = None
 
     @property

@@ -47,18 +47,12 @@ MAX_EXPOSURE, MAX_BALANCE = np.log(2.5), 0.6
 
 @dataclass(frozen=True)
 class SurfaceColour:
-    """Colour of a surface in a photo.
-
-    Parameters
-    ----------
-    photo, room_id, surface : str
-    colour : (3,) tuple of float
-        Median linear RGB of its pixels.
-    """
+    """Colour of a surface in a photo."""
 
     photo: str
     room_id: str
     surface: str
+    #: (3,): Median linear RGB of its pixels.
     colour: tuple[float, float, float]
 
 

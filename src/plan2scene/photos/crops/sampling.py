@@ -35,32 +35,22 @@ DRAWS_PER_CROP = 3
 
 @dataclass(frozen=True)
 class Crop:
-    """A 128x128 crop of one plane.
+    """A 128x128 crop of one plane."""
 
-    Parameters
-    ----------
-    index : int
-        Number within its mask: of the crops kept, of the candidates otherwise.
-    window : (4,) tuple of float
-        x0 y0 x1 y1 on the rectified plane, metres.
-    size_m : float
-        Side of the window, metres.
-    sharpness : float
-        Photo pixels per crop pixel at its middle (1: as sharp as the photo; 0.5: upsampled x2).
-    grazing_deg : float
-        Angle between the view ray and the plane at its middle, degrees.
-    image : (128, 128, 3) uint8
-        sRGB.
-    corners : (8,) tuple of float
-        x y of the window's corners in the photo, pixels, clockwise from the top left of the crop.
-    """
-
+    #: Number within its mask: of the crops kept, of the candidates otherwise.
     index: int
+    #: (4,): x0 y0 x1 y1 on the rectified plane, metres.
     window: tuple[float, float, float, float]
+    #: Side of the window, metres.
     size_m: float
+    #: Photo pixels per crop pixel at its middle (1: as sharp as the photo; 0.5: upsampled x2).
     sharpness: float
+    #: Angle between the view ray and the plane at its middle, degrees.
     grazing_deg: float
+    #: (128, 128, 3) uint8: sRGB.
     image: np.ndarray
+    #: (8,): x y of the window's corners in the photo, pixels, clockwise from the top left of the
+    #: crop.
     corners: tuple[float, ...] = (float("nan"),) * 8
 
 

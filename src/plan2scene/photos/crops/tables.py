@@ -39,39 +39,24 @@ LAST_RESORT, WORST_RESORT = 10, 3
 
 @dataclass(frozen=True)
 class PhotoCandidate:
-    """A candidate with where it is from.
-
-    Parameters
-    ----------
-    photo : str
-    rooms : tuple of str
-        Rooms that the photo is assigned to, of one height.
-    surface : str
-    plane : int
-        Number of the plane (mask) within the photo and surface.
-    candidate : Candidate
-    """
+    """A candidate with where it is from."""
 
     photo: str
+    #: Rooms that the photo is assigned to, of one height.
     rooms: tuple[str, ...]
     surface: str
+    #: Number of the plane (mask) within the photo and surface.
     plane: int
     candidate: Candidate
 
 
 @dataclass(frozen=True)
 class Kept:
-    """Which candidates of a house become crops.
+    """Which candidates of a house become crops."""
 
-    Parameters
-    ----------
-    crop_index : dict
-        Number of a candidate that some room keeps to its number k within the mask.
-    rooms : set
-        (candidate's number, room) of the crops.
-    """
-
+    #: Number of a candidate that some room keeps to its number k within the mask.
     crop_index: dict[int, int]
+    #: (candidate's number, room) of the crops.
     rooms: set[tuple[int, str]]
 
 

@@ -31,18 +31,12 @@ _GRAVE_REASONS = tuple(Reason)[:5]
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is wrong with a window, if anything.
+    """What is wrong with a window, if anything."""
 
-    Parameters
-    ----------
-    reasons : tuple of Reason
-        From the worst to the mildest; empty for a good one.
-    score : float
-        Orders the refused: where a surface has nothing good, those of least score are kept. From
-        `GRAVE` on a window may not show the surface.
-    """
-
+    #: From the worst to the mildest; empty for a good one.
     reasons: tuple[Reason, ...] = ()
+    #: Orders the refused: where a surface has nothing good, those of least score are kept. From
+    #: `GRAVE` on a window may not show the surface.
     score: float = 0.0
 
     @classmethod

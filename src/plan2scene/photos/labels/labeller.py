@@ -19,18 +19,12 @@ SOURCES = ("embedded", "precomputed", "pretrained")
 
 @dataclass(frozen=True)
 class Labeller:
-    """What labels photos.
+    """What labels photos."""
 
-    Parameters
-    ----------
-    label : callable
-        Given a photo's name, its (h, w, 3) uint8 sRGB pixels and its camera, where one is known,
-        returns its (h, w) uint8 labels.
-    uses_camera : bool
-        Whether the labels depend on the camera.
-    """
-
+    #: Given a photo's name, its (h, w, 3) uint8 sRGB pixels and its camera, where one is known,
+    #: returns its (h, w) uint8 labels.
     label: Callable[[str, np.ndarray, Camera | None], np.ndarray]
+    #: Whether the labels depend on the camera.
     uses_camera: bool = False
 
     def labels(

@@ -37,18 +37,12 @@ _HUB_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*/[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Where a pretrained network is: a folder, or a commit of the hub (``photos.pretrained.*``).
+    """Where a pretrained network is: a folder, or a commit of the hub (``photos.pretrained.*``)."""
 
-    Parameters
-    ----------
-    path : str, optional
-        Local folder with config.json and weights in safetensors.
-    id, revision : str, optional
-        ``owner/name`` on the hub, and the 40 hexadecimal digits of a commit. Branches and tags
-        move, so they are refused.
-    """
-
+    #: Local folder with config.json and weights in safetensors.
     path: str | None = None
+    #: id, revision: ``owner/name`` on the hub, and the 40 hexadecimal digits of a commit. Branches
+    #: and tags move, so they are refused.
     id: str | None = None
     revision: str | None = None
 

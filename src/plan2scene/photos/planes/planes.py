@@ -29,34 +29,23 @@ DEFAULT_ROOM_HEIGHT_M = 2.6
 
 @dataclass(frozen=True)
 class Plane:
-    """One plane of a photo.
+    """One plane of a photo."""
 
-    Parameters
-    ----------
-    surface : str
-        ``floor``, ``wall`` or ``ceiling``.
-    index : int
-        0 for floor and ceiling, 0..9 for walls from the largest to the smallest.
-    normal : (3,) tuple of float
-        Unit normal into the room, Manhattan frame.
-    offset : float
-        ``normal . X`` of its points, metres from the camera centre.
-    mask : (h, w) bool
-        Its pixels.
-    scale_source : str
-        What gave the distance: ``camera_height`` (prior), ``room_height`` (floor and ceiling seen
-        with a known room height), ``room_extent`` (walls farther, or opposite ones farther apart
-        or nearer, than the plan has them), or ``prior`` (nothing seen that tells it).
-    camera_height_m : float
-        Height of the camera above the floor, metres.
-    """
-
+    #: ``floor``, ``wall`` or ``ceiling``.
     surface: str
+    #: 0 for floor and ceiling, 0..9 for walls from the largest to the smallest.
     index: int
+    #: (3,): Unit normal into the room, Manhattan frame.
     normal: tuple[float, float, float]
+    #: ``normal . X`` of its points, metres from the camera centre.
     offset: float
+    #: (h, w) bool: Its pixels.
     mask: np.ndarray
+    #: What gave the distance: ``camera_height`` (prior), ``room_height`` (floor and ceiling seen
+    #: with a known room height), ``room_extent`` (walls farther, or opposite ones farther apart or
+    #: nearer, than the plan has them), or ``prior`` (nothing seen that tells it).
     scale_source: str
+    #: Height of the camera above the floor, metres.
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
 
 

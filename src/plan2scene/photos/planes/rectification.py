@@ -30,30 +30,20 @@ BORDER_SHARE = 0.005
 
 @dataclass(frozen=True)
 class RectifiedPlane:
-    """A plane of a photo in metres.
+    """A plane of a photo in metres."""
 
-    Parameters
-    ----------
-    image : (h, w, 3) uint8
-        sRGB, the plane seen straight on.
-    mask : (h, w) bool
-        Usable pixels: in the plane's mask, not too flat, sampled densely enough.
-    origin : (2,) tuple of float
-        Plane coordinates (right, down), metres, of the image's top left corner.
-    metres_per_pixel : float
-        Side of a pixel.
-    axes : (3, 3) float64
-        Rows: unit right, unit down, and the foot of the camera on the plane (where plane
-        coordinates are 0, 0), metres from the camera.
-    focal_px : float
-        Focal length of the photo, pixels.
-    """
-
+    #: (h, w, 3) uint8: sRGB, the plane seen straight on.
     image: np.ndarray
+    #: (h, w) bool: Usable pixels: in the plane's mask, not too flat, sampled densely enough.
     mask: np.ndarray
+    #: (2,): Plane coordinates (right, down), metres, of the image's top left corner.
     origin: tuple[float, float]
+    #: Side of a pixel.
     metres_per_pixel: float
+    #: (3, 3) float64: Rows: unit right, unit down, and the foot of the camera on the plane (where
+    #: plane coordinates are 0, 0), metres from the camera.
     axes: np.ndarray
+    #: Focal length of the photo, pixels.
     focal_px: float
 
     def window(self, row: int, column: int, side: int) -> tuple[float, float, float, float]:

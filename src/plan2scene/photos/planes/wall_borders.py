@@ -21,25 +21,17 @@ SEGMENT_NOISE = np.radians(2.0)
 
 @dataclass(frozen=True)
 class Borders:
-    """Borders of the wall mask per azimuth bin.
+    """Borders of the wall mask per azimuth bin."""
 
-    Parameters
-    ----------
-    direction : (b, 2) float64
-        Unit (x, z) of the bin's middle.
-    foot, top : (b,) float64
-        Slope (rise over horizontal distance) of the wall's foot (< 0) and top (> 0); NaN where
-        not seen.
-    reach : (b, 2) float64
-        Lowest and highest slope of wall pixels; NaN where there are none.
-    bins : (h, w) int
-        Bin of each pixel.
-    """
-
+    #: (b, 2) float64: Unit (x, z) of the bin's middle.
     direction: np.ndarray
+    #: foot, top: (b,) float64: Slope (rise over horizontal distance) of the wall's foot (< 0) and
+    #: top (> 0); NaN where not seen.
     foot: np.ndarray
     top: np.ndarray
+    #: (b, 2) float64: Lowest and highest slope of wall pixels; NaN where there are none.
     reach: np.ndarray
+    #: (h, w) int: Bin of each pixel.
     bins: np.ndarray
 
 

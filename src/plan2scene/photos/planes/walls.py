@@ -53,23 +53,15 @@ TALL_M = 10.0
 
 @dataclass(frozen=True)
 class TracedWalls:
-    """Walls of a photo and the wall of each pixel.
+    """Walls of a photo and the wall of each pixel."""
 
-    Parameters
-    ----------
-    lines : list of WallLine
-        The walls, in the order of `owner`.
-    owner : (h, w) int16
-        Index into `lines` of the wall that a pixel's azimuth meets; -1 for none.
-    camera_height_m : float
-        Height of the camera above the floor, metres.
-    scale_source : str
-        What gave it: ``room_height``, ``room_extent`` or ``camera_height`` (the prior).
-    """
-
+    #: The walls, in the order of `owner`.
     lines: list[WallLine]
+    #: (h, w) int16: Index into `lines` of the wall that a pixel's azimuth meets; -1 for none.
     owner: np.ndarray
+    #: Height of the camera above the floor, metres.
     camera_height_m: float
+    #: What gave it: ``room_height``, ``room_extent`` or ``camera_height`` (the prior).
     scale_source: str
 
 
