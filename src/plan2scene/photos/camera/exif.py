@@ -10,38 +10,27 @@ from __future__ import annotations
 
 import logging
 import os
-import struct
-import warnings
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PIL import Image
+
+from plan2scene.errors import InputError
+from plan2scene.images import decode_image
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 _log = logging.getLogger("plan2scene")
 
 #: Formats of cameras whose EXIF block Pillow finds without decoding pixels.
-FORMATS = ("JPEG", "WEBP")
+FORMATS = ("JPEG", "MPO", "WEBP")
 #: Diagonal of a 36 x 24 mm frame.
 FRAME_DIAGONAL_MM = 43.2666
 #: Horizontal fields of view that are believed, degrees.
 FOV_RANGE_DEG = (30.0, 120.0)
 #: Relative difference of aspect ratios above which a photo counts as cropped.
 ASPECT_TOLERANCE = 0.02
-#: What Pillow raises on damaged EXIF data; all mean there are none.
-DAMAGE = (
-    OSError,
-    SyntaxError,
-    ValueError,
-    TypeError,
-    LookupError,
-    AttributeError,
-    ArithmeticError,
-    RuntimeError,
-    MemoryError,
-    struct.error,
-    Image.DecompressionBombError,
-)
 #: Tags of the Exif block.
 EXIF_IFD = 0x8769
 FOCAL_LENGTH = 0x920A
@@ -105,13 +94,14 @@ def read_exif_focal(path: str | os.PathLike[str], size: tuple[int, int]) -> Exif
 def _tags(path: str | os.PathLike[str]) -> dict[int, Any]:
     """Return the tags of the Exif block; empty without a readable one."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(path, formats=FORMATS) as image:
-                return dict(image.getexif().get_ifd(EXIF_IFD))
-    except DAMAGE as error:
-        _log.debug("no EXIF data of %s: %s", path, error)
+        return decode_image(path, _exif_block)
+    except InputError as error:
+        _log.debug("no EXIF data: %s", error)
         return {}
+
+
+def _exif_block(image: Image.Image) -> dict[int, Any]:
+    return dict(image.getexif().get_ifd(EXIF_IFD)) if image.format in FORMATS else {}
 
 
 def _number(value: Any) -> float:

@@ -11,11 +11,13 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
+from PIL import Image, ImageDraw
 
 from plan2scene.drawing import INK, PAPER, font
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.camera.lines import detect_segments
-from plan2scene.photos.contact_sheet.windows import Window
+from plan2scene.photos.camera.vanishing import Segments, residuals
+from plan2scene.photos.contact_sheet.windows import KINDS, Window, plane_name
 from plan2scene.photos.labels.palette import overlay
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, rectify
@@ -59,7 +61,7 @@ def windows_panel(image: np.ndarray, windows: Sequence[Window], scale: float) ->
         for window in windows:
             if window.kept == kept and np.isfinite(window.corners).all():
                 points = np.rint((window.corners + 0.5) * scale * 8).astype(np.int32)
-                cv2.polylines(layer, [points], True, window.colour, 1, cv2.LINE_AA, 3)
+                cv2.polylines(layer, [points], True, KINDS[window.kind], 1, cv2.LINE_AA, 3)
         # Rejected windows are many: they must not hide the photo.
         opacity = 1.0 if kept else 0.4
         picture = cv2.addWeighted(layer, opacity, picture, 1.0 - opacity, 0.0)
@@ -69,29 +71,19 @@ def windows_panel(image: np.ndarray, windows: Sequence[Window], scale: float) ->
 def mask_panel(image: np.ndarray, labels: np.ndarray, planes: Sequence[Plane]) -> np.ndarray:
     """Return the photo under its labels' colours, planes outlined and named (f, c, w0 ...)."""
     picture = overlay(image, labels, opacity=0.45)
-    for plane in planes:
-        found, _ = cv2.findContours(
-            plane.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE
-        )
+    masks = [plane.mask.astype(np.uint8) for plane in planes]
+    for mask in masks:
+        found, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         cv2.drawContours(picture, found, -1, (255, 255, 255), 1)
-    for plane in planes:
-        depth = cv2.distanceTransform(
-            np.pad(plane.mask.astype(np.uint8), 1), cv2.DIST_L2, cv2.DIST_MASK_5
-        )
+    for plane, mask in zip(planes, masks, strict=True):
+        depth = cv2.distanceTransform(np.pad(mask, 1), cv2.DIST_L2, cv2.DIST_MASK_5)
         row, column = np.unravel_index(int(np.argmax(depth)), depth.shape)
-        _tag(picture, plane_name(plane), (int(column), int(row)))
+        _tag(picture, plane_name(plane.surface, plane.index), (int(column), int(row)))
     return picture
-
-
-def plane_name(plane: Plane) -> str:
-    """Return a short name: floor, ceiling, wall 0 ..."""
-    return f"wall {plane.index}" if plane.surface == "wall" else plane.surface
 
 
 def _tag(picture: np.ndarray, text: str, middle: tuple[int, int]) -> None:
     """Write a small label into `picture`, centred on a pixel as far as it stays inside."""
-    from PIL import Image, ImageDraw
-
     canvas = Image.fromarray(picture)
     draw = ImageDraw.Draw(canvas)
     half = draw.textlength(text, font=font(11)) / 2 + 3
@@ -119,27 +111,15 @@ def lines_panel(image: np.ndarray, camera: Camera) -> np.ndarray:
     if abs(horizon[1]) > 1e-9:
         left, right = (-(horizon[0] * x + horizon[2]) / horizon[1] for x in (0, camera.width - 1))
         if max(abs(left), abs(right)) < 10 * camera.height:
-            cv2.line(
-                picture, (0, round(left)), (camera.width - 1, round(right)), HORIZON, 2, cv2.LINE_AA
-            )
+            start, end = (0, round(left)), (camera.width - 1, round(right))
+            cv2.line(picture, start, end, HORIZON, 2, cv2.LINE_AA)
     return picture
 
 
 def segment_axes(segments: np.ndarray, camera: Camera) -> np.ndarray:
-    """Return the axis (0 x, 1 up, 2 z) that each segment (n, 4) runs along, or -1, as (n,) int.
-
-    The angle is that by which a segment would have to turn about its middle to point to the
-    axis' vanishing point (as in ``camera/vanishing.py``).
-    """
-    if not len(segments):
-        return np.zeros(0, int)
-    ends = segments.reshape(-1, 2, 2)
-    rays = camera.rays(ends)
-    normal = np.cross(rays[:, 0], rays[:, 1])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-    middle = camera.rays(ends.mean(axis=1))
-    across = np.linalg.norm(np.cross(middle[:, None], np.eye(3)[None]), axis=2)
-    turn = np.arcsin(np.clip(np.abs(normal) / np.maximum(across, 1e-6), 0, 1))
+    """Return the axis (0 x, 1 up, 2 z) that each segment (n, 4) runs along, or -1, as (n,) int."""
+    lines = Segments(segments, (camera.cx, camera.cy), np.ones(len(segments)))
+    turn = np.abs(residuals(*lines.rays(camera.focal_px), camera.matrix))
     nearest = np.argmin(turn, axis=1)
     return np.where(turn.min(axis=1) < np.radians(AXIS_DEG), nearest, -1)
 
@@ -148,11 +128,8 @@ def planes_panel(
     image: np.ndarray, camera: Camera, planes: Sequence[Plane], size: tuple[int, int]
 ) -> np.ndarray:
     """Return a picture of (height, width) with the largest planes straight on, metre grid over."""
-    from PIL import Image, ImageDraw
-
     shown = sorted(planes, key=lambda plane: -int(plane.mask.sum()))[:MAX_PLANES]
-    flat = [(plane, rectify(image, camera, plane)) for plane in shown]
-    seen = [(plane, found) for plane, found in flat if found is not None]
+    seen = [(plane, found) for plane in shown if (found := rectify(image, camera, plane))]
     canvas = Image.new("RGB", (size[1], size[0]), PAPER)
     draw = ImageDraw.Draw(canvas)
     if not seen:
@@ -166,7 +143,7 @@ def planes_panel(
         thumb = _with_grid(found, (cell[0] - 18, cell[1] - 6))
         canvas.paste(Image.fromarray(thumb), (left + 2, top + 15))
         rows_m, columns_m = (side * found.metres_per_pixel for side in found.mask.shape)
-        text = f"{plane_name(plane)}, {columns_m:.1f} x {rows_m:.1f} m"
+        text = f"{plane_name(plane.surface, plane.index)}, {columns_m:.1f} x {rows_m:.1f} m"
         draw.text((left + 2, top + 1), text, font=font(10), fill=INK)
     return np.array(canvas)
 

@@ -6,24 +6,26 @@ on with a metre grid, crops kept and windows rejected with the reason. For peopl
 
 from __future__ import annotations
 
+import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from PIL import Image, ImageDraw
 
 from plan2scene.drawing import INK, PAPER, font
 from plan2scene.house import House
 from plan2scene.images import write_png
 from plan2scene.photos.contact_sheet.rows import PANEL, SheetPhoto, row_panels, sheet_photo
 from plan2scene.photos.contact_sheet.windows import (
-    KEPT,
-    LAST_RESORT,
+    KINDS,
     REJECTED,
     Window,
     count_windows,
     in_turns,
+    plane_name,
     read_windows,
     thumbnail,
 )
@@ -35,8 +37,8 @@ MAX_PHOTOS = 20
 #: Width of the crops' panel, and of what is between panels, pixels.
 CROPS_WIDTH, GAP = 516, 8
 TITLE, CAPTION, HEADER = 20, 18, 44
-#: Crops and rejected windows shown of one photo, side of one, and of its cell with text.
-COLUMNS, KEPT_ROWS, THUMB, CELL = 6, 1, 50, (83, 86)
+#: Windows in a row (one of crops, two of rejected ones), side of one, and of its cell with text.
+COLUMNS, THUMB, CELL = 6, 50, (83, 86)
 ROW = TITLE + PANEL[0] + CAPTION + 2 * GAP
 WIDTH = 4 * (PANEL[1] + GAP) + CROPS_WIDTH + 2 * GAP
 
@@ -74,8 +76,6 @@ def write_contact_sheet(
     dict
         ``photos`` (shown), ``kept``, ``last_resort`` and ``rejected`` windows of all photos.
     """
-    from PIL import Image, ImageDraw
-
     windows = read_windows(crops, candidates)
     names = sorted(set(photos) | set(windows))
     shown = names[:MAX_PHOTOS]
@@ -110,13 +110,10 @@ def _header(
     why = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common(8))
     more = "" if n_shown == n_photos else f" (the first {n_shown} shown)"
     draw.text((GAP, 4), f"{house_id}: {n_photos} photos{more}", font=font(17), fill=INK)
-    pieces = [
-        (f"{counts['kept']} crops kept", KEPT),
-        (f"{counts['last_resort']} kept for want of better ones", LAST_RESORT),
-        (f"{counts['rejected']} rejected" + (f": {why}" if why else ""), REJECTED),
-    ]
+    meanings = ("crops kept", "kept for want of better ones", f"rejected: {why}".rstrip(": "))
     x = GAP
-    for text, colour in pieces:
+    for (kind, colour), meaning in zip(KINDS.items(), meanings, strict=True):
+        text = f"{counts[kind]} {meaning}"
         draw.rectangle((x, 29, x + 9, 38), fill=colour)
         draw.text((x + 14, 27), text, font=font(12), fill=INK)
         x += 14 + round(draw.textlength(text, font=font(12))) + 18
@@ -126,8 +123,6 @@ def _draw_row(
     sheet: Any, top: int, photo: SheetPhoto, room_size: RoomSize | None, camera_height_m: float
 ) -> None:
     """Draw one photo's row at `top`."""
-    from PIL import Image, ImageDraw
-
     draw = ImageDraw.Draw(sheet)
     draw.line((0, top, WIDTH, top), fill=(200, 200, 200))
     rooms = ", ".join(photo.rooms) or "no room"
@@ -140,27 +135,26 @@ def _draw_row(
         draw.text((left, top + PANEL[0] + 2), caption, font=font(11), fill=INK)
     if photo.note:
         left = GAP + len(found) * (PANEL[1] + GAP)
-        for k, line in enumerate(_wrapped(photo.note, 90)[:6]):
+        for k, line in enumerate(textwrap.wrap(photo.note, 90)[:6]):
             draw.text((left, top + 4 + 15 * k), line, font=font(12), fill=REJECTED)
     _draw_crops(sheet, (GAP + 4 * (PANEL[1] + GAP), top), photo)
 
 
 def _draw_crops(sheet: Any, corner: tuple[int, int], photo: SheetPhoto) -> None:
     """Draw kept crops, then rejected windows with their reasons."""
-    from PIL import Image, ImageDraw
-
     draw = ImageDraw.Draw(sheet)
     kept = in_turns([w for w in photo.windows if w.kept])
     out = in_turns([w for w in photo.windows if not w.kept])
-    first = kept[: COLUMNS * KEPT_ROWS]
-    cells = [*enumerate(first), *enumerate(out[: 2 * COLUMNS], COLUMNS * KEPT_ROWS)]
+    cells = [*enumerate(kept[:COLUMNS]), *enumerate(out[: 2 * COLUMNS], COLUMNS)]
     for place, window in cells:
         left = corner[0] + place % COLUMNS * CELL[1]
         top = corner[1] + place // COLUMNS * CELL[0]
         thumb = thumbnail(window, photo.full, THUMB)
-        draw.rectangle((left, top, left + THUMB + 3, top + THUMB + 3), fill=window.colour)
+        draw.rectangle((left, top, left + THUMB + 3, top + THUMB + 3), fill=KINDS[window.kind])
         sheet.paste(Image.fromarray(thumb), (left + 2, top + 2))
-        for k, line in enumerate([window.name, *_reason_lines(draw, window)]):
+        for k, line in enumerate(
+            [plane_name(window.surface, window.plane), *_reason_lines(draw, window)]
+        ):
             draw.text((left, top + THUMB + 4 + 9 * k), line, font=font(9), fill=INK)
     if not kept and photo.camera is not None:
         text = "no crop kept" if out else "no window fits on a plane"
@@ -183,10 +177,3 @@ def _reason_lines(draw: Any, window: Window) -> list[str]:
         else:
             lines.append(part)
     return lines if len(lines) <= 2 else [lines[0] + ",", f"{lines[1]} …"]
-
-
-def _wrapped(text: str, width: int) -> list[str]:
-    """Return a text as lines of at most `width` characters."""
-    import textwrap
-
-    return textwrap.wrap(text, width, break_long_words=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from plan2scene.photos.crops.verdict import reasons_of_text
 
 #: sRGB of kept crops, crops kept for want of better ones, and rejected windows.
 KEPT, LAST_RESORT, REJECTED = (40, 200, 70), (250, 170, 30), (225, 50, 50)
+#: The kinds of windows, with their colours.
+KINDS = {"kept": KEPT, "last_resort": LAST_RESORT, "rejected": REJECTED}
 
 
 @dataclass(frozen=True)
@@ -36,14 +39,14 @@ class Window:
     image: np.ndarray | None = None
 
     @property
-    def colour(self) -> tuple[int, int, int]:
-        """Return the colour of its frame."""
-        return REJECTED if not self.kept else LAST_RESORT if self.reasons else KEPT
+    def kind(self) -> str:
+        """Return its kind, of `KINDS`."""
+        return "rejected" if not self.kept else "last_resort" if self.reasons else "kept"
 
-    @property
-    def name(self) -> str:
-        """Return the name of its plane: floor, ceiling, wall 0 ..."""
-        return f"wall {self.plane}" if self.surface == "wall" else self.surface
+
+def plane_name(surface: str, index: int) -> str:
+    """Return a short name of a plane: floor, ceiling, wall 0 ..."""
+    return f"wall {index}" if surface == "wall" else surface
 
 
 def read_windows(crops: str | Path, candidates: str | Path) -> dict[str, tuple[Window, ...]]:
@@ -79,11 +82,8 @@ def _window(row: Mapping[str, Any], png: Mapping[str, bytes]) -> Window:
 
 def count_windows(windows: Sequence[Window]) -> dict[str, int]:
     """Return how many windows are kept, kept for want of better ones, and rejected."""
-    return {
-        "kept": sum(window.kept and not window.reasons for window in windows),
-        "last_resort": sum(window.kept and bool(window.reasons) for window in windows),
-        "rejected": sum(not window.kept for window in windows),
-    }
+    kinds = [window.kind for window in windows]
+    return {kind: kinds.count(kind) for kind in KINDS}
 
 
 def thumbnail(window: Window, full: np.ndarray | None, side: int) -> np.ndarray:
@@ -104,7 +104,5 @@ def in_turns(windows: Sequence[Window]) -> list[Window]:
     groups: dict[tuple[str, int, tuple[str, ...]], list[Window]] = {}
     for window in windows:
         groups.setdefault((window.surface, window.plane, window.reasons), []).append(window)
-    longest = max((len(group) for group in groups.values()), default=0)
-    return [
-        groups[name][k] for k in range(longest) for name in sorted(groups) if k < len(groups[name])
-    ]
+    turns = zip_longest(*(groups[name] for name in sorted(groups)))
+    return [window for turn in turns for window in turn if window is not None]

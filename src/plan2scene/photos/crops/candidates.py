@@ -10,14 +10,9 @@ import numpy as np
 
 from plan2scene.house import House
 from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.crops import sampling
 from plan2scene.photos.crops.filter import inner_mask, judge_of, with_reason
-from plan2scene.photos.crops.sampling import (
-    CROPS_PER_MASK,
-    TRIES,
-    WINDOW_SIZES_M,
-    Candidate,
-    sample_candidates,
-)
+from plan2scene.photos.crops.sampling import Candidate, sample_candidates
 from plan2scene.photos.crops.tables import WORST_RESORT, PhotoCandidate
 from plan2scene.photos.crops.verdict import Reason
 from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
@@ -34,9 +29,9 @@ class CropSettings:
     :mod:`plan2scene.photos.crops.light`.
     """
 
-    sizes_m: tuple[float, ...] = WINDOW_SIZES_M
-    per_mask: int = CROPS_PER_MASK
-    tries: int = TRIES
+    sizes_m: tuple[float, ...] = sampling.WINDOW_SIZES_M
+    per_mask: int = sampling.CROPS_PER_MASK
+    tries: int = sampling.TRIES
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
     filter: bool = True
     white_balance: bool = True
@@ -86,13 +81,13 @@ def candidates_of_photo(
             first = count.get((plane.surface, plane.index), 0)
             count[plane.surface, plane.index] = first + len(drawn)
             for candidate in drawn:
-                crop = replace(candidate.crop, index=first + candidate.crop.index)
-                found.append(
-                    PhotoCandidate(
-                        photo, rooms, plane.surface, plane.index, replace(candidate, crop=crop)
-                    )
-                )
+                numbered = _renumbered(candidate, first + candidate.crop.index)
+                found.append(PhotoCandidate(photo, rooms, plane.surface, plane.index, numbered))
     return found
+
+
+def _renumbered(candidate: Candidate, index: int) -> Candidate:
+    return replace(candidate, crop=replace(candidate.crop, index=index))
 
 
 def candidates_of_plane(
@@ -104,12 +99,7 @@ def candidates_of_plane(
 ) -> list[Candidate]:
     """Return the windows drawn on a plane; near its border only when none inside is good."""
     sample = partial(
-        sample_candidates,
-        image,
-        camera,
-        rng=rng,
-        sizes_m=settings.sizes_m,
-        tries=settings.tries,
+        sample_candidates, image, camera, rng=rng, sizes_m=settings.sizes_m, tries=settings.tries
     )
     if not settings.filter:
         return sample(plane, per_mask=settings.per_mask)
@@ -118,8 +108,7 @@ def candidates_of_plane(
     if not any(candidate.verdict.good for candidate in drawn):
         few = min(WORST_RESORT, settings.per_mask)
         for candidate in sample(plane, per_mask=few, judge=judge_of(inside=False)):
-            crop = replace(candidate.crop, index=len(drawn))
-            drawn.append(replace(candidate, crop=crop))
+            drawn.append(_renumbered(candidate, len(drawn)))
     if plane.scale_source == "prior":  # no other window of the plane would be better
         drawn = [with_reason(candidate, Reason.UNKNOWN_DISTANCE) for candidate in drawn]
     return drawn

@@ -9,21 +9,8 @@ import numpy as np
 
 from plan2scene.colour import linear_to_srgb, median_colour, rgb_to_lab, srgb_to_linear
 from plan2scene.photos.crops.filter import outvoted, with_reason
-from plan2scene.photos.crops.light import relight
 from plan2scene.photos.crops.tables import PhotoCandidate
 from plan2scene.photos.crops.verdict import Reason
-
-
-def corrected(item: PhotoCandidate, gains: Mapping[str, np.ndarray]) -> PhotoCandidate:
-    """Return a candidate with its image under the reference light.
-
-    `gains` (3,) are the factors on each photo's linear RGB; photos without stay as they are.
-    """
-    if item.photo not in gains:
-        return item
-    image = relight(item.candidate.crop.image, gains[item.photo])
-    crop = replace(item.candidate.crop, image=image)
-    return replace(item, candidate=replace(item.candidate, crop=crop))
 
 
 def agreeing(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,13 +16,15 @@ from plan2scene.house import SURFACES, House
 from plan2scene.images import read_image
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import Camera
-from plan2scene.photos.crops.candidates import (
-    CropSettings,
-    candidates_of_photo,
-    rooms_by_size,
+from plan2scene.photos.crops.candidates import CropSettings, candidates_of_photo, rooms_by_size
+from plan2scene.photos.crops.house import agreeing
+from plan2scene.photos.crops.light import (
+    SurfaceColour,
+    estimate_light,
+    gains_of,
+    relight,
+    surface_colours,
 )
-from plan2scene.photos.crops.house import agreeing, corrected
-from plan2scene.photos.crops.light import SurfaceColour, estimate_light, gains_of, surface_colours
 from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop
 from plan2scene.photos.crops.tables import PhotoCandidate, write_tables
 from plan2scene.photos.crops.verdict import Verdict
@@ -137,7 +140,13 @@ def under_common_light(
         photo: gains_of(value, white_balance=settings.white_balance, exposure=settings.exposure)
         for photo, value in lights.items()
     }
-    return [corrected(item, gains) for item in drawn], gains
+    return [_under(item, gains.get(item.photo, np.ones(3))) for item in drawn], gains
+
+
+def _under(item: PhotoCandidate, gains: np.ndarray) -> PhotoCandidate:
+    """Return a candidate whose image's linear RGB is multiplied by `gains` (3,)."""
+    crop = replace(item.candidate.crop, image=relight(item.candidate.crop.image, gains))
+    return replace(item, candidate=replace(item.candidate, crop=crop))
 
 
 def _write_light(

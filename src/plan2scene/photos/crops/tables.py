@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,14 +82,13 @@ def choose_kept(candidates: Sequence[PhotoCandidate], *, keep_index: bool = Fals
             kept = [number for number in kept if verdicts[number].grave != mild]
             kept = kept[:LAST_RESORT] if mild else _few_of_each(kept, candidates)
         rooms.update((number, room) for number in kept)
-    count: dict[tuple[str, str, int], int] = {}
+    count: Counter[tuple[str, str, int]] = Counter()
     crop_index: dict[int, int] = {}
     for number in sorted({number for number, _ in rooms}):
         item = candidates[number]
         key = (item.photo, item.surface, item.plane)
-        rank = count.get(key, 0)
-        count[key] = rank + 1
-        crop_index[number] = item.candidate.crop.index if keep_index else rank
+        crop_index[number] = item.candidate.crop.index if keep_index else count[key]
+        count[key] += 1
     return Kept(crop_index, rooms)
 
 
@@ -119,26 +120,26 @@ def write_tables(
     drawn: list[dict[str, Any]] = []
     rows: list[dict[str, Any]] = []
     images: dict[tuple[str, str], list[tuple[int, np.ndarray]]] = {}
-    for numbers in _groups(candidates):
+    for _, group in groupby(enumerate(candidates), lambda pair: (pair[1].photo, pair[1].rooms)):
+        members = list(group)
         encoded = {
-            number: png_bytes(candidates[number].candidate.crop.image)
-            for number in numbers
+            number: png_bytes(item.candidate.crop.image)
+            for number, item in members
             if number in kept.crop_index
         }
-        for room in candidates[numbers[0]].rooms:
-            for number in numbers:
-                item, name = candidates[number], ""
-                is_kept = (number, room) in kept.rooms
-                if is_kept:
-                    index = kept.crop_index[number]
-                    name = f"{item.surface}/{Path(item.photo).stem}_{item.plane}_crop{index}"
-                    crop = item.candidate.crop
-                    images.setdefault((room, item.surface), []).append((len(rows), crop.image))
-                    own = {"crop_id": name, "index": index, "medoid": False}
-                    rows.append({**_shared(item, room), **own, "png": encoded[number]})
-                drawn.append(_candidate_row(item, room, name, kept=is_kept))
-    for members in images.values():
-        rows[members[medoid_index([image for _, image in members])][0]]["medoid"] = True
+        for room, (number, item) in product(members[0][1].rooms, members):
+            row = _candidate_row(item, room, kept=(number, room) in kept.rooms)
+            if (number, room) in kept.rooms:
+                index = kept.crop_index[number]
+                name = f"{item.surface}/{Path(item.photo).stem}_{item.plane}_crop{index}"
+                row["crop_id"] = name
+                images.setdefault((room, item.surface), []).append(
+                    (len(rows), item.candidate.crop.image)
+                )
+                rows.append({**row, "index": index, "medoid": False, "png": encoded[number]})
+            drawn.append(row)
+    for shown in images.values():
+        rows[shown[medoid_index([image for _, image in shown])][0]]["medoid"] = True
     metadata = {"dataset": dataset, "house": house_id}
     frame = pd.DataFrame(rows, columns=list(COLUMNS)).astype(COLUMNS)
     write_parquet(crops_path, frame, metadata)
@@ -147,16 +148,8 @@ def write_tables(
     return frame
 
 
-def _groups(candidates: Sequence[PhotoCandidate]) -> list[list[int]]:
-    """Return the numbers of the candidates of one photo and its rooms of one height, in order."""
-    groups: dict[tuple[str, tuple[str, ...]], list[int]] = {}
-    for number, item in enumerate(candidates):
-        groups.setdefault((item.photo, item.rooms), []).append(number)
-    return list(groups.values())
-
-
-def _shared(item: PhotoCandidate, room: str) -> dict[str, Any]:
-    """Return the columns that both tables have."""
+def _candidate_row(item: PhotoCandidate, room: str, *, kept: bool) -> dict[str, Any]:
+    """Return a row of candidates.parquet, without the name of a crop."""
     crop = item.candidate.crop
     return {
         "photo": item.photo,
@@ -168,14 +161,7 @@ def _shared(item: PhotoCandidate, room: str) -> dict[str, Any]:
         "metres": crop.size_m,
         "sharpness": crop.sharpness,
         "grazing_deg": crop.grazing_deg,
-    }
-
-
-def _candidate_row(item: PhotoCandidate, room: str, crop_id: str, *, kept: bool) -> dict[str, Any]:
-    """Return a row of candidates.parquet."""
-    return {
-        **_shared(item, room),
         "reason": reason_text(item.candidate.verdict, kept=kept),
-        "crop_id": crop_id,
-        "corners": [float(value) for value in item.candidate.crop.corners],
+        "crop_id": "",
+        "corners": [float(value) for value in crop.corners],
     }

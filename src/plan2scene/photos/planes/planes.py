@@ -7,7 +7,6 @@ into the room, so offsets are negative.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import cv2
@@ -90,38 +89,27 @@ def split_planes(
         solve_height=room_height_m is not None,
         segments=segments,
     )
+    height, source = traced.camera_height_m, traced.scale_source
     # Without the room's height, the ceiling's distance is a guess whatever the floor's is.
-    known = {"floor": True, "ceiling": room_height_m is not None}
-    return [*_flat_planes(labels, traced, room, known), *_wall_planes(labels, traced)]
-
-
-def _flat_planes(
-    labels: np.ndarray, traced: TracedWalls, room_height_m: float, known: Mapping[str, bool]
-) -> list[Plane]:
-    """Return floor and ceiling, as far as they are seen; `known` tells whose distance is."""
-    height = traced.camera_height_m
-    planes = []
-    for surface, label, up, distance in (
-        ("floor", FLOOR, 1.0, height),
-        ("ceiling", CEILING, -1.0, room_height_m - height),
-    ):
-        mask = _without_specks(labels == label)
-        if mask.any():
-            source = traced.scale_source if known[surface] else "prior"
-            planes.append(Plane(surface, 0, (0.0, up, 0.0), -distance, mask, source, height))
-    return planes
+    above = source if room_height_m is not None else "prior"
+    floor, ceiling = (_without_specks(labels == label) for label in (FLOOR, CEILING))
+    flat = [
+        Plane("floor", 0, (0.0, 1.0, 0.0), -height, floor, source, height),
+        Plane("ceiling", 0, (0.0, -1.0, 0.0), height - room, ceiling, above, height),
+    ]
+    return [*(plane for plane in flat if plane.mask.any()), *_wall_planes(labels, traced)]
 
 
 def _wall_planes(labels: np.ndarray, traced: TracedWalls) -> list[Plane]:
     """Return the largest walls, by size."""
-    walls = [
-        (line, _without_specks((labels == WALL) & (traced.owner == index)))
-        for index, line in enumerate(traced.lines)
+    masks = [
+        _without_specks((labels == WALL) & (traced.owner == k)) for k in range(len(traced.lines))
     ]
-    walls = [(line, mask) for line, mask in walls if mask.any()]
-    walls.sort(key=lambda item: -int(item[1].sum()))
+    walls = sorted(zip(traced.lines, masks, strict=True), key=lambda item: -int(item[1].sum()))
     planes = []
     for index, (line, mask) in enumerate(walls[:MAX_WALLS]):
+        if not mask.any():
+            break
         source = traced.scale_source if line.seen else "prior"
         normal = (0.0 - line.outward[0], 0.0, 0.0 - line.outward[1])
         height = traced.camera_height_m

@@ -34,6 +34,11 @@ class Borders:
     #: (h, w) int: Bin of each pixel.
     bins: np.ndarray
 
+    @property
+    def azimuth(self) -> np.ndarray:
+        """Return the azimuth (b,) of each bin's middle, radians from z towards x."""
+        return np.arctan2(self.direction[:, 0], self.direction[:, 1])
+
 
 def find_borders(labels: np.ndarray, camera: Camera) -> Borders:
     """Return feet and tops of the wall mask by azimuth."""

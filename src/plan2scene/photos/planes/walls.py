@@ -203,16 +203,11 @@ def _cheapest(costs: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, float]:
     return path, float(total.min())
 
 
-def _azimuths(borders: Borders) -> np.ndarray:
-    """Return the azimuth (b,) of each bin's middle, radians from z towards x."""
-    return np.arctan2(borders.direction[:, 0], borders.direction[:, 1])
-
-
 def _settle_creases(
     path: np.ndarray, lines: list[WallLine], borders: Borders, blind: np.ndarray
 ) -> np.ndarray:
     """Move creases inside a run of `blind` bins to where the two walls, both seen, meet."""
-    azimuth = _azimuths(borders)
+    azimuth = borders.azimuth
     settled = path.copy()
     for crease in np.nonzero(np.diff(path))[0]:
         first, second = lines[path[crease]], lines[path[crease + 1]]
@@ -240,7 +235,7 @@ def _joined(
     Only creases count that something locates; of two unseen walls the wider one keeps its
     distance.
     """
-    azimuth = _azimuths(borders)
+    azimuth = borders.azimuth
     joined, done = list(lines), {index for index, line in enumerate(lines) if line.seen}
     creases = np.nonzero(np.diff(path))[0].tolist()
     while creases:
