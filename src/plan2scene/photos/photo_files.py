@@ -32,12 +32,9 @@ def read_photo(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarra
     image = read_image(path, house_id=house_id)
     height, width = reduced_size((image.shape[0], image.shape[1]))
     if min(height, width) < MIN_SIDE:
-        raise InputError(
-            f"a photo of at least {MIN_SIDE} pixels a side and no narrow strip",
-            f"{image.shape[1]}x{image.shape[0]}",
-            file=path,
-            house=house_id,
-        )
+        expected = f"a photo of at least {MIN_SIDE} pixels a side and no narrow strip"
+        found = f"{image.shape[1]}x{image.shape[0]}"
+        raise InputError(expected, found, file=path, house=house_id)
     if (height, width) == image.shape[:2]:
         return image
     return cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA)

@@ -19,21 +19,9 @@ BORDER_WIDTH = 0.01
 def detect_segments(grey: np.ndarray, min_length: float = MIN_LENGTH) -> np.ndarray:
     """Return the line segments of a grey image, longest first.
 
-    Parameters
-    ----------
-    grey : (h, w) uint8
-        The image; a colour photo's luma does.
-    min_length : float
-        Shortest segment kept, pixels.
-
-    Returns
-    -------
-    (n, 4) float64
-        ``x1 y1 x2 y2`` in pixels, (0, 0) the centre of the top left pixel.
-
-    Notes
-    -----
-    OpenCV's detector (von Gioi et al., LSD, 2012).
+    `grey` is (h, w) uint8, `min_length` pixels; the segments are (n, 4) float64, ``x1 y1 x2 y2``
+    in pixels, (0, 0) the centre of the top left pixel. OpenCV's detector (von Gioi et al., LSD,
+    2012).
     """
     found = cv2.createLineSegmentDetector().detect(np.ascontiguousarray(grey))[0]
     segments = np.zeros((0, 4)) if found is None else found.reshape(-1, 4).astype(np.float64)
@@ -45,18 +33,9 @@ def detect_segments(grey: np.ndarray, min_length: float = MIN_LENGTH) -> np.ndar
 def border_lines(labels: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.ndarray:
     """Return long lines along the borders between labels, however ragged; longest first.
 
-    Parameters
-    ----------
-    labels : (h, w) uint8
-        A label mask.
-    pairs : sequence of (int, int)
-        Labels whose common borders count.
-
-    Returns
-    -------
-    (n, 4) float64
-        ``x1 y1 x2 y2``, pixels: least-squares lines through stretches of border, at most
-        `MAX_BORDERS`.
+    `labels` is (h, w) uint8, `pairs` are those whose common borders count. The lines are (n, 4)
+    float64, ``x1 y1 x2 y2`` in pixels: least-squares lines through stretches of border, at most
+    `MAX_BORDERS`.
     """
     edges = np.zeros(labels.shape, dtype=np.uint8)
     for first, second in pairs:

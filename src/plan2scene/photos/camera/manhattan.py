@@ -8,6 +8,7 @@ that looks straight at a wall fits every focal length and is told so.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -15,7 +16,6 @@ import numpy as np
 from plan2scene.photos.camera.vanishing import (
     FOV_RANGE_DEG,
     N_FOCAL,
-    Guess,
     Segments,
     first_guesses,
     residuals,
@@ -59,13 +59,12 @@ class Manhattan:
     #: Share of the segments' weight that agrees with one of the three.
     share: float
     #: Standard deviation of log(focal) given the segments and the prior.
-    log_focal_sd: float
+    log_focal_sd: float = 0.0
     #: Probability that the true focal length is within `RIGHT_WITHIN` of `focal`.
-    certainty: float
+    certainty: float = 1.0
 
 
-@dataclass(frozen=True)
-class _State:
+class _State(NamedTuple):
     """Hypotheses: axes (k, 3, 3), log focal length (k,), distortion (k,)."""
 
     axes: np.ndarray
@@ -73,15 +72,10 @@ class _State:
     bend: np.ndarray
 
     def take(self, index: int) -> _State:
-        one = slice(index, index + 1)
-        return _State(self.axes[one], self.log_focal[one], self.bend[one])
+        return _State(*(values[index : index + 1] for values in self))
 
     def joined(self, other: _State) -> _State:
-        return _State(
-            np.concatenate([self.axes, other.axes]),
-            np.concatenate([self.log_focal, other.log_focal]),
-            np.concatenate([self.bend, other.bend]),
-        )
+        return _State(*map(np.concatenate, zip(self, other, strict=True)))
 
     def turned(self, step: np.ndarray) -> _State:
         """Return the state moved by steps (k, 5) or (5,): rotation vector, log focal, bend."""
@@ -96,18 +90,9 @@ def fit_manhattan(
 ) -> Manhattan | None:
     """Return the best Manhattan frame and focal length, or None without enough segments.
 
-    Parameters
-    ----------
-    segments : Segments
-        Line segments about the principal point.
-    width : int
-        Width of the photo, pixels.
-    prior : float
-        Focal length at the centre of the prior, pixels.
-    seed : int
-        Seed of the pairs drawn for the vertical vanishing point.
-    fixed : bool
-        The focal length is `prior`; only the rotation (and the distortion) is sought.
+    `width` of the photo and `prior`, the focal length at the centre of its prior, are pixels;
+    `seed` as of `first_guesses`. With `fixed` the focal length is `prior` and only the rotation
+    (and the distortion) is sought.
     """
     if len(segments.points) < 8:
         return None
@@ -119,7 +104,8 @@ def fit_manhattan(
         held, free = every[:N_FREE], []
     else:
         held, free = [group[0] for group in guesses], every[:N_FREE]
-    state = _state(held + free)
+    axes, focals = zip(*((guess.axes, guess.focal) for guess in held + free), strict=True)
+    state = _State(np.stack(axes), np.log(focals), np.zeros(len(axes)))
     moves = np.ones((len(state.bend), N_PARAMETERS))
     moves[: len(held), 3] = 0.0
     state = _refine(segments, state, prior, moves)
@@ -132,7 +118,7 @@ def fit_manhattan(
         best = int(np.argmin(cost))
     found = _describe(segments, state.take(best))
     if fixed:
-        return replace(found, log_focal_sd=0.0, certainty=1.0)
+        return found
     spread, certainty = _certainty(state.log_focal, cost, best, np.log(grid))
     return replace(found, log_focal_sd=spread, certainty=certainty)
 
@@ -142,14 +128,6 @@ def refine_rotation(segments: Segments, frame: Manhattan, focal: float) -> np.nd
     state = _State(frame.axes[None], np.log([focal]), np.array([frame.bend]))
     moves = np.array([[1.0, 1.0, 1.0, 0.0, 0.0]])
     return _refine(segments, state, focal, moves).axes[0]
-
-
-def _state(guesses: list[Guess]) -> _State:
-    return _State(
-        np.stack([guess.axes for guess in guesses]),
-        np.log([guess.focal for guess in guesses]),
-        np.zeros(len(guesses)),
-    )
 
 
 def _scaled(
@@ -270,6 +248,4 @@ def _describe(segments: Segments, state: _State) -> Manhattan:
         bend=float(state.bend[0]),
         counts=(counts[0], counts[1], counts[2]),
         share=float(weight[fits].sum() / weight.sum()),
-        log_focal_sd=0.0,
-        certainty=0.0,
     )

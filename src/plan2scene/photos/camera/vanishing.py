@@ -90,19 +90,11 @@ class Segments:
         middle = 1.0 + bend[:, None] * ((self.middle**2).sum(axis=1) / self.unit)
         scale = focal[:, None]
         level = np.broadcast_to(x1 * y2 - y1 * x2, first.shape)
-        normals = np.stack(
-            [scale * (y1 * second - first * y2), scale * (first * x2 - x1 * second), level], axis=-1
-        )
+        across = [scale * (y1 * second - first * y2), scale * (first * x2 - x1 * second)]
+        normals = np.dstack([*across, level])
         normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
         ahead = scale * middle
-        rays = np.stack(
-            [
-                np.broadcast_to(self.middle[:, 0], ahead.shape),
-                np.broadcast_to(self.middle[:, 1], ahead.shape),
-                ahead,
-            ],
-            axis=-1,
-        )
+        rays = np.dstack(np.broadcast_arrays(*self.middle.T, ahead))
         return normals, rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
@@ -133,17 +125,8 @@ def first_guesses(
 ) -> list[list[Guess]]:
     """Return the guesses per focal length, the most consistent first.
 
-    Parameters
-    ----------
-    segments : Segments
-    width : int
-        Width of the photo, pixels.
-    focals : (k,) float64
-        Focal lengths, pixels.
-    prior : float
-        The most likely one.
-    seed : int
-        Seed of the pairs drawn for the vertical vanishing point.
+    `width` of the photo, `focals` (k,) and `prior`, the most likely of them, are pixels; `seed`
+    is that of the pairs drawn for the vertical vanishing point.
     """
     verticals = _verticals(segments, width, np.random.default_rng(seed))
     headings = np.linspace(0.0, np.pi / 2, N_HEADING, endpoint=False)

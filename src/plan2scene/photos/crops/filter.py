@@ -90,16 +90,14 @@ def judge_of(*, inside: bool) -> Judge:
         if key not in typical:
             typical[key] = window_colours(rectified, side)
         patch = rectified.image[row : row + side, column : column + side]
-        reasons = image_reasons(crop.image)
-        if is_unlike(patch, *typical[key]):
-            reasons.append(Reason.CLUTTER)
-        if not inside:
-            reasons.append(Reason.BORDER)
-        if crop.sharpness < MIN_SHARPNESS:
-            reasons.append(Reason.BLURRED)
-        if crop.grazing_deg < MIN_GRAZING_DEG:
-            reasons.append(Reason.OBLIQUE)
-        return Verdict.of(reasons, crop.sharpness)
+        against = {
+            Reason.CLUTTER: is_unlike(patch, *typical[key]),
+            Reason.BORDER: not inside,
+            Reason.BLURRED: crop.sharpness < MIN_SHARPNESS,
+            Reason.OBLIQUE: crop.grazing_deg < MIN_GRAZING_DEG,
+        }
+        own = (reason for reason, holds in against.items() if holds)
+        return Verdict.of([*image_reasons(crop.image), *own], crop.sharpness)
 
     return judge
 
@@ -147,7 +145,8 @@ def step_of(image: np.ndarray) -> Reason | None:
     """Return `SHADOW` or `CLUTTER` when one step of luminance divides a crop, else None."""
     small = cv2.resize(image, (64, 64), interpolation=cv2.INTER_AREA)
     smooth = cv2.GaussianBlur(small, (0, 0), 2.0)
-    log = np.log(np.maximum(luminance(smooth), 1e-3))
+    luminance = srgb_to_linear(smooth) @ np.array([0.2126, 0.7152, 0.0722])
+    log = np.log(np.maximum(luminance, 1e-3))
     rest = log - smooth_field(log)
     if np.percentile(rest, 97) - np.percentile(rest, 3) < SHADOW_STEP:
         return None
@@ -165,11 +164,6 @@ def step_of(image: np.ndarray) -> Reason | None:
     lab = rgb_to_lab(smooth / 255.0)
     ab = [np.median(lab[side > 0][:, 1:], axis=0) for side in (bright, 1 - bright)]
     return Reason.CLUTTER if np.linalg.norm(ab[0] - ab[1]) > SHADOW_CHROMA else Reason.SHADOW
-
-
-def luminance(image: np.ndarray) -> np.ndarray:
-    """Return linear luminance (h, w) float64 of an sRGB uint8 image."""
-    return np.asarray(srgb_to_linear(image) @ np.array([0.2126, 0.7152, 0.0722]))
 
 
 def smooth_field(values: np.ndarray, rounds: int = 3) -> np.ndarray:
@@ -217,18 +211,9 @@ def is_unlike(patch: np.ndarray, middle: np.ndarray, spread: float) -> bool:
 def outvoted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Tell which groups of windows of one surface look unlike most of the others.
 
-    Parameters
-    ----------
-    colours : (n, 3) float
-        L*a*b* of each group (a plane of a photo) under the common light.
-    weights : (n,) float
-        Windows of each group.
-
-    Returns
-    -------
-    (n,) bool
-        All False where no colour has a clear majority: a wardrobe taken for a wall can be told
-        by the room's other walls only.
+    `colours` (n, 3) are the L*a*b* of each group (a plane of a photo) under the common light,
+    `weights` (n,) the windows of each. Returns (n,) bool, all False where no colour has a clear
+    majority: a wardrobe taken for a wall can be told by the room's other walls only.
     """
     points = colours * np.array([0.5, 1.0, 1.0])
     distance = np.linalg.norm(points[:, None] - points[None], axis=-1)

@@ -18,13 +18,8 @@ def agreeing(
 ) -> list[PhotoCandidate]:
     """Return the candidates, those outvoted by the rest of their surface with that reason.
 
-    Parameters
-    ----------
-    drawn : sequence of PhotoCandidate
-        Of a house, as photographed. Only windows without grave reasons vote, one group per plane
-        of a photo.
-    lights : mapping
-        Light (3,) of each photo, linear RGB, which is divided out before colours are compared.
+    `drawn` are those of a house, as photographed: windows without grave reasons vote, one group
+    per plane of a photo. `lights` (3,), linear RGB, are divided out before colours are compared.
     """
     groups: dict[tuple[str, str], dict[tuple[str, int], list[int]]] = {}
     for number, item in enumerate(drawn):

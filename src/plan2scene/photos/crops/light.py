@@ -61,12 +61,8 @@ def surface_colours(
 ) -> list[SurfaceColour]:
     """Return the colours of the surfaces of a photo, for each room that it shows.
 
-    Parameters
-    ----------
-    image : (h, w, 3) uint8
-        sRGB.
-    labels : (h, w) uint8
-        0 other, 1 floor, 2 wall, 3 ceiling. Clipped pixels and borders are left aside.
+    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8 (0 other, 1 floor, 2 wall, 3 ceiling);
+    clipped pixels and borders are left aside.
     """
     low, high = CLIPPED_LEVELS
     usable = (image.max(axis=2) > low) & (image.max(axis=2) < high)
@@ -84,16 +80,9 @@ def surface_colours(
 def estimate_light(colours: Sequence[SurfaceColour]) -> dict[str, np.ndarray]:
     """Return the light (3,) of each photo, linear RGB, 1 for light that shows albedo as it is.
 
-    Parameters
-    ----------
-    colours : sequence of SurfaceColour
-        Of all photos of a house.
-
-    Notes
-    -----
-    Unknown are the log light of each photo and the log albedo of each surface (room and kind),
-    observed is their sum. A surface of two photos ties their lights together; the priors
-    `ALBEDO` and `LIGHT` decide what no surface ties.
+    `colours` are those of all photos of a house. Unknown are the log light of each photo and the
+    log albedo of each surface (room and kind), observed is their sum. A surface of two photos ties
+    their lights together; the priors `ALBEDO` and `LIGHT` decide what no surface ties.
     """
     photos = sorted({item.photo for item in colours})
     surfaces = sorted({(item.room_id, item.surface) for item in colours})

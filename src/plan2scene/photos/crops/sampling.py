@@ -156,10 +156,8 @@ def _cut(
     """Return one window as a crop."""
     side = window_pixels(rectified, size_m)
     patch = rectified.image[row : row + side, column : column + side]
-    shrink = side > CROP_PX
-    patch = cv2.resize(
-        patch, (CROP_PX, CROP_PX), interpolation=cv2.INTER_AREA if shrink else cv2.INTER_CUBIC
-    )
+    way = cv2.INTER_AREA if side > CROP_PX else cv2.INTER_CUBIC
+    patch = cv2.resize(patch, (CROP_PX, CROP_PX), interpolation=way)
     window = rectified.window(row, column, side)
     grazing, density = rectified.view((window[0] + window[2]) / 2, (window[1] + window[3]) / 2)
     covered = side * rectified.metres_per_pixel

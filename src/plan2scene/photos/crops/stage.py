@@ -201,12 +201,8 @@ def _ready_crop(path: Path, index: int, house_id: str) -> Crop:
     """Return a crop read from a file."""
     image = read_image(path, house_id=house_id)
     if image.shape != (CROP_PX, CROP_PX, 3):
-        raise InputError(
-            f"a crop of {CROP_PX}x{CROP_PX}",
-            f"{image.shape[1]}x{image.shape[0]}",
-            file=path,
-            house=house_id,
-        )
+        found = f"{image.shape[1]}x{image.shape[0]}"
+        raise InputError(f"a crop of {CROP_PX}x{CROP_PX}", found, file=path, house=house_id)
     nan = float("nan")
     return Crop(index, (nan, nan, nan, nan), nan, nan, nan, image)
 
@@ -217,9 +213,6 @@ def _check_sizes(
     """Raise InputError when photo, mask and camera are of different sizes."""
     height, width = image.shape[:2]
     if labels.shape != (height, width) or (camera.height, camera.width) != (height, width):
-        raise InputError(
-            f"mask and camera of the photo's size {width}x{height}",
-            f"mask {labels.shape[1]}x{labels.shape[0]}, camera {camera.width}x{camera.height}",
-            file=path,
-            house=house_id,
-        )
+        expected = f"mask and camera of the photo's size {width}x{height}"
+        found = f"mask {labels.shape[1]}x{labels.shape[0]}, camera {camera.width}x{camera.height}"
+        raise InputError(expected, found, file=path, house=house_id)

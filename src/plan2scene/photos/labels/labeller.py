@@ -99,11 +99,8 @@ def labeller(
 def _precomputed(folder: str | Path | None, house_id: str) -> Labeller:
     """Return what reads labels from a folder."""
     if not folder or not Path(folder).is_dir():
-        raise InputError(
-            "a folder of label PNGs (photos.masks_folder)",
-            f"no such folder {folder or ''}".strip(),
-            house=house_id,
-        )
+        found = f"no such folder {folder or ''}".strip()
+        raise InputError("a folder of label PNGs (photos.masks_folder)", found, house=house_id)
     ready = Path(folder)
     return Labeller(
         lambda photo, image, _camera: labels_from_folder(

@@ -76,12 +76,8 @@ def labels_from_folder(
     labels = read_label_png(path, house_id=house_id)
     found = (labels.shape[0], labels.shape[1])
     if reduced_size(found) != tuple(size):
-        raise InputError(
-            f"a mask of the photo's size {size[1]}x{size[0]}",
-            f"{found[1]}x{found[0]}",
-            file=path,
-            house=house_id,
-        )
+        expected = f"a mask of the photo's size {size[1]}x{size[0]}"
+        raise InputError(expected, f"{found[1]}x{found[0]}", file=path, house=house_id)
     if found != tuple(size):
         rows, columns = (
             np.minimum((np.arange(new) + 0.5) * old / new, old - 1).astype(int)

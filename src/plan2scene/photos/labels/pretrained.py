@@ -54,17 +54,13 @@ class Checkpoint:
         if self.path and self.revision:
             raise InputError("photos.pretrained.revision only with an id", "a path", file=self.path)
         if self.path and not (Path(self.path) / "config.json").is_file():
-            raise InputError(
-                "a folder with an ADE20K checkpoint (config.json)", "no such file", file=self.path
-            )
+            expected = "a folder with an ADE20K checkpoint (config.json)"
+            raise InputError(expected, "no such file", file=self.path)
         if self.id and not _HUB_ID.fullmatch(self.id):
             raise InputError("photos.pretrained.id as owner/name", self.id)
         if self.id and not _COMMIT.fullmatch(self.revision or ""):
-            raise InputError(
-                "photos.pretrained.revision: a commit of 40 hexadecimal digits",
-                self.revision or "none",
-                file=self.id,
-            )
+            expected = "photos.pretrained.revision: a commit of 40 hexadecimal digits"
+            raise InputError(expected, self.revision or "none", file=self.id)
 
     @property
     def name(self) -> str:
@@ -123,9 +119,8 @@ def load_pretrained(checkpoint: Checkpoint) -> PretrainedSegmenter:
         transformers = importlib.import_module("transformers")
         base = importlib.import_module("transformers.image_processing_base")
     except ImportError as error:
-        raise InputError(
-            "the package transformers (install the extra 'pretrained')", str(error), file=name
-        ) from None
+        expected = "the package transformers (install the extra 'pretrained')"
+        raise InputError(expected, str(error), file=name) from None
     from safetensors import SafetensorError
 
     options = checkpoint.options()
@@ -156,6 +151,5 @@ def _check_classes(config: Any, name: str) -> None:
     for index, ours in zip(ADE20K_SURFACES, ("floor", "wall", "ceiling"), strict=True):
         theirs = str(config.id2label.get(index, "")).lower()
         if not theirs.startswith((ours, "label_")):
-            raise InputError(
-                f"class {index} to be {ours}, as in ADE20K", theirs or "no name", file=name
-            )
+            expected = f"class {index} to be {ours}, as in ADE20K"
+            raise InputError(expected, theirs or "no name", file=name)

@@ -249,13 +249,14 @@ class Segmenter:
     ) -> np.ndarray:
         """Return (4, h / 2, w / 2) float32 logits of a photo seen at `size` (h, w)."""
         shrinks = image.shape[1] > size[1]
-        small = cv2.resize(
-            image, size[::-1], interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
-        )
+        way = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+        small = cv2.resize(image, size[::-1], interpolation=way)
         batch = to_tensor(small)[None]
         elevation = mirrored = None
         if camera is not None:
-            elevation = torch.from_numpy(_elevation(camera, size))[None]
+            photo_size = (camera.height, camera.width)
+            rise = elevation_map(camera.matrix[:, 1], camera.focal_px, photo_size, size)
+            elevation = torch.from_numpy(rise)[None]
             mirrored = elevation.flip(2)
         logits = self.network(batch, elevation)
         logits = (logits + self.network(batch.flip(3), mirrored).flip(3)) / 2
@@ -272,11 +273,6 @@ class Segmenter:
             The photo's, where one is known well: the network then knows where the horizon is.
         """
         return upsampled_argmax(self._logits(image, camera), (image.shape[0], image.shape[1]))
-
-
-def _elevation(camera: Camera, size: tuple[int, int]) -> np.ndarray:
-    """Return the elevation map of a photo's camera at the network's size."""
-    return elevation_map(camera.matrix[:, 1], camera.focal_px, (camera.height, camera.width), size)
 
 
 def load_segmenter(path: str | Path) -> Segmenter:

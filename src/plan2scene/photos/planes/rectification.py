@@ -89,22 +89,10 @@ def plane_axes(plane: Plane) -> np.ndarray:
 def usable_pixels(
     camera: Camera, plane: Plane, min_density: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the pixels of a plane that are worth rectifying.
+    """Return the pixels of a plane that are worth rectifying as a mask (h, w) bool.
 
-    Parameters
-    ----------
-    camera : Camera
-    plane : Plane
-    min_density : float
-        Least photo pixels per metre (geometric mean of both directions on the plane).
-
-    Returns
-    -------
-    mask : (h, w) bool
-    points : (n, 2) float64
-        Plane coordinates (right, down) of its pixels, metres.
-    density : (n,) float64
-        Photo pixels per metre at them.
+    With their plane coordinates (n, 2) float64 (right, down), metres, and photo pixels per metre
+    (n,) float64 (geometric mean of both directions on the plane), at least `min_density`.
     """
     border = max(1, round(BORDER_SHARE * camera.width))
     kernel = np.ones((2 * border + 1, 2 * border + 1), np.uint8)
@@ -131,10 +119,6 @@ def rectify(
     ----------
     image : (h, w, 3) uint8
         The photo, sRGB, of the camera's size.
-    camera : Camera
-        Its camera.
-    plane : Plane
-        The plane and its mask.
     min_density : float
         Least photo pixels per metre of what is kept.
 
@@ -156,14 +140,12 @@ def rectify(
     axes = plane_axes(plane)
     to_plane = np.array([[step, 0, low[0] + step / 2], [0, step, low[1] + step / 2], [0, 0, 1.0]])
     to_photo = camera.intrinsics @ camera.matrix @ axes.T @ to_plane
-    flags = cv2.WARP_INVERSE_MAP
     shape = (int(size[0]), int(size[1]))
+    cubic, nearest = (cv2.WARP_INVERSE_MAP | way for way in (cv2.INTER_CUBIC, cv2.INTER_NEAREST))
     warped = cv2.warpPerspective(
-        image, to_photo, shape, flags=flags | cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
+        image, to_photo, shape, flags=cubic, borderMode=cv2.BORDER_REPLICATE
     )
-    inside = cv2.warpPerspective(
-        mask.astype(np.uint8), to_photo, shape, flags=flags | cv2.INTER_NEAREST
-    )
+    inside = cv2.warpPerspective(mask.astype(np.uint8), to_photo, shape, flags=nearest)
     ahead = _ahead(camera, axes, low, step, shape)
     return RectifiedPlane(
         image=warped,

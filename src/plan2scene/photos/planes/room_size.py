@@ -47,20 +47,9 @@ def wall_spans(
 ) -> list[tuple[float, bool]]:
     """Return per Manhattan axis how far the walls reach, and whether on both sides.
 
-    Parameters
-    ----------
-    lines : sequence of WallLine
-        Possible walls, metres from the camera.
-    path : (b,) int
-        The wall of each bin of azimuth.
-    foot : (b,) bool
-        Bins that show a wall's foot; only those count.
-
-    Returns
-    -------
-    list of (float, bool)
-        The distance between opposite walls and True, that of the only wall from the camera and
-        False, or (0, False).
+    `path` (b,) int is the wall, of `lines`, of each bin of azimuth; `foot` (b,) bool the bins that
+    show a wall's foot: only those count. Returns the distance in metres between opposite walls and
+    True, that of the only wall from the camera and False, or (0, False).
     """
     count = np.bincount(path[foot], minlength=len(lines))
     spans: list[tuple[float, bool]] = []
