@@ -81,23 +81,24 @@ def split_planes(
     segments = None
     if image is not None:
         segments = detect_segments(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), camera.width / 25)
-    traced = trace_walls(
-        labels,
-        camera,
-        prior,
-        RoomSize(room, room_extent_m),
-        solve_height=room_height_m is not None,
-        segments=segments,
-    )
+    known, size = room_height_m is not None, RoomSize(room, room_extent_m)
+    traced = trace_walls(labels, camera, prior, size, solve_height=known, segments=segments)
+    return [*_flat_planes(labels, traced, room, known=known), *_wall_planes(labels, traced)]
+
+
+def _flat_planes(
+    labels: np.ndarray, traced: TracedWalls, room_height_m: float, *, known: bool
+) -> list[Plane]:
+    """Return floor and ceiling, as far as they are seen; `known`: the plan gives the height."""
     height, source = traced.camera_height_m, traced.scale_source
     # Without the room's height, the ceiling's distance is a guess whatever the floor's is.
-    above = source if room_height_m is not None else "prior"
+    above = source if known else "prior"
     floor, ceiling = (_without_specks(labels == label) for label in (FLOOR, CEILING))
     flat = [
         Plane("floor", 0, (0.0, 1.0, 0.0), -height, floor, source, height),
-        Plane("ceiling", 0, (0.0, -1.0, 0.0), height - room, ceiling, above, height),
+        Plane("ceiling", 0, (0.0, -1.0, 0.0), height - room_height_m, ceiling, above, height),
     ]
-    return [*(plane for plane in flat if plane.mask.any()), *_wall_planes(labels, traced)]
+    return [plane for plane in flat if plane.mask.any()]
 
 
 def _wall_planes(labels: np.ndarray, traced: TracedWalls) -> list[Plane]:
