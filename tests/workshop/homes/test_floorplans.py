@@ -10,7 +10,7 @@ import shapely
 
 from plan2scene.floorplans import validate_house
 from plan2scene.house import House
-from plan2scene_workshop.homes.floorplans import generate_house, plan_statistics
+from plan2scene_workshop.homes.floorplans import generate_house
 
 HOUSES = [generate_house(f"house_{k}", 3) for k in range(40)]
 
@@ -90,13 +90,3 @@ def test_variety() -> None:
 def test_same_seed_same_house() -> None:
     assert generate_house("house_7", 3) == HOUSES[7]
     assert generate_house("house_7", 4) != HOUSES[7]
-
-
-def test_statistics_count_what_is_there() -> None:
-    statistics = plan_statistics(HOUSES)
-    rooms = sum(len(house.rooms) for house in HOUSES)
-    doors = sum(1 if d.room_b is None else 2 for house in HOUSES for d in house.doors)
-    assert statistics["rooms per house"]["mean"] == pytest.approx(rooms / len(HOUSES))
-    assert statistics["doors per room"]["mean"] == pytest.approx(doors / rooms)
-    assert statistics["doors per room"]["n"] == rooms
-    assert statistics["area of Closet (m2)"]["min"] > 0.5

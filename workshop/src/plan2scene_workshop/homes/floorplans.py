@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import shapely
 
-from plan2scene.floorplans.geometry import room_polygon, walls_of_rooms
+from plan2scene.floorplans.geometry import walls_of_rooms
 from plan2scene.house import Door, House, Opening, Point, Ring, Room, Wall
 from plan2scene.seeds import generator
 from plan2scene_workshop.homes.layouts import OUTSIDE, GridPlan, draw_layout
@@ -154,39 +153,3 @@ def _cut(hole: Hole, opening_id: str, start: Point, end: Point) -> Opening:
     low, high = (hole.low, hole.high) if forwards else (hole.high, hole.low)
     near, far = round(abs(low - origin), 4), round(abs(high - origin), 4)
     return Opening(opening_id, hole.kind, near, far, hole.bottom, hole.top)
-
-
-def plan_statistics(houses: Sequence[House]) -> dict[str, dict[str, float]]:
-    """Return mean, least and largest values over houses: rooms, doors, windows, areas.
-
-    Keys: ``rooms per house``, ``doors per room`` (doors and passages of a room, the entrance
-    included), ``windows per room``, ``corners per room``, ``height (m)``, ``floor area (m2)`` of
-    a house, and ``area of <type> (m2)`` by a room's first type; each with ``mean``, ``min``,
-    ``max`` and ``n``.
-    """
-    values: dict[str, list[float]] = {}
-
-    def note(name: str, value: float) -> None:
-        values.setdefault(name, []).append(value)
-
-    for house in houses:
-        note("rooms per house", len(house.rooms))
-        note("height (m)", house.rooms[0].height)
-        areas = {room.id: room_polygon(room).area for room in house.rooms}
-        note("floor area (m2)", sum(areas.values()))
-        for room in house.rooms:
-            openings = [o for wall in house.walls_of(room.id) for o in wall.openings]
-            windows = sum(o.kind == "window" for o in openings)
-            note("doors per room", len(openings) - windows)
-            note("windows per room", windows)
-            note("corners per room", len(room.rings[0]))
-            note(f"area of {room.types[0]} (m2)", areas[room.id])
-    return {
-        name: {
-            "mean": float(np.mean(v)),
-            "min": float(np.min(v)),
-            "max": float(np.max(v)),
-            "n": len(v),
-        }
-        for name, v in values.items()
-    }
