@@ -38,6 +38,7 @@ rule train_propagation:
         mem_mb=8000,
     params:
         settings=TRAINING["propagation"],
+        checkpoint="results/training/propagation.checkpoint",
         seed=config["seed"],
         code=code_hash("propagation.run"),
     script:

@@ -1,13 +1,10 @@
 """Rule train_propagation: synthetic houses -> propagation weights and their card."""
 
-import torch
-
-from plan2scene.jobs import job
 from plan2scene_workshop.propagation.run import train_propagation
 from plan2scene_workshop.propagation.settings import PropagationSettings
+from plan2scene_workshop.training.job import training_job
 
-with job(snakemake.log[0]):
-    torch.set_num_threads(snakemake.threads)
+with training_job(snakemake) as run:
     train_propagation(
         snakemake.input.houses,
         snakemake.input.texture_model,
@@ -15,5 +12,5 @@ with job(snakemake.log[0]):
         snakemake.output.model,
         snakemake.output.card,
         settings=PropagationSettings(**snakemake.params.settings),
-        seed=snakemake.params.seed,
+        **run,
     )

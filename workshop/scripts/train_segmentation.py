@@ -2,21 +2,15 @@
 
 from pathlib import Path
 
-import torch
-
-from plan2scene.jobs import job
 from plan2scene_workshop.segmentation.run import train_segmentation
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
+from plan2scene_workshop.training.job import training_job
 
-checkpoint = Path(snakemake.params.checkpoint)
-with job(snakemake.log[0]):
-    torch.set_num_threads(snakemake.threads)
+with training_job(snakemake) as run:
     train_segmentation(
         Path(snakemake.input.table).parent,
         snakemake.output.model,
         snakemake.output.card,
         settings=SegmentationSettings(**snakemake.params.settings),
-        seed=snakemake.params.seed,
-        checkpoint=checkpoint,
+        **run,
     )
-    checkpoint.unlink(missing_ok=True)

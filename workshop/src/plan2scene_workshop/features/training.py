@@ -31,7 +31,7 @@ from plan2scene_workshop.texture.data import (
 )
 from plan2scene_workshop.texture.degradation import ROOM_PHOTO, photographed
 from plan2scene_workshop.training.card import Card, table, write_card
-from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, cosine
+from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, best_device, cosine
 
 _WHAT = """
 Substance classifier (wood, plaster, carpet, tile) of 128x128 texture crops. Its class is the SUBS
@@ -137,7 +137,6 @@ def train_features(
     settings: FeaturesSettings,
     seed: int,
     checkpoint: Path | None = None,
-    device: str = "cpu",
 ) -> dict[str, float]:
     """Train the network, write its weights and card; return held-out accuracies by set.
 
@@ -146,7 +145,12 @@ def train_features(
     """
     textures, held_out = read_materials(materials)
     trained = train_network(
-        textures, settings, seed, device=device, checkpoint=checkpoint, run=file_hash(materials)
+        textures,
+        settings,
+        seed,
+        device=best_device(),
+        checkpoint=checkpoint,
+        run=file_hash(materials),
     )
     network, count = trained.network.cpu(), settings.held_out_crops
     rng, share = generator(seed, "features scale"), settings.photographed_share

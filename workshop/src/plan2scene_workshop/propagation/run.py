@@ -60,11 +60,13 @@ def train_propagation(
     *,
     settings: PropagationSettings,
     seed: int,
+    checkpoint: Path | None = None,
 ) -> None:
     """Train on the houses of ``write_training_houses``; write weights and card.
 
     The card compares the network with simpler predictors and with ablations trained alike: the
-    paper's network, and the network without doors.
+    paper's network, and the network without doors. `checkpoint` is the network's own: it is
+    continued where it is of this run, ablations start over.
     """
     with np.load(houses, allow_pickle=False) as file:
         data = {name: file[name] for name in file.files}
@@ -80,7 +82,8 @@ def train_propagation(
     types = np.repeat(data["types"], len(SURFACES), axis=0)[rows]
     surface = np.tile(np.arange(len(SURFACES)), len(data["types"]))[rows]
     means = TypeMeans(*(mean_by_type(types, surface, values[rows]) for values in (codes, naive)))
-    trained = train_network(graphs, held_out, settings, seed)
+    data_seen = file_hash(houses), file_hash(texture_model)
+    trained = train_network(graphs, held_out, settings, seed, checkpoint=checkpoint, run=data_seen)
     save_propagation(output, trained.network, means)
     networks: dict[str, Network] = {settings.network: trained.network}
     for name, change in _ABLATIONS.items():

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -131,10 +132,14 @@ def train_network(
     held_out: Sequence[HouseGraph],
     settings: PropagationSettings,
     seed: int,
+    *,
+    checkpoint: Path | None = None,
+    run: object = None,
 ) -> Trained[PropagationNetwork | PointerNetwork]:
     """Return the network that does best on `held_out`.
 
-    Graphs hold raw embeddings; so do the returned network's input and output.
+    Graphs hold raw embeddings; so do the returned network's input and output. `checkpoint` is
+    continued where it is of this run; `run` tells these graphs from others.
     """
     torch.manual_seed(derive_seed(seed, "propagation weights"))
     network: Network = NETWORKS[settings.network]()
@@ -166,7 +171,9 @@ def train_network(
     optimiser = torch.optim.AdamW(
         network.parameters(), settings.learning_rate, weight_decay=settings.weight_decay
     )
-    trained = Trainer(network, loss, optimiser, options, evaluate=evaluate).fit()
+    trainer = Trainer(network, loss, optimiser, options, evaluate=evaluate, run=(settings, run))
+    trainer.resume(checkpoint)
+    trained = trainer.fit(checkpoint)
     fold(trained.network, centre, deviation)
     return trained
 

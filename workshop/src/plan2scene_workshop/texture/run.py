@@ -29,6 +29,7 @@ from plan2scene_workshop.texture.data import (
 from plan2scene_workshop.texture.settings import TextureSettings
 from plan2scene_workshop.texture.training import train_texture_model
 from plan2scene_workshop.training.card import Card, table, write_card
+from plan2scene_workshop.training.loop import best_device
 
 #: Architecture of each embedded model: the paper's but for an encoder that a CPU can train.
 ARCHITECTURES: Mapping[str, Architecture] = {
@@ -55,7 +56,6 @@ def train_texture(
     settings: TextureSettings,
     seed: int,
     checkpoint: Path | None = None,
-    device: str = "cpu",
 ) -> None:
     """Train the model `name` (``texture`` or ``naivesynth``); write weights and card.
 
@@ -64,6 +64,7 @@ def train_texture(
     """
     if name not in ARCHITECTURES:
         raise InputError(f"a model of {tuple(ARCHITECTURES)}", repr(name))
+    device = best_device()
     if device == "cpu" and not low_precision_is_fast():
         settings = replace(settings, low_precision=False)
     shape = ARCHITECTURES[name]

@@ -1,0 +1,22 @@
+"""What the script of every training job does around its training."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from plan2scene.jobs import job
+
+
+@contextmanager
+def training_job(snakemake: Any) -> Iterator[dict[str, Any]]:
+    """Yield `seed` and `checkpoint` of a job; the checkpoint goes when the job ends well."""
+    checkpoint = Path(snakemake.params.checkpoint)
+    with job(snakemake.log[0]):
+        torch.set_num_threads(snakemake.threads)
+        yield {"seed": snakemake.params.seed, "checkpoint": checkpoint}
+        checkpoint.unlink(missing_ok=True)
