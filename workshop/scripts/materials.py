@@ -5,7 +5,5 @@ from plan2scene_workshop.texture.data import MaterialSettings, write_materials
 
 with job(snakemake.log[0]):
     write_materials(
-        snakemake.output[0],
-        MaterialSettings(**snakemake.params.settings),
-        snakemake.params.seed,
+        snakemake.output[0], MaterialSettings(**snakemake.params.settings), snakemake.params.seed
     )

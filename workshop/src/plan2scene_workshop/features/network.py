@@ -25,12 +25,7 @@ class SubstanceNetwork(nn.Module):
     features : (n, `feature_dim`) float32, standardised over the training crops
     logits : (n, 4) float32, order of ``house.SUBSTANCES``
 
-    Parameters
-    ----------
-    widths : sequence of int
-        Channels of the convolutions.
-    feature_dim : int
-        Length of the penultimate layer.
+    `widths` are the channels of the convolutions, `feature_dim` those of the penultimate layer.
     """
 
     shift: torch.Tensor

@@ -9,18 +9,10 @@ import torch
 from torch.nn import functional
 
 from plan2scene.house import SUBSTANCES
-from plan2scene.metrics.features import (
-    FeaturesNetwork,
-    extract_features,
-    load_features_network,
-)
+from plan2scene.metrics.features import FeaturesNetwork, extract_features, load_features_network
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed, generator
-from plan2scene_workshop.features.network import (
-    SubstanceNetwork,
-    as_tensor,
-    save_features_network,
-)
+from plan2scene_workshop.features.network import SubstanceNetwork, as_tensor, save_features_network
 from plan2scene_workshop.features.settings import FeaturesSettings
 from plan2scene_workshop.texture.data import (
     TextureSet,

@@ -43,18 +43,12 @@ OPEN_PLAN_SHARE = 0.35
 
 @dataclass(frozen=True)
 class GridPlan:
-    """Rooms on a grid.
+    """Rooms on a grid."""
 
-    Attributes
-    ----------
-    labels : (rows, columns) int16
-        Room index of each square decimetre, `OUTSIDE` elsewhere; row along z, column along x.
-    types : tuple of tuple of str
-        Types of each room.
-    """
-
+    #: (rows, columns) int16: room index of each square decimetre, `OUTSIDE` elsewhere; row along
+    #: z, column along x.
     labels: np.ndarray
-    types: tuple[tuple[str, ...], ...]
+    types: tuple[tuple[str, ...], ...]  #: of each room
 
 
 def draw_layout(rng: np.random.Generator, rooms: int) -> GridPlan | None:

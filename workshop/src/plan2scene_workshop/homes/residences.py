@@ -105,10 +105,7 @@ def write_residence(
     textures : sequence of Material, optional
         Real textures for the style model to mix in.
 
-    Raises
-    ------
-    InputError
-        When Mitsuba is not installed or its variant does not work.
+    InputError when Mitsuba is not installed or its variant does not work.
     """
     options = options or ResidenceOptions()
     root = Path(root)

@@ -27,18 +27,11 @@ Predictor = Callable[[HouseGraph], tuple[np.ndarray, np.ndarray]]
 
 @dataclass(frozen=True, eq=False)
 class HiddenErrors:
-    """Errors of one predictor over n hidden surfaces.
+    """Errors of one predictor over n hidden surfaces."""
 
-    Parameters
-    ----------
-    absolute : (n, 11) float64, of the embedding
-    colour : (n,) float64, CIEDE2000 of the median colours
-    confidence : (n,) float64, NaN where not told
-    """
-
-    absolute: np.ndarray
-    colour: np.ndarray
-    confidence: np.ndarray
+    absolute: np.ndarray  #: (n, 11) float64, of the embedding
+    colour: np.ndarray  #: (n,) float64, CIEDE2000 of the median colours
+    confidence: np.ndarray  #: (n,) float64, NaN where not told
 
 
 def predictors(networks: Mapping[str, Network], means: TypeMeans) -> dict[str, Predictor]:
@@ -58,10 +51,7 @@ def predictors(networks: Mapping[str, Network], means: TypeMeans) -> dict[str, P
 
 
 def hidden_errors(
-    predictors: Mapping[str, Predictor],
-    graphs: Sequence[HouseGraph],
-    seed: int,
-    repeats: int = 3,
+    predictors: Mapping[str, Predictor], graphs: Sequence[HouseGraph], seed: int, repeats: int = 3
 ) -> dict[str, HiddenErrors]:
     """Return the errors of predictors on the same hidden rooms of fully known houses."""
     rng = generator(seed, "hidden rooms")

@@ -101,23 +101,16 @@ def train_propagation(
         f"Embeddings of the texture models {file_hash(texture_model)}, {file_hash(naive_model)}.",
     ]
     write_card(
-        card,
-        Card("propagation", _WHAT, seen, settings, seed, figures, _LIMITS),
-        trained,
-        output,
+        card, Card("propagation", _WHAT, seen, settings, seed, figures, _LIMITS), trained, output
     )
 
 
 def split_graphs(
     house: np.ndarray, types: np.ndarray, edges: np.ndarray, embeddings: np.ndarray
 ) -> list[HouseGraph]:
-    """Return one fully observed graph a house from arrays over all rooms.
+    """Return one fully observed graph a house from the arrays of ``write_training_houses``.
 
-    Parameters
-    ----------
-    house, types, edges : ndarray
-        Of ``write_training_houses``.
-    embeddings : (n * 3, 11) float32
+    `embeddings` are (n * 3, 11) float32.
     """
     embeddings = embeddings.reshape(len(house), len(SURFACES), -1)
     graphs = []

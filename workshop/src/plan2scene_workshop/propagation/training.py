@@ -46,15 +46,7 @@ def hide(graph: HouseGraph, rng: np.random.Generator, room_share: float) -> np.n
 
 
 class Houses:
-    """Houses with standardised embeddings, of which samples are drawn.
-
-    Parameters
-    ----------
-    graphs : sequence of HouseGraph
-        With standardised embeddings.
-    room_share : float
-        Of the samples, those that hide whole rooms.
-    """
+    """Houses with standardised embeddings; `room_share` of their samples hide whole rooms."""
 
     def __init__(self, graphs: Sequence[HouseGraph], room_share: float) -> None:
         self.graphs, self.room_share = graphs, room_share

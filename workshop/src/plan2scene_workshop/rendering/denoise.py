@@ -96,11 +96,7 @@ def _pair(
     return (rows, columns), (moved_rows, moved_columns)
 
 
-def upsample(
-    light: Image,
-    small: tuple[Image, Image],
-    full: tuple[Image, Image],
-) -> Image:
+def upsample(light: Image, small: tuple[Image, Image], full: tuple[Image, Image]) -> Image:
     """Return `light` at the size of the full guides: bilinear weights times guide agreement.
 
     `small` and `full` are (normal, position) pairs at the two sizes.

@@ -19,21 +19,12 @@ Colour = tuple[float, float, float]  #: linear RGB in [0, 1]
 
 @dataclass(frozen=True)
 class Solid:
-    """A triangle mesh in some frame, metres.
+    """A triangle mesh in some frame, metres."""
 
-    Attributes
-    ----------
-    vertices, normals : (n, 3) float64
-        Normals are per vertex; flat faces have their own vertices.
-    uv : (n, 2) float64
-        Metres along the surface, v down the texture; the tracer divides by the tile's size.
-    faces : (m, 3) int64
-    """
-
-    vertices: Array
-    normals: Array
-    uv: Array
-    faces: NDArray[np.int64]
+    vertices: Array  #: (n, 3)
+    normals: Array  #: (n, 3), per vertex; flat faces have their own vertices
+    uv: Array  #: (n, 2) along the surface, v down; the tracer divides by the tile's size
+    faces: NDArray[np.int64]  #: (m, 3)
 
     def moved(self, matrix: Array) -> Solid:
         """Return the solid under a 4x4 rigid or scaling transform (metric UVs unchanged)."""
@@ -160,11 +151,7 @@ def superquadric(
     co, so = np.cos(omega)[None], np.sin(omega)[None]
     a, b, c = radii
     points = np.stack(
-        [
-            a * power(ce, e1) * power(co, e2),
-            b * power(se, e1),
-            c * power(ce, e1) * power(so, e2),
-        ],
+        [a * power(ce, e1) * power(co, e2), b * power(se, e1), c * power(ce, e1) * power(so, e2)],
         -1,
     )
     normals = np.stack(

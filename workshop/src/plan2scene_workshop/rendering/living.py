@@ -7,8 +7,8 @@ import numpy as np
 from plan2scene_workshop.rendering.geometry import box, cylinder, lathe, placement, superquadric
 from plan2scene_workshop.rendering.palette import Palette, linear, pick
 from plan2scene_workshop.rendering.pieces import (
-    BLACK,
-    WHITE,
+    GLOSS_BLACK,
+    METAL,
     Piece,
     cabinet,
     chair,
@@ -140,10 +140,10 @@ def television(rng: np.random.Generator, palette: Palette) -> Piece:
     )
     wide, y = rng.uniform(0.8, 1.3), piece.height
     piece.add(
-        ("gloss", BLACK), box((-wide / 2, y + 0.06, 0.12), (wide / 2, y + 0.06 + wide * 0.56, 0.16))
+        GLOSS_BLACK, box((-wide / 2, y + 0.06, 0.12), (wide / 2, y + 0.06 + wide * 0.56, 0.16))
     )
     piece.add(
-        ("gloss", BLACK),
+        GLOSS_BLACK,
         box((-0.2, y, 0.06), (0.2, y + 0.015, 0.26)),
         box((-0.04, y, 0.1), (0.04, y + 0.1, 0.13)),
     )
@@ -164,7 +164,7 @@ def desk(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a desk with a screen and a chair."""
     piece = table(rng, palette, (rng.uniform(0.9, 1.5), rng.uniform(0.55, 0.7), 0.74))
     piece.add(
-        ("gloss", BLACK),
+        GLOSS_BLACK,
         box((-0.28, 0.86, 0.15), (0.28, 1.2, 0.17)),
         box((-0.05, 0.74, 0.13), (0.05, 0.9, 0.15)),
     )
@@ -211,11 +211,7 @@ def floor_lamp(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a standing lamp (not shining)."""
     tall = rng.uniform(1.4, 1.75)
     piece = Piece(0.4, 0.4, tall)
-    piece.add(
-        ("metal", WHITE),
-        cylinder((0, 0, 0.2), 0.14, 0.02),
-        cylinder((0, 0, 0.2), 0.012, tall - 0.2, 8),
-    )
+    piece.add(METAL, cylinder((0, 0, 0.2), 0.14, 0.02), cylinder((0, 0, 0.2), 0.012, tall - 0.2, 8))
     piece.add(
         ("fabric", pick(rng, palette.fabrics)), lathe((0, tall, 0.2), [(0.19, -0.3), (0.13, 0)], 18)
     )

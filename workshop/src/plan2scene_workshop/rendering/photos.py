@@ -33,24 +33,13 @@ GUIDE_SAMPLES = 10
 
 @dataclass(frozen=True)
 class RenderedPhoto:
-    """A photo and its truth.
-
-    Attributes
-    ----------
-    image : (h, w, 3) uint8 sRGB
-    labels : (h, w) uint8
-        0 other, 1 floor, 2 wall, 3 ceiling, at pixel centres.
-    planes : (h, w) uint8
-        Index into ``camera["planes"]``, 255 none.
-    camera : dict
-        As in ``cameras.json`` of the truth (``docs/conventions.md``).
-    """
+    """A photo and its truth."""
 
     view: View
-    image: NDArray[np.uint8]
-    labels: NDArray[np.uint8]
-    planes: NDArray[np.uint8]
-    camera: dict[str, Any]
+    image: NDArray[np.uint8]  #: (h, w, 3) sRGB
+    labels: NDArray[np.uint8]  #: (h, w): 0 other, 1 floor, 2 wall, 3 ceiling, at pixel centres
+    planes: NDArray[np.uint8]  #: (h, w): index into ``camera["planes"]``, 255 none
+    camera: dict[str, Any]  #: as in ``cameras.json`` of the truth (``docs/conventions.md``)
 
 
 def render_house(
@@ -81,10 +70,7 @@ def render_house(
     random_rooms : collection of str
         Ids of rooms with random textiles and clutter (see :mod:`.randomised`).
 
-    Raises
-    ------
-    InputError
-        When Mitsuba is missing, or a surface in sight has no material.
+    InputError when Mitsuba is missing, or a surface in sight has no material.
     """
     mi = load_mitsuba(variant)
     for room_id, group in itertools.groupby(views, key=lambda view: view.room_id):

@@ -23,6 +23,10 @@ from plan2scene_workshop.rendering.palette import FABRICS, WOODS, Palette, pick
 
 WHITE: Colour = (0.82, 0.82, 0.8)
 BLACK: Colour = (0.02, 0.02, 0.022)
+Look = tuple[str, Colour]  #: material and colour
+METAL: Look = ("metal", WHITE)
+GLOSS_WHITE: Look = ("gloss", WHITE)
+GLOSS_BLACK: Look = ("gloss", BLACK)
 
 
 @dataclass
@@ -34,7 +38,7 @@ class Piece:
     height: float
     parts: list[tuple[str, Solid, Colour]] = field(default_factory=list)
 
-    def add(self, look: tuple[str, Colour], *solids: Solid) -> None:
+    def add(self, look: Look, *solids: Solid) -> None:
         """Add solids of one material and colour."""
         self.parts += [(look[0], solid, look[1]) for solid in solids]
 
@@ -44,7 +48,6 @@ class Piece:
 
 
 Maker = Callable[[np.random.Generator, Palette], Piece]
-Look = tuple[str, Colour]
 
 
 def hard(rng: np.random.Generator, palette: Palette) -> Look:
@@ -99,15 +102,10 @@ def cabinet(
             piece.add(front, box((x0, y0, depth - 0.02), (x1, y1, depth)))
             if metal and rows > 1:
                 y = (y0 + y1) / 2
-                piece.add(
-                    ("metal", WHITE),
-                    box((x0 + 0.12, y, depth), (x1 - 0.12, y + 0.012, depth + 0.025)),
-                )
+                piece.add(METAL, box((x0 + 0.12, y, depth), (x1 - 0.12, y + 0.012, depth + 0.025)))
             elif metal:
                 x, y = (x1 - 0.05 if i % 2 == 0 else x0 + 0.04), min(height * 0.5, 1.05)
-                piece.add(
-                    ("metal", WHITE), box((x, y, depth), (x + 0.012, y + 0.14, depth + 0.025))
-                )
+                piece.add(METAL, box((x, y, depth), (x + 0.012, y + 0.14, depth + 0.025)))
     return piece
 
 
@@ -147,7 +145,7 @@ def table(rng: np.random.Generator, palette: Palette, size: tuple[float, float, 
     """Return a table of (width, depth, height) on four legs or a foot."""
     piece = Piece(*size)
     look = hard(rng, palette)
-    leg = look if rng.random() < 0.5 else ("metal", WHITE)
+    leg = look if rng.random() < 0.5 else METAL
     top, half = piece.height, piece.width / 2
     if rng.random() < 0.25:
         radius = min(piece.width, piece.depth) / 2
@@ -168,7 +166,7 @@ def chair(rng: np.random.Generator, palette: Palette) -> Piece:
     look = hard(rng, palette)
     seat = look if rng.random() < 0.5 else soft(rng, palette)
     half, depth = piece.width / 2, piece.depth
-    legs(piece, look if rng.random() < 0.6 else ("metal", WHITE), 0.43, 0.02, 0.032)
+    legs(piece, look if rng.random() < 0.6 else METAL, 0.43, 0.02, 0.032)
     piece.add(seat, cushion((0, 0.45, depth / 2), (piece.width, 0.06, depth), 0.25))
     back = rng.uniform(0.15, 0.4)
     piece.add(

@@ -91,10 +91,7 @@ def build_room_scene(
     where a view has to be kept clear. A `randomised` room and all beyond its doors are of the
     textiles and clutter of :mod:`.randomised`.
 
-    Raises
-    ------
-    InputError
-        When a surface of a room in sight has no material.
+    InputError when a surface of a room in sight has no material.
     """
     palette = draw_palette(generator(seed, house.id, "palette"))
     builder = _Builder(house, palette, accents, views, seed, randomised)
@@ -207,13 +204,7 @@ class _Builder:
             rng = generator(self.seed, self.house.id, room.id, "furniture")
             cameras = [shapely.Point(v.position[0], v.position[2]) for v in self.views]
             furnish_room(
-                self.geometry,
-                room,
-                faces,
-                self.palette,
-                rng,
-                cameras,
-                random_room=self.randomised,
+                self.geometry, room, faces, self.palette, rng, cameras, random_room=self.randomised
             )
 
     def _accent_walls(self, room: Room, faces: tuple[WallFace, ...]) -> dict[str, str]:

@@ -7,7 +7,9 @@ import numpy as np
 from plan2scene_workshop.rendering.geometry import box, cylinder, lathe, placement, superquadric
 from plan2scene_workshop.rendering.palette import STONES, Palette, linear, pick
 from plan2scene_workshop.rendering.pieces import (
-    BLACK,
+    GLOSS_BLACK,
+    GLOSS_WHITE,
+    METAL,
     WHITE,
     Look,
     Piece,
@@ -68,24 +70,24 @@ def carton(rng: np.random.Generator, palette: Palette) -> Piece:
 def fridge(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a fridge."""
     piece = Piece(0.6, 0.65, rng.uniform(1.5, 2.0))
-    look: Look = ("metal", WHITE) if rng.random() < 0.4 else ("gloss", WHITE)
+    look: Look = METAL if rng.random() < 0.4 else GLOSS_WHITE
     split = rng.uniform(0.4, 0.7)
     piece.add(
         look,
         box((-0.3, 0.03, 0), (0.3, split, 0.65)),
         box((-0.3, split + 0.01, 0), (0.3, piece.height, 0.65)),
     )
-    piece.add(("metal", WHITE), box((0.22, split + 0.06, 0.65), (0.24, split + 0.5, 0.68)))
+    piece.add(METAL, box((0.22, split + 0.06, 0.65), (0.24, split + 0.5, 0.68)))
     return piece
 
 
 def washer(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a washing machine."""
     piece = Piece(0.6, 0.6, 0.85)
-    piece.add(("gloss", WHITE), box((-0.3, 0.01, 0), (0.3, 0.85, 0.58)))
+    piece.add(GLOSS_WHITE, box((-0.3, 0.01, 0), (0.3, 0.85, 0.58)))
     lie = np.array([[1, 0, 0, 0], [0, 0, -1, 0.42], [0, 1, 0, 0.58], [0, 0, 0, 1.0]])
-    piece.add(("metal", WHITE), cylinder((0, 0, 0), 0.19, 0.02, 24).moved(lie))
-    piece.add(("gloss", BLACK), cylinder((0, 0, 0), 0.15, 0.03, 24).moved(lie))
+    piece.add(METAL, cylinder((0, 0, 0), 0.19, 0.02, 24).moved(lie))
+    piece.add(GLOSS_BLACK, cylinder((0, 0, 0), 0.15, 0.03, 24).moved(lie))
     return piece
 
 
@@ -101,11 +103,11 @@ def kitchen_run(rng: np.random.Generator, palette: Palette) -> Piece:
     )
     piece.add(top, box((-half, height - 0.04, 0), (half, height, 0.63)))
     hob = rng.uniform(-half + 0.35, half - 0.35)
-    piece.add(("gloss", BLACK), box((hob - 0.29, height, 0.06), (hob + 0.29, height + 0.008, 0.57)))
-    piece.add(("gloss", BLACK), box((hob - 0.28, 0.2, 0.6), (hob + 0.28, 0.75, 0.61)))
+    piece.add(GLOSS_BLACK, box((hob - 0.29, height, 0.06), (hob + 0.29, height + 0.008, 0.57)))
+    piece.add(GLOSS_BLACK, box((hob - 0.28, 0.2, 0.6), (hob + 0.28, 0.75, 0.61)))
     sink = hob + 0.75 if hob < 0 else hob - 0.75
-    piece.add(("metal", WHITE), box((sink - 0.25, height, 0.1), (sink + 0.25, height + 0.004, 0.5)))
-    piece.add(("metal", WHITE), cylinder((sink, height, 0.08), 0.015, 0.28, 8))
+    piece.add(METAL, box((sink - 0.25, height, 0.1), (sink + 0.25, height + 0.004, 0.5)))
+    piece.add(METAL, cylinder((sink, height, 0.08), 0.015, 0.28, 8))
     if rng.random() < 0.75:
         above = cabinet(rng, palette, (wide, 0.34, rng.uniform(0.5, 0.75)), look)
         piece.put(above, placement(0, 0, 0, 1.42))
@@ -118,10 +120,9 @@ def kitchen_run(rng: np.random.Generator, palette: Palette) -> Piece:
 def toilet(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a toilet."""
     piece = Piece(0.4, 0.68, 0.8)
-    white: Look = ("gloss", WHITE)
-    piece.add(white, cushion((0, 0.58, 0.09), (0.38, 0.42, 0.18), 0.2))
-    piece.add(white, superquadric((0, 0.22, 0.42), (0.15, 0.22, 0.22), roundness=(0.5, 0.8)))
-    piece.add(white, superquadric((0, 0.41, 0.43), (0.19, 0.035, 0.25), roundness=(0.4, 0.8)))
+    piece.add(GLOSS_WHITE, cushion((0, 0.58, 0.09), (0.38, 0.42, 0.18), 0.2))
+    piece.add(GLOSS_WHITE, superquadric((0, 0.22, 0.42), (0.15, 0.22, 0.22), roundness=(0.5, 0.8)))
+    piece.add(GLOSS_WHITE, superquadric((0, 0.41, 0.43), (0.19, 0.035, 0.25), roundness=(0.4, 0.8)))
     return piece
 
 
@@ -129,9 +130,9 @@ def basin(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a basin on a cabinet with a mirror above."""
     wide = rng.uniform(0.5, 1.2)
     piece = cabinet(rng, palette, (wide, 0.46, 0.8))
-    piece.add(("gloss", WHITE), cushion((0, 0.86, 0.24), (min(wide, 0.6), 0.13, 0.44), 0.3))
+    piece.add(GLOSS_WHITE, cushion((0, 0.86, 0.24), (min(wide, 0.6), 0.13, 0.44), 0.3))
     piece.add(
-        ("metal", WHITE),
+        METAL,
         cylinder((0, 0.92, 0.06), 0.014, 0.16, 8),
         box((-0.01, 1.06, 0.06), (0.01, 1.08, 0.2)),
     )
@@ -145,17 +146,16 @@ def bathtub(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a bathtub with an open inside."""
     piece = Piece(rng.uniform(1.5, 1.75), rng.uniform(0.7, 0.8), rng.uniform(0.5, 0.6))
     half, deep, top = piece.width / 2, piece.depth, piece.height
-    white: Look = ("gloss", WHITE)
     rim = 0.07
     piece.add(
-        white,
+        GLOSS_WHITE,
         box((-half, 0, 0), (half, 0.15, deep)),
         box((-half, 0.15, 0), (half, top, rim)),
         box((-half, 0.15, deep - rim), (half, top, deep)),
         box((-half, 0.15, rim), (-half + 0.12, top, deep - rim)),
         box((half - 0.12, 0.15, rim), (half, top, deep - rim)),
     )
-    piece.add(("metal", WHITE), box((half - 0.2, top + 0.1, 0.0), (half - 0.16, top + 0.13, 0.16)))
+    piece.add(METAL, box((half - 0.2, top + 0.1, 0.0), (half - 0.16, top + 0.13, 0.16)))
     return piece
 
 

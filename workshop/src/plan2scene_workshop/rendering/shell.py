@@ -26,14 +26,7 @@ from plan2scene.mesh.frames import (
 )
 from plan2scene.mesh.polygons import triangulate
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
-from plan2scene_workshop.rendering.geometry import (
-    Array,
-    Colour,
-    Geometry,
-    Solid,
-    box,
-    quad,
-)
+from plan2scene_workshop.rendering.geometry import Array, Colour, Geometry, Solid, box, quad
 
 #: A wall that ends this near to a corner of its room ends there, metres.
 CORNER_TOLERANCE = 0.02
@@ -44,29 +37,15 @@ SKIRTING_HEIGHT, SKIRTING_DEPTH = 0.08, 0.012
 
 @dataclass(frozen=True)
 class WallFace:
-    """The inner side of a wall in one room.
-
-    Attributes
-    ----------
-    plane : Frame
-        The visible face, half the wall's thickness inside the room's outline.
-    height : float
-        Metres.
-    inset : float
-        Distance from the outline to the face.
-    outer : bool
-        No room lies on the other side.
-    u_start : float
-        Metres along the room's walls where this face begins, for continuous texture.
-    """
+    """The inner side of a wall in one room; metres."""
 
     room_id: str
     wall: Wall
-    plane: Frame
+    plane: Frame  #: the visible face, half the wall's thickness inside the room's outline
     height: float
-    inset: float
-    outer: bool
-    u_start: float
+    inset: float  #: distance from the outline to the face
+    outer: bool  #: no room lies on the other side
+    u_start: float  #: where this face begins along the room's walls, for continuous texture
     openings: tuple[FaceOpening, ...]
 
     @property

@@ -38,10 +38,7 @@ class Finish:
 
 @dataclass(frozen=True)
 class Buffers:
-    """What one rendering pass returns, all (h, w, ...) float32.
-
-    `radiance` and `albedo` are linear RGB, averaged over the pixel.
-    """
+    """What one rendering pass returns: (h, w, 3) linear RGB, averaged over the pixel."""
 
     radiance: NDArray[np.float32]
     albedo: NDArray[np.float32]
@@ -49,32 +46,20 @@ class Buffers:
 
 @dataclass(frozen=True)
 class Truth:
-    """Per pixel centre: label and plane (h, w) uint8, and where the ray hits.
-
-    `materials` (h, w) are names, empty where nothing is hit.
-    `position` (metres) and `normal` are (h, w, 3) float32 in the world, zero where nothing is hit.
-    """
+    """What the ray through each pixel's centre hits, all (h, w) or (h, w, 3)."""
 
     labels: NDArray[np.uint8]
     planes: NDArray[np.uint8]
-    materials: NDArray[np.object_]
-    position: NDArray[np.float32]
-    normal: NDArray[np.float32]
+    materials: NDArray[np.object_]  #: names, empty where nothing is hit
+    position: NDArray[np.float32]  #: in the world, metres; zero where nothing is hit
+    normal: NDArray[np.float32]  #: in the world; zero where nothing is hit
 
 
 def load_mitsuba(variant: str | None = None) -> Any:
-    """Return the mitsuba module with a variant set.
+    """Return the mitsuba module with a variant set; InputError where none works.
 
-    Parameters
-    ----------
-    variant : str, optional
-        A Mitsuba variant; by default the first of :data:`VARIANTS` that works here
-        (`llvm_ad_rgb` needs LLVM's shared library).
-
-    Raises
-    ------
-    InputError
-        When Mitsuba is not installed or the variant does not work.
+    By default it is the first of :data:`VARIANTS` that works here (`llvm_ad_rgb` needs LLVM's
+    shared library).
     """
     try:
         mi = importlib.import_module("mitsuba")
@@ -106,14 +91,7 @@ def _try_llvm() -> None:
 class Tracer:
     """A scene loaded into Mitsuba, rendered from any number of cameras."""
 
-    def __init__(
-        self,
-        geometry: Geometry,
-        finishes: Mapping[str, Finish],
-        mi: Any,
-        *,
-        depth: int = PATH_DEPTH,
-    ) -> None:
+    def __init__(self, geometry: Geometry, finishes: Mapping[str, Finish], mi: Any) -> None:
         self._mi = mi
         self._groups = list(geometry.joined().items())
         scene: dict[str, Any] = {"type": "scene"}
@@ -121,7 +99,7 @@ class Tracer:
             scene[f"m{index:03d}"] = _mesh(mi, f"m{index:03d}", group, finishes[name])
         self._scene = mi.load_dict(scene, optimize=False, parallel=False)
         self._ids = _shape_ids(mi, self._scene)
-        path = {"type": "path", "max_depth": depth, "rr_depth": ROULETTE_DEPTH}
+        path = {"type": "path", "max_depth": PATH_DEPTH, "rr_depth": ROULETTE_DEPTH}
         aovs = "al:albedo"
         self._image = mi.load_dict({"type": "aov", "aovs": aovs, "img": path})
         emitted = {"type": "path", "max_depth": 1}

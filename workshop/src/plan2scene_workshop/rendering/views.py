@@ -55,11 +55,7 @@ def plan_views(house: House, rooms: Sequence[str], count: int, seed: int) -> lis
     """Return `count` views of the named rooms, the largest rooms first and most often.
 
     Every room gets a view when `count` allows; later views of a room differ from earlier ones.
-
-    Raises
-    ------
-    InputError
-        When a room is not in the house or is too narrow to stand in.
+    InputError when a room is not in the house or is too narrow to stand in.
     """
     known = {room.id: room for room in house.rooms}
     for room_id in rooms:

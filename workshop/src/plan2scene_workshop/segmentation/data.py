@@ -19,38 +19,21 @@ from plan2scene.photos.labels.palette import IGNORE, LABELS, read_label_png
 
 @dataclass(frozen=True)
 class Horizon:
-    """Where a photo's horizon lies, independent of the photo's size.
+    """Where a photo's horizon lies, independent of the photo's size."""
 
-    Parameters
-    ----------
-    up : (3,) tuple of float
-        The world's up direction in camera axes (x right, y down, z forward), a unit vector.
-    focal : float
-        Focal length divided by the photo's width.
-    """
-
+    #: The world's up direction in camera axes (x right, y down, z forward), a unit vector.
     up: tuple[float, float, float]
-    focal: float
+    focal: float  #: focal length divided by the photo's width
 
 
 @dataclass(frozen=True, eq=False)
 class LabelledPhoto:
-    """A photo with its true labels.
-
-    Attributes
-    ----------
-    name : str
-    image : (h, w, 3) uint8 sRGB
-    labels : (h, w) uint8
-        0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore.
-    horizon : Horizon, optional
-        Where its horizon lies, if known.
-    """
+    """A photo with its true labels."""
 
     name: str
-    image: np.ndarray
-    labels: np.ndarray
-    horizon: Horizon | None = None
+    image: np.ndarray  #: (h, w, 3) uint8 sRGB
+    labels: np.ndarray  #: (h, w) uint8: 0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore
+    horizon: Horizon | None = None  #: if known
 
 
 def read_labelled_photos(root: str | Path, split: str, *, long_side: int) -> list[LabelledPhoto]:
@@ -114,12 +97,7 @@ def scaled_down(
 
 
 def confusion(predicted: np.ndarray, true: np.ndarray) -> np.ndarray:
-    """Return (4, 4) int64 pixel counts, rows true and columns predicted; 255 is left out.
-
-    Parameters
-    ----------
-    predicted, true : (h, w) uint8
-    """
+    """Return (4, 4) int64 pixel counts of labels (h, w), rows true, columns predicted; not 255."""
     count = len(LABELS)
     kept = true != IGNORE
     pairs = true[kept].astype(np.int64) * count + predicted[kept]

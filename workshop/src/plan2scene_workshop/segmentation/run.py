@@ -11,16 +11,9 @@ from plan2scene.photos.labels.palette import LABELS
 from plan2scene.photos.labels.segmentation import SegmentationNet, load_segmenter
 from plan2scene.seeds import derive_seed
 from plan2scene.weights import save_model_file
-from plan2scene_workshop.segmentation.data import (
-    Scores,
-    read_labelled_photos,
-)
+from plan2scene_workshop.segmentation.data import Scores, read_labelled_photos
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
-from plan2scene_workshop.segmentation.training import (
-    estimated_cameras,
-    evaluate,
-    train_network,
-)
+from plan2scene_workshop.segmentation.training import estimated_cameras, evaluate, train_network
 from plan2scene_workshop.training.card import Card, table, write_card
 
 _LOG = logging.getLogger("plan2scene")
@@ -63,10 +56,7 @@ def train_segmentation(
     save_model_file(model_path, network.state_dict(), network.architecture)
     shipped = load_segmenter(model_path).network
     final = evaluate(shipped, held_out, estimated_cameras(held_out))
-    seen = [
-        f"{len(photos)} rendered photos of the synthetic train split.",
-        "No real photo.",
-    ]
+    seen = [f"{len(photos)} rendered photos of the synthetic train split.", "No real photo."]
     size = sum(parameter.numel() for parameter in shipped.parameters()) / 1e6
     rows = {name: [value] for name, value in zip(LABELS, final.iou, strict=True)}
     rows |= {"**mean**": [final.mean_iou], "pixel accuracy": [final.accuracy]}

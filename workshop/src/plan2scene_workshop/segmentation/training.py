@@ -17,21 +17,9 @@ from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.palette import IGNORE, LABELS
 from plan2scene.photos.labels.segmentation import SegmentationNet, Segmenter
 from plan2scene_workshop.segmentation.augment import training_batch
-from plan2scene_workshop.segmentation.data import (
-    LabelledPhoto,
-    Scores,
-    confusion,
-    digest,
-    scores,
-)
+from plan2scene_workshop.segmentation.data import LabelledPhoto, Scores, confusion, digest, scores
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
-from plan2scene_workshop.training.loop import (
-    Trained,
-    Trainer,
-    TrainerOptions,
-    best_device,
-    cosine,
-)
+from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, best_device, cosine
 
 
 def segmentation_loss(
@@ -63,9 +51,7 @@ def estimated_cameras(photos: Sequence[LabelledPhoto]) -> list[Camera | None]:
 
 
 def evaluate(
-    network: SegmentationNet,
-    photos: Sequence[LabelledPhoto],
-    cameras: Sequence[Camera | None],
+    network: SegmentationNet, photos: Sequence[LabelledPhoto], cameras: Sequence[Camera | None]
 ) -> Scores:
     """Return the scores of a network on whole photos, told their estimated cameras."""
     segmenter = Segmenter(copy.deepcopy(network).cpu())

@@ -21,21 +21,11 @@ TILE_PX = 256
 
 @dataclass(frozen=True, eq=False)
 class TextureSet:
-    """Tileable textures.
+    """Tileable textures."""
 
-    Attributes
-    ----------
-    tiles : (n, 256, 256, 3) uint8
-        sRGB albedo, repeating in both directions.
-    substances : (n,) int64
-        Index into ``house.SUBSTANCES``.
-    scanned : (n,) bool
-        True for textures of a folder, False for procedural ones.
-    """
-
-    tiles: np.ndarray
-    substances: np.ndarray
-    scanned: np.ndarray
+    tiles: np.ndarray  #: (n, 256, 256, 3) uint8 sRGB albedo, repeating in both directions
+    substances: np.ndarray  #: (n,) int64, index into ``house.SUBSTANCES``
+    scanned: np.ndarray  #: (n,) bool, true for textures of a folder, false for procedural ones
 
     def __len__(self) -> int:
         return len(self.tiles)
@@ -78,11 +68,7 @@ def scanned_textures(folder: str | Path, split: str | None) -> TextureSet:
 
 def join_sets(*sets: TextureSet) -> TextureSet:
     """Return the textures of several sets as one."""
-    return TextureSet(
-        np.concatenate([s.tiles for s in sets]),
-        np.concatenate([s.substances for s in sets]),
-        np.concatenate([s.scanned for s in sets]),
-    )
+    return TextureSet(**{k: np.concatenate([vars(s)[k] for s in sets]) for k in vars(sets[0])})
 
 
 def write_materials(path: str | Path, settings: MaterialSettings, seed: int) -> None:

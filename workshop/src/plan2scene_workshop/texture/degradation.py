@@ -70,22 +70,11 @@ ROOM_PHOTO = Degradation(
 
 @dataclass(frozen=True, eq=False)
 class DegradedCrop:
-    """A spoiled crop and what was done to it.
+    """A spoiled crop and what was done to it."""
 
-    Attributes
-    ----------
-    image : (128, 128, 3) uint8
-        sRGB.
-    side : float
-        Side of the window in sides of the tile.
-    angle_deg : float
-        Turn of the crop's columns against the tile's.
-    shadow, highlight : bool
-    """
-
-    image: np.ndarray
-    side: float
-    angle_deg: float
+    image: np.ndarray  #: (128, 128, 3) uint8 sRGB
+    side: float  #: of the window, in sides of the tile
+    angle_deg: float  #: turn of the crop's columns against the tile's
     shadow: bool
     highlight: bool
 

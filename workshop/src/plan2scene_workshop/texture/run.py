@@ -20,12 +20,7 @@ from plan2scene.textures.model.network import Architecture, TextureModel, archit
 from plan2scene.textures.model.synthesis import decode_textures
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene.weights import save_model_file
-from plan2scene_workshop.texture.data import (
-    TextureSet,
-    random_crop,
-    read_materials,
-    seen_textures,
-)
+from plan2scene_workshop.texture.data import TextureSet, random_crop, read_materials, seen_textures
 from plan2scene_workshop.texture.settings import TextureSettings
 from plan2scene_workshop.texture.training import train_texture_model
 from plan2scene_workshop.training.card import Card, table, write_card

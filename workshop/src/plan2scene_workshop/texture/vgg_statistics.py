@@ -17,16 +17,14 @@ _VGG19: tuple[int | str, ...] = (
 )  # fmt: skip
 #: Indices of the tapped convolutions (relu1_1 ... relu5_1) among torchvision's ``features``.
 _VGG19_TAPS = (0, 5, 10, 19, 28)
+#: What reading a file that holds no such weights raises.
+_UNFIT = (OSError, RuntimeError, ValueError, TypeError, KeyError, pickle.UnpicklingError)
 
 
 class VggStatistics(nn.Module):
     """Gram matrices of VGG-19's relu1_1 ... relu5_1 with circular padding of 1 (the paper's).
 
-    Parameters
-    ----------
-    path : path
-        A state dict of torchvision's ``vgg19`` (``features.0.weight`` ...), read with
-        ``weights_only=True``.
+    `path` is a state dict of torchvision's ``vgg19``, read with ``weights_only=True``.
     """
 
     _MEAN = (0.485, 0.456, 0.406)
@@ -34,10 +32,6 @@ class VggStatistics(nn.Module):
 
     def __init__(self, path: str | Path) -> None:
         super().__init__()
-        try:
-            state = torch.load(path, map_location="cpu", weights_only=True)
-        except (OSError, RuntimeError, ValueError, pickle.UnpicklingError) as error:
-            raise InputError("a state dict of torchvision's vgg19", str(error), file=path) from None
         layers: list[nn.Module] = []
         channels = 3
         for outputs in _VGG19:
@@ -45,11 +39,15 @@ class VggStatistics(nn.Module):
                 layers.append(nn.MaxPool2d(2))
                 continue
             layer = nn.Conv2d(channels, outputs, 3, padding=1, padding_mode="circular")
-            prefix = f"features.{len(layers)}"
-            _fill(layer, state, prefix, path)
             layers += [layer, nn.ReLU()]
             channels = outputs
         self.features = nn.Sequential(*layers).requires_grad_(False).eval()
+        try:
+            state = torch.load(path, map_location="cpu", weights_only=True)
+            self.load_state_dict({name: state[name] for name in self.state_dict()})
+        except _UNFIT as error:
+            found = " ".join(f"{type(error).__name__}: {error}".split())
+            raise InputError("a state dict of torchvision's vgg19", found, file=path) from None
 
     def grams(self, rgb: torch.Tensor) -> list[torch.Tensor]:
         """Return the five Gram matrices (n, c, c) of images (n, 3, h, w)."""
@@ -69,18 +67,6 @@ class VggStatistics(nn.Module):
         for mine, theirs in zip(self.grams(images), self.grams(targets), strict=True):
             total = total + (mine - theirs).square().mean((1, 2))
         return total
-
-
-def _fill(layer: nn.Conv2d, state: object, prefix: str, path: str | Path) -> None:
-    """Copy ``{prefix}.weight`` and ``.bias`` into a convolution; InputError when they don't fit."""
-    for name in ("weight", "bias"):
-        target = getattr(layer, name)
-        value = state.get(f"{prefix}.{name}") if isinstance(state, dict) else None
-        if not isinstance(value, torch.Tensor) or value.shape != target.shape:
-            found = "nothing" if value is None else str(getattr(value, "shape", type(value)))
-            raise InputError(f"{prefix}.{name} of shape {tuple(target.shape)}", found, file=path)
-        with torch.no_grad():
-            target.copy_(value)
 
 
 def load_statistics(
