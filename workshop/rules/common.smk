@@ -1,10 +1,11 @@
 # The checked config, and what all rules of the workshop share.
 import functools
+from dataclasses import fields
 from pathlib import Path
 
 import plan2scene_workshop
 from plan2scene import provenance
-from plan2scene_workshop.homes.residences import residence_names
+from plan2scene_workshop.homes.residences import ResidenceOptions, residence_names
 from snakemake.utils import validate
 
 validate(config, schema="../schemas/config.schema.json")

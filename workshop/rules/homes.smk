@@ -24,15 +24,7 @@ rule residence:
         mem_mb=1500,
     params:
         seed=HOMES["seed"],
-        photos=HOMES["photos"],
-        hidden_room_share=HOMES["hidden_room_share"],
-        height=HOMES["height"],
-        width=HOMES["width"],
-        samples_per_pixel=HOMES["samples_per_pixel"],
-        jpeg_quality=HOMES["jpeg_quality"],
-        tile_px=HOMES["tile_px"],
-        random_room_share=HOMES["random_room_share"],
-        variant=HOMES["variant"],
+        options={field.name: HOMES[field.name] for field in fields(ResidenceOptions)},
         textures=HOMES["textures"],
         code=code_hash("homes.residences"),
     script:

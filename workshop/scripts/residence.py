@@ -14,17 +14,7 @@ with job(snakemake.log[0]):
         snakemake.wildcards.house,
         split,
         params.seed,
-        options=ResidenceOptions(
-            photo_count=tuple(params.photos),
-            hidden_room_share=params.hidden_room_share,
-            height=params.height,
-            width=params.width,
-            samples_per_pixel=params.samples_per_pixel,
-            jpeg_quality=tuple(params.jpeg_quality),
-            tile_px=params.tile_px,
-            random_room_share=params.random_room_share,
-            variant=params.variant,
-        ),
+        options=ResidenceOptions(**params.options),
         # Textures of the training houses are not seen in the others.
         textures=load_texture_folder(folder, "train" if split == "train" else "val")
         if folder

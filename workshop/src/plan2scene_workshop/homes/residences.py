@@ -64,7 +64,7 @@ LEAST_PHOTO_WIDTH = 1.0
 class ResidenceOptions:
     """How a synthetic house is photographed and stored."""
 
-    photo_count: tuple[int, int] = (4, 8)  #: range of photos per house
+    photos: tuple[int, int] = (4, 8)  #: range of photos per house
     hidden_room_share: float = 0.4  #: of the rooms, those without any photo
     height: int = 480  #: of a photo, pixels
     width: int = 640
@@ -94,18 +94,8 @@ def write_residence(
     Only files of this house are written, so that houses can be made at the same time. The same
     seed, options, textures and Mitsuba variant give the same bytes.
 
-    Parameters
-    ----------
-    root : path
-        Folder of the data set.
-    house_id, split : str
-        Name of the house; ``train``, ``val`` or ``test``.
-    seed : int
-        Seed of the data set; each house derives its own from it.
-    textures : sequence of Material, optional
-        Real textures for the style model to mix in.
-
-    InputError when Mitsuba is not installed or its variant does not work.
+    `root` is the data set's folder and `seed` its seed, of which each house derives its own; the
+    style model mixes the real `textures` in. InputError when Mitsuba or its variant does not work.
     """
     options = options or ResidenceOptions()
     root = Path(root)
@@ -116,7 +106,7 @@ def write_residence(
     accents = accent_walls(house, derive_seed(seed, "accents"))
     rng = generator(seed, "photos", house_id)
     rooms = photographed_rooms(house, options.hidden_room_share, rng)
-    low, high = options.photo_count
+    low, high = options.photos
     count = max(int(rng.integers(low, high + 1)), min(len(rooms), high))
     views = [
         randomise_view(view, generator(view.seed, "snapshot"))

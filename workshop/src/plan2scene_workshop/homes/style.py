@@ -179,19 +179,11 @@ def pick(rng: np.random.Generator, table: Mapping[str, float]) -> str:
 def assign_materials(
     house: House, seed: int, textures: Sequence[Material] = (), *, size_px: int = 256
 ) -> dict[SurfaceKey, Material]:
-    """Return the material of every surface of a house.
+    """Return the material of every surface of a house; the same seed gives the same.
 
-    Parameters
-    ----------
-    house : House
-        Any house; a room of several types is furnished as its first type.
-    seed : int
-        The same seed gives the same materials.
-    textures : sequence of Material, optional
-        Real textures that replace procedural ones of their substance with the probability
-        `TEXTURE_SHARE`.
-    size_px : int
-        Side of the procedural albedo tiles in pixels.
+    A room of several types is furnished as its first type. Real `textures` replace procedural ones
+    of their substance with the probability `TEXTURE_SHARE`; procedural tiles have `size_px` pixels
+    a side.
     """
     stock = _Stock(house.id, seed, textures, size_px)
     chosen: dict[SurfaceKey, Material] = {}

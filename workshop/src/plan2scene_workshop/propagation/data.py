@@ -10,12 +10,15 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
+import cv2
 import numpy as np
 
-from plan2scene.house import ROOM_TYPES, SURFACES, House, SurfaceKey
+from plan2scene.house import ROOM_TYPES, SUBSTANCES, SURFACES, House, SurfaceKey
 from plan2scene.io import atomic_path
 from plan2scene.propagation.graph import house_graph
 from plan2scene.seeds import derive_seed, generator
+from plan2scene_workshop.homes.floorplans import generate_house
+from plan2scene_workshop.homes.style import assign_materials
 from plan2scene_workshop.texture.degradation import CROP_PX, window
 
 #: Sides of the metric windows that crops are cut at (the crop stage's usual sizes).
@@ -38,8 +41,6 @@ def lit(crop: np.ndarray, rng: np.random.Generator, tint: np.ndarray) -> np.ndar
 
 def softened(crop: np.ndarray, sharpness: float) -> np.ndarray:
     """Return a (128, 128, 3) uint8 crop enlarged from `sharpness` of its pixels along a side."""
-    import cv2
-
     side = max(round(CROP_PX * sharpness), 8)
     small = cv2.resize(crop, (side, side), interpolation=cv2.INTER_AREA)
     return cv2.resize(small, (CROP_PX, CROP_PX), interpolation=cv2.INTER_CUBIC)
@@ -47,9 +48,6 @@ def softened(crop: np.ndarray, sharpness: float) -> np.ndarray:
 
 def _house_crops(house: House, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Return crops (n, 3, 128, 128, 3) uint8 and substances (n, 3) int of a house's surfaces."""
-    from plan2scene.house import SUBSTANCES
-    from plan2scene_workshop.homes.style import assign_materials
-
     materials = assign_materials(house, derive_seed(seed, house.id, "style"))
     crops = np.zeros((len(house.rooms), len(SURFACES), CROP_PX, CROP_PX, 3), dtype=np.uint8)
     substances = np.zeros(crops.shape[:2], dtype=np.int64)
@@ -73,8 +71,6 @@ def write_training_houses(output: str | Path, *, count: int, seed: int) -> None:
     float32, ``edges`` (2, m) int64 over global room rows, ``crops`` (n, 3, 128, 128, 3) uint8
     (surfaces in the order of ``SURFACES``), ``substances`` (n, 3) int64.
     """
-    from plan2scene_workshop.homes.floorplans import generate_house
-
     owners, types, edges, crops, substances = [], [], [], [], []
     rooms = 0
     for k in range(count):

@@ -79,18 +79,20 @@ def bed(rng: np.random.Generator, palette: Palette) -> Piece:
     return piece
 
 
+def _size(rng: np.random.Generator, *ranges: tuple[float, float]) -> tuple[float, float, float]:
+    """Return a width, a depth and a height from their ranges."""
+    width, depth, height = (rng.uniform(*limits) for limits in ranges)
+    return width, depth, height
+
+
 def wardrobe(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a wardrobe."""
-    return cabinet(
-        rng, palette, (rng.uniform(0.8, 2.2), rng.uniform(0.55, 0.62), rng.uniform(1.85, 2.25))
-    )
+    return cabinet(rng, palette, _size(rng, (0.8, 2.2), (0.55, 0.62), (1.85, 2.25)))
 
 
 def dresser(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a low chest of drawers with things on it."""
-    piece = cabinet(
-        rng, palette, (rng.uniform(0.6, 1.5), rng.uniform(0.35, 0.5), rng.uniform(0.6, 1.0))
-    )
+    piece = cabinet(rng, palette, _size(rng, (0.6, 1.5), (0.35, 0.5), (0.6, 1.0)))
     scatter(piece, rng, palette, piece.height, int(rng.integers(1, 5)))
     return piece
 
@@ -104,7 +106,7 @@ def night_table(rng: np.random.Generator, palette: Palette) -> Piece:
 
 def bookshelf(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return open shelves with books and boxes."""
-    piece = Piece(rng.uniform(0.5, 1.5), rng.uniform(0.26, 0.36), rng.uniform(0.9, 2.15))
+    piece = Piece(*_size(rng, (0.5, 1.5), (0.26, 0.36), (0.9, 2.15)))
     look, half, depth = hard(rng, palette), piece.width / 2, piece.depth
     rows = max(2, round(piece.height / rng.uniform(0.32, 0.42)))
     for x in (-half, half - 0.025):
@@ -135,9 +137,7 @@ def _books(piece: Piece, rng: np.random.Generator, palette: Palette, y: float, r
 
 def television(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a low unit with a television."""
-    piece = cabinet(
-        rng, palette, (rng.uniform(1.1, 2.0), rng.uniform(0.36, 0.48), rng.uniform(0.35, 0.55))
-    )
+    piece = cabinet(rng, palette, _size(rng, (1.1, 2.0), (0.36, 0.48), (0.35, 0.55)))
     wide, y = rng.uniform(0.8, 1.3), piece.height
     piece.add(
         GLOSS_BLACK, box((-wide / 2, y + 0.06, 0.12), (wide / 2, y + 0.06 + wide * 0.56, 0.16))
@@ -153,9 +153,7 @@ def television(rng: np.random.Generator, palette: Palette) -> Piece:
 
 def coffee_table(rng: np.random.Generator, palette: Palette) -> Piece:
     """Return a coffee table with things on it."""
-    piece = table(
-        rng, palette, (rng.uniform(0.6, 1.2), rng.uniform(0.45, 0.7), rng.uniform(0.32, 0.48))
-    )
+    piece = table(rng, palette, _size(rng, (0.6, 1.2), (0.45, 0.7), (0.32, 0.48)))
     scatter(piece, rng, palette, piece.height, int(rng.integers(0, 4)))
     return piece
 

@@ -74,13 +74,7 @@ def train_network(
 ) -> Trained[SegmentationNet]:
     """Return the averaged network that did best on `held_out` (mean IoU).
 
-    Parameters
-    ----------
-    network : SegmentationNet
-        With the weights to start from.
-    photos, held_out : labelled photos of disjoint houses
-    checkpoint : path, optional
-        Goes on from it where it is of this run.
+    It starts from the weights of `network`, or goes on from a checkpoint of this run.
     """
     device = best_device()
     network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]

@@ -84,17 +84,9 @@ def degrade(
 ) -> list[DegradedCrop]:
     """Return photo-like crops of a clean tileable texture; same seed, same bytes.
 
-    Parameters
-    ----------
-    tile : (s, s, 3) uint8
-        sRGB tile that repeats in both directions.
-    seed : int
-        Decides places, light and casts, each crop on its own.
-    crops : int
-        Number of crops. The shares of shadows and highlights hold exactly over the crops (rounded
-        to whole crops); which crops get them is drawn.
-    how : Degradation, optional
-        ValueError for a tile that is not square uint8 RGB.
+    The tile (s, s, 3) is uint8 sRGB, ValueError for another. Places, light and casts are of each
+    crop on its own. The shares of shadows and highlights hold exactly over the crops (rounded to
+    whole crops); which crops get them is drawn.
     """
     if tile.dtype != np.uint8 or tile.ndim != 3 or tile.shape[0] != tile.shape[1]:
         raise ValueError(f"expected (s, s, 3) uint8, found {tile.shape} {tile.dtype}")
