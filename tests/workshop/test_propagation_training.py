@@ -129,7 +129,7 @@ def test_batches_keep_houses_apart():
     assert torch.equal(flags == 0, sample.hidden)
 
 
-def test_a_run_writes_weights_and_card_the_same_twice(tmp_path):
+def test_a_run_writes_weights_and_card_and_goes_on_from_its_checkpoint(tmp_path, caplog):
     rng = np.random.default_rng(6)
     torch.manual_seed(0)
     for name, delta in (("texture", True), ("naive", False)):
@@ -145,9 +145,12 @@ def test_a_run_writes_weights_and_card_the_same_twice(tmp_path):
     )
     inputs = (tmp_path / "houses.npz", tmp_path / "texture", tmp_path / "naive")
     settings = PropagationSettings(steps=2, batch=2)
-    for run in ("a", "b"):
+    checkpoint = tmp_path / "propagation.checkpoint"
+    for run in ("a", "b"):  # the second goes on from the first's last step
         paths = (tmp_path / f"{run}.safetensors", tmp_path / f"{run}.md")
-        train_propagation(*inputs, *paths, settings=settings, seed=1)
+        with caplog.at_level("INFO"):
+            train_propagation(*inputs, *paths, settings=settings, seed=1, checkpoint=checkpoint)
+    assert caplog.messages.count("propagation: goes on from step 2") == 1
     assert (tmp_path / "a.safetensors").read_bytes() == (tmp_path / "b.safetensors").read_bytes()
     network, means = load_propagation(tmp_path / "a.safetensors")
     assert isinstance(network, PointerNetwork) and means.embedding.shape == (12, 3, 11)
