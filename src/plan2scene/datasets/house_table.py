@@ -33,12 +33,9 @@ def load_houses(path: Path, *, splits: Sequence[str], may_be_absent: bool = Fals
     table = read_house_table(path)
     chosen = table[table["split"].isin(list(splits))]
     if chosen.empty:
-        raise InputError(
-            f"a house of split {', '.join(splits)}",
-            f"only {', '.join(sorted(set(table['split']))) or 'no houses'}",
-            file=path,
-        )
-    return chosen if chosen.index.name == "house" else chosen.set_index("house")
+        found = f"only {', '.join(sorted(set(table['split']))) or 'no houses'}"
+        raise InputError(f"a house of split {', '.join(splits)}", found, file=path)
+    return chosen.set_index("house")
 
 
 def table_of(

@@ -57,9 +57,8 @@ def _check_row(row: dict[str, str], seen: set[str], path: str | Path) -> None:
     """Raise InputError for a row that can't become jobs; note its house in `seen`."""
     house_id = row["house"]
     if not house_id or house_id.startswith((".", "-")) or not set(house_id) <= _NAME_CHARACTERS:
-        raise InputError(
-            "a house name of letters, digits, '_', '-', '.'", repr(house_id), file=path
-        )
+        expected = "a house name of letters, digits, '_', '-', '.'"
+        raise InputError(expected, repr(house_id), file=path)
     if house_id in seen:
         raise InputError("each house once", f"{house_id} twice", file=path, house=house_id)
     seen.add(house_id)

@@ -10,7 +10,6 @@ from plan2scene.floorplans.object_boxes import (
 )
 from plan2scene.floorplans.plan_json import plan_schema
 from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.floorplans.scene_textures import read_scene_textures
 from plan2scene.floorplans.scene_writer import house_to_scene, write_scene_json
 from plan2scene.floorplans.validate import house_faults, validate_house
 
@@ -26,7 +25,6 @@ __all__ = [
     "read_object_boxes",
     "read_plan",
     "read_scene_json",
-    "read_scene_textures",
     "validate_house",
     "write_scene_json",
 ]

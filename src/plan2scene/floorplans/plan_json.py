@@ -45,16 +45,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
     rooms = []
     for entry in document["rooms"]:
         rings = [
-            source.ring(
-                [
-                    (
-                        source.number(x, "a coordinate", entry["id"]),
-                        source.number(z, "a coordinate", entry["id"]),
-                    )
-                    for x, z in ring
-                ],
-                entry["id"],
-            )
+            source.outline(ring, entry["id"])
             for ring in (entry["polygon"], *entry.get("holes", []))
         ]
         height = float(entry.get("height", DEFAULT_HEIGHT))

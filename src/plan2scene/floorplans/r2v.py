@@ -63,13 +63,17 @@ def house_of_r2v(text: str, house_id: str, metres_per_pixel: float, *, file: str
     rooms = _rooms(source, plan, faces, metres_per_pixel)
     walls = [_lower(wall, rooms) for wall in walls_of_rooms(rooms, depth=WALL_DEPTH)]
     walls = _openings(source, plan, rooms, walls, metres_per_pixel)
-    icons = [b for b in plan.boxes if b.label not in ROOM_LABELS and b.label != "entrance"]
+    icons = [
+        item.scaled(metres_per_pixel)
+        for item in plan.boxes
+        if item.label not in ROOM_LABELS and item.label != "entrance"
+    ]
     return House(
         id=house_id,
         rooms=tuple(rooms),
         walls=tuple(walls),
         doors=find_doors(rooms, walls),
-        icons=tuple(_icon(icon, metres_per_pixel) for icon in icons),
+        icons=tuple(IconBox(icon.label, icon.low, icon.high) for icon in icons),
         warnings=tuple(source.warnings),
     )
 
@@ -92,6 +96,7 @@ def _rooms(
         elif face is not None and item.label in ("entrance", "stairs"):
             marks[face].append(item.label)
     rooms = []
+    m = metres_per_pixel
     for k, face in enumerate(faces):
         room_id = f"room_{k}"
         votes = side_labels(face, plan.walls)
@@ -103,16 +108,7 @@ def _rooms(
         if not names:
             source.warn("a label for each room", "none; read as Unknown", room_id)
         rings = tuple(
-            source.ring(
-                [
-                    (
-                        source.number(x * metres_per_pixel, "a coordinate", room_id),
-                        source.number(y * metres_per_pixel, "a coordinate", room_id),
-                    )
-                    for x, y in ring.coords
-                ],
-                room_id,
-            )
+            source.outline([(x * m, y * m) for x, y in ring.coords], room_id)
             for ring in (face.exterior, *face.interiors)
         )
         rooms.append(Room(room_id, tuple(dict.fromkeys(names)) or ("Unknown",), rings, WALL_HEIGHT))
@@ -170,11 +166,11 @@ def _openings(
 def _segment(door: PixelBox, name: str, metres_per_pixel: float) -> Segment:
     """Return the middle line of a door's box along its longer side, in metres."""
     (x0, y0), (x1, y1) = door.low, door.high
+    m = metres_per_pixel
     if x1 - x0 >= y1 - y0:
         y0 = y1 = (y0 + y1) / 2
     else:
         x0 = x1 = (x0 + x1) / 2
-    m = metres_per_pixel
     return Segment(name, "door", (x0 * m, y0 * m), (x1 * m, y1 * m), *DOOR_HEIGHTS)
 
 
@@ -187,11 +183,11 @@ def _outer_doors(
     for item in plan.boxes:
         if item.label != "entrance":
             continue
-        low, high = ((x * metres_per_pixel, y * metres_per_pixel) for x, y in (item.low, item.high))
-        face = _face_of(PixelBox(item.label, low, high), polygons, ENTRANCE_SHARE)
+        mark = item.scaled(metres_per_pixel)
+        face = _face_of(mark, polygons, ENTRANCE_SHARE)
         if face is None:
             continue
-        shape = box(*low, *high)
+        shape = box(*mark.low, *mark.high)
         best = (math.inf, "")
         for wall in walls:
             if wall.room_ids == (rooms[face].id,):
@@ -207,10 +203,3 @@ def _with_heights(opening: Opening, wall: Wall, door: bool) -> Opening:
     bottom, top = DOOR_HEIGHTS if door else WINDOW_HEIGHTS
     kind = "door" if door else "window"
     return replace(opening, kind=kind, bottom=bottom, top=min(top, wall.height))
-
-
-def _icon(item: PixelBox, metres_per_pixel: float) -> IconBox:
-    """Return an icon's box in metres."""
-    (x0, y0), (x1, y1) = item.low, item.high
-    m = metres_per_pixel
-    return IconBox(item.label, (x0 * m, y0 * m), (x1 * m, y1 * m))

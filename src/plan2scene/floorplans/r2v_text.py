@@ -59,6 +59,11 @@ class PixelBox:
     low: Point
     high: Point
 
+    def scaled(self, factor: float) -> PixelBox:
+        """Return the box with its coordinates times a factor."""
+        low, high = ((x * factor, y * factor) for x, y in (self.low, self.high))
+        return PixelBox(self.label, low, high)
+
 
 @dataclass(frozen=True)
 class PixelPlan:

@@ -232,8 +232,5 @@ def _read_icons(source: Source, arch: Mapping[str, Any]) -> tuple[IconBox, ...]:
     icons = []
     for entry in source.items(arch.get("icons"), "icons"):
         icon = source.mapping(entry, "an icon")
-        box = source.mapping(icon.get("bound_box"), "an icon's bound_box")
-        corners = [source.point(box.get(name), "an icon's corner") for name in ("p1", "p2")]
-        (x0, _, z0), (x1, _, z1) = corners
-        icons.append(IconBox(str(icon.get("type", "")), (x0, z0), (x1, z1)))
+        icons.append(IconBox(str(icon.get("type", "")), *source.box(icon, "an icon")))
     return tuple(icons)
