@@ -83,8 +83,20 @@ def read_json(path: str | os.PathLike[str]) -> Any:
 
 def write_json(path: str | os.PathLike[str], value: Any) -> None:
     """Write JSON atomically, indented, keys in the order given, with a final newline."""
+    write_text(path, json.dumps(value, indent=1, allow_nan=False) + "\n")
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write UTF-8 text atomically."""
     with atomic_path(path) as temporary:
-        temporary.write_text(json.dumps(value, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8")
+
+
+def write_csv(
+    path: str | os.PathLike[str], frame: pd.DataFrame, *, float_format: str | None = None
+) -> None:
+    """Write a table without its index atomically as CSV."""
+    write_text(path, frame.to_csv(index=False, lineterminator="\n", float_format=float_format))
 
 
 def safe_join(

@@ -28,6 +28,10 @@ def read_assignment(
 ) -> tuple[PhotoAssignment, ...]:
     """Return the rows of a photo table in file order, repeated rows once.
 
+    Raises InputError for missing columns, a row without a room or photo, a room that the plan
+    lacks, a photo name with ``..`` or a leading ``/``, or two photos that share a stem (masks are
+    ``{stem}.png``).
+
     Parameters
     ----------
     path : path or None
@@ -38,12 +42,6 @@ def read_assignment(
         When given, each room id must be one of its rooms.
     house_id : str
         Name for messages when `house` is not given.
-
-    Raises
-    ------
-    InputError
-        Missing columns, a row without a room or photo, a room that the plan lacks, a photo name
-        with ``..`` or a leading ``/``, or two photos that share a stem (masks are ``{stem}.png``).
     """
     name = house.id if house is not None else house_id
     rows = [] if not path else read_rows(path, house_id=name)

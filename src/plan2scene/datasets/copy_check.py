@@ -19,11 +19,7 @@ _BOXED_SPLITS = ("test",)
 def missing_parts(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[str]:
     """Yield a line for each part that a copy of Rent3D++ has and this one lacks.
 
-    Parameters
-    ----------
-    layout : Layout
-    houses : sequence of dict
-        Rows of its house table.
+    `houses` are the rows of its house table.
     """
     for split in SPLITS:
         file = layout.data / "data_lists" / f"{split}.txt"

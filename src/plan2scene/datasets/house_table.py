@@ -43,10 +43,12 @@ def table_of(
 ) -> Path:
     """Return the path of the house table, worked out from the data lists where none is named.
 
+    Raises InputError in one line, where there is no data set under ``dataset.root``.
+
     Parameters
     ----------
     dataset : mapping
-        The section ``dataset`` of the configuration.
+        Section of the configuration.
     results : path
         Folder of this data set's results: a table that is worked out is written here, the data
         set itself is never written to.
@@ -55,11 +57,6 @@ def table_of(
         it differs.
     warn : text file, optional
         Gets a line of what the table goes on without.
-
-    Raises
-    ------
-    InputError
-        One line, where there is no data set under ``dataset.root``.
     """
     layout = find_layout(dataset["root"])
     if dataset["table"] is not None:

@@ -16,7 +16,7 @@ from plan2scene.evaluation.aggregate import TableRequest, tidy_table, wide_table
 from plan2scene.evaluation.gather import read_metrics, read_references
 from plan2scene.evaluation.latex import latex_table
 from plan2scene.evaluation.plot import plot_table
-from plan2scene.io import atomic_path, write_parquet
+from plan2scene.io import write_csv, write_parquet, write_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,12 +36,8 @@ def paper_table(
 ) -> pd.DataFrame:
     """Write the table as CSV, tidy Parquet, plot and (where asked) LaTeX; return the tidy table.
 
-    Parameters
-    ----------
-    metrics_files : iterable of path
-        ``metrics.parquet`` of all houses, methods and drops.
-    reference_files : iterable of path
-        ``reference_features.parquet`` of the houses.
+    From ``metrics.parquet`` of all houses, methods and drops, and ``reference_features.parquet``
+    of the houses.
     """
     metrics, networks = read_metrics(metrics_files)
     tidy = tidy_table(metrics, read_references(reference_files), networks, request)
@@ -56,12 +52,10 @@ def paper_table(
         ("missing", "dataset", "seed", "version", "packages"),
         published=True,
     )
-    with atomic_path(output_csv) as temporary:
-        wide.to_csv(temporary, index=False, lineterminator="\n")
+    write_csv(output_csv, wide)
     plot_table(tidy, output_plot)
     if output_latex is not None:
-        with atomic_path(output_latex) as temporary:
-            temporary.write_text(latex_table(tidy), encoding="utf-8")
+        write_text(output_latex, latex_table(tidy))
     return tidy
 
 

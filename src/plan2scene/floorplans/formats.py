@@ -26,13 +26,7 @@ from plan2scene.io import read_text
 class PlanFile:
     """A plan on disk, read when a format first looks at it.
 
-    Parameters
-    ----------
-    path : path
-    house_id : str
-        Name that the house gets.
-    metres_per_pixel : float, optional
-        Scale of formats that are in pixels.
+    The house gets the name `house_id`; `metres_per_pixel` is the scale of formats in pixels.
     """
 
     path: Path
@@ -62,8 +56,6 @@ class PlanFormat:
 
     Parameters
     ----------
-    name : str
-        As users know it.
     sniff : callable
         Whether a file is of this format, by its content; the first format that says yes reads it.
     read : callable
@@ -107,13 +99,7 @@ FORMATS: tuple[PlanFormat, ...] = (
 def read_plan(path: str | Path, house_id: str, metres_per_pixel: float | None = None) -> House:
     """Return the house of any plan of :data:`FORMATS`; its content tells which.
 
-    Parameters
-    ----------
-    path : path
-    house_id : str
-        Name that the house gets.
-    metres_per_pixel : float, optional
-        Scale of formats that are in pixels; needed for those only.
+    Parameters are those of :class:`PlanFile`; a format in pixels needs its scale.
     """
     plan = PlanFile(Path(path), house_id, metres_per_pixel)
     if not plan.path.is_file():

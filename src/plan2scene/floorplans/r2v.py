@@ -25,7 +25,7 @@ from plan2scene.floorplans.r2v_text import (
     PixelPlan,
     parse_r2v,
 )
-from plan2scene.house import House, IconBox, Opening, Room, Wall
+from plan2scene.house import House, IconBox, Room, Wall
 
 #: The reference converter's constants, in metres.
 WALL_HEIGHT = 2.8
@@ -47,11 +47,7 @@ def house_of_r2v(text: str, house_id: str, metres_per_pixel: float, *, file: str
 
     Rooms are the faces that the walls close. Openings between two rooms are doors; of a room
     with an entrance the nearest opening to the outside is one too; the others are windows.
-
-    Parameters
-    ----------
-    metres_per_pixel : float
-        Scale of the drawing; x becomes x, y becomes z.
+    The drawing's x becomes x, its y becomes z, times `metres_per_pixel`.
     """
     source = Source(file, house_id)
     source.identifier(house_id, "a house name")
@@ -144,23 +140,13 @@ def _openings(
     for number, door in enumerate(plan.doors):
         segment = _segment(door, f"hole_{number}", metres_per_pixel)
         try:
-            placed = place_openings(
-                source, placed, [segment], tolerance=tolerance, both_sides=False
-            )
+            given = (source, placed, [segment])
+            placed = place_openings(*given, tolerance=tolerance, both_sides=False)
         except InputError as error:
             # One stray door of a recognised drawing is no reason to lose the house.
             source.warnings.append(f"{error}; left out")
     doors = _outer_doors(plan, rooms, placed, metres_per_pixel)
-    return [
-        replace(
-            wall,
-            openings=tuple(
-                _with_heights(opening, wall, len(wall.room_ids) > 1 or opening.id in doors)
-                for opening in wall.openings
-            ),
-        )
-        for wall in placed
-    ]
+    return [_with_heights(wall, doors) for wall in placed]
 
 
 def _segment(door: PixelBox, name: str, metres_per_pixel: float) -> Segment:
@@ -198,8 +184,12 @@ def _outer_doors(
     return doors
 
 
-def _with_heights(opening: Opening, wall: Wall, door: bool) -> Opening:
-    """Return an opening as a door or window with the usual heights, cut to the wall."""
-    bottom, top = DOOR_HEIGHTS if door else WINDOW_HEIGHTS
-    kind = "door" if door else "window"
-    return replace(opening, kind=kind, bottom=bottom, top=min(top, wall.height))
+def _with_heights(wall: Wall, doors: set[str]) -> Wall:
+    """Return a wall, its openings as doors or windows with the usual heights, cut to it."""
+    openings = []
+    for opening in wall.openings:
+        door = len(wall.room_ids) > 1 or opening.id in doors
+        kind, (bottom, top) = ("door", DOOR_HEIGHTS) if door else ("window", WINDOW_HEIGHTS)
+        top = min(top, wall.height)
+        openings.append(replace(opening, kind=kind, bottom=bottom, top=top))
+    return replace(wall, openings=tuple(openings))
