@@ -88,9 +88,8 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     """Write the run's configuration: the shipped one with this data set in it."""
     import yaml
 
-    config: dict[str, Any] = yaml.safe_load(
-        (WORKFLOW / "config" / "config.yaml").read_text("utf-8")
-    )
+    shipped = WORKFLOW / "config" / "config.yaml"
+    config: dict[str, Any] = yaml.safe_load(shipped.read_text("utf-8"))
     config["dataset"] = {
         "name": DATASET,
         "root": str(root.relative_to(work)),

@@ -63,9 +63,8 @@ def read_checkpoint(path: str | Path) -> Mapping[str, Any]:
     except pickle.UnpicklingError as error:
         raise _refusal(path, str(error)) from None
     except _DAMAGED:
-        raise InputError(
-            "a checkpoint of torch.save", "another or a damaged file", file=path
-        ) from None
+        found = "another or a damaged file"
+        raise InputError("a checkpoint of torch.save", found, file=path) from None
     if not isinstance(document, Mapping):
         raise InputError("a dict in the checkpoint", type(document).__name__, file=path)
     return document

@@ -99,15 +99,18 @@ def check_official(config: Mapping[str, Any]) -> None:
         # A propagation network knows the embeddings of one texture model only.
         if given[name] is None and name != "naivesynth":
             raise InputError(f"a path for official.{name}", "null", file="configuration")
-        if given[name] is not None and not Path(given[name]).is_file():
-            raise InputError(f"a checkpoint (official.{name})", "no such file", file=given[name])
+        _check_file(f"official.{name}", given[name])
 
 
 def check_metrics(section: Mapping[str, Any]) -> None:
     """Raise InputError, one line, where a network of section ``metrics`` is no file."""
     for name in ("vgg16", "inception"):
-        if section[name] is not None and not Path(section[name]).is_file():
-            raise InputError(f"a checkpoint (metrics.{name})", "no such file", file=section[name])
+        _check_file(f"metrics.{name}", section[name])
+
+
+def _check_file(name: str, path: str | None) -> None:
+    if path is not None and not Path(path).is_file():
+        raise InputError(f"a checkpoint ({name})", "no such file", file=path)
 
 
 def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:

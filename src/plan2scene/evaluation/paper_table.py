@@ -41,9 +41,8 @@ def paper_table(
     """
     metrics, networks = read_metrics(metrics_files)
     tidy = tidy_table(metrics, read_references(reference_files), networks, request)
-    for method, column in dict.fromkeys(
-        tidy.loc[tidy["n"] == 0, ["method", "column"]].itertuples(index=False, name=None)
-    ):
+    empty = tidy.loc[tidy["n"] == 0, ["method", "column"]].drop_duplicates()
+    for method, column in empty.itertuples(index=False, name=None):
         _LOGGER.warning("no surface counts for method %s, column %s", method, column)
     write_parquet(output_parquet, tidy, {"dataset": request.dataset, "seed": request.seed})
     wide = wide_table(
@@ -68,13 +67,9 @@ def partial_table(
     ``paper_table_partial.csv``, ``.parquet`` and ``.png`` into `output_folder`. Returns the CSV's
     path; None when there is nothing to count yet.
     """
-    root = Path(results)
+    folders = [Path(results) / "houses" / house for house in request.houses]
     metrics, references = (
-        [
-            path
-            for house in request.houses
-            if (path := root / "houses" / house / f"{name}.parquet").is_file()
-        ]
+        [path for folder in folders if (path := folder / f"{name}.parquet").is_file()]
         for name in ("metrics", "reference_features")
     )
     if not metrics or not references:

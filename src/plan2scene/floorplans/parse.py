@@ -89,11 +89,8 @@ class Source:
         if not math.isfinite(number):
             raise self.fault(f"a finite number for {what}", number, room)
         if abs(number) > MAX_COORDINATE:
-            raise self.fault(
-                f"{what} within {MAX_COORDINATE:g} m (is the plan's scale in metres?)",
-                f"{number:g}",
-                room,
-            )
+            expected = f"{what} within {MAX_COORDINATE:g} m (is the plan's scale in metres?)"
+            raise self.fault(expected, f"{number:g}", room)
         return number
 
     def identifier(self, value: Any, what: str, room: str = "") -> str:

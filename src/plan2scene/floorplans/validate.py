@@ -43,12 +43,11 @@ def validate_house(house: House, *, file: str | Path = "") -> list[str]:
     """
     for fault in house_faults(house, file=file):
         raise fault
-    found = [*_overlaps(house), *_stray_walls(house), *_overlapping_holes(house)]
-    lines = [
-        str(InputError(expected, text, file=file, house=house.id, room=room))
-        for expected, text, room in found
-    ]
-    return [*house.warnings, *lines]
+    lines = list(house.warnings)
+    found = (*_overlaps(house), *_stray_walls(house), *_overlapping_holes(house))
+    for expected, text, room in found:
+        lines.append(str(InputError(expected, text, file=file, house=house.id, room=room)))
+    return lines
 
 
 def house_faults(house: House, *, file: str | Path = "") -> Iterator[InputError]:
