@@ -12,6 +12,7 @@ from plan2scene.datasets.copy_check import missing_parts
 from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
+from plan2scene.floorplans import add_object_boxes, house_faults, read_plan, validate_house
 from plan2scene.house import House
 from plan2scene.images import decode_image
 from plan2scene.io import safe_join
@@ -42,8 +43,6 @@ def check_plan(
     path: str | Path, house_id: str, metres_per_pixel: float | None = None
 ) -> tuple[House | None, list[Problem]]:
     """Return the house of a plan (None when it has a fault) and every problem found."""
-    from plan2scene.floorplans import house_faults, read_plan, validate_house
-
     try:
         house = read_plan(path, house_id, metres_per_pixel)
         faults = [Problem("error", str(fault)) for fault in house_faults(house, file=path)]
@@ -98,14 +97,11 @@ def _check_house(
     checked: set[str],
 ) -> Iterator[Problem]:
     """Yield the problems of one house; photos in `checked` were opened for another house."""
-    from plan2scene.floorplans import add_object_boxes
-
     house_id = row["house"]
     names = {name for name in row["photos"].split("|") if name}
     house, problems = check_plan(layout.root / row["plan"], house_id, metres_per_pixel)
     yield from problems
-    boxes = layout.object_boxes(row["split"], house_id)
-    if house is not None and boxes.is_file():
+    if house is not None and (boxes := layout.object_boxes(row["split"], house_id)).is_file():
         yield from _warnings(add_object_boxes(house, boxes)[1])
     file = layout.root / row["assignment"] if row["assignment"] else None
     try:

@@ -109,8 +109,8 @@ def selected(
     table = crops[["crop_id", "photo", "room_id", "surface", "metres"]].join(embeddings[own])
     table = table[~table["photo"].isin(set(hidden_photos))]
     groups = {key: group for key, group in table.groupby(["room_id", "surface"])}
-    rows = []
-    for row in surfaces.to_dict("records"):
+    rows = surfaces.to_dict("records")
+    for row in rows:
         group = groups[row["room_id"], row["surface"]]
         chosen = group[group["crop_id"] == row["crop_id"]].iloc[0]
         if variant.select == "random":
@@ -127,7 +127,6 @@ def selected(
             row["crop_id"] = f"mean of {len(group)} crops"
         if variant.rgb:
             row["naive_embedding"] = np.asarray(chosen["naive_embedding"], np.float32)
-        rows.append(row)
     frame = surfaces.copy()
     for name in ("crop_id", "embedding", "naive_embedding", "metres"):
         values = [row[name] for row in rows]
