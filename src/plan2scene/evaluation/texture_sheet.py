@@ -21,16 +21,10 @@ _PALE = (225, 225, 225)
 
 @dataclass(frozen=True, eq=False)
 class SheetRow:
-    """A surface on a sheet.
+    """A surface on a sheet: the lines beside its row, and (s, s, 3) uint8 tiles by method.
 
-    Attributes
-    ----------
-    title : tuple of str
-        Lines beside the row.
-    reference : (s, s, 3) uint8 or None
-        The crop that metrics compare with; None where no photo shows the surface.
-    tiles : mapping
-        Method -> (s, s, 3) uint8 tile.
+    `reference` (s, s, 3) uint8 is the crop that metrics compare with; None where no photo shows
+    the surface.
     """
 
     title: tuple[str, ...]

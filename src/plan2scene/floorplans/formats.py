@@ -54,14 +54,9 @@ class PlanFile:
 class PlanFormat:
     """A format of plans.
 
-    Parameters
-    ----------
-    sniff : callable
-        Whether a file is of this format, by its content; the first format that says yes reads it.
-    read : callable
-        The house of such a file; InputError for a fault that can't be repaired.
-    needs_scale : bool
-        Drawn in pixels: `metres_per_pixel` must be given.
+    `sniff` tells by its content whether a file is of this format; the first that says yes reads
+    it: `read` gives the house, or InputError for a fault that can't be repaired. A format that
+    `needs_scale` is drawn in pixels: `metres_per_pixel` must be given.
     """
 
     name: str
