@@ -24,8 +24,12 @@ def _method(name: str) -> str:
     return name
 
 
+_HouseId = Annotated[str | None, typer.Option(help="House id; default: the plan's name.")]
+_Scale = Annotated[float | None, typer.Option(min=1e-6, help="Scale of an R2V plan.")]
+
+
 def _method_names() -> str:
-    """Return the names of the texture methods as help shows them."""
+    """Return the names of the texture methods as help shows them, those added since included."""
     return f"[{'|'.join(METHODS)}]"
 
 
@@ -49,10 +53,8 @@ def run_house(
         str, typer.Option(parser=_method, metavar=_method_names(), help="How textures are made.")
     ] = "exemplar",
     cores: Annotated[int, typer.Option(min=1)] = 2,
-    house: Annotated[str | None, typer.Option(help="House id; default: the plan's name.")] = None,
-    metres_per_pixel: Annotated[
-        float | None, typer.Option(min=1e-6, help="Scale of an R2V plan.")
-    ] = None,
+    house: _HouseId = None,
+    metres_per_pixel: _Scale = None,
     texture_size: Annotated[int, typer.Option(help="128, 256 or 512 pixels a tile.")] = 128,
     seed: Annotated[int, typer.Option(min=0)] = 0,
 ) -> None:
@@ -141,7 +143,7 @@ def compare(prediction: Path, reference: Path) -> None:
 @app.command("check")
 def check(
     target: Annotated[Path, typer.Argument(help="A data set's folder, or a plan.")],
-    metres_per_pixel: Annotated[float | None, typer.Option(min=1e-6)] = None,
+    metres_per_pixel: _Scale = None,
 ) -> None:
     """Tell what would go wrong, before anything runs."""
     from plan2scene.datasets import check_dataset, check_plan
@@ -165,10 +167,8 @@ def check(
 def import_plan_file(
     plan: Path,
     out: Annotated[Path, typer.Option(help="The scene.json to write.")],
-    metres_per_pixel: Annotated[
-        float | None, typer.Option(min=1e-6, help="Scale of an R2V plan.")
-    ] = None,
-    house: Annotated[str | None, typer.Option(help="House id; default: the plan's name.")] = None,
+    metres_per_pixel: _Scale = None,
+    house: _HouseId = None,
 ) -> None:
     """Convert any supported plan to scene.json."""
     from plan2scene.datasets import import_plan

@@ -10,6 +10,7 @@ import os
 import re
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -56,6 +57,7 @@ def decode_image(
     from PIL import Image, UnidentifiedImageError
 
     file, head = ("" if isinstance(source, io.BytesIO) else source), b""
+    fault = partial(InputError, file=file, house=house_id)
     try:
         if not isinstance(source, io.BytesIO):
             _check_file(Path(source))
@@ -68,19 +70,15 @@ def decode_image(
                 _check_size(*image.size)
                 return decode(image)
     except InputError as error:
-        raise InputError(error.expected, error.found, file=file, house=house_id) from None
+        raise fault(error.expected, error.found) from None
     except UnidentifiedImageError:
-        expected = f"an image ({FORMAT_NAMES})"
-        raise InputError(expected, _kind_of(head), file=file, house=house_id) from None
+        raise fault(f"an image ({FORMAT_NAMES})", _kind_of(head)) from None
     except Image.DecompressionBombError as error:  # Pillow's own limit, before the size is known
         count = re.search(r"\d+", str(error))
-        expected = f"an image of at most {MAX_PIXELS} pixels"
-        raise InputError(
-            expected, count[0] if count else "more", file=file, house=house_id
-        ) from None
+        found = count[0] if count else "more"
+        raise fault(f"an image of at most {MAX_PIXELS} pixels", found) from None
     except Exception as error:  # decoders raise many kinds on damaged data; all mean the same
-        found = f"{type(error).__name__}: {error}"
-        raise InputError("an image that decodes", found, file=file, house=house_id) from None
+        raise fault("an image that decodes", f"{type(error).__name__}: {error}") from None
 
 
 def _check_file(path: Path) -> None:

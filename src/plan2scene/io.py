@@ -62,9 +62,8 @@ def read_text(path: str | os.PathLike[str]) -> str:
     file = Path(path)
     try:
         if file.stat().st_size > MAX_TEXT_BYTES:
-            raise InputError(
-                f"at most {MAX_TEXT_BYTES} bytes", f"{file.stat().st_size} bytes", file=file
-            )
+            found = f"{file.stat().st_size} bytes"
+            raise InputError(f"at most {MAX_TEXT_BYTES} bytes", found, file=file)
         return file.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError("UTF-8 text", f"bytes that are not ({error.reason})", file=file) from None
@@ -83,8 +82,20 @@ def read_json(path: str | os.PathLike[str]) -> Any:
 
 def write_json(path: str | os.PathLike[str], value: Any) -> None:
     """Write JSON atomically, indented, keys in the order given, with a final newline."""
+    write_text(path, json.dumps(value, indent=1, allow_nan=False) + "\n")
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write UTF-8 text atomically."""
     with atomic_path(path) as temporary:
-        temporary.write_text(json.dumps(value, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8")
+
+
+def write_csv(
+    path: str | os.PathLike[str], frame: pd.DataFrame, *, float_format: str | None = None
+) -> None:
+    """Write a table without its index atomically as CSV."""
+    write_text(path, frame.to_csv(index=False, lineterminator="\n", float_format=float_format))
 
 
 def safe_join(
@@ -99,9 +110,8 @@ def safe_join(
         or any(part in ("", ".", "..") for part in name.split("/"))
     )
     if bad:
-        raise InputError(
-            "a plain file name without '..' or a leading '/'", repr(name), file=file, house=house_id
-        )
+        expected = "a plain file name without '..' or a leading '/'"
+        raise InputError(expected, repr(name), file=file, house=house_id)
     return Path(folder) / name
 
 
@@ -129,8 +139,7 @@ def read_parquet(path: str | os.PathLike[str]) -> tuple[pd.DataFrame, dict[str, 
     if raw is None:
         raise InputError("a Parquet file of this program", "no plan2scene metadata", file=path)
     metadata = json.loads(raw)
-    if metadata.get("schema_version") != SCHEMA_VERSION:
-        raise InputError(
-            f"schema version {SCHEMA_VERSION}", str(metadata.get("schema_version")), file=path
-        )
+    found = metadata.get("schema_version")
+    if found != SCHEMA_VERSION:
+        raise InputError(f"schema version {SCHEMA_VERSION}", str(found), file=path)
     return table.to_pandas(), metadata

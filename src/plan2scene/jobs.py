@@ -39,17 +39,13 @@ def job(log: str | Path | None = None) -> Iterator[logging.Logger]:
     keep_freed_memory()
     logger = logging.getLogger("plan2scene")
     logger.setLevel(logging.INFO)
-    handlers: list[logging.Handler] = []
-    console = logging.StreamHandler(sys.stderr)
-    console.setLevel(logging.WARNING)
-    console.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
-    handlers.append(console)
+    handlers: list[logging.Handler] = [logging.StreamHandler(sys.stderr)]
+    handlers[0].setLevel(logging.WARNING)
     if log is not None:
         Path(log).parent.mkdir(parents=True, exist_ok=True)
-        file = logging.FileHandler(log, mode="w", encoding="utf-8")
-        file.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
-        handlers.append(file)
+        handlers.append(logging.FileHandler(log, mode="w", encoding="utf-8"))
     for handler in handlers:
+        handler.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
         logger.addHandler(handler)
     try:
         yield logger

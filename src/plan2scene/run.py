@@ -14,7 +14,7 @@ from typing import Any
 from plan2scene.datasets import read_assignment
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.floorplans import read_plan, validate_house
-from plan2scene.io import atomic_path, safe_join
+from plan2scene.io import safe_join, write_text
 from plan2scene.provenance import WORKFLOW
 
 _LOG = logging.getLogger("plan2scene")
@@ -74,10 +74,8 @@ def _copy_photos(names: list[str], source: Path, target: Path, request: SingleHo
     for name in names:
         path = safe_join(source, name, file=request.photo_table or "", house_id=request.house)
         if not path.is_file():
-            _LOG.warning(
-                "%s",
-                InputError("a photo", "no such file", file=path, house=request.house),
-            )
+            fault = InputError("a photo", "no such file", file=path, house=request.house)
+            _LOG.warning("%s", fault)
             continue
         copy = safe_join(target, name)
         copy.parent.mkdir(parents=True, exist_ok=True)
@@ -90,9 +88,8 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     """Write the run's configuration: the shipped one with this data set in it."""
     import yaml
 
-    config: dict[str, Any] = yaml.safe_load(
-        (WORKFLOW / "config" / "config.yaml").read_text("utf-8")
-    )
+    shipped = WORKFLOW / "config" / "config.yaml"
+    config: dict[str, Any] = yaml.safe_load(shipped.read_text("utf-8"))
     config["dataset"] = {
         "name": DATASET,
         "root": str(root.relative_to(work)),
@@ -105,8 +102,7 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
     config["textures"]["size_px"] = request.texture_size
     path = work / "config.yaml"
-    with atomic_path(path) as temporary:
-        temporary.write_text(yaml.safe_dump(config, sort_keys=False), encoding="utf-8")
+    write_text(path, yaml.safe_dump(config, sort_keys=False))
     return path
 
 

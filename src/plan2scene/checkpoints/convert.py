@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Networks that have released checkpoints.
 NETWORKS = ("texture", "naivesynth", "propagation", "vgg16", "inception")
+#: End of the names of counters of training, which no network here has.
+_COUNTER = "num_batches_tracked"
 #: What the authors' files call our substances.
 _SYNONYMS = {"painted": "plaster", "plastered": "plaster", "smalltile": "tile"}
 
@@ -35,6 +37,8 @@ def convert_checkpoint(
 ) -> None:
     """Write the weights of a released checkpoint as safetensors (float32) with our header.
 
+    Raises InputError for a file that carries code, misses a tensor, or has one of another shape.
+
     Parameters
     ----------
     network : str
@@ -43,17 +47,11 @@ def convert_checkpoint(
         InceptionV3's weights as torchvision or pytorch-fid name them.
     checkpoint : path
         File of ``torch.save``; nothing in it is run.
-    output : path
     substances : sequence of str
         Order of the checkpoint's substance classes; rows are sorted to ``house.SUBSTANCES``.
     means : TypeMeans, optional
         For ``propagation``: means over training surfaces, which our file holds beside the network
         (NaiveSynth's unobserved surfaces) and no checkpoint has.
-
-    Raises
-    ------
-    InputError
-        A file that carries code, misses a tensor, or has one of another shape.
     """
     if network not in NETWORKS:
         raise InputError(f"a network ({', '.join(NETWORKS)})", repr(network))
@@ -61,12 +59,15 @@ def convert_checkpoint(
     order = _class_order(substances)
     if network == "propagation":
         _convert_propagation(state, checkpoint, output, means)
-    elif network == "vgg16":
-        _convert_classifier(state, checkpoint, output, order)
-    elif network == "inception":
-        _convert_inception(state, checkpoint, output)
-    else:
-        _convert_texture(state, checkpoint, output, order, naive=network == "naivesynth")
+        return
+    with torch.device("meta"):
+        module, architecture, dropped, head = _structure(network, state, checkpoint)
+    if network == "inception":
+        state = {name: value for name, value in state.items() if not name.endswith(_COUNTER)}
+    fitted = fitted_state(state, _shapes(module), checkpoint, dropped=dropped)
+    for name in (f"{head}.weight", f"{head}.bias") if head else ():
+        fitted[name] = fitted[name][order]
+    save_model_file(output, fitted, architecture, half=False)
 
 
 def _class_order(substances: Sequence[str]) -> list[int]:
@@ -79,31 +80,36 @@ def _class_order(substances: Sequence[str]) -> list[int]:
 
 
 def _shapes(module: nn.Module) -> dict[str, tuple[int, ...]]:
-    return {name: tuple(value.shape) for name, value in module.state_dict().items()}
+    state = module.state_dict().items()
+    return {name: tuple(value.shape) for name, value in state if not name.endswith(_COUNTER)}
 
 
-def _convert_texture(
-    state: dict[str, torch.Tensor],
-    checkpoint: str | Path,
-    output: str | Path,
-    order: list[int],
-    *,
-    naive: bool,
-) -> None:
-    """Write a texture model with the reference's noise; a substance head sorted to our order."""
+def _structure(
+    network: str, state: dict[str, torch.Tensor], checkpoint: str | Path
+) -> tuple[nn.Module, dict[str, object], tuple[str, ...], str]:
+    """Return a network, its header, tensors it lacks on purpose, and its layer of substances.
+
+    Texture models have the reference's noise; InceptionV3 has no classes, whose number says which
+    variant it is.
+    """
+    from plan2scene.metrics.inception import VARIANTS, InceptionV3
+    from plan2scene.metrics.vgg import VggClassifier
     from plan2scene.textures.model.network import Architecture, TextureModel
 
-    architecture = Architecture(
-        delta_hsv=not naive, substances=0 if naive else len(SUBSTANCES), periodic=False
-    )
-    with torch.device("meta"):
-        shapes = _shapes(TextureModel(architecture))
-    dropped = ("substance_layer.",) if naive else ()
-    fitted = fitted_state(state, shapes, checkpoint, dropped=dropped)
-    if not naive:
-        for name in ("substance_layer.weight", "substance_layer.bias"):
-            fitted[name] = fitted[name][order]
-    save_model_file(output, fitted, asdict(architecture), half=False)
+    if network == "vgg16":
+        return VggClassifier(), {"network": network, "divisor": 1}, (), "classifier.6"
+    if network == "inception":
+        classes = next((len(v) for name, v in state.items() if name.endswith("fc.bias")), None)
+        if classes not in VARIANTS:
+            expected = f"fc.bias of {' or '.join(str(n) for n in VARIANTS)} classes"
+            raise InputError(expected, str(classes or "none"), file=checkpoint)
+        header = {"network": network, "variant": VARIANTS[classes], "divisor": 1}
+        return InceptionV3(VARIANTS[classes]), header, ("fc.", "AuxLogits."), ""
+    if network == "naivesynth":
+        plain = Architecture(delta_hsv=False, substances=0, periodic=False)
+        return TextureModel(plain), asdict(plain), ("substance_layer.",), ""
+    full = Architecture(delta_hsv=True, substances=len(SUBSTANCES), periodic=False)
+    return TextureModel(full), asdict(full), (), "substance_layer"
 
 
 def _convert_propagation(
@@ -123,40 +129,3 @@ def _convert_propagation(
     network = PropagationNetwork(sizes["width"], sizes["layers"])
     network.load_state_dict(fitted_state(state, _shapes(network), checkpoint))
     save_propagation(output, network, means, **sizes)
-
-
-def _convert_classifier(
-    state: dict[str, torch.Tensor], checkpoint: str | Path, output: str | Path, order: list[int]
-) -> None:
-    """Write the VGG-16 substance classifier, its last layer sorted to our order."""
-    from plan2scene.metrics.vgg import VggClassifier
-
-    with torch.device("meta"):
-        shapes = _shapes(VggClassifier())
-    fitted = fitted_state(state, shapes, checkpoint)
-    for name in ("classifier.6.weight", "classifier.6.bias"):
-        fitted[name] = fitted[name][order]
-    save_model_file(output, fitted, {"network": "vgg16", "divisor": 1}, half=False)
-
-
-def _convert_inception(
-    state: dict[str, torch.Tensor], checkpoint: str | Path, output: str | Path
-) -> None:
-    """Write InceptionV3 without its classes, whose number says which variant it is."""
-    from plan2scene.metrics.inception import VARIANTS, InceptionV3
-
-    classes = next((len(v) for name, v in state.items() if name.endswith("fc.bias")), None)
-    if classes not in VARIANTS:
-        expected = f"fc.bias of {' or '.join(str(n) for n in VARIANTS)} classes"
-        raise InputError(expected, str(classes or "none"), file=checkpoint)
-    counter = "num_batches_tracked"  # of training
-    with torch.device("meta"):
-        shapes = _shapes(InceptionV3(VARIANTS[classes]))
-    fitted = fitted_state(
-        {name: value for name, value in state.items() if not name.endswith(counter)},
-        {name: shape for name, shape in shapes.items() if not name.endswith(counter)},
-        checkpoint,
-        dropped=("fc.", "AuxLogits."),
-    )
-    architecture = {"network": "inception", "variant": VARIANTS[classes], "divisor": 1}
-    save_model_file(output, fitted, architecture, half=False)

@@ -63,9 +63,8 @@ def read_checkpoint(path: str | Path) -> Mapping[str, Any]:
     except pickle.UnpicklingError as error:
         raise _refusal(path, str(error)) from None
     except _DAMAGED:
-        raise InputError(
-            "a checkpoint of torch.save", "another or a damaged file", file=path
-        ) from None
+        found = "another or a damaged file"
+        raise InputError("a checkpoint of torch.save", found, file=path) from None
     if not isinstance(document, Mapping):
         raise InputError("a dict in the checkpoint", type(document).__name__, file=path)
     return document
@@ -102,22 +101,17 @@ def fitted_state(
 ) -> dict[str, torch.Tensor]:
     """Return the tensors under our names, float32.
 
+    Raises InputError naming the first tensor that is missing, unknown, of another shape or not
+    finite, and how many there are.
+
     Parameters
     ----------
     state : mapping
         As :func:`state_dict_of`. All names may share a prefix (``module.``, ``model.`` ...).
     expected : mapping
         Name to shape of every tensor of our network.
-    path : path
-        For messages.
     dropped : tuple of str
         Beginnings of names that our network lacks on purpose.
-
-    Raises
-    ------
-    InputError
-        Naming the first tensor that is missing, unknown, of another shape or not finite, and
-        how many there are.
     """
     prefix = _common_prefix(state, expected)
     named = {name.removeprefix(prefix): value for name, value in state.items()}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
@@ -27,6 +28,10 @@ def read_assignment(
 ) -> tuple[PhotoAssignment, ...]:
     """Return the rows of a photo table in file order, repeated rows once.
 
+    Raises InputError for missing columns, a row without a room or photo, a room that the plan
+    lacks, a photo name with ``..`` or a leading ``/``, or two photos that share a stem (masks are
+    ``{stem}.png``).
+
     Parameters
     ----------
     path : path or None
@@ -37,72 +42,53 @@ def read_assignment(
         When given, each room id must be one of its rooms.
     house_id : str
         Name for messages when `house` is not given.
-
-    Raises
-    ------
-    InputError
-        Missing columns, a row without a room or photo, a room that the plan lacks, a photo name
-        with ``..`` or a leading ``/``, or two photos that share a stem (masks are ``{stem}.png``).
     """
     name = house.id if house is not None else house_id
     rows = [] if not path else read_rows(path, house_id=name)
-    found: dict[PhotoAssignment, None] = {}
+    fault = partial(InputError, file=path, house=name)
+    kept: dict[PhotoAssignment, None] = {}
     stems: dict[str, str] = {}
     rooms = None if house is None else {room.id for room in house.rooms}
     for row in rows:
         if rooms is not None and row.room_id not in rooms:
             known = ", ".join(sorted(rooms))
-            raise InputError(
-                f"a room of the plan ({known[:150]})",
-                f"{row.room_id!r} for photo {row.photo}",
-                file=path,
-                house=name,
-                room=row.room_id,
-            )
+            found = f"{row.room_id!r} for photo {row.photo}"
+            raise fault(f"a room of the plan ({known[:150]})", found, room=row.room_id)
         safe_join("", row.photo, file=path, house_id=name)
         stem = PurePosixPath(row.photo).stem
         if stems.setdefault(stem, row.photo) != row.photo:
-            raise InputError(
-                "photo names that differ before the extension",
-                f"{stems[stem]} and {row.photo}",
-                file=path,
-                house=name,
-            )
-        found[row] = None
-    return tuple(found)
+            both = f"{stems[stem]} and {row.photo}"
+            raise fault("photo names that differ before the extension", both)
+        kept[row] = None
+    return tuple(kept)
 
 
 def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
     """Return the rows of a photo table without judging rooms and names."""
+    fault = partial(InputError, file=path, house=house_id)
     if not Path(path).is_file():
-        raise InputError("a photo table", "no such file", file=path, house=house_id)
+        raise fault("a photo table", "no such file")
     lines = read_text(path).splitlines()
     if not any(line.strip() for line in lines):
         return []
     try:
         table = list(csv.reader(lines, strict=True))
     except csv.Error as error:
-        raise InputError("a CSV table", str(error), file=path, house=house_id) from None
+        raise fault("a CSV table", str(error)) from None
     header = [cell.strip() for cell in table[0]]
     room = next((header.index(n) for n in ("room_id", "roomId") if n in header), None)
     photo = header.index("photo") if "photo" in header else None
     if room is None or photo is None:
-        found = ", ".join(header)
-        raise InputError("columns room_id and photo", found, file=path, house=house_id)
+        raise fault("columns room_id and photo", ", ".join(header))
     if len(table) - 1 > MAX_ROWS:
-        raise InputError(f"at most {MAX_ROWS} rows", str(len(table) - 1), file=path, house=house_id)
+        raise fault(f"at most {MAX_ROWS} rows", str(len(table) - 1))
     rows = []
     for number, cells in enumerate(table[1:], start=2):
         cells = [cell.strip() for cell in cells]
         if not any(cells):
             continue
         if len(cells) <= max(room, photo) or not cells[room] or not cells[photo]:
-            raise InputError(
-                "a room and a photo in each row",
-                f"row {number}: {','.join(cells)}",
-                file=path,
-                house=house_id,
-            )
+            raise fault("a room and a photo in each row", f"row {number}: {','.join(cells)}")
         rows.append(PhotoAssignment(cells[room], cells[photo]))
     return rows
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ from plan2scene.datasets.copy_check import missing_parts
 from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
+from plan2scene.floorplans import add_object_boxes, house_faults, read_plan, validate_house
 from plan2scene.house import House
 from plan2scene.images import decode_image
 from plan2scene.io import safe_join
@@ -34,18 +35,20 @@ class Problem:
         return f"{self.level}: {self.line}"
 
 
+def _warnings(lines: Iterable[str]) -> list[Problem]:
+    return [Problem("warning", line) for line in lines]
+
+
 def check_plan(
     path: str | Path, house_id: str, metres_per_pixel: float | None = None
 ) -> tuple[House | None, list[Problem]]:
     """Return the house of a plan (None when it has a fault) and every problem found."""
-    from plan2scene.floorplans import house_faults, read_plan, validate_house
-
     try:
         house = read_plan(path, house_id, metres_per_pixel)
         faults = [Problem("error", str(fault)) for fault in house_faults(house, file=path)]
         if faults:
-            return None, [*(Problem("warning", line) for line in house.warnings), *faults]
-        return house, [Problem("warning", line) for line in validate_house(house, file=path)]
+            return None, [*_warnings(house.warnings), *faults]
+        return house, _warnings(validate_house(house, file=path))
     except InputError as error:
         return None, [Problem("error", str(error))]
 
@@ -71,12 +74,12 @@ def check_dataset(
                 houses = read_house_table(Path(folder) / table)
             # What a copy as unpacked never has is no fault of it.
             note = "" if layout.is_rent3dpp else f"no {table}; "
-            problems += [Problem("warning", note + line) for line in lines]
+            problems += _warnings(note + line for line in lines)
     except InputError as error:
         return [Problem("error", str(error))]
     rows = houses.to_dict("records")
     if layout.is_rent3dpp:
-        problems += [Problem("warning", line) for line in missing_parts(layout, rows)]
+        problems += _warnings(missing_parts(layout, rows))
     known: set[str] = set()
     checked: set[str] = set()
     for row in rows:
@@ -98,14 +101,13 @@ def _check_house(
     names = {name for name in row["photos"].split("|") if name}
     house, problems = check_plan(layout.root / row["plan"], house_id, metres_per_pixel)
     yield from problems
-    if house is not None:
-        yield from _check_boxes(layout.object_boxes(row["split"], house_id), house)
+    if house is not None and (boxes := layout.object_boxes(row["split"], house_id)).is_file():
+        yield from _warnings(add_object_boxes(house, boxes)[1])
     file = layout.root / row["assignment"] if row["assignment"] else None
     try:
         rows = read_assignment(file, house, house_id=house_id)
         if house is not None:
-            for line in check_assignment(house, rows, layout.photos, file=file or ""):
-                yield Problem("warning", line)
+            yield from _warnings(check_assignment(house, rows, layout.photos, file=file or ""))
     except InputError as error:
         yield Problem("error", str(error))
         rows = ()
@@ -128,15 +130,6 @@ def _check_house(
         except InputError as error:
             # The masks stage leaves the photo out and the house goes on.
             yield Problem("warning", str(error))
-
-
-def _check_boxes(path: Path, house: House) -> Iterator[Problem]:
-    """Yield what is wrong with the object boxes of a house, where it has any."""
-    from plan2scene.floorplans import add_object_boxes
-
-    if path.is_file():
-        for line in add_object_boxes(house, path)[1]:
-            yield Problem("warning", line)
 
 
 def _check_unobserved(path: Path, known: set[str]) -> Iterator[Problem]:
@@ -165,9 +158,8 @@ def photo_problem(path: str | Path, *, house_id: str = "") -> None:
         with Path(path).open("rb") as file:
             file.seek(max(0, Path(path).stat().st_size - _JPEG_TAIL))
             if b"\xff\xd9" not in file.read():
-                raise InputError(
-                    "a whole JPEG", "one cut short (no end marker)", file=path, house=house_id
-                )
+                found = "one cut short (no end marker)"
+                raise InputError("a whole JPEG", found, file=path, house=house_id)
 
 
 def _verified_format(image: Image.Image) -> str:

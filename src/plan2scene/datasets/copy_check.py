@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 
 from plan2scene.datasets.layout import Layout
 from plan2scene.datasets.table import SPLITS, read_unobserved
@@ -19,11 +19,7 @@ _BOXED_SPLITS = ("test",)
 def missing_parts(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[str]:
     """Yield a line for each part that a copy of Rent3D++ has and this one lacks.
 
-    Parameters
-    ----------
-    layout : Layout
-    houses : sequence of dict
-        Rows of its house table.
+    `houses` are the rows of its house table.
     """
     for split in SPLITS:
         file = layout.data / "data_lists" / f"{split}.txt"
@@ -32,9 +28,24 @@ def missing_parts(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[
     if not layout.photos.is_dir():
         yield str(InputError("the folder of photos", "no such folder", file=layout.photos))
     yield from _fractions(layout)
-    yield from _architectures(layout, houses)
-    yield from _boxes(layout, houses)
+    names = {s: [row["house"] for row in houses if row["split"] == s] for s in SPLITS}
+    for split in SPLITS:
+        folder = layout.plan_folders(split, "full")[0]
+        expected = f"plans of {len(names[split])} houses (for dataset.architecture: full only)"
+        lacking = [n for n in names[split] if not (folder / f"{n}.scene.json").is_file()]
+        yield from _lacking(expected, lacking, folder)
+    for split in _BOXED_SPLITS:
+        expected = f"object boxes of {len(names[split])} houses (textures don't need them)"
+        lacking = [n for n in names[split] if not layout.object_boxes(split, n).is_file()]
+        yield from _lacking(expected, lacking, layout.data / "object_aabbs" / split)
     yield from _crops(layout, houses)
+
+
+def _lacking(expected: str, names: Sequence[str], folder: Path) -> Iterator[str]:
+    """Yield the line of a folder that lacks the files of `names`, if there are any."""
+    if names:
+        found = f"{len(names)} lacking, the first {names[0]}"
+        yield str(InputError(expected, found, file=folder))
 
 
 def _fractions(layout: Layout) -> Iterator[str]:
@@ -54,28 +65,6 @@ def _fractions(layout: Layout) -> Iterator[str]:
             yield str(InputError(expected, found, file=layout.unobserved))
 
 
-def _architectures(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[str]:
-    """Yield the folders of furnished plans that are missing or short of houses."""
-    for split in SPLITS:
-        names = [row["house"] for row in houses if row["split"] == split]
-        folder = layout.plan_folders(split, "full")[0]
-        lacking = [name for name in names if not (folder / f"{name}.scene.json").is_file()]
-        if lacking:
-            expected = f"plans of {len(names)} houses (for dataset.architecture: full only)"
-            yield str(InputError(expected, _short_of(lacking), file=folder))
-
-
-def _boxes(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[str]:
-    """Yield the splits whose object boxes are missing."""
-    for split in _BOXED_SPLITS:
-        names = [row["house"] for row in houses if row["split"] == split]
-        lacking = [name for name in names if not layout.object_boxes(split, name).is_file()]
-        if lacking:
-            folder = layout.data / "object_aabbs" / split
-            expected = f"object boxes of {len(names)} houses (textures don't need them)"
-            yield str(InputError(expected, _short_of(lacking), file=folder))
-
-
 def _crops(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[str]:
     """Yield what ready crops lack: the folder, surfaces, photos that none is of."""
     folder = layout.processed / "surface_crops"
@@ -91,10 +80,4 @@ def _crops(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[str]:
             yield str(InputError(f"crops of a {surface}", "none", file=folder / surface))
     photos = {name for row in houses for name in row["photos"].split("|") if name}
     lacking = sorted(name for name in photos if PurePosixPath(name).stem not in shown)
-    if lacking:
-        yield str(InputError(f"crops of {len(photos)} photos", _short_of(lacking), file=folder))
-
-
-def _short_of(names: Sequence[str]) -> str:
-    """Return how many are missing, and the first."""
-    return f"{len(names)} lacking, the first {names[0]}"
+    yield from _lacking(f"crops of {len(photos)} photos", lacking, folder)

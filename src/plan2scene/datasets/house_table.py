@@ -33,12 +33,9 @@ def load_houses(path: Path, *, splits: Sequence[str], may_be_absent: bool = Fals
     table = read_house_table(path)
     chosen = table[table["split"].isin(list(splits))]
     if chosen.empty:
-        raise InputError(
-            f"a house of split {', '.join(splits)}",
-            f"only {', '.join(sorted(set(table['split']))) or 'no houses'}",
-            file=path,
-        )
-    return chosen if chosen.index.name == "house" else chosen.set_index("house")
+        found = f"only {', '.join(sorted(set(table['split']))) or 'no houses'}"
+        raise InputError(f"a house of split {', '.join(splits)}", found, file=path)
+    return chosen.set_index("house")
 
 
 def table_of(
@@ -46,10 +43,12 @@ def table_of(
 ) -> Path:
     """Return the path of the house table, worked out from the data lists where none is named.
 
+    Raises InputError in one line, where there is no data set under ``dataset.root``.
+
     Parameters
     ----------
     dataset : mapping
-        The section ``dataset`` of the configuration.
+        Section of the configuration.
     results : path
         Folder of this data set's results: a table that is worked out is written here, the data
         set itself is never written to.
@@ -58,11 +57,6 @@ def table_of(
         it differs.
     warn : text file, optional
         Gets a line of what the table goes on without.
-
-    Raises
-    ------
-    InputError
-        One line, where there is no data set under ``dataset.root``.
     """
     layout = find_layout(dataset["root"])
     if dataset["table"] is not None:
@@ -105,15 +99,18 @@ def check_official(config: Mapping[str, Any]) -> None:
         # A propagation network knows the embeddings of one texture model only.
         if given[name] is None and name != "naivesynth":
             raise InputError(f"a path for official.{name}", "null", file="configuration")
-        if given[name] is not None and not Path(given[name]).is_file():
-            raise InputError(f"a checkpoint (official.{name})", "no such file", file=given[name])
+        _check_file(f"official.{name}", given[name])
 
 
 def check_metrics(section: Mapping[str, Any]) -> None:
     """Raise InputError, one line, where a network of section ``metrics`` is no file."""
     for name in ("vgg16", "inception"):
-        if section[name] is not None and not Path(section[name]).is_file():
-            raise InputError(f"a checkpoint (metrics.{name})", "no such file", file=section[name])
+        _check_file(f"metrics.{name}", section[name])
+
+
+def _check_file(name: str, path: str | None) -> None:
+    if path is not None and not Path(path).is_file():
+        raise InputError(f"a checkpoint ({name})", "no such file", file=path)
 
 
 def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:

@@ -99,8 +99,5 @@ def require_data_set(root: str | Path) -> Layout:
     if layout.is_rent3dpp or (layout.data / "data_lists").is_dir():
         return layout
     found = "none of these" if Path(root).is_dir() else "no such folder"
-    raise InputError(
-        "a Rent3D++ copy (data_lists/ in it, in its input/ or in its data/input/)",
-        found,
-        file=root,
-    )
+    expected = "a Rent3D++ copy (data_lists/ in it, in its input/ or in its data/input/)"
+    raise InputError(expected, found, file=root)

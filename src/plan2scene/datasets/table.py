@@ -24,11 +24,8 @@ def read_house_table(path: str | Path) -> pd.DataFrame:
     Columns ``house, split, plan, assignment, photos`` (docs/conventions.md); `assignment` and
     `photos` may be empty. Photo names are not judged here: a bad one is its own house's fault.
 
-    Raises
-    ------
-    InputError
-        Missing or unknown columns, no rows, a house twice, an unknown split, a house name that
-        can't name a folder, a plan or assignment path that leaves the data set.
+    Raises InputError for missing or unknown columns, no rows, a house twice, an unknown split, a
+    house name that can't name a folder, a plan or assignment path that leaves the data set.
     """
     import pandas as pd
 
@@ -57,9 +54,8 @@ def _check_row(row: dict[str, str], seen: set[str], path: str | Path) -> None:
     """Raise InputError for a row that can't become jobs; note its house in `seen`."""
     house_id = row["house"]
     if not house_id or house_id.startswith((".", "-")) or not set(house_id) <= _NAME_CHARACTERS:
-        raise InputError(
-            "a house name of letters, digits, '_', '-', '.'", repr(house_id), file=path
-        )
+        expected = "a house name of letters, digits, '_', '-', '.'"
+        raise InputError(expected, repr(house_id), file=path)
     if house_id in seen:
         raise InputError("each house once", f"{house_id} twice", file=path, house=house_id)
     seen.add(house_id)
@@ -75,6 +71,9 @@ def make_house_table(
 ) -> list[str]:
     """Write ``houses.tsv`` for a data set in the Rent3D++ layout; return warnings.
 
+    Raises InputError for no data lists, no houses in them, or a house in two of them. A missing
+    plan or a bad photo table is a warning here and the house's own jobs' to report.
+
     Parameters
     ----------
     root : path
@@ -85,12 +84,6 @@ def make_house_table(
         Default ``houses.tsv`` beside the data lists. Not touched when its content is the same.
     architecture : str
         ``bare`` or ``full``: which plan is taken where a house has both.
-
-    Raises
-    ------
-    InputError
-        No data lists, no houses in them, or a house in two of them. A missing plan or a bad photo
-        table is a warning here and the house's own jobs' to report.
     """
     layout = require_data_set(root)
     warnings: list[str] = []

@@ -8,16 +8,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from plan2scene.evaluation.aggregate import (
-    TableRequest,
-    metric_title,
-    tidy_table,
-    wide_table,
-)
+from plan2scene.evaluation.aggregate import TableRequest, metric_title, tidy_table, wide_table
 from plan2scene.evaluation.gather import read_metrics, read_references
 from plan2scene.evaluation.houses import (
     EvaluatedHouse,
-    measured,
+    measured_at,
     propagated_at,
     propagated_from,
     write_measured,
@@ -33,10 +28,9 @@ from plan2scene.evaluation.variants import (
     selected,
 )
 from plan2scene.floorplans import read_scene_json
-from plan2scene.io import atomic_path, read_parquet, write_parquet
+from plan2scene.io import read_parquet, write_csv, write_parquet, write_text
 from plan2scene.metrics.registry import METRICS
 from plan2scene.textures.inputs import HouseData, Visible
-from plan2scene.textures.stage import house_tiles
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,10 +45,7 @@ def ablate_house(
 ) -> None:
     """Write ``ablation.parquet`` of a house: rows of ``metrics.parquet``, a variant as method.
 
-    Parameters
-    ----------
-    hidden : mapping
-        Drop fraction to the photos hidden at it.
+    `hidden` maps a drop fraction to the photos hidden at it.
     """
     data = HouseData(house.files)
     frames = []
@@ -64,15 +55,11 @@ def ablate_house(
             folder = Path(name)
             surfaces, _ = propagated_at(house, embeddings, photos, folder)
             for variant in VARIANTS:
-                visible = Visible(
-                    _propagated(variant, surfaces, house, data.crops, embeddings, photos), photos
-                )
-                of_variant = _variant_of(house, variant, folder)
-                inputs = data.at(visible, of_variant.models.decoders, of_variant.settings)
-                inputs = inputs.only(references)
-                tiles = house_tiles(variant.method, inputs)
-                frame = measured(of_variant, variant.method, inputs, tiles, references, drop=drop)
-                frames.append(frame.assign(method=variant.name))
+                own = _variant_of(house, variant, folder)
+                propagated = _propagated(variant, surfaces, house, data.crops, embeddings, photos)
+                visible = Visible(propagated, photos)
+                rows = measured_at(own, data, visible, [variant.method], references, drop=drop)
+                frames += [frame.assign(method=variant.name) for frame in rows]
     write_measured(output, house, frames)
 
 
@@ -101,15 +88,8 @@ def _propagated(
     table, embedded = read_parquet(surfaces)[0], read_parquet(embeddings)[0]
     own = surfaces.with_name(f"{variant.name}_surfaces.parquet")
     output = surfaces.with_name(f"{variant.name}_propagated.parquet")
-    chosen = selected(
-        table,
-        crops,
-        embedded,
-        hidden_photos,
-        variant,
-        house=files.house_id,
-        seed=house.settings.seed,
-    )
+    given = (table, crops, embedded, hidden_photos, variant)
+    chosen = selected(*given, house=files.house_id, seed=house.settings.seed)
     write_parquet(own, chosen, {"house": files.house_id})
     propagated_from(own, output, house)
     frame, metadata = read_parquet(output)
@@ -141,16 +121,11 @@ def ablation_table(
     wide = wide_table(tidy).rename(columns={"method": "variant"})
     described = {variant.name: variant.description for variant in VARIANTS}
     wide.insert(1, "description", wide["variant"].map(described))
-    with atomic_path(output_csv) as temporary:
-        wide.to_csv(temporary, index=False, lineterminator="\n")
+    write_csv(output_csv, wide)
     missing = [f"{name}: not measured, {why}" for name, why in MISSING.items()]
     shown = [metric_title(name, networks[name]) for name in METRICS]
-    for path, text in (
-        (output_markdown, _markdown(wide, shown)),
-        (output_latex, latex_table(tidy, missing)),
-    ):
-        with atomic_path(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+    write_text(output_markdown, _markdown(wide, shown))
+    write_text(output_latex, latex_table(tidy, missing))
 
 
 def _markdown(wide: pd.DataFrame, metrics: Sequence[str]) -> str:

@@ -24,13 +24,10 @@ class TableRequest:
 
     Attributes
     ----------
-    dataset : str
     houses : sequence of str
         Houses that the table should cover; those without results are named in it.
-    methods : sequence of str
     drop : str
         Drop fraction of Unobserved and All, one decimal; observed surfaces are those of 0.0.
-    seed : int
     drops : sequence of str
         Of a sweep: every column is measured at each of them, not at `drop`.
     """
@@ -57,12 +54,8 @@ def tidy_table(
 
     ``n`` surfaces, ``images`` of them for FID and KID, ``houses`` counted and ``missing``, the
     metric's network (``features``), ``value`` (NaN where no surface falls into the column), the
-    ``published`` figure, and ours minus it where both are of one network.
-
-    Parameters
-    ----------
-    metrics, references, networks
-        Of :mod:`plan2scene.evaluation.gather`.
+    ``published`` figure, and ours minus it where both are of one network. `metrics`, `references`
+    and `networks` are those of :mod:`plan2scene.evaluation.gather`.
     """
     import pandas as pd
 

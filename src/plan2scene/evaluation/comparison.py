@@ -24,12 +24,8 @@ def compare_house(
 ) -> None:
     """Write ``{drop}/{method}/`` of tiles to `textures`, and ``metrics.parquet`` of all of them.
 
-    Parameters
-    ----------
-    drops : mapping
-        Drop fraction (``"0.6"``) to what the house shows at it.
-    images : int
-        Of each surface for FID and KID, by methods that draw noise.
+    `drops` maps a drop fraction (``"0.6"``) to what the house shows at it; `images` are those of
+    each surface for FID and KID, by methods that draw noise.
     """
     data = HouseData(house.files)
     frames = []

@@ -21,10 +21,7 @@ _NETWORK_METADATA = ("features", "model", "substances", "substance_model")
 def read_metrics(files: Iterable[str | Path]) -> tuple[pd.DataFrame, dict[str, str]]:
     """Return all houses' metrics, and the name of each metric's network (``none`` without).
 
-    Raises
-    ------
-    InputError
-        Where the files were measured with different networks.
+    Raises InputError where the files were measured with different networks.
     """
     import pandas as pd
 

@@ -16,9 +16,16 @@ from plan2scene.evaluation.measure import Networks, References, measure_tiles
 from plan2scene.io import write_parquet
 from plan2scene.propagation.stage import propagate_house
 from plan2scene.textures.decoding import further_images
-from plan2scene.textures.inputs import HouseFiles, TextureInputs, TextureSettings
+from plan2scene.textures.inputs import (
+    HouseData,
+    HouseFiles,
+    TextureInputs,
+    TextureSettings,
+    Visible,
+)
 from plan2scene.textures.methods import method_named
 from plan2scene.textures.selection import select_surfaces
+from plan2scene.textures.stage import house_tiles
 from plan2scene.textures.tiles import Tile
 
 if TYPE_CHECKING:
@@ -28,19 +35,12 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Models:
-    """Weights of all stages; `features` are those of FID and KID, `substances` of SUBS."""
+class Models(Networks):
+    """Weights of all stages: those that metrics ask, and those of the stages before."""
 
     texture: Path
     naivesynth: Path
     propagation: Path
-    features: Path
-    substances: Path
-
-    @property
-    def networks(self) -> Networks:
-        """Return those that metrics ask."""
-        return Networks(self.features, self.substances)
 
     @property
     def decoders(self) -> dict[str, Path]:
@@ -71,7 +71,7 @@ class EvaluatedHouse:
     def metadata(self) -> dict[str, str]:
         """Return the metadata of a file of metrics: the house, and the networks behind them."""
         names = {"dataset": self.dataset, "house": self.files.house_id}
-        return names | self.models.networks.metadata
+        return names | self.models.metadata
 
 
 def propagated_at(
@@ -79,14 +79,8 @@ def propagated_at(
 ) -> tuple[Path, Path]:
     """Write ``surfaces.parquet`` and ``propagated.parquet`` to `folder`; return both paths."""
     surfaces, propagated = folder / "surfaces.parquet", folder / "propagated.parquet"
-    select_surfaces(
-        embeddings,
-        house.files.crops,
-        hidden_photos,
-        surfaces,
-        house=house.files.house_id,
-        dataset=house.dataset,
-    )
+    names = {"house": house.files.house_id, "dataset": house.dataset}
+    select_surfaces(embeddings, house.files.crops, hidden_photos, surfaces, **names)
     propagated_from(surfaces, propagated, house)
     return surfaces, propagated
 
@@ -116,10 +110,7 @@ def measured(
 ) -> pd.DataFrame:
     """Return the metrics of a method's tiles, rows of ``metrics.parquet``.
 
-    Parameters
-    ----------
-    images : int
-        Of each surface for FID and KID, the tile included, where the method draws noise.
+    FID and KID take `images` of each surface, the tile included, where the method draws noise.
     """
     registered = method_named(method)
     keys = [key for key in tiles if key in references]
@@ -128,12 +119,29 @@ def measured(
         {key: tiles[key].image for key in keys},
         {surface.key for surface in inputs.surfaces if surface.observed},
         references,
-        house.models.networks,
+        house.models,
         house_id=house.files.house_id,
         method=method,
         drop=drop,
         more=more,
     )
+
+
+def measured_at(
+    house: EvaluatedHouse,
+    data: HouseData,
+    visible: Visible,
+    methods: Sequence[str],
+    references: References,
+    *,
+    drop: str = "",
+) -> list[pd.DataFrame]:
+    """Return the metrics of methods at a drop; tiles without a reference are not made."""
+    inputs = data.at(visible, house.models.decoders, house.settings).only(references)
+    return [
+        measured(house, method, inputs, house_tiles(method, inputs), references, drop=drop)
+        for method in methods
+    ]
 
 
 def write_measured(

@@ -154,17 +154,8 @@ def reference_features(
     crops: str | Path, model: str | Path, output: str | Path, *, dataset: str, house: str
 ) -> None:
     """Write ``reference_features.parquet``: the features of every crop of a house."""
-    import pandas as pd
-
     table, _ = read_parquet(crops)
     features = features_of(model, [image_from_bytes(png) for png in table["png"]])
-    frame = pd.DataFrame(
-        {
-            "crop_id": table["crop_id"],
-            "room_id": table["room_id"],
-            "surface": table["surface"],
-            "features": list(features),
-        }
-    )
+    frame = table[["crop_id", "room_id", "surface"]].assign(features=list(features))
     metadata = {"dataset": dataset, "house": house, "model": file_hash(model)}
     write_parquet(output, frame, {**metadata, "features": network_name(model)})

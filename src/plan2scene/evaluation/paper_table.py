@@ -16,7 +16,7 @@ from plan2scene.evaluation.aggregate import TableRequest, tidy_table, wide_table
 from plan2scene.evaluation.gather import read_metrics, read_references
 from plan2scene.evaluation.latex import latex_table
 from plan2scene.evaluation.plot import plot_table
-from plan2scene.io import atomic_path, write_parquet
+from plan2scene.io import write_csv, write_parquet, write_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,18 +36,13 @@ def paper_table(
 ) -> pd.DataFrame:
     """Write the table as CSV, tidy Parquet, plot and (where asked) LaTeX; return the tidy table.
 
-    Parameters
-    ----------
-    metrics_files : iterable of path
-        ``metrics.parquet`` of all houses, methods and drops.
-    reference_files : iterable of path
-        ``reference_features.parquet`` of the houses.
+    From ``metrics.parquet`` of all houses, methods and drops, and ``reference_features.parquet``
+    of the houses.
     """
     metrics, networks = read_metrics(metrics_files)
     tidy = tidy_table(metrics, read_references(reference_files), networks, request)
-    for method, column in dict.fromkeys(
-        tidy.loc[tidy["n"] == 0, ["method", "column"]].itertuples(index=False, name=None)
-    ):
+    empty = tidy.loc[tidy["n"] == 0, ["method", "column"]].drop_duplicates()
+    for method, column in empty.itertuples(index=False, name=None):
         _LOGGER.warning("no surface counts for method %s, column %s", method, column)
     write_parquet(output_parquet, tidy, {"dataset": request.dataset, "seed": request.seed})
     wide = wide_table(
@@ -56,12 +51,10 @@ def paper_table(
         ("missing", "dataset", "seed", "version", "packages"),
         published=True,
     )
-    with atomic_path(output_csv) as temporary:
-        wide.to_csv(temporary, index=False, lineterminator="\n")
+    write_csv(output_csv, wide)
     plot_table(tidy, output_plot)
     if output_latex is not None:
-        with atomic_path(output_latex) as temporary:
-            temporary.write_text(latex_table(tidy), encoding="utf-8")
+        write_text(output_latex, latex_table(tidy))
     return tidy
 
 
@@ -74,13 +67,9 @@ def partial_table(
     ``paper_table_partial.csv``, ``.parquet`` and ``.png`` into `output_folder`. Returns the CSV's
     path; None when there is nothing to count yet.
     """
-    root = Path(results)
+    folders = [Path(results) / "houses" / house for house in request.houses]
     metrics, references = (
-        [
-            path
-            for house in request.houses
-            if (path := root / "houses" / house / f"{name}.parquet").is_file()
-        ]
+        [path for folder in folders if (path := folder / f"{name}.parquet").is_file()]
         for name in ("metrics", "reference_features")
     )
     if not metrics or not references:

@@ -14,7 +14,7 @@ from pathlib import Path
 import pandas as pd
 
 from plan2scene.errors import InputError
-from plan2scene.io import atomic_path, read_text
+from plan2scene.io import read_text, write_csv, write_text
 
 #: Columns of an answer file, as the form writes them.
 ANSWER_COLUMNS = ("form", "participant", "question", "choice", "seconds")
@@ -96,8 +96,7 @@ def study_result(
     found = preferences(key, answers, pairs)
     names = zip(found["method"], found["other"], strict=True)
     found["published_share"] = [str(PUBLISHED.get(pair, "none")) for pair in names]
-    with atomic_path(output_csv) as temporary:
-        found.to_csv(temporary, index=False, lineterminator="\n", float_format="%.4f")
+    write_csv(output_csv, found, float_format="%.4f")
     words = [
         f"{row.method} over {row.other}: {100 * row.share:.1f} % of {row.answers} choices by "
         f"{row.participants} people, 95 % interval {100 * row.low_95:.1f} to "
@@ -110,8 +109,7 @@ def study_result(
         f"{len(answer_files) - len(refused)} of {len(answer_files)} files counted.",
         *(f"refused: {line}" for line in refused),
     ]
-    with atomic_path(output_text) as temporary:
-        temporary.write_text("\n".join(words) + "\n", encoding="utf-8")
+    write_text(output_text, "\n".join(words) + "\n")
     return found
 
 

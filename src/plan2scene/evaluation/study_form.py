@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from string import Template
 
-from plan2scene.io import atomic_path, read_json
+from plan2scene.io import read_json, write_csv, write_text
 from plan2scene.seeds import generator
 
 _TEMPLATE = Path(__file__).with_name("study_form.html")
@@ -78,8 +78,6 @@ def write_study(
     images = [base64.b64encode(path.read_bytes()).decode() for path in places]
     data = json.dumps({"form": questions[0]["form"], "questions": asked, "images": images})
     page = Template(_TEMPLATE.read_text(encoding="utf-8"))
-    with atomic_path(output_form) as temporary:
-        text = page.substitute(count=len(questions), data=data.replace("<", "\\u003c"))
-        temporary.write_text(text, encoding="utf-8")
-    with atomic_path(output_key) as temporary:
-        pd.DataFrame(questions).to_csv(temporary, index=False, lineterminator="\n")
+    text = page.substitute(count=len(questions), data=data.replace("<", "\\u003c"))
+    write_text(output_form, text)
+    write_csv(output_key, pd.DataFrame(questions))

@@ -32,14 +32,8 @@ def write_study_sheet(
     The renders are from straight above without ceilings. Rooms in the plan name the numbers of
     their photos. ``sheet.json``: ``{"house", "photos": [file names], "methods": [...]}``.
 
-    Parameters
-    ----------
-    photos : mapping
-        Photo name to its file; those that cannot be read are left out, with a warning.
-    rooms_of_photo : mapping
-        Photo name to the rooms it shows.
-    textures : mapping
-        Method to the folder that it left.
+    `photos` maps a photo's name to its file (one that cannot be read is left out, with a
+    warning), `rooms_of_photo` to the rooms it shows, `textures` a method to its folder.
     """
     pictures: dict[str, Image.Image] = {}
     numbers: dict[str, list[str]] = {room.id: [] for room in house.rooms}

@@ -11,15 +11,14 @@ from plan2scene.evaluation.aggregate import TableRequest, tidy_table, wide_table
 from plan2scene.evaluation.gather import read_metrics, read_references
 from plan2scene.evaluation.houses import (
     EvaluatedHouse,
-    measured,
+    measured_at,
     propagated_at,
     write_measured,
 )
 from plan2scene.evaluation.measure import reference_images
 from plan2scene.evaluation.plot import plot_sweep
-from plan2scene.io import atomic_path
+from plan2scene.io import write_csv
 from plan2scene.textures.inputs import HouseData, Visible
-from plan2scene.textures.stage import house_tiles
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,10 +34,7 @@ def sweep_house(
 ) -> None:
     """Write ``sweep.parquet`` of a house: the rows of ``metrics.parquet`` for all methods, drops.
 
-    Parameters
-    ----------
-    hidden : mapping
-        Drop fraction (``"0.3"``) to the photos hidden at it.
+    `hidden` maps a drop fraction (``"0.3"``) to the photos hidden at it.
     """
     data = HouseData(house.files)
     done: dict[frozenset[str], list[pd.DataFrame]] = {}
@@ -62,12 +58,7 @@ def _at_drop(
     references = reference_images(data.crops, hidden_photos)
     with TemporaryDirectory() as name:
         _, propagated = propagated_at(house, embeddings, hidden_photos, Path(name))
-        visible = Visible(propagated, hidden_photos)
-        inputs = data.at(visible, house.models.decoders, house.settings).only(references)
-    return [
-        measured(house, method, inputs, house_tiles(method, inputs), references, drop="")
-        for method in methods
-    ]
+        return measured_at(house, data, Visible(propagated, hidden_photos), methods, references)
 
 
 def sweep_table(
@@ -85,6 +76,5 @@ def sweep_table(
     """
     metrics, networks = read_metrics(sweeps)
     tidy = tidy_table(metrics, read_references(references), networks, request)
-    with atomic_path(output_csv) as temporary:
-        wide_table(tidy).to_csv(temporary, index=False, lineterminator="\n")
+    write_csv(output_csv, wide_table(tidy))
     plot_sweep(tidy, output_plot)

@@ -21,16 +21,10 @@ _PALE = (225, 225, 225)
 
 @dataclass(frozen=True, eq=False)
 class SheetRow:
-    """A surface on a sheet.
+    """A surface on a sheet: the lines beside its row, and (s, s, 3) uint8 tiles by method.
 
-    Attributes
-    ----------
-    title : tuple of str
-        Lines beside the row.
-    reference : (s, s, 3) uint8 or None
-        The crop that metrics compare with; None where no photo shows the surface.
-    tiles : mapping
-        Method -> (s, s, 3) uint8 tile.
+    `reference` (s, s, 3) uint8 is the crop that metrics compare with; None where no photo shows
+    the surface.
     """
 
     title: tuple[str, ...]
@@ -48,12 +42,8 @@ class SheetRow:
 def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[SurfaceKey, SheetRow]:
     """Return a row for each surface of a house, room by room.
 
-    Parameters
-    ----------
-    textures : mapping
-        Method -> folder of the texture stage.
-    crops : path
-        ``crops.parquet`` of the house.
+    `textures` maps a method to its folder of the texture stage, `crops` is the house's
+    ``crops.parquet``.
     """
     from plan2scene.evaluation.measure import reference_images
 
@@ -84,10 +74,9 @@ def write_texture_sheet(
 ) -> None:
     """Write a house's sheet as PNG; parameters as of :func:`sheet_rows`."""
     rows = list(sheet_rows(textures, crops).values())
+    page = draw_sheet(f"{house}: tiles, each twice in both directions", rows)
     with atomic_path(output) as temporary:
-        draw_sheet(f"{house}: tiles, each twice in both directions", rows).save(
-            temporary, format="PNG", optimize=True
-        )
+        page.save(temporary, format="PNG", optimize=True)
 
 
 def draw_sheet(title: str, rows: Sequence[SheetRow]) -> Image.Image:

@@ -28,9 +28,6 @@ class Variant:
 
     Attributes
     ----------
-    name : str
-    description : str
-        For people.
     select : str
         Crop whose code an observed surface gets: ``textureness`` (the method's), ``random`` or
         ``mean`` (no crop, the mean embedding).
@@ -104,24 +101,21 @@ def selected(
 ) -> pd.DataFrame:
     """Return ``surfaces.parquet`` with the crops that a variant selects.
 
-    Parameters
-    ----------
-    surfaces, crops, embeddings : DataFrame
-        Of the stages (docs/conventions.md), surfaces as the method selects.
+    The tables are those of the stages (docs/conventions.md), surfaces as the method selects.
     """
+    import pandas as pd
+
     own = ["embedding", "naive_embedding"]
     table = crops[["crop_id", "photo", "room_id", "surface", "metres"]].join(embeddings[own])
     table = table[~table["photo"].isin(set(hidden_photos))]
     groups = {key: group for key, group in table.groupby(["room_id", "surface"])}
-    rows = []
-    for row in surfaces.to_dict("records"):
+    rows = surfaces.to_dict("records")
+    for row in rows:
         group = groups[row["room_id"], row["surface"]]
+        chosen = group[group["crop_id"] == row["crop_id"]].iloc[0]
         if variant.select == "random":
             rng = generator(seed, house, row["room_id"], row["surface"], "ablation")
             chosen = group.iloc[int(rng.integers(len(group)))]
-        else:
-            chosen = group[group["crop_id"] == row["crop_id"]].iloc[0]
-        if variant.select == "random":
             row["crop_id"] = chosen["crop_id"]
             row["embedding"] = np.concatenate([chosen["embedding"][:-3], row["embedding"][-3:]])
             if np.isfinite(chosen["metres"]):
@@ -129,28 +123,16 @@ def selected(
         if variant.crop_colour:
             row["embedding"] = np.asarray(chosen["embedding"], np.float32)
         if variant.select == "mean":
-            row["embedding"] = _mean(group["embedding"])
+            row["embedding"] = np.stack(list(group["embedding"])).mean(axis=0, dtype=np.float32)
             row["crop_id"] = f"mean of {len(group)} crops"
         if variant.rgb:
             row["naive_embedding"] = np.asarray(chosen["naive_embedding"], np.float32)
-        rows.append(row)
     frame = surfaces.copy()
     for name in ("crop_id", "embedding", "naive_embedding", "metres"):
         values = [row[name] for row in rows]
-        frame[name] = np.array(values) if name == "metres" else _objects(values, frame)
+        kind = float if name == "metres" else object
+        frame[name] = pd.Series(values, index=frame.index, dtype=kind)
     return frame
-
-
-def _objects(values: list[object], frame: pd.DataFrame) -> pd.Series:
-    """Return values of any kind as a column of `frame`."""
-    import pandas as pd
-
-    return pd.Series(values, index=frame.index, dtype=object)
-
-
-def _mean(embeddings: pd.Series) -> np.ndarray:
-    """Return the mean of a column of embeddings, (d,) float32."""
-    return np.stack([np.asarray(code, np.float32) for code in embeddings]).mean(axis=0)
 
 
 def predicted(

@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
-from plan2scene.floorplans.formats import FORMATS, PlanFile, PlanFormat, read_plan
-from plan2scene.floorplans.object_boxes import (
-    add_object_boxes,
-    check_object_boxes,
-    read_object_boxes,
-)
-from plan2scene.floorplans.plan_json import plan_schema
-from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.floorplans.scene_textures import read_scene_textures
-from plan2scene.floorplans.scene_writer import house_to_scene, write_scene_json
-from plan2scene.floorplans.validate import house_faults, validate_house
-
-__all__ = [
-    "FORMATS",
-    "PlanFile",
-    "PlanFormat",
-    "add_object_boxes",
-    "check_object_boxes",
-    "house_faults",
-    "house_to_scene",
-    "plan_schema",
-    "read_object_boxes",
-    "read_plan",
-    "read_scene_json",
-    "read_scene_textures",
-    "validate_house",
-    "write_scene_json",
-]
+from plan2scene.floorplans.formats import FORMATS as FORMATS
+from plan2scene.floorplans.formats import PlanFile as PlanFile
+from plan2scene.floorplans.formats import PlanFormat as PlanFormat
+from plan2scene.floorplans.formats import read_plan as read_plan
+from plan2scene.floorplans.object_boxes import add_object_boxes as add_object_boxes
+from plan2scene.floorplans.object_boxes import check_object_boxes as check_object_boxes
+from plan2scene.floorplans.object_boxes import read_object_boxes as read_object_boxes
+from plan2scene.floorplans.plan_json import plan_schema as plan_schema
+from plan2scene.floorplans.scene_json import read_scene_json as read_scene_json
+from plan2scene.floorplans.scene_writer import house_to_scene as house_to_scene
+from plan2scene.floorplans.scene_writer import write_scene_json as write_scene_json
+from plan2scene.floorplans.validate import house_faults as house_faults
+from plan2scene.floorplans.validate import validate_house as validate_house

@@ -26,13 +26,7 @@ from plan2scene.io import read_text
 class PlanFile:
     """A plan on disk, read when a format first looks at it.
 
-    Parameters
-    ----------
-    path : path
-    house_id : str
-        Name that the house gets.
-    metres_per_pixel : float, optional
-        Scale of formats that are in pixels.
+    The house gets the name `house_id`; `metres_per_pixel` is the scale of formats in pixels.
     """
 
     path: Path
@@ -60,16 +54,9 @@ class PlanFile:
 class PlanFormat:
     """A format of plans.
 
-    Parameters
-    ----------
-    name : str
-        As users know it.
-    sniff : callable
-        Whether a file is of this format, by its content; the first format that says yes reads it.
-    read : callable
-        The house of such a file; InputError for a fault that can't be repaired.
-    needs_scale : bool
-        Drawn in pixels: `metres_per_pixel` must be given.
+    `sniff` tells by its content whether a file is of this format; the first that says yes reads
+    it: `read` gives the house, or InputError for a fault that can't be repaired. A format that
+    `needs_scale` is drawn in pixels: `metres_per_pixel` must be given.
     """
 
     name: str
@@ -107,13 +94,7 @@ FORMATS: tuple[PlanFormat, ...] = (
 def read_plan(path: str | Path, house_id: str, metres_per_pixel: float | None = None) -> House:
     """Return the house of any plan of :data:`FORMATS`; its content tells which.
 
-    Parameters
-    ----------
-    path : path
-    house_id : str
-        Name that the house gets.
-    metres_per_pixel : float, optional
-        Scale of formats that are in pixels; needed for those only.
+    Parameters are those of :class:`PlanFile`; a format in pixels needs its scale.
     """
     plan = PlanFile(Path(path), house_id, metres_per_pixel)
     if not plan.path.is_file():

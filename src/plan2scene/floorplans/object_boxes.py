@@ -29,10 +29,7 @@ def read_object_boxes(path: str | Path, house_id: str) -> tuple[IconBox, ...]:
     boxes = []
     for entry in source.items(document["objects"], "objects"):
         item = source.mapping(entry, "an object")
-        box = source.mapping(item.get("bound_box"), "an object's bound_box")
-        (x0, _, z0), (x1, _, z1) = (
-            source.point(box.get(name), "an object's corner") for name in ("p1", "p2")
-        )
+        (x0, z0), (x1, z1) = source.box(item, "an object")
         kind = item.get("type")
         if not isinstance(kind, str) or not kind:
             raise source.fault("a type of each object", repr(kind))

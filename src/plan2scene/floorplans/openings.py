@@ -51,10 +51,7 @@ def place_openings(
     least half of it; where two rooms have a wall of their own there, the hole is in both, with
     one id (not without `both_sides`). What sticks out of the wall is cut with a warning.
 
-    Raises
-    ------
-    InputError
-        For a segment without length or without a wall.
+    Raises InputError for a segment without length or without a wall.
     """
     placed: dict[int, list[Opening]] = {}
     for segment in segments:

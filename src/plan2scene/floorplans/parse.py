@@ -89,11 +89,8 @@ class Source:
         if not math.isfinite(number):
             raise self.fault(f"a finite number for {what}", number, room)
         if abs(number) > MAX_COORDINATE:
-            raise self.fault(
-                f"{what} within {MAX_COORDINATE:g} m (is the plan's scale in metres?)",
-                f"{number:g}",
-                room,
-            )
+            expected = f"{what} within {MAX_COORDINATE:g} m (is the plan's scale in metres?)"
+            raise self.fault(expected, f"{number:g}", room)
         return number
 
     def identifier(self, value: Any, what: str, room: str = "") -> str:
@@ -124,6 +121,18 @@ class Source:
         if len(kept) < 3:
             raise self.fault("an outline of at least 3 points", f"{len(kept)} points", room)
         return tuple(kept)
+
+    def outline(self, points: Iterable[Iterable[Any]], room: str) -> Ring:
+        """Return the :meth:`ring` of [x, z] pairs as a file has them."""
+        pairs = [[self.number(v, "a coordinate", room) for v in point] for point in points]
+        return self.ring([(x, z) for x, z in pairs], room)
+
+    def box(self, item: dict[str, Any], what: str) -> tuple[Point, Point]:
+        """Return the corners p1 and p2 (x, z) of an item's ``bound_box``."""
+        box = self.mapping(item.get("bound_box"), f"{what}'s bound_box")
+        corners = [self.point(box.get(name), f"{what}'s corner") for name in ("p1", "p2")]
+        (x0, _, z0), (x1, _, z1) = corners
+        return (x0, z0), (x1, z1)
 
     def room_type(self, value: Any, room: str) -> str:
         """Return one of `ROOM_TYPES` for a type of scene.json or a raster-to-vector label.

@@ -34,10 +34,8 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
     Walls follow the outlines; where two outlines coincide they share one. Openings lie on the
     walls within `SNAP_TOLERANCE` metres; doors join the rooms on both sides of their wall.
 
-    Raises
-    ------
-    InputError
-        For the first thing that the schema forbids, and for an opening that no wall is near.
+    Raises InputError for the first thing that the schema forbids, and for an opening that no wall
+    is near.
     """
     source = Source(file, house_id)
     source.identifier(house_id, "a house name")
@@ -45,16 +43,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
     rooms = []
     for entry in document["rooms"]:
         rings = [
-            source.ring(
-                [
-                    (
-                        source.number(x, "a coordinate", entry["id"]),
-                        source.number(z, "a coordinate", entry["id"]),
-                    )
-                    for x, z in ring
-                ],
-                entry["id"],
-            )
+            source.outline(ring, entry["id"])
             for ring in (entry["polygon"], *entry.get("holes", []))
         ]
         height = float(entry.get("height", DEFAULT_HEIGHT))
@@ -105,12 +94,7 @@ def _check_schema(source: Source, document: Any) -> None:
     if len(place) > 1 and place[0] == "rooms":
         entry = document["rooms"][place[1]]
         room = str(entry.get("id", "")) if isinstance(entry, dict) else ""
-    raise _schema_fault(source, error, "".join(_step(p) for p in place).lstrip("."), room)
-
-
-def _step(part: str | int) -> str:
-    """Return one step of a path into a document: ``rooms[0].types``."""
-    return f"[{part}]" if isinstance(part, int) else f".{part}"
+    raise _schema_fault(source, error, error.json_path.lstrip("$."), room)
 
 
 def _schema_fault(source: Source, error: Any, place: str, room: str) -> InputError:

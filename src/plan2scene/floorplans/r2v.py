@@ -25,7 +25,7 @@ from plan2scene.floorplans.r2v_text import (
     PixelPlan,
     parse_r2v,
 )
-from plan2scene.house import House, IconBox, Opening, Room, Wall
+from plan2scene.house import House, IconBox, Room, Wall
 
 #: The reference converter's constants, in metres.
 WALL_HEIGHT = 2.8
@@ -47,11 +47,7 @@ def house_of_r2v(text: str, house_id: str, metres_per_pixel: float, *, file: str
 
     Rooms are the faces that the walls close. Openings between two rooms are doors; of a room
     with an entrance the nearest opening to the outside is one too; the others are windows.
-
-    Parameters
-    ----------
-    metres_per_pixel : float
-        Scale of the drawing; x becomes x, y becomes z.
+    The drawing's x becomes x, its y becomes z, times `metres_per_pixel`.
     """
     source = Source(file, house_id)
     source.identifier(house_id, "a house name")
@@ -63,13 +59,17 @@ def house_of_r2v(text: str, house_id: str, metres_per_pixel: float, *, file: str
     rooms = _rooms(source, plan, faces, metres_per_pixel)
     walls = [_lower(wall, rooms) for wall in walls_of_rooms(rooms, depth=WALL_DEPTH)]
     walls = _openings(source, plan, rooms, walls, metres_per_pixel)
-    icons = [b for b in plan.boxes if b.label not in ROOM_LABELS and b.label != "entrance"]
+    icons = [
+        item.scaled(metres_per_pixel)
+        for item in plan.boxes
+        if item.label not in ROOM_LABELS and item.label != "entrance"
+    ]
     return House(
         id=house_id,
         rooms=tuple(rooms),
         walls=tuple(walls),
         doors=find_doors(rooms, walls),
-        icons=tuple(_icon(icon, metres_per_pixel) for icon in icons),
+        icons=tuple(IconBox(icon.label, icon.low, icon.high) for icon in icons),
         warnings=tuple(source.warnings),
     )
 
@@ -92,6 +92,7 @@ def _rooms(
         elif face is not None and item.label in ("entrance", "stairs"):
             marks[face].append(item.label)
     rooms = []
+    m = metres_per_pixel
     for k, face in enumerate(faces):
         room_id = f"room_{k}"
         votes = side_labels(face, plan.walls)
@@ -103,16 +104,7 @@ def _rooms(
         if not names:
             source.warn("a label for each room", "none; read as Unknown", room_id)
         rings = tuple(
-            source.ring(
-                [
-                    (
-                        source.number(x * metres_per_pixel, "a coordinate", room_id),
-                        source.number(y * metres_per_pixel, "a coordinate", room_id),
-                    )
-                    for x, y in ring.coords
-                ],
-                room_id,
-            )
+            source.outline([(x * m, y * m) for x, y in ring.coords], room_id)
             for ring in (face.exterior, *face.interiors)
         )
         rooms.append(Room(room_id, tuple(dict.fromkeys(names)) or ("Unknown",), rings, WALL_HEIGHT))
@@ -148,33 +140,23 @@ def _openings(
     for number, door in enumerate(plan.doors):
         segment = _segment(door, f"hole_{number}", metres_per_pixel)
         try:
-            placed = place_openings(
-                source, placed, [segment], tolerance=tolerance, both_sides=False
-            )
+            given = (source, placed, [segment])
+            placed = place_openings(*given, tolerance=tolerance, both_sides=False)
         except InputError as error:
             # One stray door of a recognised drawing is no reason to lose the house.
             source.warnings.append(f"{error}; left out")
     doors = _outer_doors(plan, rooms, placed, metres_per_pixel)
-    return [
-        replace(
-            wall,
-            openings=tuple(
-                _with_heights(opening, wall, len(wall.room_ids) > 1 or opening.id in doors)
-                for opening in wall.openings
-            ),
-        )
-        for wall in placed
-    ]
+    return [_with_heights(wall, doors) for wall in placed]
 
 
 def _segment(door: PixelBox, name: str, metres_per_pixel: float) -> Segment:
     """Return the middle line of a door's box along its longer side, in metres."""
     (x0, y0), (x1, y1) = door.low, door.high
+    m = metres_per_pixel
     if x1 - x0 >= y1 - y0:
         y0 = y1 = (y0 + y1) / 2
     else:
         x0 = x1 = (x0 + x1) / 2
-    m = metres_per_pixel
     return Segment(name, "door", (x0 * m, y0 * m), (x1 * m, y1 * m), *DOOR_HEIGHTS)
 
 
@@ -187,11 +169,11 @@ def _outer_doors(
     for item in plan.boxes:
         if item.label != "entrance":
             continue
-        low, high = ((x * metres_per_pixel, y * metres_per_pixel) for x, y in (item.low, item.high))
-        face = _face_of(PixelBox(item.label, low, high), polygons, ENTRANCE_SHARE)
+        mark = item.scaled(metres_per_pixel)
+        face = _face_of(mark, polygons, ENTRANCE_SHARE)
         if face is None:
             continue
-        shape = box(*low, *high)
+        shape = box(*mark.low, *mark.high)
         best = (math.inf, "")
         for wall in walls:
             if wall.room_ids == (rooms[face].id,):
@@ -202,15 +184,12 @@ def _outer_doors(
     return doors
 
 
-def _with_heights(opening: Opening, wall: Wall, door: bool) -> Opening:
-    """Return an opening as a door or window with the usual heights, cut to the wall."""
-    bottom, top = DOOR_HEIGHTS if door else WINDOW_HEIGHTS
-    kind = "door" if door else "window"
-    return replace(opening, kind=kind, bottom=bottom, top=min(top, wall.height))
-
-
-def _icon(item: PixelBox, metres_per_pixel: float) -> IconBox:
-    """Return an icon's box in metres."""
-    (x0, y0), (x1, y1) = item.low, item.high
-    m = metres_per_pixel
-    return IconBox(item.label, (x0 * m, y0 * m), (x1 * m, y1 * m))
+def _with_heights(wall: Wall, doors: set[str]) -> Wall:
+    """Return a wall, its openings as doors or windows with the usual heights, cut to it."""
+    openings = []
+    for opening in wall.openings:
+        door = len(wall.room_ids) > 1 or opening.id in doors
+        kind, (bottom, top) = ("door", DOOR_HEIGHTS) if door else ("window", WINDOW_HEIGHTS)
+        top = min(top, wall.height)
+        openings.append(replace(opening, kind=kind, bottom=bottom, top=top))
+    return replace(wall, openings=tuple(openings))

@@ -59,6 +59,11 @@ class PixelBox:
     low: Point
     high: Point
 
+    def scaled(self, factor: float) -> PixelBox:
+        """Return the box with its coordinates times a factor."""
+        low, high = ((x * factor, y * factor) for x, y in (self.low, self.high))
+        return PixelBox(self.label, low, high)
+
 
 @dataclass(frozen=True)
 class PixelPlan:
@@ -94,9 +99,8 @@ def parse_r2v(source: Source, text: str) -> PixelPlan:
     boxes: list[PixelBox] = []
     for number, fields in lines:
         if len(fields) not in (5, 6, 7):
-            raise source.fault(
-                f"x1 y1 x2 y2 label in line {number}", f"{len(fields)} fields: {fields[0][:40]}"
-            )
+            found = f"{len(fields)} fields: {fields[0][:40]}"
+            raise source.fault(f"x1 y1 x2 y2 label in line {number}", found)
         start, end = _ends(source, number, fields)
         if fields[4] == "wall":
             walls.append(PixelWall(start, end))
@@ -105,9 +109,9 @@ def parse_r2v(source: Source, text: str) -> PixelPlan:
         high = (max(start[0], end[0]), max(start[1], end[1]))
         box = PixelBox(fields[4], low, high)
         (doors if box.label == "door" else boxes).append(box)
-    for what, found in (("walls", walls), ("other lines", [*doors, *boxes])):
-        if len(found) > MAX_LINES:
-            raise source.fault(f"at most {MAX_LINES} {what}", len(found))
+    for what, count in (("walls", len(walls)), ("other lines", len(doors) + len(boxes))):
+        if count > MAX_LINES:
+            raise source.fault(f"at most {MAX_LINES} {what}", count)
     if not walls:
         raise source.fault("walls", "none")
     return PixelPlan(tuple(walls), tuple(doors), tuple(boxes))

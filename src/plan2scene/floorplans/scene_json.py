@@ -20,19 +20,11 @@ DEFAULT_HEIGHT = 2.8
 
 
 def read_scene_json(path: str | Path, house_id: str) -> House:
-    """Return the house of a scene.json file.
+    """Return the house of a scene.json file, named `house_id`: the file's own id is not used.
 
-    Parameters
-    ----------
-    path : path
-        ``{"format": "sceneState", "scene": {...}}``, ``{"scene": {...}}`` or a bare ``arch``.
-    house_id : str
-        Name of the house; the file's own id is not used.
+    ``{"format": "sceneState", "scene": {...}}``, ``{"scene": {...}}`` or a bare ``arch``.
 
-    Raises
-    ------
-    InputError
-        With file, house and room for a fault that can't be repaired.
+    Raises InputError with file, house and room for a fault that can't be repaired.
     """
     return house_of_scene(parse_json(read_text(path), path, house_id), house_id, file=str(path))
 
@@ -229,11 +221,5 @@ def _read_objects(source: Source, scene: Mapping[str, Any]) -> tuple[PlacedObjec
 
 def _read_icons(source: Source, arch: Mapping[str, Any]) -> tuple[IconBox, ...]:
     """Return the icon boxes that :func:`write_scene_json` keeps under `arch.icons`."""
-    icons = []
-    for entry in source.items(arch.get("icons"), "icons"):
-        icon = source.mapping(entry, "an icon")
-        box = source.mapping(icon.get("bound_box"), "an icon's bound_box")
-        corners = [source.point(box.get(name), "an icon's corner") for name in ("p1", "p2")]
-        (x0, _, z0), (x1, _, z1) = corners
-        icons.append(IconBox(str(icon.get("type", "")), (x0, z0), (x1, z1)))
-    return tuple(icons)
+    icons = (source.mapping(entry, "an icon") for entry in source.items(arch.get("icons"), "icons"))
+    return tuple(IconBox(str(i.get("type", "")), *source.box(i, "an icon")) for i in icons)

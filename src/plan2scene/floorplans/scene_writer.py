@@ -19,19 +19,12 @@ PLAIN = "#e6e2dc"
 def house_to_scene(
     house: House, textures: Mapping[SurfaceKey, tuple[bytes, float]] | None = None
 ) -> dict[str, Any]:
-    """Return a house as a scene.json document (JSON values only).
+    """Return a house in metres as a scene.json document (JSON values only), without its warnings.
 
-    Parameters
-    ----------
-    house : House
-        Metres; warnings are not written.
-    textures : mapping, optional
-        PNG bytes and metres per tile of each surface; a surface without one gets a plain colour.
-        They are embedded as ``data:img/png;base64,...`` through materials, textures and images;
-        the metres go into the texture's own key ``size_m``.
+    `textures` are PNG bytes and metres per tile of each surface; a surface without one gets a
+    plain colour. They are embedded as ``data:img/png;base64,...`` through materials, textures and
+    images; the metres go into the texture's own key ``size_m``.
 
-    Notes
-    -----
     Beyond the official form: ``size_m``, ``"passage": true`` on a hole of type Door that has no
     leaf, and ``arch.icons``. Programs that don't know these keys are not disturbed.
     """

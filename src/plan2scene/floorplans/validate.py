@@ -39,19 +39,15 @@ _Fault = Callable[..., InputError]
 def validate_house(house: House, *, file: str | Path = "") -> list[str]:
     """Return the warnings of a house (its reader's and those found here).
 
-    Raises
-    ------
-    InputError
-        For the first fault of :func:`house_faults`.
+    Raises InputError for the first fault of :func:`house_faults`.
     """
     for fault in house_faults(house, file=file):
         raise fault
-    found = [*_overlaps(house), *_stray_walls(house), *_overlapping_holes(house)]
-    lines = [
-        str(InputError(expected, text, file=file, house=house.id, room=room))
-        for expected, text, room in found
-    ]
-    return [*house.warnings, *lines]
+    lines = list(house.warnings)
+    found = (*_overlaps(house), *_stray_walls(house), *_overlapping_holes(house))
+    for expected, text, room in found:
+        lines.append(str(InputError(expected, text, file=file, house=house.id, room=room)))
+    return lines
 
 
 def house_faults(house: House, *, file: str | Path = "") -> Iterator[InputError]:
@@ -156,12 +152,13 @@ def _opening_faults(wall: Wall, opening: Opening, fault: _Fault) -> Iterator[Inp
     if not opening.bottom < opening.top:
         found = f"{opening.bottom:g} to {opening.top:g} m"
         yield fault(f"{name} with its top above its bottom", found, room)
-    if not (opening.start >= -ROUNDING and opening.end <= wall.length + ROUNDING):
-        found = f"{opening.start:.3f} to {opening.end:.3f} m"
-        yield fault(f"{name}, along within 0 to {wall.length:.3f} m", found, room)
-    if not (opening.bottom >= -ROUNDING and opening.top <= wall.height + ROUNDING):
-        found = f"{opening.bottom:.3f} to {opening.top:.3f} m"
-        yield fault(f"{name}, up within 0 to {wall.height:.3f} m", found, room)
+    for way, low, high, limit in (
+        ("along", opening.start, opening.end, wall.length),
+        ("up", opening.bottom, opening.top, wall.height),
+    ):
+        if not (low >= -ROUNDING and high <= limit + ROUNDING):
+            found = f"{low:.3f} to {high:.3f} m"
+            yield fault(f"{name}, {way} within 0 to {limit:.3f} m", found, room)
 
 
 def _overlaps(house: House) -> Iterator[tuple[str, str, str]]:

@@ -22,7 +22,6 @@ import numpy as np
 from plan2scene.metrics.images import over_images
 
 _HUE_EDGES = np.arange(1, 10) / 10
-_BINS = (10, 3, 3)
 _SIZE = 90
 #: Largest difference of two channels; a table over differences has a side of 2 * 255 + 1.
 _REACH = 255

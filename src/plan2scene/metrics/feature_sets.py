@@ -26,17 +26,14 @@ def frechet_distance(
     sizes of the sets (:func:`kernel_distance` does not): compare figures of one size only. A
     single sample has no spread: its covariance counts as 0.
 
+    Raises ValueError for an empty set, different dimensions or another number of units.
+
     Parameters
     ----------
     features_a, features_b : (n, d), (m, d) float
         Predictions and references.
     units_a, units_b : (n,), (m,) array, optional
         What a sample belongs to. None: each sample is a unit.
-
-    Raises
-    ------
-    ValueError
-        For an empty set, different dimensions or another number of units.
     """
     a, b = _features(features_a, features_b)
     mean_a, root_a = _moments(a, _units(a, units_a)[1])

@@ -115,14 +115,9 @@ class _Block(nn.Module):
 
 
 class InceptionV3(_Block):
-    """The network without its classes.
+    """The network without its classes; `variant` is a value of :data:`VARIANTS`.
 
-    Parameters
-    ----------
-    variant : str
-        A value of :data:`VARIANTS`.
-    divisor : int
-        Of all channels; 1 is InceptionV3.
+    All channels are divided by `divisor`; 1 is InceptionV3.
     """
 
     def __init__(self, variant: str = "tensorflow", divisor: int = 1) -> None:

@@ -24,10 +24,7 @@ _SIDE = 224
 class VggClassifier(nn.Module):
     """VGG-16 with the names of torchvision's checkpoints and four classes.
 
-    Parameters
-    ----------
-    divisor : int
-        Of all channels; 1 is VGG-16.
+    All channels are divided by `divisor`; 1 is VGG-16.
     """
 
     def __init__(self, divisor: int = 1) -> None:

@@ -50,7 +50,7 @@ def test_tiles_and_figures_are_those_of_the_stages(compared, tmp_path, method, d
         {key: read_image(tmp_path / "alone" / f"{key.filename}.png") for key in keys},
         {key for key, entry in keys.items() if entry["observed"]},
         reference_images(read_parquet(house.files.crops)[0], HIDDEN[drop]),
-        house.models.networks,
+        house.models,
         house_id="h1",
         method=method,
         drop=drop,

@@ -2,13 +2,13 @@ import json
 from pathlib import Path
 
 import pytest
+from scene_textures import scene_textures
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans import (
     house_to_scene,
     read_plan,
     read_scene_json,
-    read_scene_textures,
     validate_house,
     write_scene_json,
 )
@@ -118,24 +118,13 @@ def test_textures_round_trip(tmp_path):
     }
     path = tmp_path / "scene.json"
     write_scene_json(house, path, textures)
-    assert read_scene_textures(path, "h1") == textures
+    assert scene_textures(path) == textures
     assert read_scene_json(path, "h1") == house
     text = path.read_text()
     assert "data:img/png;base64,b25l" in text
     wall = next(e for e in json.loads(text)["scene"]["arch"]["elements"] if e["id"] == "w0")
     names = [material["materialId"] for material in wall["materials"]]
     assert names == ["Material_a_wall", "Material_b_wall"]
-
-
-def test_texture_urls_of_both_kinds_are_read(tmp_path):
-    document = arch(
-        materials=[{"uuid": "m", "map": "t"}],
-        textures=[{"uuid": "t", "image": "i"}],
-        images=[{"uuid": "i", "url": "data:image/png;base64,b25l"}],
-    )
-    document["elements"][0]["materials"] = [{"name": "surface", "materialId": "m"}]
-    found = read_scene_textures(write(tmp_path, document), "h1")
-    assert found == {SurfaceKey("a", "floor"): (b"one", None)}
 
 
 def test_ring_not_nested_and_closed(tmp_path):
@@ -266,14 +255,6 @@ def test_samples(name, rooms, walls, openings, rdr, objects, tmp_path):
     assert len(original) == rdr
     write_scene_json(house, tmp_path / "again.json")
     assert read_scene_json(tmp_path / "again.json", "sample") == house
-
-
-@pytest.mark.shared
-@pytest.mark.skipif(not SHARED.is_dir(), reason="no samples beside the repository")
-def test_textures_of_the_sample():
-    textures = read_scene_textures(SHARED / "rent3dpp" / "sample.scene.json", "sample")
-    assert len(textures) == 9
-    assert all(data.startswith(b"\x89PNG") for data, _ in textures.values())
 
 
 def test_file_that_is_no_plan(tmp_path):

@@ -5,9 +5,10 @@ import json
 import pytest
 import trimesh
 from PIL import Image
+from scene_textures import scene_textures
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans import read_scene_textures, write_scene_json
+from plan2scene.floorplans import write_scene_json
 from plan2scene.house import SurfaceKey
 from plan2scene.mesh import load_textures
 from plan2scene.mesh.build import build_house, build_obj
@@ -50,7 +51,7 @@ def test_files_of_a_house(folder, gap_house, paint):
     build_obj(*args, out / "house.obj", house_id="gap")
     scene = trimesh.load(out / "house.glb")
     assert scene.geometry["a/floor"].area == pytest.approx(12.0, rel=1e-4)
-    textures = read_scene_textures(out / "house.scene.json", "gap")
+    textures = scene_textures(out / "house.scene.json")
     for key, tile in paint(gap_house).items():
         assert textures[key] == (tile.png, tile.size_m)
     assert (out / "house.obj").is_file()
