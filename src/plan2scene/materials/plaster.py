@@ -6,8 +6,6 @@ import numpy as np
 
 from plan2scene.materials import colour, noise
 
-KINDS = ("paint", "plaster", "concrete", "wallpaper")
-
 
 def make(
     rng: np.random.Generator, kind: str, size: int, base: np.ndarray | None

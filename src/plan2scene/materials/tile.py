@@ -7,8 +7,6 @@ import numpy as np
 from plan2scene.materials import colour, layout, noise
 from plan2scene.materials.layout import Layout
 
-KINDS = ("grid", "diagonal", "checker", "mosaic", "brick", "hexagon", "marble", "terrazzo")
-
 
 def make(
     rng: np.random.Generator, kind: str, size: int, base: np.ndarray | None

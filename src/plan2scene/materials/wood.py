@@ -7,8 +7,6 @@ import numpy as np
 from plan2scene.materials import colour, layout, noise
 from plan2scene.materials.layout import Layout
 
-KINDS = ("planks", "strip", "basket", "herringbone", "plain")
-
 
 def make(
     rng: np.random.Generator, kind: str, size: int, base: np.ndarray | None
