@@ -8,14 +8,12 @@ import numpy as np
 
 from plan2scene.materials import carpet, colour, plaster, tile, wood
 from plan2scene.materials.folder import load_texture_folder
-from plan2scene.materials.material import Material
+from plan2scene.materials.material import Look, Material
 from plan2scene.seeds import generator
 
 __all__ = ["KINDS", "Material", "load_texture_folder", "random_material"]
 
-_Maker = Callable[
-    [np.random.Generator, str, int, "np.ndarray | None"], tuple[np.ndarray, float, float]
-]
+_Maker = Callable[[np.random.Generator, str, int, "np.ndarray | None"], Look]
 
 #: Kinds of each substance and how often each is drawn.
 KINDS: Mapping[str, Mapping[str, float]] = {

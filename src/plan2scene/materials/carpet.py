@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.random import Generator
 
 from plan2scene.materials import colour, noise
+from plan2scene.materials.material import Look
 
-KINDS = ("loop", "cut", "fleck", "patterned")
 
-
-def make(
-    rng: np.random.Generator, kind: str, size: int, base: np.ndarray | None
-) -> tuple[np.ndarray, float, float]:
+def make(rng: Generator, kind: str, size: int, base: np.ndarray | None) -> Look:
     """Return (albedo float (size, size, 3), metres per tile, roughness) of a kind of carpet."""
     tone = colour.pick(rng, colour.CARPETS, chroma=1.5) if base is None else base
     size_m = float(rng.uniform(0.3, 1.0))
@@ -29,7 +27,7 @@ def make(
     return image, size_m, float(rng.uniform(0.88, 1.0))
 
 
-def _cut(rng: np.random.Generator, size: int) -> np.ndarray:
+def _cut(rng: Generator, size: int) -> np.ndarray:
     """Return the tufts of a cut pile: band-limited noise with dark gaps."""
     centre = float(rng.uniform(25, 90))
     tufts = noise.spectral_noise(rng, size, 0.4, low=centre * 0.5, high=centre * 1.6)
@@ -38,7 +36,7 @@ def _cut(rng: np.random.Generator, size: int) -> np.ndarray:
     return tufts * 0.8 + fine * np.float32(rng.uniform(0.2, 0.6))
 
 
-def _loops(rng: np.random.Generator, size: int, size_m: float) -> np.ndarray:
+def _loops(rng: Generator, size: int, size_m: float) -> np.ndarray:
     """Return rows of loops: bumps on a jittered lattice, 4-10 mm apart."""
     pitch = float(rng.uniform(0.004, 0.011))
     count = int(np.clip(round(size_m / pitch), 20, size // 4))
@@ -55,7 +53,7 @@ def _loops(rng: np.random.Generator, size: int, size_m: float) -> np.ndarray:
     return np.ascontiguousarray(loops.T if rng.random() < 0.5 else loops).astype(np.float32)
 
 
-def _flecks(rng: np.random.Generator, size: int, tone: np.ndarray) -> np.ndarray:
+def _flecks(rng: Generator, size: int, tone: np.ndarray) -> np.ndarray:
     """Return yarns of a few related colours in random dots (berber, tweed)."""
     image = np.broadcast_to(tone, (size, size, 3))
     for _ in range(int(rng.integers(1, 4))):
@@ -67,7 +65,7 @@ def _flecks(rng: np.random.Generator, size: int, tone: np.ndarray) -> np.ndarray
     return image
 
 
-def _pattern(rng: np.random.Generator, size: int, tone: np.ndarray) -> np.ndarray:
+def _pattern(rng: Generator, size: int, tone: np.ndarray) -> np.ndarray:
     """Return a woven pattern in two or three colours."""
     step = float(rng.choice([5.0, 10.0, 18.0], p=[0.4, 0.4, 0.2]))
     second = colour.vary(rng, tone, step, 3)

@@ -159,19 +159,14 @@ def hexagons(size: int, columns: int, size_m: float, *, rounds: bool = False) ->
     x, y = _grid_positions(size)
     pairs = max(1, round(columns / np.sqrt(3.0)))
     width, height = 1.0 / columns, 1.0 / pairs
-    best = None
+    grids = []
     for shift in (0.0, 0.5):
         cx = (np.floor(x / width - shift) + 0.5 + shift) * width + 0 * y
         cy = (np.floor(y / height - shift) + 0.5 + shift) * height + 0 * x
         dx, dy = (x - cx) / width, (y - cy) / height * np.sqrt(3.0)
-        distance = dx * dx + dy * dy
-        if best is None:
-            best = [distance, cx, cy, dx, dy]
-        else:
-            nearer = distance < best[0]
-            new = (distance, cx, cy, dx, dy)
-            best = [np.where(nearer, a, b) for a, b in zip(new, best, strict=True)]
-    distance, cx, cy, dx, dy = best  # type: ignore[misc]
+        grids.append((dx * dx + dy * dy, cx, cy, dx, dy))
+    nearer = grids[1][0] < grids[0][0]
+    distance, cx, cy, dx, dy = (np.where(nearer, b, a) for a, b in zip(*grids, strict=True))
     unit = size_m * width
     if rounds:
         edge = (0.48 - np.sqrt(distance)) * unit

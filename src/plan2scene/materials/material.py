@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+
+#: Albedo (n, n, 3) float sRGB in [0, 1], metres that it covers, roughness.
+Look: TypeAlias = tuple[np.ndarray, float, float]
 
 
 @dataclass(frozen=True, eq=False)

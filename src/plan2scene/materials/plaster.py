@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.random import Generator
 
 from plan2scene.materials import colour, noise
+from plan2scene.materials.material import Look
 
-KINDS = ("paint", "plaster", "concrete", "wallpaper")
 
-
-def make(
-    rng: np.random.Generator, kind: str, size: int, base: np.ndarray | None
-) -> tuple[np.ndarray, float, float]:
+def make(rng: Generator, kind: str, size: int, base: np.ndarray | None) -> Look:
     """Return (albedo float (size, size, 3), metres per tile, roughness) of a kind of plaster."""
     if base is not None:
         tone = base
@@ -31,9 +29,7 @@ def make(
     return _wallpaper(rng, size, tone)
 
 
-def _paint(
-    rng: np.random.Generator, size: int, tone: np.ndarray
-) -> tuple[np.ndarray, float, float]:
+def _paint(rng: Generator, size: int, tone: np.ndarray) -> Look:
     """Return emulsion paint: nearly flat, with the stipple of the roller."""
     size_m = float(rng.uniform(0.4, 1.2))
     grain = float(rng.uniform(20, 70))
@@ -44,9 +40,7 @@ def _paint(
     return colour.shade(tone, amount), size_m, float(rng.uniform(0.55, 0.95))
 
 
-def _plaster(
-    rng: np.random.Generator, size: int, tone: np.ndarray
-) -> tuple[np.ndarray, float, float]:
+def _plaster(rng: Generator, size: int, tone: np.ndarray) -> Look:
     """Return rendered walls: trowel clouds, woodchip, sand or brush texture."""
     size_m = float(rng.uniform(0.4, 1.5))
     style = str(rng.choice(["trowel", "sand", "woodchip", "brush"], p=[0.4, 0.25, 0.2, 0.15]))
@@ -69,9 +63,7 @@ def _plaster(
     return colour.shade(tone, amount), size_m, float(rng.uniform(0.75, 1.0))
 
 
-def _concrete(
-    rng: np.random.Generator, size: int, tone: np.ndarray
-) -> tuple[np.ndarray, float, float]:
+def _concrete(rng: Generator, size: int, tone: np.ndarray) -> Look:
     """Return smooth concrete or micro-cement: clouds, pores, hairline marks."""
     size_m = float(rng.uniform(0.8, 2.0))
     cloud = noise.spectral_noise(rng, size, float(rng.uniform(1.6, 2.6)), low=1.5)
@@ -84,9 +76,7 @@ def _concrete(
     return image, size_m, float(rng.uniform(0.4, 0.9))
 
 
-def _wallpaper(
-    rng: np.random.Generator, size: int, tone: np.ndarray
-) -> tuple[np.ndarray, float, float]:
+def _wallpaper(rng: Generator, size: int, tone: np.ndarray) -> Look:
     """Return paper with stripes, damask, sprigs, a trellis or a weave."""
     size_m = float(rng.uniform(0.4, 1.1))
     second = colour.vary(rng, tone, float(rng.choice([4.0, 8.0, 16.0])), 3)
@@ -111,7 +101,7 @@ def _wallpaper(
     return colour.shade(image, amount), size_m, float(rng.uniform(0.5, 0.9))
 
 
-def _stripes(rng: np.random.Generator, size: int) -> np.ndarray:
+def _stripes(rng: Generator, size: int) -> np.ndarray:
     """Return coverage of upright stripes, one or two widths."""
     count = int(rng.integers(3, 13))
     x = np.mod((np.arange(size, dtype=np.float32) + 0.5) / size * count, 1)
@@ -123,7 +113,7 @@ def _stripes(rng: np.random.Generator, size: int) -> np.ndarray:
     return np.broadcast_to(cover, (size, size))
 
 
-def _motifs(rng: np.random.Generator, size: int, *, mirrored: bool) -> np.ndarray:
+def _motifs(rng: Generator, size: int, *, mirrored: bool) -> np.ndarray:
     """Return coverage of an ornament repeated in a half drop (damask is mirror-symmetric)."""
     count = int(rng.choice([2, 4, 6], p=[0.4, 0.4, 0.2]))
     n = size // count * 2

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.random import Generator
 
 from plan2scene.materials import colour, layout, noise
 from plan2scene.materials.layout import Layout
+from plan2scene.materials.material import Look
 
-KINDS = ("grid", "diagonal", "checker", "mosaic", "brick", "hexagon", "marble", "terrazzo")
 
-
-def make(
-    rng: np.random.Generator, kind: str, size: int, base: np.ndarray | None
-) -> tuple[np.ndarray, float, float]:
+def make(rng: Generator, kind: str, size: int, base: np.ndarray | None) -> Look:
     """Return (albedo float (size, size, 3), metres per tile, roughness) of a kind of tile."""
     if kind == "terrazzo":
         return _terrazzo(rng, size, base)
@@ -32,7 +30,7 @@ def make(
     return image, plan.size_m, float(roughness)
 
 
-def _layout(rng: np.random.Generator, kind: str, size: int) -> Layout:
+def _layout(rng: Generator, kind: str, size: int) -> Layout:
     """Return how the tiles lie, in sizes that are sold."""
     if kind == "mosaic":
         unit, count = float(rng.uniform(0.018, 0.05)), int(rng.integers(8, 17))
@@ -78,7 +76,7 @@ _GRID_SHARES = (0.12, 0.14, 0.14, 0.2, 0.12, 0.08, 0.08, 0.12)
 
 
 def _units(
-    rng: np.random.Generator, kind: str, plan: Layout, tone: np.ndarray, palette: colour.Palette
+    rng: Generator, kind: str, plan: Layout, tone: np.ndarray, palette: colour.Palette
 ) -> np.ndarray:
     """Return each unit's own colour: (n, n, 3) float32."""
     spread = float(rng.choice([0.0, 0.015, 0.04, 0.1], p=[0.25, 0.4, 0.25, 0.1]))
@@ -106,7 +104,7 @@ def _units(
     return colour.shade(image, plan.draw(rng, spread))
 
 
-def _glaze(rng: np.random.Generator, plan: Layout, image: np.ndarray) -> np.ndarray:
+def _glaze(rng: Generator, plan: Layout, image: np.ndarray) -> np.ndarray:
     """Return glazed units: almost even, slightly darker or lighter towards the rim."""
     size = image.shape[0]
     mottle = plan.lookup(rng, noise.spectral_noise(rng, size, 2.0, high=40))
@@ -115,7 +113,7 @@ def _glaze(rng: np.random.Generator, plan: Layout, image: np.ndarray) -> np.ndar
     return colour.shade(image, amount + rim * np.float32(rng.normal(0, 0.03)))
 
 
-def _stone(rng: np.random.Generator, plan: Layout, image: np.ndarray) -> np.ndarray:
+def _stone(rng: Generator, plan: Layout, image: np.ndarray) -> np.ndarray:
     """Return stoneware or natural stone: clouds, bedding, speckle."""
     size = image.shape[0]
     stretch = float(rng.choice([1.0, 3.0, 8.0], p=[0.6, 0.2, 0.2]))
@@ -133,9 +131,7 @@ def _stone(rng: np.random.Generator, plan: Layout, image: np.ndarray) -> np.ndar
     return image * (1 + tint * np.array([0.012, 0.0, -0.018], np.float32) * rng.uniform(0, 1.2))
 
 
-def _veins(
-    rng: np.random.Generator, plan: Layout, image: np.ndarray, tone: np.ndarray
-) -> np.ndarray:
+def _veins(rng: Generator, plan: Layout, image: np.ndarray, tone: np.ndarray) -> np.ndarray:
     """Return marble: warped level lines of noise as veins, over clouds."""
     size = image.shape[0]
     bend = float(rng.uniform(4, 18)) * size / 256
@@ -161,7 +157,7 @@ def _veins(
 
 
 def _grout(
-    rng: np.random.Generator, kind: str, plan: Layout, image: np.ndarray, tone: np.ndarray
+    rng: Generator, kind: str, plan: Layout, image: np.ndarray, tone: np.ndarray
 ) -> np.ndarray:
     """Return the units with joints between them."""
     narrow = kind == "marble" or rng.random() < 0.3
@@ -175,9 +171,7 @@ def _grout(
     return colour.mix(image, colour.shade(fill, dirt), joints)
 
 
-def _terrazzo(
-    rng: np.random.Generator, size: int, base: np.ndarray | None
-) -> tuple[np.ndarray, float, float]:
+def _terrazzo(rng: Generator, size: int, base: np.ndarray | None) -> Look:
     """Return chips of stone in cement."""
     size_m = float(rng.uniform(0.25, 0.8))
     pixel = size_m / size

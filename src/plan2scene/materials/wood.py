@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.random import Generator
 
 from plan2scene.materials import colour, layout, noise
 from plan2scene.materials.layout import Layout
+from plan2scene.materials.material import Look
 
-KINDS = ("planks", "strip", "basket", "herringbone", "plain")
 
-
-def make(
-    rng: np.random.Generator, kind: str, size: int, base: np.ndarray | None
-) -> tuple[np.ndarray, float, float]:
+def make(rng: Generator, kind: str, size: int, base: np.ndarray | None) -> Look:
     """Return (albedo float (size, size, 3), metres per tile, roughness) of a kind of wood."""
     tone = colour.pick(rng, colour.WOODS) if base is None else base
     plan = _layout(rng, kind, size)
@@ -44,7 +42,7 @@ def make(
     return image, plan.size_m, float(rng.uniform(0.22, 0.65))
 
 
-def _layout(rng: np.random.Generator, kind: str, size: int) -> Layout:
+def _layout(rng: Generator, kind: str, size: int) -> Layout:
     """Return how the boards lie, in sizes that are sold."""
     if kind in ("planks", "plain"):
         width = float(rng.uniform(0.07, 0.2))
@@ -72,7 +70,7 @@ def _layout(rng: np.random.Generator, kind: str, size: int) -> Layout:
     return layout.herringbone(size, ratio, float(side * width), diagonal=diagonal)
 
 
-def _grain(rng: np.random.Generator, size: int, size_m: float, vein: float) -> np.ndarray:
+def _grain(rng: Generator, size: int, size_m: float, vein: float) -> np.ndarray:
     """Return periodic wood grain along x: (size, size) float32, mean about 0, deviation about 1.
 
     Growth rings are the level lines of a smooth elongated field, which gives the cathedral figure

@@ -135,12 +135,8 @@ def _extras(part: MeshPart, tile: TileTexture | None) -> dict[str, Any]:
     """Return what viewers show about a part."""
     extras = dict(part.extras)
     if tile is not None:
-        extras["size_m"] = tile.size_m
-        facts = {
-            "observed": tile.observed,
-            "substance": tile.substance,
-            "source": tile.source or None,
-        }
+        facts = {"size_m": tile.size_m, "observed": tile.observed, "substance": tile.substance}
+        facts["source"] = tile.source or None
         extras.update({name: value for name, value in facts.items() if value is not None})
     return extras
 

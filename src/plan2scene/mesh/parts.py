@@ -16,8 +16,6 @@ from shapely.geometry.base import BaseGeometry
 from plan2scene.house import SurfaceKey
 from plan2scene.mesh.polygons import triangulate
 
-#: Materials of a part: a room surface's texture, plain vertex colours, or window glass.
-MATERIALS = ("surface", "plain", "glass")
 Colour = tuple[int, int, int]  #: sRGB, 0..255
 Corner = tuple[float, float, float]
 WHITE: Colour = (255, 255, 255)
@@ -38,7 +36,7 @@ class MeshPart:
         Metres; n vertices, not shared between faces of different planes, with their unit normals;
         m faces, counter-clockwise seen from the visible side.
     material : str
-        One of `MATERIALS`.
+        ``surface`` (a room surface's texture), ``plain`` (vertex colours) or ``glass``.
     surface : SurfaceKey or None
         The texture of a ``surface`` part.
     uv : (n, 2) float64 or None

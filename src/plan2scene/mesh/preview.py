@@ -151,13 +151,8 @@ def _view(
     target = corners.mean(axis=0)
     size = (side * SUPERSAMPLING, side * SUPERSAMPLING)
     elevation, azimuth = math.radians(view.elevation_deg), math.radians(view.azimuth_deg)
-    direction = np.array(
-        [
-            math.sin(azimuth) * math.cos(elevation),
-            math.sin(elevation),
-            math.cos(azimuth) * math.cos(elevation),
-        ]
-    )
+    flat = math.cos(elevation)
+    direction = np.array([math.sin(azimuth) * flat, math.sin(elevation), math.cos(azimuth) * flat])
     focal = size[1] / (2 * math.tan(math.radians(view.fov_deg) / 2))
     distance = 2.2 * float(np.linalg.norm(high - low)) + height
     for _ in range(3):  # the distance at which the house fills the view, by proportion

@@ -97,12 +97,8 @@ def wall_bodies(sides: list[Side], rooms: BaseGeometry) -> list[Body]:
         band = Polygon([*frame.plan(ends), *frame.plan(ends[::-1], -depth)])
         outside = shapely.difference(band, rooms, grid_size=GRID)
         area = _solid(shapely.difference(outside, taken, grid_size=GRID))
-        strip = Polygon(
-            [
-                *frame.plan(ends / 1.0 + [depth / 2, -depth / 2], depth / 2),
-                *frame.plan(ends[::-1] + [-depth / 2, depth / 2], -depth / 2),
-            ]
-        )
+        inner = ends + [depth / 2, -depth / 2]
+        strip = Polygon([*frame.plan(inner, depth / 2), *frame.plan(inner[::-1], -depth / 2)])
         thin = outside.area < 0.6 * frame.length * depth
         cap = unary_union([area, strip]) if thin else area
         cap = _solid(shapely.difference(cap, caps, grid_size=GRID))

@@ -92,11 +92,11 @@ def even_crop(
 
     from plan2scene.colour import as_uint8
     from plan2scene.textures.exemplar.light import flatten, highlights
+    from plan2scene.textures.exemplar.make import toned
 
     images = np.stack([crop, *others[:_OTHERS]]) / 255.0
     flat = flatten(images, highlights(images))[0]
-    median = np.maximum(np.median(flat.reshape(-1, 3), axis=0), 1 / 255)
-    even = as_uint8(np.clip(flat * (np.asarray(tone) / median), 0.0, 1.0))
+    even = as_uint8(toned(flat, np.asarray(tone)))
     if even.shape[0] == size_px:
         return even
     method = cv2.INTER_AREA if size_px < even.shape[0] else cv2.INTER_CUBIC

@@ -24,22 +24,11 @@ _FLAT_STEP = 0.5
 
 def _require(image: np.ndarray) -> np.ndarray:
     """Return `image` if it is (h, w, 3) uint8 of at least 32 px, else raise ValueError."""
-    if (
-        image.dtype != np.uint8
-        or image.ndim != 3
-        or image.shape[2] != 3
-        or min(image.shape[:2]) < 32
-    ):
-        raise ValueError(
-            f"expected (h, w, 3) uint8 of at least 32 px, found {image.shape} {image.dtype}"
-        )
+    large = image.ndim == 3 and image.shape[2] == 3 and min(image.shape[:2]) >= 32
+    if image.dtype != np.uint8 or not large:
+        found = f"{image.shape} {image.dtype}"
+        raise ValueError(f"expected (h, w, 3) uint8 of at least 32 px, found {found}")
     return image
-
-
-def _axis_ratio(image: np.ndarray, axis: int) -> float:
-    """Return mean step across the wrap edge over the mean interior step along `axis`."""
-    across, interior = _steps(image, axis)
-    return float(across / max(interior.mean(), _FLAT_STEP))
 
 
 def _steps(image: np.ndarray, axis: int) -> tuple[float, np.ndarray]:
@@ -65,7 +54,8 @@ def wrap_ratio(image: np.ndarray) -> float:
     Mean absolute difference between opposite borders over that of neighbouring interior pixels
     (at least half a grey level), the larger of both directions.
     """
-    return max(_axis_ratio(_require(image), axis) for axis in (0, 1))
+    steps = (_steps(_require(image), axis) for axis in (0, 1))
+    return max(float(across / max(inside.mean(), _FLAT_STEP)) for across, inside in steps)
 
 
 def make_seamless(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -19,17 +19,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _CLIPPED = 0.25
-_COLUMNS = {
-    "room_id": "object",
-    "surface": "object",
-    "crop_id": "object",
-    "medoid_id": "object",
-    "embedding": "object",
-    "naive_embedding": "object",
-    "substance": "object",
-    "metres": "float64",
-    "n_crops": "int64",
-}
+_COLUMNS = dict.fromkeys(["room_id", "surface", "crop_id", "medoid_id"], "object")
+_COLUMNS |= dict.fromkeys(["embedding", "naive_embedding", "substance"], "object")
+_COLUMNS |= {"metres": "float64", "n_crops": "int64"}
 
 
 def select_surfaces(

@@ -13,7 +13,7 @@ import numpy as np
 
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.textures.baselines.nearest import Crop, PoolCrop
+from plan2scene.textures.baselines.nearest import Crop
 from plan2scene.textures.baselines.retrieval import TextureLibrary, generated_library
 from plan2scene.textures.inputs import (
     HouseData,
@@ -85,11 +85,6 @@ class _OneSurface(HouseData):
     def library(self) -> TextureLibrary:
         """Tiles of each substance."""
         return generated_library(LIBRARY_TILES, self._settings.seed, self._settings.size_px)
-
-    @cached_property
-    def pool(self) -> list[PoolCrop]:
-        """There are no other houses."""
-        return []
 
 
 def _inputs(

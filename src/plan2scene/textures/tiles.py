@@ -37,11 +37,9 @@ class Tile:
         if self.tiles_by_construction:
             return self
         image, changed = make_seamless(self.image)
-        return (
-            replace(self, image=with_calm_border(image), seam_corrected=True)
-            if changed.any()
-            else self
-        )
+        if not changed.any():
+            return self
+        return replace(self, image=with_calm_border(image), seam_corrected=True)
 
 
 @dataclass(frozen=True)

@@ -129,15 +129,10 @@ def choose_crop(
     types = set(plan.room(key.room_id).types)
     same_surface = [crop for crop in crops if crop.key.surface == key.surface]
     elsewhere = [other for other in others if other.crop.key.surface == key.surface]
+    related = [c for c in same_surface if types & set(plan.room(c.key.room_id).types)]
     pools = (
-        (
-            "a room of its type",
-            [c for c in same_surface if types & set(plan.room(c.key.room_id).types)],
-        ),
-        (
-            "such a room of another house",
-            [other.crop for other in elsewhere if types & set(other.types)],
-        ),
+        ("a room of its type", related),
+        ("such a room of another house", [o.crop for o in elsewhere if types & set(o.types)]),
         (f"another {key.surface} of the house", same_surface),
         (f"a {key.surface} of another house", [other.crop for other in elsewhere]),
         ("another surface of the house", list(crops)),

@@ -103,13 +103,6 @@ def generated_library(per_substance: int, seed: int, size_px: int) -> TextureLib
     return _from_materials(materials)
 
 
-def folder_library(folder: str | Path, size_px: int) -> TextureLibrary:
-    """Return the library of a folder with subfolders wood, plaster, carpet, tile of images."""
-    from plan2scene.materials import load_texture_folder
-
-    return _from_materials(load_texture_folder(folder, size_px=size_px))
-
-
 def _from_materials(materials: Sequence) -> TextureLibrary:
     return TextureLibrary(
         names=tuple(material.name for material in materials),
@@ -122,13 +115,18 @@ def _from_materials(materials: Sequence) -> TextureLibrary:
 def write_library(
     output: str | Path, *, folder: str | None, per_substance: int, seed: int, size_px: int
 ) -> None:
-    """Write the library file: of a user's `folder`, or generated where that is None."""
+    """Write the library file: of a user's `folder`, or generated where that is None.
+
+    The folder has subfolders wood, plaster, carpet, tile of images.
+    """
     import pandas as pd
+
+    from plan2scene.materials import load_texture_folder
 
     if folder is None:
         library = generated_library(per_substance, seed, size_px)
     else:
-        library = folder_library(folder, size_px)
+        library = _from_materials(load_texture_folder(folder, size_px=size_px))
     frame = pd.DataFrame(
         {
             "name": library.names,

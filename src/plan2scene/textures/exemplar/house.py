@@ -42,7 +42,11 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     surfaces = {surface.key: surface for surface in inputs.surfaces}
     own: dict[SurfaceKey, Tile] = {}
     tiles: dict[SurfaceKey, Tile | NoTile] = {}
-    for key, group in _crops_by_surface(inputs).items():
+    groups: dict[SurfaceKey, list[Crop]] = {}
+    for crop in inputs.crops:
+        if crop.key in surfaces:
+            groups.setdefault(crop.key, []).append(crop)
+    for key, group in groups.items():
         made = _exemplar(inputs, group, surfaces[key].tone)
         if made is None:
             tiles[key] = NoTile(f"none of {len(group)} crops is sharp enough")
@@ -55,16 +59,6 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
                 tile = replace(tile, size_m=surface.size_m)
             tiles[key] = tile
     return tiles
-
-
-def _crops_by_surface(inputs: TextureInputs) -> dict[SurfaceKey, list[Crop]]:
-    """Return the crops of each surface, in the file's order."""
-    found: dict[SurfaceKey, list[Crop]] = {}
-    wanted = {surface.key for surface in inputs.surfaces}
-    for crop in inputs.crops:
-        if crop.key in wanted:
-            found.setdefault(crop.key, []).append(crop)
-    return found
 
 
 def _exemplar(

@@ -41,10 +41,9 @@ def highlights(images: np.ndarray) -> np.ndarray:
     masks = np.zeros(images.shape[:3], dtype=bool)
     peaks = np.zeros(len(images))
     for k, image in enumerate(images):
-        body = cv2.morphologyEx(
-            as_uint8(image), cv2.MORPH_OPEN, np.ones((9, 9))
-        )  # no bright joints
-        body = cv2.medianBlur(body, images.shape[1] // 10 | 1)  # nor dark ones
+        # Neither bright joints nor dark ones.
+        body = cv2.morphologyEx(as_uint8(image), cv2.MORPH_OPEN, np.ones((9, 9)))
+        body = cv2.medianBlur(body, images.shape[1] // 10 | 1)
         body = cv2.GaussianBlur(body / 255.0, (0, 0), images.shape[1] / 40)
         luma = log_luma(body)
         excess = luma - np.median(luma)

@@ -130,7 +130,7 @@ def make_exemplar(
     order = (large or [int(sides.argmax())])[:MAX_CROPS]
     sources = [straightened(flat[k], masks[k], sides[k], lattices[k], cut, work) for k in order]
     canvas = quilt(sources, work)
-    image = with_calm_border(as_uint8(_toned(canvas.solve(), colour)))
+    image = with_calm_border(as_uint8(toned(canvas.solve(), colour)))
     return Exemplar(
         as_uint8(enlarged(image / 255.0, size_px)),
         size_m * float(np.sqrt(cut.wide * cut.high)),
@@ -223,7 +223,7 @@ def enlarged(image: np.ndarray, size_px: int) -> np.ndarray:
     return cv2.remap(wide, across, down, cv2.INTER_CUBIC)
 
 
-def _toned(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
-    """Return the image scaled to the median colour `tone`."""
+def toned(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
+    """Return an sRGB image in [0, 1] scaled to the median colour `tone`, (3,)."""
     median = np.median(image.reshape(-1, 3), axis=0)
     return np.clip(image * (tone / np.maximum(median, 1 / 255)), 0.0, 1.0)

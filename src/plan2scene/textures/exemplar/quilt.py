@@ -73,11 +73,8 @@ class Canvas:
         else:
             difference = np.abs(self.image - patch).sum(axis=2)
             difference[~(self.filled & valid)] = 0.05
-            cost = (
-                difference + np.roll(difference, -1, 0),
-                difference + np.roll(difference, -1, 1),
-            )
-            taken = minimum_cut(cost, old, new)
+            down, right = (difference + np.roll(difference, -1, axis) for axis in (0, 1))
+            taken = minimum_cut((down, right), old, new)
         self._merge(patch, valid, taken)
 
     def _merge(self, patch: np.ndarray, valid: np.ndarray, taken: np.ndarray) -> None:
