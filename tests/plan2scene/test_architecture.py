@@ -159,7 +159,6 @@ def test_docs_have_the_same_layers():
     assert told == {str(i): names for i, names in enumerate(LAYERS, start=1)}
 
 
-@pytest.mark.xfail(strict=False, reason="not every package keeps to it yet")
 @pytest.mark.parametrize("package", [LIBRARY, WORKSHOP], ids=lambda path: path.name)
 def test_files_are_short(package):
     counts = lines(package)
@@ -168,7 +167,6 @@ def test_files_are_short(package):
     assert median < 150
 
 
-@pytest.mark.xfail(strict=False, reason="not every package keeps to it yet")
 @pytest.mark.parametrize(
     ("package", "most"), [(LIBRARY, 20_000), (WORKSHOP, 7_000)], ids=["library", "workshop"]
 )
