@@ -15,17 +15,11 @@ ARCHITECTURES = ("bare", "full")
 
 @dataclass(frozen=True)
 class Layout:
-    """The folders of one data set.
+    """The folders of one data set; paths in the house table are relative to `root`.
 
-    Attributes
-    ----------
-    root : Path
-        Paths in the house table are relative to it.
-    data : Path
-        Holds ``data_lists/``, ``archs_no_objects/``, ``photo_assignments/``, ``photos/``,
-        ``object_aabbs/`` and ``unobserved_photos.json``: `root` or a folder in it.
-    processed : Path
-        Holds ``full_archs/`` and ``surface_crops/``; need not exist.
+    `data`, which is `root` or a folder in it, holds ``data_lists/``, ``archs_no_objects/``,
+    ``photo_assignments/``, ``photos/``, ``object_aabbs/`` and ``unobserved_photos.json``.
+    `processed` holds ``full_archs/`` and ``surface_crops/``; it need not exist.
     """
 
     root: Path
