@@ -54,7 +54,7 @@ def _imports(file: Path, package: Path) -> frozenset[str]:
 
 @cache
 def _dependencies(module: str, packages: tuple[Path, ...]) -> frozenset[Path]:
-    """Return the files of `module` and of all that it imports from `packages`, transitively."""
+    """Return the files of `module` and all that it imports from `packages`, and data they name."""
     owners = {package.name: package for package in packages}
     seen: dict[str, Path] = {}
     queue = [module]
@@ -65,12 +65,21 @@ def _dependencies(module: str, packages: tuple[Path, ...]) -> frozenset[Path]:
             continue
         seen[name] = file
         queue.extend(_imports(file, owners[name.split(".")[0]]))
-    return frozenset(seen.values())
+    return frozenset(seen.values()).union(*map(_data_files, seen.values()))
+
+
+def _data_files(module: Path) -> set[Path]:
+    """Return the files beside a module that its source names: tables, schemas, pages."""
+    source = module.read_text(encoding="utf-8")
+    beside = (path for path in module.parent.iterdir() if path.suffix not in ("", ".py"))
+    return {path for path in beside if f'"{path.name}"' in source}
 
 
 @cache
 def code_hash(*modules: str, packages: tuple[Path, ...] = (PACKAGE,)) -> str:
     """Return 16 hex digits over the sources of `modules` and all they import in `packages`.
+
+    Data files that lie beside a module and stand in it by name count as source.
 
     Parameters
     ----------

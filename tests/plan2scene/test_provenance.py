@@ -48,6 +48,15 @@ def test_imports_are_followed_from_one_package_into_another(packages):
     assert fresh("maker", packages=(shop, library)) != before
 
 
+def test_a_data_file_that_a_module_names_counts(packages):
+    (packages[0] / "other.py").write_text('TABLE = "table.csv"\n')
+    (packages[0] / "table.csv").write_text("a\n")
+    before = fresh("other", packages=packages), fresh("top", packages=packages)
+    (packages[0] / "table.csv").write_text("b\n")
+    assert fresh("other", packages=packages) != before[0]
+    assert fresh("top", packages=packages) == before[1]
+
+
 def test_a_change_elsewhere_does_not(packages):
     before = fresh("top", packages=packages)
     (packages[0] / "other.py").write_text("Y = 2\n")
