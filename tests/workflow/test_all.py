@@ -60,7 +60,7 @@ def test_floors_and_walls_of_the_glb_have_the_plans_areas(made):
 
 
 def test_the_khronos_validator_finds_no_error(made):
-    script = ROOT / "tests" / "mesh" / "validate_gltf.cjs"
+    script = ROOT / "tests" / "plan2scene" / "mesh" / "validate_gltf.cjs"
     files = [str(made.root / f"results/tiny/houses/{h}/house.glb") for h in made.houses()]
     if shutil.which("node") is None:
         pytest.skip("no node to run the Khronos validator")
