@@ -165,11 +165,3 @@ def test_files_are_short(package):
     assert {name: count for name, count in counts.items() if count > 300} == {}
     median = statistics.median(counts.values())
     assert median < 150
-
-
-@pytest.mark.parametrize(
-    ("package", "most"), [(LIBRARY, 20_000), (WORKSHOP, 7_000)], ids=["library", "workshop"]
-)
-def test_lines_in_all(package, most):
-    total = sum(lines(package).values())
-    assert total <= most
