@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from plan2scene.errors import InputError, WorkflowError
+from plan2scene.errors import InputError, WorkflowError, system_fault
 from plan2scene.textures.methods import METHODS, methods_table
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
@@ -82,7 +82,8 @@ def label_photos(
     model: Annotated[Path | None, typer.Option(help="Other segmentation weights.")] = None,
 ) -> None:
     """Write label images (0 other, 1 floor, 2 wall, 3 ceiling) at the photos' size."""
-    from plan2scene.images import read_image, write_png
+    from plan2scene.images import is_label_image, read_image, write_png
+    from plan2scene.io import keep_inputs
     from plan2scene.photos.camera.exif import read_exif_focal
     from plan2scene.photos.labels.labeller import labeller
     from plan2scene.weights import MODELS
@@ -91,6 +92,9 @@ def label_photos(
     for i, target in enumerate(targets):
         if target in targets[:i]:
             raise InputError("photos of different names", f"{photos[i].stem} twice", file=photos[i])
+        keep_inputs(target, photos)
+        if target.exists() and not is_label_image(target):
+            raise InputError("a folder without other pictures", target.name, file=out)
     label = labeller("embedded", model=model or MODELS / "segmentation.safetensors")
     failed = 0
     for photo, target in zip(photos, targets, strict=True):
@@ -118,8 +122,10 @@ def make_texture(
 ) -> None:
     """Make one seamless tile from crops of one surface."""
     from plan2scene.images import read_image, write_png
+    from plan2scene.io import keep_inputs
     from plan2scene.textures.single import tile_from_crops
 
+    keep_inputs(out, crops)
     images = [read_image(path) for path in crops]
     write_png(out, tile_from_crops(images, method, size_px=size, seed=seed))
     print(out)
@@ -172,7 +178,9 @@ def import_plan_file(
 ) -> None:
     """Convert any supported plan to scene.json."""
     from plan2scene.datasets import import_plan
+    from plan2scene.io import keep_inputs
 
+    keep_inputs(out, [plan])
     import_plan(plan, out, house_id=_house_id(plan, house), metres_per_pixel=metres_per_pixel)
     print(out)
 
@@ -193,8 +201,10 @@ def convert(
 ) -> None:
     """Convert released weights; a file that carries code is refused."""
     from plan2scene.checkpoints.convert import convert_checkpoint
+    from plan2scene.io import keep_inputs
     from plan2scene.propagation.model import load_propagation
 
+    keep_inputs(out, [checkpoint, *([means] if means else [])])
     convert_checkpoint(
         network,
         checkpoint,
@@ -212,4 +222,10 @@ def main() -> None:
         app()
     except (InputError, WorkflowError) as error:
         print(f"ERROR {error}", file=sys.stderr)
+        raise SystemExit(1) from None
+    except OSError as error:
+        fault = system_fault(error)
+        if fault is None:
+            raise
+        print(f"ERROR {fault}", file=sys.stderr)
         raise SystemExit(1) from None

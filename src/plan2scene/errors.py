@@ -2,6 +2,28 @@
 
 from __future__ import annotations
 
+import errno
+from pathlib import Path
+
+#: What the system refuses through no fault of the program, and what would be needed.
+_SYSTEM = {
+    errno.ENOSPC: "free space on the disk",
+    errno.EDQUOT: "room within the disk quota",
+    errno.EFBIG: "a disk that takes files of this size",
+    errno.EROFS: "a place that may be written to",
+    errno.EACCES: "permission to read and write",
+    errno.EPERM: "permission to read and write",
+    errno.EIO: "a disk that works",
+    errno.ENOTDIR: "a folder",
+    errno.EEXIST: "a folder",
+    errno.EISDIR: "a file",
+    errno.ENAMETOOLONG: "a shorter name",
+    errno.ELOOP: "a path without a circle of links",
+    errno.EMFILE: "a higher limit of open files",
+    errno.ENFILE: "a higher limit of open files",
+    errno.ENOMEM: "free memory",
+}
+
 
 class InputError(ValueError):
     """A fault in what the user gave: one line naming where, what was expected and what was found.
@@ -34,6 +56,16 @@ def _one_line(value: object) -> str:
     """Return `value` as text without line breaks or control characters, at most 300 characters."""
     text = "".join(c if c.isprintable() else " " for c in str(value))
     return text if len(text) <= 300 else text[:297] + "..."
+
+
+def system_fault(error: OSError) -> InputError | None:
+    """Return what the system refused as one line; None for what is a fault of the program."""
+    expected = _SYSTEM.get(error.errno or 0)
+    if expected is None:
+        return None
+    name = error.filename if isinstance(error.filename, str | Path) else ""
+    path = Path(name).parent if Path(name).name.startswith(".tmp_") else name
+    return InputError(expected, error.strerror or "an error", file=path)
 
 
 class WorkflowError(RuntimeError):

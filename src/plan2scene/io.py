@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
-import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plan2scene.errors import InputError
+from plan2scene.temporary import remove, remove_stale, replace_directory, temporary_beside
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,13 +26,16 @@ SCHEMA_VERSION = 1
 
 @contextmanager
 def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield a temporary path beside `path`; rename it to `path` when the block succeeds."""
+    """Yield a temporary path beside `path`; rename it to `path` when the block succeeds.
+
+    What a killed process left of the same file is removed first.
+    """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=".tmp_", suffix=target.suffix)
-    os.close(handle)
-    temporary = Path(name)
+    remove_stale(target)
+    temporary = temporary_beside(target)
     try:
+        temporary.touch()
         yield temporary
         temporary.chmod(0o644)
         temporary.replace(target)
@@ -43,18 +45,30 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextmanager
 def atomic_directory(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield an empty temporary directory; it replaces directory `path` when the block succeeds."""
+    """Yield an empty temporary directory; it replaces directory `path` when the block succeeds.
+
+    The old directory stays until the new one takes its place.
+    """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
-    temporary = Path(tempfile.mkdtemp(dir=target.parent, prefix=".tmp_"))
+    remove_stale(target)
+    temporary = temporary_beside(target)
     try:
+        temporary.mkdir()
         yield temporary
         temporary.chmod(0o755)
-        if target.exists():
-            shutil.rmtree(target)
-        temporary.replace(target)
+        replace_directory(temporary, target)
     finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+        remove(temporary)
+
+
+def keep_inputs(output: Path, inputs: Iterable[Path]) -> None:
+    """Raise InputError where an output would overwrite one of the inputs, or is a folder."""
+    if output.is_dir():
+        raise InputError("a file to write", "a folder", file=output)
+    for given in inputs:
+        if output.resolve() == given.resolve() or (output.exists() and output.samefile(given)):
+            raise InputError("an output that is no input", "the same file", file=output)
 
 
 def read_text(path: str | os.PathLike[str]) -> str:

@@ -15,12 +15,15 @@ from plan2scene.datasets import read_assignment
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.floorplans import read_plan, validate_house
 from plan2scene.io import safe_join, write_text
+from plan2scene.out_folder import OutFolder, claimed_folder
 from plan2scene.provenance import WORKFLOW
 
 _LOG = logging.getLogger("plan2scene")
 DATASET = "own"
 #: Sides of a tile in pixels that the configuration allows.
 TEXTURE_SIZES = (128, 256, 512)
+#: Files of the house that a user wants.
+DELIVERED = ("house.glb", "house.scene.json", "preview.png", "viewer.html")
 
 
 @dataclass(frozen=True)
@@ -37,28 +40,29 @@ class SingleHouse:
     texture_size: int
 
 
-def prepare(request: SingleHouse, work: Path) -> Path:
-    """Lay a data set of one house under `work`; return its config file.
-
-    The plan and photo table are read once here, so that a mistake is told before any job starts.
-    Missing photos are warned of; the house goes on without them.
-    """
-    if request.texture_size not in TEXTURE_SIZES:
-        raise InputError(f"a texture size of {TEXTURE_SIZES} pixels", str(request.texture_size))
+def read_input(request: SingleHouse) -> list[str]:
+    """Read plan and photo table, so that a mistake is told before any job; return the photos."""
     house = read_plan(request.plan, request.house, request.metres_per_pixel)
     for line in validate_house(house, file=request.plan):
         _LOG.warning("%s", line)
+    if request.photo_table is None:
+        return []
+    return sorted({row.photo for row in read_assignment(request.photo_table, house)})
+
+
+def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
+    """Lay a data set of one house and these photos under `work`; return its config file.
+
+    Missing photos are warned of; the house goes on without them.
+    """
     root = work / "dataset"
     photos = root / "photos"
     photos.mkdir(parents=True, exist_ok=True)
     plan = root / f"plan{request.plan.suffix or '.json'}"
     shutil.copy2(request.plan, plan)
-    names: list[str] = []
     assignment = ""
     if request.photo_table is not None:
-        rows = read_assignment(request.photo_table, house)
         folder = request.photos_dir or request.photo_table.parent
-        names = sorted({row.photo for row in rows})
         _copy_photos(names, folder, photos, request)
         shutil.copy2(request.photo_table, root / "photoroom.csv")
         assignment = "photoroom.csv"
@@ -109,27 +113,34 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
 def run(request: SingleHouse, out: Path, *, cores: int) -> dict[str, Path]:
     """Make one house with Snakemake under `out`; return the files a user wants, by name.
 
-    Raises InputError for faults of the input, WorkflowError when the workflow fails.
+    A run that was killed goes on by the same call. Raises InputError for faults of the input,
+    WorkflowError when the workflow fails.
     """
     if not (WORKFLOW / "Snakefile").is_file():
         raise WorkflowError(f"this installation lacks the workflow: no Snakefile in {WORKFLOW}")
-    work = out / "work"
-    config = prepare(request, work)
+    if request.texture_size not in TEXTURE_SIZES:
+        raise InputError(f"a texture size of {TEXTURE_SIZES} pixels", str(request.texture_size))
+    given = (request.plan, request.photo_table, request.photos_dir)
+    inputs = [path for path in given if path is not None]
+    names = read_input(request)
+    with claimed_folder(out, (*DELIVERED, "textures"), inputs) as folder:
+        config = prepare(request, names, folder.work)
+        _make(request, config, folder, cores)
+        made = folder.work / "results" / DATASET
+        files = {name: made / "houses" / request.house / name for name in DELIVERED}
+        files["textures"] = made / "drop_0.0" / request.method / request.house / "textures"
+        return folder.deliver(files)
+
+
+def _make(request: SingleHouse, config: Path, folder: OutFolder, cores: int) -> None:
+    """Run Snakemake in the work folder; WorkflowError when it fails."""
     base = f"results/{DATASET}/houses/{request.house}"
-    wanted = ("house.glb", "house.scene.json", "preview.png", "viewer.html")
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(WORKFLOW / "Snakefile")]
-    command += ["--directory", str(work), "--configfile", str(config), "--cores", str(cores)]
+    command += ["--directory", str(folder.work), "--configfile", str(config)]
     command += ["--workflow-profile", str(WORKFLOW / "workflow" / "profiles" / "default")]
-    command += ["--quiet", "rules", "--", *(f"{base}/{name}" for name in wanted)]
-    if subprocess.run(command, check=False).returncode != 0:
-        raise WorkflowError(f"the workflow failed; its logs are in {work / 'logs'}")
-    results = {}
-    for name in wanted:
-        results[name] = out / name
-        shutil.copyfile(work / base / name, results[name])
-    textures = work / "results" / DATASET / "drop_0.0" / request.method / request.house / "textures"
-    results["textures"] = out / "textures"
-    if results["textures"].exists():
-        shutil.rmtree(results["textures"])
-    shutil.copytree(textures, results["textures"])
-    return results
+    command += ["--cores", str(cores), "--quiet", "rules", "--"]
+    command += [f"{base}/{name}" for name in DELIVERED]
+    # Who inherits the lock keeps it: the folder is free when Snakemake is gone too.
+    inherited = (folder.lock,) if folder.lock >= 0 else ()
+    if subprocess.run(command, check=False, pass_fds=inherited).returncode != 0:
+        raise WorkflowError(f"the workflow failed; its logs are in {folder.work / 'logs'}")

@@ -121,3 +121,42 @@ def test_checkpoints_are_converted_and_those_of_other_networks_refused(tmp_path)
     assert out.is_file()
     with pytest.raises(InputError, match=r"tensor encoder\..* missing, 13 unknown"):
         call("convert-checkpoint", "texture", path, "--out", tmp_path / "t.safetensors")
+
+
+@pytest.mark.parametrize("command", ["masks", "texture", "import", "convert-checkpoint"])
+def test_no_command_overwrites_its_input(tmp_path, command):
+    given = tmp_path / "a.png"
+    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(given)
+    before = given.read_bytes()
+    out = tmp_path if command == "masks" else given
+    network = ["vgg16"] if command == "convert-checkpoint" else []
+    with pytest.raises(InputError, match="expected an output that is no input"):
+        call(command, *network, given, "--out", out)
+    assert given.read_bytes() == before
+
+
+def test_labels_take_the_place_of_labels_only(tmp_path):
+    photo, other = tmp_path / "a.jpg", tmp_path / "out" / "a.png"
+    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(photo)
+    for _ in range(2):
+        assert call("masks", photo, "--out", tmp_path / "out")[0] == 0
+    Image.fromarray(np.full((64, 64), 180, np.uint8)).save(other)
+    before = other.read_bytes()
+    with pytest.raises(InputError, match="expected a folder without other pictures"):
+        call("masks", photo, "--out", tmp_path / "out")
+    assert other.read_bytes() == before
+
+
+@pytest.mark.parametrize("command", ["run", "texture", "masks", "import"])
+def test_an_output_that_cannot_be_written_is_one_line(tmp_path, monkeypatch, capsys, command):
+    photo, blocked = tmp_path / "a.png", tmp_path / "file" / "x"
+    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(photo)
+    blocked.parent.write_text("a file, no folder")
+    given = {"run": ["--plan", PLAN], "import": [PLAN], "texture": [photo, "--method", "crop"]}
+    arguments = [command, *given.get(command, [photo]), "--out", blocked]
+    monkeypatch.setattr("sys.argv", ["plan2scene", *map(str, arguments)])
+    with pytest.raises(SystemExit) as stop:
+        cli.main()
+    lines = capsys.readouterr().err.splitlines()
+    assert stop.value.code == 1
+    assert [line.startswith("ERROR ") and "expected" in line for line in lines] == [True]

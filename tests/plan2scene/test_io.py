@@ -1,9 +1,13 @@
 """Files: what is refused, round trips, and that writes are all or nothing."""
 
+import subprocess
+import sys
+
 import pandas as pd
 import pytest
 
 from plan2scene import io as p2s_io
+from plan2scene import temporary
 from plan2scene.errors import InputError
 
 
@@ -38,6 +42,45 @@ def test_a_directory_is_replaced_as_a_whole(tmp_path):
         (temporary / "new").write_text("")
     assert [p.name for p in target.iterdir()] == ["new"]
     assert [p.name for p in tmp_path.iterdir()] == ["d"]
+
+
+@pytest.mark.parametrize("swap", [True, False], ids=["at once", "by two renames"])
+def test_the_old_directory_stays_until_the_new_one_is_there(tmp_path, monkeypatch, swap):
+    target = tmp_path / "d"
+    target.mkdir()
+    (target / "old").write_text("")
+    if not swap:
+        monkeypatch.setattr(temporary, "_exchanged", lambda one, other: False)
+    with pytest.raises(RuntimeError), p2s_io.atomic_directory(target):
+        raise RuntimeError
+    with p2s_io.atomic_directory(target) as new:
+        (new / "new").write_text("")
+        assert [p.name for p in target.iterdir()] == ["old"]
+    assert [p.name for p in target.iterdir()] == ["new"]
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_what_a_killed_process_left_goes_and_that_of_a_live_one_stays(tmp_path):
+    target = tmp_path / "x.png"
+    code = (
+        "import os, sys\nfrom plan2scene.io import atomic_path, atomic_directory\n"
+        "with atomic_path(sys.argv[1]), atomic_directory(sys.argv[1] + '.d'):\n"
+        "    os.kill(os.getpid(), 9)"
+    )
+    subprocess.run([sys.executable, "-c", code, str(target)], check=False)
+    assert len(list(tmp_path.iterdir())) == 2
+    mine = temporary.temporary_beside(target)
+    mine.touch()
+    p2s_io.write_text(target, "whole")
+    assert {p.name for p in tmp_path.iterdir() if p.is_file()} == {"x.png", mine.name}
+    with p2s_io.atomic_directory(f"{target}.d"):
+        pass
+    assert {p.name for p in tmp_path.iterdir()} == {"x.png", "x.png.d", mine.name}
+
+
+def test_a_name_of_the_longest_length_can_be_written(tmp_path):
+    p2s_io.write_text(tmp_path / ("n" * 251 + ".txt"), "whole")
+    assert [p.read_text() for p in tmp_path.iterdir()] == ["whole"]
 
 
 def test_parquet_round_trip_with_metadata(tmp_path):

@@ -53,3 +53,11 @@ print(fresh, kept)
     )
     fresh, kept = map(int, done.stdout.split())
     assert kept < 0.1 * fresh
+
+
+def test_a_full_disk_is_one_line(tmp_path, capfd):
+    with pytest.raises(SystemExit), job(tmp_path / "log.txt"):
+        raise OSError(28, "No space left on device", str(tmp_path / ".tmp_1_2_3.png"))
+    line = f"ERROR file {tmp_path}: expected free space on the disk, found No space left on device"
+    assert (tmp_path / "log.txt").read_text().splitlines() == [line]
+    assert capfd.readouterr().err.splitlines() == [line]

@@ -1,0 +1,159 @@
+"""The folder that ``plan2scene run`` delivers into: one run at a time, no file of the user lost."""
+
+from __future__ import annotations
+
+import errno
+import logging
+import os
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from plan2scene.errors import InputError
+from plan2scene.io import atomic_directory, atomic_path, read_json, write_json
+
+_LOG = logging.getLogger("plan2scene")
+#: Folder below the results where the workflow runs.
+WORK = "work"
+#: In the work folder: what runs delivered, so that everything else is the user's.
+_RECORD = "delivered.json"
+#: In the work folder: held while a run works there; the system frees it when the run is gone.
+_LOCK = "lock"
+#: Names that Snakemake leaves in folders it makes.
+_BYPRODUCTS = (".snakemake_timestamp", ".tmp_*")
+
+
+@dataclass(frozen=True)
+class OutFolder:
+    """A folder that this run alone delivers into.
+
+    `lock` is a file descriptor, -1 where the system has no locks: a child that inherits it keeps
+    the folder locked as long as it lives.
+    """
+
+    path: Path
+    lock: int
+
+    @property
+    def work(self) -> Path:
+        """Where the workflow runs."""
+        return self.path / WORK
+
+    def deliver(self, files: Mapping[str, Path]) -> dict[str, Path]:
+        """Copy files and folders to these names, each at once; return where they are."""
+        made = {name: self.path / name for name in files}
+        names = set(_delivered(self.work)) | set(files)
+        for name, source in files.items():
+            if source.is_dir():
+                names |= {f"{name}/{path.name}" for path in source.iterdir()}
+        write_json(self.work / _RECORD, {"files": sorted(names)})
+        for name, source in files.items():
+            if source.is_dir():
+                ignored = shutil.ignore_patterns(*_BYPRODUCTS)
+                with atomic_directory(made[name]) as folder:
+                    shutil.copytree(source, folder, ignore=ignored, dirs_exist_ok=True)
+            else:
+                with atomic_path(made[name]) as temporary:
+                    shutil.copyfile(source, temporary)
+        return made
+
+
+@contextmanager
+def claimed_folder(path: Path, names: Sequence[str], inputs: Sequence[Path]) -> Iterator[OutFolder]:
+    """Yield the folder, made where it is not there, locked until the block ends.
+
+    A lock of Snakemake's own that a killed run left in the work folder is removed: this lock says
+    that nobody works there.
+
+    Parameters
+    ----------
+    path : path
+        Where results go.
+    names : sequence of str
+        What will be delivered.
+    inputs : sequence of path
+        Files and folders that the run reads.
+
+    Raises
+    ------
+    InputError
+        Where `path` is a file, another run works in it, or what stands at a name is an input, or
+        was not delivered by a run.
+    """
+    if path.exists() and not path.is_dir():
+        raise InputError("a folder for the results", "a file", file=path)
+    _refuse_users_files(path, names, inputs)
+    work = path / WORK
+    work.mkdir(parents=True, exist_ok=True)
+    with _locked(work / _LOCK, path) as lock:
+        _refuse_users_files(path, names, inputs)
+        if not (work / _RECORD).is_file():
+            write_json(work / _RECORD, {"files": []})
+        shutil.rmtree(work / ".snakemake" / "locks", ignore_errors=True)
+        yield OutFolder(path, lock)
+
+
+def _delivered(work: Path) -> list[str]:
+    """Return what earlier runs delivered."""
+    record = work / _RECORD
+    found = read_json(record) if record.is_file() else {}
+    names = found.get("files") if isinstance(found, dict) else None
+    if not isinstance(names, list):
+        raise InputError("the record of an earlier run", "another file", file=record)
+    return [str(name) for name in names]
+
+
+def _refuse_users_files(path: Path, names: Sequence[str], inputs: Sequence[Path]) -> None:
+    """Raise InputError where a delivery would overwrite what is not an earlier run's."""
+    work = path / WORK
+    if os.path.lexists(work) and not (work / _LOCK).is_file() and (work.is_file() or _full(work)):
+        raise InputError("no folder 'work' but an earlier run's", "another", file=work)
+    taken = [path / name for name in (*names, WORK)]
+    for given in inputs:
+        real = given.resolve()
+        for target in taken:
+            if real == target.resolve() or target.resolve() in real.parents:
+                raise InputError("an --out folder that doesn't overwrite the input", str(given))
+    known = set(_delivered(work)) if (work / _RECORD).is_file() else set()
+    for name in names:
+        target = path / name
+        here = [name] if os.path.lexists(target) else []
+        if target.is_dir() and not target.is_symlink():
+            here += [f"{name}/{entry.name}" for entry in target.iterdir()]
+        other = sorted(set(here) - known)
+        if other:
+            raise InputError("an --out folder without files of others", other[-1], file=path)
+
+
+def _full(folder: Path) -> bool:
+    return any(folder.iterdir())
+
+
+@contextmanager
+def _locked(file: Path, path: Path) -> Iterator[int]:
+    """Hold a lock file while the block runs; InputError where another process holds it."""
+    try:
+        import fcntl
+    except ImportError:  # not on Windows
+        yield -1
+        return
+    handle = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            expected = "an --out folder in which no other run works"
+            raise InputError(
+                expected,
+                "a run that is under way (what is left of a killed one ends by itself)",
+                file=path,
+            ) from None
+        except OSError as error:
+            if error.errno not in (errno.ENOLCK, errno.ENOTSUP):
+                raise
+            _LOG.warning("%s has no locks: start one run at a time into it", path)
+        yield handle
+    finally:
+        os.close(handle)
