@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from plan2scene.errors import InputError, WorkflowError, system_fault
+from plan2scene.exports.registry import EXPORTS, export_house
 from plan2scene.textures.methods import METHODS, methods_table
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
@@ -183,6 +184,22 @@ def import_plan_file(
     keep_inputs(out, [plan])
     import_plan(plan, out, house_id=_house_id(plan, house), metres_per_pixel=metres_per_pixel)
     print(out)
+
+
+@app.command("export")
+def export(
+    house: Annotated[Path, typer.Argument(help="What `plan2scene run` made: the folder OUT.")],
+    to: Annotated[str, typer.Option(metavar=f"[{'|'.join(EXPORTS)}]", help="The form to write.")],
+    out: Annotated[Path | None, typer.Option(help="Folder; default: HOUSE/FORM.")] = None,
+) -> None:
+    """Write a house in a form that other programs read."""
+    scene, textures = house / "house.scene.json", house / "textures"
+    for path in (scene, textures):
+        if not path.exists():
+            raise InputError("a folder made by `plan2scene run`", f"no {path.name}", file=house)
+    folder = out or house / to
+    for path in export_house(scene, textures, folder, to, house_id=house.resolve().name):
+        print(path)
 
 
 @app.command("convert-checkpoint")

@@ -1,7 +1,12 @@
+from plan2scene.exports.registry import EXPORTS
 from plan2scene.provenance import PACKAGE, file_hash
 
 # Textures of the configured method, with all photos.
 CHOSEN_TEXTURES = f"{RESULTS}/drop_0.0/{config['house']['method']}/{{house}}/textures"
+
+
+wildcard_constraints:
+    export="|".join(EXPORTS),
 
 
 rule house:
@@ -35,28 +40,26 @@ rule house:
         "../scripts/house.py"
 
 
-rule house_obj:
-    # On demand: the house as OBJ with MTL and textures.
+rule export_house:
+    # On demand: the house for other programs, docs/exports.md.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         textures=CHOSEN_TEXTURES,
     output:
-        obj=f"{RESULTS}/houses/{{house}}/obj/house.obj",
-        mtl=f"{RESULTS}/houses/{{house}}/obj/house.mtl",
-        textures=directory(f"{RESULTS}/houses/{{house}}/obj/house_textures"),
+        directory(f"{RESULTS}/houses/{{house}}/exports/{{export}}"),
     log:
-        f"logs/{DATASET}/house_obj/{{house}}.log",
+        f"logs/{DATASET}/export_house/{{house}}_{{export}}.log",
     benchmark:
-        f"logs/{DATASET}/benchmarks/house_obj/{{house}}.tsv"
+        f"logs/{DATASET}/benchmarks/export_house/{{house}}_{{export}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=500,
+        mem_mb=1000,
     params:
-        code=code_hash("mesh.build"),
+        code=code_hash("exports.registry"),
     script:
-        "../scripts/house_obj.py"
+        "../scripts/export_house.py"
 
 
 rule viewer:

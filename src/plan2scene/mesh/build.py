@@ -10,7 +10,6 @@ from plan2scene.house import House, SurfaceKey
 from plan2scene.images import write_png
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.house_mesh import assemble
-from plan2scene.mesh.obj import write_obj
 from plan2scene.mesh.preview import render_preview
 from plan2scene.mesh.textures import TileTexture, load_textures
 
@@ -58,11 +57,3 @@ def build_house(
         sum(len(part.mesh.faces) for part in assembly.parts),
         len(textures),
     )
-
-
-def build_obj(
-    scene_json: str | Path, textures_dir: str | Path, obj: str | Path, *, house_id: str
-) -> None:
-    """Write a house as OBJ, with an MTL file and a folder of textures beside it."""
-    house, textures = _load(scene_json, textures_dir, house_id)
-    write_obj(house, textures, obj)

@@ -11,7 +11,7 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans import write_scene_json
 from plan2scene.house import SurfaceKey
 from plan2scene.mesh import load_textures
-from plan2scene.mesh.build import build_house, build_obj
+from plan2scene.mesh.build import build_house
 
 
 @pytest.fixture
@@ -48,14 +48,11 @@ def test_files_of_a_house(folder, gap_house, paint):
     outputs = [out / name for name in ("house.glb", "house.scene.json", "preview.png")]
     build_house(*args, *outputs, house_id="gap")
     assert Image.open(outputs[2]).size == (1600, 800)
-    build_obj(*args, out / "house.obj", house_id="gap")
     scene = trimesh.load(out / "house.glb")
     assert scene.geometry["a/floor"].area == pytest.approx(12.0, rel=1e-4)
     textures = scene_textures(out / "house.scene.json")
     for key, tile in paint(gap_house).items():
         assert textures[key] == (tile.png, tile.size_m)
-    assert (out / "house.obj").is_file()
-    assert len(list((out / "house_textures").glob("*.png"))) == 6
 
 
 def test_a_surface_without_texture_is_a_warning(folder, gap_house, caplog):

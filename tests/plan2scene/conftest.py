@@ -109,7 +109,7 @@ SAMPLES = (
 def sample_house(request):
     """A real sample plan; skips where they are not beside the repository."""
     name, scale = request.param
-    path = Path(__file__).resolve().parents[4] / "shared" / "samples" / name
+    path = Path(__file__).resolve().parents[3] / "shared" / "samples" / name
     if not path.is_file():
         pytest.skip("no shared samples beside the repository")
     return read_plan(path, "sample", scale)

@@ -1,0 +1,1 @@
+"""A house in other people's tools: USD, simulators, IFC, occupancy maps."""

@@ -1,0 +1,228 @@
+"""A house as closed convex solids with a name and a category: what collides, and what is what.
+
+Every exporter that needs bodies takes them from here. World axes of ``docs/conventions.md``:
+metres, y up; plan points are (x, z).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+import trimesh
+from shapely.geometry import LineString, Polygon
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
+
+from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.house import House
+from plan2scene.mesh.fixtures import FRAME_WIDTH, LEAF_THICKNESS, TWO_LEAVES
+from plan2scene.mesh.house_mesh import Assembly, assemble
+from plan2scene.mesh.openings import Portal
+from plan2scene.mesh.polygons import polygons_of, triangulate
+from plan2scene.mesh.walls import Body
+
+#: Floors and ceilings are so thick, metres.
+SLAB = 0.1
+#: Where two rooms touch, the wall between them is so thick, metres.
+LEAST_WALL = 0.02
+#: Panes are so thick, metres.
+PANE = 0.02
+#: Pieces of less area are left out, square metres.
+_SLIVER = 1e-5
+#: A leaf is so much smaller than the clear opening, metres to each side.
+_GAP = 0.01
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """The upright axis of a door leaf: it stands shut at angle 0.
+
+    Attributes
+    ----------
+    x, z : float
+        Plan point of the axis, metres.
+    opens : int
+        +1 when a positive turn about +y opens it, else -1.
+    """
+
+    x: float
+    z: float
+    opens: int
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A thing that has a body.
+
+    Attributes
+    ----------
+    name : str
+        Unique in the house, like the GLB's nodes: ``{room}/floor``, ``wall/{wall}`` ...
+    category : str
+        ``floor``, ``ceiling``, ``wall``, ``door`` or ``window``.
+    room_ids : tuple of str
+        The rooms it belongs to.
+    pieces : tuple of trimesh.Trimesh
+        Closed, convex, outward-facing; together the body. Metres, world axes.
+    hinge : Hinge or None
+        Of a door leaf.
+    """
+
+    name: str
+    category: str
+    room_ids: tuple[str, ...]
+    pieces: tuple[trimesh.Trimesh, ...] = field(compare=False)
+    hinge: Hinge | None = None
+
+
+def house_solids(house: House) -> list[Solid]:
+    """Return the solids of a house: slabs, walls with their holes, door leaves, panes.
+
+    Doors and passages are holes through the walls with floor in them; a leaf fills its door when
+    shut. Windows are filled by a pane.
+    """
+    assembly = assemble(house)
+    ways = {id(portal): footprint(portal) for portal in assembly.portals}
+    solids: list[Solid] = []
+    for room in house.rooms:
+        polygon = room_polygon(room)
+        for surface, low in (("floor", -SLAB), ("ceiling", room.height)):
+            pieces = prisms(polygon, low, low + SLAB)
+            solids.append(Solid(f"{room.id}/{surface}", surface, (room.id,), pieces))
+    solids.extend(_walls(assembly, ways))
+    solids.extend(_thresholds(house, assembly, ways))
+    for portal in assembly.portals:
+        solids.extend(_fillings(portal))
+    return _named(solids)
+
+
+def prisms(area: BaseGeometry, low: float, high: float) -> tuple[trimesh.Trimesh, ...]:
+    """Return upright convex prisms that fill a plan area from height `low` to `high`.
+
+    A convex polygon is one prism, another one a prism for each of its triangles.
+    """
+    if high - low < 1e-4:
+        return ()
+    pieces = []
+    for polygon in polygons_of(area):
+        outline = shapely.simplify(polygon, 1e-6)
+        if outline.area < _SLIVER:
+            continue
+        if not outline.interiors and outline.convex_hull.area - outline.area < _SLIVER:
+            pieces.append(_prism(np.asarray(outline.convex_hull.exterior.coords)[:-1], low, high))
+            continue
+        points, faces = triangulate(outline)
+        pieces.extend(
+            _prism(points[face], low, high)
+            for face in faces
+            if Polygon(points[face]).area > _SLIVER
+        )
+    return tuple(pieces)
+
+
+def _prism(ring: np.ndarray, low: float, high: float) -> trimesh.Trimesh:
+    """Return the prism over a convex ring (n, 2) of plan points."""
+    corners = [np.insert(ring, 1, y, axis=1) for y in (low, high)]
+    return trimesh.convex.convex_hull(np.concatenate(corners))
+
+
+def footprint(portal: Portal) -> Polygon:
+    """Return the plan area of a passage through its walls, a little longer than they are thick."""
+    frame, hole = portal.side.frame, portal.hole
+    reach = LEAST_WALL
+    near = frame.plan(np.array([hole.left, hole.right]), reach)
+    far = portal.back - reach * frame.normal
+    return Polygon([near[0], near[1], far[1], far[0]])
+
+
+def _walls(assembly: Assembly, ways: dict[int, Polygon]) -> list[Solid]:
+    """Return a solid for each wall, with the holes of all portals that go through it."""
+    solids = []
+    taken: BaseGeometry = Polygon()
+    for body in assembly.bodies:
+        wall = body.side.wall
+        area = shapely.difference(wall_area(body), taken)
+        taken = unary_union([taken, area])
+        through = [p for p in assembly.portals if ways[id(p)].intersects(area)]
+        holes = unary_union([ways[id(p)] for p in through])
+        pieces = list(prisms(area.difference(holes), 0.0, wall.height))
+        for portal in through:
+            inside = area.intersection(ways[id(portal)])
+            pieces.extend(prisms(inside, 0.0, portal.hole.bottom))
+            pieces.extend(prisms(inside, portal.hole.top, wall.height))
+        if pieces:
+            solids.append(Solid(f"wall/{wall.id}", "wall", wall.room_ids, tuple(pieces)))
+    return solids
+
+
+def wall_area(body: Body) -> BaseGeometry:
+    """Return a wall's plan area; at least a thin strip along its line."""
+    frame = body.side.frame
+    line = LineString(frame.plan(np.array([0.0, frame.length])))
+    return unary_union([body.area, line.buffer(LEAST_WALL / 2, cap_style="flat")])
+
+
+def _thresholds(house: House, assembly: Assembly, ways: dict[int, Polygon]) -> list[Solid]:
+    """Return the floor inside doors and passages."""
+    rooms = unary_union([room_polygon(room) for room in house.rooms])
+    solids = []
+    for portal in assembly.portals:
+        opening, room = portal.hole.opening, portal.side.room_id
+        if opening.kind == "window" or portal.hole.bottom > 0.02:
+            continue
+        pieces = prisms(ways[id(portal)].difference(rooms), -SLAB, 0.0)
+        if pieces:
+            both = (room,) if portal.other is None else (room, portal.other)
+            solids.append(Solid(f"{room}/threshold/{opening.id}", "floor", both, pieces))
+    return solids
+
+
+def _fillings(portal: Portal) -> list[Solid]:
+    """Return what stands in an opening: a pane, one leaf or two, nothing in a passage."""
+    hole, room = portal.hole, portal.side.room_id
+    both = (room,) if portal.other is None else (room, portal.other)
+    name = f"{room}/{hole.opening.kind}/{hole.opening.id}"
+    width = hole.right - hole.left
+    if hole.opening.kind == "passage" or width < 0.15 or hole.top - hole.bottom < 0.15:
+        return []
+    if hole.opening.kind == "window":
+        pane = _slab(portal, 0.0, width, PANE, hole.bottom, hole.top)
+        return [Solid(name, "window", both, (pane,))]
+    jamb = min(FRAME_WIDTH, 0.12 * width)
+    ends = [(jamb, width - jamb)]
+    if width > TWO_LEAVES:
+        ends = [(jamb, width / 2), (width - jamb, width / 2)]
+    leaves = []
+    for number, (hinge, edge) in enumerate(ends):
+        low, high = sorted((hinge, edge))
+        body = _slab(
+            portal, low + _GAP, high - _GAP, LEAF_THICKNESS, hole.bottom + _GAP, hole.top - jamb
+        )
+        x, z = portal.side.frame.plan(hole.left + hinge, -portal.depth / 2)
+        axis = Hinge(float(x), float(z), 1 if edge < hinge else -1)
+        leaves.append(Solid(f"{name}/leaf{number}", "door", both, (body,), axis))
+    return leaves
+
+
+def _slab(
+    portal: Portal, left: float, right: float, thick: float, low: float, high: float
+) -> trimesh.Trimesh:
+    """Return a flat box in the middle of an opening's depth; `left`, `right` from its left edge."""
+    frame, start = portal.side.frame, portal.hole.left
+    middle = -portal.depth / 2
+    along = np.array([start + left, start + right])
+    front, rear = (frame.plan(along, middle + side * thick / 2) for side in (1, -1))
+    return _prism(np.concatenate([front, rear[::-1]]), low, high)
+
+
+def _named(solids: list[Solid]) -> list[Solid]:
+    """Return solids with ``#2``, ``#3`` ... after a name that was there before."""
+    seen: dict[str, int] = {}
+    result = []
+    for solid in solids:
+        seen[solid.name] = count = seen.get(solid.name, 0) + 1
+        name = solid.name if count == 1 else f"{solid.name}#{count}"
+        result.append(Solid(name, solid.category, solid.room_ids, solid.pieces, solid.hinge))
+    return result
