@@ -29,6 +29,29 @@ rule masks:
         "../scripts/masks.py"
 
 
+rule locate:
+    # Where in the plan each photo was taken: cameras.json with room, position and heading.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        masks=f"{RESULTS}/houses/{{house}}/masks",
+        assignment=assignment_of,
+    output:
+        f"{RESULTS}/houses/{{house}}/cameras.json",
+    log:
+        f"logs/{DATASET}/locate/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/locate/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+    params:
+        code=code_hash("photos.locate.stage", "floorplans.scene_json", "datasets"),
+    script:
+        "../scripts/locate.py"
+
+
 rule crops:
     # Rectified 128x128 crops of each floor, wall and ceiling that a photo shows.
     input:

@@ -73,6 +73,10 @@ class Camera:
             [[self.focal_px, 0.0, self.cx], [0.0, self.focal_px, self.cy], [0.0, 0.0, 1.0]]
         )
 
+    def with_rotation(self, rotation: np.ndarray) -> Camera:
+        """Return the camera with another (3, 3) world-to-camera rotation."""
+        return replace(self, rotation=_rows(rotation))
+
     def project(self, points: np.ndarray) -> np.ndarray:
         """Return pixels (n, 2) of points (n, 3) given from the camera centre in world axes.
 

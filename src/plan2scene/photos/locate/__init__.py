@@ -1,0 +1,1 @@
+"""Where in the plan a photo was taken: the pose whose rendered room agrees with its labels."""

@@ -1,0 +1,108 @@
+"""All photos of a house in its plan: each searched alone, then under the height they share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.house import House
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.locate.confidence import Evidence, probability
+from plan2scene.photos.locate.likelihood import DOOR, OPENING, log_table
+from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.pose import Pose, turned
+from plan2scene.photos.locate.profile import make_profile
+from plan2scene.photos.locate.search import Found, HeightPrior, RoomSearch
+
+#: Blur of the coarse and the fine search, radians: what plan and frame are uncertain by.
+COARSE_BLUR, FINE_BLUR = np.radians(3.0), np.radians(1.0)
+#: Photos whose headings differ in score by this tell the height of the others, ...
+CLEAR_MARGIN = 0.04
+#: ... where there are so many; least spread of the heights, metres.
+MIN_CLEAR = 3
+MIN_SPREAD_M = 0.06
+#: Another position is one so far away, metres; headings differ by more than 45 degrees.
+ELSEWHERE_M = 1.0
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A photo to locate: its camera, its labels, and the rooms that it may have been taken in."""
+
+    camera: Camera
+    #: (h, w) uint8, the camera's size: labels of `likelihood`; others say nothing.
+    labels: np.ndarray
+    rooms: tuple[str, ...]
+
+
+def locate_shots(house: House, shots: Mapping[str, Shot]) -> dict[str, Pose]:
+    """Return the best pose of each photo that has a frame and a room, with its probability."""
+    shapes = room_shapes(house)
+    has_openings = any(
+        ((shot.labels >= DOOR) & (shot.labels <= OPENING)).any() for shot in shots.values()
+    )
+    table = log_table(has_openings=has_openings)
+    searches: dict[str, list[RoomSearch]] = {}
+    for name, shot in shots.items():
+        if shot.camera.fallback or not shot.rooms:
+            continue
+        coarse, fine = (
+            make_profile(shot.labels, shot.camera, table, blur) for blur in (COARSE_BLUR, FINE_BLUR)
+        )
+        searches[name] = [
+            RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), coarse, fine)
+            for room_id in shot.rooms
+        ]
+    found = {name: _best(rooms, HeightPrior()) for name, rooms in searches.items()}
+    prior = shared_height([poses for poses in found.values() if poses])
+    if prior is not None:
+        found = {name: _best(rooms, prior) for name, rooms in searches.items()}
+    return {
+        name: _pose(shots[name], poses, has_openings=has_openings)
+        for name, poses in found.items()
+        if poses
+    }
+
+
+def shared_height(found: Sequence[Sequence[Found]]) -> HeightPrior | None:
+    """Return what clearly located photos (the best pose of each first) tell of all heights."""
+    clear = [poses[0].position[1] for poses in found if margins(poses)[0] >= CLEAR_MARGIN]
+    if len(clear) < MIN_CLEAR:
+        return None
+    middle = float(np.median(clear))
+    spread = 1.5 * float(np.median(np.abs(np.array(clear) - middle)))
+    return HeightPrior(middle, max(spread, MIN_SPREAD_M))
+
+
+def margins(poses: Sequence[Found]) -> tuple[float, float]:
+    """Return by how much the first pose beats the best of another heading or room, and elsewhere.
+
+    Elsewhere is the same heading and room at another position.
+    """
+    best = poses[0]
+    heading = elsewhere = 1.0
+    for pose in poses[1:]:
+        lead = best.score - pose.score
+        off = np.angle(np.exp(1j * (pose.turn - best.turn)))
+        if pose.room_id != best.room_id or abs(off) > np.pi / 4:
+            heading = min(heading, lead)
+        elif np.hypot(*(np.array(pose.position) - best.position)[[0, 2]]) > ELSEWHERE_M:
+            elsewhere = min(elsewhere, lead)
+    return heading, elsewhere
+
+
+def _best(searches: Sequence[RoomSearch], prior: HeightPrior) -> list[Found]:
+    """Return the poses in all rooms, the best first."""
+    found = [pose for search in searches for pose in search.best(prior)]
+    return sorted(found, key=lambda pose: -pose.score)
+
+
+def _pose(shot: Shot, poses: Sequence[Found], *, has_openings: bool) -> Pose:
+    """Return the best of the poses and its probability."""
+    best, (heading, elsewhere) = poses[0], margins(poses)
+    evidence = Evidence(heading, elsewhere, best.score, shot.camera.confidence, has_openings)
+    located = probability(evidence)
+    return Pose(best.room_id, best.position, turned(shot.camera, best.turn), located)

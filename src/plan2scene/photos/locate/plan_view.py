@@ -1,0 +1,211 @@
+"""A room in plan view as a camera inside sees it: how far each direction reaches, and through what.
+
+Directions are azimuths in the plan, ``(x, z) = (sin a, cos a)``, radians.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plan2scene.floorplans.geometry import point_along, ring_edges
+from plan2scene.house import House, Opening, Ring, Room, Wall
+
+#: An opening lies on an edge of a room that runs its way (cosine) and is this near, metres.
+PARALLEL = 0.94
+NEAR_M = 0.35
+#: A direction that leaves the house through no edge reaches so far, metres.
+FAR_M = 30.0
+
+
+@dataclass(frozen=True)
+class Hole:
+    """An opening on an edge of a room: metres along the edge, and above the floor."""
+
+    edge: int
+    start: float
+    end: float
+    bottom: float
+    top: float
+    kind: str  # of house.OPENING_KINDS
+    room_behind: str | None
+
+
+@dataclass(frozen=True)
+class RoomShape:
+    """Edges of a room's outline and holes, and the openings on them.
+
+    Attributes
+    ----------
+    start : (e, 2) float64
+        First point (x, z) of each edge, metres.
+    along : (e, 2) float64
+        Unit vector along it.
+    length : (e,) float64
+        Metres.
+    outward : (e, 2) float64
+        Unit normal out of the room.
+    """
+
+    room_id: str
+    height: float
+    start: np.ndarray
+    along: np.ndarray
+    length: np.ndarray
+    outward: np.ndarray
+    holes: tuple[Hole, ...]
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What `n` directions meet.
+
+    Attributes
+    ----------
+    reach : (n,) float64
+        Metres to the room's edge.
+    edge : (n,) int64
+        That edge.
+    hole : (n,) int64
+        Index of the opening met there, of the room's; -1 for none.
+    beyond : (n,) float64
+        Metres to the edge of the room behind that opening; NaN where none is known.
+    beyond_height : (n,) float64
+        Height of the room behind, metres; NaN where none is known.
+    """
+
+    reach: np.ndarray
+    edge: np.ndarray
+    hole: np.ndarray
+    beyond: np.ndarray
+    beyond_height: np.ndarray
+
+
+def room_shapes(house: House) -> dict[str, RoomShape]:
+    """Return the shape of every room of a house, by id."""
+    behind = _rooms_behind(house)
+    return {room.id: _room_shape(house, room, behind) for room in house.rooms}
+
+
+def dominant_direction(shape: RoomShape) -> float:
+    """Return the angle in [0, pi/2) by which a room's walls are turned from the plan's axes.
+
+    The turn takes the azimuth 0 to that of a wall; walls vote by their length, modulo 90 degrees.
+    """
+    azimuth = np.arctan2(shape.along[:, 0], shape.along[:, 1])
+    mean = np.angle((shape.length * np.exp(4j * azimuth)).sum()) / 4
+    turn = float(np.mod(mean, np.pi / 2))
+    return 0.0 if np.pi / 2 - turn < 1e-6 else turn
+
+
+def look(
+    shapes: Mapping[str, RoomShape], room_id: str, eyes: np.ndarray, azimuth: np.ndarray
+) -> Sight:
+    """Return what directions (n,) meet that are looked along from `eyes` (n, 2) in a room."""
+    shape = shapes[room_id]
+    ways = np.stack([np.sin(azimuth), np.cos(azimuth)], axis=1)
+    reach, edge, at = _first_exit(shape, eyes, ways, np.zeros(len(eyes)))
+    hole = np.full(len(eyes), -1)
+    beyond = np.full(len(eyes), np.nan)
+    beyond_height = np.full(len(eyes), np.nan)
+    for index, opening in enumerate(shape.holes):
+        met = (edge == opening.edge) & (at > opening.start) & (at < opening.end) & (hole < 0)
+        if not met.any():
+            continue
+        hole[met] = index
+        if opening.room_behind is not None:
+            behind = shapes[opening.room_behind]
+            beyond[met] = _first_exit(behind, eyes[met], ways[met], reach[met] + 0.02)[0]
+            beyond_height[met] = behind.height
+    return Sight(reach, edge, hole, beyond, beyond_height)
+
+
+def _first_exit(
+    shape: RoomShape, eyes: np.ndarray, ways: np.ndarray, after: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return distance, edge and metres along it (n,) where rays leave a room, beyond `after`."""
+    facing = ways @ shape.outward.T
+    to_start = shape.start[None] - eyes[:, None]
+    away = (to_start * shape.outward).sum(axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = away / facing
+        at = ((reach[..., None] * ways[:, None] - to_start) * shape.along).sum(axis=2)
+    inside = (at >= -1e-6) & (at <= shape.length + 1e-6)
+    valid = (facing > 1e-9) & inside & (reach > after[:, None])
+    reach = np.where(valid, reach, np.inf)
+    edge = np.argmin(reach, axis=1)
+    rows = np.arange(len(eyes))
+    return np.minimum(reach[rows, edge], FAR_M), edge, at[rows, edge]
+
+
+def _room_shape(house: House, room: Room, behind: Mapping[tuple[str, str], str]) -> RoomShape:
+    """Return the edges of a room, walked with the room on the same side, and its openings."""
+    edges = [
+        edge
+        for number, ring in enumerate(room.rings)
+        for edge in ring_edges(_walked(ring, hole=number > 0))
+        if math.dist(*edge) > 1e-6
+    ]
+    start, end = np.array(edges).transpose(1, 0, 2)
+    length = np.linalg.norm(end - start, axis=1)
+    along = (end - start) / length[:, None]
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    bare = RoomShape(room.id, room.height, start, along, length, outward, ())
+    return replace(bare, holes=tuple(_holes(house, bare, behind)))
+
+
+def _walked(ring: Ring, *, hole: bool) -> Ring:
+    """Return a ring walked from x to z, or the other way round."""
+    area = sum(x0 * z1 - x1 * z0 for (x0, z0), (x1, z1) in ring_edges(ring))
+    return ring[::-1] if (area > 0.0) == hole else ring
+
+
+def _rooms_behind(house: House) -> dict[tuple[str, str], str]:
+    """Return the room behind each (room, opening id) that joins two rooms."""
+    behind: dict[tuple[str, str], str] = {}
+    for door in house.doors:
+        if door.room_b is not None and door.room_b != door.room_a:
+            behind.setdefault((door.room_a, door.opening_id), door.room_b)
+            behind.setdefault((door.room_b, door.opening_id), door.room_a)
+    return behind
+
+
+def _holes(house: House, shape: RoomShape, behind: Mapping[tuple[str, str], str]) -> list[Hole]:
+    """Return the openings of a room on its edges: those of its walls, and those that lead to it."""
+    found: list[Hole] = []
+    named: set[str] = set()
+    own = [wall for wall in house.walls if shape.room_id in wall.room_ids]
+    for wall in [*own, *(wall for wall in house.walls if wall not in own)]:
+        mine = shape.room_id in wall.room_ids
+        for opening in wall.openings:
+            joins = (shape.room_id, opening.id) in behind
+            if opening.id in named or not (mine or joins):
+                continue
+            hole = _placed(shape, wall, opening, behind.get((shape.room_id, opening.id)))
+            if hole is not None:
+                found.append(hole)
+                named.add(opening.id)
+    return found
+
+
+def _placed(shape: RoomShape, wall: Wall, opening: Opening, room_behind: str | None) -> Hole | None:
+    """Return an opening on the nearest edge that runs its way; None where there is none."""
+    ends = np.array([point_along(wall, opening.start), point_along(wall, opening.end)])
+    width = np.linalg.norm(ends[1] - ends[0])
+    if width <= 1e-6:
+        return None
+    parallel = np.abs(shape.along @ (ends[1] - ends[0]) / width)
+    to_ends = ends[None] - shape.start[:, None]
+    off = np.abs((to_ends * shape.outward[:, None]).sum(axis=2)).mean(axis=1)
+    at = np.sort((to_ends * shape.along[:, None]).sum(axis=2), axis=1)
+    shared = np.minimum(at[:, 1], shape.length) - np.maximum(at[:, 0], 0.0)
+    fits = (parallel > PARALLEL) & (off < NEAR_M + wall.depth) & (shared > 0.3 * width)
+    if not fits.any():
+        return None
+    edge = int(np.argmin(np.where(fits, off, np.inf)))
+    start, end = max(float(at[edge, 0]), 0.0), min(float(at[edge, 1]), float(shape.length[edge]))
+    top = min(opening.top, shape.height)
+    return Hole(edge, start, end, opening.bottom, top, opening.kind, room_behind)

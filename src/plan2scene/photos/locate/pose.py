@@ -1,0 +1,77 @@
+"""A photo's place in the plan, and how it is written to ``cameras.json``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.photos.camera.calibration import Camera
+
+#: From this probability on a photo counts as located.
+LOCATED = 0.5
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a photo was taken. The camera is in the plan's frame (``docs/conventions.md``)."""
+
+    #: Room that the camera stands in.
+    room_id: str
+    #: x, y, z of the camera, metres.
+    position: tuple[float, float, float]
+    #: The photo's camera, its rotation world to camera in the plan's frame.
+    camera: Camera
+    #: Probability that room, heading and position are right.
+    located: float
+
+    @property
+    def believed(self) -> bool:
+        """Whether the photo counts as located."""
+        return self.located >= LOCATED
+
+    @property
+    def eye(self) -> np.ndarray:
+        """Return the position as a (3,) float64 array."""
+        return np.array(self.position)
+
+
+def turned(camera: Camera, turn: float) -> Camera:
+    """Return a camera of a Manhattan frame in the plan's, whose azimuths are larger by `turn`."""
+    sine, cosine = np.sin(turn), np.cos(turn)
+    to_frame = np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])
+    return camera.with_rotation(camera.matrix @ to_frame)
+
+
+def pose_to_json(camera: Camera, pose: Pose | None) -> dict[str, Any]:
+    """Return a photo's entry of cameras.json; `camera` is that of the photo's Manhattan frame.
+
+    Of a photo that is not located, room and position are null and the rotation stays the frame's.
+    """
+    if pose is None or not pose.believed:
+        located = 0.0 if pose is None else round(pose.located, 4)
+        return {**camera.to_json(), "room_id": None, "position": None, "located": located}
+    return {
+        **pose.camera.to_json(),
+        "room_id": pose.room_id,
+        "position": [round(value, 4) for value in pose.position],
+        "located": round(pose.located, 4),
+    }
+
+
+def pose_from_json(value: Any, *, file: object = "") -> Pose | None:
+    """Return the pose of `pose_to_json`'s values; None for a photo that is not located.
+
+    Raises InputError for what is no entry of cameras.json.
+    """
+    camera = Camera.from_json(value, file=file)
+    if value.get("room_id") is None:
+        return None
+    try:
+        x, y, z = (float(number) for number in value["position"])
+        return Pose(str(value["room_id"]), (x, y, z), camera, float(value["located"]))
+    except (KeyError, TypeError, ValueError) as error:
+        expected = "a located camera (room_id, position, located)"
+        raise InputError(expected, f"{type(error).__name__}: {error}", file=file) from None

@@ -1,0 +1,168 @@
+"""The pose in a room whose rendered labels agree best with a mask: coarse to fine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from plan2scene.photos.locate.plan_view import RoomShape, dominant_direction, look
+from plan2scene.photos.locate.profile import Profile
+from plan2scene.photos.locate.render import agreement
+
+#: Least distance of a camera from the walls on the coarse grid and after refinement, metres.
+CLEARANCE_M, LEAST_CLEARANCE_M = 0.15, 0.05
+#: Side of the coarse grid, metres, and the points that it aims at.
+GRID_M = (0.2, 0.4)
+GRID_POINTS = 260
+#: Heights that are tried, and a camera's likely height with its spread, metres.
+HEIGHTS_M = (1.0, 1.2, 1.4, 1.6, 1.8)
+HEIGHT_M, HEIGHT_SPREAD_M = 1.45, 0.25
+#: Weight of the heights' prior against the mean log probability of a pixel.
+PRIOR_WEIGHT = 0.02
+#: Peaks of a heading that are refined, least distance between them, first and last step, metres.
+PEAKS = 3
+APART_M = 0.6
+FIRST_STEP_M, LAST_STEP_M = 0.16, 0.02
+#: Plan offsets of a refinement's step.
+_AROUND = np.array([(i, j) for i in (0, -1, 1) for j in (0, -1, 1)], dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Found:
+    """The best pose near a peak of one heading in one room."""
+
+    room_id: str
+    #: Plan azimuth minus azimuth in the photo's Manhattan frame, radians.
+    turn: float
+    #: x, y, z of the camera, metres.
+    position: tuple[float, float, float]
+    #: Mean log probability of a pixel's label, and of the height.
+    score: float
+
+
+@dataclass(frozen=True)
+class HeightPrior:
+    """What a camera's height is likely to be, metres."""
+
+    mean: float = HEIGHT_M
+    spread: float = HEIGHT_SPREAD_M
+
+    def log(self, heights: np.ndarray) -> np.ndarray:
+        """Return the prior's share of the score at heights."""
+        return np.asarray(-0.5 * PRIOR_WEIGHT * ((heights - self.mean) / self.spread) ** 2)
+
+
+class RoomSearch:
+    """How well each pose on a coarse grid of a room agrees with a mask; refined on demand."""
+
+    def __init__(
+        self,
+        shapes: Mapping[str, RoomShape],
+        room_id: str,
+        polygon: Polygon,
+        coarse: Profile,
+        fine: Profile,
+    ) -> None:
+        """Score the grid; `coarse` and `fine` are profiles of one mask, differently blurred."""
+        self._shapes, self._room_id, self._fine = shapes, room_id, fine
+        self._polygon = polygon
+        shape = shapes[room_id]
+        self._grid = grid_of(polygon)
+        heights = [height for height in HEIGHTS_M if height < 0.9 * shape.height]
+        self._heights = np.array(heights or [0.6 * shape.height])
+        first = dominant_direction(shape)
+        self._turns = [first + quarter * np.pi / 2 for quarter in range(4)]
+        self._rough = [
+            self._scores(coarse, turn, self._grid, self._heights) for turn in self._turns
+        ]
+
+    def best(self, prior: HeightPrior) -> list[Found]:
+        """Return the refined peaks of the four headings, the best first."""
+        found: list[Found] = []
+        for turn, rough in zip(self._turns, self._rough, strict=True):
+
+            def score(eyes: np.ndarray, heights: np.ndarray, turn: float = turn) -> np.ndarray:
+                return self._scores(self._fine, turn, eyes, heights) + prior.log(heights)
+
+            for point, level in _peaks(self._grid, rough + prior.log(self._heights)):
+                start = np.array([self._grid[point, 0], self._heights[level], self._grid[point, 1]])
+                ceiling = self._shapes[self._room_id].height
+                (x, y, z), value = _refined(score, self._polygon, ceiling, start)
+                found.append(Found(self._room_id, turn, (x, y, z), value))
+        return sorted(found, key=lambda item: -item.score)
+
+    def _scores(
+        self, profile: Profile, turn: float, eyes: np.ndarray, heights: np.ndarray
+    ) -> np.ndarray:
+        """Return the agreement (p, c) of eyes (p, 2) at heights (c,) with a profile."""
+        columns = len(profile.azimuth)
+        sight = look(
+            self._shapes,
+            self._room_id,
+            np.repeat(eyes, columns, axis=0),
+            np.tile(profile.azimuth + turn, len(eyes)),
+        )
+        return agreement(profile, self._shapes[self._room_id], sight, heights)
+
+
+def grid_of(polygon: Polygon) -> np.ndarray:
+    """Return points (p, 2) of a room where a camera may stand, metres; at least one."""
+    inner = polygon.buffer(-CLEARANCE_M)
+    if not inner.is_empty:
+        step = float(np.clip((inner.area / GRID_POINTS) ** 0.5, *GRID_M))
+        x0, z0, x1, z1 = inner.bounds
+        xs, zs = _ticks(x0, x1, step), _ticks(z0, z1, step)
+        points = np.stack(np.meshgrid(xs, zs), axis=-1).reshape(-1, 2)
+        inside = shapely.contains_xy(inner, points[:, 0], points[:, 1])
+        if inside.any():
+            return np.asarray(points[inside])
+    point = (polygon if inner.is_empty else inner).representative_point()
+    return np.array([[point.x, point.y]])
+
+
+def _ticks(low: float, high: float, step: float) -> np.ndarray:
+    """Return the middles of the parts of about `step` into which an interval is cut."""
+    count = max(1, round((high - low) / step))
+    return low + (np.arange(count) + 0.5) * (high - low) / count
+
+
+def _peaks(grid: np.ndarray, scores: np.ndarray) -> list[tuple[int, int]]:
+    """Return (point, height) of the best scores (p, c) that lie apart from each other."""
+    left = scores.max(axis=1)
+    peaks: list[tuple[int, int]] = []
+    while len(peaks) < PEAKS and np.isfinite(left).any():
+        index = int(np.argmax(left))
+        peaks.append((index, int(np.argmax(scores[index]))))
+        left[np.linalg.norm(grid - grid[index], axis=1) < APART_M] = -np.inf
+    return peaks
+
+
+def _refined(
+    score: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    polygon: Polygon,
+    ceiling: float,
+    start: np.ndarray,
+) -> tuple[tuple[float, float, float], float]:
+    """Return the position (x, y, z) that a pattern search from `start` reaches, and its score."""
+    inner = polygon.buffer(-LEAST_CLEARANCE_M)
+    here, step, best = start, FIRST_STEP_M, -np.inf
+    while step > LAST_STEP_M:
+        eyes = here[[0, 2]] + step * _AROUND
+        kept = shapely.contains_xy(inner, eyes[:, 0], eyes[:, 1])
+        kept[0] = True
+        eyes = eyes[kept]
+        heights = np.clip(here[1] + step * np.array([0.0, -1.0, 1.0]), 0.4, ceiling - 0.2)
+        values = score(eyes, heights)
+        row, column = np.unravel_index(int(np.argmax(values)), values.shape)
+        if values[row, column] <= best + 1e-9:
+            step /= 2
+            continue
+        best = float(values[row, column])
+        here = np.array([eyes[row, 0], heights[column], eyes[row, 1]])
+        if row == 0 and column == 0:
+            step /= 2
+    return (float(here[0]), float(here[1]), float(here[2])), best

@@ -1,0 +1,60 @@
+"""The locate stage: masks and plan of one house -> cameras.json with the photos' places."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from plan2scene.house import House
+from plan2scene.io import read_json, write_json
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.labels.palette import read_label_png
+from plan2scene.photos.locate.house import Shot, locate_shots
+from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json
+
+_log = logging.getLogger("plan2scene")
+
+
+def locate_photos(
+    house: House,
+    rooms_of_photo: Mapping[str, Sequence[str]],
+    masks_dir: str | Path,
+    output: str | Path,
+) -> dict[str, Pose]:
+    """Write a house's cameras.json and return the best pose of each photo that has one.
+
+    Parameters
+    ----------
+    house : House
+        The plan.
+    rooms_of_photo : mapping
+        Photo name to the rooms of the house that it shows: one of them it was taken in.
+    masks_dir : path
+        Output of the masks stage.
+    output : path
+        The cameras of the masks stage with their places (``docs/conventions.md``).
+    """
+    folder = Path(masks_dir)
+    file = folder / "cameras.json"
+    cameras = {name: Camera.from_json(value, file=file) for name, value in read_json(file).items()}
+    shots = {
+        name: Shot(
+            camera,
+            read_label_png(folder / f"{Path(name).stem}.png", house_id=house.id),
+            tuple(dict.fromkeys(rooms_of_photo.get(name, ()))),
+        )
+        for name, camera in sorted(cameras.items())
+    }
+    poses = locate_shots(house, shots)
+    entries = {name: pose_to_json(cameras[name], poses.get(name)) for name in sorted(cameras)}
+    write_json(output, entries)
+    count = sum(pose.believed for pose in poses.values())
+    _log.info("%d of %d photos located", count, len(cameras))
+    return poses
+
+
+def read_poses(path: str | Path) -> dict[str, Pose]:
+    """Return the poses of the located photos of a cameras.json, by name."""
+    found = {name: pose_from_json(value, file=path) for name, value in read_json(path).items()}
+    return {name: pose for name, pose in found.items() if pose is not None}

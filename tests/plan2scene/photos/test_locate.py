@@ -1,0 +1,185 @@
+"""Photos of rooms whose labels are rendered from known poses are found where they were taken."""
+
+import numpy as np
+import pytest
+from views import camera_looking
+
+from plan2scene.errors import InputError
+from plan2scene.floorplans.geometry import find_doors
+from plan2scene.house import House, Opening, Room, Wall
+from plan2scene.io import read_json, write_json
+from plan2scene.photos.camera.calibration import canonical
+from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, write_label_png
+from plan2scene.photos.locate.house import Shot, locate_shots
+from plan2scene.photos.locate.likelihood import DOOR, N_CLASSES, WINDOW, log_table
+from plan2scene.photos.locate.plan_view import dominant_direction, look, room_shapes
+from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json, turned
+from plan2scene.photos.locate.stage import locate_photos, read_poses
+
+SIZE = (180, 240)
+HEIGHT = 2.5
+WIDE, DEEP = 5.0, 3.6
+
+
+def box_house(*, openings=True, wide=WIDE, deep=DEEP):
+    """A room of `wide` x `deep` metres with a door and two windows, and a store behind the door."""
+    corners = ((0.0, 0.0), (wide, 0.0), (wide, deep), (0.0, deep))
+    holes = {
+        1: (Opening("door", "door", 0.4, 1.3, 0.0, 2.05),),
+        2: (Opening("wide", "window", 0.6, 2.6, 0.8, 2.2),),
+        3: (Opening("small", "window", 2.2, 3.0, 1.0, 2.2),),
+    }
+    walls = [
+        Wall(f"w{k}", ("room",), a, b, HEIGHT, openings=holes.get(k, ()) if openings else ())
+        for k, (a, b) in enumerate(zip(corners, corners[1:] + corners[:1], strict=True))
+    ]
+    store = ((wide + 0.1, 0.0), (wide + 2.1, 0.0), (wide + 2.1, 2.0), (wide + 0.1, 2.0))
+    rooms = (
+        Room("room", ("Bedroom",), (corners,), HEIGHT),
+        Room("store", ("Closet",), (store,), HEIGHT),
+    )
+    return House("h", rooms, tuple(walls), find_doors(rooms, walls))
+
+
+def rendered(house, camera, eye):
+    """Labels of the room from `eye` (x, y, z), by meeting each ray with the box, doors shut."""
+    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
+    rays = camera.rays(np.stack([x, y], axis=-1))
+    corners = np.array(house.rooms[0].rings[0])
+    low, high = (np.array([p[0], h, p[1]]) for p, h in ((corners[0], 0.0), (corners[2], HEIGHT)))
+    with np.errstate(divide="ignore"):
+        reach = np.where(rays > 0, (high - eye) / rays, (low - eye) / rays)
+    axis = reach.argmin(axis=-1)
+    points = eye + rays * reach.min(axis=-1)[..., None]
+    labels = np.full(SIZE, WALL, np.uint8)
+    labels[(axis == 1) & (rays[..., 1] < 0)] = FLOOR
+    labels[(axis == 1) & (rays[..., 1] > 0)] = CEILING
+    for wall in house.walls:
+        start, end = np.array(wall.start), np.array(wall.end)
+        along = (end - start) / wall.length
+        offset = points[..., [0, 2]] - start
+        at = offset @ along
+        on = np.abs(offset @ np.array([along[1], -along[0]])) < 1e-6
+        for hole in wall.openings:
+            inside = on & (axis != 1) & (at > hole.start) & (at < hole.end)
+            inside &= (points[..., 1] > hole.bottom) & (points[..., 1] < hole.top)
+            labels[inside] = WINDOW if hole.kind == "window" else DOOR
+    return labels
+
+
+def shot(house, heading_deg, eye, *, pitch_deg=6.0):
+    """A photo from a known pose: (shot whose camera knows its frame only, true camera)."""
+    focal = SIZE[1] / 2 / np.tan(np.radians(78.0) / 2)
+    true = camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=pitch_deg, focal=focal)
+    known = true.with_rotation(canonical(true.matrix))
+    return Shot(known, rendered(house, true, np.array(eye)), ("room",)), true
+
+
+VIEWS = [
+    (230.0, (0.6, 1.5, 2.9)),
+    (60.0, (4.2, 1.3, 0.7)),
+    (-80.0, (1.4, 1.6, 1.2)),
+    (140.0, (4.4, 1.4, 2.8)),
+    (-120.0, (2.5, 1.2, 3.1)),
+]
+
+
+@pytest.mark.parametrize(("heading_deg", "eye"), VIEWS)
+def test_a_photo_is_found_where_it_was_taken(heading_deg, eye):
+    house = box_house()
+    photo, true = shot(house, heading_deg, eye)
+    pose = locate_shots(house, {"a.jpg": photo})["a.jpg"]
+    assert pose.room_id == "room"
+    assert pose.believed
+    np.testing.assert_allclose(pose.camera.matrix, true.matrix, atol=1e-6)
+    np.testing.assert_allclose(pose.eye, eye, atol=0.08)
+
+
+def test_an_empty_square_room_tells_no_heading():
+    house = box_house(openings=False, wide=4.0, deep=4.0)
+    photo, _ = shot(house, 30.0, (1.0, 1.5, 1.0))
+    pose = locate_shots(house, {"a.jpg": photo})["a.jpg"]
+    assert not pose.believed
+    entry = pose_to_json(photo.camera, pose)
+    assert entry["room_id"] is None
+    assert entry["position"] is None
+    assert entry["located"] == pytest.approx(pose.located, abs=1e-4)
+    assert pose_from_json(entry) is None
+
+
+def test_pixels_that_say_nothing_locate_nothing():
+    house = box_house()
+    photo, _ = shot(house, 230.0, (0.6, 1.5, 2.9))
+    blank = Shot(photo.camera, np.full(SIZE, 255, np.uint8), ("room",))
+    poses = locate_shots(house, {"a.jpg": blank})
+    assert not poses["a.jpg"].believed
+
+
+def test_a_photo_of_two_rooms_stands_in_one():
+    house = box_house()
+    photo, _ = shot(house, 230.0, (0.6, 1.5, 2.9))
+    both = Shot(photo.camera, photo.labels, ("store", "room"))
+    assert locate_shots(house, {"a.jpg": both})["a.jpg"].room_id == "room"
+
+
+def test_through_the_door_the_room_behind_is_seen():
+    shapes = room_shapes(box_house())
+    eyes = np.array([[1.0, 0.85], [1.0, 0.85]])
+    sight = look(shapes, "room", eyes, np.array([np.pi / 2, np.pi]))
+    np.testing.assert_allclose(sight.reach, [4.0, 0.85])
+    assert shapes["room"].holes[sight.hole[0]].room_behind == "store"
+    assert sight.hole[1] == -1
+    np.testing.assert_allclose(sight.beyond, [WIDE + 2.1 - 1.0, np.nan])
+
+
+def test_the_frame_of_a_turned_room():
+    turn = np.radians(20.0)
+    rotation = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    ring = tuple(map(tuple, (np.array([[0, 0], [5, 0], [5, 3], [0, 3]]) @ rotation.T).tolist()))
+    house = House("h", (Room("room", ("Bedroom",), (ring,), HEIGHT),), ())
+    angle = dominant_direction(room_shapes(house)["room"])
+    assert np.mod(angle - turn + 1e-9, np.pi / 2) == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("has_openings", [True, False])
+def test_labels_are_probabilities(has_openings):
+    table = np.exp(log_table(has_openings=has_openings))
+    labels = slice(0, 6) if has_openings else slice(0, 4)
+    np.testing.assert_allclose(table[:, labels].sum(axis=1), np.ones(N_CLASSES), atol=1e-9)
+
+
+def test_cameras_json_round_trip(tmp_path):
+    photo, _ = shot(box_house(), 230.0, (0.6, 1.5, 2.9))
+    pose = Pose("room", (0.6, 1.5, 2.9), turned(photo.camera, 1.2), 0.83)
+    write_json(tmp_path / "cameras.json", {"a.jpg": pose_to_json(photo.camera, pose)})
+    assert read_poses(tmp_path / "cameras.json") == {"a.jpg": pose}
+    with pytest.raises(InputError, match="located camera"):
+        pose_from_json({**pose_to_json(photo.camera, pose), "position": [1, 2]})
+
+
+def test_turning_a_camera_turns_its_azimuths():
+    photo, _ = shot(box_house(), 230.0, (0.6, 1.5, 2.9))
+    pixels = np.array([[10.0, 20.0], [200.0, 120.0]])
+    before, after = photo.camera.rays(pixels), turned(photo.camera, 0.7).rays(pixels)
+    off = np.arctan2(after[:, 0], after[:, 2]) - np.arctan2(before[:, 0], before[:, 2])
+    np.testing.assert_allclose(np.mod(off, 2 * np.pi), 0.7)
+    np.testing.assert_allclose(after[:, 1], before[:, 1], atol=1e-9)
+
+
+def test_the_stage_writes_every_camera(tmp_path):
+    house = box_house()
+    photo, true = shot(house, 230.0, (0.6, 1.5, 2.9))
+    masks = tmp_path / "masks"
+    masks.mkdir()
+    for name in ("a", "b"):
+        labels = np.where(photo.labels > CEILING, 0, photo.labels).astype(np.uint8)
+        write_label_png(masks / f"{name}.png", labels)
+    cameras = {f"{name}.jpg": photo.camera.to_json() for name in ("a", "b")}
+    write_json(masks / "cameras.json", cameras)
+    output = tmp_path / "cameras.json"
+    locate_photos(house, {"a.jpg": ["room"]}, masks, output)
+    assert list(read_json(output)) == ["a.jpg", "b.jpg"]
+    assert read_json(output)["b.jpg"]["located"] == 0.0
+    found = read_poses(output)
+    assert list(found) == ["a.jpg"]
+    np.testing.assert_allclose(found["a.jpg"].camera.matrix, true.matrix, atol=1e-6)
