@@ -8,7 +8,7 @@ import numpy as np
 
 #: Margins are logarithmic above this.
 FLOOR = 0.004
-#: Weights of `features`, fitted by ``benchmarks/locate.py --fit`` on synthetic photos.
+#: Weights of `features`.
 WEIGHTS = (6.0, 2.5, 0.5, 2.0, 0.5, 0.0)
 
 
