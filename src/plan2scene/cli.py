@@ -36,7 +36,9 @@ def _method_names() -> str:
 
 def _house_id(plan: Path, given: str | None) -> str:
     """Return the house id: the one given, else made of the plan's file name."""
-    name = given or re.sub(r"[^A-Za-z0-9_.-]+", "_", plan.name.split(".")[0]).lstrip(".") or "house"
+    own = re.sub(r"[^A-Za-z0-9_.-]+", "_", plan.name.split(".")[0]).lstrip(".-")
+    # Of a name in other letters nothing that people could read is left.
+    name = given or (own if re.search("[A-Za-z0-9]", own) else "house")
     if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", name):
         raise InputError("a house id of letters, digits, '_', '.', '-'", repr(name))
     return name

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from plan2scene.errors import InputError
@@ -24,9 +25,28 @@ def check_config(config: Mapping[str, Any]) -> None:
     from jsonschema import Draft202012Validator
     from jsonschema.exceptions import best_match
 
+    for key, value in _leaves(config, ""):
+        fault = None
+        if isinstance(value, float) and not math.isfinite(value):
+            fault = str(value)
+        elif isinstance(value, str) and not (value.isprintable() and set("{}").isdisjoint(value)):
+            # Snakemake takes what stands in braces for a wildcard.
+            fault = f"{value!r}, with braces or control characters"
+        if fault is not None:
+            raise InputError("a configuration as config/README.md has it", f"{key}: {fault}")
     error = best_match(Draft202012Validator(config_schema()).iter_errors(config))
     if error is None:
         return
     key = ".".join(str(part) for part in error.absolute_path)
     found = f"{key}: {error.message}" if key else error.message
     raise InputError("a configuration as config/README.md has it", found)
+
+
+def _leaves(value: object, key: str) -> Iterator[tuple[str, object]]:
+    """Yield every value of a configuration that is no section or list, with its key."""
+    if isinstance(value, Mapping | list):
+        items = value.items() if isinstance(value, Mapping) else enumerate(value)
+        for name, item in items:
+            yield from _leaves(item, f"{key}.{name}" if key else str(name))
+    else:
+        yield key, value

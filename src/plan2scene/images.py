@@ -18,7 +18,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.image_modes import to_srgb
-from plan2scene.io import atomic_path
+from plan2scene.io import absent, atomic_path
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -84,7 +84,7 @@ def decode_image(
 def _check_file(path: Path) -> None:
     """Raise InputError for what is no file of a bearable size (folder, pipe, device, too big)."""
     if not path.exists():
-        raise InputError("an image", "no such file", file=path)
+        raise InputError("an image", absent(path), file=path)
     if not path.is_file():
         raise InputError("an image", "a folder" if path.is_dir() else "no plain file", file=path)
     size = path.stat().st_size

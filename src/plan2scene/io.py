@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
 #: Text inputs (plans, tables) above this many bytes are refused before they are read.
 MAX_TEXT_BYTES = 256_000_000
+#: Longest name of a file out of a table, and longest path, in bytes: both leave room for more.
+MAX_NAME_BYTES, MAX_PATH_BYTES = 240, 1000
+#: Endings of photos that are tried for a name whose file is missing.
+_PHOTO_ENDS = (".jpg", ".JPG", ".jpeg", ".JPEG", ".png", ".PNG")
 #: Version of every Parquet schema in docs/conventions.md.
 SCHEMA_VERSION = 1
 
@@ -115,18 +119,34 @@ def write_csv(
 def safe_join(
     folder: str | os.PathLike[str], name: str, *, file: object = "", house_id: str = ""
 ) -> Path:
-    """Return folder/name for a name out of a table; InputError when it would leave the folder."""
+    """Return folder/name for a name out of a table.
+
+    InputError when it would leave the folder, has characters that some system (or Snakemake, in
+    whose paths braces are wildcards) does not take, or is longer than a file's name can be.
+    """
     bad = (
         not name
         or name != name.strip()
-        or any(not c.isprintable() or c in '\\:*?"<>|' for c in name)
+        or any(not c.isprintable() or c in '\\:*?"<>|{}' for c in name)
         or name.startswith("/")
         or any(part in ("", ".", "..") for part in name.split("/"))
     )
     if bad:
-        expected = "a plain file name without '..' or a leading '/'"
+        expected = "a plain file name without '..', a leading '/' or braces"
         raise InputError(expected, repr(name), file=file, house=house_id)
+    longest = max(len(os.fsencode(part)) for part in name.split("/"))
+    if longest > MAX_NAME_BYTES or len(os.fsencode(name)) > MAX_PATH_BYTES:
+        expected = f"a file name of at most {MAX_NAME_BYTES} bytes"
+        raise InputError(expected, f"{name[:40]}... of {longest}", file=file, house=house_id)
     return Path(folder) / name
+
+
+def absent(path: Path) -> str:
+    """Return what there is in the place of a missing file: a name that differs in its ending."""
+    ends = dict.fromkeys((path.suffix.lower(), path.suffix.upper(), *_PHOTO_ENDS))
+    names = [path.stem + end for end in ends if path.stem + end != path.name]
+    near = next((name for name in names if path.with_name(name).is_file()), None)
+    return f"no such file, but {near}" if near else "no such file"
 
 
 def write_parquet(

@@ -14,7 +14,7 @@ from typing import Any
 from plan2scene.datasets import read_assignment
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.floorplans import read_plan, validate_house
-from plan2scene.io import safe_join, write_text
+from plan2scene.io import absent, safe_join, write_text
 from plan2scene.out_folder import OutFolder, claimed_folder
 from plan2scene.provenance import WORKFLOW
 
@@ -78,7 +78,7 @@ def _copy_photos(names: list[str], source: Path, target: Path, request: SingleHo
     for name in names:
         path = safe_join(source, name, file=request.photo_table or "", house_id=request.house)
         if not path.is_file():
-            fault = InputError("a photo", "no such file", file=path, house=request.house)
+            fault = InputError("a photo", absent(path), file=path, house=request.house)
             _LOG.warning("%s", fault)
             continue
         copy = safe_join(target, name)

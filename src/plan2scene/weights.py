@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -15,10 +16,16 @@ from plan2scene.provenance import WORKFLOW
 
 if TYPE_CHECKING:
     import torch
+    from torch import nn
 
+_Network = TypeVar("_Network", bound="nn.Module")
 #: Folder of the embedded weights.
 MODELS = WORKFLOW / "resources" / "models"
 _FORMAT = "plan2scene"
+#: Largest number, and length of a list or text, in the architecture of a file's header.
+_MAX_SIZE = 4096
+#: What building a network from a stranger's header, or filling it, may raise.
+_UNFIT = (RuntimeError, TypeError, ValueError, LookupError, ArithmeticError, AttributeError)
 
 
 def save_model_file(
@@ -88,8 +95,76 @@ def _read(
             metadata = file.metadata() or {}
             wanted = [name for name in file.keys() if names is None or name in names]  # noqa: SIM118
             state = {name: file.get_tensor(name) for name in wanted}
-    except (SafetensorError, OSError) as error:
+    except (SafetensorError, OSError, ValueError, TypeError, AttributeError) as error:
         raise InputError("a safetensors file", str(error), file=path) from None
     if metadata.get("format") != _FORMAT or "architecture" not in metadata:
         raise InputError("weights of this program", "no plan2scene header", file=path)
-    return state, json.loads(metadata["architecture"])
+    _check_tensors(state, path)
+    return state, _architecture(metadata["architecture"], path)
+
+
+def _check_tensors(state: Mapping[str, Any], path: str | Path) -> None:
+    """Raise InputError for a tensor (of torch or NumPy) that is complex or not finite."""
+    for name, tensor in state.items():
+        values = tensor
+        if not isinstance(tensor, np.ndarray) and not tensor.is_complex():
+            values = (tensor.float() if tensor.is_floating_point() else tensor).numpy()
+        if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiub":
+            raise InputError(f"numbers in tensor {name}", str(tensor.dtype), file=path)
+        if not np.isfinite(values).all():
+            raise InputError(f"finite values in tensor {name}", "NaN or infinity", file=path)
+
+
+def _architecture(text: str, path: str | Path) -> dict[str, Any]:
+    """Return the architecture of a header; InputError for what no network here can have."""
+    fault = "an architecture with names and small numbers"
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        raise InputError(fault, text[:60], file=path) from None
+    if not isinstance(found, dict) or not all(map(_is_small, found.values())):
+        raise InputError(fault, text[:60], file=path)
+    return found
+
+
+def _is_small(value: object) -> bool:
+    """Return whether a value of JSON may size a network."""
+    if isinstance(value, list):
+        return len(value) <= _MAX_SIZE and all(_is_small(item) for item in value)
+    if isinstance(value, str):
+        return len(value) <= _MAX_SIZE
+    return value is None or (isinstance(value, int | float) and abs(value) <= _MAX_SIZE)
+
+
+@contextmanager
+def fitting(network: str, path: str | Path) -> Iterator[None]:
+    """Turn what a stranger's header or tensors lead to within into one InputError."""
+    try:
+        yield
+    except InputError:
+        raise
+    except _UNFIT as error:
+        found = " ".join(str(error).split("\n\t")[:2]) or type(error).__name__
+        raise InputError(f"weights of {network}", found, file=path) from None
+
+
+def filled(
+    build: Callable[[], _Network], state: Mapping[str, torch.Tensor], name: str, path: str | Path
+) -> _Network:
+    """Return the network that `build` makes, with the tensors of a file, in evaluation mode.
+
+    Names and shapes are compared before memory is taken. InputError where they do not fit.
+    """
+    import torch
+
+    with fitting(name, path):
+        with torch.device("meta"):
+            shapes = {key: value.shape for key, value in build().state_dict().items()}
+        for key in [*shapes, *state]:
+            if key not in shapes or key not in state or shapes[key] != state[key].shape:
+                wanted = tuple(shapes[key]) if key in shapes else "no such tensor"
+                found = tuple(state[key].shape) if key in state else "none"
+                raise ValueError(f"{found} for tensor {key}, which is {wanted}")
+        network = build()
+        network.load_state_dict(dict(state))
+    return network.eval()

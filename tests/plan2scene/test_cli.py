@@ -160,3 +160,11 @@ def test_an_output_that_cannot_be_written_is_one_line(tmp_path, monkeypatch, cap
     lines = capsys.readouterr().err.splitlines()
     assert stop.value.code == 1
     assert [line.startswith("ERROR ") and "expected" in line for line in lines] == [True]
+
+
+@pytest.mark.parametrize(
+    ("name", "house"),
+    [("план.json", "house"), ("дом 5.scene.json", "_5"), ("Küche.json", "K_che"), ("-x.txt", "x")],
+)
+def test_a_house_is_called_as_its_plan(name, house):
+    assert cli._house_id(Path(name), None) == house

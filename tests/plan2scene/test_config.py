@@ -1,5 +1,6 @@
 """The configuration files, their schema and their documentation agree."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,32 @@ def test_unknown_keys_are_refused(section):
     config[section]["no_such_key"] = 1
     with pytest.raises(InputError, match="no_such_key"):
         check_config(config)
+
+
+@pytest.mark.parametrize("key", ["photos.fov_deg", "crops.metres", "photos.camera_height_m"])
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_what_is_no_finite_number_is_one_line(key, value):
+    config = merged("benchmark.yaml")
+    section, name = key.split(".")
+    config[section][name] = [value] if name == "metres" else value
+    with pytest.raises(InputError, match=rf"{key}.*(nan|inf)"):
+        check_config(config)
+
+
+@pytest.mark.parametrize("value", ["data{x}", "a\0b", "a\nb"])
+def test_a_path_that_snakemake_could_not_take_is_one_line(value):
+    config = merged("benchmark.yaml")
+    config["dataset"]["root"] = value
+    with pytest.raises(InputError, match=r"dataset\.root: .*braces or control"):
+        check_config(config)
+
+
+def test_a_key_that_is_far_from_any_is_one_short_line():
+    config = merged("benchmark.yaml") | {f"key_{k}": {"x": list(range(1000))} for k in range(100)}
+    with pytest.raises(InputError) as fault:
+        check_config(config)
+    assert len(str(fault.value)) < 500
+    assert "\n" not in str(fault.value)
 
 
 def test_every_key_is_documented():

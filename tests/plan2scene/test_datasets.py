@@ -106,12 +106,12 @@ def test_no_table_is_no_rows():
         ),
         (
             "room_id,photo\na,../one.jpg\n",
-            ", house h1: expected a plain file name without '..' or a leading '/', "
+            ", house h1: expected a plain file name without '..', a leading '/' or braces, "
             "found '../one.jpg'",
         ),
         (
             "room_id,photo\na,/etc/one.jpg\n",
-            ", house h1: expected a plain file name without '..' or a leading '/', "
+            ", house h1: expected a plain file name without '..', a leading '/' or braces, "
             "found '/etc/one.jpg'",
         ),
         (

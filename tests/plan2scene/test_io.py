@@ -10,9 +10,26 @@ from plan2scene import io as p2s_io
 from plan2scene import temporary
 from plan2scene.errors import InputError
 
+LONG = "n" * 300
+
 
 @pytest.mark.parametrize(
-    "name", ["../x.jpg", "/etc/passwd", "a/../../x", "", " x", "a\\b", "C:x", "a\nb", "./x", "a//b"]
+    "name",
+    [
+        "../x.jpg",
+        "/etc/passwd",
+        "a/../../x",
+        "",
+        " x",
+        "a\\b",
+        "C:x",
+        "a\nb",
+        "./x",
+        "a//b",
+        "{x}.jpg",
+        "n" * 300,
+        "d" * 300 + "/x",
+    ],
 )
 def test_names_that_leave_the_folder_are_refused(tmp_path, name):
     with pytest.raises(InputError):
@@ -102,3 +119,9 @@ def test_deep_json_is_one_line(tmp_path):
     path.write_text("[" * 200_000)
     with pytest.raises(InputError):
         p2s_io.read_json(path)
+
+
+def test_a_missing_file_is_told_with_what_differs_in_its_ending(tmp_path):
+    (tmp_path / "a.JPG").write_text("")
+    assert p2s_io.absent(tmp_path / "a.jpg") == "no such file, but a.JPG"
+    assert p2s_io.absent(tmp_path / "b.jpg") == "no such file"

@@ -1,10 +1,16 @@
 """Weights on disk: what is written comes back, the same bytes every time, nothing foreign."""
 
+import json
+
 import pytest
 import torch
 
 from plan2scene.errors import InputError
-from plan2scene.weights import MODELS, load_model_file, save_model_file
+from plan2scene.metrics.features import load_features_network
+from plan2scene.photos.labels.segmentation import load_segmenter
+from plan2scene.propagation.model import load_propagation
+from plan2scene.textures.model.network import load_texture_model
+from plan2scene.weights import MODELS, load_model_file, read_model_arrays, save_model_file
 
 STATE = {"a.weight": torch.arange(6.0).reshape(2, 3) / 3, "b": torch.tensor([1, 2])}
 
@@ -57,3 +63,64 @@ def test_shipped_weights_have_cards_and_fit_their_budget():
         assert "Command" in card or "rule `" in card
     assert sum(file.stat().st_size for file in files) <= 40e6
     assert (MODELS / "segmentation.safetensors").stat().st_size <= 10e6
+
+
+def written(path, state, architecture: str):
+    from safetensors.torch import save_file
+
+    save_file(state, path, metadata={"format": "plan2scene", "architecture": architecture})
+    return path
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{", '{"width": 1e9}', '{"width": [[5000]]}', "null", '{"a": {"b": 1}}']
+)
+def test_an_odd_architecture_is_one_line(tmp_path, text):
+    path = written(tmp_path / "x.safetensors", STATE, text)
+    with pytest.raises(InputError, match="expected an architecture"):
+        load_model_file(path)
+
+
+@pytest.mark.parametrize(
+    "tensor",
+    [torch.tensor([1.0, float("nan")]), torch.tensor([float("inf")]), torch.zeros(2) * 1j],
+    ids=["nan", "infinity", "complex"],
+)
+@pytest.mark.parametrize("read", [load_model_file, read_model_arrays])
+def test_what_is_no_finite_number_is_one_line(tmp_path, tensor, read):
+    from safetensors import SafetensorError
+
+    try:
+        path = written(tmp_path / "x.safetensors", {"a": tensor}, "{}")
+    except (SafetensorError, KeyError):
+        pytest.skip("this safetensors writes no such tensor")
+    with pytest.raises(InputError, match=r"x\.safetensors: expected"):
+        read(path)
+
+
+LOADERS = {
+    "segmentation": load_segmenter,
+    "texture": load_texture_model,
+    "propagation": load_propagation,
+    "features": load_features_network,
+}
+
+
+@pytest.mark.parametrize("name", LOADERS)
+def test_a_header_of_another_network_is_one_line(tmp_path, name):
+    state, architecture = load_model_file(MODELS / f"{name}.safetensors")
+    first = next(iter(state))
+    changed = [
+        (state, {key: 7 for key in architecture}),
+        (state, {key: "x" for key in architecture}),
+        (state, {key: [-1, 0] for key in architecture}),
+        (state, {}),
+        ({first: state[first][..., :1]} | {k: v for k, v in state.items() if k != first}, None),
+        ({k: v for k, v in state.items() if k != first}, None),
+    ]
+    for k, (tensors, other) in enumerate(changed):
+        header = json.dumps(architecture if other is None else other)
+        contiguous = {key: value.contiguous() for key, value in tensors.items()}
+        path = written(tmp_path / f"{k}.safetensors", contiguous, header)
+        with pytest.raises(InputError, match=r"safetensors: expected .* found"):
+            LOADERS[name](path)

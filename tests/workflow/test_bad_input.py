@@ -72,11 +72,31 @@ def empty_table(data: Path, row: dict[str, str]) -> None:
     (data / row["assignment"]).write_text("room_id,photo\n")
 
 
+def other_photo_name(data: Path, row: dict[str, str], name: str) -> None:
+    """Give a photo another name in both tables, and on disk where a disk takes it."""
+    old = photos_of(row)[0]
+    if len(name) < 250:
+        (data / "photos" / old).rename(data / "photos" / name)
+    row["photos"] = row["photos"].replace(old, name)
+    table = data / row["assignment"]
+    table.write_text(table.read_text().replace(old, name))
+
+
+def braces_in_a_photo_name(data: Path, row: dict[str, str]) -> None:
+    other_photo_name(data, row, "{house}_{x}.jpg")
+
+
+def long_photo_name(data: Path, row: dict[str, str]) -> None:
+    other_photo_name(data, row, "n" * 300 + ".jpg")
+
+
 #: name: (what is broken, a word of the line, does the house go on)
 CASES: dict[str, tuple[Callable[[Path, dict[str, str]], None], str, bool]] = {
     "missing_photo": (missing_photo, "no such file", True),
     "corrupt_jpeg": (corrupt_jpeg, ".jpg", True),
     "photo_outside": (photo_outside, "secret.jpg", False),
+    "braces_in_a_photo_name": (braces_in_a_photo_name, "braces", False),
+    "long_photo_name": (long_photo_name, "at most 240 bytes", False),
     "unknown_room_type": (unknown_room_type, "Dungeon", False),
     "crossing_room": (crossing_room, "room", False),
     "hole_outside": (hole_outside, "room", False),

@@ -18,6 +18,7 @@ from plan2scene.datasets.house_table import (
     chosen_crops,
     load_houses,
     photo_paths,
+    safe_names,
     table_of,
 )
 from plan2scene.errors import InputError
@@ -163,7 +164,8 @@ def ready_masks_of(wildcards):
     if config["photos"]["masks"] != "precomputed":
         return []
     folder = Path(config["photos"]["masks_folder"] or "")
-    paths = (folder / f"{Path(name).stem}.png" for name in photo_names_of(wildcards))
+    names = safe_names(photo_names_of(wildcards))
+    paths = (folder / f"{Path(name).stem}.png" for name in names)
     return [str(path) for path in paths if path.is_file()]
 
 
@@ -187,7 +189,7 @@ def ready_crops():
 
 def ready_crops_of(wildcards):
     """Return the ready crops of a house's photos; none where crops are sampled."""
-    stems = [Path(name).stem for name in photo_names_of(wildcards)]
+    stems = [Path(name).stem for name in safe_names(photo_names_of(wildcards))]
     return [path for stem in stems for path in ready_crops().get(stem, [])]
 
 

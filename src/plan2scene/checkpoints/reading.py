@@ -44,6 +44,7 @@ _DAMAGED = (
     AttributeError,
     AssertionError,
     EOFError,
+    MemoryError,
     OSError,
     struct.error,
 )
@@ -127,9 +128,20 @@ def fitted_state(
         if tuple(named[name].shape) != shape:
             found = str(tuple(named[name].shape))
             raise InputError(f"shape {shape} of tensor {name}", found, file=path)
-        if not bool(torch.isfinite(named[name]).all()):
-            raise InputError(f"finite values in tensor {name}", "NaN or infinity", file=path)
-    return {name: named[name].float() for name in expected}
+    return {name: _plain(named[name], name, path) for name in expected}
+
+
+def _plain(tensor: torch.Tensor, name: str, path: str | Path) -> torch.Tensor:
+    """Return a tensor as float32; InputError for one that is no plain array of finite numbers."""
+    odd = tensor.is_complex() or tensor.is_quantized or tensor.is_meta
+    if odd or tensor.layout is not torch.strided:
+        kind = "meta" if tensor.is_meta else tensor.dtype
+        found = f"{kind}, {tensor.layout}".replace("torch.", "")
+        raise InputError(f"a dense tensor of real numbers {name}", found, file=path)
+    values = tensor.detach().float()
+    if not bool(torch.isfinite(values).all()):
+        raise InputError(f"finite values in tensor {name}", "NaN or infinity", file=path)
+    return values
 
 
 def _common_prefix(state: Mapping[str, object], expected: Mapping[str, object]) -> str:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.io import read_text, safe_join
+from plan2scene.io import absent, read_text, safe_join
 
 #: Largest number of rows of one house's photo table.
 MAX_ROWS = 10_000
@@ -79,7 +79,12 @@ def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
     room = next((header.index(n) for n in ("room_id", "roomId") if n in header), None)
     photo = header.index("photo") if "photo" in header else None
     if room is None or photo is None:
-        raise fault("columns room_id and photo", ", ".join(header))
+        other = next((c for c in ";\t" if len(header) == 1 and c in header[0]), "")
+        names = {";": "semicolons", "\t": "tabs"}
+        expected = "columns room_id and photo"
+        if other:
+            raise fault(f"{expected} separated by commas", f"{names[other]}: {header[0]}")
+        raise fault(expected, ", ".join(header))
     if len(table) - 1 > MAX_ROWS:
         raise fault(f"at most {MAX_ROWS} rows", str(len(table) - 1))
     rows = []
@@ -108,9 +113,10 @@ def check_assignment(
         return [str(InputError("at least one photo", "none", file=file, house=house.id))]
     warnings: dict[str, None] = {}
     for room_id, photo in assignments:
-        if not safe_join(photos_dir, photo, file=file, house_id=house.id).is_file():
+        path = safe_join(photos_dir, photo, file=file, house_id=house.id)
+        if not path.is_file():
             expected = f"photo {photo} in {photos_dir}"
-            line = InputError(expected, "no such file", file=file, house=house.id, room=room_id)
+            line = InputError(expected, absent(path), file=file, house=house.id, room=room_id)
             warnings[str(line)] = None
     return list(warnings)
 

@@ -115,12 +115,16 @@ def _check_file(name: str, path: str | None) -> None:
 
 def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:
     """Return the paths of those photos that exist; unsafe names are left out."""
+    return [path for name in safe_names(names) if (path := folder / name).is_file()]
+
+
+def safe_names(names: Iterable[str]) -> list[str]:
+    """Return those names of photos that a path can have; of others their house's jobs tell."""
     found = []
     for name in names:
         try:
-            path = safe_join(folder, name)
+            safe_join("", name)
         except InputError:
             continue
-        if path.is_file():
-            found.append(path)
+        found.append(name)
     return found

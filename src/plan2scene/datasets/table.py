@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from plan2scene.datasets.assignments import read_rows
 from plan2scene.datasets.layout import Layout, require_data_set
 from plan2scene.errors import InputError
+from plan2scene.floorplans.parse import MAX_ID_LENGTH
 from plan2scene.io import atomic_path, read_json, read_text, safe_join
 
 if TYPE_CHECKING:
@@ -53,8 +54,9 @@ def read_house_table(path: str | Path) -> pd.DataFrame:
 def _check_row(row: dict[str, str], seen: set[str], path: str | Path) -> None:
     """Raise InputError for a row that can't become jobs; note its house in `seen`."""
     house_id = row["house"]
-    if not house_id or house_id.startswith((".", "-")) or not set(house_id) <= _NAME_CHARACTERS:
-        expected = "a house name of letters, digits, '_', '-', '.'"
+    bad = not house_id or house_id.startswith((".", "-")) or not set(house_id) <= _NAME_CHARACTERS
+    if bad or len(house_id) > MAX_ID_LENGTH:
+        expected = f"a house name of letters, digits, '_', '-', '.', at most {MAX_ID_LENGTH}"
         raise InputError(expected, repr(house_id), file=path)
     if house_id in seen:
         raise InputError("each house once", f"{house_id} twice", file=path, house=house_id)

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from plan2scene.errors import InputError
+from plan2scene.house import SUBSTANCES
 from plan2scene.images import METRIC_SIZE, metric_image
-from plan2scene.weights import read_model_arrays
+from plan2scene.weights import fitting, read_model_arrays
 
 #: Name of this network in column names.
 FEATURE_NETWORK = "embedded"
@@ -111,13 +111,13 @@ def load_features_network(path: str | Path) -> FeaturesNetwork:
     """Return the network of a weight file; InputError for one of another network."""
     state, architecture = read_model_arrays(path)
     kernels, biases = [], []
-    try:
+    with fitting("the features network", path):
         for index in range(len(architecture["widths"])):
             norm = f"convolutions.{3 * index + 1}"
             gain = state[f"{norm}.weight"] / np.sqrt(state[f"{norm}.running_var"] + _NORM_FLOOR)
             kernels.append(state[f"convolutions.{3 * index}.weight"] * gain[:, None, None, None])
             biases.append(state[f"{norm}.bias"] - state[f"{norm}.running_mean"] * gain)
-        return FeaturesNetwork(
+        network = FeaturesNetwork(
             kernels=tuple(kernels),
             biases=tuple(biases),
             penultimate=(state["penultimate.weight"], state["penultimate.bias"]),
@@ -125,5 +125,7 @@ def load_features_network(path: str | Path) -> FeaturesNetwork:
             shift=state["shift"],
             scale=state["scale"],
         )
-    except KeyError as error:
-        raise InputError("weights of the features network", f"no {error}", file=path) from None
+        _, logits = network(np.zeros((1, METRIC_SIZE, METRIC_SIZE, 3), np.uint8))
+        if logits.shape != (1, len(SUBSTANCES)):
+            raise ValueError(f"scores {logits.shape}, which are (1, {len(SUBSTANCES)})")
+    return network

@@ -18,7 +18,7 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.images import METRIC_SIZE, metric_image
 from plan2scene.metrics.features import FEATURE_NETWORK, extract_features, load_features_network
-from plan2scene.weights import load_model_file, read_model_arrays
+from plan2scene.weights import fitting, load_model_file, read_model_arrays
 
 if TYPE_CHECKING:
     from torch import nn
@@ -89,10 +89,8 @@ def load_network(path: str | Path, network: str) -> nn.Module:
     state, architecture = load_model_file(path)
     if architecture.pop("network", None) != network:
         raise InputError(f"weights of network {network}", str(sorted(architecture)), file=path)
-    try:
-        with torch.device("meta"):
-            model = {"vgg16": VggClassifier, "inception": InceptionV3}[network](**architecture)
+    with fitting(network, path), torch.device("meta"):
+        model = {"vgg16": VggClassifier, "inception": InceptionV3}[network](**architecture)
+    with fitting(network, path):
         model.load_state_dict(state, assign=True)
-    except (RuntimeError, TypeError, ValueError) as error:
-        raise InputError(f"weights that fit {network}", str(error), file=path) from None
     return model.eval()

@@ -12,7 +12,7 @@ from plan2scene.errors import InputError
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.pointer import PointerNetwork
 from plan2scene.propagation.prior import TypeMeans
-from plan2scene.weights import load_model_file, save_model_file
+from plan2scene.weights import filled, load_model_file, save_model_file
 
 Network: TypeAlias = PropagationNetwork | PointerNetwork
 #: Networks by the name that the files hold: the paper's, and the embedded one.
@@ -38,18 +38,12 @@ def save_propagation(path: str | Path, network: Network, means: TypeMeans, **siz
 def load_propagation(path: str | Path) -> tuple[Network, TypeMeans]:
     """Return network and means of a file of :func:`save_propagation`; InputError for another's."""
     state, sizes = load_model_file(path)
-    kind = sizes.pop("network", "gated")
+    kind = str(sizes.pop("network", "gated"))
     if kind not in NETWORKS:
         raise InputError(f"a propagation network of {', '.join(NETWORKS)}", str(kind), file=path)
     own = {k.removeprefix(_NETWORK): v for k, v in state.items() if k.startswith(_NETWORK)}
-    try:
-        with torch.device("meta"):  # no values to draw: the file's take their place
-            network = NETWORKS[kind](**sizes)
-        network.to_empty(device="cpu").load_state_dict(own)
-        means = TypeMeans(state[_PRIOR + "embedding"].numpy(), state[_PRIOR + "naive"].numpy())
-    except (RuntimeError, TypeError) as error:
-        found = " ".join(str(error).split("\n\t")[:2])
-        raise InputError("weights of a propagation network", found, file=path) from None
-    except KeyError as error:
-        raise InputError("means by room type", f"no {error}", file=path) from None
-    return network.eval(), means
+    network = filled(lambda: NETWORKS[kind](**sizes), own, "a propagation network", path)
+    means = [state.get(_PRIOR + name) for name in ("embedding", "naive")]
+    if means[0] is None or means[1] is None:
+        raise InputError("means by room type", "none", file=path)
+    return network, TypeMeans(means[0].numpy(), means[1].numpy())

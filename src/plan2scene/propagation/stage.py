@@ -14,7 +14,7 @@ from plan2scene.house import SUBSTANCES, SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.propagation.graph import house_graph
 from plan2scene.provenance import file_hash
-from plan2scene.weights import read_model_arrays
+from plan2scene.weights import fitting, read_model_arrays
 
 #: Metres that a tile covers where the house shows no scale at all.
 DEFAULT_METRES = 1.0
@@ -101,5 +101,6 @@ def substances_of(embeddings: np.ndarray, texture_model: str | Path) -> np.ndarr
     if len(arrays) != len(names):
         raise InputError("a texture model with a substance head", "none", file=texture_model)
     weight, bias = (arrays[name] for name in names)
-    scores = embeddings[..., : weight.shape[1]] @ weight.T + bias
-    return np.array(SUBSTANCES)[scores.argmax(-1)]
+    with fitting("a substance head", texture_model):
+        scores = embeddings[..., : weight.shape[1]] @ weight.T + bias
+        return np.array(SUBSTANCES)[scores.argmax(-1)]

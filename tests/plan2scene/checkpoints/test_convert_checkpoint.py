@@ -13,7 +13,7 @@ from PIL import Image
 
 from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.checkpoints.means import training_means
-from plan2scene.checkpoints.reading import read_checkpoint, state_dict_of
+from plan2scene.checkpoints.reading import fitted_state, read_checkpoint, state_dict_of
 from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES, SURFACES
 from plan2scene.metrics.networks import load_network
@@ -309,3 +309,19 @@ def test_hsv_of_the_reference_is_pillow_s(official):
     with torch.no_grad():
         a, b = official.encode(rgb).embedding, official.encode_hsv(hsv.float() / 255.0).embedding
     assert torch.equal(a, b)
+
+
+@pytest.mark.parametrize("kind", ["sparse", "complex", "meta", "nan", "too large"])
+def test_tensors_of_other_kinds_are_one_line(tmp_path, kind):
+    state = {"a.weight": torch.ones(2, 3, dtype=torch.float64)}
+    odd = {
+        "sparse": torch.eye(2, 3).to_sparse(),
+        "complex": torch.ones(2, 3) * 1j,
+        "meta": torch.empty(2, 3, device="meta"),
+        "nan": torch.full((2, 3), float("nan")),
+        "too large": state["a.weight"] * 1e200,
+    }
+    expected = {"a.weight": (2, 3)}
+    assert fitted_state(state, expected, "x.pt")["a.weight"].dtype == torch.float32
+    with pytest.raises(InputError, match=r"^file x\.pt: expected .*a\.weight, found"):
+        fitted_state({"a.weight": odd[kind]}, expected, "x.pt")

@@ -17,11 +17,10 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
-from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.palette import LABELS
-from plan2scene.weights import load_model_file
+from plan2scene.weights import filled, load_model_file
 
 #: Mean and standard deviation of sRGB values in [0, 1] that the network's input is scaled by.
 _MEAN, _STD = 0.5, 0.25
@@ -278,9 +277,6 @@ class Segmenter:
 def load_segmenter(path: str | Path) -> Segmenter:
     """Return the segmenter of a weights file; InputError when it is none of this network."""
     state, architecture = load_model_file(path)
-    try:
-        network = SegmentationNet(**architecture)
-        network.load_state_dict(state)
-    except (TypeError, RuntimeError) as error:
-        raise InputError("weights of the segmentation network", str(error), file=path) from None
+    name = "the segmentation network"
+    network = filled(lambda: SegmentationNet(**architecture), state, name, path)
     return Segmenter(network)

@@ -28,7 +28,7 @@ from plan2scene.textures.model.noise import (
     position_grid,
     torus_noise,
 )
-from plan2scene.weights import load_model_file
+from plan2scene.weights import filled, load_model_file
 
 _TRANSFORMS = OCTAVES * 4
 
@@ -176,12 +176,8 @@ def load_texture_model(path: str | Path) -> TextureModel:
         raise InputError(
             f"a texture model with {sorted(known)}", str(sorted(architecture)), file=path
         )
-    model = TextureModel(Architecture(**architecture))
-    try:
-        model.load_state_dict(state)
-    except RuntimeError as error:
-        raise InputError("weights that fit the architecture", str(error), file=path) from None
-    return model.eval()
+    name = "a texture model of this architecture"
+    return filled(lambda: TextureModel(Architecture(**architecture)), state, name, path)
 
 
 def architecture_header(model: TextureModel) -> dict[str, int | bool | str]:
