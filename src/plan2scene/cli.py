@@ -46,7 +46,7 @@ def _house_id(plan: Path, given: str | None) -> str:
 
 @app.command("run")
 def run_house(
-    plan: Annotated[Path, typer.Option(help="Floorplan: scene.json, our JSON, or R2V text.")],
+    plan: Annotated[Path, typer.Option(help="Floorplan in any format that is read.")],
     out: Annotated[Path, typer.Option(help="Folder for the results.")],
     photos: Annotated[Path | None, typer.Option(help="CSV table: room_id, photo.")] = None,
     photos_dir: Annotated[

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from plan2scene.errors import InputError
+from plan2scene.floorplans.drawings.sweet_home import house_of_sweet_home, is_sweet_home
 from plan2scene.floorplans.parse import parse_json
 from plan2scene.floorplans.plan_json import FORMAT, house_of_plan
 from plan2scene.floorplans.r2v import house_of_r2v
@@ -20,6 +21,25 @@ from plan2scene.floorplans.r2v_text import is_r2v
 from plan2scene.floorplans.scene_json import house_of_scene
 from plan2scene.house import House
 from plan2scene.io import read_text
+
+#: How files that are no text begin, and what they are.
+_SIGNATURES = (
+    (b"PK\x03\x04", "a ZIP archive"),
+    (b"PK\x05\x06", "an empty ZIP archive"),
+    (b"\x89PNG", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"GIF8", "a GIF picture"),
+    (b"RIFF", "a WebP picture or other RIFF file"),
+    (b"II*\x00", "a TIFF picture"),
+    (b"MM\x00*", "a TIFF picture"),
+    (b"BM", "a BMP picture"),
+    (b"%PDF", "a PDF"),
+    (b"AC10", "a DWG drawing (save it as DXF)"),
+    (b"\xac\xed", "a serialised Java object"),
+    (b"\x1f\x8b", "a gzip archive"),
+    (b"7z\xbc\xaf", "a 7z archive"),
+    (b"glTF", "a GLB model"),
+)
 
 
 @dataclass(frozen=True)
@@ -34,9 +54,19 @@ class PlanFile:
     metres_per_pixel: float | None = None
 
     @cached_property
+    def binary(self) -> str:
+        """What kind of file this is when it begins like one that is no text; else empty."""
+        try:
+            with self.path.open("rb") as file:
+                head = file.read(8)
+        except OSError as error:
+            raise self.fault("a readable file", error.strerror or "an error") from None
+        return next((name for start, name in _SIGNATURES if head.startswith(start)), "")
+
+    @cached_property
     def text(self) -> str:
-        """The file as UTF-8 text."""
-        return read_text(self.path)
+        """The file as UTF-8 text; empty for a :attr:`binary` one."""
+        return "" if self.binary else read_text(self.path)
 
     @cached_property
     def document(self) -> Any:
@@ -88,6 +118,11 @@ FORMATS: tuple[PlanFormat, ...] = (
         lambda plan: house_of_scene(plan.document, plan.house_id, file=str(plan.path)),
     ),
     PlanFormat("raster-to-vector text", lambda plan: is_r2v(plan.text), _read_r2v, True),
+    PlanFormat(
+        "Sweet Home 3D",
+        lambda plan: plan.binary.startswith("a ZIP") and is_sweet_home(plan.path),
+        lambda plan: house_of_sweet_home(plan.path, plan.house_id),
+    ),
 )
 
 
@@ -99,12 +134,13 @@ def read_plan(path: str | Path, house_id: str, metres_per_pixel: float | None = 
     plan = PlanFile(Path(path), house_id, metres_per_pixel)
     if not plan.path.is_file():
         raise plan.fault("a plan", "no such file")
-    if not plan.text.strip():
+    if not plan.binary and not plan.text.strip():
         raise plan.fault("a plan", "an empty file")
     found = next((entry for entry in FORMATS if entry.sniff(plan)), None)
     if found is None:
         names = ", ".join(entry.name for entry in FORMATS)
-        raise plan.fault(f"a plan ({names})", f"{plan.text.split()[0][:40]!r} at its start")
+        start = plan.binary or f"{plan.text.split()[0][:40]!r} at its start"
+        raise plan.fault(f"a plan ({names})", start)
     if found.needs_scale and not 0 < (metres_per_pixel or 0) <= 1:
         expected = f"metres_per_pixel above 0 and up to 1 for {found.name}"
         raise plan.fault(expected, str(metres_per_pixel))

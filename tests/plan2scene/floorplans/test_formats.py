@@ -61,3 +61,22 @@ def test_a_new_format_is_one_entry(tmp_path, monkeypatch):
     assert read_plan(path, "h1", 0.1).rooms[0].rings[0] == ring
     with pytest.raises(InputError, match="metres_per_pixel above 0 and up to 1 for square"):
         read_plan(path, "h1")
+
+
+@pytest.mark.parametrize(
+    ("start", "what"),
+    [
+        (b"\x89PNG\r\n\x1a\n\x00", "a PNG picture"),
+        (b"\xff\xd8\xff\xe0\x00", "a JPEG picture"),
+        (b"%PDF-1.7\n\xff", "a PDF"),
+        (b"AC1032\x00\xff", "a DWG drawing (save it as DXF)"),
+        (b"PK\x05\x06" + b"\x00" * 18, "an empty ZIP archive"),
+    ],
+)
+def test_a_picture_is_named_for_what_it_is(tmp_path, start, what):
+    path = tmp_path / "plan.any"
+    path.write_bytes(start)
+    with pytest.raises(InputError) as caught:
+        read_plan(path, "h1")
+    assert str(caught.value).startswith(f"file {path}, house h1: expected a plan (")
+    assert str(caught.value).endswith(f", found {what}")

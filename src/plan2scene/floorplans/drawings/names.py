@@ -1,0 +1,86 @@
+"""What people call rooms, in several languages, and the room type that each means."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+from plan2scene.house import ROOM_TYPES
+
+#: Stems of words (lower case, no accents; `_` for a space) by room type. The first type that has a
+#: stem of a word decides: "bathroom" is told before "room" could be.
+_STEMS = {
+    "Bathroom": (
+        "bath badezimmer bad salle_de_bain salle_d'eau bano aseo bagno badkamer shower dusche "
+        "douche ducha doccia wc toilet toilette lavatory restroom washroom ensuite en_suite "
+        "powder servizi sauna lavabo"
+    ),
+    "Kitchen": ("kitchen kuche kueche cuisine cocina cucina keuken kitchenette pantry_kitchen"),
+    "Bedroom": (
+        "bedroom schlafzimmer schlafen chambre dormitorio habitacion camera cameretta "
+        "slaapkamer kinderzimmer kind guest gastezimmer nursery alcoba recamara cuarto bed"
+    ),
+    "Balcony": "balcon balcony balkon balcone loggia",
+    "Terrace": "terrace terrasse terraza terrazza terras patio deck porch veranda",
+    "Outdoor": (
+        "outdoor outside garden garten jardin giardino tuin yard garage carport exterior "
+        "draussen hof parking"
+    ),
+    "Staircase": ("stair stairs staircase treppe treppenhaus escalier escalera scala scale trap"),
+    "Entrance": (
+        "entry entrance entree eingang foyer vestibule recibidor entrada ingresso lobby "
+        "windfang draughtlobby"
+    ),
+    "Corridor": (
+        "corridor hall hallway flur diele gang couloir pasillo corridoio disimpegno passage "
+        "landing degagement overloop distribuidor"
+    ),
+    "Closet": (
+        "closet wardrobe storage store abstellraum abstellkammer kammer dressing placard "
+        "cellier armario vestidor trastero despensa ripostiglio sgabuzzino berging kast "
+        "pantry utility laundry cupboard walkin speisekammer buanderie lavanderia lavadero "
+        "ankleide bijkeuken technical larder"
+    ),
+    "Reception": (
+        "living reception wohnzimmer wohnen wohn sejour salon sala soggiorno woonkamer lounge "
+        "dining esszimmer essen salle_a_manger comedor pranzo eetkamer family den library "
+        "great_room drawing parlour parlor office study buro arbeitszimmer bureau despacho "
+        "studio ufficio werkkamer stube zimmer"
+    ),
+}
+_TYPES = {name.lower(): name for name in ROOM_TYPES}
+
+
+def room_types(name: str) -> tuple[str, ...]:
+    """Return the room types that a name means, in the order of its words; empty for none.
+
+    A name may join several rooms ("Living / Kitchen"): each is told alone.
+    """
+    found: list[str] = []
+    for part in re.split(r"[/+&,;|]| und | and | et | y | e | en ", f"{name} "):
+        kind = _type_of(part)
+        if kind is not None and kind not in found:
+            found.append(kind)
+    return tuple(found)
+
+
+def _type_of(text: str) -> str | None:
+    """Return the room type of one name."""
+    plain = unicodedata.normalize("NFKD", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text))
+    plain = plain.encode("ascii", "ignore").decode().lower()
+    plain = re.sub(r"[^a-z']+", " ", plain).strip()
+    if plain in _TYPES:
+        return None if plain == "unknown" else _TYPES[plain]
+    words = plain.split()
+    for kind, stems in _STEMS.items():
+        for stem in stems.split():
+            if ("_" in stem and stem in "_".join(words)) or any(_is(w, stem) for w in words):
+                return kind
+    return None
+
+
+def _is(word: str, stem: str) -> bool:
+    """Return whether a word is a stem, its plural, or (long stems) begins or ends with it."""
+    if word in (stem, f"{stem}s", f"{stem}es", f"{stem}n"):
+        return True
+    return len(stem) >= 5 and (word.startswith(stem) or word.endswith(stem))

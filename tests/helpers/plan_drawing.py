@@ -1,0 +1,106 @@
+"""A synthetic apartment as other programs would draw it, and whether a reader finds it again.
+
+Walls stand on the apartment's outlines, half their thickness to either side; rooms end at their
+faces.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from plan2scene.floorplans import read_plan
+from plan2scene.floorplans.geometry import point_along, room_polygon
+
+FLATS = sorted(
+    (Path(__file__).parents[2] / "resources/demo/archs_no_objects/test").glob("*.scene.json")
+)
+
+
+@dataclass(frozen=True)
+class Hole:
+    """An opening on its wall's axis: kind, centre (x, z), direction (unit), sizes in metres."""
+
+    kind: str
+    centre: np.ndarray
+    along: np.ndarray
+    width: float
+    bottom: float
+    top: float
+
+    @property
+    def ends(self):
+        return self.centre - self.along * self.width / 2, self.centre + self.along * self.width / 2
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Rooms (id, types, polygon), axes (start, end), the walls' thickness and height, holes."""
+
+    rooms: list
+    axes: list
+    thickness: float
+    height: float
+    holes: list
+    adjacency: tuple
+
+
+def drawn_flat(number):
+    """Return a synthetic apartment of the demo as a drawing."""
+    house = read_plan(FLATS[number], "h1")
+    thickness, height = house.walls[0].depth, house.walls[0].height
+    axes, rooms, holes = {}, [], {}
+    for room in house.rooms:
+        outline = room_polygon(room)
+        points = [(round(x, 6), round(z, 6)) for x, z in outline.exterior.coords]
+        axes.update(dict.fromkeys(tuple(sorted(pair)) for pair in pairwise(points)))
+        inner = outline.buffer(-thickness / 2, join_style="mitre", mitre_limit=10)
+        rooms.append((room.id, room.types, inner))
+    for wall in house.walls:
+        for o in wall.openings:
+            a, b = (np.array(point_along(wall, at)) for at in (o.start, o.end))
+            width = o.end - o.start
+            holes.setdefault(
+                o.id, Hole(o.kind, (a + b) / 2, (b - a) / width, width, o.bottom, o.top)
+            )
+    return Drawn(rooms, list(axes), thickness, height, list(holes.values()), house.adjacency())
+
+
+def assert_found(plan, house, *, kinds=True, types=True, heights=True):
+    """Rooms one to one with areas within .5 %, openings within 5 cm, doors between the same."""
+    names = {}
+    for name, room_types, polygon in plan.rooms:
+        match = max(house.rooms, key=lambda r: room_polygon(r).intersection(polygon).area)
+        area = room_polygon(match).area
+        assert abs(area - polygon.area) <= 0.005 * polygon.area, (name, match.id)
+        assert room_polygon(match).intersection(polygon).area >= 0.99 * polygon.area
+        assert not types or match.types == room_types
+        names[match.id] = name
+    assert len(names) == len(house.rooms) == len(plan.rooms)
+    left = {}
+    for wall in house.walls:
+        for o in wall.openings:
+            left.setdefault(o.id, (wall, o))
+    assert len(left) == len(plan.holes)
+    for hole in plan.holes:
+        assert_hole(hole, left, plan.thickness, kinds, heights)
+    found = {tuple(sorted(names[room] for room in pair)) for pair in house.adjacency()}
+    assert found == set(plan.adjacency)
+
+
+def assert_hole(hole, left, thickness, kinds, heights):
+    """Take the hole that is where it was drawn out of `left`."""
+
+    def offset(item):
+        wall, o = item[1]
+        return np.array(point_along(wall, (o.start + o.end) / 2)) - hole.centre
+
+    name, (_, o) = min(left.items(), key=lambda item: np.linalg.norm(offset(item)))
+    away = offset((name, left.pop(name)))
+    assert abs(away @ hole.along) < 0.05
+    assert np.linalg.norm(away) < thickness / 2 + 0.05
+    assert abs(o.end - o.start - hole.width) < 0.05
+    assert not kinds or o.kind == hole.kind
+    if heights:
+        assert max(abs(o.bottom - hole.bottom), abs(o.top - hole.top)) < 0.05
