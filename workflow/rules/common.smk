@@ -176,6 +176,13 @@ def masks_of(wildcards):
     return f"{RESULTS}/houses/{wildcards.house}/masks"
 
 
+def cameras_of(wildcards):
+    """Return the photos' places in the plan of a house; none where crops are ready."""
+    if config["crops"]["source"] == "precomputed":
+        return []
+    return f"{RESULTS}/houses/{wildcards.house}/cameras.json"
+
+
 @functools.cache
 def ready_crops():
     """Return the ready crops of the configured folder by photo stem."""

@@ -57,6 +57,7 @@ rule crops:
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         masks=masks_of,
+        cameras=cameras_of,
         assignment=assignment_of,
         photos=photos_of,
         ready=ready_crops_of,

@@ -25,6 +25,7 @@ with job(snakemake.log[0]):
             *paths,
             dataset=params.dataset,
             seed=params.seed,
+            cameras=snakemake.input.cameras,
             settings=CropSettings(
                 sizes_m=tuple(params.metres),
                 per_mask=params.per_mask,

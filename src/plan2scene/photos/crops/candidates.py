@@ -15,6 +15,8 @@ from plan2scene.photos.crops.filter import inner_mask, judge_of, with_reason
 from plan2scene.photos.crops.sampling import Candidate, sample_candidates
 from plan2scene.photos.crops.tables import WORST_RESORT, PhotoCandidate
 from plan2scene.photos.crops.verdict import Reason
+from plan2scene.photos.locate.pose import Pose
+from plan2scene.photos.locate.seen_planes import SeenPlane
 from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
 from plan2scene.photos.planes.room_size import RoomSize, room_extent
 from plan2scene.seeds import generator
@@ -38,6 +40,19 @@ class CropSettings:
     exposure: bool = True
 
 
+@dataclass(frozen=True)
+class Naming:
+    """What the windows of a photo are drawn by."""
+
+    seed: int
+    house_id: str
+    photo: str
+
+    def rng(self, plane: Plane) -> np.random.Generator:
+        """Return the generator of a plane's windows."""
+        return generator(self.seed, "crops", self.house_id, self.photo, plane.surface, plane.index)
+
+
 def rooms_by_size(house: House, rooms: Sequence[str]) -> dict[RoomSize, tuple[str, ...]]:
     """Return the rooms by their height and extent in the plan, in their order."""
     groups: dict[RoomSize, list[str]] = {}
@@ -53,10 +68,7 @@ def candidates_of_photo(
     camera: Camera,
     rooms_by_size: Mapping[RoomSize, tuple[str, ...]],
     settings: CropSettings,
-    *,
-    seed: int,
-    house_id: str,
-    photo: str,
+    names: Naming,
 ) -> list[PhotoCandidate]:
     """Return the windows drawn on all planes of one photo, for its rooms of each size.
 
@@ -76,13 +88,39 @@ def candidates_of_photo(
             room_extent_m=size.extent_m,
         )
         for plane in planes:
-            rng = generator(seed, "crops", house_id, photo, plane.surface, plane.index)
+            rng = names.rng(plane)
             drawn = candidates_of_plane(image, camera, plane, settings, rng)
             first = count.get((plane.surface, plane.index), 0)
             count[plane.surface, plane.index] = first + len(drawn)
             for candidate in drawn:
                 numbered = _renumbered(candidate, first + candidate.crop.index)
-                found.append(PhotoCandidate(photo, rooms, plane.surface, plane.index, numbered))
+                found.append(
+                    PhotoCandidate(names.photo, rooms, plane.surface, plane.index, numbered)
+                )
+    return found
+
+
+def candidates_of_located(
+    image: np.ndarray,
+    pose: Pose,
+    planes: Sequence[SeenPlane],
+    settings: CropSettings,
+    names: Naming,
+) -> list[PhotoCandidate]:
+    """Return the windows drawn on the planes of a located photo (`seen_planes`), each room's own.
+
+    Of rooms behind a door only good ones: what is seen from afar is no last resort.
+    """
+    found: list[PhotoCandidate] = []
+    for seen in planes:
+        plane = seen.plane
+        drawn = candidates_of_plane(image, pose.camera, plane, settings, names.rng(plane))
+        for candidate in drawn:
+            if seen.room_id == pose.room_id or candidate.verdict.good:
+                rooms = (seen.room_id,)
+                found.append(
+                    PhotoCandidate(names.photo, rooms, plane.surface, plane.index, candidate)
+                )
     return found
 
 

@@ -16,7 +16,13 @@ from plan2scene.house import SURFACES, House
 from plan2scene.images import read_image
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import Camera
-from plan2scene.photos.crops.candidates import CropSettings, candidates_of_photo, rooms_by_size
+from plan2scene.photos.crops.candidates import (
+    CropSettings,
+    Naming,
+    candidates_of_located,
+    candidates_of_photo,
+    rooms_by_size,
+)
 from plan2scene.photos.crops.house import agreeing
 from plan2scene.photos.crops.light import (
     SurfaceColour,
@@ -29,6 +35,9 @@ from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop
 from plan2scene.photos.crops.tables import PhotoCandidate, write_tables
 from plan2scene.photos.crops.verdict import Verdict
 from plan2scene.photos.labels.palette import read_label_png
+from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.seen_planes import seen_planes
+from plan2scene.photos.locate.stage import read_poses
 from plan2scene.photos.photo_files import read_photo
 
 if TYPE_CHECKING:
@@ -51,6 +60,7 @@ def make_crops(
     dataset: str,
     seed: int,
     settings: CropSettings | None = None,
+    cameras: str | Path | None = None,
 ) -> pd.DataFrame:
     """Sample the crops of every photo of a house and write crops.parquet.
 
@@ -74,6 +84,8 @@ def make_crops(
         Windows are drawn by (seed, house, photo, surface, plane).
     settings : CropSettings, optional
         How windows are drawn and corrected.
+    cameras : path, optional
+        ``cameras.json`` of the locate stage: located photos give each room in sight its own.
 
     Returns
     -------
@@ -82,7 +94,7 @@ def make_crops(
     """
     chosen = CropSettings() if settings is None else settings
     drawn, lights = draw_candidates(
-        house, rooms_of_photo, photos, masks_dir, seed=seed, settings=chosen
+        house, rooms_of_photo, photos, masks_dir, seed=seed, settings=chosen, cameras=cameras
     )
     drawn, gains = under_common_light(drawn, lights, chosen)
     _write_light(light, gains, chosen)
@@ -97,6 +109,7 @@ def draw_candidates(
     *,
     seed: int,
     settings: CropSettings,
+    cameras: str | Path | None = None,
 ) -> tuple[list[PhotoCandidate], dict[str, np.ndarray]]:
     """Return the candidates of all photos of a house, as photographed, and each photo's light.
 
@@ -104,27 +117,26 @@ def draw_candidates(
     :func:`plan2scene.photos.crops.light.estimate_light`.
     """
     folder = Path(masks_dir)
-    cameras = read_json(folder / "cameras.json")
+    known = read_json(folder / "cameras.json")
+    poses = {} if cameras is None else read_poses(cameras)
+    shapes = room_shapes(house)
     drawn: list[PhotoCandidate] = []
     colours: list[SurfaceColour] = []
     for photo in sorted(rooms_of_photo):
-        if photo not in cameras:
+        if photo not in known:
             _log.info("photo %s of house %s has no mask: skipped", photo, house.id)
             continue
-        camera = Camera.from_json(cameras[photo], file=folder / "cameras.json")
+        camera = Camera.from_json(known[photo], file=folder / "cameras.json")
         labels = read_label_png(folder / f"{Path(photo).stem}.png", house_id=house.id)
         image = read_photo(photos[photo], house_id=house.id)
         _check_sizes(image, labels, camera, photos[photo], house.id)
-        of_photo = candidates_of_photo(
-            image,
-            labels,
-            camera,
-            rooms_by_size(house, rooms_of_photo[photo]),
-            settings,
-            seed=seed,
-            house_id=house.id,
-            photo=photo,
-        )
+        names = Naming(seed, house.id, photo)
+        if photo in poses:
+            planes = seen_planes(labels, poses[photo], shapes)
+            of_photo = candidates_of_located(image, poses[photo], planes, settings, names)
+        else:
+            rooms = rooms_by_size(house, rooms_of_photo[photo])
+            of_photo = candidates_of_photo(image, labels, camera, rooms, settings, names)
         colours += surface_colours(image, labels, photo, list(dict.fromkeys(rooms_of_photo[photo])))
         _log.info("%s: %d candidates, camera %s", photo, len(of_photo), camera.focal_source)
         drawn += of_photo

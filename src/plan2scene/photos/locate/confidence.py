@@ -6,10 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: Margins are logarithmic above this.
+#: Leads are logarithmic above this.
 FLOOR = 0.004
-#: Weights of `features`.
-WEIGHTS = (6.0, 2.5, 0.5, 2.0, 0.5, 0.0)
+#: Weights of a constant and both leads: fitted on 329 synthetic photos with true and predicted
+#: masks (right: the heading, within 1 m), calibrated on two real flats (development).
+WEIGHTS = (5.0, 2.4, 0.5)
+#: What masks take off that tell no doors and windows: those make rooms differ that look alike.
+WITHOUT_OPENINGS = 1.2
 
 
 @dataclass(frozen=True)
@@ -19,29 +22,13 @@ class Evidence:
     #: Lead in score over the best pose of another heading or room, and at another position.
     heading: float
     elsewhere: float
-    #: Mean log probability of a pixel's label.
-    score: float
-    #: Confidence of the camera's focal length.
-    camera: float
     #: Whether the masks tell doors and windows.
     has_openings: bool
 
 
-def features(evidence: Evidence) -> np.ndarray:
-    """Return (6,): a constant, both margins, agreement, the camera's confidence, openings."""
-    return np.array(
-        [
-            1.0,
-            np.log10(max(evidence.heading, 0.0) + FLOOR),
-            np.log10(max(evidence.elsewhere, 0.0) + FLOOR),
-            evidence.score,
-            evidence.camera,
-            float(evidence.has_openings),
-        ]
-    )
-
-
 def probability(evidence: Evidence) -> float:
     """Return the probability that heading and position are right."""
-    logit = float(features(evidence) @ np.array(WEIGHTS))
+    leads = np.maximum([evidence.heading, evidence.elsewhere], 0.0)
+    logit = WEIGHTS[0] + float(np.log10(leads + FLOOR) @ np.array(WEIGHTS[1:]))
+    logit -= 0.0 if evidence.has_openings else WITHOUT_OPENINGS
     return float(1.0 / (1.0 + np.exp(-logit)))

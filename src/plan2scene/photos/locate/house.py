@@ -103,6 +103,5 @@ def _best(searches: Sequence[RoomSearch], prior: HeightPrior) -> list[Found]:
 def _pose(shot: Shot, poses: Sequence[Found], *, has_openings: bool) -> Pose:
     """Return the best of the poses and its probability."""
     best, (heading, elsewhere) = poses[0], margins(poses)
-    evidence = Evidence(heading, elsewhere, best.score, shot.camera.confidence, has_openings)
-    located = probability(evidence)
+    located = probability(Evidence(heading, elsewhere, has_openings))
     return Pose(best.room_id, best.position, turned(shot.camera, best.turn), located)

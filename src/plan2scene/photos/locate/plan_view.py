@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -19,6 +19,8 @@ PARALLEL = 0.94
 NEAR_M = 0.35
 #: A direction that leaves the house through no edge reaches so far, metres.
 FAR_M = 30.0
+#: The edge by which a direction leaves the room behind an opening is farther than it by this.
+ENTRY_M = 0.02
 
 
 @dataclass(frozen=True)
@@ -69,19 +71,29 @@ class Sight:
         Metres to the room's edge.
     edge : (n,) int64
         That edge.
+    at : (n,) float64
+        Metres along it.
     hole : (n,) int64
         Index of the opening met there, of the room's; -1 for none.
     beyond : (n,) float64
         Metres to the edge of the room behind that opening; NaN where none is known.
+    beyond_edge : (n,) int64
+        That edge of the room behind; -1 where none is known.
     beyond_height : (n,) float64
         Height of the room behind, metres; NaN where none is known.
     """
 
     reach: np.ndarray
     edge: np.ndarray
+    at: np.ndarray
     hole: np.ndarray
     beyond: np.ndarray
+    beyond_edge: np.ndarray
     beyond_height: np.ndarray
+
+    def of(self, directions: np.ndarray) -> Sight:
+        """Return what the directions with these numbers, repeated ones too, meet."""
+        return Sight(*(getattr(self, field.name)[directions] for field in fields(self)))
 
 
 def room_shapes(house: House) -> dict[str, RoomShape]:
@@ -108,9 +120,8 @@ def look(
     shape = shapes[room_id]
     ways = np.stack([np.sin(azimuth), np.cos(azimuth)], axis=1)
     reach, edge, at = _first_exit(shape, eyes, ways, np.zeros(len(eyes)))
-    hole = np.full(len(eyes), -1)
-    beyond = np.full(len(eyes), np.nan)
-    beyond_height = np.full(len(eyes), np.nan)
+    hole, beyond_edge = np.full(len(eyes), -1), np.full(len(eyes), -1)
+    beyond, beyond_height = np.full(len(eyes), np.nan), np.full(len(eyes), np.nan)
     for index, opening in enumerate(shape.holes):
         met = (edge == opening.edge) & (at > opening.start) & (at < opening.end) & (hole < 0)
         if not met.any():
@@ -118,9 +129,10 @@ def look(
         hole[met] = index
         if opening.room_behind is not None:
             behind = shapes[opening.room_behind]
-            beyond[met] = _first_exit(behind, eyes[met], ways[met], reach[met] + 0.02)[0]
+            exits = _first_exit(behind, eyes[met], ways[met], reach[met] + ENTRY_M)
+            beyond[met], beyond_edge[met] = exits[:2]
             beyond_height[met] = behind.height
-    return Sight(reach, edge, hole, beyond, beyond_height)
+    return Sight(reach, edge, at, hole, beyond, beyond_edge, beyond_height)
 
 
 def _first_exit(

@@ -42,7 +42,8 @@ class Plane:
     mask: np.ndarray
     #: What gave the distance: ``camera_height`` (prior), ``room_height`` (floor and ceiling seen
     #: with a known room height), ``room_extent`` (walls farther, or opposite ones farther apart or
-    #: nearer, than the plan has them), or ``prior`` (nothing seen that tells it).
+    #: nearer, than the plan has them), ``plan`` (the photo is located), or ``prior`` (nothing seen
+    #: that tells it).
     scale_source: str
     #: Height of the camera above the floor, metres.
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
@@ -93,7 +94,7 @@ def _flat_planes(
     height, source = traced.camera_height_m, traced.scale_source
     # Without the room's height, the ceiling's distance is a guess whatever the floor's is.
     above = source if known else "prior"
-    floor, ceiling = (_without_specks(labels == label) for label in (FLOOR, CEILING))
+    floor, ceiling = (without_specks(labels == label) for label in (FLOOR, CEILING))
     flat = [
         Plane("floor", 0, (0.0, 1.0, 0.0), -height, floor, source, height),
         Plane("ceiling", 0, (0.0, -1.0, 0.0), height - room_height_m, ceiling, above, height),
@@ -104,7 +105,7 @@ def _flat_planes(
 def _wall_planes(labels: np.ndarray, traced: TracedWalls) -> list[Plane]:
     """Return the largest walls, by size."""
     masks = [
-        _without_specks((labels == WALL) & (traced.owner == k)) for k in range(len(traced.lines))
+        without_specks((labels == WALL) & (traced.owner == k)) for k in range(len(traced.lines))
     ]
     walls = sorted(zip(traced.lines, masks, strict=True), key=lambda item: -int(item[1].sum()))
     planes = []
@@ -118,7 +119,7 @@ def _wall_planes(labels: np.ndarray, traced: TracedWalls) -> list[Plane]:
     return planes
 
 
-def _without_specks(mask: np.ndarray) -> np.ndarray:
+def without_specks(mask: np.ndarray) -> np.ndarray:
     """Return a mask without connected parts smaller than `MIN_SHARE` of the photo."""
     count, parts, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
     keep = stats[:, cv2.CC_STAT_AREA] >= max(1.0, MIN_SHARE * mask.size)

@@ -1,0 +1,177 @@
+"""Planes of a located photo: which room's floor, wall or ceiling each labelled pixel shows.
+
+The mask says what kind of surface a pixel shows, the plan whose: within the room's walls its own,
+through a door or passage the room's behind it. Pixels near the border of two owners have none,
+since plan and pose are a few centimetres off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
+from plan2scene.photos.locate.plan_view import RoomShape, Sight, look
+from plan2scene.photos.locate.pose import Pose
+from plan2scene.photos.planes.planes import MAX_WALLS, Plane, without_specks
+
+#: Directions in a turn.
+DIRECTIONS = 2880
+#: How far plan and pose may be off: metres, and share of the distance.
+OFF_M, OFF_SHARE = 0.15, 0.12
+#: Wall pixels nearer to a corner than this are left out, metres.
+CORNER_M = 0.06
+#: Kinds of opening through which a room is seen.
+OPEN = ("door", "passage")
+
+
+@dataclass(frozen=True)
+class SeenPlane:
+    """A plane of a photo, in the plan's frame, and whose it is."""
+
+    room_id: str
+    plane: Plane
+
+
+def seen_planes(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]) -> list[SeenPlane]:
+    """Return floor, ceiling and walls of the pose's room, then those of rooms behind its doors.
+
+    Parameters
+    ----------
+    labels : (h, w) uint8
+        The photo's mask, of the camera's size.
+    pose : Pose
+        Where it was taken.
+    shapes : mapping
+        Rooms of the house (`plan_view.room_shapes`).
+
+    Returns
+    -------
+    list of SeenPlane
+        Planes in the plan's frame (as `pose.camera`), their scale by the plan. Indices run on
+        over the rooms, so that each plane of a surface has its own.
+    """
+    directions = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
+    eyes = np.repeat(pose.eye[None, [0, 2]], DIRECTIONS, axis=0)
+    around = look(shapes, pose.room_id, eyes, directions)
+    found: list[SeenPlane] = []
+    for kind, surface in ((FLOOR, "floor"), (CEILING, "ceiling"), (WALL, "wall")):
+        rows, columns = np.nonzero(labels == kind)
+        if not len(rows):
+            continue
+        rays = pose.camera.rays(np.stack([columns, rows], axis=-1))
+        turns = np.arctan2(rays[:, 0], rays[:, 2]) / (2 * np.pi)
+        sight = around.of(np.rint(turns * DIRECTIONS).astype(int) % DIRECTIONS)
+        slope = rays[:, 1] / np.maximum(np.hypot(rays[:, 0], rays[:, 2]), 1e-9)
+        owners = _wall_owners if surface == "wall" else _flat_owners
+        planes = []
+        for room_id, bare, mine in owners(surface, pose, shapes, sight, slope):
+            mask = np.zeros(labels.shape, bool)
+            mask[rows[mine], columns[mine]] = True
+            mask = without_specks(mask)
+            if mask.any():
+                planes.append(SeenPlane(room_id, replace(bare, mask=mask)))
+        found += _numbered(planes, pose.room_id)
+    return found
+
+
+def _numbered(planes: list[SeenPlane], own: str) -> list[SeenPlane]:
+    """Return at most `MAX_WALLS` planes of a surface, own ones first, then by size, numbered."""
+    order = sorted(planes, key=lambda item: (item.room_id != own, -int(item.plane.mask.sum())))
+    return [
+        SeenPlane(item.room_id, replace(item.plane, index=index))
+        for index, item in enumerate(order[:MAX_WALLS])
+    ]
+
+
+def _flat_owners(
+    surface: str,
+    pose: Pose,
+    shapes: Mapping[str, RoomShape],
+    sight: Sight,
+    slope: np.ndarray,
+) -> Iterator[tuple[str, Plane, np.ndarray]]:
+    """Yield (room, its plane without a mask, pixels (n,) bool) of floor or ceiling pixels."""
+    shape = shapes[pose.room_id]
+    slack = OFF_SHARE * sight.reach + OFF_M
+    open_ = _open_to(shape, sight)
+    tops = np.array([*(hole.top for hole in shape.holes), 0.0])[sight.hole]
+    below_top = pose.position[1] + slope * sight.reach < tops - OFF_M
+    for room_id in (pose.room_id, *_rooms_behind(shape)):
+        level = 0.0 if surface == "floor" else shapes[room_id].height
+        rise = level - pose.position[1]
+        meets = slope * rise > 1e-9
+        away = np.where(meets, rise / np.where(meets, slope, 1.0), np.inf)
+        if room_id == pose.room_id:
+            mine = away < np.where(open_ == "", sight.reach + slack, sight.reach - OFF_M)
+        else:
+            mine = (open_ == room_id) & below_top & (away > sight.reach + OFF_M)
+            mine &= away < sight.beyond * (1 + OFF_SHARE)
+        up = 1.0 if surface == "floor" else -1.0
+        yield room_id, _plane(surface, (0.0, up, 0.0), up * rise, pose), mine
+
+
+def _wall_owners(
+    surface: str,
+    pose: Pose,
+    shapes: Mapping[str, RoomShape],
+    sight: Sight,
+    slope: np.ndarray,
+) -> Iterator[tuple[str, Plane, np.ndarray]]:
+    """Yield (room, its plane without a mask, pixels (n,) bool) of wall pixels."""
+    shape = shapes[pose.room_id]
+    level = pose.position[1] + slope * sight.reach
+    near_hole = np.zeros(len(level), bool)
+    well_inside = np.zeros(len(level), bool)
+    for hole in shape.holes:
+        for margin, inside in ((OFF_M, near_hole), (-OFF_M, well_inside)):
+            inside |= (
+                (sight.edge == hole.edge)
+                & (sight.at > hole.start - margin)
+                & (sight.at < hole.end + margin)
+                & (level > hole.bottom - margin)
+                & (level < hole.top + margin)
+            )
+    corner = np.minimum(sight.at, shape.length[sight.edge] - sight.at) < CORNER_M
+    for plane, edges in _wall_planes(surface, pose, shape):
+        yield pose.room_id, plane, np.isin(sight.edge, edges) & ~near_hole & ~corner
+    open_ = _open_to(shape, sight)
+    for room_id in _rooms_behind(shape):
+        through = (open_ == room_id) & well_inside
+        for plane, edges in _wall_planes(surface, pose, shapes[room_id]):
+            yield room_id, plane, through & np.isin(sight.beyond_edge, edges)
+
+
+def _open_to(shape: RoomShape, sight: Sight) -> np.ndarray:
+    """Return the room (n,) str behind the door or passage that each direction meets; "" else."""
+    names = [
+        (hole.room_behind or "") if hole.kind in OPEN and hole.bottom <= 0.0 else ""
+        for hole in shape.holes
+    ]
+    return np.array([*names, ""])[sight.hole]
+
+
+def _rooms_behind(shape: RoomShape) -> tuple[str, ...]:
+    """Return the rooms behind a room's doors and passages, each once."""
+    behind = (hole.room_behind for hole in shape.holes if hole.kind in OPEN)
+    return tuple(dict.fromkeys(room for room in behind if room is not None))
+
+
+def _wall_planes(surface: str, pose: Pose, shape: RoomShape) -> Iterator[tuple[Plane, np.ndarray]]:
+    """Yield the planes of a room's walls that face the camera, with the edges on each."""
+    eye = pose.eye[[0, 2]]
+    distance = ((shape.start - eye) * shape.outward).sum(axis=1)
+    keys = np.round(np.column_stack([shape.outward, distance]), 2)
+    for key in np.unique(keys[distance > 0.05], axis=0):
+        edges = np.flatnonzero((keys == key).all(axis=1))
+        x, z = shape.outward[edges[0]].tolist()
+        offset = -float(distance[edges].mean())
+        yield _plane(surface, (0.0 - x, 0.0, 0.0 - z), offset, pose), edges
+
+
+def _plane(surface: str, normal: tuple[float, float, float], offset: float, pose: Pose) -> Plane:
+    """Return a plane without pixels whose scale is the plan's."""
+    nothing = np.zeros((0, 0), bool)
+    return Plane(surface, 0, normal, offset, nothing, "plan", pose.position[1])
