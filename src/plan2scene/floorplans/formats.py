@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from plan2scene.errors import InputError
+from plan2scene.floorplans.drawings.cubicasa import house_of_cubicasa
+from plan2scene.floorplans.drawings.roomplan import house_of_roomplan, is_roomplan
 from plan2scene.floorplans.drawings.sweet_home import house_of_sweet_home, is_sweet_home
 from plan2scene.floorplans.parse import parse_json
 from plan2scene.floorplans.plan_json import FORMAT, house_of_plan
@@ -100,6 +102,17 @@ def _is_plan_json(plan: PlanFile) -> bool:
     return isinstance(plan.document, dict) and str(plan.document.get("format")) == FORMAT
 
 
+def _is_svg(plan: PlanFile) -> bool:
+    """Return whether the text is XML whose first element is an SVG drawing."""
+    return plan.text.lstrip().startswith("<") and "<svg" in plan.text[:5000]
+
+
+def _read_svg(plan: PlanFile) -> House:
+    """Return the house of an SVG drawing."""
+    content = plan.text.encode()
+    return house_of_cubicasa(content, plan.house_id, plan.metres_per_pixel, file=str(plan.path))
+
+
 def _read_r2v(plan: PlanFile) -> House:
     """Return the house of raster-to-vector text, drawn in pixels."""
     return house_of_r2v(plan.text, plan.house_id, plan.metres_per_pixel or 0.0, file=str(plan.path))
@@ -113,11 +126,17 @@ FORMATS: tuple[PlanFormat, ...] = (
         lambda plan: house_of_plan(plan.document, plan.house_id, file=str(plan.path)),
     ),
     PlanFormat(
+        "RoomPlan JSON",
+        lambda plan: is_roomplan(plan.document),
+        lambda plan: house_of_roomplan(plan.document, plan.house_id, file=str(plan.path)),
+    ),
+    PlanFormat(
         "scene.json",
         lambda plan: plan.document is not None,
         lambda plan: house_of_scene(plan.document, plan.house_id, file=str(plan.path)),
     ),
     PlanFormat("raster-to-vector text", lambda plan: is_r2v(plan.text), _read_r2v, True),
+    PlanFormat("CubiCasa SVG", _is_svg, _read_svg),
     PlanFormat(
         "Sweet Home 3D",
         lambda plan: plan.binary.startswith("a ZIP") and is_sweet_home(plan.path),

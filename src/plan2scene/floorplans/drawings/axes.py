@@ -22,6 +22,8 @@ DEFAULT_THICKNESS = 0.1
 MAX_AXES = 5000
 #: Ends of axes nearer than this (metres) meet.
 JOIN = 0.02
+#: A loose end reaches at least this far (metres), however thin the walls.
+LEAST_REACH = 0.08
 #: Crossings are rounded to this grid (metres).
 GRID = 1e-3
 #: Faces with less area (square metres) or width (metres) are the inside of walls, not rooms.
@@ -30,7 +32,10 @@ LEAST_AREA, LEAST_WIDTH = 0.3, 0.3
 
 @dataclass(frozen=True)
 class WallAxis:
-    """A wall by the segment (x, z) in its middle; metres. Height 0: not told."""
+    """A wall by the segment (x, z) in its middle; metres.
+
+    Thickness 0: the segment is the wall's face, as scans have it. Height 0: not told.
+    """
 
     start: Point
     end: Point
@@ -107,7 +112,7 @@ def _touched(
     direction = direction / max(float(np.linalg.norm(direction)), 1e-9)
     half = axes[own].thickness / 2
     best: tuple[float, np.ndarray | None] = (math.inf, None)
-    reach = half + max(axis.thickness for axis in axes) / 2 + JOIN
+    reach = max(half + max(axis.thickness for axis in axes) / 2, LEAST_REACH) + JOIN
     for k in tree.query(lines[own].buffer(reach)):
         if k == own:
             continue
@@ -119,7 +124,7 @@ def _touched(
         offset = a - here
         step = (offset[0] * across[1] - offset[1] * across[0]) / turn
         place = here + step * direction
-        limit = half + axes[k].thickness / 2 + JOIN
+        limit = max(half + axes[k].thickness / 2, LEAST_REACH) + JOIN
         off = lines[k].distance(LineString([place, place]))
         if abs(step) <= limit and off <= limit and abs(step) < best[0]:
             best = (abs(step), place)

@@ -171,12 +171,13 @@ class _Axes:
         if not found:
             return wall
         axis = self.axes[found[0][1]]
-        return replace(wall, depth=axis.thickness, height=axis.height or wall.height)
+        depth = axis.thickness or DEFAULT_THICKNESS
+        return replace(wall, depth=depth, height=axis.height or wall.height)
 
     def thickness(self, segment: Segment) -> float | None:
         """Return the thickness of the wall that an opening is in; None when there is none."""
         found = self.near(segment.start, segment.end)
-        return self.axes[found[0][1]].thickness if found else None
+        return self.axes[found[0][1]].thickness or None if found else None
 
     def share(self, wall: Wall) -> float:
         """Return how much of a wall's length axes follow."""
