@@ -8,6 +8,8 @@ from plan2scene.photos.crops.filter import (
     has_object,
     image_reasons,
     inner_mask,
+    is_blurred,
+    is_oblique,
     outvoted,
     smooth_field,
     step_of,
@@ -166,3 +168,47 @@ def test_a_surface_without_good_windows_keeps_its_least_bad():
     # A room that has a good one elsewhere refuses what another must keep.
     shared = [place(mild, rooms=("r1", "r2")), place(good, photo="b.png", rooms=("r2",))]
     assert choose_kept(shared).rooms == {(0, "r1"), (1, "r2")}
+
+
+def planks(width=21, seed=3):
+    """A floor of upright planks, each of its own shade, with grain and dark joints."""
+    rng = np.random.default_rng(seed)
+    shade = np.repeat(rng.uniform(0.8, 1.1, 8), width)[:128]
+    grain = cv2.GaussianBlur(rng.normal(0, 1, (128, 128)), (0, 0), sigmaX=1.0, sigmaY=9.0)
+    values = np.array((150, 120, 90)) * (shade[None, :] * np.exp(1.2 * grain))[..., None]
+    values[:, ::width] *= 0.6
+    return np.clip(values, 0, 255).astype(np.uint8)
+
+
+def test_planks_of_several_shades_are_no_shadow_but_a_shadow_on_them_is():
+    floor = planks()
+    assert image_reasons(floor, joints=True) == []
+    grey = np.repeat(floor.mean(axis=2, keepdims=True), 3, axis=2)
+    grey[:, :60] *= 0.35
+    assert step_of(grey.astype(np.uint8)) is Reason.SHADOW
+
+
+def test_joints_of_a_floor_are_no_things():
+    floor = plain()
+    floor[62:66] = 110
+    floor[:70, 40:44] = 110  # a joint that ends at another
+    assert image_reasons(floor, joints=True) == []
+    assert has_object(floor)  # on a wall it is one
+    floor[90:120, 90:110] = (90, 60, 40)
+    assert has_object(floor, joints=True)
+
+
+@pytest.mark.parametrize(
+    ("size_m", "sharpness", "grazing_deg", "blurred", "oblique"),
+    [
+        (1.0, 0.6, 60.0, False, False),
+        (1.0, 0.4, 60.0, True, False),
+        (0.35, 0.4, 60.0, False, False),  # near: it has as many photo pixels a metre as any
+        (1.0, 0.9, 18.0, False, False),
+        (0.35, 0.6, 18.0, False, True),
+        (1.0, 3.0, 15.5, False, True),
+    ],
+)
+def test_sharpness_counts_by_crop_or_by_metre(size_m, sharpness, grazing_deg, blurred, oblique):
+    crop = Crop(0, (0.0, 0.0, size_m, size_m), size_m, sharpness, grazing_deg, plain())
+    assert (is_blurred(crop), is_oblique(crop)) == (blurred, oblique)

@@ -142,10 +142,10 @@ def candidates_of_plane(
     if not settings.filter:
         return sample(plane, per_mask=settings.per_mask)
     inner = replace(plane, mask=inner_mask(plane.mask, image))
-    drawn = sample(inner, per_mask=settings.per_mask, judge=judge_of(inside=True))
+    drawn = sample(inner, per_mask=settings.per_mask, judge=judge_of(plane.surface, inside=True))
     if not any(candidate.verdict.good for candidate in drawn):
         few = min(WORST_RESORT, settings.per_mask)
-        for candidate in sample(plane, per_mask=few, judge=judge_of(inside=False)):
+        for candidate in sample(plane, per_mask=few, judge=judge_of(plane.surface, inside=False)):
             drawn.append(_renumbered(candidate, len(drawn)))
     if plane.scale_source == "prior":  # no other window of the plane would be better
         drawn = [with_reason(candidate, Reason.UNKNOWN_DISTANCE) for candidate in drawn]

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from plan2scene.colour import clipped_share, rgb_to_lab, srgb_to_linear
-from plan2scene.photos.crops.sampling import Candidate, Crop, Judge
+from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Judge
 from plan2scene.photos.crops.verdict import Reason, Verdict
 from plan2scene.photos.planes.rectification import RectifiedPlane
 
@@ -47,9 +47,17 @@ EDGE_STEP = 0.12
 SHADOW_CHROMA = 6.0
 #: Most pieces into which a step divides a window; patterns have more.
 STEP_PIECES = 3
-#: Least photo pixels per crop pixel, and least angle to the plane, of a good crop.
-MIN_SHARPNESS = 0.5
-MIN_GRAZING_DEG = 20.0
+#: A shadow's edge explains this share of what a crop's log luminance varies by, or is this many
+#: times the fine texture's standard deviation; planks of two shades do neither.
+STEP_SHARE, STEP_TEXTURES = 0.75, 5.0
+#: Least photo pixels per crop pixel of a good crop; or, since a window is the smaller the nearer
+#: its edge is, photo pixels per metre along the view, where they are fewest.
+MIN_SHARPNESS, MIN_DENSITY = 0.5, 100.0
+#: Least angle to the plane; flatter views down to the second are as good while they have this many
+#: photo pixels along the view per crop pixel.
+MIN_GRAZING_DEG, LEAST_GRAZING_DEG, FLAT_SHARPNESS = 20.0, 16.0, 0.45
+#: Sides in small blocks of what is a thing on a floor: joints are thinner.
+THING_BLOCKS = 3
 
 #: Groups of a surface's windows farther than this from most of the others (L*a*b*, L* counted
 #: half) are of something else.
@@ -81,8 +89,11 @@ def inner_mask(mask: np.ndarray, image: np.ndarray) -> np.ndarray:
     return inner
 
 
-def judge_of(*, inside: bool) -> Judge:
-    """Return the judge of one plane's windows; `inside` tells that they keep off its border."""
+def judge_of(surface: str, *, inside: bool) -> Judge:
+    """Return the judge of the windows of one plane of a surface (floor, wall, ceiling).
+
+    `inside` tells that they keep off its border.
+    """
     typical: dict[tuple[int, int, int], tuple[np.ndarray, float]] = {}
 
     def judge(rectified: RectifiedPlane, row: int, column: int, side: int, crop: Crop) -> Verdict:
@@ -93,11 +104,12 @@ def judge_of(*, inside: bool) -> Judge:
         against = {
             Reason.CLUTTER: is_unlike(patch, *typical[key]),
             Reason.BORDER: not inside,
-            Reason.BLURRED: crop.sharpness < MIN_SHARPNESS,
-            Reason.OBLIQUE: crop.grazing_deg < MIN_GRAZING_DEG,
+            Reason.BLURRED: is_blurred(crop),
+            Reason.OBLIQUE: is_oblique(crop),
         }
         own = (reason for reason, holds in against.items() if holds)
-        return Verdict.of([*image_reasons(crop.image), *own], crop.sharpness)
+        seen = image_reasons(crop.image, joints=surface == "floor")
+        return Verdict.of([*seen, *own], crop.sharpness)
 
     return judge
 
@@ -108,12 +120,35 @@ def with_reason(candidate: Candidate, reason: Reason) -> Candidate:
     return replace(candidate, verdict=Verdict.of(reasons, candidate.crop.sharpness))
 
 
-def image_reasons(image: np.ndarray) -> list[Reason]:
-    """Return what is wrong with a crop (n, n, 3) uint8 sRGB by itself: highlight, clutter, ..."""
+def is_blurred(crop: Crop) -> bool:
+    """Tell whether a crop has few photo pixels both for its own pixels and for a metre."""
+    along = crop.sharpness * CROP_PX / crop.size_m * flattening(crop)
+    return crop.sharpness < MIN_SHARPNESS and along < MIN_DENSITY
+
+
+def is_oblique(crop: Crop) -> bool:
+    """Tell whether a crop is seen so flat that it is smeared along the view."""
+    if crop.grazing_deg >= MIN_GRAZING_DEG:
+        return False
+    return (
+        crop.grazing_deg < LEAST_GRAZING_DEG or crop.sharpness * flattening(crop) < FLAT_SHARPNESS
+    )
+
+
+def flattening(crop: Crop) -> float:
+    """Return a crop's photo pixels along the view over the mean of both directions."""
+    return float(np.sqrt(np.sin(np.radians(crop.grazing_deg))))
+
+
+def image_reasons(image: np.ndarray, *, joints: bool = False) -> list[Reason]:
+    """Return what is wrong with a crop (n, n, 3) uint8 sRGB by itself: highlight, clutter, ...
+
+    `joints` as of :func:`has_object`.
+    """
     reasons = []
     if clipped_share(image, CLIPPED_LEVELS) > CLIPPED_SHARE:
         reasons.append(Reason.HIGHLIGHT)
-    if has_object(image):
+    if has_object(image, joints=joints):
         reasons.append(Reason.CLUTTER)
     step = step_of(image)
     if step is not None and step not in reasons:
@@ -121,11 +156,11 @@ def image_reasons(image: np.ndarray) -> list[Reason]:
     return reasons
 
 
-def has_object(image: np.ndarray) -> bool:
+def has_object(image: np.ndarray, *, joints: bool = False) -> bool:
     """Tell whether blocks in one piece stand out from the rest of a crop.
 
     Smooth shading is taken away first. Patterns raise the blocks' own spread, or stand out in
-    many pieces.
+    many pieces; with `joints` what is thin belongs to a pattern, too.
     """
     for blocks, weight, limit, multiple, thing in BLOCK_SCALES:
         small = cv2.resize(image, (blocks, blocks), interpolation=cv2.INTER_AREA)
@@ -134,6 +169,9 @@ def has_object(image: np.ndarray) -> bool:
         away = np.linalg.norm(lab - np.median(lab, axis=(0, 1)), axis=-1)
         beyond = away / (limit + multiple * float(np.median(away)))
         beyond[beyond <= 1.0] = 0.0
+        if joints and blocks == BLOCK_SCALES[0][0]:
+            thick = np.ones((THING_BLOCKS, THING_BLOCKS), np.uint8)
+            beyond *= cv2.morphologyEx((beyond > 0).astype(np.uint8), cv2.MORPH_OPEN, thick)
         _, pieces = cv2.connectedComponents((beyond > 0).astype(np.uint8), connectivity=8)
         sums = np.bincount(pieces.ravel(), weights=beyond.ravel())
         if sums.max() >= max(thing, ONE_PIECE * sums.sum()):
@@ -145,8 +183,10 @@ def step_of(image: np.ndarray) -> Reason | None:
     """Return `SHADOW` or `CLUTTER` when one step of luminance divides a crop, else None."""
     small = cv2.resize(image, (64, 64), interpolation=cv2.INTER_AREA)
     smooth = cv2.GaussianBlur(small, (0, 0), 2.0)
-    luminance = srgb_to_linear(smooth) @ np.array([0.2126, 0.7152, 0.0722])
-    log = np.log(np.maximum(luminance, 1e-3))
+    fine, log = (
+        np.log(np.maximum(srgb_to_linear(i) @ np.array([0.2126, 0.7152, 0.0722]), 1e-3))
+        for i in (small, smooth)
+    )
     rest = log - smooth_field(log)
     if np.percentile(rest, 97) - np.percentile(rest, 3) < SHADOW_STEP:
         return None
@@ -159,7 +199,13 @@ def step_of(image: np.ndarray) -> Reason | None:
     for side in (bright, 1 - bright):
         stats = cv2.connectedComponentsWithStats(side, connectivity=4)[2]
         areas += [area for area in stats[1:, cv2.CC_STAT_AREA] if area >= 0.02 * side.size]
-    if len(areas) > STEP_PIECES or sum(areas) < 0.9 * bright.size or bright.all():
+    if len(areas) > STEP_PIECES or sum(areas) < 0.9 * bright.size or bright.std() == 0:
+        return None
+    share = bright.mean()
+    step = log[bright > 0].mean() - log[bright == 0].mean()
+    texture = (fine - cv2.GaussianBlur(fine, (0, 0), 4.0)).std()
+    explained = share * (1 - share) * step**2 / log.var()
+    if explained < STEP_SHARE and step < STEP_TEXTURES * texture:
         return None
     lab = rgb_to_lab(smooth / 255.0)
     ab = [np.median(lab[side > 0][:, 1:], axis=0) for side in (bright, 1 - bright)]

@@ -104,7 +104,7 @@ def sample_candidates(
                 continue
             good = 0
             for row, column in draw_windows(rectified, size_m, rng, per_mask=wanted, tries=tries):
-                crop = _cut(rectified, camera, len(drawn), row, column, size_m)
+                crop = cut_window(rectified, camera, len(drawn), row, column, size_m)
                 verdict = Verdict()
                 if judge is not None:
                     verdict = judge(rectified, row, column, window_pixels(rectified, size_m), crop)
@@ -150,7 +150,7 @@ def draw_windows(
     return chosen
 
 
-def _cut(
+def cut_window(
     rectified: RectifiedPlane, camera: Camera, index: int, row: int, column: int, size_m: float
 ) -> Crop:
     """Return one window as a crop."""
