@@ -13,6 +13,7 @@ from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
 from plan2scene.floorplans import add_object_boxes, house_faults, read_plan, validate_house
+from plan2scene.floorplans.plausible import name_oddities
 from plan2scene.house import House
 from plan2scene.images import decode_image
 from plan2scene.io import safe_join
@@ -80,6 +81,9 @@ def check_dataset(
     rows = houses.to_dict("records")
     if layout.is_rent3dpp:
         problems += _warnings(missing_parts(layout, rows))
+    for expected, found, house_id in name_oddities("house names", [row["house"] for row in rows]):
+        fault = InputError(expected, found, file=layout.data / table, house=house_id)
+        problems.append(Problem("warning", str(fault)))
     known: set[str] = set()
     checked: set[str] = set()
     for row in rows:

@@ -152,13 +152,21 @@ class Source:
 
 
 def parse_json(text: str, file: str | Path, house_id: str = "") -> Any:
-    """Return parsed JSON; InputError for a syntax error, NaN, Infinity or too deep nesting."""
+    """Return parsed JSON; InputError for a syntax error, NaN, a repeated key or deep nesting."""
 
     def refuse(name: str) -> float:
         raise InputError("finite numbers", name, file=file, house=house_id)
 
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            names = [name for name, _ in pairs]
+            name = next(name for name in names if names.count(name) > 1)
+            raise InputError("each key of an object once", repr(name), file=file, house=house_id)
+        return found
+
     try:
-        return json.loads(text, parse_constant=refuse)
+        return json.loads(text, parse_constant=refuse, object_pairs_hook=once)
     except InputError:
         raise
     except RecursionError:

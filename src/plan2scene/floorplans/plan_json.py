@@ -47,7 +47,8 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
             for ring in (entry["polygon"], *entry.get("holes", []))
         ]
         height = float(entry.get("height", DEFAULT_HEIGHT))
-        rooms.append(Room(entry["id"], tuple(entry["types"]), tuple(rings), height))
+        types = dict.fromkeys(source.room_type(name, entry["id"]) for name in entry["types"])
+        rooms.append(Room(entry["id"], tuple(types), tuple(rings), height))
     corners = sum(len(ring) for room in rooms for ring in room.rings)
     if corners > MAX_CORNERS:
         raise source.fault(f"at most {MAX_CORNERS} corners of all rooms", corners)

@@ -22,6 +22,7 @@ from plan2scene.floorplans.parse import (
     MAX_ROOMS,
     SAME_POINT,
 )
+from plan2scene.floorplans.plausible import oddities, unit_faults
 from plan2scene.house import OPENING_KINDS, ROOM_TYPES, House, Opening, Room, Wall
 
 #: A room with less area than this (square metres) is a drawing fault.
@@ -44,7 +45,7 @@ def validate_house(house: House, *, file: str | Path = "") -> list[str]:
     for fault in house_faults(house, file=file):
         raise fault
     lines = list(house.warnings)
-    found = (*_overlaps(house), *_stray_walls(house), *_overlapping_holes(house))
+    found = [*_overlaps(house), *_stray_walls(house), *_overlapping_holes(house), *oddities(house)]
     for expected, text, room in found:
         lines.append(str(InputError(expected, text, file=file, house=house.id, room=room)))
     return lines
@@ -69,6 +70,8 @@ def house_faults(house: House, *, file: str | Path = "") -> Iterator[InputError]
     yield from _id_faults(house, fault)
     for room in house.rooms:
         yield from _room_faults(room, fault)
+    if all(room.rings and min(map(len, room.rings)) >= 3 for room in house.rooms):
+        yield from unit_faults(house, fault)
     for wall in house.walls:
         yield from _wall_faults(house, wall, fault)
     known = {room.id for room in house.rooms}

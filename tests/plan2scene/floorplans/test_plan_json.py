@@ -51,8 +51,8 @@ def fault(tmp_path, document):
 
 
 def test_schema_knows_the_data_model():
-    room = plan_schema()["$defs"]["room"]["properties"]
-    assert tuple(room["types"]["items"]["enum"]) == ROOM_TYPES
+    types = plan_schema()["$defs"]["room"]["properties"]["types"]
+    assert all(name in types["description"] for name in ROOM_TYPES)
     kinds = plan_schema()["$defs"]["opening"]["properties"]["kind"]["enum"]
     assert tuple(kinds) == OPENING_KINDS
 
@@ -138,7 +138,7 @@ def test_schema_faults(tmp_path, change, line):
 @pytest.mark.parametrize(
     ("change", "line"),
     [
-        ({"types": ["Ballroom"]}, ", room a: expected one of Reception, Bedroom, Kitchen"),
+        ({"types": ["Ballroom"]}, ", room a: expected a room type (Reception, Bedroom, Kitchen"),
         ({"colour": "red"}, ", room a: expected only the keys id, types, polygon, holes, height"),
         ({"polygon": [[0, 0], [1, 0]]}, ", room a: expected minItems 3 at rooms[0].polygon"),
         ({"polygon": [[0, 0], [1, 0], [1e9, 1]]}, ", room a: expected a coordinate within 1000 m"),
