@@ -5,6 +5,7 @@ rule contact_sheet:
         assignment=assignment_of,
         photos=photos_of,
         masks=masks_of,
+        cameras=cameras_of,
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         candidates=f"{RESULTS}/houses/{{house}}/candidates.parquet",
     output:

@@ -16,6 +16,7 @@ with job(snakemake.log[0]):
         rooms_of_photos(snakemake.input.assignment or None, house),
         house=house,
         masks_dir=snakemake.input.masks or None,
+        cameras=snakemake.input.cameras or None,
         crops=snakemake.input.crops,
         candidates=snakemake.input.candidates,
         camera_height_m=params.camera_height_m,

@@ -22,6 +22,7 @@ from plan2scene.photos.contact_sheet.sheet import (
     HEADER,
     MAX_PHOTOS,
     PANEL,
+    PANELS,
     ROW,
     THUMB,
     TITLE,
@@ -113,7 +114,7 @@ def sheet_of(case: dict[str, Any]) -> np.ndarray:
 def frames(sheet: np.ndarray, row: int) -> list[tuple[int, ...]]:
     """Return the frame's colour of each crop cell of a row, in order."""
     top = HEADER + row * ROW + TITLE + 2
-    left = GAP + 4 * (PANEL[1] + GAP)
+    left = GAP + PANELS * (PANEL[1] + GAP)
     cells = [
         sheet[top + k // COLUMNS * CELL[0] + 1, left + k % COLUMNS * CELL[1] + THUMB // 2]
         for k in range(3 * COLUMNS)

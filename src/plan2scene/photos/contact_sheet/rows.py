@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,10 +12,13 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.io import read_json
 from plan2scene.photos.camera.calibration import Camera
-from plan2scene.photos.contact_sheet import panels
+from plan2scene.photos.contact_sheet import panels, place
 from plan2scene.photos.contact_sheet.panels import fit
 from plan2scene.photos.contact_sheet.windows import Window
 from plan2scene.photos.labels.palette import LABELS, read_label_png
+from plan2scene.photos.locate.plan_view import RoomShape
+from plan2scene.photos.locate.pose import Pose
+from plan2scene.photos.locate.seen_planes import seen_planes
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes.planes import Plane, split_planes
 from plan2scene.photos.planes.room_size import RoomSize
@@ -36,6 +39,8 @@ class SheetPhoto:
     camera: Camera | None = None
     labels: np.ndarray | None = None
     note: str = ""
+    #: Where it was taken, if that is known.
+    pose: Pose | None = None
 
 
 def sheet_photo(
@@ -45,8 +50,9 @@ def sheet_photo(
     windows: Sequence[Window],
     masks_dir: str | Path | None,
     house_id: str,
+    pose: Pose | None = None,
 ) -> SheetPhoto:
-    """Return a photo with its mask and camera, or with a note why it has none."""
+    """Return a photo with its mask, camera and place, or with a note why it has none."""
     empty = SheetPhoto(name, rooms, None, None, tuple(windows))
     if path is None:
         return replace(empty, note="not in the house table")
@@ -64,11 +70,14 @@ def sheet_photo(
         line = next((line for line in lines if line.startswith(f"photo {name} ")), "no mask")
         return replace(photo, note=line)
     labels = read_label_png(folder / f"{Path(name).stem}.png", house_id=house_id)
-    return replace(photo, labels=labels, camera=Camera.from_json(camera))
+    return replace(photo, labels=labels, camera=Camera.from_json(camera), pose=pose)
 
 
 def row_panels(
-    photo: SheetPhoto, room_size: RoomSize | None, camera_height_m: float
+    photo: SheetPhoto,
+    room_size: RoomSize | None,
+    camera_height_m: float,
+    shapes: Mapping[str, RoomShape],
 ) -> list[tuple[np.ndarray, str]]:
     """Return the panels of a photo with their captions, as far as it got."""
     if photo.image is None or photo.full is None:
@@ -81,16 +90,21 @@ def row_panels(
     # Planes are looked for at three times the panel's size: enough for a picture, and quick.
     image = fit(photo.full, (3 * PANEL[0], 3 * PANEL[1])) if scale < 1 / 3 else photo.full
     size = (image.shape[0], image.shape[1])
-    camera = panels.scaled_camera(photo.camera, size)
     labels = _resized(photo.labels, size)
-    planes = split_planes(
-        labels,
-        camera,
-        image=image,
-        camera_height_m=camera_height_m,
-        room_height_m=room_size.height_m if room_size else None,
-        room_extent_m=room_size.extent_m if room_size else None,
-    )
+    if photo.pose is not None:
+        camera = panels.scaled_camera(photo.pose.camera, size)
+        seen = seen_planes(labels, replace(photo.pose, camera=camera), shapes)
+        planes = [item.plane for item in seen]
+    else:
+        camera = panels.scaled_camera(photo.camera, size)
+        planes = split_planes(
+            labels,
+            camera,
+            image=image,
+            camera_height_m=camera_height_m,
+            room_height_m=room_size.height_m if room_size else None,
+            room_extent_m=room_size.extent_m if room_size else None,
+        )
     small = (photo.image.shape[0], photo.image.shape[1])
     thin = [replace(p, mask=_resized(p.mask.astype(np.uint8), small) > 0) for p in planes]
     shares = ", ".join(f"{LABELS[k]} {(labels == k).mean():.0%}" for k in (1, 2, 3))
@@ -99,7 +113,19 @@ def row_panels(
         (panels.mask_panel(photo.image, _resized(photo.labels, small), thin), shares),
         (fit(panels.lines_panel(image, camera), PANEL), _camera_text(photo.camera)),
         (panels.planes_panel(image, camera, planes, PANEL), _planes_text(planes)),
+        *_place_panels(photo, shapes),
     ]
+
+
+def _place_panels(
+    photo: SheetPhoto, shapes: Mapping[str, RoomShape]
+) -> list[tuple[np.ndarray, str]]:
+    """Return the plan with the photo's frustum, and the photo with the plan's edges over it."""
+    plan = place.plan_panel(shapes, photo.pose, PANEL)
+    if photo.pose is None or photo.image is None:
+        return [(plan, "not located")]
+    text = f"in {photo.pose.room_id}, located {photo.pose.located:.2f}"
+    return [(plan, text), (place.edges_panel(photo.image, photo.pose, shapes), "the plan over it")]
 
 
 def _resized(values: np.ndarray, size: tuple[int, int]) -> np.ndarray:

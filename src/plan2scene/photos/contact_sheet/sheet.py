@@ -1,7 +1,8 @@
 """Contact sheet of a house: for each photo what became of it on the way to crops, in one row.
 
 Photo with all windows drawn, labels and planes, segments by axis with the horizon, planes straight
-on with a metre grid, crops kept and windows rejected with the reason. For people to look at.
+on with a metre grid, the plan with the photo's frustum and its edges over the photo, crops kept and
+windows rejected with the reason. For people to look at.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ from plan2scene.photos.contact_sheet.windows import (
     read_windows,
     thumbnail,
 )
+from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.stage import read_poses
 from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M
 from plan2scene.photos.planes.room_size import RoomSize, room_extent
 
@@ -40,7 +43,9 @@ TITLE, CAPTION, HEADER = 20, 18, 44
 #: Windows in a row (one of crops, two of rejected ones), side of one, and of its cell with text.
 COLUMNS, THUMB, CELL = 6, 50, (83, 86)
 ROW = TITLE + PANEL[0] + CAPTION + 2 * GAP
-WIDTH = 4 * (PANEL[1] + GAP) + CROPS_WIDTH + 2 * GAP
+#: Panels before the crops.
+PANELS = 6
+WIDTH = PANELS * (PANEL[1] + GAP) + CROPS_WIDTH + 2 * GAP
 
 
 def write_contact_sheet(
@@ -53,6 +58,7 @@ def write_contact_sheet(
     crops: str | Path,
     candidates: str | Path,
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M,
+    cameras: str | Path | None = None,
 ) -> dict[str, int]:
     """Write the sheet as a PNG and return how many windows are of each kind.
 
@@ -70,6 +76,8 @@ def write_contact_sheet(
         ``crops.parquet`` and ``candidates.parquet`` of the house.
     camera_height_m : float
         As the crops were made with, metres.
+    cameras : path, optional
+        ``cameras.json`` of the locate stage.
 
     Returns
     -------
@@ -77,6 +85,8 @@ def write_contact_sheet(
         ``photos`` (shown), ``kept``, ``last_resort`` and ``rejected`` windows of all photos.
     """
     windows = read_windows(crops, candidates)
+    poses = {} if cameras is None else read_poses(cameras)
+    shapes = room_shapes(house)
     names = sorted(set(photos) | set(windows))
     shown = names[:MAX_PHOTOS]
     height = HEADER + ROW * max(1, len(shown))
@@ -88,11 +98,18 @@ def write_contact_sheet(
     for row, name in enumerate(shown):
         rooms = tuple(rooms_of_photo.get(name, ()))
         photo = sheet_photo(
-            name, photos.get(name), rooms, windows.get(name, ()), masks_dir, house.id
+            name,
+            photos.get(name),
+            rooms,
+            windows.get(name, ()),
+            masks_dir,
+            house.id,
+            poses.get(name),
         )
         room = house.room(rooms[0]) if rooms else None
         room_size = RoomSize(room.height, room_extent(room)) if room else None
-        _draw_row(sheet, HEADER + row * ROW, photo, room_size, camera_height_m)
+        found = row_panels(photo, room_size, camera_height_m, shapes)
+        _draw_row(sheet, HEADER + row * ROW, photo, found)
     write_png(output, np.asarray(sheet))
     return {"photos": len(shown), **counts}
 
@@ -120,15 +137,14 @@ def _header(
 
 
 def _draw_row(
-    sheet: Any, top: int, photo: SheetPhoto, room_size: RoomSize | None, camera_height_m: float
+    sheet: Any, top: int, photo: SheetPhoto, found: Sequence[tuple[np.ndarray, str]]
 ) -> None:
-    """Draw one photo's row at `top`."""
+    """Draw one photo's row at `top`, `found` being its panels with their captions."""
     draw = ImageDraw.Draw(sheet)
     draw.line((0, top, WIDTH, top), fill=(200, 200, 200))
     rooms = ", ".join(photo.rooms) or "no room"
     draw.text((GAP, top + 4), f"{photo.name}  ({rooms})", font=font(13), fill=INK)
     top += TITLE + 2
-    found = row_panels(photo, room_size, camera_height_m)
     for k, (picture, caption) in enumerate(found):
         left = GAP + k * (PANEL[1] + GAP)
         sheet.paste(Image.fromarray(picture), (left, top))
@@ -137,7 +153,7 @@ def _draw_row(
         left = GAP + len(found) * (PANEL[1] + GAP)
         for k, line in enumerate(textwrap.wrap(photo.note, 90)[:6]):
             draw.text((left, top + 4 + 15 * k), line, font=font(12), fill=REJECTED)
-    _draw_crops(sheet, (GAP + 4 * (PANEL[1] + GAP), top), photo)
+    _draw_crops(sheet, (GAP + PANELS * (PANEL[1] + GAP), top), photo)
 
 
 def _draw_crops(sheet: Any, corner: tuple[int, int], photo: SheetPhoto) -> None:

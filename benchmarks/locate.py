@@ -1,0 +1,161 @@
+"""How well photos are found in the plan: headings, share located, distance from the true place.
+
+    python benchmarks/locate.py RESULTS --synthetic ROOT [--split test] [--masks own truth]
+    python benchmarks/locate.py RESULTS --flat FOLDER [--flat FOLDER ...] [--masks own truth]
+
+RESULTS (``results/{dataset}``) has the houses' scene.json and masks; only the place is looked for
+anew. ROOT is a synthetic data set with truth (``docs/conventions.md``). A flat's FOLDER, named as
+its house, has ``gt/cameras.csv`` (photo, room_id, yaw_deg, x, y, z; forward is (cos, sin) of the
+yaw in (x, z)) and ``gt/masks`` (0 not known, 1 floor, 2 wall, 3 ceiling, 4 door or window).
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from plan2scene.floorplans.scene_json import read_scene_json
+from plan2scene.io import read_json
+from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.locate.house import Shot, locate_shots
+from plan2scene.photos.locate.likelihood import OPENING
+
+#: A heading nearer to the truth than this is right, degrees.
+RIGHT_DEG = 30.0
+UNKNOWN = 255
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Where a photo was taken: room, azimuth of the view (radians), position, true mask."""
+
+    room_id: str
+    azimuth: float
+    position: tuple[float, float, float]
+    mask: Path
+    #: Value of the true mask -> label of the library.
+    values: Mapping[int, int]
+
+
+@dataclass(frozen=True)
+class Found:
+    """How a photo was found; NaN and 0 where it has no frame."""
+
+    photo: str
+    located: float
+    right: bool
+    error_m: float
+
+
+def synthetic_truth(root: Path, split: str) -> Iterator[tuple[str, dict[str, Truth]]]:
+    """Yield the houses of a split with the truth of their photos."""
+    for folder in sorted((root / "truth" / split).iterdir()):
+        truths = {}
+        for photo, value in read_json(folder / "cameras.json").items():
+            ahead = np.array(value["rotation"])[2]
+            azimuth = float(np.arctan2(ahead[0], ahead[2]))
+            mask = folder / "masks" / f"{Path(photo).stem}.png"
+            position = tuple(value["position"])
+            truths[photo] = Truth(value["room_id"], azimuth, position, mask, {})
+        yield folder.name, truths
+
+
+def flat_truth(folder: Path) -> Iterator[tuple[str, dict[str, Truth]]]:
+    """Yield a real flat with the truth of its photos."""
+    with (folder / "gt" / "cameras.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    truths = {}
+    for row in rows:
+        yaw = np.radians(float(row["yaw_deg"]))
+        azimuth = float(np.arctan2(np.cos(yaw), np.sin(yaw)))
+        x, y, z = (float(row[axis]) for axis in "xyz")
+        mask = folder / "gt" / "masks" / f"{Path(row['photo']).stem}.png"
+        values = {0: UNKNOWN, 4: OPENING}
+        truths[row["photo"]] = Truth(row["room_id"], azimuth, (x, y, z), mask, values)
+    yield folder.name, truths
+
+
+def locate_house(results: Path, name: str, truths: Mapping[str, Truth], kind: str) -> list[Found]:
+    """Return how the photos of a house are found by their own masks or the true ones."""
+    folder = results / "houses" / name
+    house = read_scene_json(folder / "scene.json", name)
+    cameras = read_json(folder / "masks" / "cameras.json")
+    shots = {}
+    for photo in sorted(set(truths) & set(cameras)):
+        path = folder / "masks" / f"{Path(photo).stem}.png"
+        truth = truths[photo]
+        with Image.open(path if kind == "own" else truth.mask) as image:
+            labels = np.array(image)
+        if kind == "truth":
+            for value, label in truth.values.items():
+                labels = np.where(labels == value, label, labels).astype(np.uint8)
+        shots[photo] = Shot(Camera.from_json(cameras[photo]), labels, (truth.room_id,))
+    poses = locate_shots(house, shots)
+    found = [Found(photo, 0.0, False, float("nan")) for photo in sorted(set(shots) - set(poses))]
+    for photo, pose in poses.items():
+        ahead, truth = pose.camera.matrix[2], truths[photo]
+        off = np.arctan2(ahead[0], ahead[2]) - truth.azimuth
+        right = bool(np.abs(np.angle(np.exp(1j * off))) < np.radians(RIGHT_DEG))
+        error = float(np.linalg.norm((pose.eye - np.array(truth.position))[[0, 2]]))
+        found.append(Found(photo, pose.located, right, error))
+    return found
+
+
+def figures(found: Sequence[Found], seconds: float) -> str:
+    """Return the cells of a table's row."""
+    located = [item for item in found if item.located >= 0.5]
+    errors = [item.error_m for item in located]
+    half, most = np.percentile(errors, [50, 90]) if errors else (np.nan, np.nan)
+    right = np.mean([item.right for item in located]) if located else np.nan
+    expected = np.mean([item.located for item in located]) if located else np.nan
+    return (
+        f"{len(found)} | {np.mean([item.right for item in found]):.0%} | "
+        f"{len(located) / len(found):.0%} | {right:.0%} | {expected:.0%} | "
+        f"{half:.2f} / {most:.2f} | {seconds / len(found):.2f}"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=Path)
+    parser.add_argument("--synthetic", type=Path, help="root of a data set with truth")
+    parser.add_argument("--split", default="test")
+    parser.add_argument("--flat", type=Path, action="append", default=[])
+    parser.add_argument("--masks", choices=("own", "truth"), nargs="+", default=["own", "truth"])
+    parser.add_argument("--each", action="store_true", help="one line per photo too")
+    given = parser.parse_args()
+    sets: dict[str, Callable[[], Iterator[tuple[str, dict[str, Truth]]]]] = {}
+    if given.synthetic:
+        sets["synthetic"] = lambda: synthetic_truth(given.synthetic, given.split)
+    for folder in given.flat:
+        sets[folder.name] = lambda folder=folder: flat_truth(folder)
+    if not sets:
+        parser.error("--synthetic ROOT or --flat FOLDER")
+    print(
+        "| photos of | masks | photos | heading right | located | heading right of them "
+        "| expected | off by, m (median / 90 %) | CPU s a photo |"
+    )
+    print("|---" * 9 + "|")
+    for name, houses in sets.items():
+        for kind in given.masks:
+            start = time.process_time()
+            found = [
+                item
+                for house, truths in houses()
+                if (given.results / "houses" / house / "masks").is_dir()
+                for item in locate_house(given.results, house, truths, kind)
+            ]
+            print(f"| {name} | {kind} | {figures(found, time.process_time() - start)} |")
+            for item in sorted(found, key=lambda item: -item.located) if given.each else ():
+                print(f"{item.photo} {item.located:.2f} {item.right} {item.error_m:.2f}")
+
+
+if __name__ == "__main__":
+    main()
