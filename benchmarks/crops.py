@@ -13,7 +13,7 @@ from the masks; the windows' seed is 0. Per combination of corrections:
 - colour: per surface (room, floor/wall/ceiling) the median per channel over all pixels of its
   kept crops, against the median of the true albedo tile, as CIEDE2000. "Within 3" compares as
   they are. "Within 3, light level free" first scales the tile's linear RGB by one factor so that
-  its luminance is the crops': the albedo under the photo's light, which the white balance should
+  its luminance is the crops': the albedo under the photo's light, which the correction should
   have made neutral, but whose brightness at that place is not the albedo's fault. The same
   comparison is repeated per photo of each surface, where a single tinted photo cannot hide;
 - COLOR and FREQ of each surface's medoid crop against the true tile at the crop's scale.
@@ -50,7 +50,7 @@ from plan2scene.metrics.color import color_distance
 from plan2scene.metrics.freq import freq_distance
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.sampling import CROP_PX, medoid_index
-from plan2scene.photos.crops.stage import draw_candidates, under_common_light
+from plan2scene.photos.crops.stage import corrected, draw_candidates
 from plan2scene.photos.crops.tables import PhotoCandidate, choose_kept
 from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, read_label_png
@@ -63,9 +63,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 VARIANTS = (
     (),
     ("filter",),
-    ("filter", "white_balance"),
-    ("filter", "exposure"),
-    ("filter", "white_balance", "exposure"),
+    ("filter", "corrected"),
 )
 
 
@@ -161,17 +159,17 @@ def median_of(images: list[np.ndarray]) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Drawn:
-    """Candidates of a house, each photo's light, and the shares of wrong pixels of each."""
+    """Candidates of a house, each photo's gains, and the shares of wrong pixels of each."""
 
     source: Source
     candidates: list[PhotoCandidate]
-    lights: dict[str, np.ndarray]
+    gains: dict[str, np.ndarray]
     touched: list[tuple[float, float]]
 
 
 def draw(source: Source, masks: Path, *, filtered: bool) -> Drawn:
     """Return the windows of a house, judged when `filtered`."""
-    candidates, lights = draw_candidates(
+    candidates, gains = draw_candidates(
         source.house,
         source.rooms_of_photo,
         source.photos,
@@ -192,7 +190,7 @@ def draw(source: Source, masks: Path, *, filtered: bool) -> Drawn:
         )
         for item in candidates
     ]
-    return Drawn(source, candidates, lights, shares)
+    return Drawn(source, candidates, gains, shares)
 
 
 def measure_house(
@@ -203,7 +201,7 @@ def measure_house(
     rows = []
     for number, room in sorted(kept.rooms):
         item = drawn.candidates[number]
-        only = under_common_light([item], drawn.lights, settings)[0][0]
+        only = corrected([item], drawn.gains)[0] if settings.colours == "corrected" else item
         rows.append(
             {
                 "house": drawn.source.house.id,
@@ -320,8 +318,7 @@ def main() -> None:
             for variant in variants:
                 settings = CropSettings(
                     filter="filter" in variant,
-                    white_balance="white_balance" in variant,
-                    exposure="exposure" in variant,
+                    colours="corrected" if "corrected" in variant else "photo",
                 )
                 if settings.filter not in windows:
                     windows[settings.filter] = [

@@ -6,6 +6,7 @@ import json
 import logging
 import re
 import sys
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -23,6 +24,13 @@ def _method(name: str) -> str:
     if name not in METHODS:
         raise typer.BadParameter(f"{name!r} is not one of {', '.join(METHODS)}")
     return name
+
+
+class Colours(StrEnum):
+    """Whose colours a house shows."""
+
+    PHOTO = "photo"
+    CORRECTED = "corrected"
 
 
 _HouseId = Annotated[str | None, typer.Option(help="House id; default: the plan's name.")]
@@ -60,6 +68,9 @@ def run_house(
     metres_per_pixel: _Scale = None,
     texture_size: Annotated[int, typer.Option(help="128, 256 or 512 pixels a tile.")] = 128,
     seed: Annotated[int, typer.Option(min=0)] = 0,
+    colours: Annotated[
+        Colours, typer.Option(help="As the photos show them, or under one light for the house.")
+    ] = Colours.PHOTO,
 ) -> None:
     """Make one textured house from a plan and photos."""
     from plan2scene.run import SingleHouse, run
@@ -73,6 +84,7 @@ def run_house(
         metres_per_pixel=metres_per_pixel,
         seed=seed,
         texture_size=texture_size,
+        colours=colours.value,
     )
     for name, path in run(request, out, cores=cores).items():
         print(f"{name}: {path}")

@@ -38,6 +38,7 @@ class SingleHouse:
     metres_per_pixel: float | None
     seed: int
     texture_size: int
+    colours: str = "photo"
 
 
 def read_input(request: SingleHouse) -> list[str]:
@@ -102,7 +103,7 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     }
     config["seed"] = request.seed
     config["drops"] = [0.0]
-    config["house"]["method"] = request.method
+    config["house"] |= {"method": request.method, "colours": request.colours}
     config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
     config["textures"]["size_px"] = request.texture_size
     path = work / "config.yaml"

@@ -28,6 +28,7 @@ rule ablation_house:
         dataset=DATASET,
         hidden=hidden_at_drops(TABLE_DROPS),
         seed=config["seed"],
+        predictor=config["propagation"]["predictor"],
         size_px=config["textures"]["size_px"],
         seam_correction={},  # the variants say
         code=code_hash("evaluation.ablation"),

@@ -27,6 +27,7 @@ rule embeddings:
         hidden=hidden_at_drops(DROPS),
         dataset=DATASET,
         seed=config["seed"],
+        predictor=config["propagation"]["predictor"],
         code=code_hash(
             "textures.model.embedding", "textures.selection", "propagation.stage"
         ),

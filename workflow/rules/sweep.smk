@@ -32,6 +32,7 @@ rule sweep_house:
         methods=METHODS,
         seam_correction=seam_correction(*METHODS),
         seed=config["seed"],
+        predictor=config["propagation"]["predictor"],
         size_px=config["textures"]["size_px"],
         code=code_hash("evaluation.sweep"),
     script:

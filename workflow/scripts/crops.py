@@ -32,7 +32,6 @@ with job(snakemake.log[0]):
                 tries=params.tries,
                 camera_height_m=params.camera_height_m,
                 filter=params.filter,
-                white_balance=params.white_balance,
-                exposure=params.exposure,
+                colours=params.colours,
             ),
         )

@@ -28,5 +28,6 @@ with job(snakemake.log[0]):
             propagated,
             propagation_model=found.propagation_model,
             texture_model=found.texture_model,
+            predictor=params.predictor,
             **names,
         )

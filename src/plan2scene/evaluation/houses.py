@@ -56,6 +56,7 @@ class EvaluatedHouse:
     files: HouseFiles
     models: Models
     settings: TextureSettings
+    predictor: str = "house"
 
     @classmethod
     def of(cls, paths: Mapping[str, Any], house_id: str, params: Any) -> EvaluatedHouse:
@@ -65,6 +66,7 @@ class EvaluatedHouse:
             HouseFiles.of(paths, house_id),
             Models(**{field.name: Path(paths[field.name]) for field in fields(Models)}),
             TextureSettings(params.seed, params.size_px, params.seam_correction),
+            getattr(params, "predictor", "house"),
         )
 
     @property
@@ -95,6 +97,7 @@ def propagated_from(surfaces: Path, output: Path, house: EvaluatedHouse) -> None
         dataset=house.dataset,
         propagation_model=house.models.propagation,
         texture_model=house.models.texture,
+        predictor=house.predictor,
     )
 
 

@@ -13,8 +13,7 @@ from plan2scene.evaluation.houses import Models
 from plan2scene.house import SURFACES, House, SurfaceKey
 from plan2scene.propagation.graph import house_graph
 from plan2scene.propagation.model import load_propagation
-from plan2scene.propagation.predict import predict
-from plan2scene.propagation.prior import RULES
+from plan2scene.propagation.predictors import PREDICTORS
 from plan2scene.seeds import generator
 from plan2scene.weights import load_model_file, save_model_file
 
@@ -35,7 +34,7 @@ class Variant:
         The selected crop's own colour in place of the median over the surface's crops.
     propagate : str
         Embedding of an unobserved surface: ``graph`` (the method's), ``no_graph`` or one of
-        ``propagation.prior.RULES``.
+        ``propagation.predictors.PREDICTORS``.
     rgb : bool
         The unmodified network of RGB in place of the one of delta-HSV.
     plane_noise : bool
@@ -77,7 +76,8 @@ VARIANTS = (
         plane_noise=True,
         seam_correction=False,
     ),
-    Variant("no_graph", "propagation without the doors between rooms", propagate="no_graph"),
+    Variant("network", "unobserved: the network alone", propagate="network"),
+    Variant("no_graph", "the network alone, without the doors", propagate="no_graph"),
     Variant("room_type_mean", "unobserved: mean of the room type", propagate="room_type_mean"),
     Variant("house_mean", "unobserved: mean of the house's surfaces", propagate="house_mean"),
     Variant("nearest_room", "unobserved: the nearest room's surface", propagate="nearest_room"),
@@ -149,9 +149,10 @@ def predicted(
     }
     graph = house_graph(plan, seen)
     if variant.propagate == "no_graph":
-        output = predict(network, replace(graph, edges=graph.edges[:, :0])).embedding
+        cut = replace(graph, edges=graph.edges[:, :0])
+        output = PREDICTORS["network"](cut, network, means).embedding
     else:
-        output = RULES[variant.propagate](graph, means)
+        output = PREDICTORS[variant.propagate](graph, network, means).embedding
     frame = propagated.copy()
     frame["embedding"] = [
         row.embedding

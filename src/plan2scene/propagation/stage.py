@@ -31,20 +31,24 @@ def propagate_house(
     dataset: str,
     propagation_model: str | Path,
     texture_model: str | Path,
+    predictor: str = "house",
 ) -> None:
-    """Write ``propagated.parquet`` (docs/conventions.md): a row for every surface of the house."""
+    """Write ``propagated.parquet`` (docs/conventions.md): a row for every surface of the house.
+
+    `predictor` is a name of :data:`plan2scene.propagation.predictors.PREDICTORS`.
+    """
     import pandas as pd
 
     # PyTorch Geometric takes seconds to import: what only reads this stage's files goes without.
     from plan2scene.propagation.model import load_propagation
-    from plan2scene.propagation.predict import predict
+    from plan2scene.propagation.predictors import PREDICTORS
 
     plan = read_scene_json(scene_json, house)
     table, _ = read_parquet(surfaces)
     network, means = load_propagation(propagation_model)
     observed = {SurfaceKey(row.room_id, row.surface): row for row in table.itertuples()}
     graph = house_graph(plan, {k: np.asarray(row.embedding) for k, row in observed.items()})
-    predicted = predict(network, graph)
+    predicted = PREDICTORS[predictor](graph, network, means)
     substances = substances_of(predicted.embedding, texture_model)
     known = {key: float(row.metres) for key, row in observed.items()}
     rows: list[dict[str, Any]] = []

@@ -108,7 +108,7 @@ def test_observed_surfaces_keep_their_embedding(plan, tables, models, how):
 
 
 def test_without_the_graph_a_room_does_not_hear_of_others(plan, tables, models):
-    with_graph = {(r.room_id, r.surface): np.asarray(r.embedding) for r in tables[3].itertuples()}
+    with_graph = _predict(plan, tables, models, "network")
     without = _predict(plan, tables, models, "no_graph")
     assert not np.allclose(without["bath", "floor"], with_graph["bath", "floor"])
     # The loft has no door: nothing changes for it.
@@ -161,7 +161,7 @@ def ablated(house, embeddings, tmp_path_factory):
 def test_variants_change_only_the_surfaces_they_are_about(ablated):
     frame, _ = read_parquet(ablated)
     colour = frame.pivot_table(
-        index=["drop", "room_id", "surface", "observed"], columns="method", values="color"
+        index=["drop", "room_id", "surface", "observed"], columns="method", values="tile"
     )
     assert set(colour.columns) == {variant.name for variant in VARIANTS}
     observed = colour[colour.index.get_level_values("observed")]

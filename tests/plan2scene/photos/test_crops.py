@@ -248,9 +248,10 @@ def test_ready_crops(house, tmp_path):
 def test_default_settings_are_those_of_the_configuration():
     config = yaml.safe_load((WORKFLOW / "config" / "config.yaml").read_text())
     given = config["crops"]
-    names = ("per_mask", "tries", "filter", "white_balance", "exposure")
+    names = ("per_mask", "tries", "filter")
     assert CropSettings() == CropSettings(
         sizes_m=tuple(given["metres"]),
         camera_height_m=config["photos"]["camera_height_m"],
+        colours=config["house"]["colours"],
         **{name: given[name] for name in names},
     )

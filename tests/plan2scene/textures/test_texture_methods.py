@@ -353,33 +353,11 @@ def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
     write_parquet(files / "propagated.parquet", table, {"house": "h1"})
     folder, surfaces = _make(files, "exemplar")
     assert surfaces["bed2/floor"]["source"].startswith("exemplar of hall, ")
-    assert np.array_equal(
-        read_image(folder / "bed2_floor.png"), read_image(folder / "hall_floor.png")
-    )
+    median = median_colour(read_image(folder / "bed2_floor.png"))
+    assert np.abs(median - tone).max() < 0.01
     assert surfaces["bed2/floor"]["size_m"] == surfaces["hall/floor"]["size_m"]
-    assert "dE2000 away" in surfaces["bath/floor"]["source"]
-
-
-def test_the_less_sure_the_prediction_the_more_its_colour_counts(files):
-    table = pd.read_parquet(files / "propagated.parquet")
-    tone = np.array([0.45, 0.5, 0.55])  # not far from the bedroom's 100
-    code = np.r_[np.zeros(8), tone].astype(np.float32)
-    own = (table["room_id"] == "bed2") & (table["surface"] == "floor")
-    pairs = zip(own, table["embedding"], strict=True)
-    table["embedding"] = [code if mine else old for mine, old in pairs]
-    medians = []
-    for k, confidence in enumerate((1.0, 0.5, 0.0, float("nan"))):
-        frame = table.assign(confidence=np.where(own, confidence, 1.0))
-        write_parquet(files / "propagated.parquet", frame, {"house": "h1"})
-        folder, surfaces = _make(files, "exemplar", out=f"sure{k}")
-        medians.append(median_colour(read_image(folder / "bed2_floor.png")) * 255)
-        if confidence == 0.5:
-            assert surfaces["bed2/floor"]["source"].endswith("50% of the way to it")
-    sure, half, unsure, untold = medians
-    assert np.abs(unsure - tone * 255).max() < 2
-    assert np.array_equal(sure, untold)
-    between = (half - sure) / (unsure - sure)
-    assert ((between > 0.3) & (between < 0.7)).all()
+    # However far the predicted colour is: the house's own grain is nearer than a decoded one.
+    assert surfaces["bath/floor"]["source"].startswith("exemplar of ")
 
 
 def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):

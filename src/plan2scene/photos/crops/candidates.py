@@ -26,9 +26,9 @@ from plan2scene.seeds import generator
 class CropSettings:
     """How windows are drawn: see :func:`plan2scene.photos.crops.sampling.sample_candidates`.
 
-    `camera_height_m` is the prior of :func:`plan2scene.photos.planes.planes.split_planes`. The
-    others switch :mod:`plan2scene.photos.crops.filter` and the corrections of
-    :mod:`plan2scene.photos.crops.light`.
+    `camera_height_m` is the prior of :func:`plan2scene.photos.planes.planes.split_planes`,
+    `filter` switches :mod:`plan2scene.photos.crops.filter`, `colours` is one of
+    :data:`plan2scene.photos.crops.light.COLOURS`.
     """
 
     sizes_m: tuple[float, ...] = sampling.WINDOW_SIZES_M
@@ -36,8 +36,7 @@ class CropSettings:
     tries: int = sampling.TRIES
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
     filter: bool = True
-    white_balance: bool = True
-    exposure: bool = True
+    colours: str = "photo"
 
 
 @dataclass(frozen=True)

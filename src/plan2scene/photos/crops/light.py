@@ -1,10 +1,14 @@
-"""Light of the photos of a house, brought to one reference.
+"""Light of the photos of a house: one for all, with what each photo deviates from it.
 
 A photo's colours are albedo times light. One photo cannot tell them apart (the paper's failure: a
-blue-tinted photo gives blue walls), the photos of a house together with what is known of rooms
+blue-tinted photo gives blue walls); the photos of a house together with what is known of rooms
 can: a room's wall is one colour in all its photos, ceilings are nearly white, walls pale more often
-than not. In log colours all of this is linear, so that the light of every photo is the solution of
-one least-squares problem (maximum a posteriori under normal priors, Huber weights).
+than not. In log colours all of this is linear, so that the light is the solution of one
+least-squares problem (maximum a posteriori under normal priors, Huber weights).
+
+The model is hierarchical: a photo's light is the house's and a deviation whose prior is narrow, so
+that only surfaces seen in several photos bring it about. What paint usually looks like moves the
+house's light, which keeps the rooms' colours apart as the photos show them.
 
 All colours here are linear RGB. Axes of log colours: brightness (mean of log R, G, B), red
 (log R - log G), blue (log B - log G).
@@ -12,7 +16,7 @@ All colours here are linear RGB. Axes of log colours: brightness (mean of log R,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +37,9 @@ ALBEDO = {
 }
 #: The same of the light of a photo: cameras keep highlights, so white paint is below white.
 LIGHT = ((-0.45, 0.4), (0.0, 0.2), (0.0, 0.2))
+#: Standard deviations of a photo's light about the house's. Chosen on real flats: narrower leaves
+#: the photos' differences, wider ones take the rooms' own colours for light.
+DEVIATION = (0.1, 0.05, 0.05)
 #: How much the light on one surface differs from the photo's (standard deviations).
 LOCAL_LIGHT = {
     "ceiling": (0.15, 0.05, 0.06),
@@ -43,6 +50,14 @@ LOCAL_LIGHT = {
 HUBER = 1.5
 #: Largest correction: of brightness, and of red or blue against green (log).
 MAX_EXPOSURE, MAX_BALANCE = np.log(2.5), 0.6
+#: Linear value that the brightest of the house's surfaces have at most once corrected; beyond it
+#: corrected values bend towards `_CLIPPED`, which none crosses.
+KNEE = 0.7
+_BRIGHTEST = 90.0  # percentile of surfaces that `KNEE` holds for
+_CLIPPED = float(srgb_to_linear(np.array(CLIPPED_LEVELS[1] / 255.0)))
+
+#: What the crops show: the photos' own colours, or those under one light for the house.
+COLOURS = ("photo", "corrected")
 
 
 @dataclass(frozen=True)
@@ -80,46 +95,79 @@ def surface_colours(
 def estimate_light(colours: Sequence[SurfaceColour]) -> dict[str, np.ndarray]:
     """Return the light (3,) of each photo, linear RGB, 1 for light that shows albedo as it is.
 
-    `colours` are those of all photos of a house. Unknown are the log light of each photo and the
-    log albedo of each surface (room and kind), observed is their sum. A surface of two photos ties
-    their lights together; the priors `ALBEDO` and `LIGHT` decide what no surface ties.
+    `colours` are those of all photos of a house. Unknown are the log light of the house, each
+    photo's deviation from it and the log albedo of each surface (room and kind); observed is
+    their sum. A surface of two photos ties their deviations together; the priors `ALBEDO`, `LIGHT`
+    and `DEVIATION` decide what no surface ties.
     """
     photos = sorted({item.photo for item in colours})
     surfaces = sorted({(item.room_id, item.surface) for item in colours})
     if not photos:
         return {}
-    column = {name: k for k, name in enumerate([*photos, *surfaces])}
+    column = {name: k for k, name in enumerate([*photos, *surfaces], start=1)}
     logs = _axes(np.array([item.colour for item in colours]))
     axes = np.zeros((len(photos), 3))
     for axis in range(3):
-        prior = [LIGHT[axis]] * len(photos) + [ALBEDO[kind][axis] for _, kind in surfaces]
+        prior = [LIGHT[axis]] + [(0.0, DEVIATION[axis])] * len(photos)
+        prior += [ALBEDO[kind][axis] for _, kind in surfaces]
         noise = np.array([LOCAL_LIGHT[item.surface][axis] for item in colours])
-        design = np.zeros((len(colours), len(column)))
+        design = np.zeros((len(colours), 1 + len(column)))
+        design[:, 0] = 1.0
         for row, item in enumerate(colours):
             design[row, column[item.photo]] = 1.0
             design[row, column[item.room_id, item.surface]] = 1.0
         solved = _robust_map(design, logs[:, axis], noise, np.array(prior))
-        axes[:, axis] = solved[: len(photos)]
+        axes[:, axis] = solved[0] + solved[1 : 1 + len(photos)]
     light = np.exp(_from_axes(axes))
     return {photo: light[k] for k, photo in enumerate(photos)}
 
 
-def gains_of(light: np.ndarray, *, white_balance: bool, exposure: bool) -> np.ndarray:
-    """Return the factors (3,) on linear RGB that take a light (3,) away, bounded.
+def house_gains(
+    lights: Mapping[str, np.ndarray], colours: Sequence[SurfaceColour]
+) -> dict[str, np.ndarray]:
+    """Return the factors (3,) on each photo's linear RGB that take its light away, bounded.
 
-    White balance alone keeps the mean of log R, G, B; exposure alone keeps their ratios.
+    One factor for the house's brightness keeps its surfaces below `KNEE`.
     """
-    brightness, red, blue = _axes(light)
+    if not lights:
+        return {}
+    axes = {photo: -_axes(light) for photo, light in lights.items()}
     bounds = np.array([MAX_EXPOSURE, MAX_BALANCE, MAX_BALANCE])
-    wanted = -np.array([brightness * exposure, red * white_balance, blue * white_balance])
-    return np.asarray(np.exp(_from_axes(np.clip(wanted, -bounds, bounds))))
+    gains = {
+        photo: np.exp(_from_axes(np.clip(wanted, -bounds, bounds)))
+        for photo, wanted in axes.items()
+    }
+    lit = [(np.array(item.colour) * gains[item.photo]).max() for item in colours]
+    level = min(1.0, KNEE / float(np.percentile(lit, _BRIGHTEST)))
+    return {photo: gain * level for photo, gain in gains.items()}
 
 
 def relight(image: np.ndarray, gains: np.ndarray) -> np.ndarray:
-    """Return an image (h, w, 3) uint8 sRGB with its linear RGB times `gains` (3,)."""
+    """Return an image (h, w, 3) uint8 sRGB with its linear RGB times `gains` (3,).
+
+    A channel that is made brighter than `KNEE` bends: a pixel that is not clipped
+    (`CLIPPED_LEVELS`) does not become so, a clipped one stays as it is.
+    """
     if np.array_equal(gains, np.ones(3)):
         return image
-    return as_uint8(linear_to_srgb(np.minimum(srgb_to_linear(image) * gains, 1.0)))
+    linear = srgb_to_linear(image)
+    channels = [_bent(linear[..., k], float(gains[k])) for k in range(3)]
+    return as_uint8(linear_to_srgb(np.stack(channels, axis=-1)))
+
+
+def _bent(values: np.ndarray, gain: float) -> np.ndarray:
+    """Return linear values (h, w) times a gain, on from `KNEE` bent to meet at `_CLIPPED`.
+
+    The bend is rational, of slope 1 at the knee.
+    """
+    if gain <= 1.0:
+        return values * gain
+    width = _CLIPPED - KNEE
+    over = np.maximum(values * gain - KNEE, 0.0) / width
+    most = (_CLIPPED * gain - KNEE) / width
+    bent = KNEE + width * over / (1.0 + over * (most - 1.0) / most)
+    lit = np.where(over > 0.0, bent, values * gain)
+    return np.where(values < _CLIPPED, lit, values)
 
 
 def _axes(rgb: np.ndarray) -> np.ndarray:

@@ -27,7 +27,7 @@ from plan2scene.photos.crops.house import agreeing
 from plan2scene.photos.crops.light import (
     SurfaceColour,
     estimate_light,
-    gains_of,
+    house_gains,
     relight,
     surface_colours,
 )
@@ -93,10 +93,11 @@ def make_crops(
         The crops that were written.
     """
     chosen = CropSettings() if settings is None else settings
-    drawn, lights = draw_candidates(
+    drawn, gains = draw_candidates(
         house, rooms_of_photo, photos, masks_dir, seed=seed, settings=chosen, cameras=cameras
     )
-    drawn, gains = under_common_light(drawn, lights, chosen)
+    if chosen.colours == "corrected":
+        drawn = corrected(drawn, gains)
     _write_light(light, gains, chosen)
     return write_tables(drawn, output, candidates, dataset=dataset, house_id=house.id)
 
@@ -111,10 +112,10 @@ def draw_candidates(
     settings: CropSettings,
     cameras: str | Path | None = None,
 ) -> tuple[list[PhotoCandidate], dict[str, np.ndarray]]:
-    """Return the candidates of all photos of a house, as photographed, and each photo's light.
+    """Return the candidates of all photos of a house, as photographed, and each photo's gains.
 
-    Parameters as in :func:`make_crops`; light as of
-    :func:`plan2scene.photos.crops.light.estimate_light`.
+    Parameters as in :func:`make_crops`; gains (3,) as of
+    :func:`plan2scene.photos.crops.light.house_gains`.
     """
     folder = Path(masks_dir)
     known = read_json(folder / "cameras.json")
@@ -141,18 +142,15 @@ def draw_candidates(
         _log.info("%s: %d candidates, camera %s", photo, len(of_photo), camera.focal_source)
         drawn += of_photo
     lights = estimate_light(colours)
-    return (agreeing(drawn, lights) if settings.filter else drawn), lights
+    gains = house_gains(lights, colours)
+    return (agreeing(drawn, lights) if settings.filter else drawn), gains
 
 
-def under_common_light(
-    drawn: Sequence[PhotoCandidate], lights: Mapping[str, np.ndarray], settings: CropSettings
-) -> tuple[list[PhotoCandidate], dict[str, np.ndarray]]:
-    """Return the candidates with corrected images, and the factors (3,) on each photo's light."""
-    gains = {
-        photo: gains_of(value, white_balance=settings.white_balance, exposure=settings.exposure)
-        for photo, value in lights.items()
-    }
-    return [_under(item, gains.get(item.photo, np.ones(3))) for item in drawn], gains
+def corrected(
+    drawn: Sequence[PhotoCandidate], gains: Mapping[str, np.ndarray]
+) -> list[PhotoCandidate]:
+    """Return the candidates with the linear RGB of their images times their photo's gains (3,)."""
+    return [_under(item, gains.get(item.photo, np.ones(3))) for item in drawn]
 
 
 def _under(item: PhotoCandidate, gains: np.ndarray) -> PhotoCandidate:
@@ -165,10 +163,12 @@ def _write_light(
     path: str | Path, gains: Mapping[str, np.ndarray], settings: CropSettings | None
 ) -> None:
     """Write light.json; `settings` None where crops are taken as they are."""
-    names = ("filter", "white_balance", "exposure")
-    on = {name: bool(settings is not None and getattr(settings, name)) for name in names}
+    used = {
+        "filter": settings is not None and settings.filter,
+        "colours": "photo" if settings is None else settings.colours,
+    }
     photos = {photo: [round(float(gain), 6) for gain in gains[photo]] for photo in sorted(gains)}
-    write_json(path, {**on, "gains": photos})
+    write_json(path, {**used, "gains": photos})
 
 
 def load_crops(

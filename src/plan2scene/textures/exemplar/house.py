@@ -2,9 +2,8 @@
 
 Observed surfaces get a tile of their own crops. An unobserved one gets the exemplar of the house
 that is nearest to what is predicted for it (same kind of surface, the predicted substance if any
-has it, nearest embedding), since a house repeats its materials. Its colour is moved towards the
-predicted one, the less the surer propagation is that the house shows the material. Where it is far
-from the predicted colour, the predicted embedding is decoded.
+has it, nearest embedding), since a house repeats its materials, in the predicted colour. Only
+where the house shows none of the kind the predicted embedding is decoded.
 Each tile's source says which way it went.
 """
 
@@ -16,22 +15,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from plan2scene.colour import (
-    as_uint8,
-    delta_e_2000,
-    linear_to_srgb,
-    median_colour,
-    rgb_to_lab,
-    srgb_to_linear,
-)
+from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab, srgb_to_linear
 from plan2scene.house import SurfaceKey
+from plan2scene.photos.crops.light import relight
 from plan2scene.textures.baselines.nearest import Crop
 from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import NoTile, Tile
-
-#: Largest difference (CIEDE2000) of an exemplar's colour to the predicted one.
-MAX_AWAY = 25.0
 
 
 def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
@@ -94,15 +84,8 @@ def _nearest(
     nearest = pool[int(np.argmin(distances))]
     made, tone = own[nearest], np.clip(wanted[-3:], 0.0, 1.0)
     away = colour_difference(made.image, tone)
-    if away > MAX_AWAY:
-        return NoTile(f"the nearest exemplar, of {nearest.room_id}, is {away:.0f} dE2000 away")
-    source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 from the predicted colour"
-    # The surer the prediction is that the house shows this material, the more its colour counts.
-    if not math.isfinite(surface.confidence):
-        return replace(made, source=source)
-    share = 1.0 - surface.confidence
-    image = recoloured(made.image, tone, share)
-    return replace(made, image=image, source=f"{source}, {share:.0%} of the way to it")
+    source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 to the predicted colour"
+    return replace(made, image=recoloured(made.image, tone), source=source)
 
 
 def _code(surface: KnownSurface) -> np.ndarray:
@@ -110,8 +93,8 @@ def _code(surface: KnownSurface) -> np.ndarray:
     return np.asarray(surface.embedding, dtype=np.float64)
 
 
-def recoloured(image: np.ndarray, tone: np.ndarray, share: float) -> np.ndarray:
-    """Return an image whose median colour is moved towards a tone.
+def recoloured(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
+    """Return an image with the median colour of a tone; nothing burns out.
 
     Each channel's linear values are scaled: what another pigment of the same grain reflects.
 
@@ -119,12 +102,9 @@ def recoloured(image: np.ndarray, tone: np.ndarray, share: float) -> np.ndarray:
     ----------
     image : (h, w, 3) uint8 sRGB
     tone : (3,) float, sRGB in [0, 1]
-    share : float
-        Of the way, in log linear light: 0 leaves the image, 1 gives it the tone.
     """
     median = np.maximum(srgb_to_linear(median_colour(image)), 1e-3)
-    factor = (np.maximum(srgb_to_linear(tone), 1e-3) / median) ** share
-    return as_uint8(linear_to_srgb(np.minimum(srgb_to_linear(image) * factor, 1.0)))
+    return relight(image, np.maximum(srgb_to_linear(tone), 1e-3) / median)
 
 
 def colour_difference(image: np.ndarray, tone: np.ndarray) -> float:
