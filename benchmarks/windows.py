@@ -155,7 +155,7 @@ def _reasons(
 
 
 def _place(rectified: RectifiedPlane, middle: np.ndarray, size_m: float) -> tuple[int, int] | None:
-    """Return (row, column) of a window about `middle` (2,) in metres; None if it is off the mask."""
+    """Return (row, column) of a window about `middle` (2,) in metres; None off the mask."""
     side = window_pixels(rectified, size_m)
     corner = (middle - size_m / 2 - np.array(rectified.origin)) / rectified.metres_per_pixel
     column, row = (int(v) for v in np.rint(corner))
