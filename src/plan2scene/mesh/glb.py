@@ -21,6 +21,7 @@ from plan2scene.colour import srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_path
 from plan2scene.mesh.house_mesh import build_parts
+from plan2scene.mesh.occlusion import bake_occlusion
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.textures import UNTEXTURED, TileTexture
 
@@ -29,6 +30,10 @@ GLASS = (0.62, 0.75, 0.80, 0.28)
 #: Kinds of buffers; repeating, trilinear (the numbers are OpenGL's).
 _VERTICES, _INDICES = 34962, 34963
 _SAMPLER = {"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}
+#: Of the occlusion: linear, clamped; in smaller copies its parts would run together.
+_PLAIN_SAMPLER = {"magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071}
+#: Roughness by substance: what is waxed or glazed shines a little.
+ROUGHNESS = {"wood": 0.6, "tile": 0.4, "plaster": 0.95, "carpet": 1.0}
 #: Frame above the house's node; no id has a slash. The exporter leaves it out of the file.
 _WORLD = "/"
 
@@ -41,8 +46,8 @@ def write_glb(
 ) -> None:
     """Write a house as GLB: metres, y up, UV = metres / tile size with repeat wrapping.
 
-    PBR metallic 0, roughness 1; surfaces without a texture get a plain colour. The same input
-    gives the same bytes.
+    PBR metallic 0, roughness by substance; ambient occlusion of textured surfaces on TEXCOORD_1;
+    surfaces without a texture get a plain colour. The same input gives the same bytes.
 
     Parameters
     ----------
@@ -57,13 +62,18 @@ def write_glb(
     scene = trimesh.Scene(base_frame=_WORLD, metadata={"house": house.id, "rooms": rooms})
     scene.graph.update(frame_from=_WORLD, frame_to=house.id)
     materials: dict[object, PBRMaterial] = {}
-    for part in build_parts(house) if parts is None else parts:
+    parts = build_parts(house) if parts is None else parts
+    textured = [part for part in parts if part.surface in textures]
+    occlusion = bake_occlusion(parts, textured)
+    shade = None if occlusion is None else _Png(occlusion.png)
+    for part in parts:
         tile = None if part.surface is None else textures.get(part.surface)
         key = part.surface or part.material
         if key not in materials:
-            materials[key] = _material(part, tile)
+            materials[key] = _material(part, tile, shade)
+        second = None if tile is None or occlusion is None else occlusion.uv[part.name]
         scene.add_geometry(
-            _textured(part, tile, materials[key]),
+            _textured(part, tile, materials[key], second),
             node_name=part.name,
             geom_name=part.name,
             parent_node_name=house.id,
@@ -100,32 +110,41 @@ class _Png:
         file.write(self.data)
 
 
-def _material(part: MeshPart, tile: TileTexture | None) -> PBRMaterial:
+def _material(part: MeshPart, tile: TileTexture | None, shade: _Png | None) -> PBRMaterial:
     """Return a part's material; `_finish` sets its plain colour."""
     glass = part.material == "glass"
+    rough = 1.0 if tile is None else ROUGHNESS.get(tile.substance or "", 1.0)
     return PBRMaterial(
         name=part.material if part.surface is None else part.surface.filename,
         metallicFactor=0.0,
-        roughnessFactor=0.1 if glass else 1.0,
+        roughnessFactor=0.1 if glass else rough,
         alphaMode="BLEND" if glass else None,
         doubleSided=glass,
         baseColorTexture=None if tile is None else _Png(tile.png),
+        occlusionTexture=None if tile is None else shade,
     )
 
 
-def _textured(part: MeshPart, tile: TileTexture | None, material: PBRMaterial) -> trimesh.Trimesh:
-    """Return a part's mesh with its material, texture coordinates in tiles, linear colours."""
+def _textured(
+    part: MeshPart, tile: TileTexture | None, material: PBRMaterial, second: np.ndarray | None
+) -> trimesh.Trimesh:
+    """Return a part's mesh with its material, texture coordinates in tiles, linear colours.
+
+    `second` are the coordinates in the occlusion.
+    """
     uv = None
     if part.uv is not None and tile is not None:
         uv = tile.turns(part.uv) * [1, -1] + [0, 1]  # trimesh's v runs up the image
-    colours = {}
+    own = {}
     if part.colours is not None:
-        colours["_COLOR_0"] = srgb_to_linear(part.colours).astype(np.float32)
+        own["_COLOR_0"] = srgb_to_linear(part.colours).astype(np.float32)
+    if second is not None:
+        own["_TEXCOORD_1"] = second.astype(np.float32)
     return trimesh.Trimesh(
         part.mesh.vertices,
         part.mesh.faces,
         vertex_normals=part.mesh.vertex_normals,
-        vertex_attributes=colours,
+        vertex_attributes=own,
         visual=TextureVisuals(uv=uv, material=material),
         process=False,
     )
@@ -149,22 +168,39 @@ def _finish(tree: dict[str, Any], house_id: str, factors: Mapping[str, list[floa
         del mesh["extras"]
         primitive = mesh["primitives"][0]
         attributes = primitive["attributes"]
-        if "_COLOR_0" in attributes:  # trimesh's own colours are bytes: too coarse when linear
-            attributes["COLOR_0"] = attributes.pop("_COLOR_0")
+        # trimesh's own colours are bytes, too coarse when linear, and it knows one set of UV.
+        for name in attributes.keys() & {"_COLOR_0", "_TEXCOORD_1"}:
+            attributes[name[1:]] = attributes.pop(name)
         for target, used in (_VERTICES, attributes.values()), (_INDICES, [primitive["indices"]]):
             for accessor in used:
                 view = tree["accessors"][accessor]["bufferView"]
                 tree["bufferViews"][view]["target"] = target
+    _join_images(tree, factors)
+
+
+def _join_images(tree: dict[str, Any], factors: Mapping[str, list[float]]) -> None:
+    """Set plain colours, and let textures of equal files share one image, in place."""
     images: dict[int, dict[str, Any]] = {}  # by buffer view: equal files share one
+    textures: list[dict[str, int]] = []
+
+    def use(texture: dict[str, Any], name: str, sampler: int) -> None:
+        image = tree["images"][texture["index"]]
+        images.setdefault(image["bufferView"], {"name": name, **image})
+        entry = {"sampler": sampler, "source": list(images).index(image["bufferView"])}
+        if entry not in textures:
+            textures.append(entry)
+        texture["index"] = textures.index(entry)
+
     for material in tree["materials"]:
         pbr = material["pbrMetallicRoughness"]
         if material["name"] in factors:
             pbr["baseColorFactor"] = factors[material["name"]]
         if "baseColorTexture" in pbr:
-            image = tree["images"][pbr["baseColorTexture"]["index"]]
-            images.setdefault(image["bufferView"], {"name": material["name"], **image})
-            pbr["baseColorTexture"]["index"] = list(images).index(image["bufferView"])
+            use(pbr["baseColorTexture"], material["name"], 0)
+        if "occlusionTexture" in material:
+            use(material["occlusionTexture"], "occlusion", 1)
+            material["occlusionTexture"]["texCoord"] = 1
     if images:
         tree["images"] = list(images.values())
-        tree["samplers"] = [_SAMPLER]
-        tree["textures"] = [{"sampler": 0, "source": k} for k in range(len(images))]
+        tree["samplers"] = [_SAMPLER, _PLAIN_SAMPLER][: max(t["sampler"] for t in textures) + 1]
+        tree["textures"] = textures

@@ -4,18 +4,20 @@
 const VERTEX = `#version 300 es
 layout(location=0) in vec3 position; layout(location=1) in vec3 normal;
 layout(location=2) in vec2 uv; layout(location=3) in vec3 colour;
-uniform mat4 camera; out vec3 n; out vec2 t; out vec3 c;
-void main() { n = normal; t = uv; c = colour; gl_Position = camera * vec4(position, 1.0); }`;
+layout(location=4) in vec2 shadeUv;
+uniform mat4 camera; out vec3 n; out vec2 t; out vec3 c; out vec2 s;
+void main() { n = normal; t = uv; c = colour; s = shadeUv; gl_Position = camera * vec4(position, 1.0); }`;
 const FRAGMENT = `#version 300 es
 precision highp float;
-in vec3 n; in vec2 t; in vec3 c; out vec4 pixel;
-uniform sampler2D tile; uniform vec4 factor; uniform bool textured; uniform float glow;
+in vec3 n; in vec2 t; in vec3 c; in vec2 s; out vec4 pixel;
+uniform sampler2D tile, shade; uniform vec4 factor; uniform bool textured, shaded; uniform float glow;
 vec3 encode(vec3 x) { return mix(12.92 * x, 1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, x)); }
 void main() {
   vec3 base = factor.rgb * c * (textured ? texture(tile, t).rgb : vec3(1.0));
   vec3 m = normalize(gl_FrontFacing ? n : -n);
   float light = mix(0.62, 0.84, 0.5 + 0.5 * m.y) + 0.26 * max(dot(m, vec3(-0.45, 0.78, 0.43)), 0.0);
   if (m.y < -0.5) light = 0.88;
+  if (shaded) light *= texture(shade, s).r;
   vec3 lit = mix(base * light, vec3(0.95, 0.55, 0.25), glow);
   pixel = vec4(encode(clamp(lit, 0.0, 1.0)), factor.a);
 }`;
@@ -37,7 +39,7 @@ function startGl() {
   gl.attachShader(program, shader(gl.FRAGMENT_SHADER, FRAGMENT));
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-  uniforms = Object.fromEntries(["camera", "tile", "factor", "textured", "glow"].map((n) => [n, gl.getUniformLocation(program, n)]));
+  uniforms = Object.fromEntries(["camera", "tile", "factor", "textured", "glow", "shade", "shaded"].map((n) => [n, gl.getUniformLocation(program, n)]));
   gl.enable(gl.DEPTH_TEST);
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
 }
@@ -45,8 +47,8 @@ function startGl() {
 function uploadPart(part) {
   part.array = gl.createVertexArray();
   gl.bindVertexArray(part.array);
-  const fallback = { 1: [0, 1, 0], 2: [0, 0], 3: [1, 1, 1] };
-  [[part.position, 3], [part.normal, 3], [part.uv, 2], [part.colour, 3]].forEach(([data, size], place) => {
+  const fallback = { 1: [0, 1, 0], 2: [0, 0], 3: [1, 1, 1], 4: [0, 0] };
+  [[part.position, 3], [part.normal, 3], [part.uv, 2], [part.colour, 3], [part.shadeUv, 2]].forEach(([data, size], place) => {
     if (!data) { gl[`vertexAttrib${size}fv`](place, fallback[place]); return; }
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
@@ -56,6 +58,19 @@ function uploadPart(part) {
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
   gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, part.index, gl.STATIC_DRAW);
   part.type = part.index instanceof Uint16Array ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
+}
+
+// The occlusion is no colour, does not repeat, and its parts would run together in smaller copies.
+function uploadShade(image) {
+  const made = gl.createTexture();
+  gl.bindTexture(gl.TEXTURE_2D, made);
+  gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, gl.RED, gl.UNSIGNED_BYTE, image);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+  URL.revokeObjectURL(image.src);
+  return made;
 }
 
 function uploadTexture(image) {
@@ -86,6 +101,7 @@ function draw() {
   gl.useProgram(program);
   gl.uniformMatrix4fv(uniforms.camera, false, matrix());
   gl.uniform1i(uniforms.tile, 0);
+  gl.uniform1i(uniforms.shade, 1);
   const glow = 0.3 * Math.max(0, 1 - (performance.now() - chosenAt) / FLASH);
   for (const glass of [false, true]) {
     gl[glass ? "enable" : "disable"](gl.BLEND);
@@ -98,7 +114,11 @@ function draw() {
       gl.uniform4fv(uniforms.factor, part.factor);
       gl.uniform1i(uniforms.textured, part.image === null ? 0 : 1);
       gl.uniform1f(uniforms.glow, part === chosen ? glow : 0);
-      if (part.image !== null) gl.bindTexture(gl.TEXTURE_2D, textures[part.image]);
+      gl.uniform1i(uniforms.shaded, part.shade === null ? 0 : 1);
+      for (const [unit, image] of [[gl.TEXTURE1, part.shade], [gl.TEXTURE0, part.image]]) {
+        gl.activeTexture(unit);
+        if (image !== null) gl.bindTexture(gl.TEXTURE_2D, textures[image]);
+      }
       gl.drawElements(gl.TRIANGLES, part.index.length, part.type, 0);
     }
   }

@@ -42,10 +42,12 @@ function readParts(glb) {
       position: get("POSITION"),
       normal: get("NORMAL"),
       uv: get("TEXCOORD_0"),
+      shadeUv: get("TEXCOORD_1"),
       colour: get("COLOR_0"),
       index: accessor(glb, primitive.indices),
       factor: pbr.baseColorFactor || [1, 1, 1, 1],
       image: pbr.baseColorTexture ? json.textures[pbr.baseColorTexture.index].source : null,
+      shade: material.occlusionTexture ? json.textures[material.occlusionTexture.index].source : null,
       glass: material.alphaMode === "BLEND",
     };
   });

@@ -202,7 +202,8 @@ async function start() {
   parts.forEach(uploadPart);
   const { centre, size } = bounds(parts);
   house = { centre, radius: Math.hypot(...size) / 2 };
-  textures = (await readImages(glb)).map(uploadTexture);
+  const shades = new Set(parts.map((part) => part.shade));
+  textures = (await readImages(glb)).map((image, k) => (shades.has(k) ? uploadShade : uploadTexture)(image));
   gl.bindVertexArray(null);
   listRooms(glb.json.scenes[0].extras.rooms);
   listen();

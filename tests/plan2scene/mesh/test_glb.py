@@ -10,6 +10,7 @@ from PIL import Image
 
 from plan2scene.house import SurfaceKey
 from plan2scene.mesh import build_parts, write_glb
+from plan2scene.mesh.glb import ROUGHNESS
 from plan2scene.mesh.obj import write_obj
 
 
@@ -46,14 +47,24 @@ def test_materials_and_samplers(l_house, paint, tmp_path):
     textures = paint(l_house)
     write_glb(l_house, textures, tmp_path / "house.glb")
     document, binary = chunks(tmp_path / "house.glb")
-    assert document["samplers"] == [
-        {"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}
-    ]
+    repeating, plain = document["samplers"]
+    assert repeating == {"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}
+    assert plain == {"magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071}
     for material in document["materials"]:
         assert material["pbrMetallicRoughness"]["metallicFactor"] == 0
-        if material["name"] != "glass":
-            assert material["pbrMetallicRoughness"]["roughnessFactor"] == 1
-            assert not material["doubleSided"]
+        if material["name"] == "glass":
+            continue
+        assert not material["doubleSided"]
+        rough = material["pbrMetallicRoughness"]["roughnessFactor"]
+        if material["name"] == "plain":
+            assert rough == 1
+            assert "occlusionTexture" not in material
+        else:  # the painted tiles are of substance tile
+            assert rough == ROUGHNESS["tile"]
+            texture = document["textures"][material["occlusionTexture"]["index"]]
+            assert document["images"][texture["source"]]["name"] == "occlusion"
+            assert material["occlusionTexture"]["texCoord"] == 1
+            assert texture["sampler"] == 1
     view = document["bufferViews"][document["images"][0]["bufferView"]]
     embedded = binary[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
     assert embedded.rstrip(b"\0") in {tile.png for tile in textures.values()}  # views are padded
@@ -69,7 +80,8 @@ def test_equal_tiles_are_embedded_once(l_house, paint, tmp_path):
     floor = textures[SurfaceKey("hall", "floor")]
     same = dict.fromkeys(textures, floor)
     write_glb(l_house, same, tmp_path / "house.glb")
-    assert len(chunks(tmp_path / "house.glb")[0]["images"]) == 1
+    images = chunks(tmp_path / "house.glb")[0]["images"]
+    assert [image["name"] for image in images] == ["hall_floor", "occlusion"]
 
 
 def test_without_textures_surfaces_are_plain(l_house, tmp_path):

@@ -37,7 +37,7 @@ def screenshot(page, tmp_path):
         "--force-device-scale-factor=1",
         f"--window-size={WIDTH},{HEIGHT}",
         f"--user-data-dir={tmp_path / 'profile'}",
-        "--virtual-time-budget=2000",
+        "--virtual-time-budget=6000",
         "--run-all-compositor-stages-before-draw",
         f"--screenshot={picture}",
         page.as_uri(),
@@ -111,3 +111,16 @@ def test_a_click_tells_the_surface(small_glb, tmp_path):
     )
     scene = screenshot(page, tmp_path)
     assert tuple(scene[300, 600]) == (0, 255, 0)
+
+
+def test_occlusion_darkens_and_never_brightens(small_glb, tmp_path):
+    pytest.importorskip("embreex")
+    page = tmp_path / "viewer.html"
+    build_viewer(small_glb, page, house_id="small")
+    shaded = screenshot(page, tmp_path)[:, 290:]
+    with_action(page, "parts.forEach((part) => { part.shade = null; }); refresh();")
+    plain = screenshot(page, tmp_path)[:, 290:]
+    assert (shaded <= plain + 2).all()
+    seen = (plain.max(2) - plain.min(2)) > 40  # the painted surfaces, not the page
+    assert (plain - shaded).max(2)[seen].mean() > 4
+    assert (plain == shaded).all(2)[seen].mean() > 0.02  # the open floor keeps its colour

@@ -1,0 +1,86 @@
+"""Baked ambient occlusion: dark in corners, bright in the open, each part in a place of its own."""
+
+import io
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from plan2scene.mesh import build_parts
+from plan2scene.mesh.occlusion import REACH_M, TEXEL_M, bake_occlusion
+
+pytest.importorskip("embreex")
+
+
+@pytest.fixture
+def baked(gap_house):
+    """Return the parts of a house by name, its occlusion, and that as numbers in [0, 1]."""
+    parts = build_parts(gap_house)
+    flat = [part for part in parts if part.surface is not None]
+    occlusion = bake_occlusion(parts, flat)
+    image = np.asarray(Image.open(io.BytesIO(occlusion.png)))
+    return {part.name: part for part in flat}, occlusion, image / 255
+
+
+def at(baked, name, point):
+    """Return the light at a world point of a part, by its own texture coordinates."""
+    parts, occlusion, image = baked
+    part = parts[name]
+    known = np.column_stack([part.mesh.vertices, np.ones(len(part.mesh.vertices))])
+    to_uv, *_ = np.linalg.lstsq(known, occlusion.uv[name], rcond=None)
+    u, v = np.array([*point, 1.0]) @ to_uv
+    return image[int(v * image.shape[0]), int(u * image.shape[1])]
+
+
+def test_open_floor_is_free_and_corners_are_dark(baked):
+    assert at(baked, "a/floor", (1.5, 0.0, 2.0)) > 0.97
+    beside_wall = at(baked, "a/floor", (0.05, 0.0, 2.0))
+    corner = at(baked, "a/floor", (0.05, 0.0, 0.05))
+    assert 0.45 < beside_wall < 0.7
+    assert 0.2 < corner < beside_wall - 0.1
+
+
+def test_edge_is_half_of_the_hemisphere_weighted_by_distance(baked):
+    """Where an infinite wall meets the floor, the integral over near directions is known."""
+    # Cosine-weighted mean of max(0, 1 - d / reach) with d = x / (sin t cos p) over the near half.
+    x = 0.5 * TEXEL_M
+    t, p = np.meshgrid(np.linspace(0, np.pi / 2, 2000), np.linspace(-np.pi / 2, np.pi / 2, 2000))
+    d = x / np.maximum(np.sin(t) * np.cos(p), 1e-9)
+    weight = np.sin(t) * np.cos(t)
+    near = np.clip(1 - d / REACH_M, 0, 1) * weight
+    step = (np.pi / 2 / 1999) * (np.pi / 1999)
+    expected = 1 - near.sum() * step / np.pi
+    assert at(baked, "a/floor", (x, 0.0, 2.0)) == pytest.approx(expected, abs=0.04)
+
+
+def test_ceiling_and_floor_of_a_high_room_do_not_shade_each_other(baked):
+    assert at(baked, "b/ceiling", (4.5, 2.5, 2.0)) > 0.97
+
+
+def test_parts_have_places_of_their_own(baked):
+    parts, occlusion, image = baked
+    assert occlusion.uv.keys() == parts.keys()
+    taken = np.zeros(image.shape, int)
+    for uv in occlusion.uv.values():
+        assert uv.min() >= 0
+        assert uv.max() <= 1
+        (left, top), (right, bottom) = uv.min(0), uv.max(0)
+        rows = slice(round(top * image.shape[0]), int(np.ceil(bottom * image.shape[0] - 1e-6)))
+        columns = slice(round(left * image.shape[1]), int(np.ceil(right * image.shape[1] - 1e-6)))
+        taken[rows, columns] += 1
+    assert taken.max() == 1
+
+
+def test_same_bytes_again(gap_house, baked):
+    parts = build_parts(gap_house)
+    again = bake_occlusion(parts, [part for part in parts if part.surface is not None])
+    assert again.png == baked[1].png
+
+
+def test_without_a_ray_tracer_there_is_none(gap_house, monkeypatch, caplog):
+    monkeypatch.setitem(sys.modules, "embreex.rtcore_scene", None)
+    parts = build_parts(gap_house)
+    assert bake_occlusion(parts, parts[:1]) is None
+    assert "no occlusion" in caplog.text
+    assert bake_occlusion(parts, []) is None
