@@ -40,7 +40,7 @@ from plan2scene.colour import (
     rgb_to_lab,
     srgb_to_linear,
 )
-from plan2scene.datasets import rooms_of_photos
+from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.datasets.house_table import load_houses
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import House
@@ -80,12 +80,12 @@ class Source:
 def sources(root: Path, split: str) -> Iterator[Source]:
     """Yield the houses of a split that have photos."""
     table = load_houses(root / "houses.tsv", splits=[split])
-    for name, row in table.iterrows():
-        house = read_scene_json(root / str(row["plan"]), str(name))
-        rooms = rooms_of_photos(root / str(row["assignment"]), house)
+    for name, row in table.items():
+        house = read_scene_json(root / row.plan, name)
+        rooms = rooms_of_photos(root / row.assignment, house)
         if rooms:
             photos = {photo: root / "photos" / photo for photo in rooms}
-            yield Source(house, rooms, photos, root / "truth" / split / str(name))
+            yield Source(house, rooms, photos, root / "truth" / split / name)
 
 
 def masks_of(source: Source, kind: str, work: Path) -> Path:

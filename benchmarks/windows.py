@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plan2scene.datasets import rooms_of_photos
+from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.images import read_image
 from plan2scene.io import read_json

@@ -167,7 +167,7 @@ def check(
     metres_per_pixel: _Scale = None,
 ) -> None:
     """Tell what would go wrong, before anything runs."""
-    from plan2scene.datasets import check_dataset, check_plan
+    from plan2scene.datasets.check import check_dataset, check_plan
 
     if not target.exists():
         raise InputError("a data set's folder or a plan", "no such file or folder", file=target)
@@ -192,7 +192,7 @@ def import_plan_file(
     house: _HouseId = None,
 ) -> None:
     """Convert any supported plan to scene.json."""
-    from plan2scene.datasets import import_plan
+    from plan2scene.datasets.import_plan import import_plan
     from plan2scene.io import keep_inputs
 
     keep_inputs(out, [plan])

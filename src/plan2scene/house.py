@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+#: Longest id, so that file names built from it stay legal.
+MAX_ID_LENGTH = 150
 #: Room types in the order of the paper's room-type flags.
 ROOM_TYPES = (
     "Reception",

@@ -6,8 +6,8 @@ Rules therefore pass :func:`code_hash` of the modules they use through ``params`
 
 from __future__ import annotations
 
-import ast
 import hashlib
+import re
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -36,20 +36,49 @@ def _module_file(module: str, packages: tuple[Path, ...]) -> Path | None:
     return None
 
 
+#: An import statement: the module it is from, what it imports (in brackets or to the line's end).
+_IMPORT = re.compile(
+    r"^[ \t]*(?:from[ \t]+(?P<module>\.*[\w.]*)[ \t]+)?import[ \t]+(?P<names>\([^)]*\)|[^\n#]+)",
+    re.MULTILINE,
+)
+
+
+@cache
+def _source(file: Path) -> str:
+    return file.read_text(encoding="utf-8")
+
+
+@cache
+def _digest(file: Path) -> bytes:
+    return hashlib.sha256(file.read_bytes()).digest()
+
+
 @cache
 def _imports(file: Path, package: Path) -> frozenset[str]:
-    """Return the dotted names that a source file imports, at any depth of nesting."""
+    """Return the dotted names that a source file imports, at any depth of nesting.
+
+    Found by pattern, which takes a tenth of the time that parsing takes: a sentence that reads
+    like an import adds names, and those that are no modules are left out later.
+    """
     found: set[str] = set()
     folder = [package.name, *file.relative_to(package).parts[:-1]]
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            base = folder[: len(folder) - node.level + 1] if node.level else []
-            module = ".".join([*base, *([node.module] if node.module else [])])
-            found.add(module)
-            found.update(f"{module}.{alias.name}" for alias in node.names)
+    for match in _IMPORT.finditer(_source(file)):
+        names = [part.split()[0] for part in _parts(match["names"])]
+        module = match["module"]
+        if module is None:
+            found.update(names)
+            continue
+        level = len(module) - len(module.lstrip("."))
+        base = folder[: len(folder) - level + 1] if level else []
+        module = ".".join([*base, *filter(None, [module.lstrip(".")])])
+        found.update([module, *(f"{module}.{name}" for name in names)])
     return frozenset(found)
+
+
+def _parts(names: str) -> list[str]:
+    """Return ``a, b as c`` of an import, without brackets and comments, as ``a`` and ``b as c``."""
+    plain = re.sub(r"#[^\n]*", "", names.strip("()"))
+    return [part for part in plain.split(",") if part.strip()]
 
 
 @cache
@@ -70,9 +99,14 @@ def _dependencies(module: str, packages: tuple[Path, ...]) -> frozenset[Path]:
 
 def _data_files(module: Path) -> set[Path]:
     """Return the files beside a module that its source names: tables, schemas, pages."""
-    source = module.read_text(encoding="utf-8")
-    beside = (path for path in module.parent.iterdir() if path.suffix not in ("", ".py"))
-    return {path for path in beside if f'"{path.name}"' in source}
+    source = _source(module)
+    return {path for path in _files_beside(module.parent) if f'"{path.name}"' in source}
+
+
+@cache
+def _files_beside(folder: Path) -> tuple[Path, ...]:
+    """Return the files of a folder of modules that are no modules."""
+    return tuple(path for path in folder.iterdir() if path.suffix not in ("", ".py"))
 
 
 @cache
@@ -103,7 +137,7 @@ def code_hash(*modules: str, packages: tuple[Path, ...] = (PACKAGE,)) -> str:
     }
     digest = hashlib.sha256()
     for name in sorted(names):
-        digest.update(name.encode() + b"\0" + names[name].read_bytes())
+        digest.update(name.encode() + b"\0" + _digest(names[name]))
     return digest.hexdigest()[:16]
 
 

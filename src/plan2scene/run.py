@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from plan2scene.datasets import read_assignment
+from plan2scene.datasets.assignments import read_assignment
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.floorplans import read_plan, validate_house
 from plan2scene.io import absent, safe_join, write_text

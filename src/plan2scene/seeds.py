@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+from typing import TYPE_CHECKING
 
-import numpy as np
+if TYPE_CHECKING:
+    import numpy as np
 
 
 def derive_seed(seed: int, *names: object) -> int:
@@ -19,4 +21,6 @@ def derive_seed(seed: int, *names: object) -> int:
 
 def generator(seed: int, *names: object) -> np.random.Generator:
     """Return a numpy generator seeded by :func:`derive_seed`."""
+    import numpy as np
+
     return np.random.default_rng(derive_seed(seed, *names))

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from plan2scene.datasets import read_house_table
 from plan2scene.datasets.assignments import read_rows
+from plan2scene.datasets.table import read_house_table
 from plan2scene.floorplans import read_plan, write_scene_json
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, IconBox, PlacedObject, Room

@@ -4,19 +4,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plan2scene.datasets import (
+from plan2scene.datasets.assignments import (
     PhotoAssignment,
     check_assignment,
-    check_dataset,
-    check_plan,
-    import_plan,
-    make_house_table,
-    photo_problem,
     read_assignment,
-    read_house_table,
-    read_unobserved,
     rooms_of_photos,
 )
+from plan2scene.datasets.check import check_dataset, check_plan, photo_problem
+from plan2scene.datasets.import_plan import import_plan
+from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
 from plan2scene.floorplans import write_scene_json
 from plan2scene.floorplans.geometry import walls_of_rooms

@@ -1,9 +1,12 @@
 """The hash of a module follows what the module imports, at any distance."""
 
+import ast
+from pathlib import Path
+
 import pytest
 
 from plan2scene import provenance
-from plan2scene.provenance import code_hash
+from plan2scene.provenance import PACKAGE, code_hash
 
 
 @pytest.fixture
@@ -23,8 +26,8 @@ def packages(tmp_path):
 
 
 def fresh(*modules: str, packages) -> str:
-    for function in (code_hash, provenance._dependencies, provenance._imports):
-        function.cache_clear()
+    for function in vars(provenance).values():
+        getattr(function, "cache_clear", int)()
     return code_hash(*modules, packages=packages)
 
 
@@ -39,6 +42,28 @@ def test_relative_imports_are_followed(packages, name):
     before = fresh("sub", packages=packages)
     (packages[0] / name).write_text("X = Z = 3\n")
     assert fresh("sub", packages=packages) != before
+
+
+def parsed_imports(file: Path) -> set[str]:
+    """Return the absolute imports of a source, by Python's own parser."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            found.update(f"{node.module}.{alias.name}" for alias in node.names)
+    return found
+
+
+def test_no_import_of_the_library_is_missed():
+    for file in PACKAGE.rglob("*.py"):
+        assert parsed_imports(file) <= provenance._imports(file, PACKAGE), file
+
+
+def test_brackets_comments_and_other_names_of_imports(tmp_path):
+    file = tmp_path / "module.py"
+    file.write_text("import a.b as c, d\nfrom e import (  # f\n    g as h,  # i, j\n    k,\n)\n")
+    assert provenance._imports(file, tmp_path) == {"a.b", "d", "e", "e.g", "e.k"}
 
 
 def test_imports_are_followed_from_one_package_into_another(packages):

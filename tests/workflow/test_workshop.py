@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from plan2scene.datasets import read_house_table
+from plan2scene.datasets.table import read_house_table
 from plan2scene.metrics.features import load_features_network
 
 ROOT = Path(__file__).parents[2]

@@ -4,15 +4,11 @@
 rule ablation_house:
     # A house by every variant of the method: one job.
     input:
+        **made(EVALUATION_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
         library=f"{RESULTS}/texture_library.parquet",
-        texture=model_of("texture"),
-        naivesynth=model_of("naivesynth"),
-        propagation=model_of("propagation"),
-        features=FEATURE_MODEL,
-        substances=SUBSTANCE_MODEL,
     output:
         f"{RESULTS}/houses/{{house}}/ablation.parquet",
     log:
@@ -26,6 +22,8 @@ rule ablation_house:
         mem_mb=max(2000, METRIC_MEMORY),
     params:
         dataset=DATASET,
+        models=EVALUATION_MODELS,
+        hashes=hashes(EVALUATION_MODELS),
         hidden=hidden_at_drops(TABLE_DROPS),
         seed=config["seed"],
         predictor=config["propagation"]["predictor"],
@@ -60,7 +58,7 @@ rule ablation:
         mem_mb=1000,
     params:
         dataset=DATASET,
-        houses=list(HOUSES.index),
+        houses=HOUSES,
         drop=TABLE_DROP,
         seed=config["seed"],
         code=code_hash("evaluation.ablation"),

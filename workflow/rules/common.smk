@@ -5,13 +5,10 @@ import os
 import sys
 from pathlib import Path
 
-import pandas as pd
-
 from plan2scene.config import check_config
-from plan2scene.datasets import read_unobserved
 from plan2scene.datasets.drops import hidden_photos
 from plan2scene.datasets.layout import find_layout
-from plan2scene.datasets.table import SPLITS
+from plan2scene.datasets.table import SPLITS, read_unobserved
 from plan2scene.datasets.house_table import (
     check_metrics,
     check_official,
@@ -22,7 +19,7 @@ from plan2scene.datasets.house_table import (
     table_of,
 )
 from plan2scene.errors import InputError
-from plan2scene.provenance import code_hash
+from plan2scene.provenance import code_hash, file_hash
 from plan2scene.textures.methods import METHODS as TEXTURE_METHODS
 
 try:
@@ -47,22 +44,26 @@ try:
     config["crops"] |= chosen_crops(LAYOUT, config["crops"])
     check_official(config)
     check_metrics(config["metrics"])
-    HOUSES = load_houses(
-        TABLE,
-        splits=config["dataset"]["splits"],
-    )
+    HOUSES = list(load_houses(TABLE, splits=config["dataset"]["splits"]))
     # Houses of other splits are asked for by name, or for the means of released weights.
     ALL_HOUSES = load_houses(TABLE, splits=SPLITS, may_be_absent=True)
     # Whose crops the copying methods may take where their own house has none.
-    POOL_HOUSES = list(
-        ALL_HOUSES.index[ALL_HOUSES["split"].isin(config["textures"]["crop_pool"])]
-    )
+    POOL_HOUSES = [
+        house.house
+        for house in ALL_HOUSES.values()
+        if house.split in config["textures"]["crop_pool"]
+    ]
     # Photos hidden at drop fractions, where the data set says so.
     UNOBSERVED = (
-        read_unobserved(LAYOUT.unobserved) if LAYOUT.unobserved.is_file() else None
+        {
+            drop: frozenset(names)
+            for drop, names in read_unobserved(LAYOUT.unobserved).items()
+        }
+        if LAYOUT.unobserved.is_file()
+        else None
     )
     MEANS_HOUSES = (
-        list(load_houses(TABLE, splits=config["official"]["means_splits"]).index)
+        list(load_houses(TABLE, splits=config["official"]["means_splits"]))
         if config["weights"] == "official"
         else []
     )
@@ -78,34 +79,31 @@ wildcard_constraints:
 
 def plan_of(wildcards):
     """Return the plan of a house; empty when it is missing (the job then says so)."""
-    path = DATA_ROOT / ALL_HOUSES.loc[wildcards.house, "plan"]
+    path = DATA_ROOT / ALL_HOUSES[wildcards.house].plan
     return str(path) if path.is_file() else []
 
 
 def assignment_of(wildcards):
     """Return the photo table of a house; empty when the house has none."""
-    name = ALL_HOUSES.loc[wildcards.house, "assignment"]
-    path = DATA_ROOT / name
-    return str(path) if name and path.is_file() else []
+    path = named_assignment_of(wildcards)
+    return path if path and os.path.isfile(path) else []
 
 
 def object_boxes_of(wildcards):
-    """Return the object boxes of a house; empty when the data set has none."""
-    split = ALL_HOUSES.loc[wildcards.house, "split"]
-    path = LAYOUT.object_boxes(split, wildcards.house)
+    """Return the object boxes of a house; empty when there are none of it."""
+    path = LAYOUT.object_boxes(ALL_HOUSES[wildcards.house].split, wildcards.house)
     return str(path) if path.is_file() else []
 
 
 def photo_names_of(wildcards):
     """Return all photo names that the house table gives a house."""
-    return [
-        name for name in ALL_HOUSES.loc[wildcards.house, "photos"].split("|") if name
-    ]
+    return list(ALL_HOUSES[wildcards.house].photos)
 
 
 def photos_of(wildcards):
     """Return the photos of a house that exist; what is missing is the job's to report."""
-    return [str(path) for path in photo_paths(LAYOUT.photos, photo_names_of(wildcards))]
+    names = ALL_HOUSES[wildcards.house].photos
+    return [str(path) for path in photo_paths(LAYOUT.photos, names)]
 
 
 def hidden_at(drop, wildcards):
@@ -113,7 +111,7 @@ def hidden_at(drop, wildcards):
     return hidden_photos(
         UNOBSERVED,
         drop,
-        photo_names_of(wildcards),
+        ALL_HOUSES[wildcards.house].photos,
         seed=config["seed"],
         house_id=wildcards.house,
     )
@@ -128,29 +126,54 @@ def model_of(name):
     return f"{MODELS}/{name}.safetensors"
 
 
+def made(models):
+    """Return those of some weights that rules make: they are inputs.
+
+    Those that lie there ready are no inputs, which every job would hold, but params with their
+    hash: changed weights make a job anew all the same.
+    """
+    return {
+        name: path for name, path in models.items() if path.startswith(f"{RESULTS}/")
+    }
+
+
+def hashes(models):
+    """Return the hashes of those weights that lie there ready."""
+    return [ready_hash(models[name]) for name in sorted(models.keys() - made(models))]
+
+
+@functools.cache
+def ready_hash(path):
+    """Return the hash of weights; their absence is told by the first job that reads them."""
+    return file_hash(path) if os.path.isfile(path) else "absent"
+
+
+def given(**inputs):
+    """Return the inputs that there are: an empty one costs as much as a file."""
+    return {name: value for name, value in inputs.items() if value}
+
+
 def house_files(*names):
     """Return result files of every house: ``house_files("house.glb")``."""
-    return expand(
-        f"{RESULTS}/houses/{{house}}/{{name}}", house=HOUSES.index, name=names
-    )
+    return expand(f"{RESULTS}/houses/{{house}}/{{name}}", house=HOUSES, name=names)
 
 
 def named_assignment_of(wildcards):
     """Return the photo table that the house table names, there or not; "" for none."""
-    name = ALL_HOUSES.loc[wildcards.house, "assignment"]
+    name = ALL_HOUSES[wildcards.house].assignment
     return str(DATA_ROOT / name) if name else ""
 
 
-def label_model_of(wildcards):
-    """Return the segmentation model; none where labels are read from a folder.
-
-    Of a pretrained network on disk its files; one of the hub is no file, its commit is a param.
-    """
+def label_model():
+    """Return the embedded segmentation model by name; none where it does not label."""
     source = config["photos"]["masks"]
-    if source == "embedded":
-        return model_of("segmentation")
+    return {"segmentation": model_of("segmentation")} if source == "embedded" else {}
+
+
+def pretrained_files():
+    """Return the files of a pretrained network on disk; one of the hub is told by its commit."""
     folder = config["photos"]["pretrained"]["path"]
-    if source == "precomputed" or not folder:
+    if config["photos"]["masks"] in ("embedded", "precomputed") or not folder:
         return []
     return sorted(
         str(path)
@@ -161,42 +184,33 @@ def label_model_of(wildcards):
 
 def ready_masks_of(wildcards):
     """Return the label PNGs that the configured folder has for a house's photos."""
-    if config["photos"]["masks"] != "precomputed":
-        return []
     folder = Path(config["photos"]["masks_folder"] or "")
-    names = safe_names(photo_names_of(wildcards))
+    names = safe_names(ALL_HOUSES[wildcards.house].photos)
     paths = (folder / f"{Path(name).stem}.png" for name in names)
     return [str(path) for path in paths if path.is_file()]
 
 
-def masks_of(wildcards):
-    """Return the masks folder of a house; none where crops are ready."""
-    if config["crops"]["source"] == "precomputed":
-        return []
-    return f"{RESULTS}/houses/{wildcards.house}/masks"
-
-
-def cameras_of(wildcards):
-    """Return the photos' places in the plan of a house; none where crops are ready."""
-    if config["crops"]["source"] == "precomputed":
-        return []
-    return f"{RESULTS}/houses/{wildcards.house}/cameras.json"
+# What no house decides is no function below: Snakemake calls one for each of thousands of jobs.
+POOL = f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else None
+HAS_BOXES = (LAYOUT.data / "object_aabbs").is_dir()
+HAS_MASKS = config["crops"]["source"] != "precomputed"
+MASKS = f"{RESULTS}/houses/{{house}}/masks"
+CAMERAS = f"{RESULTS}/houses/{{house}}/cameras.json"
 
 
 @functools.cache
 def ready_crops():
     """Return the ready crops of the configured folder by photo stem."""
     found = {}
-    folder = config["crops"]["folder"]
-    if config["crops"]["source"] == "precomputed" and folder:
-        for path in sorted(Path(folder).glob("*/*_crop*.png")):
-            found.setdefault(path.name.rsplit("_", 2)[0], []).append(str(path))
+    for path in sorted(Path(config["crops"]["folder"]).glob("*/*_crop*.png")):
+        found.setdefault(path.name.rsplit("_", 2)[0], []).append(str(path))
     return found
 
 
 def ready_crops_of(wildcards):
-    """Return the ready crops of a house's photos; none where crops are sampled."""
-    stems = [Path(name).stem for name in safe_names(photo_names_of(wildcards))]
+    """Return the ready crops of a house's photos."""
+    names = safe_names(ALL_HOUSES[wildcards.house].photos)
+    stems = [Path(name).stem for name in names]
     return [path for stem in stems for path in ready_crops().get(stem, [])]
 
 
@@ -209,16 +223,26 @@ def seam_correction(*methods):
     }
 
 
-def decoder_of(wildcards):
-    """Return the texture model of a method; none where nothing is decoded."""
-    name = TEXTURE_METHODS[wildcards.method].weights
-    return model_of(name) if name else []
+def decoder(method):
+    """Return the texture model of a method by its name; none where nothing is decoded."""
+    name = TEXTURE_METHODS[method].weights
+    return {name: model_of(name)} if name else {}
 
 
-def library_of(wildcards):
-    """Return the tile library; none for a method that takes nothing from it."""
-    needed = TEXTURE_METHODS[wildcards.method].library
-    return f"{RESULTS}/texture_library.parquet" if needed else []
+@functools.cache
+def texture_params(method):
+    """Return what a method's tiles depend on beside a house."""
+    models = decoder(method)
+    corrected = seam_correction(method)
+    return {"models": models, "hashes": hashes(models), "seam_correction": corrected}
+
+
+def texture_inputs(wildcards):
+    """Return what a method takes from elsewhere: tiles, crops of other houses, made weights."""
+    method = TEXTURE_METHODS[wildcards.method]
+    library = method.library and f"{RESULTS}/texture_library.parquet"
+    pool = method.crop_pool and POOL
+    return given(library=library, pool=pool, **made(decoder(wildcards.method)))
 
 
 def metric_model(network):
@@ -226,12 +250,6 @@ def metric_model(network):
     if config["metrics"][network]:
         return f"{RESULTS}/weights/{network}.safetensors"
     return model_of("features")
-
-
-def crop_pool_of(wildcards):
-    """Return the crops of other houses; none where none are configured or none are copied."""
-    copied = TEXTURE_METHODS[wildcards.method].crop_pool
-    return f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES and copied else []
 
 
 def hidden_at_drops(drops):

@@ -1,3 +1,8 @@
+EMBEDDING_MODELS = {
+    name: model_of(name) for name in ("texture", "naivesynth", "propagation")
+}
+
+
 rule embeddings:
     # Every crop as numbers; the crop that stands for each surface, among those of photos not
     # hidden; and what is expected of the surfaces that no photo shows. All drops in one job: its

@@ -5,6 +5,10 @@ TABLE_DROP = "0.6" if "0.6" in DROPS else max(DROPS)
 # The networks behind FID and KID, and behind SUBS: converted ones where they are given.
 FEATURE_MODEL = metric_model("inception")
 SUBSTANCE_MODEL = metric_model("vgg16")
+EVALUATION_MODELS = EMBEDDING_MODELS | {
+    "features": FEATURE_MODEL,
+    "substances": SUBSTANCE_MODEL,
+}
 METRIC_MEMORY = 3000 if FEATURE_MODEL != SUBSTANCE_MODEL else 1000
 
 
@@ -15,8 +19,11 @@ COMPARED = f"{RESULTS}/houses/{{house}}/comparison"
 
 rule comparison:
     # Textures by every method with their COLOR, FREQ, TILE, SUBS and features of each surface that
-    # any crop shows: one job a house, for as jobs of their own they would mostly start.
+    # any crop shows, the features of the crops that FID compares them with, and a sheet of both to
+    # look at: one job a house, for as jobs of their own they would mostly start.
     input:
+        **given(pool=POOL),
+        **made(EVALUATION_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         propagated=[
@@ -24,15 +31,17 @@ rule comparison:
             for drop in TABLE_DROPS
         ],
         library=f"{RESULTS}/texture_library.parquet",
-        pool=f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else [],
-        texture=model_of("texture"),
-        naivesynth=model_of("naivesynth"),
-        propagation=model_of("propagation"),
-        features=FEATURE_MODEL,
-        substances=SUBSTANCE_MODEL,
     output:
         textures=directory(COMPARED),
         metrics=f"{RESULTS}/houses/{{house}}/metrics.parquet",
+        references=f"{RESULTS}/houses/{{house}}/reference_features.parquet",
+        sheet=report(
+            f"{RESULTS}/houses/{{house}}/texture_sheet.png",
+            caption="../report/texture_sheet.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "textures by method"},
+        ),
     log:
         f"logs/{DATASET}/comparison/{{house}}.log",
     benchmark:
@@ -44,38 +53,19 @@ rule comparison:
         mem_mb=max(2000, METRIC_MEMORY),
     params:
         dataset=DATASET,
+        models=EVALUATION_MODELS,
+        hashes=hashes(EVALUATION_MODELS),
         methods=METHODS,
         hidden=hidden_at_drops(TABLE_DROPS),
         images=config["metrics"]["fid_seeds"],
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
         seam_correction=seam_correction(*METHODS),
-        code=code_hash("evaluation.comparison"),
+        code=code_hash(
+            "evaluation.comparison", "evaluation.measure", "evaluation.texture_sheet"
+        ),
     script:
         "../scripts/comparison.py"
-
-
-rule reference_features:
-    # Features of every crop: what FID compares the textures with.
-    input:
-        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        model=FEATURE_MODEL,
-    output:
-        f"{RESULTS}/houses/{{house}}/reference_features.parquet",
-    log:
-        f"logs/{DATASET}/reference_features/{{house}}.log",
-    benchmark:
-        f"logs/{DATASET}/benchmarks/reference_features/{{house}}.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 1
-    resources:
-        mem_mb=METRIC_MEMORY,
-    params:
-        dataset=DATASET,
-        code=code_hash("evaluation.measure"),
-    script:
-        "../scripts/reference_features.py"
 
 
 rule paper_table:
@@ -107,7 +97,7 @@ rule paper_table:
         mem_mb=1000,
     params:
         dataset=DATASET,
-        houses=list(HOUSES.index),
+        houses=HOUSES,
         methods=METHODS,
         drop=TABLE_DROP,
         seed=config["seed"],
@@ -126,7 +116,7 @@ onerror:
         f"{RESULTS}/tables",
         request=TableRequest(
             dataset=DATASET,
-            houses=tuple(HOUSES.index),
+            houses=tuple(HOUSES),
             methods=tuple(METHODS),
             drop=TABLE_DROP,
             seed=config["seed"],

@@ -1,9 +1,9 @@
 rule floorplan:
     # Any supported plan, normalised and validated.
     input:
+        **given(object_boxes=HAS_BOXES and object_boxes_of),
         plan=plan_of,
         assignment=assignment_of,
-        object_boxes=object_boxes_of,
     output:
         f"{RESULTS}/houses/{{house}}/scene.json",
     log:
@@ -17,7 +17,7 @@ rule floorplan:
         mem_mb=500,
     params:
         # What the house table names: of a file that is missing the job says which.
-        plan=lambda wildcards: str(DATA_ROOT / ALL_HOUSES.loc[wildcards.house, "plan"]),
+        plan=lambda wildcards: str(DATA_ROOT / ALL_HOUSES[wildcards.house].plan),
         assignment=named_assignment_of,
         photos=str(LAYOUT.photos),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],

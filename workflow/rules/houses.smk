@@ -1,5 +1,4 @@
 from plan2scene.exports.registry import EXPORTS
-from plan2scene.provenance import PACKAGE, file_hash
 
 # Textures of the configured method, with all photos.
 CHOSEN_TEXTURES = f"{RESULTS}/drop_0.0/{config['house']['method']}/{{house}}/textures"
@@ -10,8 +9,8 @@ wildcard_constraints:
 
 
 rule house:
-    # The 3D house: GLB with embedded textures, scene.json with textures, and its preview (plan view
-    # with room names, and oblique view): one start, as all three need the meshes.
+    # The 3D house: GLB with embedded textures, scene.json with textures, its preview (plan view
+    # with room names, and oblique view), and one offline HTML file with the house in it: one start.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         textures=CHOSEN_TEXTURES,
@@ -25,6 +24,13 @@ rule house:
             subcategory="{house}",
             labels={"file": "preview"},
         ),
+        viewer=report(
+            f"{RESULTS}/houses/{{house}}/viewer.html",
+            caption="../report/viewer.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "viewer"},
+        ),
     log:
         f"logs/{DATASET}/house/{{house}}.log",
     benchmark:
@@ -35,7 +41,7 @@ rule house:
     resources:
         mem_mb=1500,
     params:
-        code=code_hash("mesh.build"),
+        code=code_hash("mesh.build", "viewer.build"),
     script:
         "../scripts/house.py"
 
@@ -60,36 +66,3 @@ rule export_house:
         code=code_hash("exports.registry"),
     script:
         "../scripts/export_house.py"
-
-
-rule viewer:
-    # One offline HTML file with the house in it.
-    input:
-        glb=f"{RESULTS}/houses/{{house}}/house.glb",
-    output:
-        report(
-            f"{RESULTS}/houses/{{house}}/viewer.html",
-            caption="../report/viewer.rst",
-            category="Houses",
-            subcategory="{house}",
-            labels={"file": "viewer"},
-        ),
-    log:
-        f"logs/{DATASET}/viewer/{{house}}.log",
-    benchmark:
-        f"logs/{DATASET}/benchmarks/viewer/{{house}}.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-    params:
-        code=code_hash("viewer.build"),
-        # The page's own files are no Python: the hash above does not see them.
-        page=[
-            file_hash(path)
-            for path in sorted((PACKAGE / "viewer").iterdir())
-            if path.suffix in (".html", ".css", ".js")
-        ],
-    script:
-        "../scripts/viewer.py"

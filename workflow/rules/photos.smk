@@ -1,11 +1,13 @@
 rule masks:
     # Floor, wall, ceiling and other in each photo, and the photo's camera.
     input:
+        **given(
+            pretrained=pretrained_files(),
+            ready=config["photos"]["masks"] == "precomputed" and ready_masks_of,
+        ),
         photos=photos_of,
-        model=label_model_of,
-        ready=ready_masks_of,
     output:
-        directory(f"{RESULTS}/houses/{{house}}/masks"),
+        directory(MASKS),
     log:
         f"logs/{DATASET}/masks/{{house}}.log",
     benchmark:
@@ -17,6 +19,8 @@ rule masks:
         mem_mb=1500,
     params:
         names=photo_names_of,
+        models=label_model(),
+        hashes=hashes(label_model()),
         photo_folder=str(LAYOUT.photos),
         source=config["photos"]["masks"],
         masks_folder=config["photos"]["masks_folder"],
@@ -29,39 +33,20 @@ rule masks:
         "../scripts/masks.py"
 
 
-rule locate:
-    # Where in the plan each photo was taken: cameras.json with room, position and heading.
-    input:
-        scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        masks=f"{RESULTS}/houses/{{house}}/masks",
-        assignment=assignment_of,
-    output:
-        f"{RESULTS}/houses/{{house}}/cameras.json",
-    log:
-        f"logs/{DATASET}/locate/{{house}}.log",
-    benchmark:
-        f"logs/{DATASET}/benchmarks/locate/{{house}}.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-    params:
-        code=code_hash("photos.locate.stage", "floorplans.scene_json", "datasets"),
-    script:
-        "../scripts/locate.py"
-
-
 rule crops:
-    # Rectified 128x128 crops of each floor, wall and ceiling that a photo shows.
+    # Where in the plan each photo was taken, and rectified 128x128 crops of each floor, wall and
+    # ceiling that it shows.
     input:
+        # Photos come by way of their masks.
+        **(
+            {"masks": MASKS}
+            if HAS_MASKS
+            else {"photos": photos_of, "ready": ready_crops_of}
+        ),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        masks=masks_of,
-        cameras=cameras_of,
         assignment=assignment_of,
-        photos=photos_of,
-        ready=ready_crops_of,
     output:
+        **({"cameras": CAMERAS} if HAS_MASKS else {}),
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         candidates=f"{RESULTS}/houses/{{house}}/candidates.parquet",
         light=f"{RESULTS}/houses/{{house}}/light.json",
@@ -86,6 +71,11 @@ rule crops:
         colours=config["house"]["colours"],
         camera_height_m=config["photos"]["camera_height_m"],
         seed=config["seed"],
-        code=code_hash("photos.crops.stage", "floorplans.scene_json", "datasets"),
+        code=code_hash(
+            "photos.crops.stage",
+            "photos.locate.stage",
+            "floorplans.scene_json",
+            "datasets.assignments",
+        ),
     script:
         "../scripts/crops.py"

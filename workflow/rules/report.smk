@@ -1,11 +1,9 @@
 rule contact_sheet:
     # What became of each photo of a house on the way to crops, to look at.
     input:
+        **({"masks": MASKS, "cameras": CAMERAS} if HAS_MASKS else {"photos": photos_of}),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         assignment=assignment_of,
-        photos=photos_of,
-        masks=masks_of,
-        cameras=cameras_of,
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         candidates=f"{RESULTS}/houses/{{house}}/candidates.parquet",
     output:
@@ -30,49 +28,20 @@ rule contact_sheet:
         photo_folder=str(LAYOUT.photos),
         camera_height_m=config["photos"]["camera_height_m"],
         code=code_hash(
-            "photos.contact_sheet.sheet", "floorplans.scene_json", "datasets"
+            "photos.contact_sheet.sheet",
+            "floorplans.scene_json",
+            "datasets.assignments",
         ),
     script:
         "../scripts/contact_sheet.py"
 
 
-rule texture_sheet:
-    # Reference crop and every method's tile of each surface of a house, to look at.
-    input:
-        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        textures=COMPARED,
-    output:
-        report(
-            f"{RESULTS}/houses/{{house}}/texture_sheet.png",
-            caption="../report/texture_sheet.rst",
-            category="Houses",
-            subcategory="{house}",
-            labels={"file": "textures by method"},
-        ),
-    log:
-        f"logs/{DATASET}/texture_sheet/{{house}}.log",
-    benchmark:
-        f"logs/{DATASET}/benchmarks/texture_sheet/{{house}}.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        methods=METHODS,
-        code=code_hash("evaluation.texture_sheet"),
-    script:
-        "../scripts/texture_sheet.py"
-
-
 rule index_page:
-    # One page that links every house's files, the table and the plot.
+    # One page that links every house's files, the table and the plot. Of the files that a job makes
+    # together, one is named.
     input:
         scenes=house_files("scene.json"),
-        glbs=house_files("house.glb"),
-        previews=house_files("preview.png"),
-        viewers=house_files("viewer.html"),
-        sheets=house_files("contact_sheet.png", "texture_sheet.png"),
+        linked=house_files("viewer.html", "contact_sheet.png", "texture_sheet.png"),
         table=f"{RESULTS}/tables/paper_table.csv",
         plot=f"{RESULTS}/tables/paper_table.png",
     output:
@@ -90,9 +59,5 @@ rule index_page:
         dataset=DATASET,
         method=config["house"]["method"],
         code=code_hash("viewer.index_page"),
-        page=[
-            file_hash(PACKAGE / "viewer" / name)
-            for name in ("index.html", "index.css")
-        ],
     script:
         "../scripts/index_page.py"

@@ -9,7 +9,7 @@ STUDY_METHODS = list(
 # What the table compares is taken from there; other methods are made for the study.
 STUDY_COMPARED = [method for method in STUDY_METHODS if method in METHODS]
 STUDY_OTHERS = [method for method in STUDY_METHODS if method not in METHODS]
-STUDY_HOUSES = study_houses(list(HOUSES.index), STUDY["houses"], seed=config["seed"])
+STUDY_HOUSES = study_houses(HOUSES, STUDY["houses"], seed=config["seed"])
 
 
 rule study_house:
@@ -39,7 +39,7 @@ rule study_house:
         others=STUDY_OTHERS,
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
-        code=code_hash("evaluation.study_sheet", "datasets"),
+        code=code_hash("evaluation.study_sheet", "datasets.assignments"),
     script:
         "../scripts/study_house.py"
 
@@ -69,7 +69,6 @@ rule study:
         pairs=STUDY["pairs"],
         seed=config["seed"],
         code=code_hash("evaluation.study_form"),
-        page=file_hash(PACKAGE / "evaluation" / "study_form.html"),
     script:
         "../scripts/study.py"
 

@@ -5,16 +5,12 @@ from plan2scene.datasets.drops import SWEEP_DROPS
 rule sweep_house:
     # A house at all drops by all methods: one job, for as jobs of their own it is mostly starts.
     input:
+        **given(pool=POOL),
+        **made(EVALUATION_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
         library=f"{RESULTS}/texture_library.parquet",
-        pool=f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else [],
-        texture=model_of("texture"),
-        naivesynth=model_of("naivesynth"),
-        propagation=model_of("propagation"),
-        features=FEATURE_MODEL,
-        substances=SUBSTANCE_MODEL,
     output:
         f"{RESULTS}/houses/{{house}}/sweep.parquet",
     log:
@@ -28,6 +24,8 @@ rule sweep_house:
         mem_mb=max(2000, METRIC_MEMORY),
     params:
         dataset=DATASET,
+        models=EVALUATION_MODELS,
+        hashes=hashes(EVALUATION_MODELS),
         hidden=hidden_at_drops(SWEEP_DROPS),
         methods=METHODS,
         seam_correction=seam_correction(*METHODS),
@@ -66,7 +64,7 @@ rule sweep:
         mem_mb=1000,
     params:
         dataset=DATASET,
-        houses=list(HOUSES.index),
+        houses=HOUSES,
         methods=METHODS,
         drops=list(SWEEP_DROPS),
         seed=config["seed"],

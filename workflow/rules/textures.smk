@@ -48,12 +48,10 @@ rule crop_pool:
 rule textures:
     # A tile for every surface of a house, by one method.
     input:
+        unpack(texture_inputs),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         propagated=f"{RESULTS}/drop_{{drop}}/{{house}}/propagated.parquet",
-        library=library_of,
-        pool=crop_pool_of,
-        model=decoder_of,
     output:
         directory(f"{RESULTS}/drop_{{drop}}/{{method}}/{{house}}/textures"),
     log:
@@ -69,8 +67,7 @@ rule textures:
         hidden=lambda wildcards: hidden_at(wildcards.drop, wildcards),
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
-        seam_correction=lambda wildcards: seam_correction(wildcards.method),
-        weights=lambda wildcards: TEXTURE_METHODS[wildcards.method].weights,
+        method=lambda wildcards: texture_params(wildcards.method),
         code=code_hash("textures.stage"),
     script:
         "../scripts/textures.py"

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from plan2scene.datasets import rooms_of_photos
+from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job
 from plan2scene.photos.contact_sheet.sheet import write_contact_sheet
@@ -15,8 +15,8 @@ with job(snakemake.log[0]):
         {name: Path(params.photo_folder) / name for name in params.names},
         rooms_of_photos(snakemake.input.assignment or None, house),
         house=house,
-        masks_dir=snakemake.input.masks or None,
-        cameras=snakemake.input.cameras or None,
+        masks_dir=snakemake.input.get("masks"),
+        cameras=snakemake.input.get("cameras"),
         crops=snakemake.input.crops,
         candidates=snakemake.input.candidates,
         camera_height_m=params.camera_height_m,

@@ -1,12 +1,13 @@
-"""Rule crops: photos, masks and cameras of a house (or ready crops) -> crops.parquet."""
+"""Rule crops: photos and masks of a house (or ready crops) -> cameras.json, crops.parquet."""
 
 from pathlib import Path
 
-from plan2scene.datasets import rooms_of_photos
+from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.stage import load_crops, make_crops
+from plan2scene.photos.locate.stage import locate_photos
 
 with job(snakemake.log[0]):
     name, params = snakemake.wildcards.house, snakemake.params
@@ -17,6 +18,7 @@ with job(snakemake.log[0]):
     if params.source == "precomputed":
         load_crops(house, rooms_of_photo, params.folder, *paths, dataset=params.dataset)
     else:
+        locate_photos(house, rooms_of_photo, snakemake.input.masks, output.cameras)
         make_crops(
             house,
             rooms_of_photo,
@@ -25,7 +27,7 @@ with job(snakemake.log[0]):
             *paths,
             dataset=params.dataset,
             seed=params.seed,
-            cameras=snakemake.input.cameras,
+            cameras=output.cameras,
             settings=CropSettings(
                 sizes_m=tuple(params.metres),
                 per_mask=params.per_mask,

@@ -1,6 +1,6 @@
 """Rule floorplan: any supported plan -> scene.json."""
 
-from plan2scene.datasets import import_plan
+from plan2scene.datasets.import_plan import import_plan
 from plan2scene.jobs import job
 
 with job(snakemake.log[0]):
@@ -10,6 +10,6 @@ with job(snakemake.log[0]):
         house_id=snakemake.wildcards.house,
         assignment=snakemake.params.assignment,
         photos_dir=snakemake.params.photos,
-        object_boxes=snakemake.input.object_boxes or None,
+        object_boxes=snakemake.input.get("object_boxes") or None,
         metres_per_pixel=snakemake.params.metres_per_pixel,
     )

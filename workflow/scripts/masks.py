@@ -13,7 +13,7 @@ with job(snakemake.log[0]):
         {name: Path(params.photo_folder) / name for name in params.names},
         lambda: labeller(
             params.source,
-            model=snakemake.input.model or None,
+            model=params.models.get("segmentation"),
             precomputed_dir=params.masks_folder,
             pretrained=params.pretrained,
             threads=snakemake.threads,

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from plan2scene.datasets import rooms_of_photos
+from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.evaluation.study_sheet import write_study_sheet
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job

@@ -11,7 +11,7 @@ with job(snakemake.log[0]):
     files = HouseFiles.of(found, snakemake.wildcards.house)
     inputs = HouseData(files).at(
         Visible(Path(found.propagated), params.hidden),
-        {params.weights: Path(found.model)} if params.weights else {},
-        TextureSettings(params.seed, params.size_px, params.seam_correction),
+        {name: Path(path) for name, path in params.method["models"].items()},
+        TextureSettings(params.seed, params.size_px, params.method["seam_correction"]),
     )
     make_textures(snakemake.wildcards.method, inputs, snakemake.output[0])

@@ -8,34 +8,45 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
-from plan2scene.datasets import make_house_table, read_house_table
 from plan2scene.datasets.layout import Layout, find_layout
+from plan2scene.datasets.table import make_house_table, read_house_rows
 from plan2scene.errors import InputError
 from plan2scene.io import safe_join
 
-if TYPE_CHECKING:
-    import pandas as pd
+
+class TableRow(NamedTuple):
+    """A house of the table: paths relative to the data set's root, names of photos."""
+
+    house: str
+    split: str
+    plan: str
+    assignment: str
+    photos: tuple[str, ...]
 
 
-def load_houses(path: Path, *, splits: Sequence[str], may_be_absent: bool = False) -> pd.DataFrame:
-    """Return the house table indexed by ``house``, only the rows of `splits`.
+def load_houses(
+    path: Path, *, splits: Sequence[str], may_be_absent: bool = False
+) -> dict[str, TableRow]:
+    """Return the rows of the house table by house, only those of `splits`.
 
-    Columns ``house, split, plan, assignment, photos``, all str. An absent table is an
-    InputError, or an empty table where `may_be_absent` (the data set is yet to be made).
+    An absent table is an InputError, or no rows where `may_be_absent` (the data set is yet to be
+    made).
     """
-    import pandas as pd
-
     if not path.is_file() and may_be_absent:
-        columns = ["split", "plan", "assignment", "photos"]
-        return pd.DataFrame({name: pd.Series(dtype=str) for name in columns}).rename_axis("house")
-    table = read_house_table(path)
-    chosen = table[table["split"].isin(list(splits))]
-    if chosen.empty:
-        found = f"only {', '.join(sorted(set(table['split']))) or 'no houses'}"
+        return {}
+    rows = read_house_rows(path)
+    chosen = {row["house"]: _table_row(row) for row in rows if row["split"] in splits}
+    if not chosen:
+        found = f"only {', '.join(sorted({row['split'] for row in rows})) or 'no houses'}"
         raise InputError(f"a house of split {', '.join(splits)}", found, file=path)
-    return chosen.set_index("house")
+    return chosen
+
+
+def _table_row(row: Mapping[str, str]) -> TableRow:
+    photos = tuple(name for name in row["photos"].split("|") if name)
+    return TableRow(row["house"], row["split"], row["plan"], row["assignment"], photos)
 
 
 def table_of(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from plan2scene.datasets.assignments import read_rows
 from plan2scene.datasets.layout import Layout, require_data_set
 from plan2scene.errors import InputError
-from plan2scene.floorplans.parse import MAX_ID_LENGTH
+from plan2scene.house import MAX_ID_LENGTH
 from plan2scene.io import atomic_path, read_json, read_text, safe_join
 
 if TYPE_CHECKING:
@@ -20,7 +20,14 @@ _NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWX
 
 
 def read_house_table(path: str | Path) -> pd.DataFrame:
-    """Return the house table (``houses.tsv``): one row per house, every column str.
+    """Return the house table as :func:`read_house_rows` has it, every column str."""
+    import pandas as pd
+
+    return pd.DataFrame(read_house_rows(path), columns=list(COLUMNS), dtype=str)
+
+
+def read_house_rows(path: str | Path) -> list[dict[str, str]]:
+    """Return the rows of the house table (``houses.tsv``), one per house.
 
     Columns ``house, split, plan, assignment, photos`` (docs/conventions.md); `assignment` and
     `photos` may be empty. Photo names are not judged here: a bad one is its own house's fault.
@@ -28,8 +35,6 @@ def read_house_table(path: str | Path) -> pd.DataFrame:
     Raises InputError for missing or unknown columns, no rows, a house twice, an unknown split, a
     house name that can't name a folder, a plan or assignment path that leaves the data set.
     """
-    import pandas as pd
-
     lines = [line for line in read_text(path).splitlines() if line.strip()]
     header = tuple(lines[0].split("\t")) if lines else ()
     if sorted(header) != sorted(COLUMNS):
@@ -48,7 +53,7 @@ def read_house_table(path: str | Path) -> pd.DataFrame:
     seen: set[str] = set()
     for row in rows:
         _check_row(row, seen, path)
-    return pd.DataFrame(rows, columns=list(COLUMNS), dtype=str)
+    return rows
 
 
 def _check_row(row: dict[str, str], seen: set[str], path: str | Path) -> None:

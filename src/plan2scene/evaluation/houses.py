@@ -64,7 +64,7 @@ class EvaluatedHouse:
         return cls(
             params.dataset,
             HouseFiles.of(paths, house_id),
-            Models(**{field.name: Path(paths[field.name]) for field in fields(Models)}),
+            Models(**{field.name: Path(params.models[field.name]) for field in fields(Models)}),
             TextureSettings(params.seed, params.size_px, params.seam_correction),
             getattr(params, "predictor", "house"),
         )

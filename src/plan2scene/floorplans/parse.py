@@ -11,12 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from plan2scene.errors import InputError
+from plan2scene.house import MAX_ID_LENGTH as MAX_ID_LENGTH
 from plan2scene.house import ROOM_TYPES, Point, Ring
 
 #: Ids of houses, rooms, walls and openings (they become file names).
 ID_PATTERN = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
-#: Longest id, so that file names built from it stay legal.
-MAX_ID_LENGTH = 150
 #: Largest coordinate in metres; beyond it the scale of the plan is wrong.
 MAX_COORDINATE = 1000.0
 #: Largest number of entries of one list in a plan.

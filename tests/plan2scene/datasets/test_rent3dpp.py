@@ -9,17 +9,13 @@ import pandas as pd
 import pytest
 from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 
-from plan2scene.datasets import (
-    check_dataset,
-    import_plan,
-    make_house_table,
-    read_assignment,
-    read_house_table,
-    read_unobserved,
-)
+from plan2scene.datasets.assignments import read_assignment
+from plan2scene.datasets.check import check_dataset
 from plan2scene.datasets.drops import hidden_photos
 from plan2scene.datasets.house_table import chosen_crops, load_houses, table_of
+from plan2scene.datasets.import_plan import import_plan
 from plan2scene.datasets.layout import find_layout
+from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
 from plan2scene.floorplans import (
     add_object_boxes,
@@ -122,8 +118,8 @@ def test_both_heads_of_photo_tables_are_in_the_copy_and_read(copy):
 def test_splits_and_hidden_photos(copy, tmp_path):
     table = table_of(dataset(copy), tmp_path / "results", make=True)
     assert table == tmp_path / "results/houses.tsv"
-    assert list(load_houses(table, splits=["test"]).index) == ["home_test_0", "home_test_1"]
-    assert list(load_houses(table, splits=["train", "val"]).index) == ["home_train_0", "home_val_0"]
+    assert list(load_houses(table, splits=["test"])) == ["home_test_0", "home_test_1"]
+    assert list(load_houses(table, splits=["train", "val"])) == ["home_train_0", "home_val_0"]
     hidden = [
         hidden_photos(
             read_unobserved(find_layout(copy).unobserved),
@@ -153,8 +149,8 @@ def test_bare_and_full_plans(copy, tmp_path):
     plans = {}
     for kind in ("bare", "full"):
         path = table_of(dataset(copy, architecture=kind), tmp_path / kind, make=True)
-        row = load_houses(path, splits=["test"]).loc["home_test_0"]
-        plans[kind] = read_plan(copy / row["plan"], "home_test_0")
+        row = load_houses(path, splits=["test"])["home_test_0"]
+        plans[kind] = read_plan(copy / row.plan, "home_test_0")
     assert plans["bare"].rooms == plans["full"].rooms
     assert plans["bare"].objects == ()
     assert len(plans["full"].objects) == len(drawn_icons(plans["bare"])) > 0
@@ -165,7 +161,7 @@ def test_full_plans_that_are_missing_are_told(copy, tmp_path):
     path.unlink()
     said = StringIO()
     table = table_of(dataset(copy, architecture="full"), tmp_path / "r", make=True, warn=said)
-    assert "archs_no_objects" in load_houses(table, splits=["test"]).loc["home_test_0", "plan"]
+    assert "archs_no_objects" in load_houses(table, splits=["test"])["home_test_0"].plan
     assert said.getvalue().count("\n") == 1
     assert "home_test_0.scene.json" in said.getvalue()
 

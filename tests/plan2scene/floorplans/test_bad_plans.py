@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from plan2scene.datasets import import_plan
+from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.floorplans import house_faults, read_plan, validate_house
 from plan2scene.house import Door, House, Opening, Room, Wall

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from plan2scene.datasets import import_plan
+from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.floorplans import (
     plan_schema,

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plan2scene.datasets import read_house_table, read_unobserved
+from plan2scene.datasets.table import read_house_table, read_unobserved
 from plan2scene.floorplans import read_scene_json, validate_house
 from plan2scene.house import House
 from plan2scene.images import read_image

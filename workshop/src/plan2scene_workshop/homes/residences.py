@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
-from plan2scene.datasets import make_house_table
 from plan2scene.datasets.assignments import read_rows
+from plan2scene.datasets.table import make_house_table
 from plan2scene.floorplans import write_scene_json
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, SurfaceKey
