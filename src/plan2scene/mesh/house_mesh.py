@@ -12,6 +12,7 @@ from plan2scene.house import House
 from plan2scene.mesh.fixtures import fixtures
 from plan2scene.mesh.openings import Portal, find_openings, room_sides
 from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.skirting import skirting
 from plan2scene.mesh.walls import (
     Body,
     flat_parts,
@@ -55,9 +56,10 @@ def assemble(house: House) -> Assembly:
     parts: list[MeshPart] = []
     for room in house.rooms:
         parts.extend(flat_parts(room, polygons[room.id]))
-        own = (side for side in sides if side.room_id == room.id)
+        own = [side for side in sides if side.room_id == room.id]
         faces = (wall_face(side, room, polygons[room.id], openings) for side in own)
-        parts.extend(face for face in faces if face is not None)
+        boards = skirting(room, own, openings)
+        parts.extend(part for part in (*faces, boards) if part is not None)
     bodies = wall_bodies(sides, together)
     for body in bodies:
         part = structure_part(body, bodies, together, openings.portals)

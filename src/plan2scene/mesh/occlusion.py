@@ -64,7 +64,8 @@ class _Chart:
 def bake_occlusion(parts: Sequence[MeshPart], flat: Sequence[MeshPart]) -> Occlusion | None:
     """Return the occlusion of the `flat` ones among a house's parts, which have UV in metres.
 
-    Every opaque part casts; glass does not. None where nothing is flat, or where there is no ray
+    Every opaque part casts; glass does not, and skirting boards, thinner than a texel, would only
+    blacken the wall behind them. None where nothing is flat, or where there is no ray
     tracer. Deterministic.
     """
     if not flat:
@@ -75,7 +76,8 @@ def bake_occlusion(parts: Sequence[MeshPart], flat: Sequence[MeshPart]) -> Occlu
     except ImportError:
         logging.getLogger("plan2scene").warning("no Embree here: the house has no occlusion")
         return None
-    solid = [part.mesh.triangles for part in parts if part.material != "glass"]
+    casting = (p for p in parts if p.material != "glass" and p.extras.get("kind") != "skirting")
+    solid = [part.mesh.triangles for part in casting]
     scene = EmbreeScene()
     TriangleMesh(scene, np.ascontiguousarray(np.concatenate(solid), dtype=np.float32))
     charts, width = _packed(flat)
