@@ -1,49 +1,43 @@
-"""Scores of the embedded segmentation network: intersection over union per label, and its time.
+"""Scores of the embedded segmentation network on sets of photos with true labels, and its time.
 
-    python benchmarks/segmentation.py --dataset data/benchmark --split val
-    python benchmarks/segmentation.py --folder FOLDER
+    python benchmarks/segmentation.py --sets sets.csv [--model FILE] [--every N] [--photos]
 
-FOLDER holds ``{name}.jpg`` with ``{name}.mask.png`` (0 other, 1 floor, 2 wall, 3 ceiling,
-255 left out). Each photo is labelled as the masks stage does it: once without a camera, then told
-the camera that the first labels gave; both are scored.
+The table of sets has the columns name, layout and path; without ``--sets`` the environment variable
+``PLAN2SCENE_SEGMENTATION_SETS`` names it, and without that the demo's photos are scored. Layouts:
+``folder`` (``{name}.jpg`` with ``{name}.mask.png``: 0 other, 1 floor, 2 wall, 3 ceiling, 255 left
+out), ``flat`` (``photos/{name}.jpg``, ``gt/masks/{name}.png``: 0 left out, 1 floor, 2 wall,
+3 ceiling, 4 door or window), ``val`` and ``test`` (that split of a synthetic data set). Each photo
+is labelled as the masks stage does it: once without a camera, then told the camera that the first
+labels gave. Prints a table of intersections over union (of summed pixels), the doors' and windows'
+together where the truth tells them, the share of pixels labelled rightly, and the expected
+calibration error, by set and by group over all real sets.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import torch
 
-from plan2scene.images import read_image
-from plan2scene.photos.camera.calibration import estimate_camera
-from plan2scene.photos.labels.palette import LABELS, read_label_png
+from plan2scene.photos.labels.palette import LABELS
 from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter
-from plan2scene_workshop.segmentation.data import (
-    LabelledPhoto,
-    confusion,
-    read_labelled_photos,
-    scores,
+from plan2scene.weights import MODELS
+from plan2scene_workshop.segmentation.evaluation import (
+    GROUPS,
+    LAYOUTS,
+    Measured,
+    figures,
+    measure,
+    read_sets,
 )
 
-DEFAULT_MODEL = Path(__file__).parents[1] / "resources/models/segmentation.safetensors"
-
-
-def folder_photos(folder: Path) -> Iterator[LabelledPhoto]:
-    """Yield the photos of a folder of photos and masks."""
-    for mask in sorted(folder.glob("*.mask.png")):
-        name = mask.name.removesuffix(".mask.png")
-        yield LabelledPhoto(name, read_image(folder / f"{name}.jpg"), read_label_png(mask))
-
-
-def two_passes(segmenter: Segmenter, photo: LabelledPhoto) -> tuple[np.ndarray, np.ndarray]:
-    """Return the labels without a camera, and those told the camera found with them."""
-    first = segmenter.labels(photo.image)
-    camera = estimate_camera(photo.image, first)
-    return first, first if camera.fallback else segmenter.labels(photo.image, camera)
+VARIABLE = "PLAN2SCENE_SEGMENTATION_SETS"
+DEMO = {"demo": ("test", Path(__file__).parents[1] / "resources" / "demo")}
+HEAD = ("photos", "n", *LABELS, "surfaces", "openings", "accuracy", "ECE")
 
 
 def seconds(segmenter: Segmenter, threads: int) -> float:
@@ -60,39 +54,38 @@ def seconds(segmenter: Segmenter, threads: int) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--model", type=Path, default=DEFAULT_MODEL)
-    parser.add_argument("--dataset", type=Path, help="root of a synthetic data set with truth")
-    parser.add_argument("--split", default="val")
-    parser.add_argument("--folder", type=Path, help="folder of photos with .mask.png beside them")
+    parser.add_argument("--model", type=Path, default=MODELS / "segmentation.safetensors")
+    parser.add_argument("--sets", type=Path, default=os.environ.get(VARIABLE))
+    parser.add_argument("--every", type=int, default=1, help="of the photos of each set")
+    parser.add_argument("--photos", action="store_true", help="a line for each photo, too")
     parser.add_argument("--threads", type=int, default=2)
     given = parser.parse_args()
     torch.set_num_threads(given.threads)
     segmenter = load_segmenter(given.model)
-    if given.dataset:
-        photos = read_labelled_photos(given.dataset, given.split, long_side=1024)
-    elif given.folder:
-        photos = list(folder_photos(given.folder))
-    else:
-        parser.error("--dataset or --folder")
-    passes: tuple[list[np.ndarray], list[np.ndarray]] = ([], [])
-    print(f"| photo | {' | '.join(LABELS)} | accuracy |")
-    print("|---" * (len(LABELS) + 2) + "|")
-    for photo in photos:
-        for found, labels in zip(passes, two_passes(segmenter, photo), strict=True):
-            found.append(confusion(labels, photo.labels))
-        print_row(photo.name, passes[1][-1:])
-    for name, found in zip(("without camera", "told the camera"), passes, strict=True):
-        print_row(f"**all, {name}**", found)
-        surfaces = scores(found).iou[1:]
-        print(f"mean over floor, wall, ceiling, {name}: {np.nanmean(surfaces):.3f}")
+    print(f"| {' | '.join(HEAD)} |")
+    print("|---" * len(HEAD) + "|")
+    real: list[Measured] = []
+    means: list[float] = []
+    for name, (layout, path) in (read_sets(given.sets) if given.sets else DEMO).items():
+        found = [measure(segmenter, photo) for photo in list(LAYOUTS[layout](path))[:: given.every]]
+        for photo in found if given.photos else ():
+            print_row(photo.name, [photo])
+        print_row(f"**{name}**", found)
+        if layout in ("folder", "flat"):
+            real += found
+            means.append(figures(found)[len(LABELS)])
+    for name, member in GROUPS.items():
+        print_row(f"real, {name}", [photo for photo in real if member(photo)])
+    if means:
+        print(f"mean of the surfaces over the real sets: {np.mean(means):.4f}")
     print(f"1024x768 photo: {seconds(segmenter, given.threads):.2f} s, {given.threads} threads")
 
 
-def print_row(name: str, found: list[np.ndarray]) -> None:
-    """Print a table row of summed confusion matrices."""
-    result = scores(found)
-    values = " | ".join(f"{value:.3f}" for value in (*result.iou, result.accuracy))
-    print(f"| {name} | {values} |")
+def print_row(name: str, photos: list[Measured]) -> None:
+    """Print a row of the table; none for no photos."""
+    if photos:
+        values = ("-" if np.isnan(value) else f"{value:.3f}" for value in figures(photos))
+        print(f"| {name} | {len(photos)} | {' | '.join(values)} |", flush=True)
 
 
 if __name__ == "__main__":

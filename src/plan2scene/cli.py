@@ -95,6 +95,9 @@ def label_photos(
     photos: Annotated[list[Path], typer.Argument(help="Photos.")],
     out: Annotated[Path, typer.Option(help="Folder for the label images.")],
     model: Annotated[Path | None, typer.Option(help="Other segmentation weights.")] = None,
+    openings: Annotated[
+        bool, typer.Option("--openings", help="Doors as 4 and windows as 5, not as other.")
+    ] = False,
 ) -> None:
     """Write label images (0 other, 1 floor, 2 wall, 3 ceiling) at the photos' size."""
     from plan2scene.images import is_label_image, read_image, write_png
@@ -110,7 +113,8 @@ def label_photos(
         keep_inputs(target, photos)
         if target.exists() and not is_label_image(target):
             raise InputError("a folder without other pictures", target.name, file=out)
-    label = labeller("embedded", model=model or MODELS / "segmentation.safetensors")
+    weights = model or MODELS / "segmentation.safetensors"
+    label = labeller("embedded", model=weights, openings=openings)
     failed = 0
     for photo, target in zip(photos, targets, strict=True):
         try:

@@ -1,14 +1,20 @@
-"""Views for training: labels, elevations and picture move together."""
+"""Views for training: labels, elevations, geometry and picture move together."""
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
+import pytest
 import torch
 
 from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL
-from plan2scene_workshop.segmentation.augment import training_batch
+from plan2scene_workshop.segmentation.augment import View, cut_view, training_batch, transplant
+from plan2scene_workshop.segmentation.camera_looks import LOOKS, other_camera
 from plan2scene_workshop.segmentation.data import LabelledPhoto
 from plan2scene_workshop.segmentation.surfaces import recolour_labels, retexture
+
+COLOURS = np.array([[200, 40, 40], [40, 160, 60], [60, 80, 190], [240, 240, 200]], np.uint8)
 
 
 def _photo(seed: int = 0, size: tuple[int, int] = (60, 80)) -> LabelledPhoto:
@@ -16,8 +22,7 @@ def _photo(seed: int = 0, size: tuple[int, int] = (60, 80)) -> LabelledPhoto:
     labels = np.full(size, WALL, np.uint8)
     labels[:15], labels[45:] = CEILING, FLOOR
     labels[20:40, 30:50] = OTHER
-    colours = np.array([[200, 40, 40], [40, 160, 60], [60, 80, 190], [240, 240, 200]], np.uint8)
-    return LabelledPhoto(f"p{seed}", colours[labels], labels)
+    return LabelledPhoto(f"p{seed}", COLOURS[labels], labels)
 
 
 def _batch(photos: list[LabelledPhoto], elevations: list[np.ndarray], seed: int, size=(32, 64)):
@@ -25,46 +30,83 @@ def _batch(photos: list[LabelledPhoto], elevations: list[np.ndarray], seed: int,
 
 
 def test_views_have_their_size_and_depend_on_the_generator_alone() -> None:
-    photos, unknown = [_photo(k) for k in range(4)], [np.full((60, 80), np.nan, np.float32)] * 4
-    first = _batch(photos, unknown, 5)
-    torch.manual_seed(1)
-    again = _batch(photos, unknown, 5)
-    assert [tuple(part.shape) for part in first] == [(4, 3, 32, 64), (4, 32, 64), (4, 32, 64)]
-    assert first[0].min() >= 0 and first[0].max() <= 1
-    assert first[1].isnan().all()
-    for one, same in zip(first, again, strict=True):
-        torch.testing.assert_close(one, same, rtol=0, atol=0, equal_nan=True)
-    assert (first[0] != _batch(photos, unknown, 6)[0]).any()
+    photos = [_photo(0, (60, 80)), _photo(1, (80, 60)), _photo(2), _photo(3)]
+    unknown = [np.full(p.labels.shape, np.nan, np.float32) for p in photos]
+    first, again = _batch(photos, unknown, 5), _batch(photos, unknown, 5)
+    assert tuple(first.images.shape) == (4, 3, 32, 64)
+    assert first.elevations.shape == first.labels.shape == (4, 32, 64)
+    assert first.images.min() >= 0 and first.images.max() <= 1
+    assert first.elevations.isnan().all()
+    assert first.geometry is None
+    torch.testing.assert_close(first.images, again.images, rtol=0, atol=0)
+    assert torch.equal(first.labels, again.labels)
+    assert (first.images != _batch(photos, unknown, 6).images).any()
 
 
-def test_labels_and_elevations_stay_together() -> None:
-    """Elevations that equal the labels still do in the view, but for things put in front."""
-    photos = [_photo(k) for k in range(8)]
-    told = [photo.labels.astype(np.float32) / 4 for photo in photos]
-    turned, agreed = 0, []
+def test_labels_elevations_and_geometry_stay_together() -> None:
+    """Elevations and depths that equal the labels still do, but for things put in front."""
+    photos, told = [], []
+    for k in range(8):
+        photo = _photo(k)
+        geometry = np.zeros((*photo.labels.shape, 4), np.float16)
+        geometry[..., 0], geometry[..., 3] = 1, photo.labels + 1
+        photos.append(dataclasses.replace(photo, geometry=geometry, openings=k % 2 == 0))
+        told.append(photo.labels.astype(np.float32) / 4)
+    turned, agreed, sides = 0, [], set()
     for seed in range(4):
-        _, elevations, labels = _batch(photos, told, seed, (48, 64))
-        known = ~elevations.isnan() & (labels != OTHER)
-        agreed.append((elevations[known] * 4 == labels[known]).float().mean())
-        assert elevations[labels == IGNORE].isnan().all()
+        batch = _batch(photos, told, seed, (48, 64))
+        labels, geometry = batch.labels, batch.geometry
+        assert geometry is not None
+        known = ~batch.elevations.isnan() & (labels != OTHER)
+        agreed.append((batch.elevations[known] * 4 == labels[known]).float().mean())
+        agreed.append((geometry[:, 3][known] == labels[known] + 1).float().mean())
+        assert (geometry.permute(0, 2, 3, 1)[labels == IGNORE] == 0).all()
+        sides |= set(geometry[:, 0].unique().tolist())
         assert set(labels.unique().tolist()) <= {OTHER, FLOOR, WALL, CEILING, IGNORE}
+        assert batch.openings.tolist() == [True, False] * 4
         turned += int((labels == IGNORE).any())
     assert min(agreed) > 0.999
     assert turned > 0
+    assert sides == {-1.0, 0.0, 1.0}  # mirrored views see a normal to the right as one to the left
 
 
 def test_a_view_keeps_photo_and_labels_together() -> None:
-    """Floors are green, before the colours of lamps and cameras: more so than walls."""
-    photos, unknown = [_photo(k) for k in range(8)], [np.full((60, 80), np.nan, np.float32)] * 8
-    found = []
-    for seed in range(4):
-        images, _, labels = _batch(photos, unknown, seed, (48, 64))
-        for image, label in zip(images, labels, strict=True):
-            green = image[1] - image[2]
-            if (label == FLOOR).sum() > 40 and (label == WALL).sum() > 40:
-                found.append(bool(green[label == FLOOR].median() > green[label == WALL].median()))
-    assert len(found) > 15
-    assert np.mean(found) > 0.75  # retextured floors and grey photos excepted
+    photo = _photo()
+    for seed in range(20):
+        unknown = np.full((60, 80), np.nan, np.float32)
+        view = cut_view(photo, unknown, (48, 64), np.random.default_rng(seed))
+        assert view.image.shape == (48, 64, 3)
+        near = np.abs(view.image.astype(int) - COLOURS[view.labels]).max(axis=2) < 8
+        assert near.mean() > 0.85  # all but borders
+
+
+@pytest.mark.parametrize("look", [look for look, _ in LOOKS])
+def test_every_look_changes_a_picture_and_keeps_its_shape(look) -> None:
+    image = _photo().image.astype(np.float32) / 255
+    changed = look(image.copy(), np.random.default_rng(0))
+    assert changed.shape == image.shape
+    assert np.isfinite(changed).all()
+    assert np.abs(changed - image).max() > 0.01
+
+
+def test_another_camera_gives_bytes_by_its_generator() -> None:
+    image = _photo().image
+    found = [other_camera(image, np.random.default_rng(k)) for k in (0, 0, 1)]
+    assert found[0].dtype == np.uint8
+    assert np.array_equal(found[0], found[1])
+    assert not np.array_equal(found[0], found[2])
+
+
+def test_things_of_another_view_come_with_their_label() -> None:
+    photo, sines = _photo(), np.zeros((60, 80), np.float32)
+    other = View(np.full_like(photo.image, 7), photo.labels, sines, None)
+    view = View(photo.image, np.full((60, 80), WALL, np.uint8), sines, None)
+    transplant(view, other, np.random.default_rng(1))
+    put = (view.image == 7).all(axis=2)
+    assert put.any()
+    assert (view.labels[put] == OTHER).all()
+    assert (view.labels[~put] == WALL).all()
+    assert not (photo.image == 7).any()
 
 
 def test_recolouring_leaves_other_alone() -> None:

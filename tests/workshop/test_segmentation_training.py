@@ -10,8 +10,18 @@ import torch
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.io import write_json
-from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL, write_label_png
-from plan2scene.photos.labels.segmentation import SegmentationNet, load_segmenter
+from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.palette import (
+    CEILING,
+    DOOR,
+    FLOOR,
+    IGNORE,
+    OTHER,
+    WALL,
+    WINDOW,
+    write_label_png,
+)
+from plan2scene.photos.labels.segmentation import load_segmenter
 from plan2scene_workshop.segmentation.data import (
     Horizon,
     LabelledPhoto,
@@ -19,13 +29,10 @@ from plan2scene_workshop.segmentation.data import (
     read_labelled_photos,
     scores,
 )
+from plan2scene_workshop.segmentation.losses import geometry_loss, segmentation_loss
 from plan2scene_workshop.segmentation.run import train_segmentation
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
-from plan2scene_workshop.segmentation.training import (
-    segmentation_loss,
-    told_elevation,
-    train_network,
-)
+from plan2scene_workshop.segmentation.training import told_elevation, train_network
 
 
 def _striped(seed: int = 0, size: tuple[int, int] = (48, 64)) -> LabelledPhoto:
@@ -49,6 +56,38 @@ def test_confusion_and_scores_by_hand() -> None:
     assert np.isnan(found.iou[0])
     assert found.mean_iou == pytest.approx(0.5)
     assert found.accuracy == pytest.approx(2 / 3)
+
+
+def test_scores_take_doors_and_windows_as_other_and_by_themselves() -> None:
+    true = np.array([[DOOR, WINDOW, OTHER, WALL]], np.uint8)
+    found = scores([confusion(np.array([[WINDOW, OTHER, OTHER, DOOR]], np.uint8), true)])
+    assert found.iou[OTHER] == pytest.approx(3 / 4)
+    assert found.iou[WALL] == 0
+    assert found.accuracy == pytest.approx(3 / 4)
+    assert found.openings == pytest.approx(1 / 3)
+
+
+def test_truth_without_openings_takes_any_of_them_for_other() -> None:
+    labels = torch.zeros(1, 8, 8, dtype=torch.int64)
+    door = torch.zeros(1, 6, 8, 8)
+    door[:, DOOR] = 9
+    other, told = door.roll(-DOOR, 1), torch.tensor([True])
+    assert segmentation_loss(door, labels, 0.5, 0.0, ~told) < 0.1
+    assert segmentation_loss(door, labels, 0.5, 0.0, told) > 5
+    assert segmentation_loss(other, labels, 0.5, 0.0, told) < 0.1
+
+
+def test_geometry_loss_counts_known_pixels_alone_and_depth_up_to_scale() -> None:
+    normals = torch.zeros(2, 3, 8, 8)
+    normals[:, 2, :4] = -1
+    depths = torch.ones(2, 8, 8)
+    depths[:, :, 4:] = 2
+    found = torch.zeros(2, 4, 2, 2)
+    found[:, 2], found[:, 3, :, 1] = -3, float(np.log(2))
+    assert geometry_loss(found + 0.0, normals, 5 * depths) == pytest.approx(0, abs=1e-5)
+    found[:, 2, 1] = 3  # where no normal is known
+    assert geometry_loss(found, normals, depths) == pytest.approx(0, abs=1e-5)
+    assert geometry_loss(-found, normals, depths) > 1
 
 
 def test_loss_leaves_ignored_pixels_out_and_falls_for_the_truth() -> None:
@@ -94,6 +133,18 @@ def _write_data_set(root: Path) -> None:
         write_json(truth / "cameras.json", {name: {}})
         write_png(root / "photos" / name, photo.image)
         write_label_png(truth / "masks" / f"{house}_a.png", photo.labels)
+
+
+def test_training_learns_from_geometry_and_openings_too() -> None:
+    photo = _striped(0)
+    geometry = np.ones((*photo.labels.shape, 4), np.float16)
+    photos = [dataclasses.replace(photo, geometry=geometry, openings=True), _striped(1)]
+    settings = SegmentationSettings(batch=4, small=64, long_side=64, steps=2)
+    trained = train_network(_tiny(), photos, photos, settings, seed=0)
+    again = train_network(_tiny(), photos, photos, settings, seed=0)
+    assert isinstance(trained.network, SegmentationNet)
+    for one, same in zip(trained.network.parameters(), again.network.parameters(), strict=True):
+        assert torch.equal(one, same)
 
 
 def test_train_segmentation_writes_weights_and_card(tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ rule masks:
         source=config["photos"]["masks"],
         masks_folder=config["photos"]["masks_folder"],
         pretrained=config["photos"]["pretrained"],
+        openings=config["photos"]["openings"],
         fov_deg=config["photos"]["fov_deg"],
         code=code_hash(
             "photos.masks", "photos.labels.segmentation", "photos.labels.pretrained"

@@ -16,6 +16,7 @@ with job(snakemake.log[0]):
             model=params.models.get("segmentation"),
             precomputed_dir=params.masks_folder,
             pretrained=params.pretrained,
+            openings=params.openings,
             threads=snakemake.threads,
             house_id=house_id,
         ),

@@ -11,7 +11,7 @@ from plan2scene.io import atomic_directory, safe_join, write_json
 from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal, read_exif_focal
 from plan2scene.photos.labels.labeller import Labeller
-from plan2scene.photos.labels.palette import write_label_png
+from plan2scene.photos.labels.palette import without_openings, write_label_png
 from plan2scene.photos.photo_files import read_photo
 
 _log = logging.getLogger("plan2scene")
@@ -69,7 +69,8 @@ def _label_photos(
             _log.warning("photo %s left out: %s", name, error)
             warnings.append(f"photo {name} left out: {error}")
             continue
-        camera = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
+        plain = without_openings(labels)
+        camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif)
         write_label_png(folder / f"{Path(name).stem}.png", labels)
         cameras[name] = camera.to_json()
         warnings += [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]

@@ -67,9 +67,9 @@ def test_palette_colours_do_not_matter_but_values_do(tmp_path: Path) -> None:
     Image.fromarray(labels).save(tmp_path / "grey.png")
     for name in ("own.png", "grey.png"):
         assert np.array_equal(masks.read_label_png(tmp_path / name), labels)
-    own.putpixel((3, 3), 4)
+    own.putpixel((3, 3), 6)
     own.save(tmp_path / "four.png")
-    with pytest.raises(InputError, match=r"labels 0 to 3 \(or 255\), found value 4"):
+    with pytest.raises(InputError, match=r"labels 0 to 5 \(or 255\), found value 6"):
         masks.read_label_png(tmp_path / "four.png")
 
 
@@ -183,3 +183,14 @@ def test_make_masks_refuses_two_photos_with_one_stem(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"a\.jpg and a\.png"):
         make_masks(photos, partial(labeller, "embedded"), tmp_path / "out", house_id="h")
     assert not (tmp_path / "out").exists()
+
+
+def test_masks_that_tell_openings_are_read_with_and_without_them(tmp_path: Path) -> None:
+    labels = _labels()
+    labels[40:44] = masks.DOOR
+    labels[20:30, 20:30] = masks.WINDOW
+    path = tmp_path / "a.png"
+    masks.write_label_png(path, labels)
+    assert np.array_equal(masks.read_label_png(path, openings=True), labels)
+    assert np.array_equal(masks.read_label_png(path), masks.without_openings(labels))
+    assert masks.labels_from_folder(tmp_path, "a.jpg", (60, 80)).max() == masks.CEILING

@@ -11,9 +11,12 @@ import torch
 from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels import labeller
+from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.palette import DOOR, OTHER, WALL, WINDOW, without_openings
 from plan2scene.photos.labels.segmentation import (
-    SegmentationNet,
     Segmenter,
+    confidence_of,
+    labels_of,
     load_segmenter,
     network_size,
     upsampled_argmax,
@@ -35,6 +38,35 @@ def _photo(height: int, width: int, seed: int = 0) -> np.ndarray:
 def test_network_gives_four_logits_at_half_resolution() -> None:
     network = _tiny()
     assert network(torch.zeros(2, 3, 64, 96)).shape == (2, 4, 32, 48)
+
+
+def test_a_network_that_tells_openings_labels_the_same_without_them() -> None:
+    torch.manual_seed(0)
+    segmenter = Segmenter(SegmentationNet(**TINY, labels=6, blocks="residual"))  # type: ignore[arg-type]
+    image = _photo(50, 70)
+    told = segmenter.labels(image, openings=True)
+    assert {DOOR, WINDOW} & set(np.unique(told).tolist())
+    assert np.array_equal(without_openings(told), segmenter.labels(image))
+    four = Segmenter(_tiny())
+    assert np.array_equal(four.labels(image, openings=True), four.labels(image))
+
+
+def test_what_may_be_a_door_a_window_or_a_thing_is_other() -> None:
+    share = np.array([0.2, 0.01, 0.4, 0.01, 0.18, 0.2], np.float32)
+    logits = np.tile(np.log(share)[:, None, None], (1, 4, 4))
+    assert (labels_of(logits, (8, 8)) == OTHER).all()
+    assert np.allclose(confidence_of(logits, (8, 8)), 0.58, atol=1e-3)
+    logits[WALL] += 1
+    assert (labels_of(logits, (8, 8), openings=True) == WALL).all()
+
+
+def test_temperature_changes_confidence_alone() -> None:
+    network = _tiny()
+    sharp = Segmenter(network).logits(_photo(48, 64), None)
+    network.architecture["temperature"] = 2.0
+    soft = Segmenter(network).logits(_photo(48, 64), None)
+    assert np.allclose(sharp, 2 * soft, atol=1e-6)
+    assert (confidence_of(sharp, (48, 64)) > confidence_of(soft, (48, 64))).all()
 
 
 def test_every_weight_of_the_network_gets_a_gradient() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal
-from plan2scene.photos.labels.palette import labels_from_folder
+from plan2scene.photos.labels.palette import labels_from_folder, without_openings
 
 #: Where masks may come from (config key ``photos.masks``).
 SOURCES = ("embedded", "precomputed", "pretrained")
@@ -43,7 +43,8 @@ class Labeller:
         labels = self.label(photo, image, None)
         if not self.uses_camera:
             return labels
-        camera = estimate_camera(image, labels, fov_deg=fov_deg, exif=exif)
+        plain = without_openings(labels)
+        camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif)
         return labels if camera.fallback else self.label(photo, image, camera)
 
 
@@ -53,6 +54,7 @@ def labeller(
     model: str | Path | None = None,
     precomputed_dir: str | Path | None = None,
     pretrained: Mapping[str, str | None] | None = None,
+    openings: bool = False,
     threads: int | None = None,
     house_id: str = "",
 ) -> Labeller:
@@ -67,13 +69,15 @@ def labeller(
         Precomputed: the folder of ``{stem}.png``.
     pretrained : mapping
         Pretrained: where the ADE20K network is (the fields of `pretrained.Checkpoint`).
+    openings : bool
+        Doors are labelled 4 and windows 5, where the source tells them; else they are other.
     threads : int, optional
         Processor threads of a network; torch's choice by default.
 
     Raises InputError when the source is unknown or what it needs is missing.
     """
     if source == "precomputed":
-        return _precomputed(precomputed_dir, house_id)
+        return _precomputed(precomputed_dir, openings, house_id)
     if source not in SOURCES:
         raise InputError(f"a mask source of {', '.join(SOURCES)}", source, house=house_id)
     if not (pretrained if source == "pretrained" else model):
@@ -91,12 +95,12 @@ def labeller(
 
     embedded = load_segmenter(str(model))
     return Labeller(
-        lambda _photo, image, camera: embedded.labels(image, camera),
+        lambda _photo, image, camera: embedded.labels(image, camera, openings=openings),
         uses_camera=embedded.network.elevation,
     )
 
 
-def _precomputed(folder: str | Path | None, house_id: str) -> Labeller:
+def _precomputed(folder: str | Path | None, openings: bool, house_id: str) -> Labeller:
     """Return what reads labels from a folder."""
     if not folder or not Path(folder).is_dir():
         found = f"no such folder {folder or ''}".strip()
@@ -104,6 +108,10 @@ def _precomputed(folder: str | Path | None, house_id: str) -> Labeller:
     ready = Path(folder)
     return Labeller(
         lambda photo, image, _camera: labels_from_folder(
-            ready, photo, (image.shape[0], image.shape[1]), house_id=house_id
+            ready,
+            photo,
+            (image.shape[0], image.shape[1]),
+            house_id=house_id,
+            openings=openings,
         )
     )

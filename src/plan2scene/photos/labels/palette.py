@@ -1,7 +1,8 @@
 """Label masks of photos on disk: palette PNG files, and pictures to look at.
 
 Labels are 0 other, 1 floor, 2 wall, 3 ceiling; 255 is ignored (truth only). Doors and windows
-are other. No torch here: stages that only read masks stay light.
+are other, but for files that tell openings: 4 door, 5 window. No torch here: stages that only read
+masks stay light.
 """
 
 from __future__ import annotations
@@ -21,10 +22,19 @@ if TYPE_CHECKING:
 
 #: Label names by value.
 LABELS = ("other", "floor", "wall", "ceiling")
-OTHER, FLOOR, WALL, CEILING = range(4)
+OTHER, FLOOR, WALL, CEILING, DOOR, WINDOW = range(6)
+#: Names of the labels of files that tell openings.
+LABELS_AND_OPENINGS = (*LABELS, "door", "window")
 IGNORE = 255
 #: sRGB colour of each label in the palette PNG and in overlays.
-PALETTE = ((128, 128, 128), (60, 180, 75), (70, 110, 220), (240, 200, 40))
+PALETTE = (
+    (128, 128, 128),
+    (60, 180, 75),
+    (70, 110, 220),
+    (240, 200, 40),
+    (200, 70, 60),
+    (90, 220, 230),
+)
 
 
 def write_label_png(path: str | Path, labels: np.ndarray) -> None:
@@ -39,16 +49,21 @@ def write_label_png(path: str | Path, labels: np.ndarray) -> None:
         image.save(temporary, format="PNG", optimize=False, compress_level=6)
 
 
-def read_label_png(path: str | Path, *, house_id: str = "") -> np.ndarray:
-    """Return (h, w) uint8 labels of a palette or grey PNG.
+def read_label_png(path: str | Path, *, house_id: str = "", openings: bool = False) -> np.ndarray:
+    """Return (h, w) uint8 labels of a palette or grey PNG; without `openings` up to 3, doors as 0.
 
     Raises InputError for a file that is missing, no such image, or has a value that is no label.
     """
     labels = decode_image(path, _label_values, house_id=house_id)
-    strange = sorted(set(np.unique(labels).tolist()) - {*range(len(LABELS)), IGNORE})
+    strange = sorted(set(np.unique(labels).tolist()) - {*range(len(LABELS_AND_OPENINGS)), IGNORE})
     if strange:
-        raise InputError("labels 0 to 3 (or 255)", f"value {strange[0]}", file=path, house=house_id)
-    return labels
+        raise InputError("labels 0 to 5 (or 255)", f"value {strange[0]}", file=path, house=house_id)
+    return labels if openings else without_openings(labels)
+
+
+def without_openings(labels: np.ndarray) -> np.ndarray:
+    """Return labels (h, w) uint8 with doors and windows as other."""
+    return np.where((labels == DOOR) | (labels == WINDOW), OTHER, labels).astype(np.uint8)
 
 
 def _label_values(image: Image.Image) -> np.ndarray:
@@ -59,7 +74,12 @@ def _label_values(image: Image.Image) -> np.ndarray:
 
 
 def labels_from_folder(
-    folder: str | Path, photo: str, size: tuple[int, int], *, house_id: str = ""
+    folder: str | Path,
+    photo: str,
+    size: tuple[int, int],
+    *,
+    house_id: str = "",
+    openings: bool = False,
 ) -> np.ndarray:
     """Return the labels of `photo` from a folder of ``{stem}.png`` (the precomputed source).
 
@@ -69,11 +89,13 @@ def labels_from_folder(
         Of the photo as :func:`plan2scene.photos.photo_files.read_photo` gives it. The mask has
         that size or the one before the reduction; of any other it is refused, since it may be
         turned or cropped.
+    openings : bool
+        Keep 4 (door) and 5 (window), which are 0 otherwise.
 
     Pixels marked 255 become 0 (other): nothing is taken from them.
     """
     path = safe_join(folder, f"{Path(photo).stem}.png", house_id=house_id)
-    labels = read_label_png(path, house_id=house_id)
+    labels = read_label_png(path, house_id=house_id, openings=openings)
     found = (labels.shape[0], labels.shape[1])
     if reduced_size(found) != tuple(size):
         expected = f"a mask of the photo's size {size[1]}x{size[0]}"

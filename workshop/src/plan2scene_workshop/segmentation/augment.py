@@ -1,65 +1,76 @@
 """Augmentation: what makes a network trained on rendered rooms stand real photos.
 
 Rendered rooms look alike in ways that real ones do not. So shape (crop, scale, turn, mirror,
-tilt), what stands in the room (things of other photos, plain patches), light and camera are
-varied widely by kornia, and what surfaces are made of by :mod:`.surfaces`.
+tilt), what stands in the room (things of other photos, plain patches), what surfaces are made of
+(:mod:`.surfaces`), light and camera (:mod:`.camera_looks`) are varied widely.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
+from dataclasses import dataclass, replace
 
-import kornia.augmentation as ka
+import cv2
 import numpy as np
 import torch
-from kornia.constants import DataKey, Resample, SamplePadding
 
-from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, WALL
+from plan2scene.photos.labels.palette import DOOR, IGNORE, OTHER, WINDOW
 from plan2scene.photos.labels.segmentation import to_tensor
+from plan2scene_workshop.segmentation.camera_looks import other_camera
 from plan2scene_workshop.segmentation.data import LabelledPhoto
 from plan2scene_workshop.segmentation.surfaces import recolour_labels, retexture
 
-#: Chance that each label of a photo is tinted, and that one has another material.
+#: Chance that each label of a view is tinted, and that one has another material.
 RECOLOUR, RETEXTURE = 0.35, 0.35
-#: What kornia does to masks: nearest pixel, 0 beyond the photo's border.
-_MASKS = {DataKey.MASK: {"resample": Resample.NEAREST, "padding_mode": SamplePadding.ZEROS}}
+#: Chance that a view is tilted and turned, gets things of another view, and each of two patches.
+TILT, TRANSPLANT, PATCH = 0.5, 0.3, 0.2
+#: Least share of a photo's area that a view shows.
+LEAST_VIEW = 0.2
 
 
-@lru_cache(maxsize=8)
-def _shape(size: tuple[int, int]) -> ka.AugmentationSequential:
-    """Return what makes views of `size` (height, width): of half a photo's side to all of it."""
-    aspect = size[1] / size[0]
-    return ka.AugmentationSequential(
-        ka.RandomHorizontalFlip(),
-        ka.RandomPerspective(0.2, p=0.3, sampling_method="area_preserving"),
-        ka.RandomAffine(5.0, scale=(0.9, 1.1), padding_mode="reflection", p=0.5),
-        ka.RandomResizedCrop(size, scale=(0.27, 1.0), ratio=(0.85 * aspect, 1.18 * aspect)),
-        data_keys=["image", "mask"],
-        extra_args=_MASKS,
-    )
+@dataclass(frozen=True)
+class Batch:
+    """Augmented views, a row each."""
+
+    images: torch.Tensor  #: (n, 3, height, width) float32 sRGB in [0, 1]
+    #: (n, height, width) float32 sine of each pixel's elevation; NaN where unknown.
+    elevations: torch.Tensor
+    labels: torch.Tensor  #: (n, height, width) int64; 255 (ignore) beyond the photo
+    openings: torch.Tensor  #: (n,) bool: whether labels tell doors and windows
+    #: (n, 4, height, width) float32 normal and depth, zero where unknown; None where no photo has.
+    geometry: torch.Tensor | None
+
+    def to(self, device: str) -> Batch:
+        """Return the batch on a device, images channels last."""
+        parts = {k: None if v is None else v.to(device) for k, v in vars(self).items()}
+        parts["images"] = self.images.to(device, memory_format=torch.channels_last)
+        return Batch(**parts)  # type: ignore[arg-type]
 
 
-@lru_cache(maxsize=1)
-def _look() -> ka.AugmentationSequential:
-    """Return what puts things in front, then varies light, then the camera."""
-    return ka.AugmentationSequential(
-        ka.RandomTransplantation([FLOOR, WALL, CEILING, IGNORE], p=0.3),  # type: ignore[arg-type]
-        # What is erased is labelled 0, which is OTHER.
-        *(ka.RandomErasing((0.004, 0.06), value=grey, p=0.12) for grey in (0.1, 0.4, 0.85)),
-        ka.RandomLinearIllumination(gain=(0.05, 0.35), p=0.3),
-        ka.RandomGaussianIllumination(gain=(0.05, 0.5), sigma=(0.1, 0.8), p=0.3),
-        ka.RandomPlanckianJitter(p=0.4),
-        ka.RandomRGBShift(0.06, 0.06, 0.06, p=0.4),
-        ka.ColorJitter(0.3, 0.35, 0.6),
-        ka.RandomGamma((0.75, 1.35), p=0.5),
-        ka.RandomGrayscale(p=0.06),
-        ka.RandomGaussianBlur((7, 7), (0.4, 1.6), p=0.25),
-        ka.RandomMotionBlur((3, 7), 90.0, 1.0, p=0.08),
-        ka.RandomSharpness(1.2, p=0.1),
-        ka.RandomGaussianNoise(std=0.02, p=0.5),
-        data_keys=["image", "mask"],
-    )
+@dataclass(eq=False)
+class View:
+    """A part of a photo at the size of the network's input."""
+
+    image: np.ndarray  #: (h, w, 3) uint8 sRGB
+    labels: np.ndarray  #: (h, w) uint8
+    sines: np.ndarray  #: (h, w) float32 elevation, NaN where unknown
+    geometry: np.ndarray | None  #: (h, w, 4) float32 as of a photo
+
+    def mapped(self, move: np.ndarray) -> View:
+        """Return the view by a homography (3, 3) of pixels; beyond its border nothing is known."""
+        height, width = self.labels.shape
+
+        def warp(values: np.ndarray, border: float, how: int = cv2.INTER_NEAREST) -> np.ndarray:
+            return cv2.warpPerspective(
+                values, move, (width, height), flags=how, borderValue=(border,) * 4
+            )
+
+        return View(
+            warp(self.image, 0, cv2.INTER_LINEAR),
+            warp(self.labels, IGNORE),
+            warp(self.sines, np.nan),
+            None if self.geometry is None else warp(self.geometry, 0),
+        )
 
 
 def training_batch(
@@ -67,50 +78,122 @@ def training_batch(
     elevations: Sequence[np.ndarray],
     size: tuple[int, int],
     rng: np.random.Generator,
-    device: str = "cpu",
-) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+) -> Batch:
     """Return an augmented view of each photo.
 
     Parameters
     ----------
-    photos : n photos of one size
+    photos : n photos
     elevations : n of (h, w) float32
         Sine of each pixel's elevation (:func:`.elevation_map`), NaN where it is not known.
     size : (height, width)
         Of the views.
     rng : numpy Generator
         All choices come from it.
-    device : str
-        Of the result, and what kornia computes on.
-
-    Returns
-    -------
-    images : (n, 3, height, width) float32 sRGB in [0, 1]
-    elevations : (n, height, width) float32
-        NaN where unknown, also where the view reaches beyond the photo.
-    labels : (n, height, width) int64
-        255 (ignore) where the view reaches beyond the photo.
     """
-    images = torch.stack([to_tensor(_other_surfaces(photo, rng)) for photo in photos])
-    labels = torch.from_numpy(np.stack([photo.labels for photo in photos])).float()
-    sines = torch.from_numpy(np.stack(elevations))
-    # Kornia fills with 0: labels are moved up by one and sines by two, so that 0 is free.
-    masks = torch.stack([(labels + 1) % 256, torch.nan_to_num(sines + 2, nan=0.0)], dim=1)
-    images, masks = images.to(device), masks.to(device)
-    with torch.random.fork_rng(), torch.autocast(images.device.type, enabled=False):
-        torch.manual_seed(int(rng.integers(2**62)))
-        images, masks = _shape(size)(images, masks)
-        labels = torch.where(masks[:, 0] == 0, IGNORE, masks[:, 0] - 1)
-        sines = torch.where(masks[:, 1] == 0, torch.nan, masks[:, 1] - 2)
-        images, labels = _look()(images, labels)
-    return images.clamp(0, 1), sines, labels.reshape(sines.shape).long()
+    views = [cut_view(*pair, size, rng) for pair in zip(photos, elevations, strict=True)]
+    views = [_tilted(_other_surfaces(view, rng), rng) for view in views]
+    for k, view in enumerate(views):
+        if rng.random() < TRANSPLANT:
+            transplant(view, views[k - 1], rng)
+        for _ in range(2):
+            if rng.random() < PATCH:
+                patch(view, rng)
+    geometry = None
+    if any(photo.geometry is not None for photo in photos):
+        empty = np.zeros((*size, 4), np.float32)
+        found = [empty if view.geometry is None else view.geometry for view in views]
+        geometry = torch.from_numpy(np.stack(found)).permute(0, 3, 1, 2).contiguous()
+    return Batch(
+        torch.stack([to_tensor(other_camera(view.image, rng)) for view in views]),
+        torch.from_numpy(np.stack([view.sines for view in views])),
+        torch.from_numpy(np.stack([view.labels for view in views]).astype(np.int64)),
+        torch.tensor([photo.openings for photo in photos]),
+        geometry,
+    )
 
 
-def _other_surfaces(photo: LabelledPhoto, rng: np.random.Generator) -> np.ndarray:
-    """Return the photo (h, w, 3) uint8, at times with its surfaces of other looks."""
-    image = photo.image
+def cut_view(
+    photo: LabelledPhoto, sines: np.ndarray, size: tuple[int, int], rng: np.random.Generator
+) -> View:
+    """Return a part of a photo, and of its elevations, at `size` (height, width), maybe mirrored.
+
+    Its area is between `LEAST_VIEW` and all of the photo's: what wide photos show, as narrow ones
+    see it.
+    """
+    height, width = photo.labels.shape
+    aspect = size[1] / size[0] * np.exp(rng.uniform(-0.16, 0.16))
+    area = rng.uniform(LEAST_VIEW, 1) * height * width
+    tall = min(height, int(np.sqrt(area / aspect)), int(width / aspect))
+    wide = min(width, int(tall * aspect))
+    top, left = (int(rng.integers(n + 1)) for n in (height - tall, width - wide))
+    way = -1 if rng.random() < 0.5 else 1
+
+    def part(values: np.ndarray, how: int = cv2.INTER_NEAREST) -> np.ndarray:
+        window = values[top : top + tall, left : left + wide]
+        return np.ascontiguousarray(cv2.resize(window, size[::-1], interpolation=how)[:, ::way])
+
+    geometry = photo.geometry
+    if geometry is not None:
+        geometry = part(geometry.astype(np.float32))
+        geometry[..., 0] *= way  # a normal to the right becomes one to the left
+    image = part(photo.image, cv2.INTER_AREA if tall > size[0] else cv2.INTER_LINEAR)
+    return View(image, part(photo.labels), part(sines), geometry)
+
+
+def _other_surfaces(view: View, rng: np.random.Generator) -> View:
+    """Return a view at times with its surfaces of other looks."""
+    image = view.image
     if rng.random() < RECOLOUR:
-        image = recolour_labels(image, photo.labels, rng)
+        image = recolour_labels(image, view.labels, rng)
     if rng.random() < RETEXTURE:
-        image = retexture(image, photo.labels, rng)
-    return image
+        image = retexture(image, view.labels, rng)
+    return replace(view, image=image)
+
+
+def _tilted(view: View, rng: np.random.Generator) -> View:
+    """Return a view at times turned by a few degrees, scaled a little and seen askew."""
+    if rng.random() >= TILT:
+        return view
+    height, width = view.labels.shape
+    corners = np.array([(0, 0), (width, 0), (width, height), (0, height)], np.float32)
+    middle = corners.mean(axis=0)
+    angle, scale = np.deg2rad(rng.uniform(-5, 5)), rng.uniform(0.95, 1.15)
+    turn = scale * np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    moved = (corners - middle) @ turn.T + middle
+    moved += rng.uniform(-0.06, 0.06, (4, 2)) * (width, height)
+    return view.mapped(cv2.getPerspectiveTransform(corners, moved.astype(np.float32)))
+
+
+def transplant(view: View, other: View, rng: np.random.Generator) -> None:
+    """Put what is no surface in another view, or one part of it, into a view."""
+    things = np.isin(other.labels, (OTHER, DOOR, WINDOW))
+    height, width = things.shape
+    tall, wide = (int(rng.uniform(0.3, 1) * n) for n in (height, width))
+    top, left = (int(rng.integers(n + 1)) for n in (height - tall, width - wide))
+    window = np.zeros_like(things)
+    window[top : top + tall, left : left + wide] = True
+    _put(view, things & window, other)
+
+
+def patch(view: View, rng: np.random.Generator) -> None:
+    """Put a plain box of any colour in front of a view."""
+    height, width = view.labels.shape
+    area, aspect = rng.uniform(0.004, 0.06) * height * width, np.exp(rng.uniform(-1.2, 1.2))
+    tall = max(1, min(height, int(np.sqrt(area * aspect))))
+    wide = max(1, min(width, int(np.sqrt(area / aspect))))
+    top, left = (int(rng.integers(n + 1)) for n in (height - tall, width - wide))
+    where = np.zeros((height, width), bool)
+    where[top : top + tall, left : left + wide] = True
+    image = np.broadcast_to(rng.integers(0, 256, 3).astype(np.uint8), view.image.shape)
+    labels = np.full_like(view.labels, OTHER)
+    _put(view, where, View(image, labels, view.sines, None))
+
+
+def _put(view: View, where: np.ndarray, other: View) -> None:
+    """Put pixels of another view into a view; the elevation stays, it is the camera's."""
+    view.image, view.labels = view.image.copy(), view.labels.copy()
+    view.image[where], view.labels[where] = other.image[where], other.labels[where]
+    if view.geometry is not None:
+        view.geometry = view.geometry.copy()
+        view.geometry[where] = 0 if other.geometry is None else other.geometry[where]

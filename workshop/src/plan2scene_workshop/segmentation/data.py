@@ -14,7 +14,7 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.images import read_image
 from plan2scene.io import read_json, read_text, safe_join
-from plan2scene.photos.labels.palette import IGNORE, LABELS, read_label_png
+from plan2scene.photos.labels.palette import IGNORE, LABELS_AND_OPENINGS, read_label_png
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,14 @@ class LabelledPhoto:
 
     name: str
     image: np.ndarray  #: (h, w, 3) uint8 sRGB
-    labels: np.ndarray  #: (h, w) uint8: 0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore
+    #: (h, w) uint8: 0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore; 4 door and 5 window where
+    #: `openings` says that they are not 0.
+    labels: np.ndarray
     horizon: Horizon | None = None  #: if known
+    openings: bool = False
+    #: (h, w, 4) float16, where the renderer told: the normal in camera axes and the depth in
+    #: metres; zero where nothing is hit.
+    geometry: np.ndarray | None = None
 
 
 def read_labelled_photos(root: str | Path, split: str, *, long_side: int) -> list[LabelledPhoto]:
@@ -97,8 +103,8 @@ def scaled_down(
 
 
 def confusion(predicted: np.ndarray, true: np.ndarray) -> np.ndarray:
-    """Return (4, 4) int64 pixel counts of labels (h, w), rows true, columns predicted; not 255."""
-    count = len(LABELS)
+    """Return (6, 6) int64 pixel counts of labels (h, w), rows true, columns predicted; not 255."""
+    count = len(LABELS_AND_OPENINGS)
     kept = true != IGNORE
     pairs = true[kept].astype(np.int64) * count + predicted[kept]
     return np.bincount(pairs, minlength=count * count).reshape(count, count)
@@ -108,19 +114,43 @@ def confusion(predicted: np.ndarray, true: np.ndarray) -> np.ndarray:
 class Scores:
     """Scores over many photos, all in [0, 1]; NaN for a label that occurs nowhere."""
 
-    iou: tuple[float, ...]  #: intersection over union per label, in the order of LABELS
-    accuracy: float  #: share of pixels labelled rightly
+    #: Intersection over union of LABELS; doors and windows are other.
+    iou: tuple[float, ...]
+    accuracy: float  #: share of pixels labelled rightly, of these labels
+    openings: float  #: intersection over union of doors and windows taken together
 
     @property
     def mean_iou(self) -> float:
         """Mean over the labels that occur."""
         return float(np.nanmean(self.iou))
 
+    @property
+    def surfaces(self) -> float:
+        """Mean over floor, wall and ceiling, of those that occur."""
+        found = [value for value in self.iou[1:] if not np.isnan(value)]
+        return float(np.mean(found)) if found else float("nan")
+
 
 def scores(matrices: Sequence[np.ndarray]) -> Scores:
     """Return the scores of summed confusion matrices (pixels of all photos count alike)."""
     total = np.sum(matrices, axis=0).astype(np.float64)
-    hit = np.diag(total)
-    union = total.sum(axis=0) + total.sum(axis=1) - hit
-    iou = np.divide(hit, union, out=np.full(len(hit), np.nan), where=union > 0)
-    return Scores(tuple(iou.tolist()), float(hit.sum() / total.sum()))
+    four = _grouped(total, [0, 1, 2, 3, 0, 0])
+    openings = _grouped(total, [0, 0, 0, 0, 1, 1])
+    return Scores(
+        tuple(_iou(four).tolist()),
+        float(np.diag(four).sum() / four.sum()),
+        float(_iou(openings)[1]),
+    )
+
+
+def _grouped(matrix: np.ndarray, groups: Sequence[int]) -> np.ndarray:
+    """Return a confusion matrix of labels taken together, by each label's group."""
+    member = np.eye(max(groups) + 1)[list(groups)]
+    return np.asarray(member.T @ matrix @ member)
+
+
+def _iou(matrix: np.ndarray) -> np.ndarray:
+    """Return intersection over union of each label (n,) of a confusion matrix."""
+    hit, true = np.diag(matrix), matrix.sum(axis=1)
+    union = matrix.sum(axis=0) + true - hit
+    return np.divide(hit, union, out=np.full(len(hit), np.nan), where=true > 0)

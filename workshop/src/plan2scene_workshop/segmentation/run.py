@@ -7,8 +7,9 @@ from pathlib import Path
 
 import torch
 
+from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import LABELS
-from plan2scene.photos.labels.segmentation import SegmentationNet, load_segmenter
+from plan2scene.photos.labels.segmentation import load_segmenter
 from plan2scene.seeds import derive_seed
 from plan2scene.weights import save_model_file
 from plan2scene_workshop.segmentation.data import Scores, read_labelled_photos

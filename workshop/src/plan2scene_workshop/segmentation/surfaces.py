@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from plan2scene.materials import random_material
-from plan2scene.photos.labels.palette import CEILING, FLOOR, LABELS, OTHER
+from plan2scene.photos.labels.palette import CEILING, FLOOR, LABELS_AND_OPENINGS, OTHER
 from plan2scene.seeds import generator
 from plan2scene_workshop.rendering.palette import pattern
 
@@ -36,7 +36,7 @@ def surface_tiles() -> tuple[Array, ...]:
 def recolour_labels(image: Array, labels: Array, rng: Rng) -> Array:
     """Return the photo with each label's pixels tinted on their own, shading kept."""
     gains = np.ones((256, 3), np.float32)
-    for label in range(len(LABELS)):
+    for label in range(len(LABELS_AND_OPENINGS)):
         if label != OTHER and rng.random() < 0.6:
             gains[label] = np.exp(rng.normal(0, 0.3) + rng.normal(0, 0.15, 3))
     field = cv2.GaussianBlur(gains[labels], (3, 3), 0)
@@ -48,7 +48,7 @@ def retexture(image: Array, labels: Array, rng: Rng) -> Array:
 
     The tile lies in perspective on floors and ceilings, flat on walls and things.
     """
-    found = [k for k in range(len(LABELS)) if (labels == k).mean() > 0.02]
+    found = [k for k in range(len(LABELS_AND_OPENINGS)) if (labels == k).mean() > 0.02]
     if not found:
         return image
     weights = np.array([2.0 if k == FLOOR else 1.0 for k in found])

@@ -1,4 +1,4 @@
-"""Training of the segmentation network: its loss, its batches and its evaluation."""
+"""Training of the segmentation network: its batches and its evaluation."""
 
 from __future__ import annotations
 
@@ -10,38 +10,20 @@ from typing import Any
 import numpy as np
 import torch
 from torch import nn
-from torch.nn import functional as F
 
 from plan2scene.photos.camera.calibration import Camera, estimate_camera
 from plan2scene.photos.labels.elevation import elevation_map
-from plan2scene.photos.labels.palette import IGNORE, LABELS
-from plan2scene.photos.labels.segmentation import SegmentationNet, Segmenter
-from plan2scene_workshop.segmentation.augment import training_batch
+from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.segmentation import Segmenter
+from plan2scene_workshop.segmentation.augment import Batch, training_batch
 from plan2scene_workshop.segmentation.data import LabelledPhoto, Scores, confusion, digest, scores
+from plan2scene_workshop.segmentation.losses import (
+    GeometryHead,
+    geometry_loss,
+    segmentation_loss,
+)
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, best_device, cosine
-
-
-def segmentation_loss(
-    logits: torch.Tensor, labels: torch.Tensor, dice: float, smoothing: float = 0.0
-) -> torch.Tensor:
-    """Return cross-entropy + `dice` x soft Dice over the batch.
-
-    Parameters
-    ----------
-    logits : (n, 4, h / 2, w / 2) float32
-        Brought to the labels' size first, so that borders are learned at full resolution.
-    labels : (n, h, w) int64
-        255 is left out.
-    """
-    logits = F.interpolate(logits, size=labels.shape[1:], mode="bilinear")
-    loss = F.cross_entropy(logits, labels, ignore_index=IGNORE, label_smoothing=smoothing)
-    kept = (labels != IGNORE)[:, None]
-    target = F.one_hot(labels.where(labels != IGNORE, 0), len(LABELS)).permute(0, 3, 1, 2) * kept
-    probability = logits.softmax(dim=1) * kept
-    overlap = (probability * target).sum(dim=(0, 2, 3))
-    total = (probability + target).sum(dim=(0, 2, 3))
-    return loss + dice * (1 - ((2 * overlap + 1) / (total + 1)).mean())
 
 
 def estimated_cameras(photos: Sequence[LabelledPhoto]) -> list[Camera | None]:
@@ -57,7 +39,7 @@ def evaluate(
     segmenter = Segmenter(copy.deepcopy(network).cpu())
     return scores(
         [
-            confusion(segmenter.labels(photo.image, camera), photo.labels)
+            confusion(segmenter.labels(photo.image, camera, openings=True), photo.labels)
             for photo, camera in zip(photos, cameras, strict=True)
         ]
     )
@@ -77,14 +59,28 @@ def train_network(
     It starts from the weights of `network`, or goes on from a checkpoint of this run.
     """
     device = best_device()
-    network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    told = settings.geometry > 0 and any(photo.geometry is not None for photo in photos)
+    whole = GeometryHead(network)
+    whole.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     def loss(step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
         long = settings.small if step < settings.steps * 2 / 3 else settings.long_side
-        images, elevations, labels = draw_batch(photos, settings, long, rng, device)
-        logits = network(images, elevations).float()
-        smoothing = settings.label_smoothing
-        return {"labels": segmentation_loss(logits, labels, settings.dice, smoothing)}
+        batch = draw_batch(photos, settings, long, rng).to(device)
+        logits, geometry = whole(batch.images, batch.elevations)
+        parts = {
+            "labels": segmentation_loss(
+                logits.float(),
+                batch.labels,
+                settings.dice,
+                settings.label_smoothing,
+                batch.openings,
+            )
+        }
+        if told and batch.geometry is not None:
+            true = batch.geometry
+            found = geometry_loss(geometry.float(), true[:, :3], true[:, 3])
+            parts["geometry"] = settings.geometry * found
+        return parts
 
     options = TrainerOptions(
         "segmentation",
@@ -97,19 +93,21 @@ def train_network(
         bfloat16=settings.bfloat16,
     )
     optimiser = torch.optim.AdamW(
-        _parameter_groups(network, settings.weight_decay), lr=settings.learning_rate
+        _parameter_groups(whole if told else network, settings.weight_decay),
+        lr=settings.learning_rate,
     )
     cameras = estimated_cameras(held_out)
     trainer = Trainer(
-        network,
+        whole,
         loss,
         optimiser,
         options,
-        evaluate=lambda network: evaluate(network, held_out, cameras).mean_iou,
+        evaluate=lambda whole: evaluate(whole.network, held_out, cameras).mean_iou,
         run=(settings, digest(photos)),
     )
     trainer.resume(checkpoint)
-    return trainer.fit(checkpoint)
+    trained = trainer.fit(checkpoint)
+    return Trained(trained.network.network, trained.step, trained.score, trained.seconds)
 
 
 def _parameter_groups(network: nn.Module, decay: float) -> list[dict[str, Any]]:
@@ -124,9 +122,8 @@ def draw_batch(
     settings: SegmentationSettings,
     long: int,
     rng: np.random.Generator,
-    device: str = "cpu",
-) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-    """Return (n, 3, h, w) views, (n, h, w) elevations, both float32, (n, h, w) int64 labels.
+) -> Batch:
+    """Return augmented views of photos drawn at random.
 
     Views are `long` pixels on their longer side and lie, stand or are square.
     """
@@ -134,8 +131,7 @@ def draw_batch(
     size = [(short, long), (long, short), (short, short)][rng.choice(3, p=[0.65, 0.2, 0.15])]
     chosen = [photos[index] for index in rng.integers(len(photos), size=settings.batch)]
     told = [told_elevation(photo, settings, rng) for photo in chosen]
-    images, elevations, labels = training_batch(chosen, told, size, rng, device)
-    return images.contiguous(memory_format=torch.channels_last), elevations, labels
+    return training_batch(chosen, told, size, rng)
 
 
 def told_elevation(

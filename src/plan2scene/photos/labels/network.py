@@ -1,0 +1,220 @@
+"""The embedded segmentation network: a photo in, logits of its labels at half resolution out.
+
+Small enough to ship and to train on a few processor cores: an encoder of inverted residuals or of
+plain ones, a block that sees the whole picture along rows, columns and altogether, and a light
+decoder to half resolution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import torch
+from torch import nn
+from torch.nn import functional as F
+
+#: Mean and standard deviation of sRGB values in [0, 1] that the network's input is scaled by.
+_MEAN, _STD = 0.5, 0.25
+
+
+def _conv(n_in: int, n_out: int, size: int, stride: int = 1, groups: int = 1) -> nn.Sequential:
+    """Return convolution and batch norm without activation."""
+    return nn.Sequential(
+        nn.Conv2d(n_in, n_out, size, stride, size // 2, groups=groups, bias=False),
+        nn.BatchNorm2d(n_out),
+    )
+
+
+class InvertedResidual(nn.Module):
+    """Expand by 1x1, filter each channel by 3x3, project by 1x1 (Sandler et al. 2018).
+
+    Shapes: (n, n_in, h, w) -> (n, n_out, h / stride, w / stride).
+    """
+
+    def __init__(self, n_in: int, n_out: int, *, stride: int = 1, expansion: int = 4) -> None:
+        super().__init__()
+        hidden = n_in * expansion
+        self.layers = nn.Sequential(
+            _conv(n_in, hidden, 1),
+            nn.Hardswish(),
+            _conv(hidden, hidden, 3, stride, groups=hidden),
+            nn.Hardswish(),
+            _conv(hidden, n_out, 1),
+        )
+        self.residual = stride == 1 and n_in == n_out
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        """Return the block's output, with the input added where shapes allow."""
+        y: torch.Tensor = self.layers(x)
+        return x + y if self.residual else y
+
+
+class Residual(nn.Module):
+    """Two 3x3 convolutions beside a short cut (He et al. 2016): dense, so quick on processors.
+
+    Shapes: (n, n_in, h, w) -> (n, n_out, h / stride, w / stride).
+    """
+
+    def __init__(self, n_in: int, n_out: int, *, stride: int = 1, expansion: int = 0) -> None:
+        super().__init__()
+        self.first = _conv(n_in, n_out, 3, stride)
+        self.second = _conv(n_out, n_out, 3)
+        same = stride == 1 and n_in == n_out
+        self.short_cut = nn.Identity() if same else _conv(n_in, n_out, 1, stride)
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        """Return the block's output."""
+        y: torch.Tensor = self.second(F.relu(self.first(x)))
+        return F.relu(y + self.short_cut(x))
+
+
+#: Kinds of block by the name that an architecture gives.
+BLOCKS: dict[str, type[nn.Module]] = {"inverted": InvertedResidual, "residual": Residual}
+
+
+class WholePicture(nn.Module):
+    """Add what the picture's rows, its columns and the picture as a whole hold on average.
+
+    Whether a grey region is ceiling or wall depends on what is below and beside it, far beyond
+    the reach of a small encoder. Shapes: (n, c, h, w) -> (n, c, h, w).
+    """
+
+    def __init__(self, channels: int) -> None:
+        super().__init__()
+        self.rows = nn.Conv2d(channels, channels, (5, 1), padding=(2, 0))
+        self.columns = nn.Conv2d(channels, channels, (1, 5), padding=(0, 2))
+        self.picture = nn.Conv2d(channels, channels, 1)
+        self.mix = _conv(channels, channels, 1)
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        """Return `x` with the three averages mixed in."""
+        rows = self.rows(x.mean(dim=3, keepdim=True))
+        columns = self.columns(x.mean(dim=2, keepdim=True))
+        picture = self.picture(x.mean(dim=(2, 3), keepdim=True))
+        y: torch.Tensor = self.mix(F.hardswish(x + rows + columns + picture))
+        return x + y
+
+
+class _Up(nn.Module):
+    """Double the resolution, add the encoder's map of that resolution, filter by `block`."""
+
+    def __init__(
+        self, n_in: int, n_skip: int, n_out: int, *, block: type[nn.Module] | None
+    ) -> None:
+        super().__init__()
+        self.lateral = _conv(n_skip, n_out, 1)
+        self.deep = _conv(n_in, n_out, 1)
+        # At half resolution a block of its own would cost as much as the whole encoder.
+        self.filter = nn.Identity() if block is None else block(n_out, n_out, expansion=2)
+
+    def forward(self, x: torch.Tensor, skip: torch.Tensor) -> torch.Tensor:
+        deep = F.interpolate(self.deep(x), size=skip.shape[2:], mode="bilinear")
+        y: torch.Tensor = self.filter(F.hardswish(deep + self.lateral(skip)))
+        return y
+
+
+class SegmentationNet(nn.Module):
+    """Photo -> logits of its labels at half resolution.
+
+    Parameters
+    ----------
+    widths : sequence of int
+        Channels at strides 2, 4, 8, 16, 32.
+    depths : sequence of int
+        Blocks at strides 4, 8, 16, 32.
+    decoder : int
+        Channels of the decoder at strides 16 and 8; half of it at 4, a quarter at 2.
+    long_side : int
+        Pixels of the longer side that photos are scaled to before inference.
+    elevation : bool
+        Whether the network also sees how far above the horizon each pixel looks, where known.
+    blocks : {"inverted", "residual"}
+        What encoder and decoder are made of.
+    labels : int
+        4: other, floor, wall, ceiling; 6: door and window as well.
+    temperature : float
+        What logits are divided by before they become probabilities, chosen on held-out renderings.
+
+    Shapes: (n, 3, h, w) float32 in [0, 1], h and w multiples of 32 -> (n, labels, h / 2, w / 2).
+    """
+
+    def __init__(
+        self,
+        *,
+        widths: Sequence[int] = (16, 24, 56, 112, 192),
+        depths: Sequence[int] = (2, 3, 5, 3),
+        decoder: int = 64,
+        long_side: int = 320,
+        elevation: bool = False,
+        blocks: str = "inverted",
+        labels: int = 4,
+        temperature: float = 1.0,
+    ) -> None:
+        super().__init__()
+        self.long_side, self.elevation = long_side, elevation
+        self.architecture: dict[str, Any] = {
+            "widths": list(widths),
+            "depths": list(depths),
+            "decoder": decoder,
+            "long_side": long_side,
+            "elevation": elevation,
+            "blocks": blocks,
+            "labels": labels,
+            "temperature": temperature,
+        }
+        block = BLOCKS[blocks]
+        # Two more channels hold row and column in [-1, 1]: floors are mostly low in a photo.
+        channels = 7 if elevation else 5
+        self.stem = nn.Sequential(_conv(channels, widths[0], 3, stride=2), nn.Hardswish())
+        self.stages = nn.ModuleList(
+            nn.Sequential(
+                block(n_in, n_out, stride=2, expansion=2 if k == 0 else 4),
+                *(block(n_out, n_out, expansion=4) for _ in range(depth - 1)),
+            )
+            for k, (n_in, n_out, depth) in enumerate(
+                zip(widths[:-1], widths[1:], depths, strict=True)
+            )
+        )
+        self.context = WholePicture(widths[4])
+        self.ups = nn.ModuleList(
+            [
+                _Up(widths[4], widths[3], decoder, block=block),
+                _Up(decoder, widths[2], decoder, block=block),
+                _Up(decoder, widths[1], decoder // 2, block=block),
+                _Up(decoder // 2, widths[0], decoder // 4, block=None),
+            ]
+        )
+        self.head = nn.Conv2d(decoder // 4, labels, 3, padding=1)
+
+    def maps(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> list[torch.Tensor]:
+        """Return the decoder's maps at strides 16, 8, 4 and 2; arguments as of the network."""
+        n, _, h, w = x.shape
+        rows = torch.linspace(-1, 1, h, device=x.device).view(1, 1, h, 1).expand(n, 1, h, w)
+        columns = torch.linspace(-1, 1, w, device=x.device).view(1, 1, 1, w).expand(n, 1, h, w)
+        planes = [(x - _MEAN) / _STD, rows, columns]
+        if self.elevation:
+            if elevation is None:
+                elevation = x.new_full((n, h, w), torch.nan)
+            known = ~elevation.isnan()
+            planes += [(2 * elevation).where(known, 0)[:, None], known[:, None].to(x.dtype)]
+        y = self.stem(torch.cat(planes, dim=1))
+        skips = [y]
+        for stage in self.stages:
+            y = stage(y)
+            skips.append(y)
+        y = self.context(y)
+        found = []
+        for up, skip in zip(self.ups, reversed(skips[:-1]), strict=True):
+            y = up(y, skip)
+            found.append(y)
+        return found
+
+    def forward(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> torch.Tensor:
+        """Return logits; see the class for shapes.
+
+        `elevation` is (n, h, w) float32 of :func:`.elevation.elevation_map`; NaN where it is not
+        known. A network that was made without it ignores it.
+        """
+        logits: torch.Tensor = self.head(self.maps(x, elevation)[-1])
+        return logits

@@ -1,0 +1,158 @@
+"""Sets of photos with true labels, and how well a network labels them: by label and by group."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.images import read_image
+from plan2scene.photos.camera.calibration import estimate_camera
+from plan2scene.photos.labels.palette import DOOR, IGNORE, OTHER, read_label_png
+from plan2scene.photos.labels.segmentation import Segmenter, confidence_of, labels_of
+from plan2scene_workshop.segmentation.data import (
+    LabelledPhoto,
+    confusion,
+    read_labelled_photos,
+    scores,
+)
+
+#: Bins of confidence that the calibration error is made of.
+BINS = 15
+#: Median of a photo's grey values in [0, 1] below which it is dim.
+DIM = 0.35
+#: Horizontal field of view in degrees from which on a photo is wide.
+WIDE_DEG = 65.0
+#: Share of truth that is other (doors and windows included) from which on a room is furnished.
+FURNISHED = 0.4
+
+
+@dataclass(frozen=True)
+class Measured:
+    """How one photo was labelled."""
+
+    name: str
+    matrix: np.ndarray  #: of :func:`.data.confusion`
+    #: (BINS, 3) float64: pixels, sum of their confidence, how many are right, by confidence.
+    bins: np.ndarray
+    dim: bool
+    wide: bool
+    furnished: bool
+    openings: bool  #: whether the truth tells doors and windows
+
+
+def folder_photos(folder: Path) -> Iterator[LabelledPhoto]:
+    """Yield the photos of a folder of ``{name}.jpg`` with ``{name}.mask.png``, doors as other."""
+    for mask in sorted(folder.glob("*.mask.png")):
+        name = mask.name.removesuffix(".mask.png")
+        yield LabelledPhoto(name, read_image(folder / f"{name}.jpg"), read_label_png(mask))
+
+
+def flat_photos(folder: Path) -> Iterator[LabelledPhoto]:
+    """Yield the photos of a flat: ``photos/{name}.jpg`` with ``gt/masks/{name}.png``.
+
+    Its masks hold 0 not scored, 1 floor, 2 wall, 3 ceiling, 4 door, window or passage.
+    """
+    values = np.array([IGNORE, 1, 2, 3, DOOR], np.uint8)
+    for mask in sorted((folder / "gt" / "masks").glob("*.png")):
+        labels = values[read_label_png(mask, openings=True)]
+        image = read_image(folder / "photos" / f"{mask.stem}.jpg")
+        yield LabelledPhoto(mask.stem, image, labels, openings=True)
+
+
+#: Readers of sets by the layout's name; a data set's is that of its split.
+LAYOUTS: dict[str, Callable[[Path], Iterator[LabelledPhoto]]] = {
+    "folder": folder_photos,
+    "flat": flat_photos,
+    "val": lambda root: iter(read_labelled_photos(root, "val", long_side=1024)),
+    "test": lambda root: iter(read_labelled_photos(root, "test", long_side=1024)),
+}
+
+
+def read_sets(table: Path) -> dict[str, tuple[str, Path]]:
+    """Return layout and folder by set of a CSV with the columns name, layout, path.
+
+    Paths are absolute or relative to the table.
+    """
+    with table.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        if row.get("layout") not in LAYOUTS or not row.get("path") or not row.get("name"):
+            expected = f"columns name, layout ({', '.join(LAYOUTS)}), path"
+            raise InputError(expected, str(dict(row)), file=table)
+    return {row["name"]: (row["layout"], table.parent / row["path"]) for row in rows}
+
+
+def measure(segmenter: Segmenter, photo: LabelledPhoto) -> Measured:
+    """Return how a photo is labelled as in the masks stage: told the camera that labels give."""
+    image, true = photo.image, photo.labels
+    size = (true.shape[0], true.shape[1])
+    logits = segmenter.logits(image, None)
+    camera = estimate_camera(image, labels_of(logits, (image.shape[0], image.shape[1])))
+    if segmenter.network.elevation and not camera.fallback:
+        logits = segmenter.logits(image, camera)
+    labels = labels_of(logits, size, openings=True)
+    fov = 2 * np.degrees(np.arctan(image.shape[1] / 2 / camera.focal_px))
+    grey = image.mean(axis=2) / 255
+    scored = true != IGNORE
+    return Measured(
+        photo.name,
+        confusion(labels, true),
+        confidence_bins(confidence_of(logits, size), labels, true),
+        bool(np.median(grey) < DIM),
+        bool(fov >= WIDE_DEG),
+        bool(_four(true[scored] == OTHER, true[scored]).mean() >= FURNISHED),
+        photo.openings,
+    )
+
+
+def _four(other: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Return whether labels are other, doors and windows included."""
+    return other | (labels >= DOOR)
+
+
+def confidence_bins(confidence: np.ndarray, labels: np.ndarray, true: np.ndarray) -> np.ndarray:
+    """Return (BINS, 3) float64: pixels, sum of confidence and how many are right, by confidence.
+
+    Parameters
+    ----------
+    confidence : (h, w) float32 in [0, 1]
+    labels, true : (h, w) uint8
+        Doors and windows count as other; 255 is left out of the truth.
+    """
+    scored = true != IGNORE
+    sure, labels, true = confidence[scored], labels[scored], true[scored]
+    right = np.where(labels >= DOOR, OTHER, labels) == np.where(true >= DOOR, OTHER, true)
+    bins = np.minimum((sure * BINS).astype(int), BINS - 1)
+    weights = (None, sure, right)
+    return np.stack([np.bincount(bins, weight, BINS) for weight in weights], axis=1)
+
+
+def calibration_error(bins: Sequence[np.ndarray]) -> float:
+    """Return the expected calibration error: mean gap between confidence and accuracy of bins."""
+    total = np.sum(bins, axis=0)
+    return float(np.abs(total[:, 1] - total[:, 2]).sum() / total[:, 0].sum())
+
+
+def figures(photos: Sequence[Measured]) -> list[float]:
+    """Return a row: IoU of the four labels, surfaces' mean, openings, accuracy, calibration."""
+    found = scores([photo.matrix for photo in photos])
+    told = [photo.matrix for photo in photos if photo.openings]
+    openings = scores(told).openings if told else float("nan")
+    error = calibration_error([photo.bins for photo in photos])
+    return [*found.iou, found.surfaces, openings, found.accuracy, error]
+
+
+#: Groups that a set is split by, and whether a photo is in one.
+GROUPS: dict[str, Callable[[Measured], bool]] = {
+    "dim": lambda photo: photo.dim,
+    "bright": lambda photo: not photo.dim,
+    "narrow": lambda photo: not photo.wide,
+    "wide": lambda photo: photo.wide,
+    "furnished": lambda photo: photo.furnished,
+    "empty": lambda photo: not photo.furnished,
+}
