@@ -169,10 +169,10 @@ def write_png(path: str | os.PathLike[str], image: np.ndarray) -> None:
 
 
 def is_label_image(path: str | os.PathLike[str]) -> bool:
-    """Return whether a file is a grey image of labels (0 to 3), as ``plan2scene masks`` writes."""
+    """Return whether a file is a grey image of labels (0 to 5), as ``plan2scene masks`` writes."""
 
     def holds_labels(image: Image.Image) -> bool:
-        return image.mode == "L" and int(np.asarray(image).max()) <= 3
+        return image.mode == "L" and int(np.asarray(image).max()) <= 5
 
     try:
         return decode_image(path, holds_labels)
