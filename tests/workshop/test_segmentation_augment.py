@@ -48,8 +48,9 @@ def test_labels_elevations_and_geometry_stay_together() -> None:
     photos, told = [], []
     for k in range(8):
         photo = _photo(k)
-        geometry = np.zeros((*photo.labels.shape, 4), np.float16)
-        geometry[..., 0], geometry[..., 3] = 1, photo.labels + 1
+        half = photo.labels[::2, ::2]
+        geometry = np.zeros((*half.shape, 4), np.float16)
+        geometry[..., 0], geometry[..., 3] = 1, half + 1
         photos.append(dataclasses.replace(photo, geometry=geometry, openings=k % 2 == 0))
         told.append(photo.labels.astype(np.float32) / 4)
     turned, agreed, sides = 0, [], set()
@@ -59,7 +60,8 @@ def test_labels_elevations_and_geometry_stay_together() -> None:
         assert geometry is not None
         known = ~batch.elevations.isnan() & (labels != OTHER)
         agreed.append((batch.elevations[known] * 4 == labels[known]).float().mean())
-        agreed.append((geometry[:, 3][known] == labels[known] + 1).float().mean())
+        deep = (geometry[:, 3][known] == labels[known] + 1).float().mean()
+        assert deep > 0.9  # half the resolution: all but borders
         assert (geometry.permute(0, 2, 3, 1)[labels == IGNORE] == 0).all()
         sides |= set(geometry[:, 0].unique().tolist())
         assert set(labels.unique().tolist()) <= {OTHER, FLOOR, WALL, CEILING, IGNORE}

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from PIL import Image
 
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
@@ -170,6 +171,25 @@ def test_elevations_follow_the_horizon_and_are_sometimes_unknown() -> None:
     never = SegmentationSettings(elevation_known=0.0)
     assert np.isnan(told_elevation(photo, never, rng)).all()
     assert np.isnan(told_elevation(_striped(1), exact, rng)).all()
+
+
+def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path: Path) -> None:
+    _write_data_set(tmp_path)
+    plain = read_labelled_photos(tmp_path, "train", long_side=64)[0]
+    assert plain.geometry is None and not plain.openings
+    truth = tmp_path / "truth" / "train" / "h1"
+    normals = np.zeros((48, 64, 3), np.uint8)
+    normals[:24] = (255, 128, 128)
+    depth = np.full((48, 64), 2500, np.uint16)
+    for folder, values in (("normals", normals), ("depth", depth)):
+        (truth / folder).mkdir()
+        Image.fromarray(values).save(truth / folder / "h1_a.png")
+    write_label_png(truth / "masks" / "h1_a.png", np.full((48, 64), WINDOW, np.uint8))
+    photo = read_labelled_photos(tmp_path, "train", long_side=64)[0]
+    assert photo.openings and (photo.labels == WINDOW).all()
+    assert photo.geometry is not None and photo.geometry.shape == (24, 32, 4)
+    assert np.allclose(photo.geometry[0, 0], (1, 0, 0, 2.5), atol=0.01)
+    assert photo.geometry[-1, 0].tolist() == [0, 0, 0, 2.5]
 
 
 def test_a_split_without_photos_is_an_error(tmp_path: Path) -> None:

@@ -130,7 +130,12 @@ def cut_view(
     way = -1 if rng.random() < 0.5 else 1
 
     def part(values: np.ndarray, how: int = cv2.INTER_NEAREST) -> np.ndarray:
-        window = values[top : top + tall, left : left + wide]
+        share = values.shape[0] / height, values.shape[1] / width
+        rows, columns = (
+            slice(int(start * part), max(int(start * part) + 1, round((start + n) * part)))
+            for start, n, part in zip((top, left), (tall, wide), share, strict=True)
+        )
+        window = values[rows, columns]
         return np.ascontiguousarray(cv2.resize(window, size[::-1], interpolation=how)[:, ::way])
 
     geometry = photo.geometry

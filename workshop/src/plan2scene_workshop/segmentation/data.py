@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,9 @@ import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.images import read_image
+from plan2scene.images import decode_image, read_image
 from plan2scene.io import read_json, read_text, safe_join
-from plan2scene.photos.labels.palette import IGNORE, LABELS_AND_OPENINGS, read_label_png
+from plan2scene.photos.labels.palette import DOOR, IGNORE, LABELS_AND_OPENINGS, read_label_png
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ class LabelledPhoto:
     labels: np.ndarray
     horizon: Horizon | None = None  #: if known
     openings: bool = False
-    #: (h, w, 4) float16, where the renderer told: the normal in camera axes and the depth in
-    #: metres; zero where nothing is hit.
+    #: (h / 2, w / 2, 4) float16, where the renderer told: the normal in camera axes and the depth
+    #: in metres; zero where nothing is hit.
     geometry: np.ndarray | None = None
 
 
@@ -46,7 +46,8 @@ def read_labelled_photos(root: str | Path, split: str, *, long_side: int) -> lis
     """Return the photos of a split of a synthetic data set, scaled down to `long_side` pixels.
 
     Reads ``data_lists/{split}.txt``, ``truth/{split}/{house}/cameras.json`` (which names the
-    photos), ``photos/`` and the masks beside (``docs/conventions.md``).
+    photos), ``photos/`` and the masks beside (``docs/conventions.md``), and ``normals/`` and
+    ``depth/`` where there are some. Doors and windows are told where any mask tells them.
     """
     base = Path(root)
     listing = base / "data_lists" / f"{split}.txt"
@@ -54,7 +55,8 @@ def read_labelled_photos(root: str | Path, split: str, *, long_side: int) -> lis
     photos = [photo for house in houses for photo in _house_photos(base, split, house, long_side)]
     if not photos:
         raise InputError("at least one photo with a truth mask", "none", file=listing)
-    return photos
+    openings = any((photo.labels[photo.labels != IGNORE] >= DOOR).any() for photo in photos)
+    return [replace(photo, openings=openings) for photo in photos]
 
 
 def _house_photos(base: Path, split: str, house: str, long_side: int) -> Iterator[LabelledPhoto]:
@@ -63,12 +65,34 @@ def _house_photos(base: Path, split: str, house: str, long_side: int) -> Iterato
     cameras = read_json(truth / "cameras.json")
     for name in sorted(cameras):
         image = read_image(safe_join(base / "photos", name), house_id=house)
-        labels = read_label_png(truth / "masks" / f"{Path(name).stem}.png", house_id=house)
+        mask = truth / "masks" / f"{Path(name).stem}.png"
+        labels = read_label_png(mask, house_id=house, openings=True)
         if labels.shape != image.shape[:2]:
             raise InputError(
                 f"a mask of size {image.shape[:2]}", str(labels.shape), file=name, house=house
             )
-        yield LabelledPhoto(name, *scaled_down(image, labels, long_side), horizon_of(cameras[name]))
+        image, labels = scaled_down(image, labels, long_side)
+        geometry = _read_geometry(truth, mask.name, (labels.shape[0], labels.shape[1]), house)
+        horizon = horizon_of(cameras[name])
+        yield LabelledPhoto(name, image, labels, horizon, geometry=geometry)
+
+
+def _read_geometry(truth: Path, name: str, size: tuple[int, int], house: str) -> np.ndarray | None:
+    """Return (h / 2, w / 2, 4) float16 normals and depth of a photo of `size`; None without them.
+
+    Files: ``normals/`` (n + 1) / 2 x 255 as RGB, 0 0 0 for none; ``depth/`` millimetres, 16 bits.
+    """
+    files = truth / "normals" / name, truth / "depth" / name
+    if not all(file.is_file() for file in files):
+        return None
+    normals = read_image(files[0], house_id=house)
+    depth = decode_image(files[1], lambda image: np.array(image, np.float32), house_id=house)
+    half = (max(1, size[1] // 2), max(1, size[0] // 2))
+    normals, depth = (
+        cv2.resize(values, half, interpolation=cv2.INTER_NEAREST) for values in (normals, depth)
+    )
+    unit = np.where(normals.any(axis=2, keepdims=True), normals / 127.5 - 1, 0)
+    return np.concatenate([unit, depth[..., None] / 1000], axis=2).astype(np.float16)
 
 
 def digest(photos: Sequence[LabelledPhoto]) -> str:
