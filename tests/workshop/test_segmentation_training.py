@@ -17,12 +17,15 @@ from plan2scene.photos.labels.palette import (
     DOOR,
     FLOOR,
     IGNORE,
+    LABELS_AND_OPENINGS,
     OTHER,
     WALL,
     WINDOW,
     write_label_png,
 )
 from plan2scene.photos.labels.segmentation import load_segmenter
+from plan2scene.weights import save_model_file
+from plan2scene_workshop.segmentation.calibration import best_temperature
 from plan2scene_workshop.segmentation.data import (
     Horizon,
     LabelledPhoto,
@@ -31,7 +34,7 @@ from plan2scene_workshop.segmentation.data import (
     scores,
 )
 from plan2scene_workshop.segmentation.losses import geometry_loss, segmentation_loss
-from plan2scene_workshop.segmentation.run import train_segmentation
+from plan2scene_workshop.segmentation.run import start_from, train_segmentation
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.segmentation.training import told_elevation, train_network
 
@@ -148,6 +151,28 @@ def test_training_learns_from_geometry_and_openings_too() -> None:
         assert torch.equal(one, same)
 
 
+def test_doors_and_windows_begin_as_the_other_of_a_network_without_them(tmp_path: Path) -> None:
+    old = _tiny()
+    save_model_file(tmp_path / "old.safetensors", old.state_dict(), old.architecture, half=False)
+    new = SegmentationNet(
+        widths=[8] * 5, depths=[1] * 4, decoder=16, long_side=64, labels=len(LABELS_AND_OPENINGS)
+    )
+    start_from(new, tmp_path / "old.safetensors")
+    x = torch.rand(1, 3, 32, 32)
+    four, six = old.eval()(x), new.eval()(x)
+    assert torch.allclose(six[:, :4], four, atol=1e-6)
+    assert torch.allclose(six[:, DOOR], four[:, OTHER], atol=1e-6)
+
+
+def test_temperature_undoes_a_factor_on_logits() -> None:
+    rng = np.random.default_rng(0)
+    logits = rng.normal(0, 2, (4, 40, 40)).astype(np.float32)
+    shares = np.exp(logits) / np.exp(logits).sum(axis=0)
+    labels = (shares.cumsum(axis=0) < rng.random((40, 40))).sum(axis=0).clip(0, 3).astype(np.uint8)
+    assert best_temperature([logits] * 7, [labels] * 7) == pytest.approx(1.0, rel=0.2)
+    assert best_temperature([2 * logits], [labels]) == pytest.approx(2.0, rel=0.2)
+
+
 def test_train_segmentation_writes_weights_and_card(tmp_path: Path) -> None:
     _write_data_set(tmp_path / "data")
     model, card = tmp_path / "m.safetensors", tmp_path / "m.md"
@@ -156,7 +181,7 @@ def test_train_segmentation_writes_weights_and_card(tmp_path: Path) -> None:
     text = card.read_text()
     assert f"| **mean** | {found.mean_iou:.3f} |" in text
     assert "1 rendered photos" in text
-    assert "Seed 0; settings: `batch` 2" in text
+    assert "Seed 0; settings: " in text and "`batch` 2" in text
     assert load_segmenter(model).labels(_striped(2).image).shape == (48, 64)
 
 

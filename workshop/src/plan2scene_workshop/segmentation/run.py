@@ -3,23 +3,31 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from pathlib import Path
 
 import torch
 
 from plan2scene.photos.labels.network import SegmentationNet
-from plan2scene.photos.labels.palette import LABELS
+from plan2scene.photos.labels.palette import LABELS, LABELS_AND_OPENINGS
 from plan2scene.photos.labels.segmentation import load_segmenter
+from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
 from plan2scene.weights import save_model_file
-from plan2scene_workshop.segmentation.data import Scores, read_labelled_photos
+from plan2scene_workshop.segmentation.calibration import best_temperature
+from plan2scene_workshop.segmentation.data import (
+    LabelledPhoto,
+    Scores,
+    read_labelled_photos,
+    scores,
+)
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
-from plan2scene_workshop.segmentation.training import estimated_cameras, evaluate, train_network
+from plan2scene_workshop.segmentation.training import answers, estimated_cameras, train_network
 from plan2scene_workshop.training.card import Card, table, write_card
 
 _LOG = logging.getLogger("plan2scene")
 _WHAT = """
-Labels every pixel of a room photo as other, floor, wall or ceiling; doors, windows, furniture, rugs
+Labels every pixel of a room photo as other, floor, wall, ceiling, door or window; furniture, rugs
 and pictures are other. `plan2scene.photos.labels.segmentation.SegmentationNet`, {:.2f} M
 parameters, float16; photos are scaled to {} pixels on their longer side, and to 1.4 times that.
 """
@@ -43,26 +51,61 @@ def train_segmentation(
 
     The scores are those of the file as written (float16), on the val split.
     """
+    roots = [data_root, *(settings.further or "").split(":")] if settings.further else [data_root]
     # Stored a little larger than views, so that zooming in shows more than blur.
-    photos = read_labelled_photos(data_root, "train", long_side=round(settings.long_side * 1.5))
-    held_out = read_labelled_photos(data_root, "val", long_side=1024)
-    every = max(1, len(held_out) // settings.evaluate_photos)
+    photos = _photos(roots, "train", round(settings.long_side * 1.5))
+    held_out = _photos(roots, "val", 1024)
+    held_out = held_out[:: max(1, len(held_out) // settings.evaluate_photos)]
     _LOG.info("%d photos, %d held out", len(photos), len(held_out))
     torch.manual_seed(derive_seed(seed, "segmentation", "weights"))
-    network = SegmentationNet(long_side=settings.long_side, elevation=True)
-    trained = train_network(
-        network, photos, held_out[::every], settings, seed=seed, checkpoint=checkpoint
+    network = SegmentationNet(
+        long_side=settings.long_side, elevation=True, labels=len(LABELS_AND_OPENINGS)
     )
+    if settings.start:
+        start_from(network, settings.start)
+    trained = train_network(network, photos, held_out, settings, seed=seed, checkpoint=checkpoint)
     network = trained.network
     save_model_file(model_path, network.state_dict(), network.architecture)
     shipped = load_segmenter(model_path).network
-    final = evaluate(shipped, held_out, estimated_cameras(held_out))
+    found = list(answers(shipped, held_out, estimated_cameras(held_out)))
+    final = scores([matrix for matrix, _ in found])
+    truth = [photo.labels for photo in held_out]
+    network.architecture["temperature"] = best_temperature([part for _, part in found], truth)
+    save_model_file(model_path, network.state_dict(), network.architecture)
     seen = [f"{len(photos)} rendered photos of the synthetic train split.", "No real photo."]
+    if settings.start:
+        seen.append(
+            f"Weights of {Path(settings.start).name} ({file_hash(settings.start)}) to start."
+        )
     size = sum(parameter.numel() for parameter in shipped.parameters()) / 1e6
     rows = {name: [value] for name, value in zip(LABELS, final.iou, strict=True)}
+    rows |= {"door or window": [final.openings]}
     rows |= {"**mean**": [final.mean_iou], "pixel accuracy": [final.accuracy]}
     figures = _FIGURES.format(len(held_out)) + table(["label", "IoU"], rows)
     what = _WHAT.format(size, shipped.long_side)
     about = Card("segmentation", what, seen, settings, seed, figures)
     write_card(card_path, about, trained, model_path)
     return final
+
+
+def _photos(roots: Sequence[str | Path], split: str, long_side: int) -> list[LabelledPhoto]:
+    """Return the photos of a split of several data sets."""
+    return [
+        photo for root in roots for photo in read_labelled_photos(root, split, long_side=long_side)
+    ]
+
+
+def start_from(network: SegmentationNet, path: str | Path) -> None:
+    """Give a network the weights of a file where names and shapes agree.
+
+    Labels that the file's network does not tell, doors and windows, begin as its other.
+    """
+    own = network.state_dict()
+    for name, value in load_segmenter(path).network.state_dict().items():
+        if name in own and own[name].shape == value.shape:
+            own[name] = value
+        elif name.startswith("head."):
+            own[name] = torch.cat(
+                [value, value[:1].expand(len(own[name]) - len(value), *value.shape[1:])]
+            )
+    network.load_state_dict(own)

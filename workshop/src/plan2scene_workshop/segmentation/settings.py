@@ -9,6 +9,11 @@ from dataclasses import dataclass
 class SegmentationSettings:
     """Hyperparameters of the segmentation network's training."""
 
+    #: Weights file that training starts from, of a network of the same widths; null: random ones.
+    start: str | None = None
+    #: Roots of further data sets whose train and val splits count too, joined by ``:``.
+    further: str | None = None
+
     # Views.
     batch: int = 8  #: views in a step
     elevation_known: float = 0.6  #: of the views, those told where the horizon is: not all will be

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,8 @@ from torch import nn
 from plan2scene.photos.camera.calibration import Camera, estimate_camera
 from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.network import SegmentationNet
-from plan2scene.photos.labels.segmentation import Segmenter
+from plan2scene.photos.labels.segmentation import Segmenter, labels_of
+from plan2scene.seeds import generator
 from plan2scene_workshop.segmentation.augment import Batch, training_batch
 from plan2scene_workshop.segmentation.data import LabelledPhoto, Scores, confusion, digest, scores
 from plan2scene_workshop.segmentation.losses import (
@@ -36,13 +38,18 @@ def evaluate(
     network: SegmentationNet, photos: Sequence[LabelledPhoto], cameras: Sequence[Camera | None]
 ) -> Scores:
     """Return the scores of a network on whole photos, told their estimated cameras."""
+    return scores([matrix for matrix, _ in answers(network, photos, cameras)])
+
+
+def answers(
+    network: SegmentationNet, photos: Sequence[LabelledPhoto], cameras: Sequence[Camera | None]
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield each photo's confusion matrix and its logits as of :meth:`Segmenter.logits`."""
     segmenter = Segmenter(copy.deepcopy(network).cpu())
-    return scores(
-        [
-            confusion(segmenter.labels(photo.image, camera, openings=True), photo.labels)
-            for photo, camera in zip(photos, cameras, strict=True)
-        ]
-    )
+    for photo, camera in zip(photos, cameras, strict=True):
+        size = (photo.labels.shape[0], photo.labels.shape[1])
+        logits = segmenter.logits(photo.image, camera)
+        yield confusion(labels_of(logits, size, openings=True), photo.labels), logits
 
 
 def train_network(
@@ -63,9 +70,14 @@ def train_network(
     whole = GeometryHead(network)
     whole.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
-    def loss(step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+    def draw(step: int) -> Batch:
         long = settings.small if step < settings.steps * 2 / 3 else settings.long_side
-        batch = draw_batch(photos, settings, long, rng).to(device)
+        return draw_batch(photos, settings, long, generator(seed, "segmentation batch", step))
+
+    ahead = Ahead(draw, settings.steps, workers=8 if device == "cuda" else 1)
+
+    def loss(step: int, _: np.random.Generator) -> dict[str, torch.Tensor]:
+        batch = ahead.batch(step).to(device)
         logits, geometry = whole(batch.images, batch.elevations)
         parts = {
             "labels": segmentation_loss(
@@ -76,10 +88,12 @@ def train_network(
                 batch.openings,
             )
         }
-        if told and batch.geometry is not None:
+        if told:
             true = batch.geometry
-            found = geometry_loss(geometry.float(), true[:, :3], true[:, 3])
-            parts["geometry"] = settings.geometry * found
+            parts["geometry"] = logits.new_zeros(())
+            if true is not None:
+                found = geometry_loss(geometry.float(), true[:, :3], true[:, 3])
+                parts["geometry"] = settings.geometry * found
         return parts
 
     options = TrainerOptions(
@@ -108,6 +122,25 @@ def train_network(
     trainer.resume(checkpoint)
     trained = trainer.fit(checkpoint)
     return Trained(trained.network.network, trained.step, trained.score, trained.seconds)
+
+
+class Ahead:
+    """Draws the batches of the next steps while the present one is learned from.
+
+    A batch depends on its step alone, so it is the same whoever draws it and when.
+    """
+
+    def __init__(self, draw: Callable[[int], Batch], steps: int, *, workers: int) -> None:
+        self.draw, self.steps, self.depth = draw, steps, 2 * workers
+        self.pool = ThreadPoolExecutor(workers)
+        self.coming: dict[int, Future[Batch]] = {}
+
+    def batch(self, step: int) -> Batch:
+        """Return the batch of a step; asks for those after it."""
+        for k in range(step, min(self.steps, step + self.depth + 1)):
+            if k not in self.coming:
+                self.coming[k] = self.pool.submit(self.draw, k)
+        return self.coming.pop(step).result()
 
 
 def _parameter_groups(network: nn.Module, decay: float) -> list[dict[str, Any]]:
