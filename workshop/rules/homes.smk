@@ -8,7 +8,8 @@ rule data:
 
 
 rule residence:
-    # One house: plan, photo table, photos/{house}_NN.jpg (as many as its seed says), truth.
+    # One house: plan, photo table, photos/{house}_NN.jpg (as many as its seed says), truth; photos
+    # as of listings, or snapshots to train on.
     output:
         plan=f"{ROOT}/archs_no_objects/{{split}}/{{house}}.scene.json",
         assignment=f"{ROOT}/photo_assignments/{{split}}/{{house}}.photoroom.csv",
@@ -26,7 +27,10 @@ rule residence:
         seed=HOMES["seed"],
         options={field.name: HOMES[field.name] for field in fields(ResidenceOptions)},
         textures=HOMES["textures"],
-        code=code_hash("homes.residences"),
+        environments=HOMES["environments"],
+        models=HOMES["models"],
+        snapshots=HOMES["snapshots"],
+        code=code_hash("homes.snapshots"),
     script:
         "../scripts/residence.py"
 

@@ -3,20 +3,22 @@
 from pathlib import Path
 
 from plan2scene.jobs import job
-from plan2scene.materials import load_texture_folder
 from plan2scene_workshop.homes.residences import ResidenceOptions, write_residence
+from plan2scene_workshop.homes.snapshots import SnapshotOptions, write_snapshots
+from plan2scene_workshop.rendering.sources import load_sources
 
 with job(snakemake.log[0]):
-    params = snakemake.params
-    folder, split = params.textures, snakemake.wildcards.split
-    write_residence(
-        Path(snakemake.output.plan).parents[2],
-        snakemake.wildcards.house,
-        split,
-        params.seed,
-        options=ResidenceOptions(**params.options),
-        # Textures of the training houses are not seen in the others.
-        textures=load_texture_folder(folder, "train" if split == "train" else "val")
-        if folder
-        else (),
+    params, split = snakemake.params, snakemake.wildcards.split
+    root, house = Path(snakemake.output.plan).parents[2], snakemake.wildcards.house
+    folders = [params.textures] if isinstance(params.textures, str) else params.textures or []
+    # What the training houses show is not seen in the others.
+    sources = load_sources(
+        tuple(folders), params.environments, params.models, train=split == "train"
     )
+    if params.snapshots is None:
+        options = ResidenceOptions(**params.options)
+        write_residence(root, house, split, params.seed, options=options, textures=sources.textures)
+    else:
+        shared = {key: params.options[key] for key in ("jpeg_quality", "variant")}
+        options = SnapshotOptions(**params.snapshots, **shared)
+        write_snapshots(root, house, split, params.seed, options, sources=sources)

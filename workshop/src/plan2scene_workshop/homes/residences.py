@@ -142,11 +142,15 @@ def write_residence(
         write_json(truth / "cameras.json", cameras)
         _write_materials(truth, materials, options.tile_px)
     write_scene_json(house, root / "archs_no_objects" / split / f"{house_id}.scene.json")
-    table = root / "photo_assignments" / split / f"{house_id}.photoroom.csv"
-    with atomic_path(table) as temporary:
-        lines = ["room_id,photo", *(",".join(row) for row in assignment)]
-        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_assignment(root / "photo_assignments" / split / f"{house_id}.photoroom.csv", assignment)
     return house
+
+
+def write_assignment(path: Path, rows: Sequence[tuple[str, str]]) -> None:
+    """Write the photo table of (room id, photo) rows."""
+    with atomic_path(path) as temporary:
+        lines = ["room_id,photo", *(",".join(row) for row in rows)]
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def photographed_rooms(

@@ -8,6 +8,8 @@ import numpy as np
 
 from plan2scene.mesh.frames import FaceOpening
 from plan2scene_workshop.rendering.geometry import (
+    DOOR,
+    WINDOW,
     Colour,
     Geometry,
     Solid,
@@ -50,7 +52,7 @@ def add_casing(geometry: Geometry, face: WallFace, hole: FaceOpening, colour: Co
         box((b - 0.02, 0, -face.inset), (b, top, CASING_DEPTH)),
         box((a, top - 0.02, -face.inset), (b, top, CASING_DEPTH)),
     ]
-    geometry.add("paint", merge(parts).moved(face.frame(0)), colour=colour)
+    geometry.add("paint", merge(parts).moved(face.frame(0)), colour=colour, label=DOOR)
 
 
 def _leaf(width: float, height: float, panels: int) -> Solid:
@@ -94,8 +96,8 @@ def add_leaf(
         turn = np.pi + (state.angle if state.swings_in else -state.angle)
         base = placement(hole.right - 0.022, depth, turn)
     matrix = face.frame(0) @ base
-    geometry.add(look[0], leaf.moved(matrix), colour=look[1])
-    geometry.add("metal", handles.moved(matrix))
+    geometry.add(look[0], leaf.moved(matrix), colour=look[1], label=DOOR)
+    geometry.add("metal", handles.moved(matrix), label=DOOR)
 
 
 def add_window(
@@ -130,12 +132,12 @@ def add_window(
         parts.append(box((a, y - 0.025, z0 - deep), (b, y + 0.025, z0)))
     if low > 0.2:
         parts.append(box((a - 0.04, low - 0.03, -face.inset), (b + 0.04, low + 0.003, 0.05)))
-    geometry.add("paint", merge(parts).moved(frame), colour=palette.frame)
+    geometry.add("paint", merge(parts).moved(frame), colour=palette.frame, label=WINDOW)
     right = np.array([face.plane.right[0], 0.0, face.plane.right[1]])
     corner = face.at(a, top, -face.inset - OUTER_REVEAL + 0.01)
     down = np.array([0.0, low - top, 0.0])
     view = quad(corner, right * (b - a), down, (face.u_start + a, 3.0 - top))
-    geometry.add(sky, view)
+    geometry.add(sky, view, label=WINDOW)
     if drop > 0:
         y = top - (top - low) * drop
         cloth = box((a + 0.01, y, -0.5 * face.inset - 0.004), (b - 0.01, top, -0.5 * face.inset))

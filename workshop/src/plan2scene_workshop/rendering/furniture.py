@@ -74,7 +74,7 @@ STANDING_FREE: Mapping[str, Sequence[tuple[Maker, float]]] = {
     "Kitchen": ((living.dining_set, 0.5),),
     "Outdoor": ((living.dining_set, 0.4),),
 }
-_LIKE = {
+LIKE = {
     "Unknown": "Bedroom",
     "Entrance": "Corridor",
     "Staircase": "Corridor",
@@ -82,14 +82,14 @@ _LIKE = {
     "Balcony": "Outdoor",
 }
 #: Floor area in square metres for which the counts above hold.
-_TYPICAL_AREA = 14.0
-_TRIES = 40
+TYPICAL_AREA = 14.0
+TRIES = 40
 #: Least distance of a camera from pieces below and above eye height, metres.
 CAMERA_CLEARANCE = (0.5, 1.0)
 DOOR_CLEARANCE = 0.85
 
 
-class _Layout:
+class Layout:
     """What is taken: floor footprints, and rectangles on the wall faces."""
 
     def __init__(
@@ -144,26 +144,26 @@ def furnish_room(
     """
     if not faces:
         return
-    layout = _Layout(room, faces, cameras)
-    kind = _LIKE.get(room.types[0], room.types[0]) if room.types else "Bedroom"
-    scale = min((room_polygon(room).area / _TYPICAL_AREA) ** 0.7, 2.0)
+    layout = Layout(room, faces, cameras)
+    kind = LIKE.get(room.types[0], room.types[0]) if room.types else "Bedroom"
+    scale = min((room_polygon(room).area / TYPICAL_AREA) ** 0.7, 2.0)
     crowd = scale * float(rng.uniform(0.5, 1.3))
     built_in = randomised.ALONG_WALLS if random_room else ()
     strewn = randomised.STANDING_FREE if random_room else ()
     for maker, mean in (*built_in, *ALONG_WALLS.get(kind, ())):
-        for _ in range(_count(rng, mean * max(crowd, 0.7))):
-            _place_along_wall(geometry, layout, maker(rng, palette), rng)
+        for _ in range(draw_count(rng, mean * max(crowd, 0.7))):
+            place_along_wall(geometry, layout, maker(rng, palette), rng)
     for maker, mean in (*STANDING_FREE.get(kind, ()), *strewn):
-        for _ in range(_count(rng, mean * crowd)):
-            _place_free(geometry, layout, maker(rng, palette), rng)
+        for _ in range(draw_count(rng, mean * crowd)):
+            place_free(geometry, layout, maker(rng, palette), rng)
     if kind in ("Reception", "Bedroom", "Corridor") and rng.random() < 0.45:
         _add_rug(geometry, layout, rng)
-    for _ in range(_count(rng, 2.2 * scale)):
+    for _ in range(draw_count(rng, 2.2 * scale)):
         _hang(geometry, layout, palette, rng)
-    _add_radiators(geometry, layout, rng)
+    add_radiators(geometry, layout, rng)
 
 
-def _count(rng: np.random.Generator, mean: float) -> int:
+def draw_count(rng: np.random.Generator, mean: float) -> int:
     """Return a whole number with that mean, one of the two next to it."""
     return int(mean + rng.random())
 
@@ -174,17 +174,18 @@ def _rectangle(face: WallFace, low: float, high: float, near: float, far: float)
     return shapely.Polygon([face.at(a, 0.0, out)[[0, 2]] for a, out in corners])
 
 
-def _add_piece(geometry: Geometry, piece: Piece, matrix: Array) -> None:
+def add_piece(geometry: Geometry, piece: Piece, matrix: Array) -> None:
+    """Add the parts of a piece under a transform."""
     for material, solid, colour in piece.parts:
         geometry.add(material, solid.moved(matrix), colour=colour)
 
 
-def _place_along_wall(
-    geometry: Geometry, layout: _Layout, piece: Piece, rng: np.random.Generator
+def place_along_wall(
+    geometry: Geometry, layout: Layout, piece: Piece, rng: np.random.Generator
 ) -> bool:
     """Place a piece with its back to a wall; returns whether a place was found."""
     lengths = np.array([face.length for face in layout.faces])
-    for _ in range(_TRIES):
+    for _ in range(TRIES):
         index = int(rng.choice(len(lengths), p=lengths / lengths.sum()))
         face, half = layout.faces[index], piece.width / 2
         spare = face.length - piece.width - 0.04
@@ -198,37 +199,35 @@ def _place_along_wall(
         if layout.fits(footprint, piece.height) and layout.wall_is_free(index, *on_wall):
             layout.taken.append(footprint)
             layout.on_walls.append((index, *on_wall))
-            _add_piece(geometry, piece, face.frame(along, 0.0, out))
+            add_piece(geometry, piece, face.frame(along, 0.0, out))
             return True
     return False
 
 
-def _place_free(
-    geometry: Geometry, layout: _Layout, piece: Piece, rng: np.random.Generator
-) -> bool:
+def place_free(geometry: Geometry, layout: Layout, piece: Piece, rng: np.random.Generator) -> bool:
     """Place a piece in the room, square to the walls or nearly."""
     x0, z0, x1, z1 = layout.free.bounds
     face = layout.faces[0]
     square = float(np.arctan2(*face.plane.normal))
     half = piece.width / 2
     corners = np.array([[-half, 0], [half, 0], [half, piece.depth], [-half, piece.depth]])
-    for _ in range(_TRIES):
+    for _ in range(TRIES):
         angle = square + np.pi / 2 * rng.integers(4) + rng.normal(0, 0.08)
         matrix = placement(rng.uniform(x0, x1), rng.uniform(z0, z1), angle)
         flat = matrix[np.ix_([0, 2], [0, 2])]
         footprint = shapely.Polygon(corners @ flat.T + matrix[[0, 2], 3])
         if layout.fits(footprint.buffer(0.12), piece.height):
             layout.taken.append(footprint)
-            _add_piece(geometry, piece, matrix)
+            add_piece(geometry, piece, matrix)
             return True
     return False
 
 
-def _add_rug(geometry: Geometry, layout: _Layout, rng: np.random.Generator) -> None:
+def _add_rug(geometry: Geometry, layout: Layout, rng: np.random.Generator) -> None:
     """Add a flat rug, under furniture where there is some."""
     x0, z0, x1, z1 = layout.free.bounds
     name = str(rng.choice([*RUGS, *FABRICS]))
-    for _ in range(_TRIES):
+    for _ in range(TRIES):
         size = rng.uniform((0.7, 0.5), (min(3.0, x1 - x0), min(2.2, z1 - z0)))
         x, z = rng.uniform((x0, z0), (x1, z1))
         rug = shapely.box(x - size[0] / 2, z - size[1] / 2, x + size[0] / 2, z + size[1] / 2)
@@ -238,10 +237,10 @@ def _add_rug(geometry: Geometry, layout: _Layout, rng: np.random.Generator) -> N
             return
 
 
-def _hang(geometry: Geometry, layout: _Layout, palette: Palette, rng: np.random.Generator) -> None:
+def _hang(geometry: Geometry, layout: Layout, palette: Palette, rng: np.random.Generator) -> None:
     """Hang a framed picture, a mirror, or a small shelf on a free piece of wall."""
     width, height = rng.uniform(0.25, 1.0), rng.uniform(0.25, 0.8)
-    for _ in range(_TRIES):
+    for _ in range(TRIES):
         index = int(rng.integers(len(layout.faces)))
         face = layout.faces[index]
         if face.length < width + 0.3:
@@ -260,7 +259,7 @@ def _hang(geometry: Geometry, layout: _Layout, palette: Palette, rng: np.random.
             geometry.add(look[0], board.moved(frame), colour=look[1])
             shelf = Piece(width, 0.2, 0.03)
             pieces.scatter(shelf, rng, palette, 0.03, int(rng.integers(2, 5)))
-            _add_piece(geometry, shelf, frame)
+            add_piece(geometry, shelf, frame)
             return
         rim = rng.uniform(0.012, 0.05)
         border = box((-width / 2, 0, 0), (width / 2, height, 0.022))
@@ -271,7 +270,7 @@ def _hang(geometry: Geometry, layout: _Layout, palette: Palette, rng: np.random.
         return
 
 
-def _add_radiators(geometry: Geometry, layout: _Layout, rng: np.random.Generator) -> None:
+def add_radiators(geometry: Geometry, layout: Layout, rng: np.random.Generator) -> None:
     """Add a radiator under some windows where nothing else stands."""
     for index, face in enumerate(layout.faces):
         for hole in face.openings:

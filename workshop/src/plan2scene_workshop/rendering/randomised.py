@@ -40,12 +40,12 @@ def randomise_materials(
 ) -> dict[SurfaceKey, Material]:
     """Return the materials of a house, those of some rooms drawn anew."""
     return {
-        key: _material(key, derive_seed(seed, *key)) if key.room_id in rooms else material
+        key: random_surface(key, derive_seed(seed, *key)) if key.room_id in rooms else material
         for key, material in materials.items()
     }
 
 
-def _material(key: SurfaceKey, seed: int) -> Material:
+def random_surface(key: SurfaceKey, seed: int) -> Material:
     """Return any material for a surface; paints and carpets of any colour."""
     rng = generator(seed)
     shares = _SURFACES[key.surface]

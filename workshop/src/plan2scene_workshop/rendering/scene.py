@@ -15,6 +15,7 @@ from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.materials import Material
 from plan2scene.mesh.frames import FaceOpening
 from plan2scene.seeds import generator
+from plan2scene_workshop.rendering.decor import Decor
 from plan2scene_workshop.rendering.fixtures import (
     DoorState,
     add_casing,
@@ -84,21 +85,25 @@ def build_room_scene(
     seed: int,
     *,
     randomised: bool = False,
+    decor: Decor | None = None,
 ) -> RoomScene:
     """Build the scene of the room; furniture and open doors keep clear of the `views`.
 
     Doors, furniture and colours depend on the house and the seed, not on the views, except
     where a view has to be kept clear. A `randomised` room and all beyond its doors are of the
-    textiles and clutter of :mod:`.randomised`.
+    textiles and clutter of :mod:`.randomised`. With a `decor` the rooms are those of training
+    photos: its textiles, furniture, light and view outside.
 
     InputError when a surface of a room in sight has no material.
     """
-    palette = draw_palette(generator(seed, house.id, "palette"))
-    builder = _Builder(house, palette, accents, views, seed, randomised)
+    palette = decor.palette if decor else draw_palette(generator(seed, house.id, "palette"))
+    builder = _Builder(house, room_id, palette, accents, views, seed, randomised, decor)
     for hops, rooms in enumerate(_rooms_in_sight(house, room_id, builder.doors)):
         for room in rooms:
             builder.add_room(room, materials, hops)
-    outside = view_outside(generator(seed, house.id, "outside"))
+    if decor:
+        builder.finishes |= decor.shop.finishes
+    outside = decor.outside() if decor else view_outside(generator(seed, house.id, "outside"))
     return RoomScene(builder.geometry, builder.finishes, tuple(builder.planes), outside)
 
 
@@ -129,17 +134,21 @@ class _Builder:
     def __init__(
         self,
         house: House,
+        room_id: str,
         palette: Palette,
         accents: Mapping[str, Material],
         views: Sequence[View],
         seed: int,
         randomised: bool,
+        decor: Decor | None,
     ) -> None:
         self.house, self.palette, self.accents = house, palette, accents
         self.views, self.seed, self.randomised = views, seed, randomised
         self.geometry = Geometry()
         self.finishes = clutter_finishes(house.id, seed)
-        self.room_id = views[0].room_id
+        self.room_id, self.decor = room_id, decor
+        if decor:
+            self.finishes |= decor.finishes()
         if randomised:
             textiles = generator(seed, house.id, self.room_id, "textiles")
             self.finishes |= randomised_finishes(textiles)
@@ -202,6 +211,9 @@ class _Builder:
         self._light(room, hops, sum((h.right - h.left) * (h.top - h.bottom) for h in panes))
         if hops < REACH:
             rng = generator(self.seed, self.house.id, room.id, "furniture")
+            if self.decor:
+                self.decor.furnisher().furnish(self.geometry, room, faces, rng)
+                return
             cameras = [shapely.Point(v.position[0], v.position[2]) for v in self.views]
             furnish_room(
                 self.geometry, room, faces, self.palette, rng, cameras, random_room=self.randomised
@@ -248,7 +260,12 @@ class _Builder:
         if hops == 0:
             area = add_lamps(self.geometry, room, lamp, rng)
             light = generator(self.seed, self.house.id, room.id, "light")
-            plan = draw_light(light, room_polygon(room).area, windows)
+            area_m2 = room_polygon(room).area
+            plan = (
+                self.decor.light(area_m2, windows)
+                if self.decor
+                else draw_light(light, area_m2, windows)
+            )
             self.finishes[SKY[0]] = sky_finish(plan)
             beyond = replace(plan, sky=min(plan.sky, 15.0))
             self.finishes[SKY[1]] = sky_finish(beyond)

@@ -1,0 +1,99 @@
+"""Models of a folder made here: read, held out, thinned, refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from plan2scene.errors import InputError
+from plan2scene_workshop.rendering.models import (
+    MAX_FACES,
+    ModelShop,
+    load_model,
+    read_model_index,
+    thinned,
+)
+
+HEADER = "file,class,width,depth,height,mount\n"
+
+
+def model_folder(folder: Path, count: int = 16) -> Path:
+    """Write `count` boxes of 0.6 x 0.5 x 0.8 m in a folder: chairs, and every third a table."""
+    rows = []
+    for k in range(count):
+        box = trimesh.creation.box((0.6, 0.8, 0.5))
+        box.apply_translation((0, 0.4, 0))
+        colour = trimesh.visual.material.PBRMaterial(baseColorFactor=[200, 40, 40, 255])
+        box.visual = trimesh.visual.TextureVisuals(uv=box.vertices[:, :2], material=colour)
+        box.export(folder / f"m{k}.glb")
+        rows.append(f"m{k}.glb,{'table' if k % 3 == 0 else 'chair'},0.6,0.5,0.8,floor\n")
+    (folder / "index.csv").write_text(HEADER + "".join(rows))
+    return folder
+
+
+def test_every_eighth_model_is_held_out(tmp_path: Path) -> None:
+    folder = model_folder(tmp_path)
+    names = {
+        train: {
+            e.name for entries in read_model_index(folder, train=train).values() for e in entries
+        }
+        for train in (True, False)
+    }
+    assert names[False] == {"m7", "m15"}
+    assert names[True] == {f"m{k}" for k in range(16)} - names[False]
+
+
+def test_a_piece_has_the_models_size_and_stands_with_its_back_at_zero(tmp_path: Path) -> None:
+    shop = ModelShop(read_model_index(model_folder(tmp_path), train=True))
+    piece = shop.piece(np.random.default_rng(0), "table")
+    assert piece is not None
+    points = np.concatenate([solid.vertices for _, solid, _ in piece.parts])
+    assert np.ptp(points, axis=0) == pytest.approx(
+        [piece.width, piece.height, piece.depth], rel=1e-5
+    )
+    assert points[:, 2].min() == pytest.approx(0, abs=1e-6)
+    assert 0.4 < piece.width < 0.9
+    assert piece.parts[0][0] == "model" and piece.parts[0][2][0] > 4 * piece.parts[0][2][1]
+    assert shop.piece(np.random.default_rng(0), "sofa") is None
+    assert shop.piece(np.random.default_rng(0), "table", mounts=("wall",)) is None
+
+
+def test_large_models_are_thinned_within_their_bounds() -> None:
+    sphere = trimesh.creation.icosphere(subdivisions=5)
+    from plan2scene_workshop.rendering.geometry import Solid
+
+    solid = Solid(
+        np.array(sphere.vertices),
+        np.array(sphere.vertex_normals),
+        np.zeros((len(sphere.vertices), 2)),
+        np.array(sphere.faces),
+    )
+    small = thinned(solid, MAX_FACES)
+    assert 500 < len(small.faces) <= MAX_FACES < len(solid.faces)
+    assert np.linalg.norm(small.vertices, axis=1) == pytest.approx(1, abs=1e-6)
+    assert small.faces.max() == len(small.vertices) - 1
+
+
+@pytest.mark.parametrize(
+    ("row", "expected"),
+    [
+        ("m0.glb,chair,wide,0.5,0.8,floor\n", "size in metres"),
+        ("m0.glb,chair,-1,0.5,0.8,floor\n", "sizes of 0 to"),
+        ("m0.glb,chair,1,0.5,0.8,roof\n", "mount"),
+        ("../m0.glb,chair,1,0.5,0.8,floor\n", "plain file name"),
+    ],
+)
+def test_bad_rows_are_one_line(tmp_path: Path, row: str, expected: str) -> None:
+    (tmp_path / "index.csv").write_text(HEADER + row)
+    with pytest.raises(InputError, match=expected):
+        read_model_index(tmp_path, train=True)
+
+
+def test_files_that_are_no_models_are_refused(tmp_path: Path) -> None:
+    for name, content in (("a.glb", b"no model"), ("b.glb", b"glTF\x02\x00\x00\x00")):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(InputError, match="GLB model"):
+            load_model(tmp_path / name)

@@ -1,0 +1,129 @@
+"""One synthetic house of training photos: many snapshots of each room, with labels and targets."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plan2scene.floorplans import write_scene_json
+from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.house import House
+from plan2scene.images import write_png
+from plan2scene.io import atomic_directory, atomic_path, write_json
+from plan2scene.photos.labels.palette import write_label_png
+from plan2scene.seeds import derive_seed, generator
+from plan2scene_workshop.homes.floorplans import generate_house
+from plan2scene_workshop.homes.residences import write_assignment
+from plan2scene_workshop.homes.style import accent_walls, assign_materials
+from plan2scene_workshop.rendering import encode_jpeg
+from plan2scene_workshop.rendering.decor import draw_decor
+from plan2scene_workshop.rendering.snapshots import Snapshot, shoot_room
+from plan2scene_workshop.rendering.sources import Sources
+from plan2scene_workshop.rendering.tracer import load_mitsuba
+
+_LOGGER = logging.getLogger("plan2scene")
+#: Chance that a room of a type is photographed; 1 for those not named.
+_CHANCE = {"Corridor": 0.35, "Entrance": 0.35, "Closet": 0.1, "Balcony": 0.1, "Terrace": 0.2}
+
+
+@dataclass(frozen=True)
+class SnapshotOptions:
+    """How a synthetic house is photographed for training."""
+
+    views: int = 6  #: most snapshots of a room
+    long_side: int = 448  #: of a photo, pixels
+    randomised: float = 0.5  #: share of the rooms that are randomised
+    targets: bool = True  #: write normals and depth beside the masks
+    jpeg_quality: tuple[int, int] = (50, 95)  #: range, drawn per photo
+    variant: str | None = None  #: of Mitsuba, a vectorised one
+
+
+def write_snapshots(
+    root: str | Path,
+    house_id: str,
+    split: str,
+    seed: int,
+    options: SnapshotOptions,
+    *,
+    sources: Sources,
+) -> House:
+    """Write one house: plan, photo table, snapshots, truth; return the house.
+
+    Truth masks hold doors (4) and windows (5). The same arguments give the same bytes.
+    InputError when Mitsuba or its variant does not work.
+    """
+    root = Path(root)
+    mi = load_mitsuba(options.variant)
+    importlib.import_module("drjit").set_thread_count(1)  # a house is one job of one core
+    house = generate_house(house_id, derive_seed(seed, "house"))
+    materials = assign_materials(house, derive_seed(seed, "style"), sources.textures)
+    accents = accent_walls(house, derive_seed(seed, "accents"))
+    rng = generator(seed, "snapshots", house_id)
+    assignment: list[tuple[str, str]] = []
+    cameras: dict[str, Any] = {}
+    with atomic_directory(root / "truth" / split / house_id) as truth:
+        for room_id in _rooms(house, rng):
+            room_seed = derive_seed(seed, "room", house_id, room_id)
+            decor = draw_decor(
+                sources, room_seed, randomised=bool(rng.random() < options.randomised)
+            )
+            shots = shoot_room(
+                house,
+                room_id,
+                materials,
+                accents,
+                decor,
+                options.views,
+                room_seed,
+                long_side=options.long_side,
+                mi=mi,
+            )
+            for shot in shots:
+                name = f"{house_id}_{len(cameras):02d}.jpg"
+                quality = int(rng.integers(options.jpeg_quality[0], options.jpeg_quality[1] + 1))
+                _write(root, truth, name, shot, quality, targets=options.targets)
+                cameras[name] = shot.camera
+                assignment.append((room_id, name))
+        write_json(truth / "cameras.json", cameras)
+    _LOGGER.info("%s: %d snapshots", house_id, len(cameras))
+    write_scene_json(house, root / "archs_no_objects" / split / f"{house_id}.scene.json")
+    write_assignment(root / "photo_assignments" / split / f"{house_id}.photoroom.csv", assignment)
+    return house
+
+
+def _rooms(house: House, rng: np.random.Generator) -> list[str]:
+    return [
+        room.id
+        for room in house.rooms
+        if rng.random() < _CHANCE.get(room.types[0] if room.types else "", 1.0)
+        and not room_polygon(room).buffer(-0.5).is_empty
+    ]
+
+
+def _write(
+    root: Path, truth: Path, name: str, shot: Snapshot, quality: int, *, targets: bool
+) -> None:
+    """Write a photo and its truth."""
+    with atomic_path(root / "photos" / name) as temporary:
+        temporary.write_bytes(encode_jpeg(shot.image, quality))
+    stem = Path(name).stem
+    write_label_png(truth / "masks" / f"{stem}.png", shot.labels)
+    if targets:
+        write_png(truth / "normals" / f"{stem}.png", shot.normals)
+        _write_depth(truth / "depth" / f"{stem}.png", shot)
+
+
+def _write_depth(path: Path, shot: Snapshot) -> None:
+    """Write depth as 16-bit grey PNG, millimetres."""
+    import cv2
+
+    done, data = cv2.imencode(".png", shot.depth)
+    if not done:
+        raise RuntimeError("no PNG of a depth image")
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(data.tobytes())

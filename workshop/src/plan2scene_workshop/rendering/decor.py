@@ -1,0 +1,195 @@
+"""How one scene of training photos looks: materials, textiles, pictures, light, clutter.
+
+Half of the scenes are like real rooms, half are randomised (domain randomisation, Tobin et al.
+2017): any texture at any scale on anything, light of any colour.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plan2scene.house import SurfaceKey
+from plan2scene.materials import Material
+from plan2scene.seeds import derive_seed, generator
+from plan2scene_workshop.rendering.interiors import GLOW, Furnisher, RoomStyle
+from plan2scene_workshop.rendering.lights import LightPlan, black_body, draw_light, view_outside
+from plan2scene_workshop.rendering.models import ModelShop
+from plan2scene_workshop.rendering.palette import FABRICS, Palette, draw_palette, pattern
+from plan2scene_workshop.rendering.randomised import random_surface
+from plan2scene_workshop.rendering.sources import Environment, Sources
+from plan2scene_workshop.rendering.tracer import Finish
+
+_PICTURES = tuple(f"poster{k}" for k in range(6))
+_RUGS = tuple(f"textile{k}" for k in range(6))
+_SKINS = tuple(f"skin{k}" for k in range(5))
+
+
+@dataclass(frozen=True)
+class Decor:
+    """The look of one scene; a pure function of sources, seed and what is asked."""
+
+    seed: int
+    sources: Sources
+    randomised: bool
+    palette: Palette
+    style: RoomStyle
+    shop: ModelShop
+
+    def finishes(self) -> dict[str, Finish]:
+        """Return the finishes of textiles, pictures, skins, lit lamps and plain model parts."""
+        rng = generator(self.seed, "finishes")
+        made = {
+            "model": Finish(roughness=0.6),
+            GLOW: Finish(emission=float(rng.uniform(5, 40)), light=self._lamp_colour(rng)),
+        }
+        for name in (*FABRICS, *_RUGS):
+            made[name] = self._textile(rng)
+        for name in _PICTURES:
+            made[name] = self._picture(rng)
+        for name in _SKINS:
+            material = self._any(rng)
+            size = material.size_m * float(np.exp(rng.uniform(-1.2, 0.3)))
+            made[name] = Finish(material.albedo, size, material.roughness)
+        return made
+
+    def materials(self, materials: Mapping[SurfaceKey, Material]) -> dict[SurfaceKey, Material]:
+        """Return the materials of the rooms' surfaces: as they are, or randomised."""
+        if not self.randomised:
+            return dict(materials)
+        made = {}
+        for key in materials:
+            rng = generator(self.seed, "surface", *key)
+            real = {"floor": 0.7, "wall": 0.35, "ceiling": 0.12}[key.surface]
+            if self.sources.textures and rng.random() < real:
+                material = self._any(rng)
+                size = material.size_m * float(np.exp(rng.uniform(-0.6, 0.5)))
+                made[key] = replace(material, albedo=_tinted(material.albedo, rng), size_m=size)
+            else:
+                made[key] = random_surface(key, derive_seed(self.seed, "surface", *key))
+        return made
+
+    def furnisher(self) -> Furnisher:
+        """Return what fills the scene's rooms."""
+        return Furnisher(self.shop, self.palette, self.style)
+
+    def light(self, floor: float, windows: float) -> LightPlan:
+        """Return the light of the photographed room (areas in square metres)."""
+        rng = generator(self.seed, "light")
+        plan = draw_light(rng, floor, windows)
+        kelvin = float(rng.uniform(2000, 6500))
+        night = rng.random() < 0.35
+        sky = plan.sky * float(np.exp(rng.normal(0, 0.5)))
+        if night:
+            sky = float(rng.uniform(0.0, 0.4))
+        lamps = float(np.exp(rng.normal(-0.3, 0.6))) if night or rng.random() < 0.6 else plan.lamps
+        colour = self._lamp_colour(rng) if self.randomised else black_body(kelvin)
+        tint = plan.sky_colour
+        environment = self._environment()
+        if environment is not None:
+            tint = tuple(np.sqrt(np.array(tint) * environment.tint))  # type: ignore[assignment]
+        return LightPlan(sky, lamps, tint, colour)
+
+    def outside(self) -> NDArray[np.float32]:
+        """Return the panorama seen through windows."""
+        environment = self._environment()
+        rng = generator(self.seed, "outside")
+        if environment is None:
+            return view_outside(rng)
+        return np.roll(environment.panorama, int(rng.integers(1024)), axis=1)
+
+    def _environment(self) -> Environment | None:
+        rng = generator(self.seed, "environment")
+        choices = self.sources.environments
+        if not choices or rng.random() < 0.25:
+            return None
+        return choices[int(rng.integers(len(choices)))]
+
+    def _lamp_colour(self, rng: np.random.Generator) -> tuple[float, float, float]:
+        colour = np.array(black_body(float(rng.uniform(2000, 6500))))
+        if self.randomised:
+            colour = colour * np.exp(rng.normal(0, 0.2, 3))
+        red, green, blue = (float(c) for c in colour / colour.mean())
+        return (red, green, blue)
+
+    def _any(self, rng: np.random.Generator) -> Material:
+        """Return any texture, real where there are some."""
+        textures = self.sources.textures
+        if textures and rng.random() < 0.85:
+            return textures[int(rng.integers(len(textures)))]
+        key = SurfaceKey("any", str(rng.choice(["floor", "wall"])))
+        return random_surface(key, int(rng.integers(2**31)))
+
+    def _textile(self, rng: np.random.Generator) -> Finish:
+        """Return a textile: a real one, its colours changed at times, or a pattern."""
+        real = [m for m in self.sources.textures if m.substance == "carpet"]
+        if real and rng.random() < 0.6:
+            material = real[int(rng.integers(len(real)))]
+            size = material.size_m * float(np.exp(rng.uniform(-0.5, 0.7)))
+            return Finish(_tinted(material.albedo, rng), size, 1.0)
+        return Finish(pattern(rng, 96), float(np.exp(rng.uniform(-1.8, 0.6))), 1.0)
+
+    def _picture(self, rng: np.random.Generator) -> Finish:
+        """Return a poster: a crop of a view or texture, or blobs, with a white margin at times."""
+        environments = self.sources.environments
+        if environments and rng.random() < 0.4:
+            view = environments[int(rng.integers(len(environments)))].panorama
+            x = int(rng.integers(0, view.shape[1] - 200))
+            crop = np.clip(view[20:220, x : x + 200] * 0.6, 0, 1)
+            tile = (255 * crop ** (1 / 2.2)).astype(np.uint8)
+        elif rng.random() < 0.4:
+            tile = _tinted(self._any(rng).albedo, rng)
+        else:
+            tile = _poster(rng)
+        return Finish(np.ascontiguousarray(tile), float(rng.uniform(0.4, 1.2)), 0.3)
+
+
+def draw_decor(sources: Sources, seed: int, *, randomised: bool) -> Decor:
+    """Draw the look of one scene."""
+    rng = generator(seed, "decor")
+    kind = "Office" if rng.random() < 0.15 else None
+    if randomised and rng.random() < 0.3:
+        kind = str(rng.choice(["Reception", "Bedroom", "Kitchen", "Office", "Bathroom"]))
+    dense = rng.random() < 0.55
+    style = RoomStyle(
+        crowd=float(rng.uniform(0.9, 1.8) if dense else rng.uniform(0.2, 0.9)),
+        clutter=float(rng.uniform(0.8, 2.2) if dense else rng.uniform(0.1, 0.8)),
+        kind=kind,
+        skins=_SKINS if randomised else (),
+        fabrics=(*FABRICS, *_RUGS),
+        pictures=_PICTURES,
+        lit=float(rng.choice([0.0, 0.5, 1.0])),
+    )
+    palette = draw_palette(generator(seed, "palette"))
+    return Decor(seed, sources, randomised, palette, style, ModelShop(sources.models))
+
+
+def _tinted(tile: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.uint8]:
+    """Return the tile, in half of the cases in other colours."""
+    if rng.random() < 0.5:
+        return tile
+    gain = np.exp(rng.normal(0, 0.3, 3) + rng.normal(0, 0.35))
+    image = tile.astype(np.float32)
+    if rng.random() < 0.3:
+        image = image[..., rng.permutation(3)]
+    return np.clip(image * gain, 4, 250).astype(np.uint8)
+
+
+def _poster(rng: np.random.Generator) -> NDArray[np.uint8]:
+    """Return blobs and bars on a gradient."""
+    size = 96
+    y, x = np.mgrid[:size, :size] / size
+    top, bottom = rng.uniform(10, 250, (2, 3))
+    image = top + (bottom - top) * y[..., None]
+    for _ in range(int(rng.integers(3, 25))):
+        cx, cy, turn = rng.random(3)
+        w, h = np.exp(rng.uniform(-4, -1, 2))
+        a = (x - cx) * np.cos(6.3 * turn) + (y - cy) * np.sin(6.3 * turn)
+        b = (y - cy) * np.cos(6.3 * turn) - (x - cx) * np.sin(6.3 * turn)
+        round_ = rng.random() < 0.5
+        inside = (a / w) ** 2 + (b / h) ** 2 < 1 if round_ else (abs(a) < w) & (abs(b) < h)
+        image[inside] = rng.uniform(5, 250, 3)
+    return np.clip(image, 0, 255).astype(np.uint8)

@@ -1,0 +1,316 @@
+"""Rooms as people live in them: full of models and procedural pieces, clutter, rugs, pictures.
+
+Furniture for training photos (:mod:`.snapshots`); the homes of listings keep :mod:`.furniture`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.house import Room
+from plan2scene_workshop.rendering import living, pieces, randomised, service
+from plan2scene_workshop.rendering.furniture import (
+    LIKE,
+    TRIES,
+    TYPICAL_AREA,
+    Layout,
+    add_piece,
+    add_radiators,
+    draw_count,
+    place_along_wall,
+    place_free,
+)
+from plan2scene_workshop.rendering.geometry import Geometry, box, placement, superquadric
+from plan2scene_workshop.rendering.models import ModelShop
+from plan2scene_workshop.rendering.palette import Palette, pick
+from plan2scene_workshop.rendering.pieces import Maker, Piece
+from plan2scene_workshop.rendering.shell import WallFace
+
+#: Emitting material of lit lamps.
+GLOW = "glow"
+_KITCHEN = ("kitchen", 2.2), ("fitted kitchen", 0.9), ("appliance", 1.2), ("tall unit", 0.5)
+#: Per room type: classes along walls and standing free, with the mean count of each.
+ALONG_WALLS: Mapping[str, Sequence[tuple[str, float]]] = {
+    "Reception": (
+        *(("sofa", 1.4), ("tv", 0.8), ("shelf", 1.2), ("cabinet", 1.0), ("plant", 1.0)),
+        *(("lamp", 0.7), ("desk", 0.4), ("armchair", 0.6), ("small", 2.0), ("fireplace", 0.15)),
+        *(("piano", 0.15), ("tall unit", 0.4), ("chair", 0.7), ("table", 0.4), ("screen", 0.1)),
+    ),
+    "Bedroom": (
+        *(("bed", 1.3), ("nightstand", 1.4), ("wardrobe", 0.5), ("tall unit", 0.7)),
+        *(("cabinet", 0.8), ("desk", 0.6), ("shelf", 0.6), ("small", 2.2), ("plant", 0.4)),
+        *(("chair", 0.5), ("armchair", 0.3), ("lamp", 0.4), ("tv", 0.3)),
+    ),
+    "Kitchen": (*_KITCHEN, ("shelf", 0.4), ("small", 1.0), ("plant", 0.3), ("chair", 0.6)),
+    "Bathroom": (
+        *(("sanitary", 2.6), ("cabinet", 0.4), ("appliance", 0.5), ("small", 1.0)),
+        *(("shelf", 0.3), ("stool", 0.3)),
+    ),
+    "Corridor": (
+        *(("cabinet", 0.7), ("shelf", 0.7), ("small", 1.6), ("plant", 0.4), ("chair", 0.4)),
+        *(("tall unit", 0.4), ("coats", 0.5)),
+    ),
+    "Closet": (("wardrobe", 0.8), ("shelf", 1.0), ("small", 2.5), ("carton", 1.0)),
+    "Outdoor": (("plant", 2.0), ("chair", 1.0), ("small", 1.0)),
+    "Office": (
+        *(("desk", 2.2), ("shelf", 2.2), ("cabinet", 1.0), ("table", 0.8), ("small", 2.5)),
+        *(("chair", 1.5), ("carton", 0.8), ("plant", 0.5), ("tall unit", 0.3)),
+    ),
+}
+STANDING_FREE: Mapping[str, Sequence[tuple[str, float]]] = {
+    "Reception": (
+        *(("coffee table", 0.9), ("dining set", 0.8), ("armchair", 0.6), ("stool", 0.6)),
+        *(("small", 1.8), ("heap", 0.4), ("toys", 0.7), ("papers", 0.3), ("chair", 0.5)),
+    ),
+    "Bedroom": (("stool", 0.5), ("small", 1.5), ("heap", 0.8), ("toys", 0.6), ("papers", 0.4)),
+    "Kitchen": (("dining set", 0.8), ("stool", 0.6), ("small", 0.6)),
+    "Bathroom": (("small", 0.5), ("heap", 0.3)),
+    "Corridor": (("small", 0.6), ("toys", 0.3)),
+    "Outdoor": (("dining set", 0.6), ("chair", 0.6)),
+    "Office": (("dining set", 1.2), ("chair", 2.5), ("table", 1.0), ("small", 1.0), ("papers", 1)),
+}
+#: Makers of classes that a folder of models lacks, and now and then beside them.
+MAKERS: Mapping[str, Sequence[Maker]] = {
+    "sofa": (living.sofa,),
+    "bed": (living.bed,),
+    "chair": (pieces.chair,),
+    "armchair": (living.armchair,),
+    "desk": (living.desk,),
+    "shelf": (living.bookshelf,),
+    "cabinet": (living.dresser,),
+    "wardrobe": (living.wardrobe,),
+    "nightstand": (living.night_table,),
+    "plant": (service.plant,),
+    "lamp": (living.floor_lamp,),
+    "small": (randomised.toys, randomised.basket, service.carton),
+    "tv": (living.television,),
+    "stool": (living.ottoman,),
+    "table": (living.coffee_table,),
+    "coffee table": (living.coffee_table,),
+    "dining set": (living.dining_set,),
+    "fitted kitchen": (service.kitchen_run,),
+    "appliance": (service.fridge, service.washer),
+    "sanitary": (service.basin, service.toilet, service.bathtub),
+    "coats": (service.coat_rack,),
+    "carton": (service.carton,),
+    "heap": (randomised.heap,),
+    "toys": (randomised.toys,),
+}
+#: Chance that a class is drawn from the models where both are there.
+_MODEL_SHARE = 0.75
+_TOPS = {"table", "desk", "cabinet", "nightstand", "coffee table"}
+
+
+@dataclass(frozen=True)
+class RoomStyle:
+    """How one room is filled; names are those of finishes."""
+
+    crowd: float  #: factor on the counts of furniture
+    clutter: float  #: factor on small things and what hangs on the walls
+    kind: str | None  #: instead of the room's type
+    skins: tuple[str, ...]  #: textures laid over models; none: as they are
+    fabrics: tuple[str, ...]
+    pictures: tuple[str, ...]
+    lit: float  #: share of standing lamps that shine
+
+
+class Furnisher:
+    """Fills rooms of one scene."""
+
+    def __init__(self, shop: ModelShop, palette: Palette, style: RoomStyle) -> None:
+        self.shop, self.palette, self.style = shop, palette, style
+
+    def furnish(
+        self, geometry: Geometry, room: Room, faces: tuple[WallFace, ...], rng: np.random.Generator
+    ) -> None:
+        """Add furniture, clutter, rugs and pictures; nothing stands in a wall or a doorway."""
+        if not faces:
+            return
+        layout = Layout(room, faces, ())
+        kind = LIKE.get(room.types[0], room.types[0]) if room.types else "Bedroom"
+        kind = self.style.kind or kind
+        scale = min((room_polygon(room).area / TYPICAL_AREA) ** 0.8, 2.2)
+        self._height = room.height
+        for name, mean in ALONG_WALLS.get(kind, ()):
+            for _ in range(draw_count(rng, mean * scale * self._factor(name))):
+                place_along_wall(geometry, layout, self.draw(rng, name), rng)
+        for name, mean in STANDING_FREE.get(kind, ()):
+            for _ in range(draw_count(rng, mean * scale * self._factor(name))):
+                place_free(geometry, layout, self.draw(rng, name), rng)
+        for _ in range(draw_count(rng, rng.choice([0.0, 0.6, 1.6]))):
+            self._add_rug(geometry, layout, rng)
+        for _ in range(draw_count(rng, 3.5 * scale * self.style.clutter)):
+            self._hang(geometry, layout, rng, kitchen=kind == "Kitchen")
+        self._hang_lamp(geometry, layout, room, rng)
+        add_radiators(geometry, layout, rng)
+
+    def _factor(self, name: str) -> float:
+        small = name in ("small", "heap", "toys", "papers", "carton")
+        return self.style.clutter if small else self.style.crowd
+
+    def draw(self, rng: np.random.Generator, name: str) -> Piece:
+        """Return a piece of a class."""
+        if name == "tall unit":
+            return self._tall_unit(rng)
+        if name == "papers":
+            return papers(rng, self.palette)
+        if name == "dining set" and self.shop.has("table") and rng.random() < _MODEL_SHARE:
+            return self._dining_set(rng)
+        kind = {"coffee table": "table"}.get(name, name)
+        piece = None
+        if name not in MAKERS or rng.random() < _MODEL_SHARE:
+            skins = self.style.skins if rng.random() < 0.6 else ()
+            piece = self.shop.piece(rng, kind, mounts=("floor",), skins=skins)
+        if piece is None:
+            makers = MAKERS.get(name, MAKERS["small"])
+            return makers[int(rng.integers(len(makers)))](rng, self.palette)
+        if name in _TOPS and piece.height < 1.3:
+            self._dress(piece, rng)
+        if name == "lamp":
+            self._light_up(piece, rng)
+        return piece
+
+    def _light_up(self, piece: Piece, rng: np.random.Generator) -> None:
+        """Put a shining bulb on a lamp."""
+        if rng.random() < self.style.lit:
+            middle = (0.0, piece.height + 0.05, piece.depth / 2)
+            piece.add((GLOW, (1.0, 1.0, 1.0)), superquadric(middle, (0.07, 0.05, 0.07)))
+            piece.height += 0.1
+
+    def _dress(self, piece: Piece, rng: np.random.Generator) -> None:
+        """Put small models on a flat top."""
+        room = [piece.width * 0.8, piece.depth * 0.7]
+        kinds = ["small", "small", "small", "lamp", "plant", "tv", "appliance"]
+        for _ in range(draw_count(rng, rng.uniform(0, 3.5) * self.style.clutter * room[0])):
+            thing = self.shop.piece(rng, str(rng.choice(kinds)), mounts=("table",))
+            if thing is None or thing.width > room[0] or thing.depth > room[1]:
+                continue
+            if thing.height < 0.7 and rng.random() < self.style.lit * 0.3:
+                self._light_up(thing, rng)
+            x = rng.uniform(-0.5, 0.5) * (room[0] - thing.width)
+            z = piece.depth / 2 + rng.uniform(-0.5, 0.5) * (room[1] - thing.depth)
+            turn = placement(x, z, rng.normal(0, 0.5), piece.height)
+            piece.put(thing, turn @ placement(0, -thing.depth / 2, 0))
+
+    def _tall_unit(self, rng: np.random.Generator) -> Piece:
+        """Return a wardrobe, kitchen or shelf wall, mostly up to the ceiling, white or textured."""
+        top = self._height - 0.02 if rng.random() < 0.7 else rng.uniform(1.9, 2.3)
+        white = tuple(np.full(3, rng.uniform(0.5, 0.85)) + rng.normal(0, 0.01, 3))
+        look = pieces.hard(rng, self.palette) if rng.random() < 0.5 else ("paint", white)
+        if self.style.skins and rng.random() < 0.3:
+            look = (str(rng.choice(list(self.style.skins))), white)
+        size = (rng.uniform(0.6, 2.8), rng.uniform(0.35, 0.65), min(top, self._height - 0.02))
+        return pieces.cabinet(rng, self.palette, size, look)
+
+    def _dining_set(self, rng: np.random.Generator) -> Piece:
+        """Return a table with chairs of one model around it."""
+        skins = self.style.skins if rng.random() < 0.4 else ()
+        table = self.shop.piece(rng, "table", mounts=("floor",), skins=skins)
+        state = rng.integers(2**32)
+        if table is None:
+            return living.dining_set(rng, self.palette)
+        if table.height > 0.6:
+            self._dress(table, rng)
+        whole = Piece(table.width + 1.0, table.depth + 1.0, max(table.height, 1.0))
+        whole.put(table, placement(0, 0.5, 0))
+        per_side = max(1, int(table.width / 0.6))
+        for k in range(per_side):
+            x = (k - (per_side - 1) / 2) * table.width / per_side
+            for side, angle in ((0.0, 0.0), (1.0, np.pi)):
+                seat = self.shop.piece(np.random.default_rng(state), "chair", mounts=("floor",))
+                if seat is None or rng.random() < 0.2:
+                    continue
+                pull = rng.uniform(-0.1, 0.25)
+                z = 0.5 - pull if side == 0 else table.depth + 0.5 + pull
+                turn = placement(x, z, angle + rng.normal(0, 0.25))
+                whole.put(seat, turn @ placement(0, -seat.depth / 2 - 0.12, 0))
+        return whole
+
+    def _add_rug(self, geometry: Geometry, layout: Layout, rng: np.random.Generator) -> None:
+        """Lay a rug or a carpet on the floor, at times nearly as large as the room."""
+        x0, z0, x1, z1 = layout.free.bounds
+        if rng.random() < 0.3 and self.shop.has("rug"):
+            piece = self.shop.piece(rng, "rug", mounts=("floor",))
+            if piece is not None and piece.width < x1 - x0 and piece.depth < z1 - z0:
+                spot = rng.uniform((x0, z0), (x1, z1))
+                add_piece(geometry, piece, placement(spot[0], spot[1], rng.uniform(0, 6.3)))
+                return
+        for _ in range(TRIES):
+            width, depth = rng.uniform(0.5, 1.0, 2) * rng.uniform(0.6, 3.6)
+            x, z = rng.uniform((x0, z0), (x1, z1))
+            low = (max(x - width / 2, x0 + 0.05), 0.0, max(z - depth / 2, z0 + 0.05))
+            high = (min(x + width / 2, x1 - 0.05), rng.uniform(0.004, 0.02), min(z + depth, z1))
+            if high[0] - low[0] > 0.4 and high[2] - low[2] > 0.4:
+                rug = box(low, high)
+                if layout.free.buffer(0.05).covers(_flat(low, high)):
+                    geometry.add(str(rng.choice(list(self.style.fabrics))), rug)
+                    return
+
+    def _hang(
+        self, geometry: Geometry, layout: Layout, rng: np.random.Generator, *, kitchen: bool
+    ) -> None:
+        """Hang a picture, poster, mirror, clock, screen or cupboard on a free piece of wall."""
+        piece, bottom = self._hanging(rng, kitchen=kitchen)
+        for _ in range(TRIES // 2):
+            index = int(rng.integers(len(layout.faces)))
+            face, half = layout.faces[index], piece.width / 2
+            if face.length < piece.width + 0.1:
+                continue
+            along = rng.uniform(0.05 + half, face.length - 0.05 - half)
+            where = (along - half, along + half, bottom, bottom + piece.height)
+            if layout.wall_is_free(index, *where):
+                layout.on_walls.append((index, *where))
+                add_piece(geometry, piece, face.frame(along, bottom, 0.002))
+                return
+
+    def _hanging(self, rng: np.random.Generator, *, kitchen: bool) -> tuple[Piece, float]:
+        """Return what hangs and the height of its lower edge."""
+        kinds = ["kitchen", "appliance"] if kitchen else ["picture", "small", "mirror", "tv"]
+        if rng.random() < (0.6 if kitchen else 0.3):
+            piece = self.shop.piece(rng, str(rng.choice(kinds)), mounts=("wall",))
+            if piece is not None and piece.height < 1.2:
+                return piece, float(1.4 if kitchen else rng.uniform(1.1, 1.7))
+        width, height = np.exp(rng.uniform(-1.6, 0.4)), np.exp(rng.uniform(-1.6, 0.2))
+        piece, rim = Piece(float(width), float(height), float(height)), rng.uniform(0.0, 0.06)
+        look = ("paint", pick(rng, self.palette.furniture))
+        half = width / 2
+        piece.add(look, box((-half, 0, 0), (half, height, 0.02)))
+        name = "mirror" if rng.random() < 0.1 else str(rng.choice(list(self.style.pictures)))
+        inside = box((-half + rim, rim, 0.02), (half - rim, height - rim, 0.022))
+        piece.add((name, look[1]), inside)
+        return piece, float(np.clip(rng.normal(1.5, 0.2) - height / 2, 0.4, 1.9))
+
+    def _hang_lamp(
+        self, geometry: Geometry, layout: Layout, room: Room, rng: np.random.Generator
+    ) -> None:
+        """Hang a lamp model from the ceiling."""
+        lamp = self.shop.piece(rng, "lamp", mounts=("ceiling",))
+        if lamp is None or rng.random() < 0.6 or lamp.height > room.height - 1.5:
+            return
+        x0, z0, x1, z1 = layout.free.bounds
+        x, z = rng.uniform(0.35, 0.65) * np.array([x1 - x0, z1 - z0]) + (x0, z0)
+        turn = placement(x, z, rng.uniform(0, 6.3), room.height - lamp.height)
+        add_piece(geometry, lamp, turn @ placement(0, -lamp.depth / 2, 0))
+
+
+def _flat(low: Sequence[float], high: Sequence[float]) -> object:
+    import shapely
+
+    return shapely.box(low[0], low[2], high[0], high[2])
+
+
+def papers(rng: np.random.Generator, palette: Palette) -> Piece:
+    """Return sheets, magazines and cloths lying flat on the floor."""
+    piece = Piece(rng.uniform(0.4, 1.2), rng.uniform(0.4, 1.0), 0.03)
+    for _ in range(int(rng.integers(2, 10))):
+        x = rng.uniform(-0.4, 0.4) * piece.width
+        z = rng.uniform(0.1, 0.9) * piece.depth
+        half = rng.uniform(0.07, 0.16, 2)
+        sheet = box((-half[0], 0.001, -half[1]), (half[0], rng.uniform(0.003, 0.03), half[1]))
+        colour = (0.8, 0.8, 0.78) if rng.random() < 0.5 else pick(rng, palette.accents)
+        piece.add(("paint", colour), sheet.moved(placement(x, z, rng.uniform(0, np.pi))))
+    return piece

@@ -1,0 +1,286 @@
+"""Many views of a scene quickly: one mesh, light by paths over mean colours, textures looked up.
+
+Where :mod:`.tracer` traces every texture and finish, here all surfaces are one diffuse mesh of a
+colour per face, so that every scene runs the same compiled kernels. What the camera sees is cast
+separately, at full resolution: faces, normals, and colours from a texture atlas with mip levels.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plan2scene_workshop.rendering.atlas import Atlas
+from plan2scene_workshop.rendering.geometry import Geometry, JoinedGroup
+from plan2scene_workshop.rendering.tracer import Finish
+from plan2scene_workshop.rendering.views import View
+
+PATH_DEPTH, ROULETTE_DEPTH = 4, 3
+#: Emitters of every scene; those it lacks are dark specks far below it, so that the kernel stays.
+EMITTERS = 5
+_DARK = np.array([[0, -90, 0], [0.01, -90, 0], [0, -90, 0.01]], float)
+
+Image = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Hits:
+    """What the ray through each pixel's centre hits; (h, w), (h, w, 3)."""
+
+    face: NDArray[np.int64]  #: index over all faces of the scene, -1 for none
+    position: Image  #: in the world, metres; zero where nothing is hit
+    normal: Image  #: in the world, towards the camera; zero where nothing is hit
+    depth: Image  #: along the camera's axis, metres
+
+
+@dataclass(frozen=True)
+class Faces:
+    """Per face of the whole scene."""
+
+    labels: NDArray[np.uint8]
+    planes: NDArray[np.uint8]
+    groups: NDArray[np.int32]  #: index into the tracer's `names`
+    colours: NDArray[np.float32]  #: (m, 3) mean albedo, linear; zero of emitters
+    emission: NDArray[np.float32]  #: (m, 3) linear
+    roughness: NDArray[np.float32]
+
+
+class QuickTracer:
+    """A scene loaded once, seen from any number of cameras; needs a vectorised variant."""
+
+    def __init__(self, geometry: Geometry, finishes: Mapping[str, Finish], mi: Any) -> None:
+        self._mi = mi
+        self._dr = importlib.import_module("drjit")
+        joined = geometry.joined()
+        dull = [(n, g, finishes[n]) for n, g in joined.items() if finishes[n].emission is None]
+        lit = [(n, g, finishes[n]) for n, g in joined.items() if finishes[n].emission is not None]
+        rows = dull + lit
+        self.names = [name for name, _, _ in rows]
+        self.faces = _faces(rows)
+        self._load(rows, len(dull))
+        scene: dict[str, Any] = {"type": "scene", "s0": self._surfaces(dull)}
+        for k in range(EMITTERS):
+            scene[f"s{k + 1}"] = self._emitter(lit[k] if k < len(lit) else None)
+        self._scene = mi.load_dict(scene, optimize=False, parallel=False)
+        self._first = self._first_faces([g for _, g, _ in dull], [g for _, g, _ in lit])
+        self._path = mi.load_dict(
+            {"type": "path", "max_depth": PATH_DEPTH, "rr_depth": ROULETTE_DEPTH}
+        )
+
+    def _load(self, rows: list[tuple[str, JoinedGroup, Finish]], dull: int) -> None:
+        """Keep corner attributes and the atlas as arrays of the renderer."""
+        mi = self._mi
+        starts = np.cumsum([0] + [len(g.solid.vertices) for _, g, _ in rows])
+        corners = np.concatenate(
+            [g.solid.faces + s for (_, g, _), s in zip(rows, starts, strict=False)]
+        )
+        normals = np.concatenate([g.solid.normals for _, g, _ in rows])
+        uv = np.concatenate([g.solid.uv / f.size_m for _, g, f in rows])
+        self._corners = mi.UInt32(corners.astype(np.uint32).ravel())
+        self._normals = mi.Float(normals.astype(np.float32).ravel())
+        self._uv = mi.Float(uv.astype(np.float32).ravel())
+        vertices = np.concatenate([g.solid.vertices for _, g, _ in rows])
+        self._atlas = Atlas([f.tile if f.emission is None else None for _, _, f in rows], mi)
+        self._tile = mi.Int32(self._atlas.tile_of(self.faces.groups))
+        self._flat = mi.Float(self.faces.colours.ravel())
+        self._density = mi.Float(_uv_density(vertices, uv, corners))
+
+    def _surfaces(self, rows: list[tuple[str, JoinedGroup, Finish]]) -> Any:
+        mi = self._mi
+        properties = mi.Properties()
+        colour = {"type": "mesh_attribute", "name": "face_color"}
+        properties["mesh_bsdf"] = mi.load_dict(
+            {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": colour}}
+        )
+        vertices = np.concatenate([g.solid.vertices for _, g, _ in rows])
+        normals = np.concatenate([g.solid.normals for _, g, _ in rows])
+        starts = np.cumsum([0] + [len(g.solid.vertices) for _, g, _ in rows])
+        faces = np.concatenate(
+            [g.solid.faces + s for (_, g, _), s in zip(rows, starts, strict=False)]
+        )
+        colours = self.faces.colours[: len(faces)]
+        return _mesh(mi, "s0", (vertices, normals, faces), properties, colours)
+
+    def _emitter(self, row: tuple[str, JoinedGroup, Finish] | None) -> Any:
+        mi = self._mi
+        radiance = [0.0, 0.0, 0.0]
+        solid = (_DARK, np.tile([0.0, -1.0, 0.0], (3, 1)), np.array([[0, 1, 2]]))
+        if row is not None:
+            _, group, finish = row
+            radiance = [float(finish.emission or 0.0) * c for c in finish.light]
+            solid = (group.solid.vertices, group.solid.normals, group.solid.faces)
+        properties = mi.Properties()
+        black = {"type": "rgb", "value": 0.0}
+        properties["mesh_bsdf"] = mi.load_dict({"type": "diffuse", "reflectance": black})
+        properties["mesh_emitter"] = mi.load_dict(
+            {"type": "area", "radiance": {"type": "rgb", "value": radiance}}
+        )
+        return _mesh(mi, "e", solid, properties, None)
+
+    def _first_faces(self, dull: list[JoinedGroup], lit: list[JoinedGroup]) -> Any:
+        """Return the first face of each shape, by the renderer's number of the shape."""
+        mi, dr = self._mi, self._dr
+        counts = [sum(len(g.solid.faces) for g in dull)] + [len(g.solid.faces) for g in lit]
+        first = np.cumsum([0, *counts])
+        found = {}
+        for k, shape in enumerate(self._scene.shapes()):
+            number = int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0])
+            found[number] = int(first[min(k, len(first) - 1)])
+        table = np.zeros(256, np.uint32)  # of one size: the kernel stays
+        if max(found) >= len(table):
+            raise RuntimeError("the renderer numbers shapes beyond 255")
+        for number, start in found.items():
+            table[number] = start
+        return mi.UInt32(table)
+
+    def _rays(self, view: View, size: tuple[int, int], samples: int = 1) -> Any:
+        """Return rays through pixel centres, row by row, each `samples` times."""
+        mi, dr = self._mi, self._dr
+        height, width = size
+        scale = dr.opaque(mi.Float, float(max(size) / 2 / np.tan(view.fov / 2)))
+        wide = dr.opaque(mi.UInt32, width)
+        pixel = dr.arange(mi.UInt32, height * width * samples) // dr.opaque(mi.UInt32, samples)
+        row = pixel // wide
+        x = (mi.Float(pixel - row * wide) + dr.opaque(mi.Float, 0.5 - width / 2)) / scale
+        y = (mi.Float(row) + dr.opaque(mi.Float, 0.5 - height / 2)) / scale
+        axes = [
+            mi.Vector3f(*[dr.opaque(mi.Float, float(c)) for c in axis]) for axis in view.rotation()
+        ]
+        ray = dr.normalize(x * axes[0] + y * axes[1] + axes[2])
+        origin = mi.Point3f(*[dr.opaque(mi.Float, float(c)) for c in view.position])
+        return mi.Ray3f(origin, ray)
+
+    def _cast(self, rays: Any) -> tuple[Any, Any, Any, Any]:
+        """Return the hit, whether there is one, the face over all shapes, and its corners."""
+        mi, dr = self._mi, self._dr
+        hit = self._scene.ray_intersect_preliminary(rays, coherent=True)
+        valid = hit.is_valid()
+        shape = dr.reinterpret_array(mi.UInt32, hit.shape)
+        face = dr.gather(mi.UInt32, self._first, shape, valid) + hit.prim_index
+        corners = [dr.gather(mi.UInt32, self._corners, 3 * face + k, valid) for k in range(3)]
+        return hit, valid, face, corners
+
+    def hits(self, view: View, size: tuple[int, int]) -> Hits:
+        """Cast one ray through each pixel's centre of a (height, width) photo."""
+        mi, dr = self._mi, self._dr
+        rays = self._rays(view, size)
+        hit, valid, face, corners = self._cast(rays)
+        u, v = hit.prim_uv.x, hit.prim_uv.y
+        normal = mi.Normal3f(0)
+        for weight, corner in zip((1 - u - v, u, v), corners, strict=True):
+            normal += weight * dr.gather(mi.Normal3f, self._normals, corner, valid)
+        normal = dr.normalize(normal)
+        normal = dr.select(dr.dot(normal, rays.d) > 0, -normal, normal) & valid
+        position = rays(dr.select(valid, hit.t, 0))
+        number = dr.select(valid, mi.Int32(face), -1)
+        ahead = view.rotation()[2]
+        where = np.array(position).T.reshape(*size, 3)
+        facing = np.nan_to_num(np.array(normal).T.reshape(*size, 3))
+        face_index = np.array(number).astype(np.int64).reshape(size)
+        depth = ((where - np.array(view.position)) @ ahead).astype(np.float32)
+        none = face_index < 0
+        where[none], depth[none], facing[none] = 0, 0, 0
+        return Hits(face_index, where, facing, depth)
+
+    def albedo(self, view: View, size: tuple[int, int]) -> Image:
+        """Return linear albedo (h, w, 3), of 2 x 2 samples a pixel; zero of emitters."""
+        mi, dr = self._mi, self._dr
+        fine = (2 * size[0], 2 * size[1])
+        rays = self._rays(view, fine)
+        hit, valid, face, corners = self._cast(rays)
+        u, v = hit.prim_uv.x, hit.prim_uv.y
+        uv = mi.Point2f(0)
+        for weight, corner in zip((1 - u - v, u, v), corners, strict=True):
+            uv += weight * dr.gather(mi.Point2f, self._uv, corner, valid)
+        spread = dr.opaque(mi.Float, 2 * np.tan(view.fov / 2) / max(fine))
+        footprint = hit.t * spread * dr.gather(mi.Float, self._density, face, valid)
+        tile = dr.gather(mi.Int32, self._tile, face, valid)
+        flat = dr.gather(mi.Color3f, self._flat, face, valid)
+        colour = self._atlas.lookup(tile, uv, footprint, valid & (tile >= 0))
+        colour = dr.select(tile >= 0, colour, flat)
+        colour = dr.select(valid, colour, 0)
+        image = np.array(colour).T.reshape(size[0], 2, size[1], 2, 3)
+        return image.mean((1, 3)).astype(np.float32)
+
+    def light(
+        self, view: View, size: tuple[int, int], samples: int, seed: int, hits: Hits
+    ) -> Image:
+        """Return light (h, w, 3), radiance / albedo, `samples` paths through each pixel's centre.
+
+        `hits` are those of the same view and size; zero where emitters or nothing are seen.
+        """
+        sampler = self._mi.load_dict({"type": "independent", "sample_count": 1})
+        sampler.seed(seed % 2**31, size[0] * size[1] * samples)
+        rays = self._mi.RayDifferential3f(self._rays(view, size, samples))
+        radiance, _, _ = self._path.sample(self._scene, sampler, rays)
+        mean = np.array(radiance).T.reshape(*size, samples, 3)
+        mean = np.nan_to_num(np.minimum(mean, 60.0)).mean(2)
+        albedo = self.faces.colours[hits.face]
+        lit = (hits.face >= 0) & (albedo.max(-1) > 0)
+        return np.where(lit[..., None], mean / np.maximum(albedo, 1e-3), 0).astype(np.float32)
+
+
+def _mesh(
+    mi: Any,
+    name: str,
+    solid: tuple[NDArray[Any], NDArray[Any], NDArray[Any]],
+    properties: Any,
+    colours: NDArray[np.float32] | None,
+) -> Any:
+    vertices, normals, faces = solid
+    mesh = mi.Mesh(
+        name,
+        len(vertices),
+        len(faces),
+        has_vertex_normals=True,
+        has_vertex_texcoords=False,
+        props=properties,
+    )
+    if colours is not None:
+        mesh.add_attribute("face_color", 3, np.ascontiguousarray(colours).ravel())
+    params = mi.traverse(mesh)
+    params["vertex_positions"] = vertices.astype(np.float32).ravel()
+    params["vertex_normals"] = normals.astype(np.float32).ravel()
+    params["faces"] = faces.astype(np.uint32).ravel()
+    params.update()
+    return mesh
+
+
+def _faces(rows: list[tuple[str, JoinedGroup, Finish]]) -> Faces:
+    """Return the attributes of all faces, group after group."""
+    colours, emission = [], []
+    for _, group, finish in rows:
+        count = len(group.solid.faces)
+        colour = group.colours
+        if finish.tile is not None:
+            colour = np.tile(((finish.tile / 255.0) ** 2.2).mean((0, 1)), (count, 1))
+        shines = finish.emission is not None
+        colours.append(np.zeros((count, 3)) if shines else np.clip(colour, 0.002, 0.9))
+        radiance = [float(finish.emission or 0.0) * c for c in finish.light]
+        emission.append(np.tile(radiance, (count, 1)))
+    counts = [len(group.solid.faces) for _, group, _ in rows]
+    return Faces(
+        np.concatenate([group.labels for _, group, _ in rows]),
+        np.concatenate([group.planes for _, group, _ in rows]),
+        np.repeat(np.arange(len(rows), dtype=np.int32), counts),
+        np.concatenate(colours).astype(np.float32),
+        np.concatenate(emission).astype(np.float32),
+        np.repeat(np.array([f.roughness for _, _, f in rows], np.float32), counts),
+    )
+
+
+def _uv_density(
+    vertices: NDArray[Any], uv: NDArray[Any], faces: NDArray[Any]
+) -> NDArray[np.float32]:
+    """Return tiles per metre of each face: the root of the ratio of its areas."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    p, q, r = (uv[faces[:, k]] for k in range(3))
+    d, e = q - p, r - p
+    flat = np.abs(d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0])
+    return np.sqrt(flat / np.maximum(area, 1e-12)).astype(np.float32)
