@@ -67,21 +67,6 @@ def test_data_and_a_model_are_made(run, tmp_path):
     assert made == {"models", "materials.npz"}  # no checkpoint stays
 
 
-def test_training_photos_are_made(run, tmp_path):
-    mitsuba = pytest.importorskip("mitsuba")
-    if "llvm_ad_rgb" not in mitsuba.variants():
-        pytest.skip("needs a vectorised variant")
-    homes = TINY["synthetic"] | {"snapshots": {"views": 1, "long_side": 48}}
-    (tmp_path / "tiny.yaml").write_text(yaml.safe_dump(TINY | {"synthetic": homes}))
-    run("data")
-    rows = read_house_table(tmp_path / "data" / "tiny" / "houses.tsv")
-    truth = tmp_path / "data" / "tiny" / "truth" / "train" / rows[0].house
-    stems = {Path(name).stem for name in rows[0].photos}
-    assert stems
-    for folder in ("masks", "normals", "depth"):
-        assert {path.stem for path in (truth / folder).iterdir()} == stems
-
-
 def test_every_model_has_a_rule(run):
     planned = run("train", "--dry-run")
     for name in ("texture", "naivesynth", "features", "segmentation", "propagation"):
