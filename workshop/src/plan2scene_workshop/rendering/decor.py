@@ -90,7 +90,7 @@ class Decor:
         tint = plan.sky_colour
         environment = self._environment()
         if environment is not None:
-            tint = tuple(np.sqrt(np.array(tint) * environment.tint))  # type: ignore[assignment]
+            tint = tuple(np.sqrt(np.array(tint) * environment.tint))
         return LightPlan(sky, lamps, tint, colour)
 
     def outside(self) -> NDArray[np.float32]:

@@ -128,7 +128,7 @@ def _part(mesh: Any, matrix: Array, share: float) -> ModelPart:
         solid.vertices.astype(np.float32),
         solid.normals.astype(np.float32),
         solid.uv.astype(np.float32),
-        solid.faces.astype(np.int32),  # type: ignore[arg-type]
+        solid.faces.astype(np.int32),
     )
     return ModelPart(small, tile, colour)
 
