@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene.datasets import make_house_table, read_house_table
+from plan2scene.datasets.table import read_house_table
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene_workshop.homes import snapshots
@@ -48,7 +48,6 @@ def test_a_house_of_snapshots_is_a_data_set(
     options = snapshots.SnapshotOptions(views=2, long_side=32, targets=targets)
     house = snapshots.write_snapshots(tmp_path, "h_1", "train", 5, options, sources=Sources())
     write_dataset_index(tmp_path, {"h_1": "train"}, 0)
-    make_house_table(tmp_path)
     truth = tmp_path / "truth" / "train" / "h_1"
     cameras = read_json(truth / "cameras.json")
     table = read_house_table(tmp_path / "houses.tsv")
