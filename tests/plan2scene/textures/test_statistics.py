@@ -80,3 +80,11 @@ def test_colour_quantiles_of_known_values() -> None:
         [0.48, 0.4, 0.25, 0.25, 0.4, 0.48], abs=0.01
     )
     assert (found[3:6] < 0).all() and (found[6:9] > 0).all()
+
+
+def test_sectors_are_the_same_where_tensors_default_to_meta():
+    rows = st.SpectrumStatistics().sectors64
+    with torch.device("meta"):
+        shape = st.SpectrumStatistics().sectors64
+    assert shape.is_meta and shape.shape == rows.shape
+    np.testing.assert_allclose(rows.sum(1), 1.0, rtol=1e-5)

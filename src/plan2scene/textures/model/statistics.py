@@ -132,20 +132,22 @@ class FilterBankStatistics(nn.Module):
 
 def _sectors(size: int, orientations: int) -> torch.Tensor:
     """Return (sectors, size * (size // 2 + 1)) weights that average a half spectrum by sector."""
-    fy = torch.fft.fftfreq(size, 1 / size).view(-1, 1).expand(-1, size // 2 + 1)
-    fx = torch.fft.rfftfreq(size, 1 / size).view(1, -1).expand(size, -1)
-    radius = torch.hypot(fx, fy)
-    edges = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0]
-    edges = [edge for edge in edges if edge <= size / 2]
-    angle = torch.remainder(torch.atan2(fy, fx), math.pi) / math.pi
-    sector = torch.floor(angle * orientations + 0.5).long() % orientations
-    rows = [
-        ((radius >= low) & (radius < high) & (sector == turn)).flatten().float()
-        for low, high in itertools.pairwise(edges)
-        for turn in range(orientations)
-    ]
-    weights = torch.stack([row for row in rows if row.sum() > 0])
-    return weights / weights.sum(1, keepdim=True)
+    with torch.device("cpu"):  # which rows there are is worked out whatever the default device
+        fy = torch.fft.fftfreq(size, 1 / size).view(-1, 1).expand(-1, size // 2 + 1)
+        fx = torch.fft.rfftfreq(size, 1 / size).view(1, -1).expand(size, -1)
+        radius = torch.hypot(fx, fy)
+        edges = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0]
+        edges = [edge for edge in edges if edge <= size / 2]
+        angle = torch.remainder(torch.atan2(fy, fx), math.pi) / math.pi
+        sector = torch.floor(angle * orientations + 0.5).long() % orientations
+        rows = [
+            ((radius >= low) & (radius < high) & (sector == turn)).flatten().float()
+            for low, high in itertools.pairwise(edges)
+            for turn in range(orientations)
+        ]
+        weights = torch.stack([row for row in rows if row.sum() > 0])
+        weights /= weights.sum(1, keepdim=True)
+    return weights.to(torch.get_default_device())
 
 
 class SpectrumStatistics(nn.Module):
