@@ -21,6 +21,7 @@ rule floorplan:
         assignment=named_assignment_of,
         photos=str(LAYOUT.photos),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
+        dxf_layers=config["floorplans"]["dxf_layers"],
         code=code_hash("floorplans"),
     script:
         "../scripts/floorplan.py"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping
 from pathlib import Path
 
 from plan2scene.datasets.assignments import check_assignment, read_assignment
@@ -18,6 +19,7 @@ def import_plan(
     *,
     house_id: str,
     metres_per_pixel: float | None = None,
+    dxf_layers: Mapping[str, str] | None = None,
     assignment: str | Path | None = None,
     photos_dir: str | Path | None = None,
     object_boxes: str | Path | None = None,
@@ -29,7 +31,7 @@ def import_plan(
     that has none, is a warning, and so is a photo that `photos_dir` lacks; None asks for no check.
     Boxes of an `object_boxes` file become the house's icons; a faulty file is a warning.
     """
-    house = read_plan(path, house_id, metres_per_pixel)
+    house = read_plan(path, house_id, metres_per_pixel, dxf_layers)
     warnings = validate_house(house, file=path)
     if assignment is not None:
         rows = read_assignment(assignment, house)

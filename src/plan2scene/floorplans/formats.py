@@ -6,7 +6,7 @@ A new format is a reader module in this folder and an entry in :data:`FORMATS`
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import Any
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans.drawings.cubicasa import house_of_cubicasa
+from plan2scene.floorplans.drawings.dxf import house_of_dxf, is_dxf
 from plan2scene.floorplans.drawings.roomplan import house_of_roomplan, is_roomplan
 from plan2scene.floorplans.drawings.sweet_home import house_of_sweet_home, is_sweet_home
 from plan2scene.floorplans.parse import parse_json
@@ -48,22 +49,28 @@ _SIGNATURES = (
 class PlanFile:
     """A plan on disk, read when a format first looks at it.
 
-    The house gets the name `house_id`; `metres_per_pixel` is the scale of formats in pixels.
+    The house gets the name `house_id`; `metres_per_pixel` is the scale of formats in pixels (of
+    DXF the unit), `dxf_layers` names the layers of DXF (docs/floorplans.md).
     """
 
     path: Path
     house_id: str
     metres_per_pixel: float | None = None
+    dxf_layers: Mapping[str, str] | None = None
+
+    @cached_property
+    def head(self) -> bytes:
+        """The first bytes of the file."""
+        try:
+            with self.path.open("rb") as file:
+                return file.read(4096)
+        except OSError as error:
+            raise self.fault("a readable file", error.strerror or "an error") from None
 
     @cached_property
     def binary(self) -> str:
         """What kind of file this is when it begins like one that is no text; else empty."""
-        try:
-            with self.path.open("rb") as file:
-                head = file.read(8)
-        except OSError as error:
-            raise self.fault("a readable file", error.strerror or "an error") from None
-        return next((name for start, name in _SIGNATURES if head.startswith(start)), "")
+        return next((name for start, name in _SIGNATURES if self.head.startswith(start)), "")
 
     @cached_property
     def text(self) -> str:
@@ -121,6 +128,11 @@ def _read_r2v(plan: PlanFile) -> House:
 #: In the order in which they are asked.
 FORMATS: tuple[PlanFormat, ...] = (
     PlanFormat(
+        "DXF",
+        lambda plan: is_dxf(plan.head),
+        lambda plan: house_of_dxf(plan.path, plan.house_id, plan.metres_per_pixel, plan.dxf_layers),
+    ),
+    PlanFormat(
         "plan2scene-plan JSON",
         _is_plan_json,
         lambda plan: house_of_plan(plan.document, plan.house_id, file=str(plan.path)),
@@ -145,12 +157,17 @@ FORMATS: tuple[PlanFormat, ...] = (
 )
 
 
-def read_plan(path: str | Path, house_id: str, metres_per_pixel: float | None = None) -> House:
+def read_plan(
+    path: str | Path,
+    house_id: str,
+    metres_per_pixel: float | None = None,
+    dxf_layers: Mapping[str, str] | None = None,
+) -> House:
     """Return the house of any plan of :data:`FORMATS`; its content tells which.
 
     Parameters are those of :class:`PlanFile`; a format in pixels needs its scale.
     """
-    plan = PlanFile(Path(path), house_id, metres_per_pixel)
+    plan = PlanFile(Path(path), house_id, metres_per_pixel, dxf_layers)
     if not plan.path.is_file():
         raise plan.fault("a plan", "no such file")
     if not plan.binary and not plan.text.strip():

@@ -9,6 +9,10 @@ from shapely.strtree import STRtree
 from plan2scene.floorplans.drawings.axes import WallAxis
 from plan2scene.floorplans.openings import Segment
 
+#: No side of an opening is shorter than this (metres) along its wall.
+LEAST_WIDTH = 0.35
+#: A side goes through a hinge that is nearer (metres).
+AT_ANCHOR = 0.1
 #: Bottom and top in metres of an opening whose file tells none.
 HEIGHTS = {"door": (0.0, 2.05), "passage": (0.0, 2.2), "window": (0.9, 2.1)}
 
@@ -51,7 +55,8 @@ class NearestAxis:
 
     def __init__(self, axes: list[WallAxis]) -> None:
         self._axes = axes
-        self._tree = STRtree([LineString([axis.start, axis.end]) for axis in axes])
+        self._lines = [LineString([axis.start, axis.end]) for axis in axes]
+        self._tree = STRtree(self._lines)
 
     def segment(self, area: Polygon, name: str, kind: str) -> Segment | None:
         """Return an opening's segment: the middle line of its area that runs along the wall."""
@@ -65,6 +70,37 @@ class NearestAxis:
             start, end = max((line for line, _ in sides), key=lambda line: _along(line, way))
         bottom, top = HEIGHTS[kind]
         return Segment(name, kind, tuple(start.tolist()), tuple(end.tolist()), bottom, top)
+
+    def edge_segment(
+        self, area: Polygon, name: str, kind: str, anchor: Point | None = None
+    ) -> Segment | None:
+        """Return the segment of an opening whose area may stand out of its wall, as a swing does.
+
+        That is the side or middle line of the area nearest to a wall that runs its way; of those
+        that go through the `anchor` (a hinge), where there are some.
+        """
+        box = area.minimum_rotated_rectangle
+        sides = _middle_lines(area)
+        if sides is None or not isinstance(box, Polygon):
+            return None
+        corners = np.array(box.exterior.coords)
+        lines = [line for line, _ in sides] + [(corners[k], corners[k + 1]) for k in range(4)]
+        if anchor is not None:
+            at_anchor = [line for line in lines if LineString(line).distance(anchor) < AT_ANCHOR]
+            lines = at_anchor or lines
+        best: tuple[float, int] = (np.inf, 0)
+        for number, (start, end) in enumerate(lines):
+            if np.linalg.norm(end - start) < LEAST_WIDTH:
+                continue
+            for k in self._tree.query(LineString([start, end]), predicate="dwithin", distance=0.5):
+                first = np.array(self._axes[k].start)
+                way = np.subtract(self._axes[k].end, first)
+                if _along((start, end), way) > 0.98:
+                    offset = (start + end) / 2 - first
+                    across = abs(way[0] * offset[1] - way[1] * offset[0]) / np.hypot(*way)
+                    best = min(best, (round(float(across), 3), number))
+        start, end = lines[best[1]]
+        return Segment(name, kind, tuple(start.tolist()), tuple(end.tolist()), *HEIGHTS[kind])
 
 
 def _along(line: tuple[np.ndarray, np.ndarray], way: np.ndarray) -> float:

@@ -27,15 +27,15 @@ def zip_names(path: Path) -> list[str] | None:
         return None
 
 
-def zip_entry(source: Source, path: Path, name: str, limit: int = MAX_XML_BYTES) -> bytes:
-    """Return one entry of a ZIP archive, at most `limit` bytes of it: never more is unpacked."""
+def zip_entry(source: Source, path: Path, name: str) -> bytes:
+    """Return one entry of a ZIP archive; no more than `MAX_XML_BYTES` are unpacked."""
     try:
         with zipfile.ZipFile(path) as archive, archive.open(name) as entry:
-            content = entry.read(limit + 1)
+            content = entry.read(MAX_XML_BYTES + 1)
     except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError, zlib.error) as error:
         raise source.fault(f"a readable {name} in the archive", str(error) or "damage") from None
-    if len(content) > limit:
-        raise source.fault(f"at most {limit} bytes of {name}", "more")
+    if len(content) > MAX_XML_BYTES:
+        raise source.fault(f"at most {MAX_XML_BYTES} bytes of {name}", "more")
     return content
 
 

@@ -35,6 +35,8 @@ AGREEMENT = 0.1
 MAX_DEPTH = 100
 #: Least and largest scale in metres a pixel.
 SCALES = (1e-5, 1.0)
+#: Most walls, rooms, openings and pieces of furniture of a page.
+MAX_ITEMS = 2 * (MAX_AXES + MAX_ROOMS)
 _KINDS = ("Space", "Wall", "Railing", "Door", "Window", "FixedFurniture")
 
 
@@ -121,8 +123,8 @@ def _read(source: Source, root: Element) -> list[_Storey]:
         if area is not None:
             storey.items.append((kind, words[1:], area, " ".join(element.itertext())[:500]))
             count += 1
-        if count > 2 * (MAX_AXES + MAX_ROOMS):
-            raise source.fault(f"at most {2 * (MAX_AXES + MAX_ROOMS)} walls and rooms", "more")
+        if count > MAX_ITEMS:
+            raise source.fault(f"at most {MAX_ITEMS} walls and rooms", "more")
         queue += [(child, matrix, storey, depth + 1) for child in reversed(element)]
     return [storey for storey in storeys if storey.items] or [outside]
 

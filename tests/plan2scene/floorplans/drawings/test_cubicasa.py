@@ -6,6 +6,7 @@ from shapely.geometry import LineString
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans import read_plan
+from plan2scene.floorplans.drawings import cubicasa
 from plan2scene.floorplans.geometry import room_polygon
 
 PIXELS = 50  # a metre
@@ -97,10 +98,11 @@ SQUARE = '<g class="Space Kitchen"><polygon points="0,0 100,0 100,100 0,100"/>{}
         ('<g transform="scale()"/>', "an SVG transform, found scale()"),
         ("<g>" * 200 + "</g>" * 200, "SVG groups at most 100 deep"),
         ("<g>", "expected XML, found a syntax error"),
-        (SQUARE.format("") * 13_000, "at most 12000 walls and rooms"),
+        (SQUARE.format("") * 3, "at most 2 walls and rooms"),
     ],
 )
-def test_bad_drawings_are_one_line(tmp_path, inside, line):
+def test_bad_drawings_are_one_line(tmp_path, monkeypatch, inside, line):
+    monkeypatch.setattr(cubicasa, "MAX_ITEMS", 2)
     path = svg(tmp_path, inside)
     with pytest.raises(InputError) as caught:
         read_plan(path, "h1")

@@ -9,6 +9,7 @@ from plan_drawing import FLATS, assert_found, drawn_flat
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans import read_plan
+from plan2scene.floorplans.drawings import roomplan
 from plan2scene.floorplans.geometry import room_polygon
 
 LABELS = {"Reception": "livingRoom", "Corridor": "hallway"}
@@ -135,6 +136,7 @@ def test_bad_scans_are_one_line(tmp_path, change, line):
     assert str(caught.value).startswith(f"file {path}, house h1")
 
 
-def test_too_many_walls(tmp_path):
-    with pytest.raises(InputError, match="at most 5000 walls"):
-        read_plan(written(tmp_path, {"walls": [WALL] * 12_000}), "h1")
+def test_too_many_walls(tmp_path, monkeypatch):
+    monkeypatch.setattr(roomplan, "MAX_AXES", 100)
+    with pytest.raises(InputError, match="at most 100 walls"):
+        read_plan(written(tmp_path, {"walls": [WALL] * 101}), "h1")
