@@ -28,7 +28,7 @@ from plan2scene_workshop.rendering.tracer import load_mitsuba
 
 _LOGGER = logging.getLogger("plan2scene")
 #: Chance that a room of a type is photographed; 1 for those not named.
-_CHANCE = {"Corridor": 0.35, "Entrance": 0.35, "Closet": 0.1, "Balcony": 0.1, "Terrace": 0.2}
+_CHANCE = {"Corridor": 0.2, "Entrance": 0.2, "Closet": 0.05, "Balcony": 0.1, "Terrace": 0.2}
 
 
 @dataclass(frozen=True)

@@ -153,10 +153,10 @@ def draw_decor(sources: Sources, seed: int, *, randomised: bool) -> Decor:
     kind = "Office" if rng.random() < 0.15 else None
     if randomised and rng.random() < 0.3:
         kind = str(rng.choice(["Reception", "Bedroom", "Kitchen", "Office", "Bathroom"]))
-    dense = rng.random() < 0.55
+    dense = rng.random() < 0.7
     style = RoomStyle(
-        crowd=float(rng.uniform(0.9, 1.8) if dense else rng.uniform(0.2, 0.9)),
-        clutter=float(rng.uniform(0.8, 2.2) if dense else rng.uniform(0.1, 0.8)),
+        crowd=float(rng.uniform(1.2, 2.6) if dense else rng.uniform(0.2, 1.0)),
+        clutter=float(rng.uniform(1.0, 3.2) if dense else rng.uniform(0.1, 0.9)),
         kind=kind,
         skins=_SKINS if randomised else (),
         fabrics=(*FABRICS, *_RUGS),

@@ -97,6 +97,8 @@ class Furnisher:
         piece = None
         if name not in MAKERS or rng.random() < _MODEL_SHARE:
             skins = self.style.skins if rng.random() < 0.6 else ()
+            if name == "bed" and rng.random() < 0.5:
+                skins = self.style.fabrics  # patterned bedding
             piece = self.shop.piece(rng, kind, mounts=("floor",), skins=skins)
         if piece is None:
             makers = MAKERS.get(name, MAKERS["small"])
@@ -186,7 +188,7 @@ class Furnisher:
     def _hang(
         self, geometry: Geometry, layout: Layout, rng: np.random.Generator, *, kitchen: bool
     ) -> None:
-        """Hang a picture, poster, mirror, clock, screen or cupboard on a free piece of wall."""
+        """Hang a picture, poster, clock, screen or cupboard on a free piece of wall."""
         piece, bottom = self._hanging(rng, kitchen=kitchen)
         for _ in range(TRIES // 2):
             index = int(rng.integers(len(layout.faces)))
@@ -212,7 +214,7 @@ class Furnisher:
         look = ("paint", pick(rng, self.palette.furniture))
         half = width / 2
         piece.add(look, box((-half, 0, 0), (half, height, 0.02)))
-        name = "mirror" if rng.random() < 0.1 else str(rng.choice(list(self.style.pictures)))
+        name = str(rng.choice(list(self.style.pictures)))
         inside = box((-half + rim, rim, 0.02), (half - rim, height - rim, 0.022))
         piece.add((name, look[1]), inside)
         return piece, float(np.clip(rng.normal(1.5, 0.2) - height / 2, 0.4, 1.9))

@@ -271,7 +271,7 @@ class _Builder:
             self.finishes[SKY[1]] = sky_finish(beyond)
             self.finishes[lamp] = lamp_finish(plan, room, area)
             self._plan = plan
-        elif windows == 0.0 and hops < REACH:
+        elif (windows == 0.0 or (self.decor and self._plan.sky < 1.0)) and hops < REACH:
             area = add_lamps(self.geometry, room, lamp, rng)
             dim = replace(self._plan, lamps=0.5)
             self.finishes[lamp] = lamp_finish(dim, room, area)

@@ -119,7 +119,7 @@ def _candidate(
         x, z = _towards_rim(inner, x, z, rng)
     kind = rng.random()
     if kind < 0.5:
-        fov, height, pitch = rng.uniform(52, 66), rng.uniform(0.9, 1.7), rng.normal(-11, 9)
+        fov, height, pitch = rng.uniform(52, 66), rng.uniform(0.9, 1.7), rng.normal(-13, 9)
     elif kind < 0.8:
         fov, height, pitch = rng.uniform(62, 92), rng.uniform(1.1, 1.75), rng.normal(-4, 6)
     else:
@@ -165,8 +165,8 @@ def _score(tracer: QuickTracer, view: View, size: tuple[int, int]) -> float | No
     if share[3] > 0.9 or max(share[:3]) > 0.85:
         return None
     floor, wall, ceiling, other = share
-    score = min(floor, 0.2) / 0.2 + 0.5 * min(wall, 0.25) / 0.25 + 0.2 * min(ceiling, 0.1) / 0.1
-    return score + 0.8 * min(other, 0.4) / 0.4
+    score = 0.9 * min(floor, 0.15) / 0.15 + 0.5 * min(wall, 0.25) / 0.25
+    return score + 0.1 * min(ceiling, 0.1) / 0.1 + 1.8 * min(other, 0.65) / 0.65
 
 
 def _shoot(
@@ -189,7 +189,7 @@ def _shoot(
     light = upsample(light, (small.normal, small.position), (hits.normal, hits.position))
     light = light + _flash(view, hits, light, rng)
     albedo = tracer.albedo(view, size)
-    style = _wild(draw_style(rng), rng) if randomised or rng.random() < 0.5 else draw_style(rng)
+    style = _wild(draw_style(rng), rng) if randomised or rng.random() < 0.7 else draw_style(rng)
     light = merge_exposures(light, albedo.max(-1) > 0.02, style.range_kept)
     emitted = _emitted(tracer, outside, view, hits)
     image = develop(light * albedo + emitted, albedo, style, rng)
@@ -237,15 +237,15 @@ def _wild(style: CameraStyle, rng: np.random.Generator) -> CameraStyle:
     red, green, blue = (float(gain) for gain in balance / balance.mean())
     return replace(
         style,
-        exposure_stops=float(np.clip(rng.normal(-0.3, 0.7), -2.2, 1.2)),
+        exposure_stops=float(np.clip(rng.normal(-0.1, 0.75), -2.2, 1.6)),
         balance=(red, green, blue),
         cast_left=float(rng.uniform(0.0, 0.9)),
         shoulder=float(rng.uniform(0.5, 0.85)),
-        contrast=float(rng.uniform(0.75, 1.4)),
+        contrast=float(rng.uniform(0.85, 1.8)),
         vignette=float(rng.uniform(0.0, 0.4)),
         blur_px=float(np.exp(rng.uniform(-1.2, 0.6))),
         noise=float(np.exp(rng.uniform(-5.5, -3.0))),
-        range_kept=float(rng.uniform(0.6, 1.0)),
+        range_kept=float(rng.uniform(0.8, 1.1)),
     )
 
 

@@ -1,0 +1,78 @@
+"""Textures and environments of folders made here: splits, relief, refusals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.images import write_png
+from plan2scene_workshop.rendering.atlas import Atlas
+from plan2scene_workshop.rendering.sources import TEXTURE_PX, load_environments, load_textures
+from plan2scene_workshop.rendering.tracer import load_mitsuba
+
+
+def _flat_folder(folder: Path, substance: str = "floor_wood") -> Path:
+    """Write nine grey textures, the first with normals that lean to one side in half of it."""
+    write_png(folder / "grey.png", np.full((32, 32, 3), 120, np.uint8))
+    normals = np.full((32, 32, 3), (128, 128, 255), np.uint8)
+    normals[:, 16:] = (220, 220, 160)
+    write_png(folder / "normal.png", normals)
+    rows = [f"grey.png,{substance},{'normal.png' if k == 0 else ''}\n" for k in range(9)]
+    (folder / "index.csv").write_text("file,substance,normal\n" + "".join(rows))
+    return folder
+
+
+def test_flat_textures_have_their_relief_and_their_split(tmp_path: Path) -> None:
+    folder = _flat_folder(tmp_path)
+    train, held_out = (load_textures(folder, train=train) for train in (True, False))
+    assert (len(train), len(held_out)) == (8, 1)
+    assert train[0].substance == "wood" and train[0].albedo.shape == (TEXTURE_PX, TEXTURE_PX, 3)
+    left, right = (
+        float(train[0].albedo[:, part].mean()) for part in (slice(0, 200), slice(300, None))
+    )
+    assert left == pytest.approx(120, abs=1) and abs(right - left) > 5
+    assert np.ptp(train[1].albedo) == 0
+
+
+def test_unknown_substances_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="expected a substance of"):
+        load_textures(_flat_folder(tmp_path, "floor_lava"), train=True)
+    with pytest.raises(InputError, match=r"index\.csv of textures"):
+        load_textures(tmp_path / "none", train=True)
+
+
+def test_environments_have_the_sky_above_and_its_tint(tmp_path: Path) -> None:
+    pytest.importorskip("mitsuba", exc_type=ImportError)
+    image = np.full((64, 128, 3), 0.2, np.float32)
+    image[:32] = (4.0, 2.0, 1.0)  # OpenCV writes blue first
+    cv2.imwrite(str(tmp_path / "sky.hdr"), image)
+    (tmp_path / "index.csv").write_text("file\nsky.hdr\n")
+    (found,) = load_environments(tmp_path, train=True)
+    assert found.panorama.shape == (256, 1024, 3)
+    assert found.panorama[:100].mean() > 5 * found.panorama[160:].mean()
+    assert found.tint == pytest.approx((3 / 7, 6 / 7, 12 / 7), rel=0.05)
+    assert load_environments(tmp_path, train=False) == []
+    (tmp_path / "sky.hdr").write_bytes(b"no image")
+    with pytest.raises(InputError, match="HDR or EXR"):
+        load_environments(tmp_path, train=True)
+
+
+def test_atlas_chooses_the_level_of_the_footprint() -> None:
+    """A checkerboard of pixels is seen as it is from near, grey from far; it repeats."""
+    mi = load_mitsuba()
+    if mi.variant().startswith("scalar"):
+        pytest.skip("needs LLVM")
+    board = (np.indices((16, 16)).sum(0) % 2 * 255).astype(np.uint8)
+    atlas = Atlas([None, np.repeat(board[..., None], 3, 2)], mi)
+    assert atlas.tile_of(np.array([0, 1, 1], np.int32)).tolist() == [-1, 0, 0]
+    centres = (np.arange(4) + 0.5) / 16
+    uv = mi.Point2f(np.concatenate([centres, centres + 3]), 0.5 / 16)
+    tile = mi.Int32([0] * 8)
+    near = np.array(atlas.lookup(tile, uv, mi.Float(1 / 32), mi.Bool(True)))[0]
+    far = np.array(atlas.lookup(tile, uv, mi.Float(0.5), mi.Bool(True)))[0]
+    assert near == pytest.approx([0, 1, 0, 1] * 2, abs=0.02)
+    assert far == pytest.approx(far[0]) and 0.15 < far[0] < 0.3
