@@ -14,7 +14,9 @@ from plan2scene.photos.labels import labeller
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import DOOR, OTHER, WALL, WINDOW, without_openings
 from plan2scene.photos.labels.segmentation import (
+    MEDIAN,
     Segmenter,
+    brightened,
     confidence_of,
     labels_of,
     load_segmenter,
@@ -42,7 +44,7 @@ def test_network_gives_four_logits_at_half_resolution() -> None:
 
 def test_a_network_that_tells_openings_labels_the_same_without_them() -> None:
     torch.manual_seed(0)
-    segmenter = Segmenter(SegmentationNet(**TINY, labels=6, blocks="residual"))  # type: ignore[arg-type]
+    segmenter = Segmenter(SegmentationNet(**TINY, labels=6))  # type: ignore[arg-type]
     image = _photo(50, 70)
     told = segmenter.labels(image, openings=True)
     assert {DOOR, WINDOW} & set(np.unique(told).tolist())
@@ -135,6 +137,15 @@ def test_segmenter_tells_the_network_where_the_horizon_is() -> None:
     horizon = 48 / 2 - 40 * np.tan(tilt)  # rows of the photo
     rows = (np.arange(elevation.shape[0]) + 0.5) / elevation.shape[0] * 48
     assert np.array_equal(below.all(axis=1), rows > horizon)
+
+
+def test_dim_photos_are_brightened_and_others_are_not() -> None:
+    ramp = np.tile(np.arange(256, dtype=np.uint8)[None, :, None], (8, 1, 3))
+    dim = (ramp * 0.2).astype(np.uint8)
+    assert np.median(brightened(dim)) / 255 == pytest.approx(MEDIAN, abs=0.02)
+    assert (np.diff(brightened(dim)[0, :, 0].astype(int)) >= 0).all()
+    assert np.array_equal(brightened(ramp), ramp)
+    assert np.array_equal(brightened(ramp * 0), ramp * 0)  # nothing to see
 
 
 def test_weights_file_round_trip(tmp_path: Path) -> None:

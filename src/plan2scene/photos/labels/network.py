@@ -1,8 +1,8 @@
 """The embedded segmentation network: a photo in, logits of its labels at half resolution out.
 
-Small enough to ship and to train on a few processor cores: an encoder of inverted residuals or of
-plain ones, a block that sees the whole picture along rows, columns and altogether, and a light
-decoder to half resolution.
+Small enough to ship and to train on a few processor cores: an encoder of inverted residuals, a
+block that sees the whole picture along rows, columns and altogether, and a light decoder to half
+resolution.
 """
 
 from __future__ import annotations
@@ -50,29 +50,6 @@ class InvertedResidual(nn.Module):
         return x + y if self.residual else y
 
 
-class Residual(nn.Module):
-    """Two 3x3 convolutions beside a short cut (He et al. 2016): dense, so quick on processors.
-
-    Shapes: (n, n_in, h, w) -> (n, n_out, h / stride, w / stride).
-    """
-
-    def __init__(self, n_in: int, n_out: int, *, stride: int = 1, expansion: int = 0) -> None:
-        super().__init__()
-        self.first = _conv(n_in, n_out, 3, stride)
-        self.second = _conv(n_out, n_out, 3)
-        same = stride == 1 and n_in == n_out
-        self.short_cut = nn.Identity() if same else _conv(n_in, n_out, 1, stride)
-
-    def forward(self, x: torch.Tensor) -> torch.Tensor:
-        """Return the block's output."""
-        y: torch.Tensor = self.second(F.relu(self.first(x)))
-        return F.relu(y + self.short_cut(x))
-
-
-#: Kinds of block by the name that an architecture gives.
-BLOCKS: dict[str, type[nn.Module]] = {"inverted": InvertedResidual, "residual": Residual}
-
-
 class WholePicture(nn.Module):
     """Add what the picture's rows, its columns and the picture as a whole hold on average.
 
@@ -97,16 +74,14 @@ class WholePicture(nn.Module):
 
 
 class _Up(nn.Module):
-    """Double the resolution, add the encoder's map of that resolution, filter by `block`."""
+    """Double the resolution, add the encoder's map of that resolution, filter (if `filtered`)."""
 
-    def __init__(
-        self, n_in: int, n_skip: int, n_out: int, *, block: type[nn.Module] | None
-    ) -> None:
+    def __init__(self, n_in: int, n_skip: int, n_out: int, *, filtered: bool = True) -> None:
         super().__init__()
         self.lateral = _conv(n_skip, n_out, 1)
         self.deep = _conv(n_in, n_out, 1)
         # At half resolution a block of its own would cost as much as the whole encoder.
-        self.filter = nn.Identity() if block is None else block(n_out, n_out, expansion=2)
+        self.filter = InvertedResidual(n_out, n_out, expansion=2) if filtered else nn.Identity()
 
     def forward(self, x: torch.Tensor, skip: torch.Tensor) -> torch.Tensor:
         deep = F.interpolate(self.deep(x), size=skip.shape[2:], mode="bilinear")
@@ -129,8 +104,6 @@ class SegmentationNet(nn.Module):
         Pixels of the longer side that photos are scaled to before inference.
     elevation : bool
         Whether the network also sees how far above the horizon each pixel looks, where known.
-    blocks : {"inverted", "residual"}
-        What encoder and decoder are made of.
     labels : int
         4: other, floor, wall, ceiling; 6: door and window as well.
     temperature : float
@@ -147,7 +120,6 @@ class SegmentationNet(nn.Module):
         decoder: int = 64,
         long_side: int = 320,
         elevation: bool = False,
-        blocks: str = "inverted",
         labels: int = 4,
         temperature: float = 1.0,
     ) -> None:
@@ -159,18 +131,16 @@ class SegmentationNet(nn.Module):
             "decoder": decoder,
             "long_side": long_side,
             "elevation": elevation,
-            "blocks": blocks,
             "labels": labels,
             "temperature": temperature,
         }
-        block = BLOCKS[blocks]
         # Two more channels hold row and column in [-1, 1]: floors are mostly low in a photo.
         channels = 7 if elevation else 5
         self.stem = nn.Sequential(_conv(channels, widths[0], 3, stride=2), nn.Hardswish())
         self.stages = nn.ModuleList(
             nn.Sequential(
-                block(n_in, n_out, stride=2, expansion=2 if k == 0 else 4),
-                *(block(n_out, n_out, expansion=4) for _ in range(depth - 1)),
+                InvertedResidual(n_in, n_out, stride=2, expansion=2 if k == 0 else 4),
+                *(InvertedResidual(n_out, n_out) for _ in range(depth - 1)),
             )
             for k, (n_in, n_out, depth) in enumerate(
                 zip(widths[:-1], widths[1:], depths, strict=True)
@@ -179,10 +149,10 @@ class SegmentationNet(nn.Module):
         self.context = WholePicture(widths[4])
         self.ups = nn.ModuleList(
             [
-                _Up(widths[4], widths[3], decoder, block=block),
-                _Up(decoder, widths[2], decoder, block=block),
-                _Up(decoder, widths[1], decoder // 2, block=block),
-                _Up(decoder // 2, widths[0], decoder // 4, block=None),
+                _Up(widths[4], widths[3], decoder),
+                _Up(decoder, widths[2], decoder),
+                _Up(decoder, widths[1], decoder // 2),
+                _Up(decoder // 2, widths[0], decoder // 4, filtered=False),
             ]
         )
         self.head = nn.Conv2d(decoder // 4, labels, 3, padding=1)
