@@ -30,10 +30,35 @@ def to_srgb(image: Image.Image) -> np.ndarray:
     The first frame or page; an embedded colour profile is honoured where it can be read, and so
     is the EXIF orientation. Numbers beyond 8 bits are scaled by :func:`_grey_from_numbers`.
     """
+    image.load()
+    return _srgb(image, _orientation(image))
+
+
+def to_small_srgb(image: Image.Image, side: int) -> np.ndarray:
+    """Return :func:`to_srgb` of an image reduced to a longer side between `side` and thrice it.
+
+    JPEG is decoded at an eighth, a quarter or half of its size; others are averaged over squares
+    of pixels before anything else is made of them. ValueError for modes that are rare in photos.
+    """
+    orientation = _orientation(image)
+    longer = max(image.size)
+    image.draft(None, (max(1, image.width * side // longer), max(1, image.height * side // longer)))
+    image.load()
+    factor = max(1, max(image.size) // (2 * side))
+    if factor == 1:
+        return _srgb(image, orientation)
+    if image.mode not in ("RGB", "RGBA", "L", "LA", "CMYK"):
+        raise ValueError(f"mode {image.mode} of so many pixels")
+    small = image.reduce(factor)
+    small.info = image.info
+    return _srgb(small, orientation)
+
+
+def _srgb(image: Image.Image, orientation: int) -> np.ndarray:
+    """Return an image as (h, w, 3) uint8 sRGB, turned as an EXIF orientation says."""
     from PIL import Image
 
-    image.load()
-    upright = _upright(image)
+    upright = _turned(image, orientation)
     if upright.mode in ("I", "F") or upright.mode.startswith("I;16"):
         grey = _grey_from_numbers(np.asarray(upright))
         return np.ascontiguousarray(np.repeat(grey[..., None], 3, axis=2))
@@ -54,17 +79,22 @@ def to_srgb(image: Image.Image) -> np.ndarray:
     return pixels
 
 
-def _upright(image: Image.Image) -> Image.Image:
-    """Return an image turned as its EXIF orientation says; as it is where EXIF is damaged."""
+def _orientation(image: Image.Image) -> int:
+    """Return an image's EXIF orientation; 1 where it has none or EXIF is damaged."""
     import struct
 
+    try:
+        found = image.getexif().get(0x0112, 1)
+    except (OSError, ValueError, TypeError, LookupError, SyntaxError, struct.error, EOFError):
+        return 1
+    return found if isinstance(found, int) else 1
+
+
+def _turned(image: Image.Image, orientation: int) -> Image.Image:
+    """Return an image made upright from an EXIF orientation."""
     from PIL import Image
 
-    try:
-        orientation = image.getexif().get(0x0112, 1)
-    except (OSError, ValueError, TypeError, LookupError, SyntaxError, struct.error, EOFError):
-        return image
-    method = _UPRIGHT.get(orientation) if isinstance(orientation, int) else None
+    method = _UPRIGHT.get(orientation)
     if method is None:
         return image
     turned = image.transpose(Image.Transpose[method])

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.image_modes import to_srgb
+from plan2scene.image_modes import to_small_srgb, to_srgb
 from plan2scene.io import absent, atomic_path
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 _Decoded = TypeVar("_Decoded")
 #: Images with more pixels are refused before they are decoded (memory of a job stays bounded).
 MAX_PIXELS = 50_000_000
+#: Photos may have this many: what is beyond `MAX_PIXELS` is reduced while it is decoded.
+MAX_PHOTO_PIXELS = 150_000_000
 #: Image files above this many bytes are refused before they are read.
 MAX_IMAGE_BYTES = 200_000_000
 #: What Pillow may try; JPEG includes those with a second picture that many phones write (MPO).
@@ -47,11 +49,31 @@ def read_image(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarra
     return decode_image(path, to_srgb, house_id=house_id)
 
 
+def read_reduced_image(
+    path: str | os.PathLike[str], side: int, *, house_id: str = ""
+) -> tuple[np.ndarray, tuple[int, int]]:
+    """Return an image as :func:`read_image` does, and the (height, width) that its file has.
+
+    One of over `MAX_PIXELS` pixels, up to `MAX_PHOTO_PIXELS`, comes back smaller, its longer side
+    not below `side`: memory stays that of a picture of that size, or about 1 GB.
+    """
+
+    def reduced(image: Image.Image) -> tuple[np.ndarray, tuple[int, int]]:
+        width, height = image.size
+        large = width * height > MAX_PIXELS
+        pixels = to_small_srgb(image, side) if large else to_srgb(image)
+        turned = (pixels.shape[0] > pixels.shape[1]) != (height > width)
+        return pixels, (width, height) if turned else (height, width)
+
+    return decode_image(path, reduced, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS)
+
+
 def decode_image(
     source: str | os.PathLike[str] | io.BytesIO,
     decode: Callable[[Image.Image], _Decoded],
     *,
     house_id: str = "",
+    max_pixels: int = MAX_PIXELS,
 ) -> _Decoded:
     """Return what `decode` makes of the opened Pillow image; one InputError for all that fails."""
     from PIL import Image, UnidentifiedImageError
@@ -63,11 +85,11 @@ def decode_image(
             _check_file(Path(source))
             with Path(source).open("rb") as stream:
                 head = stream.read(64)
-            _check_webp(head)
+            _check_webp(head, max_pixels)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with Image.open(source, formats=FORMATS) as image:
-                _check_size(*image.size)
+                _check_size(*image.size, max_pixels)
                 return decode(image)
     except InputError as error:
         raise fault(error.expected, error.found) from None
@@ -76,7 +98,7 @@ def decode_image(
     except Image.DecompressionBombError as error:  # Pillow's own limit, before the size is known
         count = re.search(r"\d+", str(error))
         found = count[0] if count else "more"
-        raise fault(f"an image of at most {MAX_PIXELS} pixels", found) from None
+        raise fault(f"an image of at most {max_pixels} pixels", found) from None
     except Exception as error:  # decoders raise many kinds on damaged data; all mean the same
         raise fault("an image that decodes", f"{type(error).__name__}: {error}") from None
 
@@ -94,10 +116,10 @@ def _check_file(path: Path) -> None:
         raise InputError(f"an image of at most {MAX_IMAGE_BYTES} bytes", f"{size}", file=path)
 
 
-def _check_size(width: int, height: int) -> None:
-    """Raise InputError for a declared size without pixels or with more than `MAX_PIXELS`."""
-    if width * height > MAX_PIXELS:
-        raise InputError(f"an image of at most {MAX_PIXELS} pixels", f"{width}x{height}")
+def _check_size(width: int, height: int, most: int) -> None:
+    """Raise InputError for a declared size without pixels or with more than `most`."""
+    if width * height > most:
+        raise InputError(f"an image of at most {most} pixels", f"{width}x{height}")
     if width < 1 or height < 1:
         raise InputError("an image with pixels", f"{width}x{height}")
 
@@ -130,7 +152,7 @@ def _kind_of(head: bytes) -> str:
     return "a file that is none"
 
 
-def _check_webp(head: bytes) -> None:
+def _check_webp(head: bytes, most: int) -> None:
     """Raise InputError for a WebP whose first 30 bytes declare too large a canvas.
 
     Pillow allocates the canvas when it opens the file, before it tells the size.
@@ -145,7 +167,7 @@ def _check_webp(head: bytes) -> None:
         width, height = (bits & 0x3FFF) + 1, (bits >> 14 & 0x3FFF) + 1
     else:
         width, height = (int.from_bytes(head[k : k + 2], "little") & 0x3FFF for k in (26, 28))
-    _check_size(width, height)
+    _check_size(width, height, most)
 
 
 def image_from_bytes(data: bytes) -> np.ndarray:

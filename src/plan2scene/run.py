@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from plan2scene.datasets.assignments import read_assignment
+from plan2scene.datasets.check import photo_problem
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.floorplans import read_plan, validate_house
-from plan2scene.io import absent, safe_join, write_text
+from plan2scene.io import safe_join, write_text
 from plan2scene.out_folder import OutFolder, claimed_folder
 from plan2scene.provenance import WORKFLOW
 
@@ -48,13 +49,29 @@ def read_input(request: SingleHouse) -> list[str]:
         _LOG.warning("%s", line)
     if request.photo_table is None:
         return []
-    return sorted({row.photo for row in read_assignment(request.photo_table, house)})
+    names = sorted({row.photo for row in read_assignment(request.photo_table, house)})
+    folder = request.photos_dir or request.photo_table.parent
+    faults = []
+    for name in names:
+        path = safe_join(folder, name, file=request.photo_table, house_id=request.house)
+        try:
+            photo_problem(path, house_id=request.house)
+        except InputError as fault:
+            faults.append(str(fault))
+    if names and len(faults) == len(names):
+        found = f"none of {len(names)}; the first: {faults[0]}"
+        raise InputError("a photo that can be read", found, file=request.photo_table)
+    for line in faults:
+        _LOG.warning("%s", line)
+    if faults:
+        _LOG.warning("%d of %d photos are used", len(names) - len(faults), len(names))
+    return names
 
 
 def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     """Lay a data set of one house and these photos under `work`; return its config file.
 
-    Missing photos are warned of; the house goes on without them.
+    The house goes on without photos that are missing.
     """
     root = work / "dataset"
     photos = root / "photos"
@@ -79,8 +96,6 @@ def _copy_photos(names: list[str], source: Path, target: Path, request: SingleHo
     for name in names:
         path = safe_join(source, name, file=request.photo_table or "", house_id=request.house)
         if not path.is_file():
-            fault = InputError("a photo", absent(path), file=path, house=request.house)
-            _LOG.warning("%s", fault)
             continue
         copy = safe_join(target, name)
         copy.parent.mkdir(parents=True, exist_ok=True)

@@ -168,3 +168,13 @@ def test_an_output_that_cannot_be_written_is_one_line(tmp_path, monkeypatch, cap
 )
 def test_a_house_is_called_as_its_plan(name, house):
     assert cli._house_id(Path(name), None) == house
+
+
+def test_run_without_any_photo_that_can_be_read_is_refused(tmp_path):
+    (tmp_path / "a.JPG").write_text("no picture")
+    (tmp_path / "b.jpg").write_text("no picture")
+    table, out = tmp_path / "photos.csv", tmp_path / "out"
+    table.write_text("room_id,photo\nliving,a.jpg\nhall,b.jpg\n")
+    with pytest.raises(InputError, match=r"none of 2; the first: .* no such file, but a\.JPG"):
+        call("run", "--plan", PLAN, "--photos", table, "--out", out)
+    assert not out.exists()

@@ -110,7 +110,20 @@ onerror:
     # One bad house never stops the others: the table of what there is says who is missing.
     from plan2scene.evaluation.aggregate import TableRequest
     from plan2scene.evaluation.paper_table import partial_table
+    from plan2scene.stale import remove_outdated
 
+    # What an earlier run made of a plan that is broken now is no result any more.
+    unfinished = [
+        ([str(path) for path in job.input], [str(path) for path in job.output])
+        for job in workflow.dag.needrun_jobs()
+    ]
+    outdated = remove_outdated(unfinished)
+    if outdated:
+        print(
+            f"Removed, as what they are made from failed: {len(outdated)} results of an "
+            f"earlier run, the first {outdated[0]}",
+            file=sys.stderr,
+        )
     partial = partial_table(
         RESULTS,
         f"{RESULTS}/tables",

@@ -15,7 +15,7 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans import add_object_boxes, house_faults, read_plan, validate_house
 from plan2scene.floorplans.plausible import name_oddities
 from plan2scene.house import House
-from plan2scene.images import decode_image
+from plan2scene.images import MAX_PHOTO_PIXELS, decode_image
 from plan2scene.io import safe_join
 
 if TYPE_CHECKING:
@@ -157,7 +157,7 @@ def photo_problem(path: str | Path, *, house_id: str = "") -> None:
     Only the header is decoded; of a JPEG the end marker is looked for, a PNG's checksums are
     verified. Damage inside the picture of a JPEG shows only when a stage decodes it.
     """
-    kind = decode_image(path, _verified_format, house_id=house_id)
+    kind = decode_image(path, _verified_format, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS)
     if kind == "JPEG":
         with Path(path).open("rb") as file:
             file.seek(max(0, Path(path).stat().st_size - _JPEG_TAIL))

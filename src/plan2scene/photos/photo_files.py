@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.images import read_image
+from plan2scene.images import read_reduced_image
 
 #: Longer side, pixels, that photos are reduced to. At 60 degrees a wall 2.5 m away then has 550
 #: pixels a metre: more than the densest crop (128 pixels of 0.35 m) can hold.
@@ -27,13 +27,13 @@ def read_photo(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarra
     """Return a photo as (h, w, 3) uint8 sRGB, its longer side at most `MAX_SIDE`.
 
     Masks, cameras and windows are in the pixels of this picture. Raises InputError as
-    :func:`plan2scene.images.read_image` does, and for a side below `MIN_SIDE`.
+    :func:`plan2scene.images.read_reduced_image` does, and for a side below `MIN_SIDE`.
     """
-    image = read_image(path, house_id=house_id)
-    height, width = reduced_size((image.shape[0], image.shape[1]))
+    image, size = read_reduced_image(path, MAX_SIDE, house_id=house_id)
+    height, width = reduced_size(size)
     if min(height, width) < MIN_SIDE:
         expected = f"a photo of at least {MIN_SIDE} pixels a side and no narrow strip"
-        found = f"{image.shape[1]}x{image.shape[0]}"
+        found = f"{size[1]}x{size[0]}"
         raise InputError(expected, found, file=path, house=house_id)
     if (height, width) == image.shape[:2]:
         return image

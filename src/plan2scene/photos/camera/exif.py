@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.images import decode_image
+from plan2scene.images import MAX_PHOTO_PIXELS, decode_image
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -94,7 +94,7 @@ def read_exif_focal(path: str | os.PathLike[str], size: tuple[int, int]) -> Exif
 def _tags(path: str | os.PathLike[str]) -> dict[int, Any]:
     """Return the tags of the Exif block; empty without a readable one."""
     try:
-        return decode_image(path, _exif_block)
+        return decode_image(path, _exif_block, max_pixels=MAX_PHOTO_PIXELS)
     except InputError as error:
         _log.debug("no EXIF data: %s", error)
         return {}

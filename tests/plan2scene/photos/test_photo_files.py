@@ -1,0 +1,55 @@
+"""Photos of more pixels than are worked on are reduced while they are decoded, the right way up."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from plan2scene import images
+from plan2scene.errors import InputError
+from plan2scene.photos import photo_files
+
+
+@pytest.fixture
+def small_limits(monkeypatch):
+    monkeypatch.setattr(images, "MAX_PIXELS", 10_000)
+    monkeypatch.setattr(photo_files, "MAX_SIDE", 100)
+
+
+def picture(width=800, height=600) -> Image.Image:
+    """Return a picture that is red at its left, and lighter downwards."""
+    pixels = np.zeros((height, width, 3), np.uint8)
+    pixels[:, : width // 4, 0] = 200
+    pixels[..., 1] = np.linspace(40, 200, height)[:, None]
+    return Image.fromarray(pixels)
+
+
+@pytest.mark.parametrize(
+    ("name", "mode"),
+    [("a.jpg", "RGB"), ("a.png", "RGB"), ("a.png", "RGBA"), ("a.jpg", "L"), ("a.tif", "CMYK")],
+)
+def test_a_large_photo_is_reduced(tmp_path, small_limits, monkeypatch, name, mode):
+    picture().convert(mode).save(tmp_path / name)
+    found = photo_files.read_photo(tmp_path / name)
+    assert found.shape == (75, 100, 3)
+    monkeypatch.setattr(images, "MAX_PIXELS", 10_000_000)
+    whole = photo_files.read_photo(tmp_path / name)
+    assert whole.shape == found.shape
+    assert np.abs(found.astype(int) - whole).mean() < 3
+
+
+def test_it_is_upright(tmp_path, small_limits):
+    exif = Image.Exif()
+    exif[0x0112] = 6  # the left edge is the top
+    picture().save(tmp_path / "a.jpg", exif=exif)
+    found = photo_files.read_photo(tmp_path / "a.jpg")
+    assert found.shape == (100, 75, 3)
+    assert found[5:20, :, 0].mean() > 150 > 60 > found[60:, :, 0].mean()
+
+
+def test_what_cannot_be_reduced_as_it_is_read_is_one_line(tmp_path, small_limits, monkeypatch):
+    picture().convert("P").save(tmp_path / "a.png")
+    with pytest.raises(InputError, match="mode P of so many pixels"):
+        photo_files.read_photo(tmp_path / "a.png")
+    monkeypatch.setattr(images, "MAX_PHOTO_PIXELS", 20_000)
+    with pytest.raises(InputError, match="at most 20000 pixels, found 800x600"):
+        photo_files.read_photo(tmp_path / "a.png")
