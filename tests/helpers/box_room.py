@@ -1,11 +1,13 @@
 """A room with a door and windows, and the labels that a camera in it sees."""
 
 import numpy as np
+from views import camera_looking
 
 from plan2scene.floorplans.geometry import find_doors
 from plan2scene.house import House, Opening, Room, Wall
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
 from plan2scene.photos.locate.likelihood import DOOR, WINDOW
+from plan2scene.photos.locate.pose import Pose
 
 SIZE = (180, 240)
 HEIGHT = 2.5
@@ -56,3 +58,30 @@ def rendered(house, camera, eye):
             inside &= (points[..., 1] > hole.bottom) & (points[..., 1] < hole.top)
             labels[inside] = WINDOW if hole.kind == "window" else DOOR
     return labels
+
+
+DOOR_EYE = np.array([1.2, 1.5, 1.2])
+
+
+def open_door_view():
+    """A look at the open door: (house, pose, labels, end of each ray in the room or behind)."""
+    house = box_house()
+    camera = camera_looking(SIZE, heading_deg=-86.0, pitch_deg=12.0, focal=150.0)
+    labels = rendered(house, camera, DOOR_EYE)
+    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
+    rays = camera.rays(np.stack([x, y], axis=-1))
+    ends = DOOR_EYE + rays * reach_in(rays, (0.0, 0.0), (WIDE, DEEP))[..., None]
+    through = labels == DOOR
+    behind = DOOR_EYE + rays * reach_in(rays, (WIDE + 0.1, 0.0), (WIDE + 2.1, 2.0))[..., None]
+    ends[through] = behind[through]
+    labels[through] = WALL
+    labels[through & (ends[..., 1] < 1e-6)] = FLOOR
+    labels[through & (ends[..., 1] > HEIGHT - 1e-6)] = CEILING
+    return house, Pose("room", tuple(DOOR_EYE.tolist()), camera, 0.9), labels, ends
+
+
+def reach_in(rays, low, high):
+    """Metres along unit rays from `DOOR_EYE` to where they leave a box over a plan rectangle."""
+    low, high = np.array([low[0], 0.0, low[1]]), np.array([high[0], HEIGHT, high[1]])
+    with np.errstate(divide="ignore"):
+        return np.where(rays > 0, (high - DOOR_EYE) / rays, (low - DOOR_EYE) / rays).min(axis=-1)

@@ -15,6 +15,7 @@ import numpy as np
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.camera.lines import detect_segments
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
+from plan2scene.photos.planes.beyond import within_room
 from plan2scene.photos.planes.room_size import RoomSize
 from plan2scene.photos.planes.walls import TracedWalls, trace_walls
 
@@ -84,29 +85,33 @@ def split_planes(
         segments = detect_segments(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), camera.width / 25)
     known, size = room_height_m is not None, RoomSize(room, room_extent_m)
     traced = trace_walls(labels, camera, prior, size, solve_height=known, segments=segments)
-    return [*_flat_planes(labels, traced, room, known=known), *_wall_planes(labels, traced)]
+    return [*_flat_planes(labels, camera, traced, size, known=known), *_wall_planes(labels, traced)]
 
 
 def _flat_planes(
-    labels: np.ndarray, traced: TracedWalls, room_height_m: float, *, known: bool
+    labels: np.ndarray, camera: Camera, traced: TracedWalls, room: RoomSize, *, known: bool
 ) -> list[Plane]:
-    """Return floor and ceiling, as far as they are seen; `known`: the plan gives the height."""
+    """Return the room's floor and ceiling, as far as seen; `known`: the plan gives the height."""
     height, source = traced.camera_height_m, traced.scale_source
     # Without the room's height, the ceiling's distance is a guess whatever the floor's is.
     above = source if known else "prior"
-    floor, ceiling = (without_specks(labels == label) for label in (FLOOR, CEILING))
+    longest = float(np.hypot(*room.extent_m)) if room.extent_m else np.inf
+    rise = room.height_m - height
+    floor, ceiling = (
+        without_specks(within_room(labels == label, camera, drop, traced.reach, longest))
+        for label, drop in ((FLOOR, height), (CEILING, -rise))
+    )
     flat = [
         Plane("floor", 0, (0.0, 1.0, 0.0), -height, floor, source, height),
-        Plane("ceiling", 0, (0.0, -1.0, 0.0), height - room_height_m, ceiling, above, height),
+        Plane("ceiling", 0, (0.0, -1.0, 0.0), -rise, ceiling, above, height),
     ]
     return [plane for plane in flat if plane.mask.any()]
 
 
 def _wall_planes(labels: np.ndarray, traced: TracedWalls) -> list[Plane]:
     """Return the largest walls, by size."""
-    masks = [
-        without_specks((labels == WALL) & (traced.owner == k)) for k in range(len(traced.lines))
-    ]
+    wall = (labels == WALL) & ~traced.through
+    masks = [without_specks(wall & (traced.owner == k)) for k in range(len(traced.lines))]
     walls = sorted(zip(traced.lines, masks, strict=True), key=lambda item: -int(item[1].sum()))
     planes = []
     for index, (line, mask) in enumerate(walls[:MAX_WALLS]):

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.planes.beyond import room_reach
 from plan2scene.photos.planes.room_size import RoomSize, extent_misfit, wall_spans
 from plan2scene.photos.planes.wall_borders import N_BINS, Borders, facing_votes, find_borders
 from plan2scene.photos.planes.wall_lines import (
@@ -59,6 +60,10 @@ class TracedWalls:
     lines: list[WallLine]
     #: (h, w) int16: Index into `lines` of the wall that a pixel's azimuth meets; -1 for none.
     owner: np.ndarray
+    #: (h, w) float64: How far the room reaches at a pixel's azimuth, metres; inf where not known.
+    reach: np.ndarray
+    #: (h, w) bool: Pixels whose azimuth looks through a door, at another room's walls.
+    through: np.ndarray
     #: Height of the camera above the floor, metres.
     camera_height_m: float
     #: What gave it: ``room_height``, ``room_extent`` or ``camera_height`` (the prior).
@@ -96,8 +101,11 @@ def trace_walls(
     used = sorted(set(path[path >= 0].tolist()))
     rank = np.full(len(lines) + 1, -1)
     rank[used] = np.arange(len(used))
-    owner = rank[path][borders.bins]
-    return TracedWalls([lines[index] for index in used], owner.astype(np.int16), height, source)
+    path = rank[path]
+    traced = [lines[index] for index in used]
+    reach, through = (part[borders.bins] for part in room_reach(traced, path, borders.direction))
+    owner = path[borders.bins].astype(np.int16)
+    return TracedWalls(traced, owner, reach, through, height, source)
 
 
 def _camera_height(
