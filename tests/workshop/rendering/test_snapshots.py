@@ -8,7 +8,9 @@ import pytest
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import assign_materials
 from plan2scene_workshop.rendering.decor import draw_decor
-from plan2scene_workshop.rendering.geometry import Geometry, quad
+from plan2scene_workshop.rendering.denoise import fill_dark
+from plan2scene_workshop.rendering.faces import split_emitters
+from plan2scene_workshop.rendering.geometry import Geometry, merge, quad
 from plan2scene_workshop.rendering.quick import QuickTracer
 from plan2scene_workshop.rendering.snapshots import Snapshot, shoot_room
 from plan2scene_workshop.rendering.sources import Sources
@@ -92,6 +94,24 @@ def test_textures_are_seen_the_right_way_up(mi) -> None:
     assert corners[0] == pytest.approx([red, 0, 0], abs=0.02)
     assert corners[1] == pytest.approx([0, 0, 0], abs=0.02)
     assert corners[3] == pytest.approx([0, 0, red], abs=0.02)
+
+
+def test_emitters_are_cut_without_loss() -> None:
+    window = quad(np.array([0.0, 2, 0]), np.array([2.0, 0, 0]), np.array([0, -1.0, 0]))
+    panes = merge([window, window])
+    parts = split_emitters([(panes, [3.0, 3.0, 3.0])])
+    assert [len(solid.faces) for solid, _ in parts] == [1, 1, 1, 1]
+    assert np.array_equal(np.concatenate([solid.faces for solid, _ in parts]), panes.faces)
+    assert split_emitters([]) == []
+
+
+def test_pixels_without_light_are_filled_and_shadows_stay() -> None:
+    light = np.ones((20, 20, 3), np.float32)
+    light[:, 10:] = 0.2
+    light[5, 5] = light[12, 3] = 0.0
+    filled = fill_dark(light, np.ones((20, 20), bool))
+    assert filled[5, 5] == pytest.approx(1) and filled[12, 3] == pytest.approx(1)
+    assert filled[:, 12:] == pytest.approx(0.2)
 
 
 def test_light_is_that_of_a_known_emitter(mi) -> None:

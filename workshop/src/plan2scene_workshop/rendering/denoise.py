@@ -34,6 +34,13 @@ def clamp_fireflies(light: Image, lit: NDArray[np.bool_]) -> Image:
     return (light * scale[..., None]).astype(np.float32)
 
 
+def fill_dark(light: Image, lit: NDArray[np.bool_]) -> Image:
+    """Return `light` with pixels that hardly any path reached at their neighbourhood's median."""
+    median = cv2.medianBlur(light, 5)
+    dark = lit & (light.mean(-1) < 0.35 * median.mean(-1))
+    return np.where(dark[..., None], median, light).astype(np.float32)
+
+
 def filter_light(light: Image, normal: Image, position: Image, groups: Image) -> Image:
     """Return `light` (h, w, 3) smoothed within surfaces.
 

@@ -16,13 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plan2scene_workshop.rendering.atlas import Atlas
-from plan2scene_workshop.rendering.geometry import Geometry, JoinedGroup
+from plan2scene_workshop.rendering.faces import (
+    EMITTERS,
+    faces_of,
+    radiance_of,
+    split_emitters,
+    uv_density,
+)
+from plan2scene_workshop.rendering.geometry import Geometry, JoinedGroup, Solid
 from plan2scene_workshop.rendering.tracer import Finish
 from plan2scene_workshop.rendering.views import View
 
 PATH_DEPTH, ROULETTE_DEPTH = 4, 3
-#: Emitters of every scene; those it lacks are dark specks far below it, so that the kernel stays.
-EMITTERS = 5
 _DARK = np.array([[0, -90, 0], [0.01, -90, 0], [0, -90, 0.01]], float)
 
 Image = NDArray[np.float32]
@@ -38,18 +43,6 @@ class Hits:
     depth: Image  #: along the camera's axis, metres
 
 
-@dataclass(frozen=True)
-class Faces:
-    """Per face of the whole scene."""
-
-    labels: NDArray[np.uint8]
-    planes: NDArray[np.uint8]
-    groups: NDArray[np.int32]  #: index into the tracer's `names`
-    colours: NDArray[np.float32]  #: (m, 3) mean albedo, linear; zero of emitters
-    emission: NDArray[np.float32]  #: (m, 3) linear
-    roughness: NDArray[np.float32]
-
-
 class QuickTracer:
     """A scene loaded once, seen from any number of cameras; needs a vectorised variant."""
 
@@ -61,13 +54,15 @@ class QuickTracer:
         lit = [(n, g, finishes[n]) for n, g in joined.items() if finishes[n].emission is not None]
         rows = dull + lit
         self.names = [name for name, _, _ in rows]
-        self.faces = _faces(rows)
+        self.faces = faces_of(rows)
         self._load(rows, len(dull))
+        shining = split_emitters([(g.solid, radiance_of(f)) for _, g, f in lit])
         scene: dict[str, Any] = {"type": "scene", "s0": self._surfaces(dull)}
         for k in range(EMITTERS):
-            scene[f"s{k + 1}"] = self._emitter(lit[k] if k < len(lit) else None)
+            scene[f"s{k + 1}"] = self._emitter(shining[k] if k < len(shining) else None)
         self._scene = mi.load_dict(scene, optimize=False, parallel=False)
-        self._first = self._first_faces([g for _, g, _ in dull], [g for _, g, _ in lit])
+        counts = [sum(len(g.solid.faces) for _, g, _ in dull)]
+        self._first = self._first_faces(counts + [len(solid.faces) for solid, _ in shining])
         self._path = mi.load_dict(
             {"type": "path", "max_depth": PATH_DEPTH, "rr_depth": ROULETTE_DEPTH}
         )
@@ -88,7 +83,7 @@ class QuickTracer:
         self._atlas = Atlas([f.tile if f.emission is None else None for _, _, f in rows], mi)
         self._tile = mi.Int32(self._atlas.tile_of(self.faces.groups))
         self._flat = mi.Float(self.faces.colours.ravel())
-        self._density = mi.Float(_uv_density(vertices, uv, corners))
+        self._density = mi.Float(uv_density(vertices, uv, corners))
 
     def _surfaces(self, rows: list[tuple[str, JoinedGroup, Finish]]) -> Any:
         mi = self._mi
@@ -106,14 +101,13 @@ class QuickTracer:
         colours = self.faces.colours[: len(faces)]
         return _mesh(mi, "s0", (vertices, normals, faces), properties, colours)
 
-    def _emitter(self, row: tuple[str, JoinedGroup, Finish] | None) -> Any:
+    def _emitter(self, shining: tuple[Solid, list[float]] | None) -> Any:
         mi = self._mi
         radiance = [0.0, 0.0, 0.0]
         solid = (_DARK, np.tile([0.0, -1.0, 0.0], (3, 1)), np.array([[0, 1, 2]]))
-        if row is not None:
-            _, group, finish = row
-            radiance = [float(finish.emission or 0.0) * c for c in finish.light]
-            solid = (group.solid.vertices, group.solid.normals, group.solid.faces)
+        if shining is not None:
+            whole, radiance = shining
+            solid = (whole.vertices, whole.normals, whole.faces)
         properties = mi.Properties()
         black = {"type": "rgb", "value": 0.0}
         properties["mesh_bsdf"] = mi.load_dict({"type": "diffuse", "reflectance": black})
@@ -122,10 +116,9 @@ class QuickTracer:
         )
         return _mesh(mi, "e", solid, properties, None)
 
-    def _first_faces(self, dull: list[JoinedGroup], lit: list[JoinedGroup]) -> Any:
+    def _first_faces(self, counts: list[int]) -> Any:
         """Return the first face of each shape, by the renderer's number of the shape."""
         mi, dr = self._mi, self._dr
-        counts = [sum(len(g.solid.faces) for g in dull)] + [len(g.solid.faces) for g in lit]
         first = np.cumsum([0, *counts])
         found = {}
         for k, shape in enumerate(self._scene.shapes()):
@@ -249,38 +242,3 @@ def _mesh(
     params["faces"] = faces.astype(np.uint32).ravel()
     params.update()
     return mesh
-
-
-def _faces(rows: list[tuple[str, JoinedGroup, Finish]]) -> Faces:
-    """Return the attributes of all faces, group after group."""
-    colours, emission = [], []
-    for _, group, finish in rows:
-        count = len(group.solid.faces)
-        colour = group.colours
-        if finish.tile is not None:
-            colour = np.tile(((finish.tile / 255.0) ** 2.2).mean((0, 1)), (count, 1))
-        shines = finish.emission is not None
-        colours.append(np.zeros((count, 3)) if shines else np.clip(colour, 0.002, 0.9))
-        radiance = [float(finish.emission or 0.0) * c for c in finish.light]
-        emission.append(np.tile(radiance, (count, 1)))
-    counts = [len(group.solid.faces) for _, group, _ in rows]
-    return Faces(
-        np.concatenate([group.labels for _, group, _ in rows]),
-        np.concatenate([group.planes for _, group, _ in rows]),
-        np.repeat(np.arange(len(rows), dtype=np.int32), counts),
-        np.concatenate(colours).astype(np.float32),
-        np.concatenate(emission).astype(np.float32),
-        np.repeat(np.array([f.roughness for _, _, f in rows], np.float32), counts),
-    )
-
-
-def _uv_density(
-    vertices: NDArray[Any], uv: NDArray[Any], faces: NDArray[Any]
-) -> NDArray[np.float32]:
-    """Return tiles per metre of each face: the root of the ratio of its areas."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    p, q, r = (uv[faces[:, k]] for k in range(3))
-    d, e = q - p, r - p
-    flat = np.abs(d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0])
-    return np.sqrt(flat / np.maximum(area, 1e-12)).astype(np.float32)

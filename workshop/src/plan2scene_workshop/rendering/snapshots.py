@@ -26,7 +26,7 @@ from plan2scene_workshop.rendering.camera_effects import (
     merge_exposures,
 )
 from plan2scene_workshop.rendering.decor import Decor
-from plan2scene_workshop.rendering.denoise import clamp_fireflies, filter_light, upsample
+from plan2scene_workshop.rendering.denoise import clamp_fireflies, fill_dark, filter_light, upsample
 from plan2scene_workshop.rendering.lights import look_outside
 from plan2scene_workshop.rendering.quick import Hits, QuickTracer
 from plan2scene_workshop.rendering.scene import SKY, build_room_scene
@@ -183,7 +183,10 @@ def _shoot(
     light = tracer.light(view, coarse, LIGHT_SAMPLES, derive_seed(view.seed, "light"), small)
     lit = (small.face >= 0) & (tracer.faces.colours[small.face].max(-1) > 0)
     light = filter_light(
-        clamp_fireflies(light, lit), small.normal, small.position, lit.astype(np.float32)
+        clamp_fireflies(fill_dark(light, lit), lit),
+        small.normal,
+        small.position,
+        lit.astype(np.float32),
     )
     hits = tracer.hits(view, size)
     light = upsample(light, (small.normal, small.position), (hits.normal, hits.position))
