@@ -14,9 +14,9 @@ rule masks:
         f"logs/{DATASET}/benchmarks/masks/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: 1
+    threads: 4
     resources:
-        mem_mb=1500,
+        mem_mb=3000,
     params:
         names=photo_names_of,
         models=label_model(),

@@ -17,10 +17,11 @@ with job(snakemake.log[0]):
             precomputed_dir=params.masks_folder,
             pretrained=params.pretrained,
             openings=params.openings,
-            threads=snakemake.threads,
+            threads=1,  # photos are worked on beside each other
             house_id=house_id,
         ),
         snakemake.output[0],
         house_id=house_id,
         fov_deg=params.fov_deg,
+        threads=snakemake.threads,
     )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 from plan2scene.errors import InputError
@@ -24,6 +26,7 @@ def make_masks(
     *,
     house_id: str,
     fov_deg: float = DEFAULT_FOV_DEG,
+    threads: int = 1,
 ) -> list[str]:
     """Write the masks folder of a house and return its warnings.
 
@@ -40,41 +43,44 @@ def make_masks(
         ``cameras.json``, ``warnings.json`` (``docs/conventions.md``).
     fov_deg : float
         Horizontal field of view in degrees where neither EXIF data nor vanishing points give one.
+    threads : int
+        Photos worked on at a time; the result does not depend on it.
     """
     _refuse_equal_stems(photos, house_id)
     with atomic_directory(out_dir) as folder:
         cameras: dict[str, object] = {}
         warnings: list[str] = []
         if photos:
-            cameras, warnings = _label_photos(photos, label(), folder, house_id, fov_deg)
+            one = partial(
+                _label_photo, labeller=label(), folder=folder, house_id=house_id, fov_deg=fov_deg
+            )
+            with ThreadPoolExecutor(threads) as pool:
+                found = pool.map(lambda name: one(name, photos[name]), sorted(photos))
+                for name, (camera, lines) in zip(sorted(photos), found, strict=True):
+                    warnings += lines
+                    if camera is not None:
+                        cameras[name] = camera.to_json()
         _log.info("%d photos labelled, %d left out", len(cameras), len(photos) - len(cameras))
         write_json(folder / "cameras.json", cameras)
         write_json(folder / "warnings.json", warnings)
     return warnings
 
 
-def _label_photos(
-    photos: Mapping[str, Path], labeller: Labeller, folder: Path, house_id: str, fov_deg: float
-) -> tuple[dict[str, object], list[str]]:
-    """Write the label PNGs of photos; return their cameras as JSON values, and the warnings."""
-    cameras: dict[str, object] = {}
-    warnings: list[str] = []
-    for name in sorted(photos):
-        try:
-            safe_join("", name, house_id=house_id)
-            image = read_photo(photos[name], house_id=house_id)
-            exif = read_exif_focal(photos[name], (image.shape[0], image.shape[1]))
-            labels = labeller.labels(name, image, fov_deg=fov_deg, exif=exif)
-        except InputError as error:
-            _log.warning("photo %s left out: %s", name, error)
-            warnings.append(f"photo {name} left out: {error}")
-            continue
-        plain = without_openings(labels)
-        camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif)
-        write_label_png(folder / f"{Path(name).stem}.png", labels)
-        cameras[name] = camera.to_json()
-        warnings += [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
-    return cameras, warnings
+def _label_photo(
+    name: str, path: Path, *, labeller: Labeller, folder: Path, house_id: str, fov_deg: float
+) -> tuple[Camera | None, list[str]]:
+    """Write a photo's label PNG; return its camera, None where it is left out, and warnings."""
+    try:
+        safe_join("", name, house_id=house_id)
+        image = read_photo(path, house_id=house_id)
+        exif = read_exif_focal(path, (image.shape[0], image.shape[1]))
+        labels = labeller.labels(name, image, fov_deg=fov_deg, exif=exif)
+    except InputError as error:
+        _log.warning("photo %s left out: %s", name, error)
+        return None, [f"photo {name} left out: {error}"]
+    camera = estimate_camera(image, without_openings(labels), fov_deg=fov_deg, exif=exif)
+    write_label_png(folder / f"{Path(name).stem}.png", labels)
+    return camera, [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

@@ -171,6 +171,10 @@ def test_make_masks_goes_on_without_bad_photos(tmp_path: Path) -> None:
     assert len(warnings) == 4
     for name in names[1:]:
         assert any(name in line and "house h1" in line for line in warnings), name
+    beside = tmp_path / "beside"
+    assert make_masks(files, ready_labels, beside, house_id="h1", threads=3) == warnings
+    for path in out.iterdir():
+        assert path.read_bytes() == (beside / path.name).read_bytes()
 
 
 def test_make_masks_without_photos_needs_no_model(tmp_path: Path) -> None:

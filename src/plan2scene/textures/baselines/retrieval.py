@@ -20,10 +20,14 @@ from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image, png_bytes
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.machine_cache import made_once
 from plan2scene.metrics.color import color_histogram
 from plan2scene.metrics.freq import frequency_profile
+from plan2scene.provenance import code_hash, package_versions
 from plan2scene.seeds import derive_seed
 
+#: Packages that a generated library's bytes depend on.
+_PACKAGES = ("numpy", "scipy", "opencv-python-headless", "pillow", "pyarrow", "pandas")
 _FREQ_WEIGHT = 100.0  # dE2000 that FREQ of 1 counts as
 _COLOR_WEIGHT = 5.0  # dE2000 that COLOR of 1 counts as
 
@@ -117,16 +121,27 @@ def write_library(
 ) -> None:
     """Write the library file: of a user's `folder`, or generated where that is None.
 
-    The folder has subfolders wood, plaster, carpet, tile of images.
+    The folder has subfolders wood, plaster, carpet, tile of images. A generated library is made
+    once per machine.
     """
-    import pandas as pd
-
     from plan2scene.materials import load_texture_folder
 
-    if folder is None:
-        library = generated_library(per_substance, seed, size_px)
-    else:
-        library = _from_materials(load_texture_folder(folder, size_px=size_px))
+    if folder is not None:
+        _write(output, _from_materials(load_texture_folder(folder, size_px=size_px)), "folder")
+        return
+    settings = {"tiles": per_substance, "seed": seed, "size_px": size_px}
+    code = code_hash("textures.baselines.retrieval"), package_versions(*_PACKAGES)
+    made_once(
+        output,
+        {"texture library": settings, "code": code},
+        lambda path: _write(path, generated_library(per_substance, seed, size_px), "generated"),
+    )
+
+
+def _write(output: str | Path, library: TextureLibrary, source: str) -> None:
+    """Write a library as Parquet."""
+    import pandas as pd
+
     frame = pd.DataFrame(
         {
             "name": library.names,
@@ -135,7 +150,7 @@ def write_library(
             "png": [png_bytes(tile) for tile in library.tiles],
         }
     )
-    write_parquet(output, frame, {"source": "generated" if folder is None else "folder"})
+    write_parquet(output, frame, {"source": source})
 
 
 def read_library(path: str | Path) -> TextureLibrary:
