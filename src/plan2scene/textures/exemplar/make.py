@@ -15,7 +15,8 @@ import cv2
 import numpy as np
 
 from plan2scene.colour import as_uint8, clipped_share, delta_e_2000, median_colour, rgb_to_lab
-from plan2scene.textures.exemplar.light import flatten, highlights
+from plan2scene.textures.exemplar.grain import grain, quarter_turns
+from plan2scene.textures.exemplar.light import flatten, highlights, log_luma
 from plan2scene.textures.exemplar.quilt import quilt
 from plan2scene.textures.exemplar.straighten import find_pattern, straightened
 from plan2scene.textures.seams import with_calm_border
@@ -31,6 +32,9 @@ _WHITE = 0.96  # channel value beyond which in all channels a crop's colour is b
 _REPAIR = 0.03  # log repair of the light below which crops count alike for the brightness
 _ALIKE_DE = 20.0  # CIEDE2000 beyond which crops are of different things; light gives less
 _SMALLEST_PX = 32  # crops that fill less of the tile only make seams
+_BLUR = 0.1  # what an octave fewer photo pixels a metre weighs, in log repair of the light
+_FEW_OCTAVES = 1.0  # crops blurred by more than this against the better ones are left out
+_ENOUGH = 3  # where so many are sharper
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +105,33 @@ def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list
     return [crop for crop, far in zip(crops, apart[middle], strict=True) if far <= _ALIKE_DE]
 
 
+def blur_octaves(crops: Sequence[ExemplarCrop]) -> np.ndarray:
+    """Return by how many octaves crops have fewer photo pixels a metre than the best, (n,)."""
+    detail = np.array([crop.sharpness / crop.size_m for crop in crops], dtype=np.float64)
+    detail = np.where(np.isfinite(detail) & (detail > 0), detail, np.nan)
+    if np.isnan(detail).all():
+        return np.zeros(len(crops))
+    return np.nan_to_num(np.log2(np.nanmax(detail) / detail))
+
+
+def sharper(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
+    """Return the crops without those far blurrier than the `_ENOUGH` best: near ones show more."""
+    behind = blur_octaves(crops)
+    if len(crops) <= _ENOUGH:
+        return list(crops)
+    limit = float(np.sort(behind)[_ENOUGH - 1]) + _FEW_OCTAVES
+    return [crop for crop, octaves in zip(crops, behind, strict=True) if octaves <= limit]
+
+
+def one_way(flat: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return crops (n, s, s, 3) and masks (n, s, s) turned so that their planks run one way."""
+    turned = quarter_turns([grain(log_luma(i), m) for i, m in zip(flat, masks, strict=True)])
+    flat, masks = flat.copy(), masks.copy()
+    flat[turned] = np.rot90(flat[turned], axes=(1, 2))
+    masks[turned] = np.rot90(masks[turned], axes=(1, 2))
+    return flat, masks
+
+
 def make_exemplar(
     crops: Sequence[ExemplarCrop], *, size_px: int, tone: np.ndarray | None = None
 ) -> Exemplar | None:
@@ -120,9 +151,10 @@ def make_exemplar(
     good = usable(crops)
     if not good:
         return None
-    good = alike(good, tone)
+    good = sharper(alike(good, tone))
     work = work_size(size_px, len(good))
     flat, masks, colour, order = _evened(good)
+    flat, masks = one_way(flat, masks)
     sides, size_m = tile_scale(good, work / WORK_PX)
     known = np.isfinite([crop.size_m for crop in good]).all()
     lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
@@ -156,7 +188,7 @@ def _evened(
     tone = consensus(tones, repair)
     flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
     spoiled = masks.mean(axis=(1, 2))
-    order = np.argsort(2.0 * spoiled + repair, kind="stable")
+    order = np.argsort(2.0 * spoiled + repair + _BLUR * blur_octaves(crops), kind="stable")
     return flat, masks, tone, [int(k) for k in order]
 
 

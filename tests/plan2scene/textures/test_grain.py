@@ -1,0 +1,82 @@
+"""Directions of crops: planks of photos taken in different directions run one way."""
+
+import cv2
+import numpy as np
+import pytest
+
+from plan2scene.textures.exemplar.grain import grain, quarter_turns
+from plan2scene.textures.exemplar.make import (
+    ExemplarCrop,
+    blur_octaves,
+    make_exemplar,
+    one_way,
+    sharper,
+)
+
+
+def planks(seed: int, width: int = 32) -> np.ndarray:
+    """Planks along y, (128, 128, 3) uint8."""
+    rng = np.random.default_rng(seed)
+    fine = cv2.GaussianBlur(rng.normal(0, 1, (128, 128)), (0, 0), sigmaX=1.0, sigmaY=9.0)
+    values = np.array((150, 120, 90)) * np.exp(1.0 * fine)[..., None]
+    values[:, seed % width :: width] *= 0.5
+    return np.clip(values, 0, 255).astype(np.uint8)
+
+
+def luma(image: np.ndarray) -> np.ndarray:
+    return np.log(image.mean(axis=2) + 4.0)
+
+
+NOTHING = np.zeros((128, 128), bool)
+
+
+def test_planks_run_along_an_axis_and_checkers_along_none() -> None:
+    assert grain(luma(planks(0)), NOTHING) < -0.4
+    assert grain(luma(np.rot90(planks(0))), NOTHING) > 0.4
+    rows, columns = np.indices((128, 128)) // 20
+    checker = np.where((rows + columns)[..., None] % 2, 90, 180) + np.zeros(3)
+    assert abs(grain(luma(checker), NOTHING)) < 0.1
+    assert grain(np.zeros((128, 128)), NOTHING) == 0.0
+
+
+def test_masked_pixels_have_no_say() -> None:
+    image = planks(0)
+    image[::8, :64] = 255
+    mask = NOTHING.copy()
+    mask[:, :64] = True
+    assert grain(luma(image), mask) < -0.4
+
+
+@pytest.mark.parametrize(
+    ("grains", "turned"),
+    [
+        ([0.7, 0.6, -0.6, 0.1], [False, False, True, False]),
+        ([-0.7, -0.6, 0.6], [False, False, True]),
+        ([0.05, -0.1, 0.7, 0.02], [False] * 4),
+        ([], []),
+    ],
+)
+def test_the_fewer_are_turned_where_most_have_a_direction(grains, turned) -> None:
+    assert quarter_turns(grains).tolist() == turned
+
+
+def test_an_exemplar_of_planks_seen_from_two_sides_runs_one_way() -> None:
+    images = [planks(k) for k in range(5)] + [np.rot90(planks(k)) for k in (7, 9)]
+    flat = np.stack(images) / 255.0
+    straight, masks = one_way(flat, np.zeros(flat.shape[:3], bool))
+    assert all(grain(luma(255 * image), NOTHING) < -0.4 for image in straight)
+    assert masks.shape == flat.shape[:3]
+    made = make_exemplar([ExemplarCrop(i, 0.8, 1.0) for i in images], size_px=128)
+    assert made is not None
+    assert grain(luma(made.image), NOTHING) < -0.3
+
+
+def test_far_blurrier_crops_are_left_out_where_others_are_sharp() -> None:
+    sharp = [ExemplarCrop(planks(k), 0.5, 0.8) for k in range(3)]
+    poor = ExemplarCrop(planks(4), 1.0, 0.4)
+    np.testing.assert_allclose(blur_octaves([*sharp, poor]), [0, 0, 0, 2])
+    assert sharper([*sharp, poor]) == sharp
+    assert sharper([*sharp[:2], poor]) == [*sharp[:2], poor]
+    unknown = ExemplarCrop(planks(5), float("nan"), float("nan"))
+    assert sharper([*sharp, unknown]) == [*sharp, unknown]
+    assert blur_octaves([unknown, unknown]).tolist() == [0, 0]
