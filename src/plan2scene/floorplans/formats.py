@@ -15,8 +15,10 @@ from typing import Any
 from plan2scene.errors import InputError
 from plan2scene.floorplans.drawings.cubicasa import house_of_cubicasa
 from plan2scene.floorplans.drawings.dxf import house_of_dxf, is_dxf
+from plan2scene.floorplans.drawings.ifc import house_of_ifc, is_ifc
 from plan2scene.floorplans.drawings.roomplan import house_of_roomplan, is_roomplan
 from plan2scene.floorplans.drawings.sweet_home import house_of_sweet_home, is_sweet_home
+from plan2scene.floorplans.drawings.zind import house_of_zind, is_zind
 from plan2scene.floorplans.parse import parse_json
 from plan2scene.floorplans.plan_json import FORMAT, house_of_plan
 from plan2scene.floorplans.r2v import house_of_r2v
@@ -75,7 +77,10 @@ class PlanFile:
     @cached_property
     def text(self) -> str:
         """The file as UTF-8 text; empty for a :attr:`binary` one."""
-        return "" if self.binary else read_text(self.path)
+        try:
+            return "" if self.binary else read_text(self.path)
+        except InputError as error:
+            raise self.fault(error.expected, error.found) from None
 
     @cached_property
     def document(self) -> Any:
@@ -128,6 +133,11 @@ def _read_r2v(plan: PlanFile) -> House:
 #: In the order in which they are asked.
 FORMATS: tuple[PlanFormat, ...] = (
     PlanFormat(
+        "IFC",
+        lambda plan: is_ifc(plan.head),
+        lambda plan: house_of_ifc(plan.path, plan.house_id),
+    ),
+    PlanFormat(
         "DXF",
         lambda plan: is_dxf(plan.head),
         lambda plan: house_of_dxf(plan.path, plan.house_id, plan.metres_per_pixel, plan.dxf_layers),
@@ -141,6 +151,13 @@ FORMATS: tuple[PlanFormat, ...] = (
         "RoomPlan JSON",
         lambda plan: is_roomplan(plan.document),
         lambda plan: house_of_roomplan(plan.document, plan.house_id, file=str(plan.path)),
+    ),
+    PlanFormat(
+        "ZInD JSON",
+        lambda plan: is_zind(plan.document),
+        lambda plan: house_of_zind(
+            plan.document, plan.house_id, plan.metres_per_pixel, file=str(plan.path)
+        ),
     ),
     PlanFormat(
         "scene.json",

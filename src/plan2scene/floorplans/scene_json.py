@@ -11,6 +11,7 @@ from typing import Any
 
 from plan2scene.floorplans.geometry import find_doors
 from plan2scene.floorplans.parse import SAME_POINT, Source, parse_json
+from plan2scene.floorplans.scene_frame import upright
 from plan2scene.floorplans.scene_walls import read_walls, room_ids_of
 from plan2scene.house import Door, House, IconBox, PlacedObject, Ring, Room, Wall
 from plan2scene.io import read_text
@@ -34,7 +35,9 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
     source = Source(file, house_id)
     source.identifier(house_id, "a house name")
     scene, arch = find_arch(source, document)
-    _check_frame(source, scene)
+    if scene.get("unit") not in (None, 1):
+        raise source.fault("unit 1 (metres)", repr(scene["unit"]))
+    scene, arch = upright(source, scene, arch)
     elements = [
         source.mapping(e, "an element") for e in source.items(arch.get("elements"), "elements")
     ]
@@ -58,17 +61,6 @@ def find_arch(source: Source, document: Any) -> tuple[dict[str, Any], dict[str, 
     outer = source.mapping(document, "the document")
     scene = source.mapping(outer.get("scene", outer), "'scene'")
     return scene, source.mapping(scene.get("arch", scene), "'arch'")
-
-
-def _check_frame(source: Source, scene: Mapping[str, Any]) -> None:
-    """Refuse a scene that is not in metres or not y up."""
-    unit = scene.get("unit")
-    if unit not in (None, 1):
-        raise source.fault("unit 1 (metres)", repr(unit))
-    up = scene.get("up")
-    axis = [up.get(k) for k in "xyz"] if isinstance(up, dict) else up
-    if axis not in (None, [0, 1, 0]):
-        raise source.fault("up = y (0, 1, 0)", repr(axis))
 
 
 def _read_rooms(

@@ -141,7 +141,8 @@ def _area(source: Source, element: Element, matrix: np.ndarray) -> Polygon | Non
         raise source.fault("a polygon of at least 3 points", f"{len(numbers)} numbers")
     points = np.column_stack([np.reshape(numbers, (-1, 2)), np.ones(len(numbers) // 2)])
     polygon = Polygon((points @ matrix.T)[:, :2])
-    return polygon if polygon.is_valid else polygon.convex_hull
+    whole = polygon if polygon.is_valid else polygon.convex_hull
+    return whole if isinstance(whole, Polygon) and whole.area > 0 else None
 
 
 def _numbers(source: Source, text: str) -> list[float]:

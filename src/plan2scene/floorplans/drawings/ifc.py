@@ -1,0 +1,204 @@
+"""Reader of IFC models by ifcopenshell (the extra `formats`): one storey's spaces, walls, openings.
+
+The bodies' triangles are looked at from above. Metres; IFC's z goes up: (x, y, z) becomes (x, -y).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from shapely import area as areas_of
+from shapely import polygons, unary_union
+from shapely.geometry import Polygon
+
+from plan2scene.floorplans.drawings.areas import NearestAxis, axis_of_area
+from plan2scene.floorplans.drawings.axes import MAX_AXES
+from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom, house_of_drawing
+from plan2scene.floorplans.parse import MAX_COORDINATE, MAX_ROOMS, Source
+from plan2scene.house import House
+
+#: Most bytes of a model, and triangles of one body.
+MAX_BYTES = 200_000_000
+MAX_TRIANGLES = 20_000
+#: Openings whose middles are nearer (metres) are one: a hole in each of two layers of a wall.
+SAME_OPENING = 0.4
+#: An unfilled hole whose bottom is higher (metres) is a window.
+SILL = 0.3
+
+
+@dataclass(frozen=True)
+class _Body:
+    """What a product covers: its plan area (x, -y), bottom and top in metres."""
+
+    area: Polygon
+    low: float
+    high: float
+
+
+def is_ifc(head: bytes) -> bool:
+    """Return whether a file begins as a STEP file does, as IFC models are."""
+    return head.lstrip().startswith(b"ISO-10303-21")
+
+
+def house_of_ifc(path: Path, house_id: str) -> House:
+    """Return the house of an IFC model: the storey with the most floor, else the most walls.
+
+    Raises InputError for a model without spaces and walls, and where ifcopenshell is missing.
+    """
+    source = Source(str(path), house_id)
+    model = _Model(source, path)
+    storeys = model.storeys()
+    if not any(
+        item.is_a("IfcSpace") or item.is_a("IfcWall") for s in storeys.values() for item in s
+    ):
+        raise source.fault("IfcSpace or IfcWall in the model", "none")
+    drawings = {name: model.drawing(items) for name, items in storeys.items()}
+    chosen = max(drawings, key=lambda name: _size(drawings[name]))
+    if len(drawings) > 1:
+        left = ", ".join(name for name in drawings if name != chosen)
+        source.warn("one storey", f"{len(drawings)}; {chosen} read, left out {left}")
+    return house_of_drawing(source, drawings[chosen])
+
+
+def _size(drawing: Drawing) -> float:
+    """Return floor area in square metres, plus a little for each wall."""
+    return sum(Polygon(room.rings[0]).area for room in drawing.rooms) + 1e-3 * len(drawing.axes)
+
+
+class _Model:
+    """A parsed model."""
+
+    def __init__(self, source: Source, path: Path) -> None:
+        self.source = source
+        try:
+            import ifcopenshell
+            import ifcopenshell.geom
+            import ifcopenshell.util.element
+        except ImportError as error:
+            raise source.fault("ifcopenshell (pip install 'plan2scene[formats]')", error) from None
+        if path.stat().st_size > MAX_BYTES:
+            raise source.fault(f"at most {MAX_BYTES} bytes of IFC", path.stat().st_size)
+        try:
+            self.file = ifcopenshell.open(str(path))
+        except (RuntimeError, OSError, ValueError, ifcopenshell.Error) as error:
+            raise source.fault("an IFC model that can be read", str(error) or "damage") from None
+        self.geometry, self.element = ifcopenshell.geom, ifcopenshell.util.element
+        self.settings = ifcopenshell.geom.settings()
+        self.settings.set("use-world-coords", True)
+        self.settings.set("disable-opening-subtractions", True)
+
+    def storeys(self) -> dict[str, list[Any]]:
+        """Return spaces, walls, doors and windows by the name of their storey."""
+        found: dict[str, list[Any]] = defaultdict(list)
+        kinds = {
+            "IfcSpace": MAX_ROOMS,
+            "IfcWall": MAX_AXES,
+            "IfcDoor": MAX_AXES,
+            "IfcWindow": MAX_AXES,
+        }
+        for kind, limit in kinds.items():
+            products = self.file.by_type(kind)
+            if len(products) > limit:
+                raise self.source.fault(f"at most {limit} {kind}", len(products))
+            for product in products:
+                storey = self._storey(product)
+                found[
+                    "no storey" if storey is None else f"{storey.Name or storey.GlobalId}"
+                ].append(product)
+        return dict(found)
+
+    def _storey(self, product: Any) -> Any:
+        """Return the storey that holds a product, however deep."""
+        above = product
+        for _ in range(20):
+            above = self.element.get_aggregate(above) or self.element.get_container(above)
+            if above is None or above.is_a("IfcBuildingStorey"):
+                return above
+        return None
+
+    def drawing(self, products: list[Any]) -> Drawing:
+        """Return what a storey's products draw."""
+        bodies = [(product, body) for product in products if (body := self._body(product))]
+        floors = [body.low for product, body in bodies if product.is_a("IfcSpace")]
+        base = min(floors or [body.low for _, body in bodies], default=0.0)
+        found = Drawing()
+        for product, body in bodies:
+            if product.is_a("IfcSpace"):
+                name = str(product.LongName or product.Name or "")[:100]
+                rings = (body.area.exterior, *body.area.interiors)
+                outlines = tuple(
+                    self.source.outline(list(ring.coords)[:-1], name[:40]) for ring in rings
+                )
+                found.rooms.append(DrawnRoom(name, outlines, body.high - body.low))
+            elif product.is_a("IfcWall"):
+                axis = axis_of_area(body.area, body.high - base)
+                found.axes += [] if axis is None else [axis]
+        found.height = max((axis.height for axis in found.axes), default=found.height)
+        self._add_openings(found, products, base)
+        return found
+
+    def _add_openings(self, found: Drawing, products: list[Any], base: float) -> None:
+        """Add filled openings, then unfilled ones that are no second hole of another."""
+        nearest = NearestAxis(found.axes)
+        for kind, product in sorted(self._holes(products), key=lambda pair: not pair[0]):
+            body = self._body(product)
+            if body is None:
+                continue
+            low = max(body.low - base, 0.0)
+            named = kind or ("window" if low > SILL else "passage")
+            name = f"opening_{len(found.openings)}"
+            segment = nearest.segment(body.area, name, named)
+            if segment is None:
+                continue
+            middle = np.add(segment.start, segment.end) / 2
+            known = (np.add(o.start, o.end) / 2 - middle for o in found.openings)
+            if not any(float(np.hypot(*offset)) < SAME_OPENING for offset in known):
+                found.openings.append(replace(segment, bottom=low, top=max(body.high - base, low)))
+
+    def _holes(self, products: list[Any]) -> Iterator[tuple[str, Any]]:
+        """Yield ("door", "window" or "", the product that shows the hole)."""
+        for product in products:
+            if product.is_a("IfcWall"):
+                for relation in product.HasOpenings:
+                    hole = relation.RelatedOpeningElement
+                    fillings = [r.RelatedBuildingElement for r in hole.HasFillings]
+                    yield next((_leaf(item) for item in fillings if _leaf(item)), ""), hole
+            elif _leaf(product) and not product.FillsVoids:
+                yield _leaf(product), product
+
+    def _body(self, product: Any) -> _Body | None:
+        """Return what a product covers, None where it has no body; the largest part of several."""
+        if product.Representation is None:
+            return None
+        try:
+            shape = self.geometry.create_shape(self.settings, product)
+        except RuntimeError as error:
+            self.source.warn(f"a body of {product.is_a()} {product.Name}", f"{error}, left out")
+            return None
+        points = np.array(shape.geometry.verts, dtype=np.float64).reshape(-1, 3)
+        faces = np.array(shape.geometry.faces, dtype=np.int64).reshape(-1, 3)
+        if not 1 <= len(faces) <= MAX_TRIANGLES:
+            found = f"{len(faces)} triangles, left out"
+            self.source.warn(f"1 to {MAX_TRIANGLES} triangles of {product.is_a()}", found)
+            return None
+        if not np.isfinite(points).all() or np.abs(points).max() > MAX_COORDINATE:
+            raise self.source.fault(f"coordinates within {MAX_COORDINATE:g} m", "others")
+        plan = points[:, :2] * [1.0, -1.0]
+        triangles = polygons(plan[faces])
+        area = unary_union(triangles[areas_of(triangles) > 1e-9], grid_size=1e-5)
+        parts = [part for part in getattr(area, "geoms", [area]) if isinstance(part, Polygon)]
+        largest = max(parts, key=lambda part: part.area, default=None)
+        if largest is None or largest.is_empty:
+            return None
+        return _Body(largest.simplify(1e-4), float(points[:, 2].min()), float(points[:, 2].max()))
+
+
+def _leaf(product: Any) -> str:
+    """Return the kind of opening that a door or window is; empty for any other product."""
+    kinds = {"IfcDoor": "door", "IfcWindow": "window"}
+    return next((kind for name, kind in kinds.items() if product.is_a(name)), "")
