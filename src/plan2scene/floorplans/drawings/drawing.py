@@ -195,14 +195,21 @@ def _with_openings(
     source: Source, walls: list[Wall], openings: Sequence[Segment], along: _Axes
 ) -> list[Wall]:
     """Return the walls with the openings that lie on one; the others are warned of."""
+    placed = list(walls)
+    tree = STRtree([LineString([wall.start, wall.end]) for wall in walls])
     for segment in openings:
         thickness = along.thickness(segment)
         reach = OPENING_REACH if thickness is None else thickness / 2 + OPENING_SLACK
+        line = LineString([segment.start, segment.end])
+        near = sorted(tree.query(line, predicate="dwithin", distance=2 * reach).tolist())
         try:
-            walls = place_openings(source, walls, [segment], tolerance=reach)
+            found = place_openings(source, [placed[k] for k in near], [segment], tolerance=reach)
         except InputError as error:
             source.warnings.append(f"{error}; left out")
-    return walls
+            continue
+        for k, wall in zip(near, found, strict=True):
+            placed[k] = wall
+    return placed
 
 
 def _cut_to_height(wall: Wall) -> Wall:
