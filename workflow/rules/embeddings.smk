@@ -10,12 +10,16 @@ rule embeddings:
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        light=f"{RESULTS}/houses/{{house}}/light.json",
         texture_model=model_of("texture"),
         naive_model=model_of("naivesynth"),
         propagation_model=model_of("propagation"),
     output:
         embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
         surfaces=[f"{RESULTS}/drop_{drop}/{{house}}/surfaces.parquet" for drop in DROPS],
+        materials=[
+            f"{RESULTS}/drop_{drop}/{{house}}/materials.parquet" for drop in DROPS
+        ],
         propagated=[
             f"{RESULTS}/drop_{drop}/{{house}}/propagated.parquet" for drop in DROPS
         ],
@@ -34,7 +38,10 @@ rule embeddings:
         seed=config["seed"],
         predictor=config["propagation"]["predictor"],
         code=code_hash(
-            "textures.model.embedding", "textures.selection", "propagation.stage"
+            "textures.model.embedding",
+            "textures.selection",
+            "propagation.house_materials",
+            "propagation.stage",
         ),
     script:
         "../scripts/embeddings.py"

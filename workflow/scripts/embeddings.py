@@ -3,6 +3,7 @@
 import torch
 
 from plan2scene.jobs import job
+from plan2scene.propagation.house_materials import find_materials
 from plan2scene.propagation.stage import propagate_house
 from plan2scene.textures.model.embedding import make_embeddings
 from plan2scene.textures.selection import select_surfaces
@@ -19,9 +20,14 @@ with job(snakemake.log[0]):
         seed=params.seed,
         **names,
     )
-    drops = zip(params.hidden.values(), made.surfaces, made.propagated, strict=True)
-    for hidden, surfaces, propagated in drops:
+    tables = (made.surfaces, made.materials, made.propagated)
+    for hidden, surfaces, materials, propagated in zip(
+        params.hidden.values(), *tables, strict=True
+    ):
         select_surfaces(made.embeddings, found.crops, hidden, surfaces, **names)
+        find_materials(
+            found.scene, surfaces, made.embeddings, found.light, hidden, materials, **names
+        )
         propagate_house(
             found.scene,
             surfaces,
@@ -29,5 +35,6 @@ with job(snakemake.log[0]):
             propagation_model=found.propagation_model,
             texture_model=found.texture_model,
             predictor=params.predictor,
+            materials=materials,
             **names,
         )

@@ -59,6 +59,7 @@ def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[Su
         }
         seen = "observed" if entry["observed"] else "not observed"
         title = (key.room_id, key.surface, str(entry["substance"]), seen)
+        title += (f"material {entry['material']}",) if "material" in entry else ()
         rows[key] = SheetRow(title, every if visible is None else visible, tiles)
     return rows
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from plan2scene.weights import fitting, read_model_arrays
 #: Metres that a tile covers where the house shows no scale at all.
 DEFAULT_METRES = 1.0
 _COLUMNS = ["room_id", "surface", "observed", "embedding", "naive_embedding"]
-_COLUMNS += ["substance", "metres", "source", "confidence"]
+_COLUMNS += ["substance", "metres", "source", "confidence", "material"]
 
 
 def propagate_house(
@@ -32,10 +33,12 @@ def propagate_house(
     propagation_model: str | Path,
     texture_model: str | Path,
     predictor: str = "house",
+    materials: str | Path | None = None,
 ) -> None:
     """Write ``propagated.parquet`` (docs/conventions.md): a row for every surface of the house.
 
-    `predictor` is a name of :data:`plan2scene.propagation.predictors.PREDICTORS`.
+    `predictor` is a name of :data:`plan2scene.propagation.predictors.PREDICTORS`. Surfaces of one
+    of the house's `materials` (``materials.parquet``) share its colour where colours are corrected.
     """
     import pandas as pd
 
@@ -45,9 +48,11 @@ def propagate_house(
 
     plan = read_scene_json(scene_json, house)
     table, _ = read_parquet(surfaces)
+    material = shared_materials(materials)
     network, means = load_propagation(propagation_model)
     observed = {SurfaceKey(row.room_id, row.surface): row for row in table.itertuples()}
-    graph = house_graph(plan, {k: np.asarray(row.embedding) for k, row in observed.items()})
+    own = {k: _with_colour(row.embedding, material.get(k)) for k, row in observed.items()}
+    graph = house_graph(plan, own)
     predicted = PREDICTORS[predictor](graph, network, means)
     substances = substances_of(predicted.embedding, texture_model)
     known = {key: float(row.metres) for key, row in observed.items()}
@@ -55,7 +60,7 @@ def propagate_house(
     for key in plan.surface_keys():
         values: dict[str, Any]
         if key in observed:
-            values = _observed_row(observed[key])
+            values = _observed_row(observed[key]) | {"embedding": own[key]}
         else:
             place = graph.room_ids.index(key.room_id), SURFACES.index(key.surface)
             alike = int(predicted.alike[place])
@@ -69,16 +74,46 @@ def propagate_house(
                 "confidence": float(predicted.confidence[place]),
             }
         place_of = {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)}
-        rows.append(place_of | values)
+        shared = material[key].name if key in material else ""
+        rows.append(place_of | {"material": shared} | values)
     metadata = {"dataset": dataset, "house": house, "model": file_hash(propagation_model)}
     write_parquet(output, pd.DataFrame(rows, columns=_COLUMNS), metadata)
+
+
+@dataclass(frozen=True, eq=False)
+class SharedMaterial:
+    """A material of several rooms: its name; sRGB colour (3,), None where each keeps its own."""
+
+    name: str
+    colour: np.ndarray | None
+
+
+def shared_materials(path: str | Path | None) -> dict[SurfaceKey, SharedMaterial]:
+    """Return the materials of ``materials.parquet`` by surface; none without the file."""
+    if path is None:
+        return {}
+    table, metadata = read_parquet(path)
+    corrected = metadata["colours"] == "corrected"
+    return {
+        SurfaceKey(row.room_id, row.surface): SharedMaterial(
+            row.material, np.asarray(row.colour, dtype=np.float32) if corrected else None
+        )
+        for row in table.itertuples()
+    }
+
+
+def _with_colour(embedding: Any, material: SharedMaterial | None) -> np.ndarray:
+    """Return an embedding (11,) with the colour of its material, where it shares one."""
+    values = np.array(embedding, dtype=np.float32)
+    if material is not None and material.colour is not None:
+        values[-3:] = material.colour
+    return values
 
 
 def _observed_row(row: Any) -> dict[str, Any]:
     """Return the values of a surface that a visible photo shows, a row of surfaces.parquet."""
     return {
         "observed": True,
-        "embedding": np.asarray(row.embedding, dtype=np.float32),
         "naive_embedding": np.asarray(row.naive_embedding, dtype=np.float32),
         "substance": row.substance,
         "source": row.crop_id,

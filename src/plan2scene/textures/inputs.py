@@ -75,7 +75,8 @@ class KnownSurface:
     """What is known of a surface, a row of ``propagated.parquet``.
 
     `embedding` (11,) and `naive_embedding` (8,) are float32, None where not worked out;
-    `size_m` is the metres that its tile covers, `source` the crop or the propagation behind it.
+    `size_m` is the metres that its tile covers, `source` the crop or the propagation behind it,
+    `material` the name of what it shares with other rooms (empty for nothing).
     """
 
     key: SurfaceKey
@@ -86,6 +87,7 @@ class KnownSurface:
     confidence: float
     embedding: np.ndarray | None
     naive_embedding: np.ndarray | None
+    material: str = ""
 
     @classmethod
     def of(cls, row: Any) -> KnownSurface:
@@ -99,6 +101,7 @@ class KnownSurface:
             float(row.confidence),
             np.asarray(row.embedding, dtype=np.float32),
             np.asarray(row.naive_embedding, dtype=np.float32),
+            str(getattr(row, "material", "")),
         )
 
     @property

@@ -68,6 +68,8 @@ def write_tiles(
                 "seam_corrected": tile.seam_corrected,
                 "source": tile.source,
             }
+            if surface.material:
+                entry["material"] = surface.material
             if any(tile.origin_m):
                 entry["origin_m"] = list(tile.origin_m)
             entries[f"{key.room_id}/{key.surface}"] = entry

@@ -1,6 +1,7 @@
 """Exemplar textures of a whole house.
 
-Observed surfaces get a tile of their own crops. An unobserved one gets the exemplar of the house
+Observed surfaces get a tile of their own crops; those that share a material of the house get one
+pattern of all its crops, each in its own colour. An unobserved one gets the exemplar of the house
 that is nearest to what is predicted for it (same kind of surface, the predicted substance if any
 has it, nearest embedding), since a house repeats its materials, in the predicted colour. Only
 where the house shows none of the kind the predicted embedding is decoded.
@@ -19,7 +20,7 @@ from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab, srgb_to_l
 from plan2scene.house import SurfaceKey
 from plan2scene.photos.crops.light import relight
 from plan2scene.textures.baselines.nearest import Crop
-from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
+from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, crops_colour, make_exemplar
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import NoTile, Tile
 
@@ -36,8 +37,13 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     for crop in inputs.crops:
         if crop.key in surfaces:
             groups.setdefault(crop.key, []).append(crop)
+    shared = _shared_crops(surfaces, groups)
     for key, group in groups.items():
-        made = _exemplar(inputs, group, surfaces[key].tone)
+        surface = surfaces[key]
+        alike = [other.tone for other in surfaces.values() if other.material == surface.material]
+        same = all(np.array_equal(tone, surface.tone) for tone in alike if tone is not None)
+        crops_of_all = shared.get(surface.material, ())
+        made = _exemplar(inputs, group, crops_of_all, surface.tone, one_colour=same)
         if made is None:
             tiles[key] = NoTile(f"none of {len(group)} crops is sharp enough")
         else:
@@ -51,13 +57,46 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     return tiles
 
 
-def _exemplar(
-    inputs: TextureInputs, crops: Sequence[Crop], tone: np.ndarray | None
-) -> Exemplar | None:
-    """Return the exemplar of a surface's crops, which is made once; None if they are too poor.
+def _shared_crops(
+    surfaces: Mapping[SurfaceKey, KnownSurface], groups: Mapping[SurfaceKey, list[Crop]]
+) -> dict[str, list[Crop]]:
+    """Return the crops of each material that surfaces share, a crop of several rooms once."""
+    shared: dict[str, dict[str, Crop]] = {}
+    for key, group in groups.items():
+        if surfaces[key].material:
+            known = shared.setdefault(surfaces[key].material, {})
+            known.update({crop.crop_id: crop for crop in group})
+    return {name: list(crops.values()) for name, crops in shared.items()}
 
-    The colour that the surface was given goes for all methods, so for the choice of crops.
+
+def _exemplar(
+    inputs: TextureInputs,
+    crops: Sequence[Crop],
+    shared: Sequence[Crop],
+    tone: np.ndarray | None,
+    *,
+    one_colour: bool,
+) -> Exemplar | None:
+    """Return the exemplar of a surface's crops; None if they are too poor.
+
+    Where it shares a material, the pattern is that of all the material's crops, made once, in the
+    colour of its own crops, or in its tone where the material has `one_colour`. The tone that the
+    surface was given goes for all methods, so for the choice of crops.
     """
+    if len(shared) <= len(crops):
+        return _made(inputs, crops, tone)
+    pattern = _made(inputs, shared, None)
+    colour = tone
+    if not one_colour:
+        own = [ExemplarCrop(crop.image(), crop.size_m, crop.sharpness) for crop in crops]
+        colour = crops_colour(own, tone)
+    if pattern is None or colour is None:
+        return _made(inputs, crops, tone)
+    return replace(pattern, image=recoloured(pattern.image, colour))
+
+
+def _made(inputs: TextureInputs, crops: Sequence[Crop], tone: np.ndarray | None) -> Exemplar | None:
+    """Return the exemplar of crops, which is made once; None if they are too poor."""
     size_px = inputs.settings.size_px
     names = tuple(crop.crop_id for crop in crops)
     made, key = inputs.data.exemplars, (names, size_px, None if tone is None else tuple(tone))
