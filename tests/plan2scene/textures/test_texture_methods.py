@@ -341,6 +341,29 @@ def test_exemplars_are_of_the_surface_s_crops_and_say_so(files):
     assert not any(entry["seam_corrected"] for entry in surfaces.values())
 
 
+@pytest.mark.parametrize("one_colour", [False, True])
+def test_surfaces_of_one_material_share_their_pattern(files, one_colour):
+    table = pd.read_parquet(files / "propagated.parquet")
+    floor = (table["surface"] == "floor") & table["room_id"].isin(["bed1", "hall"])
+    table["material"] = np.where(floor, "floor-1", "")
+    tone = {"bed1": 0.5 if one_colour else 0.4, "hall": 0.5 if one_colour else 0.75}
+    table["embedding"] = [
+        np.r_[code[:8], [tone[room]] * 3].astype(np.float32) if mine else code
+        for room, code, mine in zip(table["room_id"], table["embedding"], floor, strict=True)
+    ]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    folder, surfaces = _make(files, "exemplar")
+    bed, hall = (read_image(folder / f"{room}_floor.png") for room in ("bed1", "hall"))
+    assert surfaces["bed1/floor"]["material"] == surfaces["hall/floor"]["material"] == "floor-1"
+    assert "material" not in surfaces["bath/floor"]
+    assert np.corrcoef(bed.ravel(), hall.ravel())[0, 1] > 0.9
+    assert np.array_equal(bed, hall) == one_colour
+    if one_colour:
+        assert np.median(bed) == pytest.approx(127.5, abs=1.5)
+    else:  # each in the colour of its own crops, 100 and 200
+        assert np.median(hall) - np.median(bed) > 60
+
+
 def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
     table = pd.read_parquet(files / "propagated.parquet")
     tone = np.array([0.75, 0.8, 0.8])  # not far from the hall's 200
