@@ -58,8 +58,8 @@ def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[Su
             for method, folder in textures.items()
         }
         seen = "observed" if entry["observed"] else "not observed"
-        title = (key.room_id, key.surface, str(entry["substance"]), seen)
-        title += (f"material {entry['material']}",) if "material" in entry else ()
+        shared = [f"material {entry['material']}"] if "material" in entry else []
+        title = (key.room_id, key.surface, str(entry["substance"]), seen, *shared)
         rows[key] = SheetRow(title, every if visible is None else visible, tiles)
     return rows
 

@@ -40,8 +40,9 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     shared = _shared_crops(surfaces, groups)
     for key, group in groups.items():
         surface = surfaces[key]
-        alike = [other.tone for other in surfaces.values() if other.material == surface.material]
-        same = all(np.array_equal(tone, surface.tone) for tone in alike if tone is not None)
+        tones = [o.tone for o in surfaces.values() if o.material == surface.material]
+        first = surface.tone
+        same = first is not None and all(t is None or np.array_equal(t, first) for t in tones)
         crops_of_all = shared.get(surface.material, ())
         made = _exemplar(inputs, group, crops_of_all, surface.tone, one_colour=same)
         if made is None:
