@@ -2,8 +2,7 @@
 
 The same kind of surface elsewhere in the house is the best guess there is on real homes: paint and
 floors go through rooms, and the photos' light is in it. With few of them, or none, the mean of
-training surfaces of the room's type stands in, brought under the house's light. What a room's
-other surfaces deviate from the house's is partly the light of its photos, so it goes along.
+training surfaces of the room's type stands in, brought under the house's light.
 """
 
 from __future__ import annotations
@@ -16,9 +15,7 @@ from plan2scene.propagation.graph import HouseGraph
 from plan2scene.propagation.prior import TypeMeans, room_type_mean
 
 #: Surfaces of the kind that the mean of the room's type counts for.
-PRIOR_SURFACES = 0.3
-#: Further surfaces, without deviation, that a room's surfaces are averaged with.
-ROOM_PRIOR = 2.3
+PRIOR_SURFACES = 0.5
 
 
 def house_evidence(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
@@ -28,8 +25,7 @@ def house_evidence(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
     values = room_type_mean(graph, means).astype(np.float64)
     if not seen.any():
         return values.astype(np.float32)
-    log = _log_colour(known)
-    light = np.median((log - _log_colour(values))[seen], axis=0)
+    light = np.median((_log_colour(known) - _log_colour(values))[seen], axis=0)
     values[..., -3:] = _colour(_log_colour(values) + light)
     for j in range(len(SURFACES)):
         shown = known[:, j] * seen[:, j, None]
@@ -37,11 +33,6 @@ def house_evidence(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
         others = shown.sum(axis=0) - shown
         mixed = (others + PRIOR_SURFACES * values[:, j]) / (count + PRIOR_SURFACES)[:, None]
         values[:, j] = np.where(count[:, None] > 0, mixed, values[:, j])
-    expected = _log_colour(values)
-    apart = (log - expected) * seen[..., None]
-    others = apart.sum(axis=1, keepdims=True) - apart
-    count = seen.sum(axis=1, keepdims=True) - seen
-    values[..., -3:] = _colour(expected + others / (count + ROOM_PRIOR)[..., None])
     return values.astype(np.float32)
 
 
