@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from plan2scene.mesh.frames import FaceOpening
+from plan2scene.photos.labels.palette import DOOR, WINDOW
 from plan2scene_workshop.rendering.geometry import (
-    DOOR,
-    WINDOW,
     Colour,
     Geometry,
     Solid,

@@ -12,8 +12,6 @@ from plan2scene.photos.labels.palette import OTHER
 
 #: Plane index of a triangle that lies on no labelled plane.
 NO_PLANE = 255
-#: Labels of doors (leaf and lining) and windows (glass and frame), beside those of the palette.
-DOOR, WINDOW = 4, 5
 
 Array = NDArray[np.float64]
 Colour = tuple[float, float, float]  #: linear RGB in [0, 1]

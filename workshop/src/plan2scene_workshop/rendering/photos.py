@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from plan2scene.house import House, SurfaceKey
 from plan2scene.materials import Material
-from plan2scene.photos.labels.palette import OTHER
+from plan2scene.photos.labels.palette import without_openings
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.rendering.camera_effects import develop, draw_style, merge_exposures
 from plan2scene_workshop.rendering.denoise import (
@@ -23,7 +23,6 @@ from plan2scene_workshop.rendering.denoise import (
     filter_light,
     upsample,
 )
-from plan2scene_workshop.rendering.geometry import DOOR, WINDOW
 from plan2scene_workshop.rendering.lights import look_outside
 from plan2scene_workshop.rendering.scene import SKY, RoomScene, build_room_scene
 from plan2scene_workshop.rendering.tracer import Buffers, Tracer, Truth, load_mitsuba
@@ -101,11 +100,6 @@ def _shoot(
     image = develop(light * guide.albedo + emitted, guide.albedo, style, rng)
     labels = without_openings(truth.labels)
     return RenderedPhoto(view, image, labels, truth.planes, camera_record(scene, view, size))
-
-
-def without_openings(labels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return labels (h, w) with doors and windows as other."""
-    return np.where((labels == DOOR) | (labels == WINDOW), OTHER, labels).astype(np.uint8)
 
 
 def _outside(scene: RoomScene, hits: Truth, view: View) -> NDArray[np.float32]:
