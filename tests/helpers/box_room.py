@@ -5,8 +5,7 @@ from views import camera_looking
 
 from plan2scene.floorplans.geometry import find_doors
 from plan2scene.house import House, Opening, Room, Wall
-from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
-from plan2scene.photos.locate.likelihood import DOOR, WINDOW
+from plan2scene.photos.labels.palette import CEILING, DOOR, FLOOR, WALL, WINDOW
 from plan2scene.photos.locate.pose import Pose
 
 SIZE = (180, 240)

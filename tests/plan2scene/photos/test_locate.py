@@ -9,7 +9,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import canonical
-from plan2scene.photos.labels.palette import CEILING, write_label_png
+from plan2scene.photos.labels.palette import without_openings, write_label_png
 from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.likelihood import N_CLASSES, log_table
 from plan2scene.photos.locate.plan_view import dominant_direction, look, room_shapes
@@ -122,8 +122,7 @@ def test_the_stage_writes_every_camera(tmp_path):
     masks = tmp_path / "masks"
     masks.mkdir()
     for name in ("a", "b"):
-        labels = np.where(photo.labels > CEILING, 0, photo.labels).astype(np.uint8)
-        write_label_png(masks / f"{name}.png", labels)
+        write_label_png(masks / f"{name}.png", photo.labels)
     cameras = {f"{name}.jpg": photo.camera.to_json() for name in ("a", "b")}
     write_json(masks / "cameras.json", cameras)
     output = tmp_path / "cameras.json"
@@ -133,3 +132,7 @@ def test_the_stage_writes_every_camera(tmp_path):
     found = read_poses(output)
     assert list(found) == ["a.jpg"]
     np.testing.assert_allclose(found["a.jpg"].camera.matrix, true.matrix, atol=1e-6)
+    # Doors and windows of the mask count: it says more than one without them.
+    plain = Shot(photo.camera, without_openings(photo.labels), ("room",))
+    alone = locate_shots(house, {"a.jpg": plain})["a.jpg"]
+    assert found["a.jpg"].located > alone.located

@@ -13,7 +13,7 @@ from plan2scene.photos.contact_sheet.place import (
     edges_panel,
     plan_panel,
 )
-from plan2scene.photos.locate.likelihood import DOOR
+from plan2scene.photos.labels.palette import DOOR
 from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.pose import Pose
 

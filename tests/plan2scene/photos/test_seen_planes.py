@@ -4,8 +4,7 @@ import numpy as np
 from box_room import DOOR_EYE as EYE
 from box_room import WIDE, open_door_view
 
-from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
-from plan2scene.photos.locate.likelihood import DOOR
+from plan2scene.photos.labels.palette import CEILING, DOOR, FLOOR, WALL
 from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.seen_planes import seen_planes
 

@@ -10,8 +10,9 @@ import numpy as np
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House
 from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.labels.palette import DOOR
 from plan2scene.photos.locate.confidence import Evidence, probability
-from plan2scene.photos.locate.likelihood import DOOR, OPENING, log_table
+from plan2scene.photos.locate.likelihood import OPENING, log_table
 from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.pose import Pose, turned
 from plan2scene.photos.locate.profile import make_profile

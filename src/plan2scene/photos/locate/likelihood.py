@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from plan2scene.photos.labels.palette import OTHER
+from plan2scene.photos.labels.palette import DOOR, LABELS_AND_OPENINGS, OTHER, WINDOW
 
-DOOR, WINDOW, OPENING = 4, 5, 6
-#: Columns: other, floor, wall, ceiling, door, window; `OPENING` is door or window, not told which.
-N_LABELS = 7
+#: A door or a window, not told which.
+OPENING = len(LABELS_AND_OPENINGS)
+N_LABELS = OPENING + 1
 #: Classes of what the plan shows: the room itself, then through a hole (``kind``, ``behind``).
 ROOM = {"floor": 0, "wall": 1, "ceiling": 2}
 BEHIND = ("floor", "wall", "ceiling", "unknown")
@@ -45,12 +45,12 @@ def log_table(*, has_openings: bool) -> np.ndarray:
     Without `has_openings` masks know no doors and windows: those are other.
     """
     table = np.zeros((N_CLASSES, N_LABELS))
-    table[:3, :6] = _ROOM_ROWS
+    table[:3, :OPENING] = _ROOM_ROWS
     for kind in HOLES:
         shut, share = np.array(_HOLE_ROWS[kind]), _SEEN_THROUGH[kind]
         for behind in BEHIND:
-            seen = shut if behind == "unknown" else table[ROOM[behind], :6]
-            table[hole_class(kind, behind), :6] = (1 - share) * shut + share * seen
+            seen = shut if behind == "unknown" else table[ROOM[behind], :OPENING]
+            table[hole_class(kind, behind), :OPENING] = (1 - share) * shut + share * seen
     if not has_openings:
         table[:, OTHER] += table[:, DOOR] + table[:, WINDOW]
         table[:, DOOR] = table[:, WINDOW] = table[:, OTHER]

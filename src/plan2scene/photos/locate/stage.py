@@ -41,7 +41,7 @@ def locate_photos(
     shots = {
         name: Shot(
             camera,
-            read_label_png(folder / f"{Path(name).stem}.png", house_id=house.id),
+            read_label_png(folder / f"{Path(name).stem}.png", house_id=house.id, openings=True),
             tuple(dict.fromkeys(rooms_of_photo.get(name, ()))),
         )
         for name, camera in sorted(cameras.items())
