@@ -44,3 +44,9 @@ def test_a_shut_door_is_no_surface():
     house, pose, labels, ends = open_door_view()
     labels[ends[..., 0] > WIDE + 0.05] = DOOR
     assert {item.room_id for item in seen_planes(labels, pose, room_shapes(house))} == {"room"}
+
+
+def test_a_pose_that_contradicts_the_mask_has_no_planes():
+    house, pose, labels, _ = open_door_view()
+    upside_down = labels[::-1].copy()
+    assert seen_planes(upside_down, pose, room_shapes(house)) == []

@@ -91,9 +91,11 @@ def row_panels(
     image = fit(photo.full, (3 * PANEL[0], 3 * PANEL[1])) if scale < 1 / 3 else photo.full
     size = (image.shape[0], image.shape[1])
     labels = _resized(photo.labels, size)
+    seen = []
     if photo.pose is not None:
         camera = panels.scaled_camera(photo.pose.camera, size)
         seen = seen_planes(labels, replace(photo.pose, camera=camera), shapes)
+    if seen:
         planes = [item.plane for item in seen]
     else:
         camera = panels.scaled_camera(photo.camera, size)

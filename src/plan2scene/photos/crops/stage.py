@@ -132,8 +132,8 @@ def draw_candidates(
         image = read_photo(photos[photo], house_id=house.id)
         _check_sizes(image, labels, camera, photos[photo], house.id)
         names = Naming(seed, house.id, photo)
-        if photo in poses:
-            planes = seen_planes(labels, poses[photo], shapes)
+        planes = seen_planes(labels, poses[photo], shapes) if photo in poses else []
+        if planes:
             of_photo = candidates_of_located(image, poses[photo], planes, settings, names)
         else:
             rooms = rooms_by_size(house, rooms_of_photo[photo])

@@ -23,6 +23,8 @@ DIRECTIONS = 2880
 OFF_M, OFF_SHARE = 0.15, 0.12
 #: Wall pixels nearer to a corner than this are left out, metres.
 CORNER_M = 0.06
+#: A pose that gives less than this share of the surfaces' pixels an owner contradicts the mask.
+MIN_EXPLAINED = 0.55
 #: Kinds of opening through which a room is seen.
 OPEN = ("door", "passage")
 
@@ -51,7 +53,8 @@ def seen_planes(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape])
     -------
     list of SeenPlane
         Planes in the plan's frame (as `pose.camera`), their scale by the plan. Indices run on
-        over the rooms, so that each plane of a surface has its own.
+        over the rooms, so that each plane of a surface has its own. None where pose and mask
+        contradict each other.
     """
     directions = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
     eyes = np.repeat(pose.eye[None, [0, 2]], DIRECTIONS, axis=0)
@@ -74,7 +77,9 @@ def seen_planes(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape])
             if mask.any():
                 planes.append(SeenPlane(room_id, replace(bare, mask=mask)))
         found += _numbered(planes, pose.room_id)
-    return found
+    surfaces = np.isin(labels, (FLOOR, CEILING, WALL)).sum()
+    explained = sum(int(item.plane.mask.sum()) for item in found)
+    return found if explained >= MIN_EXPLAINED * surfaces else []
 
 
 def _numbered(planes: list[SeenPlane], own: str) -> list[SeenPlane]:
