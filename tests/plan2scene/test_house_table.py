@@ -19,6 +19,9 @@ def test_only_the_asked_splits(tmp_path):
     assert table == {"b": TableRow("b", "test", "p", "", ("x.jpg", "y.jpg"))}
     with pytest.raises(InputError, match="split val"):
         load_houses(path, splits=["val"])
+    assert list(load_houses(path, splits=["train", "test"], houses=["b"])) == ["b"]
+    with pytest.raises(InputError, match=r"house a: .* found no such house"):
+        load_houses(path, splits=["test"], houses=["b", "a"])
 
 
 def test_a_missing_table_is_an_error_unless_it_is_yet_to_be_made(tmp_path):

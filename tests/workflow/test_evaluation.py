@@ -27,6 +27,13 @@ def test_a_house_is_compared_in_one_job(bare):
     assert "textures" not in rules
 
 
+def test_a_batch_is_the_houses_that_the_configuration_lists(bare, tmp_path):
+    config = tmp_path / "batch.yaml"
+    config.write_text(f"dataset: {{houses: [{bare.houses()[1]}]}}\n")
+    jobs = bare.jobs("all", "--configfile", "config/config.yaml", str(config))
+    assert {house for _, house in jobs if house} == {bare.houses()[1]}
+
+
 def test_a_house_is_eight_jobs(bare):
     rules = Counter(rule for rule, house in bare.jobs("all") if house)
     once = {"floorplan", "masks", "crops", "contact_sheet", "embeddings", "comparison"}

@@ -44,7 +44,13 @@ try:
     config["crops"] |= chosen_crops(LAYOUT, config["crops"])
     check_official(config)
     check_metrics(config["metrics"])
-    HOUSES = list(load_houses(TABLE, splits=config["dataset"]["splits"]))
+    HOUSES = list(
+        load_houses(
+            TABLE,
+            splits=config["dataset"]["splits"],
+            houses=config["dataset"].get("houses"),
+        )
+    )
     # Houses of other splits are asked for by name, or for the means of released weights.
     ALL_HOUSES = load_houses(TABLE, splits=SPLITS, may_be_absent=True)
     # Whose crops the copying methods may take where their own house has none.

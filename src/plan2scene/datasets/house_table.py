@@ -27,12 +27,16 @@ class TableRow(NamedTuple):
 
 
 def load_houses(
-    path: Path, *, splits: Sequence[str], may_be_absent: bool = False
+    path: Path,
+    *,
+    splits: Sequence[str],
+    houses: Sequence[str] | None = None,
+    may_be_absent: bool = False,
 ) -> dict[str, TableRow]:
-    """Return the rows of the house table by house, only those of `splits`.
+    """Return the rows of the house table by house, only those of `splits`, and of `houses` if any.
 
-    An absent table is an InputError, or no rows where `may_be_absent` (the data set is yet to be
-    made).
+    A house that is not among them is an InputError. An absent table is one too, or no rows where
+    `may_be_absent` (the data set is yet to be made).
     """
     if not path.is_file() and may_be_absent:
         return {}
@@ -41,7 +45,11 @@ def load_houses(
     if not chosen:
         found = f"only {', '.join(sorted({row['split'] for row in rows})) or 'no houses'}"
         raise InputError(f"a house of split {', '.join(splits)}", found, file=path)
-    return chosen
+    for name in houses or ():
+        if name not in chosen:
+            found = "no such house"
+            raise InputError(f"a house of split {', '.join(splits)}", found, file=path, house=name)
+    return chosen if houses is None else {name: chosen[name] for name in houses}
 
 
 def _table_row(row: Mapping[str, str]) -> TableRow:
