@@ -10,6 +10,7 @@ import collections
 import pickle
 import re
 import struct
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -59,7 +60,8 @@ def read_checkpoint(path: str | Path) -> Mapping[str, Any]:
     if not Path(path).is_file():
         raise InputError("a checkpoint", "no such file", file=path)
     try:
-        with torch.serialization.safe_globals(_HARMLESS):
+        with torch.serialization.safe_globals(_HARMLESS), warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of odd pickles; what they lead to is told below
             document = torch.load(path, map_location="cpu", weights_only=True)
     except pickle.UnpicklingError as error:
         raise _refusal(path, str(error)) from None

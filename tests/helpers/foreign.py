@@ -1,0 +1,426 @@
+"""Every reader of bytes from strangers, good examples of each, and ways to damage them.
+
+`READERS` is what tests and benchmarks/fuzz.py go through: a new reader is an entry.
+"""
+
+import io
+import json
+import re
+import struct
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+import yaml
+from hypothesis import strategies as st
+from PIL import Image
+from safetensors.torch import save
+
+from plan2scene.checkpoints.reading import fitted_state, read_checkpoint, state_dict_of
+from plan2scene.config import check_config
+from plan2scene.datasets.assignments import read_assignment
+from plan2scene.datasets.table import read_house_table, read_unobserved
+from plan2scene.errors import InputError
+from plan2scene.floorplans import add_object_boxes, house_to_scene, read_plan, validate_house
+from plan2scene.floorplans.scene_json import house_of_scene
+from plan2scene.images import image_from_bytes
+from plan2scene.materials import load_texture_folder
+from plan2scene.photos.camera.exif import read_exif_focal
+from plan2scene.photos.crops.stage import load_crops
+from plan2scene.photos.labels.palette import labels_from_folder
+from plan2scene.photos.photo_files import read_photo
+from plan2scene.weights import filled, load_model_file, read_model_arrays
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "resources" / "examples" / "plan.json"
+SHAPES = {"weight": (2, 3), "bias": (2,)}
+
+
+@dataclass(frozen=True)
+class Reader:
+    """Reads a file called `name`; `examples` are whole files of its kind."""
+
+    name: str
+    examples: Callable[[], list[bytes]]
+    read: Callable[[Path], object]
+
+
+def house():
+    return read_plan(EXAMPLE, "h1")
+
+
+def read_any_plan(path: Path) -> None:
+    """Read a plan; what holds must survive the round trip through scene.json."""
+    found = read_plan(path, "h1", 0.05)
+    validate_house(found, file=path)
+    assert house_of_scene(house_to_scene(found), "h1") == found
+
+
+def own_plans() -> list[bytes]:
+    small = {
+        "format": "plan2scene-plan",
+        "version": 1,
+        "rooms": [{"id": "a", "types": ["Bedroom"], "polygon": [[0, 0], [4, 0], [4, 3], [0, 3]]}],
+    }
+    return [EXAMPLE.read_bytes(), json.dumps(small).encode()]
+
+
+def scenes() -> list[bytes]:
+    return [json.dumps(house_to_scene(house())).encode()]
+
+
+def raster_plans() -> list[bytes]:
+    rows = [f"{40 * i} 0 {40 * i} 80 wall 1 1" for i in range(4)]
+    rows += [f"0 {40 * i} 120 {40 * i} wall 1 1" for i in range(3)]
+    rows += ["40 10 40 30 door 1 1", "10 10 20 20 bedroom 1 1", "50 10 60 20 toilet 1 1"]
+    lines = ["200 200", "4", "0 0 90 0 3 0", "90 0 90 90 3 0", "0 90 90 90 0 3", "0 0 0 90 3 0"]
+    return ["\n".join(rows).encode(), "\n".join([*lines, "10 0 30 0 door 1 1"]).encode()]
+
+
+def drawings() -> list[bytes]:
+    """Return an SVG plan in CubiCasa's classes: a room of 4 x 3 m, its walls and a door."""
+    boxes = {"Wall a": (-5, -5, 205, 5), "Wall b": (-5, 145, 205, 155), "Wall c": (-5, -5, 5, 155)}
+    boxes |= {"Wall d": (195, -5, 205, 155), "Door Swing": (50, -5, 95, 5)}
+    boxes |= {"Space Bedroom": (0, 0, 200, 150)}
+    parts = [
+        f'<g class="{name}"><polygon points="{x0},{y0} {x1},{y0} {x1},{y1} {x0},{y1} "/></g>'
+        for name, (x0, y0, x1, y1) in boxes.items()
+    ]
+    head = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 300">'
+    return [f'<?xml version="1.0"?>{head}{"".join(parts)}</svg>'.encode()]
+
+
+def scans() -> list[bytes]:
+    """Return a RoomPlan scan of one room of 4 x 3 m."""
+    corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]
+    walls = []
+    for (x0, z0), (x1, z1) in zip(corners, corners[1:] + corners[:1], strict=True):
+        size = abs(x1 - x0) + abs(z1 - z0)
+        x, z = (x1 - x0) / size, (z1 - z0) / size
+        middle = [(x0 + x1) / 2, 1.2, (z0 + z1) / 2, 1]
+        transform = [x, 0, z, 0, 0, 1, 0, 0, -z, 0, x, 0, *middle]
+        wall = {"identifier": f"w{x0}{z0}", "category": {"wall": {}}, "story": 0}
+        walls.append({**wall, "dimensions": [size, 2.4, 0], "transform": transform})
+    room = {"walls": walls, "floors": [], "sections": [], "doors": [], "windows": []}
+    return [json.dumps(room | {"openings": [], "story": 0}).encode()]
+
+
+def homes() -> list[bytes]:
+    """Return a Sweet Home 3D file of one room."""
+    points = [(0, 0), (400, 0), (400, 300), (0, 300)]
+    inside = "".join(f'<point x="{x}" y="{y}"/>' for x, y in points)
+    text = f'<home version="7000" name="h" wallHeight="250"><room id="r">{inside}</room></home>'
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("Home.xml", text)
+        archive.writestr("ContentDigests", "x")
+    return [buffer.getvalue()]
+
+
+def configs() -> list[bytes]:
+    text = (ROOT / "config" / "config.yaml").read_bytes()
+    return [json.dumps(yaml.safe_load(text)).encode(), text]
+
+
+def read_config(path: Path) -> None:
+    try:
+        document = yaml.load(path.read_bytes(), Loader=yaml.CSafeLoader)
+    except (yaml.YAMLError, ValueError, RecursionError):
+        return  # Snakemake reads the file and says so itself
+    if isinstance(document, dict):
+        check_config(document)
+
+
+def pictures() -> list[bytes]:
+    pixels = (np.arange(48 * 40 * 3) % 251).astype(np.uint8).reshape(40, 48, 3)
+    image = Image.fromarray(pixels)
+    exif = Image.Exif()
+    exif[0x0112] = 6
+    exif.get_ifd(0x8769)[0xA405] = 24
+    found = []
+    for kind, options in (
+        ("JPEG", {"exif": exif}),
+        ("JPEG", {"progressive": True}),
+        ("PNG", {"exif": exif}),
+        ("GIF", {}),
+        ("WEBP", {"lossless": True}),
+        ("WEBP", {}),
+        ("BMP", {}),
+        ("PPM", {}),
+        ("TIFF", {"compression": "tiff_lzw"}),
+        ("TIFF", {"exif": exif}),
+    ):
+        buffer = io.BytesIO()
+        image.save(buffer, kind, **options)
+        found.append(buffer.getvalue())
+    for mode in ("L", "RGBA", "P", "CMYK", "I;16", "1", "LA"):
+        buffer = io.BytesIO()
+        other = Image.new(mode, (40, 40)) if mode == "I;16" else image.convert(mode)
+        other.save(buffer, "TIFF" if mode == "CMYK" else "PNG")
+        found.append(buffer.getvalue())
+    return found
+
+
+def masks() -> list[bytes]:
+    labels = Image.fromarray((np.arange(1600) % 4).astype(np.uint8).reshape(40, 40))
+    buffer = io.BytesIO()
+    labels.save(buffer, "PNG")
+    return [buffer.getvalue(), *pictures()[10:13]]
+
+
+def crops() -> list[bytes]:
+    buffer = io.BytesIO()
+    Image.new("RGB", (128, 128), (9, 99, 199)).save(buffer, "PNG")
+    return [buffer.getvalue()]
+
+
+def read_picture(path: Path) -> None:
+    image = read_photo(path)
+    read_exif_focal(path, image.shape[:2])
+    image_from_bytes(path.read_bytes())
+
+
+def read_crop(path: Path) -> None:
+    folder = path.parent / "crops" / "wall"
+    folder.mkdir(parents=True, exist_ok=True)
+    path.replace(folder / "p_0_crop0.png")
+    out = [path.parent / name for name in ("crops.parquet", "candidates.parquet", "light.json")]
+    load_crops(house(), {"p.jpg": ["living"]}, folder.parent, *out, dataset="d")
+
+
+def read_texture(path: Path) -> None:
+    folder = path.parent / "library" / "wood"
+    folder.mkdir(parents=True, exist_ok=True)
+    path.replace(folder / "a.png")
+    load_texture_folder(folder.parent, size_px=64)
+
+
+def weights() -> list[bytes]:
+    state = {name: torch.ones(shape) for name, shape in SHAPES.items()}
+    header = {"format": "plan2scene", "architecture": json.dumps({"inputs": 3, "outputs": 2})}
+    return [save(state, metadata=header), save(state)]
+
+
+def read_weights(path: Path) -> None:
+    read_model_arrays(path)
+    state, architecture = load_model_file(path)
+
+    def build(inputs: int, outputs: int) -> torch.nn.Module:
+        return torch.nn.Linear(inputs, outputs)
+
+    filled(lambda: build(**architecture), state, "a layer", path)
+
+
+def checkpoints() -> list[bytes]:
+    found = []
+    for legacy in (True, False):
+        buffer = io.BytesIO()
+        state = {name: torch.ones(shape) for name, shape in SHAPES.items()}
+        document = {"model_state_dict": state, "epoch": 3, "loss": np.float64(1)}
+        torch.save(document, buffer, _use_new_zipfile_serialization=not legacy)
+        found.append(buffer.getvalue())
+    return found
+
+
+def read_released(path: Path) -> None:
+    fitted_state(state_dict_of(read_checkpoint(path), path), SHAPES, path)
+
+
+BOXES = {"objects": [{"type": "bed", "bound_box": {"p1": [1, 1], "p2": [2, 2.5]}}]}
+UNOBSERVED = {"0.0": [], "0.6": ["a.jpg", "b.jpg"], "1": ["c.jpg"]}
+TABLE = "house\tsplit\tplan\tassignment\tphotos\nh1\ttest\tp.json\ta.csv\ta.jpg|b.jpg\n"
+
+READERS = (
+    Reader("plan.json", own_plans, read_any_plan),
+    Reader("scene.json", scenes, read_any_plan),
+    Reader("plan.txt", raster_plans, read_any_plan),
+    Reader("plan.svg", drawings, read_any_plan),
+    Reader("scan.json", scans, read_any_plan),
+    Reader("home.sh3d", homes, read_any_plan),
+    Reader(
+        "boxes.json",
+        lambda: [json.dumps(BOXES).encode()],
+        lambda path: add_object_boxes(house(), path),
+    ),
+    Reader(
+        "table.csv",
+        lambda: [
+            b"room_id,photo\nliving,a.jpg\nhall,b.jpg\n",
+            b'photo,"roomId",x\n"a.jpg",hall,1\n',
+        ],
+        lambda path: read_assignment(path, house()),
+    ),
+    Reader("houses.tsv", lambda: [TABLE.encode()], read_house_table),
+    Reader("unobserved_photos.json", lambda: [json.dumps(UNOBSERVED).encode()], read_unobserved),
+    Reader("config.yaml", configs, read_config),
+    Reader("photo.jpg", pictures, read_picture),
+    Reader("mask.png", masks, lambda path: labels_from_folder(path.parent, "mask.jpg", (40, 40))),
+    Reader("crop.png", crops, read_crop),
+    Reader("texture.png", pictures, read_texture),
+    Reader("model.safetensors", weights, read_weights),
+    Reader("checkpoint.pt", checkpoints, read_released),
+)
+
+#: What tends to hurt readers of text, of bytes, and of JSON.
+WORDS = [
+    b"",
+    b"0",
+    b"-1",
+    b"1e308",
+    b"1e400",
+    b"NaN",
+    b"nan",
+    b"inf",
+    b"null",
+    b"true",
+    b'"',
+    b"{",
+    b"}",
+    b"[",
+    b"]",
+    b",",
+    b";",
+    b"\t",
+    b"\n",
+    b"\r",
+    b"\x00",
+    b"\xff",
+    b"\xef\xbb\xbf",
+    b"../../x",
+    b"/etc/passwd",
+    b"{house}",
+    b"%s",
+    b"'",
+    b"\\",
+    b"\xe2\x80\xa8",
+    b"\xed\xa0\x80",
+    b"\\ud800",
+    b"9" * 400,
+    b"a" * 400,
+    b"[" * 3000,
+    b"CON",
+    b"|",
+    b"&a [*a]",
+    b"!!python/object:os.system",
+]
+NUMBERS = [
+    struct.pack(f, v)
+    for f, v in (
+        ("<I", 0xFFFFFFFF),
+        (">I", 0x7FFFFFFF),
+        ("<H", 0xFFFF),
+        ("<Q", 2**63),
+        (">H", 0),
+        ("<I", 1 << 20),
+        ("<f", float("nan")),
+        ("<f", float("inf")),
+    )
+]
+VALUES = [
+    None,
+    True,
+    0,
+    -1,
+    1e308,
+    10**400,
+    0.001,
+    "x",
+    "",
+    "..",
+    "\ud800",
+    "a" * 400,
+    [],
+    {},
+    [1],
+    [[1]],
+    {"a": 1},
+    "living",
+    "CON",
+    1000,
+    2**63,
+    [None] * 50,
+]
+
+
+def _places(value: object) -> list[tuple]:
+    """Return (container, key) of everything inside a JSON value."""
+    keys = list(value) if isinstance(value, dict) else range(len(value))
+    found = []
+    for key in keys:
+        found.append((value, key))
+        if isinstance(value[key], dict | list):
+            found += _places(value[key])
+    return found
+
+
+def _other_values(draw: Callable, data: bytes) -> bytes:
+    """Return a JSON document with values taken out, changed or repeated."""
+    document = json.loads(data)
+    for _ in range(draw(st.integers(1, 3))):
+        places = _places(document)
+        if not places:
+            break
+        container, key = places[draw(st.integers(0, len(places) - 1))]
+        way = draw(st.integers(0, 3))
+        if way == 0:
+            del container[key]
+        elif way == 1 and isinstance(container, list):
+            container.append(json.loads(json.dumps(container[key])))
+        elif way == 2 and isinstance(container[key], int | float):
+            container[key] = draw(st.floats(width=32) | st.integers(-10, 10))
+        else:
+            container[key] = json.loads(json.dumps(draw(st.sampled_from(VALUES))))
+    return json.dumps(document).encode()
+
+
+def _other_bytes(draw: Callable, data: bytes) -> bytes:
+    """Return bytes that are cut, changed, repeated or have odd words put in."""
+    for _ in range(draw(st.integers(1, 4))):
+        at = draw(st.integers(0, len(data)))
+        end = min(len(data), at + draw(st.sampled_from([0, 1, 2, 4, 8, 60])))
+        way = draw(st.integers(0, 5))
+        if way == 0:
+            data = data[:at]
+        elif way == 1:
+            data = data[:at] + data[end:]
+        elif way == 2:
+            data = data[:end] + data[at:end] * draw(st.sampled_from([1, 3, 500])) + data[end:]
+        elif way == 3:
+            data = data[:at] + draw(st.sampled_from(WORDS)) + data[end:]
+        elif way == 4:
+            data = data[:at] + draw(st.sampled_from(NUMBERS)) + data[at + 4 :]
+        else:
+            data = data[:at] + draw(st.binary(max_size=8)) + data[end:]
+    return data
+
+
+@st.composite
+def foreign_bytes(draw: Callable, reader: Reader) -> bytes:
+    """Return what a stranger may hand over as a file of a reader's kind."""
+    data = draw(st.sampled_from(reader.examples()))
+    way = draw(st.integers(0, 9))
+    if way == 0:
+        return draw(st.binary(max_size=200))
+    if way <= 6 and data.lstrip()[:1] == b"{":
+        return _other_values(draw, data)
+    return _other_bytes(draw, data)
+
+
+def outcome(reader: Reader, data: bytes, folder: Path) -> str:
+    """Return "read" or "one line"; raise where a reader does anything else with a file.
+
+    `folder` is empty before and after: what a reader writes must lie in it.
+    """
+    path = folder / reader.name
+    path.write_bytes(data)
+    try:
+        reader.read(path)
+    except InputError as fault:
+        assert re.fullmatch(r"[^\n\r]*expected [^\n\r]+, found [^\n\r]*", str(fault)), str(fault)
+        assert len(str(fault)) < 1500, str(fault)
+        str(fault).encode()
+        return "one line"
+    return "read"
