@@ -1,0 +1,78 @@
+"""Commands that are killed at random moments and started again by the same words."""
+
+import hashlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+#: How often a command is started again after its last kill before that counts as stuck: what is
+#: left of it ends by itself, and a `plan2scene run` waits for nobody.
+STARTS = 30
+
+
+def house_command(plan: Path, out: Path, *further: str) -> list[str]:
+    """Return the words of ``plan2scene run`` on a plan."""
+    program = [sys.executable, "-c", "from plan2scene.cli import main; main()"]
+    return [*program, "run", "--plan", str(plan), "--out", str(out), "--cores", "1", *further]
+
+
+def killed(command: Sequence[str], after_s: float, **options: object) -> bool:
+    """Start a command, kill its whole process group after some seconds; False if it was done."""
+    process = subprocess.Popen(
+        command,
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        **options,
+    )
+    try:
+        process.wait(timeout=after_s)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        return True
+    return False
+
+
+def finished(command: Sequence[str], **options: object) -> str:
+    """Start a command by the same words until it is done; return its last output, or raise."""
+    for _ in range(STARTS):
+        run = subprocess.run(
+            command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **options
+        )
+        if run.returncode == 0:
+            return run.stdout
+        if "a run that is under way" not in run.stdout:
+            raise AssertionError(run.stdout[-3000:])
+        time.sleep(1)
+    raise AssertionError("still locked")
+
+
+def kill_often(
+    command: Sequence[str], kills: int, longest_s: float, seed: int, **options: object
+) -> int:
+    """Kill a command at random moments, then let it finish; return how many kills hit."""
+    chance = random.Random(seed)
+    hit = sum(killed(command, chance.uniform(0, longest_s), **options) for _ in range(kills))
+    finished(command, **options)
+    return hit
+
+
+def digests(folder: Path, but: Sequence[str] = ()) -> dict[str, str]:
+    """Return the hash of every file of a folder, without those below some of its folders."""
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        name = path.relative_to(folder)
+        if path.is_file() and name.parts[0] not in but:
+            found[name.as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return found
+
+
+def strays(folder: Path) -> list[str]:
+    """Return the temporary files and folders below a folder."""
+    return [path.name for path in folder.rglob(".tmp_*")]
