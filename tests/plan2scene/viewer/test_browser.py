@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from plan2scene.floorplans import write_scene_json
 from plan2scene.viewer import build_viewer
+from plan2scene.viewer.index_page import write_index
 
 BROWSER = next(
     (
@@ -124,3 +126,41 @@ def test_occlusion_darkens_and_never_brightens(small_glb, tmp_path):
     seen = (plain.max(2) - plain.min(2)) > 40  # the painted surfaces, not the page
     assert (plain - shaded).max(2)[seen].mean() > 4
     assert (plain == shaded).all(2)[seen].mean() > 0.02  # the open floor keeps its colour
+
+
+NAME = '"><script>document.body.remove()</script><img src=x onerror=document.body.remove()>'
+
+
+def test_a_name_of_markup_is_text(small_glb, tmp_path):
+    page = tmp_path / "viewer.html"
+    build_viewer(small_glb, page, house_id=NAME)
+    with_action(
+        page,
+        'const title = document.querySelector("h1").textContent;'
+        'const good = title.startsWith("\\"><scr" + "ipt>") && title.endsWith("remove()>");'
+        'document.body.style.background = good ? "#00ff00" : "#ff0000";'
+        'document.getElementById("view").remove();',
+    )
+    assert tuple(screenshot(page, tmp_path)[300, 600]) == (0, 255, 0)
+
+
+def test_the_index_page_shows_pictures_and_runs_nothing(small_house, tmp_path):
+    folder = tmp_path / "houses" / "small"
+    write_scene_json(small_house, folder / "scene.json")
+    Image.new("RGB", (400, 300), (255, 0, 0)).save(folder / "preview.png")
+    table = tmp_path / "table.csv"
+    table.write_text(f"method\n{NAME.replace(',', '')}\n")
+    write_index(
+        tmp_path / "index.html",
+        scenes=[folder / "scene.json"],
+        table=table,
+        plot=tmp_path / "plot.png",
+        dataset=NAME,
+        method=NAME,
+    )
+    page = tmp_path / "index.html"
+    text = page.read_text(encoding="utf-8")
+    blue = "<script>document.body.replaceChildren()</script></body>"
+    page.write_text(text.replace("</body>", blue), encoding="utf-8")
+    red = (screenshot(page, tmp_path) == (255, 0, 0)).all(axis=2)
+    assert red.sum() > 2000
