@@ -7,6 +7,7 @@ import io
 import json
 import re
 import struct
+import tempfile
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import torch
 import yaml
+from hypothesis import configuration
 from hypothesis import strategies as st
 from PIL import Image
 from safetensors.torch import save
@@ -34,6 +36,8 @@ from plan2scene.photos.labels.palette import labels_from_folder
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.weights import filled, load_model_file, read_model_arrays
 
+# Else it keeps what it knows of the sources in the folder where the tests are started.
+configuration.set_hypothesis_home_dir(Path(tempfile.gettempdir()) / "plan2scene_hypothesis")
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "resources" / "examples" / "plan.json"
 SHAPES = {"weight": (2, 3), "bias": (2,)}
