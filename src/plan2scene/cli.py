@@ -34,7 +34,7 @@ class Colours(StrEnum):
 
 
 _HouseId = Annotated[str | None, typer.Option(help="House id; default: the plan's name.")]
-_Scale = Annotated[float | None, typer.Option(min=1e-6, help="Scale of an R2V plan.")]
+_Scale = Annotated[float | None, typer.Option(min=1e-6, help="Metres of a pixel or drawing unit.")]
 
 
 def _method_names() -> str:

@@ -1,5 +1,6 @@
 """The registry of plan formats: told apart by content, and a new one is one entry."""
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -61,6 +62,17 @@ def test_a_new_format_is_one_entry(tmp_path, monkeypatch):
     assert read_plan(path, "h1", 0.1).rooms[0].rings[0] == ring
     with pytest.raises(InputError, match="metres_per_pixel above 0 and up to 1 for square"):
         read_plan(path, "h1")
+
+
+@pytest.mark.parametrize(
+    ("start", "package"),
+    [("0\nSECTION\n", "ezdxf"), ("ISO-10303-21;\n", "ifcopenshell")],
+)
+def test_a_missing_package_is_one_line(tmp_path, monkeypatch, start, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(InputError) as caught:
+        read_plan(written(tmp_path, start), "h1")
+    assert f"expected {package} (pip install 'plan2scene[formats]')" in str(caught.value)
 
 
 @pytest.mark.parametrize(
