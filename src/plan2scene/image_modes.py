@@ -47,11 +47,16 @@ def to_small_srgb(image: Image.Image, side: int) -> np.ndarray:
     factor = max(1, max(image.size) // (2 * side))
     if factor == 1:
         return _srgb(image, orientation)
-    if image.mode not in ("RGB", "RGBA", "L", "LA", "CMYK"):
-        raise ValueError(f"mode {image.mode} of so many pixels")
+    check_reducible(image)
     small = image.reduce(factor)
     small.info = image.info
     return _srgb(small, orientation)
+
+
+def check_reducible(image: Image.Image) -> None:
+    """Raise ValueError for an opened image of a mode that is not reduced while it is decoded."""
+    if image.mode not in ("RGB", "RGBA", "L", "LA", "CMYK"):
+        raise ValueError(f"mode {image.mode} of so many pixels")
 
 
 def _srgb(image: Image.Image, orientation: int) -> np.ndarray:

@@ -15,7 +15,8 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans import add_object_boxes, house_faults, read_plan, validate_house
 from plan2scene.floorplans.plausible import name_oddities
 from plan2scene.house import House
-from plan2scene.images import MAX_PHOTO_PIXELS, decode_image
+from plan2scene.image_modes import check_reducible
+from plan2scene.images import MAX_PHOTO_PIXELS, MAX_PIXELS, decode_image
 from plan2scene.io import safe_join
 
 if TYPE_CHECKING:
@@ -167,7 +168,12 @@ def photo_problem(path: str | Path, *, house_id: str = "") -> None:
 
 
 def _verified_format(image: Image.Image) -> str:
-    """Return the format's name of an opened image, after a look at a PNG's checksums."""
+    """Return the format's name of an opened image, after a look at a PNG's checksums.
+
+    ValueError for one so large that it would have to be reduced, of a mode that is not.
+    """
+    if image.width * image.height > MAX_PIXELS:
+        check_reducible(image)
     if image.format == "PNG":
         image.verify()
     return image.format or ""

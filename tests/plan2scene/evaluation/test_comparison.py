@@ -1,6 +1,7 @@
 """A house by all methods in one job: tiles and figures are those of the stages on their own."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -70,12 +71,10 @@ def test_only_methods_that_draw_noise_get_more_images(compared):
 
 
 def test_a_job_s_inputs_and_params_become_a_house(house):
-    class Params:
-        dataset, seed, size_px, seam_correction = "d", 0, 64, {}
-
-    files, models = house.files, house.models
+    models = {name: str(path) for name, path in vars(house.models).items()}
+    params = SimpleNamespace(dataset="d", seed=0, size_px=64, seam_correction={}, models=models)
+    files = house.files
     paths = {name: str(getattr(files, name)) for name in ("scene", "crops", "library")}
-    paths |= {name: str(path) for name, path in vars(models).items()}
-    assert EvaluatedHouse.of(paths, "h1", Params) == house
-    pooled = EvaluatedHouse.of({**paths, "pool": "pool.parquet"}, "h1", Params)
+    assert EvaluatedHouse.of(paths, "h1", params) == house
+    pooled = EvaluatedHouse.of({**paths, "pool": "pool.parquet"}, "h1", params)
     assert str(pooled.files.crop_pool) == "pool.parquet"
