@@ -16,10 +16,11 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from plan2scene.errors import InputError
-from plan2scene.exports.solids import SLAB, footprint, wall_area
+from plan2scene.exports.solids import SLAB, footprint, middle_strip, wall_area
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_path
+from plan2scene.mesh.fixtures import LEAF_THICKNESS
 from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.labels import room_title
 from plan2scene.mesh.openings import Portal
@@ -195,11 +196,12 @@ class _Model:
             if hole.opening.kind == "passage" or portal.side.wall.id != wall_id:
                 continue
             kind = "IfcDoor" if hole.opening.kind == "door" else "IfcWindow"
+            leaf_area = Polygon(middle_strip(portal, 0.0, portal.width, LEAF_THICKNESS))
             leaf = self._root(
                 kind,
                 f"{portal.side.room_id}/{hole.opening.id}",
                 ObjectPlacement=self._placement(opening.ObjectPlacement),
-                Representation=self._shape(_middle(portal), hole.bottom, hole.top),
+                Representation=self._shape(leaf_area, hole.bottom, hole.top),
                 OverallHeight=hole.top - hole.bottom,
                 OverallWidth=portal.width,
             )
@@ -233,11 +235,3 @@ class _Model:
         """Return a ring of plan points (x, z) as a closed polyline of (x, -z)."""
         points = [self._point(x, -z) for x, z in np.asarray(ring.coords)[:-1]]
         return self.file.createIfcPolyline([*points, points[0]])
-
-
-def _middle(portal: Portal) -> Polygon:
-    """Return the plan area of a leaf or pane in the middle of a wall, 4 cm thick."""
-    frame, hole = portal.side.frame, portal.hole
-    ends = np.array([hole.left, hole.right])
-    front, rear = (frame.plan(ends, -portal.depth / 2 + d) for d in (0.02, -0.02))
-    return Polygon([*front, *rear[::-1]])

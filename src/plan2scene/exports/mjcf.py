@@ -7,12 +7,13 @@ Source: MuJoCo's XML reference.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import trimesh
 
-from plan2scene.exports.solids import Solid, house_solids
+from plan2scene.exports.solids import Solid
 from plan2scene.house import House
 
 #: Of a door leaf, kg per cubic metre (hollow-core wood), and the friction of its hinge.
@@ -29,8 +30,8 @@ COLOURS = {
 }
 
 
-def mjcf_text(house: House) -> str:
-    """Return the MJCF document of a house.
+def mjcf_text(house: House, solids: Sequence[Solid]) -> str:
+    """Return the MJCF document of a house with these solids.
 
     Bodies are named by their solids; the keyframe ``open`` has the inner doors open.
     """
@@ -41,7 +42,7 @@ def mjcf_text(house: House) -> str:
     contact = ET.SubElement(root, "contact")
     ET.SubElement(world, "light", pos="0 0 20", dir="0 0 -1", directional="true")
     opened = []
-    for solid in house_solids(house):
+    for solid in solids:
         body = world
         if solid.hinge is not None:
             body = _leaf(world, contact, solid)

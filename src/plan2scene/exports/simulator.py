@@ -20,7 +20,7 @@ from plan2scene.exports.solids import Solid, house_solids
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_path, write_json
 from plan2scene.mesh.glb import write_glb
-from plan2scene.mesh.house_mesh import build_parts
+from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.textures import TileTexture
 
@@ -37,11 +37,12 @@ FACTOR = 10368889
 
 def write_simulator(house: House, textures: dict[SurfaceKey, TileTexture], folder: Path) -> None:
     """Write the pack of a house into a folder."""
-    parts = build_parts(house)
+    assembly = assemble(house)
+    parts, solids = assembly.parts, house_solids(house, assembly)
     write_glb(house, textures, folder / "house.glb", parts)
-    _write_scene(folder / "collision.glb", [_collision(solid) for solid in house_solids(house)])
+    _write_scene(folder / "collision.glb", [_collision(solid) for solid in solids])
     instances = instances_of(parts)
-    _write_scene(folder / "semantic.glb", [_painted(*instance) for instance in instances])
+    _write_scene(folder / "semantic.glb", [_painted(*instance[:2]) for instance in instances])
     rows = [
         f'{number},{_hex(colour)},"{category}",{region}'
         for number, (_, colour, category, region) in enumerate(instances, start=1)
@@ -51,7 +52,7 @@ def write_simulator(house: House, textures: dict[SurfaceKey, TileTexture], folde
         temporary.write_text(text, encoding="utf-8")
     write_json(folder / "house.stage_config.json", stage_config())
     with atomic_path(folder / "house.xml") as temporary:
-        temporary.write_text(mjcf_text(house), encoding="utf-8")
+        temporary.write_text(mjcf_text(house, solids), encoding="utf-8")
 
 
 def _hex(colour: tuple[int, int, int]) -> str:
@@ -106,11 +107,8 @@ def _collision(solid: Solid) -> tuple[str, trimesh.Trimesh]:
     return solid.name, trimesh.util.concatenate(list(solid.pieces))
 
 
-def _painted(
-    part: MeshPart, colour: tuple[int, int, int], category: str, region: int
-) -> tuple[str, trimesh.Trimesh]:
+def _painted(part: MeshPart, colour: tuple[int, int, int]) -> tuple[str, trimesh.Trimesh]:
     """Return a part's name and its mesh in its instance's colour."""
-    del category, region
     colours = np.tile(np.array([*colour, 255], np.uint8), (len(part.mesh.vertices), 1))
     mesh = trimesh.Trimesh(
         part.mesh.vertices, part.mesh.faces, vertex_colors=colours, process=False

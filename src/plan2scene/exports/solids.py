@@ -6,7 +6,7 @@ metres, y up; plan points are (x, z).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -20,6 +20,7 @@ from plan2scene.house import House
 from plan2scene.mesh.fixtures import FRAME_WIDTH, LEAF_THICKNESS, TWO_LEAVES
 from plan2scene.mesh.house_mesh import Assembly, assemble
 from plan2scene.mesh.openings import Portal
+from plan2scene.mesh.parts import numbered
 from plan2scene.mesh.polygons import polygons_of, triangulate
 from plan2scene.mesh.walls import Body
 
@@ -77,13 +78,13 @@ class Solid:
     hinge: Hinge | None = None
 
 
-def house_solids(house: House) -> list[Solid]:
+def house_solids(house: House, assembly: Assembly | None = None) -> list[Solid]:
     """Return the solids of a house: slabs, walls with their holes, door leaves, panes.
 
     Doors and passages are holes through the walls with floor in them; a leaf fills its door when
-    shut. Windows are filled by a pane.
+    shut. Windows are filled by a pane. `assembly` is the house's, when at hand.
     """
-    assembly = assemble(house)
+    assembly = assemble(house) if assembly is None else assembly
     ways = {id(portal): footprint(portal) for portal in assembly.portals}
     solids: list[Solid] = []
     for room in house.rooms:
@@ -95,7 +96,8 @@ def house_solids(house: House) -> list[Solid]:
     solids.extend(_thresholds(house, assembly, ways))
     for portal in assembly.portals:
         solids.extend(_fillings(portal))
-    return _named(solids)
+    names = numbered(solid.name for solid in solids)
+    return [replace(solid, name=name) for solid, name in zip(solids, names, strict=True)]
 
 
 def prisms(area: BaseGeometry, low: float, high: float) -> tuple[trimesh.Trimesh, ...]:
@@ -209,20 +211,16 @@ def _fillings(portal: Portal) -> list[Solid]:
 def _slab(
     portal: Portal, left: float, right: float, thick: float, low: float, high: float
 ) -> trimesh.Trimesh:
-    """Return a flat box in the middle of an opening's depth; `left`, `right` from its left edge."""
+    """Return a flat box in the middle of an opening's depth."""
+    return _prism(middle_strip(portal, left, right, thick), low, high)
+
+
+def middle_strip(portal: Portal, left: float, right: float, thick: float) -> np.ndarray:
+    """Return the (4, 2) plan corners of a strip in the middle of an opening's depth.
+
+    `left` and `right` are metres from the opening's left edge, `thick` metres across.
+    """
     frame, start = portal.side.frame, portal.hole.left
-    middle = -portal.depth / 2
     along = np.array([start + left, start + right])
-    front, rear = (frame.plan(along, middle + side * thick / 2) for side in (1, -1))
-    return _prism(np.concatenate([front, rear[::-1]]), low, high)
-
-
-def _named(solids: list[Solid]) -> list[Solid]:
-    """Return solids with ``#2``, ``#3`` ... after a name that was there before."""
-    seen: dict[str, int] = {}
-    result = []
-    for solid in solids:
-        seen[solid.name] = count = seen.get(solid.name, 0) + 1
-        name = solid.name if count == 1 else f"{solid.name}#{count}"
-        result.append(Solid(name, solid.category, solid.room_ids, solid.pieces, solid.hinge))
-    return result
+    front, rear = (frame.plan(along, -portal.depth / 2 + side * thick / 2) for side in (1, -1))
+    return np.concatenate([front, rear[::-1]])

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +19,11 @@ import numpy as np
 from plan2scene.colour import srgb_to_linear
 from plan2scene.errors import InputError
 from plan2scene.exports.simulator import CATEGORIES
-from plan2scene.exports.solids import house_solids
+from plan2scene.exports.solids import Solid, house_solids
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, atomic_path
 from plan2scene.mesh.glb import GLASS
-from plan2scene.mesh.house_mesh import build_parts
+from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.textures import UNTEXTURED, TileTexture
 
@@ -96,9 +96,10 @@ class _Stage:
         stage.SetDefaultPrim(root.GetPrim())
         Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
         UsdGeom.Scope.Define(stage, "/house/materials")
-        for part in build_parts(self.house):
+        assembly = assemble(self.house)
+        for part in assembly.parts:
             self._part(part)
-        self._collision()
+        self._collision(house_solids(self.house, assembly))
         stage.GetRootLayer().Save()
 
     def _define(self, parent: str, name: str) -> str:
@@ -207,12 +208,12 @@ class _Stage:
         shader.CreateOutput("result", getattr(Sdf.ValueTypeNames, types[kind]))
         return shader.ConnectableAPI()
 
-    def _collision(self) -> None:
+    def _collision(self, solids: Sequence[Solid]) -> None:
         """Add the convex bodies, unseen."""
         from pxr import UsdGeom, UsdPhysics
 
         UsdGeom.Scope.Define(self.stage, "/house/collision")
-        for solid in house_solids(self.house):
+        for solid in solids:
             for number, piece in enumerate(solid.pieces):
                 name = f"{solid.name}/{number}"
                 path = self._define("/house/collision", name)

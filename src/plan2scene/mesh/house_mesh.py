@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from shapely.ops import unary_union
 
@@ -11,7 +10,7 @@ from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House
 from plan2scene.mesh.fixtures import fixtures
 from plan2scene.mesh.openings import Portal, find_openings, room_sides
-from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.parts import MeshPart, numbered
 from plan2scene.mesh.skirting import skirting
 from plan2scene.mesh.walls import (
     Body,
@@ -69,7 +68,9 @@ def assemble(house: House) -> Assembly:
     for portal in portals:
         strip = threshold(portal)
         parts.extend(([strip] if strip is not None else []) + fixtures(portal))
-    return Assembly(_unique(parts), bodies, portals)
+    names = numbered(part.name for part in parts)
+    named = [replace(part, name=name) for part, name in zip(parts, names, strict=True)]
+    return Assembly(named, bodies, portals)
 
 
 def _largest(portals: list[Portal]) -> list[Portal]:
@@ -86,14 +87,3 @@ def _largest(portals: list[Portal]) -> list[Portal]:
         if not inside:
             kept.append(portal)
     return [portal for portal in portals if portal in kept]
-
-
-def _unique(parts: list[MeshPart]) -> list[MeshPart]:
-    """Return parts with ``#2``, ``#3`` ... after a name that was there before."""
-    seen: dict[str, int] = {}
-    result = []
-    for part in parts:
-        seen[part.name] = count = seen.get(part.name, 0) + 1
-        named = part if count == 1 else dataclasses.replace(part, name=f"{part.name}#{count}")
-        result.append(named)
-    return result

@@ -6,7 +6,8 @@ World axes of ``docs/conventions.md``: metres, y up, right-handed; plan points a
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -54,6 +55,16 @@ class MeshPart:
     uv: np.ndarray | None = None
     colours: np.ndarray | None = None
     extras: Mapping[str, object] = field(default_factory=dict)
+
+
+def numbered(names: Iterable[str]) -> list[str]:
+    """Return names with ``#2``, ``#3`` ... after one that was there before."""
+    seen: Counter[str] = Counter()
+    result = []
+    for name in names:
+        seen[name] += 1
+        result.append(name if seen[name] == 1 else f"{name}#{seen[name]}")
+    return result
 
 
 def flat_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

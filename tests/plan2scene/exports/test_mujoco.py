@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from plan2scene.exports.mjcf import mjcf_text
+from plan2scene.exports.solids import house_solids
 
 mujoco = pytest.importorskip("mujoco")
 RADIUS = 0.1
@@ -13,7 +14,7 @@ RADIUS = 0.1
 
 def model_with(house, bodies):
     """Return a model of a house with more bodies in it."""
-    root = ET.fromstring(mjcf_text(house))
+    root = ET.fromstring(mjcf_text(house, house_solids(house)))
     world = root.find("worldbody")
     for body in bodies:
         world.append(ET.fromstring(body))
@@ -95,6 +96,6 @@ def test_a_leaf_gives_way_to_the_side_that_it_opens_to(gap_house):
 
 
 def test_the_open_pose_is_a_keyframe(gap_house):
-    model = mujoco.MjModel.from_xml_string(mjcf_text(gap_house))
+    model = mujoco.MjModel.from_xml_string(mjcf_text(gap_house, house_solids(gap_house)))
     assert model.nkey == 1
     assert abs(model.key_qpos[0, 0]) == pytest.approx(np.radians(90), abs=1e-4)
