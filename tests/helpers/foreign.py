@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import torch
 import yaml
+from damage import places
 from hypothesis import configuration
 from hypothesis import strategies as st
 from PIL import Image
@@ -349,25 +350,14 @@ VALUES = [
 ]
 
 
-def _places(value: object) -> list[tuple]:
-    """Return (container, key) of everything inside a JSON value."""
-    keys = list(value) if isinstance(value, dict) else range(len(value))
-    found = []
-    for key in keys:
-        found.append((value, key))
-        if isinstance(value[key], dict | list):
-            found += _places(value[key])
-    return found
-
-
 def _other_values(draw: Callable, data: bytes) -> bytes:
     """Return a JSON document with values taken out, changed or repeated."""
     document = json.loads(data)
     for _ in range(draw(st.integers(1, 3))):
-        places = _places(document)
-        if not places:
+        found = places(document)
+        if not found:
             break
-        container, key = places[draw(st.integers(0, len(places) - 1))]
+        container, key = found[draw(st.integers(0, len(found) - 1))]
         way = draw(st.integers(0, 3))
         if way == 0:
             del container[key]

@@ -6,6 +6,7 @@ import random
 from pathlib import Path
 
 import pytest
+from damage import VALUES, places
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans import house_to_scene, read_plan, validate_house
@@ -14,18 +15,6 @@ from plan2scene.floorplans.r2v import house_of_r2v
 from plan2scene.floorplans.scene_json import house_of_scene
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
-VALUES = [None, True, 0, -1, 1e308, 5, 10**400, "x", "", [], {}, [1], [[1]], {"a": 1}, "living"]
-
-
-def places(value):
-    """Return (container, key) of everything inside a JSON value."""
-    keys = value if isinstance(value, dict) else range(len(value))
-    found = []
-    for key in keys:
-        found.append((value, key))
-        if isinstance(value[key], dict | list):
-            found += places(value[key])
-    return found
 
 
 def damaged(document, generator):
@@ -38,7 +27,7 @@ def damaged(document, generator):
         elif way < 0.4 and isinstance(container, list):
             container.append(copy.deepcopy(container[key]))
         else:
-            container[key] = copy.deepcopy(generator.choice(VALUES))
+            container[key] = copy.deepcopy(generator.choice([*VALUES, "living"]))
     return document
 
 

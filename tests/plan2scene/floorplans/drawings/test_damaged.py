@@ -5,23 +5,12 @@ import json
 import random
 
 import pytest
+from damage import VALUES, places
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans import read_plan, validate_house
 
-VALUES = [None, True, 0, -1, 1e308, 5, 10**400, "x", "", [], {}, [1], [[1]], {"a": 1}]
 TEXTS = [b"0", b"-1", b"1e308", b"nan", b"", b"\xff\xfe", b"<", b"'/>", b"99999999", b"{", b"\n"]
-
-
-def places(value):
-    """Return (container, key) of everything inside a JSON value."""
-    keys = value if isinstance(value, dict) else range(len(value))
-    found = []
-    for key in keys:
-        found.append((value, key))
-        if isinstance(value[key], dict | list):
-            found += places(value[key])
-    return found
 
 
 def read(path, outcomes):
