@@ -48,6 +48,8 @@ rule convert_propagation:
     params:
         houses=MEANS_HOUSES,
         seed=config["seed"],
-        code=code_hash("checkpoints.convert", "checkpoints.means"),
+        code=code_hash(
+            "checkpoints.convert", "checkpoints.means", "floorplans.scene_json"
+        ),
     script:
         "../scripts/convert_propagation.py"

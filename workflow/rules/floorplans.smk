@@ -22,6 +22,6 @@ rule floorplan:
         photos=str(LAYOUT.photos),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         dxf_layers=config["floorplans"]["dxf_layers"],
-        code=code_hash("floorplans"),
+        code=code_hash("datasets.import_plan"),
     script:
         "../scripts/floorplan.py"

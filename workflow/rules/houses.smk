@@ -41,7 +41,7 @@ rule house:
     resources:
         mem_mb=1500,
     params:
-        code=code_hash("mesh.build", "viewer.build"),
+        code=code_hash("mesh.build", "viewer"),
     script:
         "../scripts/house.py"
 

@@ -39,7 +39,11 @@ rule study_house:
         others=STUDY_OTHERS,
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
-        code=code_hash("evaluation.study_sheet", "datasets.assignments"),
+        code=code_hash(
+            "evaluation.study_sheet",
+            "floorplans.scene_json",
+            "datasets.assignments",
+        ),
     script:
         "../scripts/study_house.py"
 
