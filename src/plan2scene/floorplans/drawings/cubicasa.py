@@ -25,7 +25,7 @@ from plan2scene.house import House, IconBox
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _TRANSFORM = re.compile(r"(matrix|translate|scale|rotate)\s*\(([^)]*)\)")
-_LENGTH = re.compile(r"\s*([\d.]+)\s*(mm|cm|m|in)\s*")
+_LENGTH = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*(mm|cm|m|in)\s*")
 _AREA = re.compile(r"(\d+(?:[.,]\d+)?)\s*(m2|m²|sqm|sq\.?\s?m|ft2|ft²|sq\.?\s?ft)", re.IGNORECASE)
 _METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
 _SQUARE_FOOT = 0.09290304
@@ -183,7 +183,7 @@ def _page_scale(root: Element) -> float | None:
     box = _NUMBER.findall(root.get("viewBox", ""))
     if length is None or len(box) != 4 or float(box[2]) <= 0:
         return None
-    width = float(length[1].strip(".") or 0) * _METRES[length[2]]
+    width = float(length[1]) * _METRES[length[2]]
     return width / float(box[2]) if width > 2.0 else None
 
 

@@ -65,6 +65,13 @@ def test_the_scale_is_read_from_the_page(tmp_path):
     assert_found(plan, read_plan(svg(tmp_path, elements(plan), head), "h1"), heights=False)
 
 
+@pytest.mark.parametrize("width", ["1.2.3m", ".m", "1e999m", "20km"])
+def test_a_page_of_no_known_width_tells_no_scale(tmp_path, width):
+    path = svg(tmp_path, SQUARE.format(""), f'width="{width}" viewBox="0 0 9 9"')
+    with pytest.raises(InputError, match="metres_per_pixel up to 1"):
+        read_plan(path, "h1")
+
+
 def test_transforms_are_followed(tmp_path):
     plan = drawn_flat(2)
     turned = f'<g transform="rotate(90)">{elements(plan)}</g>'
