@@ -9,6 +9,7 @@ import zlib
 from pathlib import Path
 from xml.etree.ElementTree import Element, ParseError
 
+from plan2scene.errors import InputError
 from plan2scene.floorplans.parse import Source
 
 #: Most bytes of an XML document, and its most elements.
@@ -58,9 +59,9 @@ def parse_xml(source: Source, content: bytes, *, doctype: bool = False) -> Eleme
                 raise source.fault(f"at most {MAX_XML_ELEMENTS} XML elements", "more")
     except DefusedXmlException as error:
         raise source.fault("XML without entities or outside references", repr(error)) from None
+    except InputError:
+        raise
     except (ParseError, LookupError, ValueError) as error:
-        if type(error).__name__ == "InputError":
-            raise
         raise source.fault("XML", f"a syntax error ({error})") from None
     if root is None:
         raise source.fault("XML", "nothing")
