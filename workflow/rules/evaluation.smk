@@ -59,6 +59,7 @@ rule comparison:
         hidden=hidden_at_drops(TABLE_DROPS),
         images=config["metrics"]["fid_seeds"],
         seed=config["seed"],
+        predictor=config["propagation"]["predictor"],
         size_px=config["textures"]["size_px"],
         seam_correction=seam_correction(*METHODS),
         code=code_hash(

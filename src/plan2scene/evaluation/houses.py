@@ -50,13 +50,14 @@ class Models(Networks):
 
 @dataclass(frozen=True)
 class EvaluatedHouse:
-    """A house's files, the weights of all stages, and how its tiles are made."""
+    """A house's files, the weights of all stages, and how its tables and tiles are made."""
 
     dataset: str
     files: HouseFiles
     models: Models
     settings: TextureSettings
-    predictor: str = "house"
+    #: Of unobserved surfaces, a name of ``propagation.predictors.PREDICTORS``.
+    predictor: str
 
     @classmethod
     def of(cls, paths: Mapping[str, Any], house_id: str, params: Any) -> EvaluatedHouse:
@@ -66,7 +67,7 @@ class EvaluatedHouse:
             HouseFiles.of(paths, house_id),
             Models(**{field.name: Path(params.models[field.name]) for field in fields(Models)}),
             TextureSettings(params.seed, params.size_px, params.seam_correction),
-            getattr(params, "predictor", "house"),
+            params.predictor,
         )
 
     @property

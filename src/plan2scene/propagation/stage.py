@@ -32,7 +32,7 @@ def propagate_house(
     dataset: str,
     propagation_model: str | Path,
     texture_model: str | Path,
-    predictor: str = "house",
+    predictor: str,
     materials: str | Path | None = None,
 ) -> None:
     """Write ``propagated.parquet`` (docs/conventions.md): a row for every surface of the house.

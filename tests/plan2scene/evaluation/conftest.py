@@ -128,7 +128,7 @@ def files(tmp_path_factory, models):
 
 @pytest.fixture(scope="session")
 def house(files, models):
-    return EvaluatedHouse("d", files, models, TextureSettings(0, 64))
+    return EvaluatedHouse("d", files, models, TextureSettings(0, 64), "house")
 
 
 @pytest.fixture(scope="session")

@@ -72,9 +72,16 @@ def test_only_methods_that_draw_noise_get_more_images(compared):
 
 def test_a_job_s_inputs_and_params_become_a_house(house):
     models = {name: str(path) for name, path in vars(house.models).items()}
-    params = SimpleNamespace(dataset="d", seed=0, size_px=64, seam_correction={}, models=models)
+    params = SimpleNamespace(
+        dataset="d",
+        seed=0,
+        size_px=64,
+        seam_correction={},
+        models=models,
+        predictor="network",
+    )
     files = house.files
     paths = {name: str(getattr(files, name)) for name in ("scene", "crops", "library")}
-    assert EvaluatedHouse.of(paths, "h1", params) == house
+    assert EvaluatedHouse.of(paths, "h1", params) == replace(house, predictor="network")
     pooled = EvaluatedHouse.of({**paths, "pool": "pool.parquet"}, "h1", params)
     assert str(pooled.files.crop_pool) == "pool.parquet"
