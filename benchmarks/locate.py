@@ -26,6 +26,7 @@ from plan2scene.io import read_json
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.likelihood import OPENING
+from plan2scene.photos.locate.pose import LOCATED
 
 #: A heading nearer to the truth than this is right, degrees.
 RIGHT_DEG = 30.0
@@ -110,7 +111,7 @@ def locate_house(results: Path, name: str, truths: Mapping[str, Truth], kind: st
 
 def figures(found: Sequence[Found], seconds: float) -> str:
     """Return the cells of a table's row."""
-    located = [item for item in found if item.located >= 0.5]
+    located = [item for item in found if item.located >= LOCATED]
     errors = [item.error_m for item in located]
     half, most = np.percentile(errors, [50, 90]) if errors else (np.nan, np.nan)
     right = np.mean([item.right for item in located]) if located else np.nan
