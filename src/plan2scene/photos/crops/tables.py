@@ -44,7 +44,7 @@ class PhotoCandidate:
     """A candidate with where it is from."""
 
     photo: str
-    #: Rooms that the photo is assigned to, of one height.
+    #: Rooms that it shows: those of one size that the photo is assigned to, or its plane's own.
     rooms: tuple[str, ...]
     surface: str
     #: Number of the plane (mask) within the photo and surface.

@@ -33,9 +33,10 @@ class Plane:
 
     #: ``floor``, ``wall`` or ``ceiling``.
     surface: str
-    #: 0 for floor and ceiling, 0..9 for walls from the largest to the smallest.
+    #: Number within the surface: walls from the largest to the smallest, 0..9; floor and ceiling
+    #: are 0, of a located photo also more where other rooms are seen.
     index: int
-    #: (3,): Unit normal into the room, Manhattan frame.
+    #: (3,): Unit normal into the room, in the frame of the camera that it was split with.
     normal: tuple[float, float, float]
     #: ``normal . X`` of its points, metres from the camera centre.
     offset: float
