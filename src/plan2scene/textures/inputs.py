@@ -101,7 +101,7 @@ class KnownSurface:
             float(row.confidence),
             np.asarray(row.embedding, dtype=np.float32),
             np.asarray(row.naive_embedding, dtype=np.float32),
-            str(getattr(row, "material", "")),
+            row.material,
         )
 
     @property

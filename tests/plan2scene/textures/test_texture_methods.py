@@ -167,6 +167,7 @@ def files(tmp_path):
             "metres": 0.8,
             "source": "propagation",
             "confidence": 1.0,
+            "material": "",
         }
         for key in PLAN.surface_keys()
     ]
