@@ -20,11 +20,9 @@ class Faces:
     """Per face of the whole scene."""
 
     labels: NDArray[np.uint8]
-    planes: NDArray[np.uint8]
     groups: NDArray[np.int32]  #: index into the tracer's `names`
     colours: NDArray[np.float32]  #: (m, 3) mean albedo, linear; zero of emitters
     emission: NDArray[np.float32]  #: (m, 3) linear
-    roughness: NDArray[np.float32]
 
 
 def radiance_of(finish: Finish) -> list[float]:
@@ -71,11 +69,9 @@ def faces_of(rows: list[tuple[str, JoinedGroup, Finish]]) -> Faces:
     counts = [len(group.solid.faces) for _, group, _ in rows]
     return Faces(
         np.concatenate([group.labels for _, group, _ in rows]),
-        np.concatenate([group.planes for _, group, _ in rows]),
         np.repeat(np.arange(len(rows), dtype=np.int32), counts),
         np.concatenate(colours).astype(np.float32),
         np.concatenate(emission).astype(np.float32),
-        np.repeat(np.array([f.roughness for _, _, f in rows], np.float32), counts),
     )
 
 

@@ -5,10 +5,10 @@ Furniture for training photos (:mod:`.snapshots`); the homes of listings keep :m
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Room
@@ -181,7 +181,7 @@ class Furnisher:
             high = (min(x + width / 2, x1 - 0.05), rng.uniform(0.004, 0.02), min(z + depth, z1))
             if high[0] - low[0] > 0.4 and high[2] - low[2] > 0.4:
                 rug = box(low, high)
-                if layout.free.buffer(0.05).covers(_flat(low, high)):
+                if layout.free.buffer(0.05).covers(shapely.box(low[0], low[2], high[0], high[2])):
                     geometry.add(str(rng.choice(list(self.style.fabrics))), rug)
                     return
 
@@ -230,12 +230,6 @@ class Furnisher:
         x, z = rng.uniform(0.35, 0.65) * np.array([x1 - x0, z1 - z0]) + (x0, z0)
         turn = placement(x, z, rng.uniform(0, 6.3), room.height - lamp.height)
         add_piece(geometry, lamp, turn @ placement(0, -lamp.depth / 2, 0))
-
-
-def _flat(low: Sequence[float], high: Sequence[float]) -> object:
-    import shapely
-
-    return shapely.box(low[0], low[2], high[0], high[2])
 
 
 def papers(rng: np.random.Generator, palette: Palette) -> Piece:

@@ -25,6 +25,7 @@ from plan2scene_workshop.rendering.denoise import (
 )
 from plan2scene_workshop.rendering.lights import look_outside
 from plan2scene_workshop.rendering.scene import SKY, RoomScene, build_room_scene
+from plan2scene_workshop.rendering.shell import Plane
 from plan2scene_workshop.rendering.tracer import Buffers, Tracer, Truth, load_mitsuba
 from plan2scene_workshop.rendering.views import View
 
@@ -99,7 +100,8 @@ def _shoot(
     emitted = guide.radiance * _outside(scene, truth, view)
     image = develop(light * guide.albedo + emitted, guide.albedo, style, rng)
     labels = without_openings(truth.labels)
-    return RenderedPhoto(view, image, labels, truth.planes, camera_record(scene, view, size))
+    camera = camera_record(view, size, size[1] / 2 / float(np.tan(view.fov / 2)), scene.planes)
+    return RenderedPhoto(view, image, labels, truth.planes, camera)
 
 
 def _outside(scene: RoomScene, hits: Truth, view: View) -> NDArray[np.float32]:
@@ -120,13 +122,15 @@ def light_at(small: Buffers, small_hits: Truth, guide: Buffers, hits: Truth) -> 
     return upsample(light, (small_hits.normal, small_hits.position), (hits.normal, hits.position))
 
 
-def camera_record(scene: RoomScene, view: View, size: tuple[int, int]) -> dict[str, Any]:
+def camera_record(
+    view: View, size: tuple[int, int], focal_px: float, planes: Sequence[Plane]
+) -> dict[str, Any]:
     """Return the truth of a camera as in ``cameras.json``."""
     height, width = size
     return {
         "width": width,
         "height": height,
-        "focal_px": width / 2 / float(np.tan(view.fov / 2)),
+        "focal_px": focal_px,
         "cx": (width - 1) / 2,
         "cy": (height - 1) / 2,
         "rotation": view.rotation().tolist(),
@@ -139,6 +143,6 @@ def camera_record(scene: RoomScene, view: View, size: tuple[int, int]) -> dict[s
                 "normal": list(plane.normal),
                 "offset": plane.offset,
             }
-            for plane in scene.planes
+            for plane in planes
         ],
     }

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,12 +23,18 @@ from plan2scene_workshop.rendering.faces import (
     split_emitters,
     uv_density,
 )
-from plan2scene_workshop.rendering.geometry import Geometry, JoinedGroup, Solid
+from plan2scene_workshop.rendering.geometry import Geometry, JoinedGroup, Solid, merge
 from plan2scene_workshop.rendering.tracer import Finish
 from plan2scene_workshop.rendering.views import View
 
 PATH_DEPTH, ROULETTE_DEPTH = 4, 3
-_DARK = np.array([[0, -90, 0], [0.01, -90, 0], [0, -90, 0.01]], float)
+#: What an emitter that a scene lacks is: a speck far below it.
+_DARK = Solid(
+    np.array([[0, -90, 0], [0.01, -90, 0], [0, -90, 0.01]], float),
+    np.tile([0.0, -1.0, 0.0], (3, 1)),
+    np.zeros((3, 2)),
+    np.array([[0, 1, 2]]),
+)
 
 Image = NDArray[np.float32]
 
@@ -55,59 +61,42 @@ class QuickTracer:
         rows = dull + lit
         self.names = [name for name, _, _ in rows]
         self.faces = faces_of(rows)
-        self._load(rows, len(dull))
+        surfaces = merge([_in_tiles(group, finish) for _, group, finish in dull])
+        self._load(merge([surfaces, *(_in_tiles(g, f) for _, g, f in lit)]), rows)
         shining = split_emitters([(g.solid, radiance_of(f)) for _, g, f in lit])
-        scene: dict[str, Any] = {"type": "scene", "s0": self._surfaces(dull)}
+        scene: dict[str, Any] = {"type": "scene", "s0": self._surfaces(surfaces)}
         for k in range(EMITTERS):
             scene[f"s{k + 1}"] = self._emitter(shining[k] if k < len(shining) else None)
         self._scene = mi.load_dict(scene, optimize=False, parallel=False)
-        counts = [sum(len(g.solid.faces) for _, g, _ in dull)]
-        self._first = self._first_faces(counts + [len(solid.faces) for solid, _ in shining])
+        parts = [surfaces, *(solid for solid, _ in shining)]
+        self._first = self._first_faces([len(solid.faces) for solid in parts])
         self._path = mi.load_dict(
             {"type": "path", "max_depth": PATH_DEPTH, "rr_depth": ROULETTE_DEPTH}
         )
 
-    def _load(self, rows: list[tuple[str, JoinedGroup, Finish]], dull: int) -> None:
+    def _load(self, whole: Solid, rows: list[tuple[str, JoinedGroup, Finish]]) -> None:
         """Keep corner attributes and the atlas as arrays of the renderer."""
         mi = self._mi
-        starts = np.cumsum([0] + [len(g.solid.vertices) for _, g, _ in rows])
-        corners = np.concatenate(
-            [g.solid.faces + s for (_, g, _), s in zip(rows, starts, strict=False)]
-        )
-        normals = np.concatenate([g.solid.normals for _, g, _ in rows])
-        uv = np.concatenate([g.solid.uv / f.size_m for _, g, f in rows])
-        self._corners = mi.UInt32(corners.astype(np.uint32).ravel())
-        self._normals = mi.Float(normals.astype(np.float32).ravel())
-        self._uv = mi.Float(uv.astype(np.float32).ravel())
-        vertices = np.concatenate([g.solid.vertices for _, g, _ in rows])
+        self._corners = mi.UInt32(whole.faces.astype(np.uint32).ravel())
+        self._normals = mi.Float(whole.normals.astype(np.float32).ravel())
+        self._uv = mi.Float(whole.uv.astype(np.float32).ravel())
         self._atlas = Atlas([f.tile if f.emission is None else None for _, _, f in rows], mi)
         self._tile = mi.Int32(self._atlas.tile_of(self.faces.groups))
         self._flat = mi.Float(self.faces.colours.ravel())
-        self._density = mi.Float(uv_density(vertices, uv, corners))
+        self._density = mi.Float(uv_density(whole.vertices, whole.uv, whole.faces))
 
-    def _surfaces(self, rows: list[tuple[str, JoinedGroup, Finish]]) -> Any:
+    def _surfaces(self, solid: Solid) -> Any:
         mi = self._mi
         properties = mi.Properties()
         colour = {"type": "mesh_attribute", "name": "face_color"}
         properties["mesh_bsdf"] = mi.load_dict(
             {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": colour}}
         )
-        vertices = np.concatenate([g.solid.vertices for _, g, _ in rows])
-        normals = np.concatenate([g.solid.normals for _, g, _ in rows])
-        starts = np.cumsum([0] + [len(g.solid.vertices) for _, g, _ in rows])
-        faces = np.concatenate(
-            [g.solid.faces + s for (_, g, _), s in zip(rows, starts, strict=False)]
-        )
-        colours = self.faces.colours[: len(faces)]
-        return _mesh(mi, "s0", (vertices, normals, faces), properties, colours)
+        return _mesh(mi, "s0", solid, properties, self.faces.colours[: len(solid.faces)])
 
     def _emitter(self, shining: tuple[Solid, list[float]] | None) -> Any:
         mi = self._mi
-        radiance = [0.0, 0.0, 0.0]
-        solid = (_DARK, np.tile([0.0, -1.0, 0.0], (3, 1)), np.array([[0, 1, 2]]))
-        if shining is not None:
-            whole, radiance = shining
-            solid = (whole.vertices, whole.normals, whole.faces)
+        solid, radiance = shining or (_DARK, [0.0, 0.0, 0.0])
         properties = mi.Properties()
         black = {"type": "rgb", "value": 0.0}
         properties["mesh_bsdf"] = mi.load_dict({"type": "diffuse", "reflectance": black})
@@ -218,18 +207,18 @@ class QuickTracer:
         return np.where(lit[..., None], mean / np.maximum(albedo, 1e-3), 0).astype(np.float32)
 
 
+def _in_tiles(group: JoinedGroup, finish: Finish) -> Solid:
+    """Return a group's solid with UVs in tiles of its finish."""
+    return replace(group.solid, uv=group.solid.uv / finish.size_m)
+
+
 def _mesh(
-    mi: Any,
-    name: str,
-    solid: tuple[NDArray[Any], NDArray[Any], NDArray[Any]],
-    properties: Any,
-    colours: NDArray[np.float32] | None,
+    mi: Any, name: str, solid: Solid, properties: Any, colours: NDArray[np.float32] | None
 ) -> Any:
-    vertices, normals, faces = solid
     mesh = mi.Mesh(
         name,
-        len(vertices),
-        len(faces),
+        len(solid.vertices),
+        len(solid.faces),
         has_vertex_normals=True,
         has_vertex_texcoords=False,
         props=properties,
@@ -237,8 +226,8 @@ def _mesh(
     if colours is not None:
         mesh.add_attribute("face_color", 3, np.ascontiguousarray(colours).ravel())
     params = mi.traverse(mesh)
-    params["vertex_positions"] = vertices.astype(np.float32).ravel()
-    params["vertex_normals"] = normals.astype(np.float32).ravel()
-    params["faces"] = faces.astype(np.uint32).ravel()
+    params["vertex_positions"] = solid.vertices.astype(np.float32).ravel()
+    params["vertex_normals"] = solid.normals.astype(np.float32).ravel()
+    params["faces"] = solid.faces.astype(np.uint32).ravel()
     params.update()
     return mesh

@@ -28,6 +28,7 @@ from plan2scene_workshop.rendering.camera_effects import (
 from plan2scene_workshop.rendering.decor import Decor
 from plan2scene_workshop.rendering.denoise import clamp_fireflies, fill_dark, filter_light, upsample
 from plan2scene_workshop.rendering.lights import look_outside
+from plan2scene_workshop.rendering.photos import camera_record
 from plan2scene_workshop.rendering.quick import Hits, QuickTracer
 from plan2scene_workshop.rendering.scene import SKY, build_room_scene
 from plan2scene_workshop.rendering.views import View
@@ -202,7 +203,7 @@ def _shoot(
         np.where(hits.face >= 0, tracer.faces.labels[hits.face], OTHER).astype(np.uint8),
         _packed_normals(hits, view),
         np.clip(np.round(hits.depth * 1000), 0, 65535).astype(np.uint16),
-        _camera(view, size),
+        camera_record(view, size, max(size) / 2 / float(np.tan(view.fov / 2)), ()),
     )
 
 
@@ -256,18 +257,3 @@ def _packed_normals(hits: Hits, view: View) -> NDArray[np.uint8]:
     turned = hits.normal @ view.rotation().T.astype(np.float32)
     packed = np.round((turned + 1) / 2 * 255)
     return np.where((hits.face >= 0)[..., None], np.clip(packed, 1, 255), 0).astype(np.uint8)
-
-
-def _camera(view: View, size: tuple[int, int]) -> dict[str, Any]:
-    height, width = size
-    return {
-        "width": width,
-        "height": height,
-        "focal_px": max(size) / 2 / float(np.tan(view.fov / 2)),
-        "cx": (width - 1) / 2,
-        "cy": (height - 1) / 2,
-        "rotation": view.rotation().tolist(),
-        "position": list(view.position),
-        "room_id": view.room_id,
-        "planes": [],
-    }
