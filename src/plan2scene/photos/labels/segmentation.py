@@ -23,8 +23,6 @@ from plan2scene.weights import filled, load_model_file
 STRIDE = 32
 #: Sizes that a photo is seen at, relative to the network's.
 SCALES = (1.0, 1.4)
-
-
 #: Median grey value in [0, 1] that dimmer photos are brought to before they are labelled.
 MEDIAN = 0.45
 

@@ -12,7 +12,13 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.images import read_image
 from plan2scene.photos.camera.calibration import estimate_camera
-from plan2scene.photos.labels.palette import DOOR, IGNORE, OTHER, read_label_png
+from plan2scene.photos.labels.palette import (
+    DOOR,
+    IGNORE,
+    OTHER,
+    read_label_png,
+    without_openings,
+)
 from plan2scene.photos.labels.segmentation import Segmenter, confidence_of, labels_of
 from plan2scene_workshop.segmentation.data import (
     LabelledPhoto,
@@ -98,21 +104,15 @@ def measure(segmenter: Segmenter, photo: LabelledPhoto) -> Measured:
     labels = labels_of(logits, size, openings=True)
     fov = 2 * np.degrees(np.arctan(image.shape[1] / 2 / camera.focal_px))
     grey = image.mean(axis=2) / 255
-    scored = true != IGNORE
     return Measured(
         photo.name,
         confusion(labels, true),
         confidence_bins(confidence_of(logits, size), labels, true),
         bool(np.median(grey) < DIM),
         bool(fov >= WIDE_DEG),
-        bool(_four(true[scored] == OTHER, true[scored]).mean() >= FURNISHED),
+        bool((without_openings(true[true != IGNORE]) == OTHER).mean() >= FURNISHED),
         photo.openings,
     )
-
-
-def _four(other: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """Return whether labels are other, doors and windows included."""
-    return other | (labels >= DOOR)
 
 
 def confidence_bins(confidence: np.ndarray, labels: np.ndarray, true: np.ndarray) -> np.ndarray:
@@ -126,7 +126,7 @@ def confidence_bins(confidence: np.ndarray, labels: np.ndarray, true: np.ndarray
     """
     scored = true != IGNORE
     sure, labels, true = confidence[scored], labels[scored], true[scored]
-    right = np.where(labels >= DOOR, OTHER, labels) == np.where(true >= DOOR, OTHER, true)
+    right = without_openings(labels) == without_openings(true)
     bins = np.minimum((sure * BINS).astype(int), BINS - 1)
     weights = (None, sure, right)
     return np.stack([np.bincount(bins, weight, BINS) for weight in weights], axis=1)

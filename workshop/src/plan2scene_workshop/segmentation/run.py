@@ -28,7 +28,7 @@ from plan2scene_workshop.training.card import Card, table, write_card
 _LOG = logging.getLogger("plan2scene")
 _WHAT = """
 Labels every pixel of a room photo as other, floor, wall, ceiling, door or window; furniture, rugs
-and pictures are other. `plan2scene.photos.labels.segmentation.SegmentationNet`, {:.2f} M
+and pictures are other. `plan2scene.photos.labels.network.SegmentationNet`, {:.2f} M
 parameters, float16; photos are scaled to {} pixels on their longer side, and to 1.4 times that.
 """
 _FIGURES = """
@@ -51,7 +51,7 @@ def train_segmentation(
 
     The scores are those of the file as written (float16), on the val split.
     """
-    roots = [data_root, *(settings.further or "").split(":")] if settings.further else [data_root]
+    roots = [data_root, *(settings.further.split(":") if settings.further else ())]
     # Stored a little larger than views, so that zooming in shows more than blur.
     photos = _photos(roots, "train", round(settings.long_side * 1.5))
     held_out = _photos(roots, "val", 1024)
