@@ -19,7 +19,12 @@ from shapely.geometry import Polygon
 from plan2scene.floorplans.drawings.areas import NearestAxis, axis_of_area
 from plan2scene.floorplans.drawings.axes import MAX_AXES
 from plan2scene.floorplans.drawings.containers import parse_xml
-from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom, house_of_drawing
+from plan2scene.floorplans.drawings.drawing import (
+    Drawing,
+    DrawnRoom,
+    house_of_drawing,
+    largest_storey,
+)
 from plan2scene.floorplans.parse import MAX_ROOMS, Source
 from plan2scene.house import House, IconBox
 
@@ -64,12 +69,10 @@ def house_of_cubicasa(
     source = Source(file, house_id)
     root = parse_xml(source, content, doctype=True)
     storeys = _read(source, root)
-    storey = max(storeys, key=lambda item: item.floor())
+    sizes = [(storey.name, storey.floor()) for storey in storeys]
+    storey = storeys[largest_storey(source, sizes)]
     if not any(True for _ in storey.of("Space", "Wall")):
         raise source.fault("SVG groups of class Space or Wall, as CubiCasa has them", "none")
-    if len(storeys) > 1:
-        left = ", ".join(item.name for item in storeys if item is not storey)
-        source.warn("one storey", f"{len(storeys)}; {storey.name} read, left out {left}")
     m = metres_per_pixel or _page_scale(root) or _written_scale(source, storey)
     if m is None or not SCALES[0] < m <= SCALES[1]:
         expected = f"metres_per_pixel up to {SCALES[1]:g}, or areas in m2 written in the rooms"

@@ -23,12 +23,14 @@ from plan2scene.floorplans.drawings.names import room_types
 from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
 from plan2scene.floorplans.openings import Segment, place_openings
 from plan2scene.floorplans.parse import MAX_CORNERS, MAX_ROOMS, Source
-from plan2scene.house import House, IconBox, Opening, Ring, Room, Wall
+from plan2scene.house import House, IconBox, Opening, Point, Ring, Room, Wall
 
 #: Room height in metres where neither room nor wall tells it.
 DEFAULT_HEIGHT = 2.8
 #: Most openings of a plan.
 MAX_OPENINGS = 2000
+#: Openings whose middles are nearer (metres) are one, seen from both sides of its wall.
+SAME_OPENING = 0.4
 #: A face of the walls is a room of its own where drawn rooms cover less of it than this share.
 COVERED_SHARE = 0.1
 #: An opening may be this far (metres) from the face of its wall, ...
@@ -65,6 +67,27 @@ class Drawing:
     openings: list[Segment] = field(default_factory=list)
     icons: list[IconBox] = field(default_factory=list)
     height: float = DEFAULT_HEIGHT
+
+    def floor(self) -> float:
+        """Return the area of the rooms in square metres."""
+        return sum(Polygon(room.rings[0]).area for room in self.rooms)
+
+    def shows(self, start: Point, end: Point, kind: str | None = None) -> bool:
+        """Return whether an opening (of that kind, if given) is where this segment is."""
+        middle = np.add(start, end) / 2
+        offsets = (
+            np.add(o.start, o.end) / 2 - middle for o in self.openings if kind in (None, o.kind)
+        )
+        return any(float(np.hypot(*offset)) < SAME_OPENING for offset in offsets)
+
+
+def largest_storey(source: Source, storeys: Sequence[tuple[str, float]]) -> int:
+    """Return which of the storeys (name, size) is the largest; the others are warned of."""
+    chosen = max(range(len(storeys)), key=lambda k: storeys[k][1])
+    if len(storeys) > 1:
+        left = ", ".join(name for k, (name, _) in enumerate(storeys) if k != chosen)
+        source.warn("one storey", f"{len(storeys)}; {storeys[chosen][0]} read, left out {left}")
+    return chosen
 
 
 def house_of_drawing(source: Source, drawing: Drawing) -> House:

@@ -18,15 +18,18 @@ from shapely.geometry import Polygon
 
 from plan2scene.floorplans.drawings.areas import NearestAxis, axis_of_area
 from plan2scene.floorplans.drawings.axes import MAX_AXES
-from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom, house_of_drawing
+from plan2scene.floorplans.drawings.drawing import (
+    Drawing,
+    DrawnRoom,
+    house_of_drawing,
+    largest_storey,
+)
 from plan2scene.floorplans.parse import MAX_COORDINATE, MAX_ROOMS, Source
 from plan2scene.house import House
 
 #: Most bytes of a model, and triangles of one body.
 MAX_BYTES = 200_000_000
 MAX_TRIANGLES = 20_000
-#: Openings whose middles are nearer (metres) are one: a hole in each of two layers of a wall.
-SAME_OPENING = 0.4
 #: An unfilled hole whose bottom is higher (metres) is a window.
 SILL = 0.3
 
@@ -57,17 +60,11 @@ def house_of_ifc(path: Path, house_id: str) -> House:
         item.is_a("IfcSpace") or item.is_a("IfcWall") for s in storeys.values() for item in s
     ):
         raise source.fault("IfcSpace or IfcWall in the model", "none")
-    drawings = {name: model.drawing(items) for name, items in storeys.items()}
-    chosen = max(drawings, key=lambda name: _size(drawings[name]))
-    if len(drawings) > 1:
-        left = ", ".join(name for name in drawings if name != chosen)
-        source.warn("one storey", f"{len(drawings)}; {chosen} read, left out {left}")
+    drawings = [model.drawing(items) for items in storeys.values()]
+    # A little for each wall tells storeys without spaces apart.
+    sizes = (drawing.floor() + 1e-3 * len(drawing.axes) for drawing in drawings)
+    chosen = largest_storey(source, list(zip(storeys, sizes, strict=True)))
     return house_of_drawing(source, drawings[chosen])
-
-
-def _size(drawing: Drawing) -> float:
-    """Return floor area in square metres, plus a little for each wall."""
-    return sum(Polygon(room.rings[0]).area for room in drawing.rooms) + 1e-3 * len(drawing.axes)
 
 
 class _Model:
@@ -155,9 +152,8 @@ class _Model:
             segment = nearest.segment(body.area, name, named)
             if segment is None:
                 continue
-            middle = np.add(segment.start, segment.end) / 2
-            known = (np.add(o.start, o.end) / 2 - middle for o in found.openings)
-            if not any(float(np.hypot(*offset)) < SAME_OPENING for offset in known):
+            # A hole in each of two layers of a wall is one.
+            if not found.shows(segment.start, segment.end):
                 found.openings.append(replace(segment, bottom=low, top=max(body.high - base, low)))
 
     def _holes(self, products: list[Any]) -> Iterator[tuple[str, Any]]:

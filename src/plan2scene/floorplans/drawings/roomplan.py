@@ -14,14 +14,17 @@ from shapely.geometry import Point as ShapelyPoint
 from shapely.geometry import Polygon
 
 from plan2scene.floorplans.drawings.axes import MAX_AXES, WallAxis
-from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom, house_of_drawing
+from plan2scene.floorplans.drawings.drawing import (
+    Drawing,
+    DrawnRoom,
+    house_of_drawing,
+    largest_storey,
+)
 from plan2scene.floorplans.drawings.names import room_types
 from plan2scene.floorplans.openings import Segment
 from plan2scene.floorplans.parse import Source
 from plan2scene.house import House, IconBox, Ring
 
-#: Openings of one kind whose middles are nearer (metres) are one, seen from both rooms.
-SAME_OPENING = 0.4
 _KINDS = {"doors": "door", "windows": "window", "openings": "passage"}
 
 
@@ -43,11 +46,8 @@ def house_of_roomplan(document: Any, house_id: str, *, file: str = "") -> House:
     for room in rooms:
         stories[_story(source, room)].append(room)
     drawings = {story: _drawing(source, group) for story, group in sorted(stories.items())}
-    chosen = max(drawings, key=lambda story: _size(drawings[story]))
-    if len(drawings) > 1:
-        left = ", ".join(str(story) for story in drawings if story != chosen)
-        found = f"{len(drawings)}; storey {chosen} read, left out {left}"
-        source.warn("one storey", found)
+    sizes = [(f"storey {story}", _size(drawing)) for story, drawing in drawings.items()]
+    chosen = list(drawings)[largest_storey(source, sizes)]
     return house_of_drawing(source, drawings[chosen])
 
 
@@ -70,9 +70,8 @@ def _story(source: Source, room: dict[str, Any]) -> int:
 
 def _size(drawing: Drawing) -> float:
     """Return floor area in square metres, plus a little for each metre of wall."""
-    floors = sum(Polygon(room.rings[0]).area for room in drawing.rooms)
     lengths = (float(np.linalg.norm(np.subtract(a.end, a.start))) for a in drawing.axes)
-    return floors + 1e-3 * sum(lengths)
+    return drawing.floor() + 1e-3 * sum(lengths)
 
 
 def _drawing(source: Source, rooms: list[dict[str, Any]]) -> Drawing:
@@ -165,13 +164,7 @@ def _add_openings(source: Source, room: dict[str, Any], base: float, found: Draw
     for key, kind in _KINDS.items():
         for value in source.items(room.get(key), key):
             start, end, bottom, top = _upright(source, value, key)
-            middle = np.add(start, end) / 2
-            known = (
-                float(np.linalg.norm(np.add(o.start, o.end) / 2 - middle)) < SAME_OPENING
-                for o in found.openings
-                if o.kind == kind
-            )
-            if not any(known):
+            if not found.shows(start, end, kind):
                 low = max(bottom - base, 0.0)
                 name = f"opening_{len(found.openings)}"
                 found.openings.append(Segment(name, kind, start, end, low, max(top - base, low)))

@@ -16,7 +16,12 @@ from shapely.geometry import Polygon
 
 from plan2scene.floorplans.drawings.axes import MAX_AXES, WallAxis
 from plan2scene.floorplans.drawings.containers import attribute, parse_xml, zip_entry, zip_names
-from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom, house_of_drawing
+from plan2scene.floorplans.drawings.drawing import (
+    Drawing,
+    DrawnRoom,
+    house_of_drawing,
+    largest_storey,
+)
 from plan2scene.floorplans.openings import Segment
 from plan2scene.floorplans.parse import MAX_ITEMS, Source
 from plan2scene.house import House, IconBox, Point, Ring
@@ -103,11 +108,8 @@ class _Home:
             for wall in self.root.findall("wall"):
                 if wall.get("level") in floors:
                     floors[wall.get("level", "")] += math.dist(*self._ends(wall))
-        chosen = max(floors, key=lambda name: floors[name])
-        left = [level.get("name") or name for name, level in self.levels.items() if name != chosen]
-        name = self.levels[chosen].get("name") or chosen
-        self.source.warn("one level", f"{len(floors)}; {name} read, left out {', '.join(left)}")
-        return chosen
+        sizes = [(self.levels[name].get("name") or name, size) for name, size in floors.items()]
+        return list(floors)[largest_storey(self.source, sizes)]
 
     def _on_level(self, tags: tuple[str, ...]) -> Iterator[Element]:
         """Yield the visible elements of these tags on the level, out of groups too."""

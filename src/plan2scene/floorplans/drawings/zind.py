@@ -12,7 +12,6 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from shapely.geometry import Polygon
 
 from plan2scene.floorplans.drawings.areas import HEIGHTS
 from plan2scene.floorplans.drawings.drawing import (
@@ -21,13 +20,12 @@ from plan2scene.floorplans.drawings.drawing import (
     Drawing,
     DrawnRoom,
     house_of_drawing,
+    largest_storey,
 )
 from plan2scene.floorplans.openings import Segment
 from plan2scene.floorplans.parse import Source
 from plan2scene.house import House
 
-#: Openings whose middles are nearer (metres) are one, seen from both rooms.
-SAME_OPENING = 0.4
 _KINDS = {"doors": "door", "windows": "window", "openings": "passage"}
 
 
@@ -55,14 +53,8 @@ def house_of_zind(
     drawings = {name: drawing for name, drawing in drawings.items() if drawing.rooms}
     if not drawings:
         raise source.fault("rooms in 'redraw' or 'merger'", "none")
-    area = {
-        name: sum(Polygon(room.rings[0]).area for room in drawing.rooms)
-        for name, drawing in drawings.items()
-    }
-    chosen = max(area, key=lambda name: area[name])
-    if len(drawings) > 1:
-        left = ", ".join(name for name in drawings if name != chosen)
-        source.warn("one storey", f"{len(drawings)}; {chosen} read, left out {left}")
+    sizes = [(name, drawing.floor()) for name, drawing in drawings.items()]
+    chosen = list(drawings)[largest_storey(source, sizes)]
     return house_of_drawing(source, drawings[chosen])
 
 
@@ -158,10 +150,8 @@ def _add_room(
             raw = [point for item in raw for point in source.items(item, key)]
         for k in range(0, len(raw) - 1, step):
             start, end = _points(source, raw[k : k + 2], matrix, move)
-            middle = np.add(start, end) / 2
-            known = (np.add(o.start, o.end) / 2 - middle for o in found.openings if o.kind == kind)
             if len(found.openings) > MAX_OPENINGS:
                 raise source.fault(f"at most {MAX_OPENINGS} doors and windows", "more")
-            if not any(float(np.hypot(*offset)) < SAME_OPENING for offset in known):
+            if not found.shows(start, end, kind):
                 name = f"opening_{len(found.openings)}"
                 found.openings.append(Segment(name, kind, start, end, *HEIGHTS[kind]))

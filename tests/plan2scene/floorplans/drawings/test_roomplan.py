@@ -113,7 +113,7 @@ def test_the_storey_with_most_floor_is_read(tmp_path):
     rooms = [*rooms_of(small), *rooms_of(large, story=1, base=2.0)]
     found = read_plan(written(tmp_path, {"rooms": rooms}), "h1")
     assert_found(large, found)
-    assert any("2; storey 1 read, left out 0" in line for line in found.warnings)
+    assert any("2; storey 1 read, left out storey 0" in line for line in found.warnings)
 
 
 WALL = surface("wall", (0, 0), (4, 0), 0, 2.5)

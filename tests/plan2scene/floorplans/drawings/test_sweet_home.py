@@ -114,7 +114,10 @@ def test_the_level_with_most_floor_is_read(tmp_path):
     parts = [home_xml(small, level="l0"), home_xml(large, level="l1")]
     found = read_plan(home(tmp_path, *levels, *parts), "h1")
     assert_found(large, found)
-    assert sum("one level" in line for line in found.warnings) == 1
+    assert (
+        sum("one storey, found 2; Upper read, left out Ground" in line for line in found.warnings)
+        == 1
+    )
 
 
 LEVELS = [("l0", "Ground", 0), ("l1", "Upper", 260)]
