@@ -12,7 +12,7 @@ from typing import Any
 
 from plan2scene.errors import InputError
 from plan2scene.house import MAX_ID_LENGTH as MAX_ID_LENGTH
-from plan2scene.house import ROOM_TYPES, Point, Ring
+from plan2scene.house import ROOM_TYPES, Point, Ring, Room
 
 #: Ids of houses, rooms, walls and openings (they become file names).
 ID_PATTERN = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
@@ -125,6 +125,12 @@ class Source:
         """Return the :meth:`ring` of [x, z] pairs as a file has them."""
         pairs = [[self.number(v, "a coordinate", room) for v in point] for point in points]
         return self.ring([(x, z) for x, z in pairs], room)
+
+    def limit_corners(self, rooms: Iterable[Room]) -> None:
+        """Raise InputError for more corners than walls are worked out from."""
+        corners = sum(len(ring) for room in rooms for ring in room.rings)
+        if corners > MAX_CORNERS:
+            raise self.fault(f"at most {MAX_CORNERS} corners of all rooms", corners)
 
     def box(self, item: dict[str, Any], what: str) -> tuple[Point, Point]:
         """Return the corners p1 and p2 (x, z) of an item's ``bound_box``."""

@@ -10,7 +10,7 @@ from typing import Any
 from plan2scene.errors import InputError
 from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
 from plan2scene.floorplans.openings import Segment, place_openings
-from plan2scene.floorplans.parse import MAX_CORNERS, Source
+from plan2scene.floorplans.parse import Source
 from plan2scene.house import House, Room
 
 FORMAT = "plan2scene-plan"
@@ -49,9 +49,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
         height = float(entry.get("height", DEFAULT_HEIGHT))
         types = dict.fromkeys(source.room_type(name, entry["id"]) for name in entry["types"])
         rooms.append(Room(entry["id"], tuple(types), tuple(rings), height))
-    corners = sum(len(ring) for room in rooms for ring in room.rings)
-    if corners > MAX_CORNERS:
-        raise source.fault(f"at most {MAX_CORNERS} corners of all rooms", corners)
+    source.limit_corners(rooms)
     walls = walls_of_rooms(rooms, depth=float(document.get("wall_depth", DEFAULT_DEPTH)))
     segments = _segments(source, document.get("openings", []))
     walls = place_openings(source, walls, segments, tolerance=SNAP_TOLERANCE)

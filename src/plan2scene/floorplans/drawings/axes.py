@@ -69,9 +69,14 @@ def rooms_of_axes(source: Source, axes: Sequence[WallAxis]) -> list[Polygon]:
     for face in polygonize(network):
         floor = face.difference(unary_union([bodies[k] for k in tree.query(face)]))
         for part in getattr(floor, "geoms", [floor]):
-            if part.area >= LEAST_AREA and not part.buffer(-LEAST_WIDTH / 2).is_empty:
+            if is_floor(part):
                 rooms.append(_plain(part))
     return sorted(rooms, key=lambda room: (round(room.bounds[1], 3), round(room.bounds[0], 3)))
+
+
+def is_floor(face: Polygon) -> bool:
+    """Return whether a face between walls is large and wide enough for a room."""
+    return face.area >= LEAST_AREA and not face.buffer(-LEAST_WIDTH / 2).is_empty
 
 
 def _joined(axes: Sequence[WallAxis]) -> list[WallAxis]:

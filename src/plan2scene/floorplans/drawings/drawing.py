@@ -22,7 +22,7 @@ from plan2scene.floorplans.drawings.axes import DEFAULT_THICKNESS, WallAxis, roo
 from plan2scene.floorplans.drawings.names import room_types
 from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
 from plan2scene.floorplans.openings import Segment, place_openings
-from plan2scene.floorplans.parse import MAX_CORNERS, MAX_ROOMS, Source
+from plan2scene.floorplans.parse import MAX_ROOMS, Source
 from plan2scene.house import House, IconBox, Opening, Point, Ring, Room, Wall
 
 #: Room height in metres where neither room nor wall tells it.
@@ -100,9 +100,7 @@ def house_of_drawing(source: Source, drawing: Drawing) -> House:
     if len(drawing.openings) > MAX_OPENINGS:
         raise source.fault(f"at most {MAX_OPENINGS} doors and windows", len(drawing.openings))
     rooms = _rooms(source, drawing)
-    corners = sum(len(ring) for room in rooms for ring in room.rings)
-    if corners > MAX_CORNERS:
-        raise source.fault(f"at most {MAX_CORNERS} corners of all rooms", corners)
+    source.limit_corners(rooms)
     along = _Axes(drawing.axes)
     walls = [along.applied(wall) for wall in walls_of_rooms(rooms, depth=DEFAULT_THICKNESS)]
     walls = _with_openings(source, walls, drawing.openings, along)

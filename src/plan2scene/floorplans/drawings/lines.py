@@ -15,9 +15,8 @@ from shapely.strtree import STRtree
 from plan2scene.floorplans.drawings.axes import (
     DEFAULT_THICKNESS,
     GRID,
-    LEAST_AREA,
-    LEAST_WIDTH,
     WallAxis,
+    is_floor,
 )
 from plan2scene.floorplans.openings import Segment
 
@@ -159,11 +158,7 @@ def rooms_of_outlines(lines: Sequence[LineString], gaps: Sequence[WallAxis]) -> 
         for part in getattr(solid, "geoms", [solid])
         for ring in part.interiors
     ]
-    return [
-        room
-        for room in rooms
-        if room.area >= LEAST_AREA and not room.buffer(-LEAST_WIDTH / 2).is_empty
-    ]
+    return [room for room in rooms if is_floor(room)]
 
 
 def groups_of_lines(lines: Sequence[LineString]) -> list[Polygon]:
