@@ -61,19 +61,17 @@ def error_rows(truth: Path, results: Path) -> list[dict[str, Any]]:
     """Return a row per method and kind of surface: n, median and mean errors."""
     rows = []
     for column, drop, observed in COLUMNS:
-        for folder in sorted((results / f"drop_{drop}").iterdir()):
-            found = [
-                row
-                for house in sorted(truth.iterdir())
-                if (folder / house.name / "textures").is_dir()
-                for row in errors(house, folder / house.name / "textures", observed=observed)
-            ]
+        made: dict[str, list[tuple[float, float, float]]] = {}
+        for house in sorted(truth.iterdir()):
+            for folder in (results / "houses" / house.name / "comparison" / drop).glob("*"):
+                made.setdefault(folder.name, []).extend(errors(house, folder, observed=observed))
+        for method, found in sorted(made.items()):
             if not found:
                 continue
             difference, color, freq = np.array(found).T
             rows.append(
                 {
-                    "method": folder.name,
+                    "method": method,
                     "column": column,
                     "n": len(found),
                     "difference": float(np.median(difference)),
