@@ -33,7 +33,7 @@ from plan2scene.photos.contact_sheet.windows import (
 from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.stage import read_poses
 from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M
-from plan2scene.photos.planes.room_size import RoomSize, room_extent
+from plan2scene.photos.planes.room_size import RoomSize
 
 #: Photos on a sheet; of houses with more the first are shown, the rest counted.
 MAX_PHOTOS = 20
@@ -106,8 +106,7 @@ def write_contact_sheet(
             house.id,
             poses.get(name),
         )
-        room = house.room(rooms[0]) if rooms else None
-        room_size = RoomSize(room.height, room_extent(room)) if room else None
+        room_size = RoomSize.of(house.room(rooms[0])) if rooms else None
         found = row_panels(photo, room_size, camera_height_m, shapes)
         _draw_row(sheet, HEADER + row * ROW, photo, found)
     write_png(output, np.asarray(sheet))

@@ -18,7 +18,7 @@ from plan2scene.photos.crops.verdict import Reason
 from plan2scene.photos.locate.pose import Pose
 from plan2scene.photos.locate.seen_planes import SeenPlane
 from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
-from plan2scene.photos.planes.room_size import RoomSize, room_extent
+from plan2scene.photos.planes.room_size import RoomSize
 from plan2scene.seeds import generator
 
 
@@ -57,7 +57,7 @@ def rooms_by_size(house: House, rooms: Sequence[str]) -> dict[RoomSize, tuple[st
     groups: dict[RoomSize, list[str]] = {}
     for name in dict.fromkeys(rooms):
         room = house.room(name)
-        groups.setdefault(RoomSize(room.height, room_extent(room)), []).append(name)
+        groups.setdefault(RoomSize.of(room), []).append(name)
     return {size: tuple(members) for size, members in groups.items()}
 
 

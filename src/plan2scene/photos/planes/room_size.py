@@ -28,6 +28,11 @@ class RoomSize:
     height_m: float
     extent_m: tuple[float, float] | None = None
 
+    @classmethod
+    def of(cls, room: Room) -> RoomSize:
+        """Return the size of a room of the plan."""
+        return cls(room.height, room_extent(room))
+
 
 def room_extent(room: Room) -> tuple[float, float] | None:
     """Return the sides in metres of a room's rectangle; None for one that is no rectangle."""
