@@ -92,6 +92,15 @@ def test_bad_rows_are_one_line(tmp_path: Path, row: str, expected: str) -> None:
         read_model_index(tmp_path, train=True)
 
 
+def test_an_index_without_its_columns_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "index.csv").write_text("file,class\nm0.glb,chair\n")
+    with pytest.raises(InputError, match=r"columns class, depth.*file, class"):
+        read_model_index(tmp_path, train=True)
+    (tmp_path / "index.csv").write_text(HEADER)
+    with pytest.raises(InputError, match="no row"):
+        read_model_index(tmp_path, train=True)
+
+
 def test_files_that_are_no_models_are_refused(tmp_path: Path) -> None:
     for name, content in (("a.glb", b"no model"), ("b.glb", b"glTF\x02\x00\x00\x00")):
         (tmp_path / name).write_bytes(content)

@@ -6,7 +6,6 @@ The folder holds `index.csv` with the columns file, class, width, depth, height 
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,14 +19,14 @@ from numpy.typing import NDArray
 from plan2scene.errors import InputError
 from plan2scene.io import safe_join
 from plan2scene_workshop.rendering.geometry import Array, Colour, Solid
+from plan2scene_workshop.rendering.index import index_path, of_split, read_index
 from plan2scene_workshop.rendering.pieces import Piece
 from plan2scene_workshop.rendering.tracer import Finish
 
 MOUNTS = ("floor", "wall", "ceiling", "table")
 #: Limits of what is kept of a model.
 MAX_FACES, MAX_TEXTURE_PX, MAX_BYTES, MAX_METRES = 9000, 256, 64 * 2**20, 6.0
-#: Every so-manieth row of the index is kept for other splits than train.
-HELD_OUT_EVERY = 8
+_COLUMNS = ("file", "class", "mount", "width", "depth", "height")
 
 
 @dataclass(frozen=True)
@@ -55,20 +54,11 @@ def read_model_index(folder: str | Path, *, train: bool) -> dict[str, list[Model
 
     InputError when the index lacks a column or has a bad row.
     """
-    index = Path(folder) / "index.csv"
-    try:
-        with index.open(newline="", encoding="utf-8-sig") as handle:
-            rows = list(csv.DictReader(handle))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError("index.csv of models", str(error), file=index) from error
-    needed = {"file", "class", "mount", "width", "depth", "height"}
-    if not rows or not needed <= set(rows[0]):
-        raise InputError(f"columns {', '.join(sorted(needed))}", "others", file=index)
+    index = index_path(folder)
+    entries = [_entry(index.parent, row, index) for row in read_index(folder, "models", _COLUMNS)]
     found: dict[str, list[ModelEntry]] = {}
-    for number, row in enumerate(rows):
-        entry = _entry(Path(folder), row, index)
-        if (number % HELD_OUT_EVERY != HELD_OUT_EVERY - 1) == train:
-            found.setdefault(entry.kind, []).append(entry)
+    for entry in of_split(entries, train=train):
+        found.setdefault(entry.kind, []).append(entry)
     return found
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,10 +18,11 @@ from plan2scene.images import read_image
 from plan2scene.io import safe_join
 from plan2scene.materials import Material, load_texture_folder
 from plan2scene.seeds import generator
+from plan2scene_workshop.rendering.index import index_path, of_split, read_index
 from plan2scene_workshop.rendering.lights import PANORAMA_TOP
-from plan2scene_workshop.rendering.models import HELD_OUT_EVERY, ModelEntry, read_model_index
+from plan2scene_workshop.rendering.models import ModelEntry, read_model_index
 
-#: Substance, size in metres and roughness by the word that a row's substance ends or begins with.
+#: Substance, size in metres and roughness by the word that a row's substance ends with.
 _SUBSTANCES = {
     "carpet": ("carpet", 0.8, 0.97),
     "fabric": ("carpet", 0.5, 0.97),
@@ -79,26 +79,19 @@ def load_textures(folder: str | Path, *, train: bool) -> list[Material]:
     name a map of normals in column normal: relief in light from one side is put into the colour.
     Every eighth of its rows is for other splits than train.
     """
-    index = Path(folder) / "index.csv"
-    if not index.is_file():
-        raise InputError("index.csv of textures", "no such file", file=index)
-    with index.open(newline="", encoding="utf-8-sig") as handle:
-        rows = list(csv.DictReader(handle))
-    if not rows or "file" not in rows[0]:
+    rows = read_index(folder, "textures")
+    if "file" not in rows[0]:
         return load_texture_folder(folder, "train" if train else "val")
     if "substance" not in rows[0]:
-        raise InputError("columns file and substance", ", ".join(rows[0]), file=index)
-    return [
-        _flat_texture(Path(folder), row, index)
-        for number, row in enumerate(rows)
-        if (number % HELD_OUT_EVERY != HELD_OUT_EVERY - 1) == train
-    ]
+        raise InputError("columns file and substance", ", ".join(rows[0]), file=index_path(folder))
+    return [_flat_texture(Path(folder), row) for row in of_split(rows, train=train)]
 
 
-def _flat_texture(folder: Path, row: Mapping[str, str], index: Path) -> Material:
+def _flat_texture(folder: Path, row: Mapping[str, str]) -> Material:
     word = row["substance"].split("_")[-1]
     if word not in _SUBSTANCES:
-        raise InputError(f"a substance of {', '.join(_SUBSTANCES)}", row["substance"], file=index)
+        expected = f"a substance of {', '.join(_SUBSTANCES)}"
+        raise InputError(expected, row["substance"], file=index_path(folder))
     substance, size_m, roughness = _SUBSTANCES[word]
     image = _square(read_image(safe_join(folder, row["file"])))
     if row.get("normal"):
@@ -117,15 +110,8 @@ def _square(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def load_environments(folder: str | Path, *, train: bool) -> list[Environment]:
     """Return the environments of a folder (`index.csv` with column file, equirectangular HDR)."""
-    index = Path(folder) / "index.csv"
-    try:
-        with index.open(newline="", encoding="utf-8-sig") as handle:
-            names = [row["file"] for row in csv.DictReader(handle)]
-    except (OSError, KeyError, UnicodeDecodeError) as error:
-        raise InputError("index.csv with column file", str(error), file=index) from error
-    held = HELD_OUT_EVERY - 1
-    kept = [name for k, name in enumerate(names) if (k % HELD_OUT_EVERY != held) == train]
-    return [_environment(safe_join(folder, name)) for name in kept]
+    rows = of_split(read_index(folder, "environments", ("file",)), train=train)
+    return [_environment(safe_join(folder, row["file"])) for row in rows]
 
 
 def _environment(file: Path) -> Environment:

@@ -1,0 +1,44 @@
+"""Folders of things that training photos draw from: rows of `index.csv`, and their splits."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from plan2scene.errors import InputError
+
+#: Every so-manieth row of an index is kept for other splits than train.
+HELD_OUT_EVERY = 8
+
+_Row = TypeVar("_Row")
+
+
+def index_path(folder: str | Path) -> Path:
+    """Return the index of a folder."""
+    return Path(folder) / "index.csv"
+
+
+def read_index(
+    folder: str | Path, what: str, columns: Collection[str] = ()
+) -> list[dict[str, str]]:
+    """Return the rows of a folder's index; InputError without it, its `columns` or any row."""
+    index = index_path(folder)
+    try:
+        with index.open(newline="", encoding="utf-8-sig") as handle:
+            rows = list(csv.DictReader(handle))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"index.csv of {what}", str(error), file=index) from error
+    found = list(rows[0]) if rows else []
+    if not rows or not set(columns) <= set(found):
+        named = f" of columns {', '.join(sorted(columns))}" if columns else ""
+        expected = f"index.csv of {what} with rows{named}"
+        raise InputError(expected, ", ".join(found) or "no row", file=index)
+    return rows
+
+
+def of_split(rows: Sequence[_Row], *, train: bool) -> list[_Row]:
+    """Return the rows that training sees, or (other ones) those of the other splits."""
+    held = HELD_OUT_EVERY - 1
+    return [row for k, row in enumerate(rows) if (k % HELD_OUT_EVERY != held) == train]
