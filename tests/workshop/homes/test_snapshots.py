@@ -46,8 +46,12 @@ def test_a_house_of_snapshots_is_a_data_set(
     small = partial(assign_materials, size_px=32)
     monkeypatch.setattr(snapshots, "assign_materials", small)
     options = snapshots.SnapshotOptions(views=2, long_side=32, targets=targets)
+    earlier = tmp_path / "photos" / "h_1_99.jpg"
+    earlier.parent.mkdir()
+    earlier.write_bytes(b"of a run with more photos")
     house = snapshots.write_snapshots(tmp_path, "h_1", "train", 5, options, sources=Sources())
     write_dataset_index(tmp_path, {"h_1": "train"}, 0)
+    assert not earlier.exists()
     truth = tmp_path / "truth" / "train" / "h_1"
     cameras = read_json(truth / "cameras.json")
     table = read_house_table(tmp_path / "houses.tsv")

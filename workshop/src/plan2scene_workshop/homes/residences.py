@@ -9,7 +9,7 @@ import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import cv2
 import numpy as np
@@ -32,9 +32,6 @@ from plan2scene_workshop.rendering.randomised import (
     randomise_materials,
     randomise_view,
 )
-
-if TYPE_CHECKING:
-    from plan2scene_workshop.rendering import RenderedPhoto
 
 _LOGGER = logging.getLogger("plan2scene")
 
@@ -128,14 +125,13 @@ def write_residence(
     )
     assignment: list[tuple[str, str]] = []
     cameras: dict[str, Any] = {}
-    # An earlier run of this house may have had more photos.
-    for old in (root / "photos").glob(f"{house_id}_[0-9][0-9].jpg"):
-        old.unlink()
+    clear_photos(root, house_id)
     with atomic_directory(root / "truth" / split / house_id) as truth:
         for k, photo in enumerate(photos):
             name = f"{house_id}_{k:02d}.jpg"
             quality = int(rng.integers(options.jpeg_quality[0], options.jpeg_quality[1] + 1))
-            _write_photo(root, truth, name, photo, quality)
+            write_photo(root, truth, name, photo.image, photo.labels, quality)
+            write_png(truth / "planes" / f"{Path(name).stem}.png", photo.planes)
             cameras[name] = photo.camera
             assignment.append((photo.view.room_id, name))
             _LOGGER.info("%s: photo %d of %d, %s", house_id, k + 1, count, photo.view.room_id)
@@ -144,6 +140,12 @@ def write_residence(
     write_scene_json(house, root / "archs_no_objects" / split / f"{house_id}.scene.json")
     write_assignment(root / "photo_assignments" / split / f"{house_id}.photoroom.csv", assignment)
     return house
+
+
+def clear_photos(root: Path, house_id: str) -> None:
+    """Remove a house's photos: an earlier run of it may have had more."""
+    for old in (root / "photos").glob(f"{house_id}_[0-9][0-9].jpg"):
+        old.unlink()
 
 
 def write_assignment(path: Path, rows: Sequence[tuple[str, str]]) -> None:
@@ -169,13 +171,13 @@ def photographed_rooms(
     return tuple(names[i] for i in sorted(chosen))
 
 
-def _write_photo(root: Path, truth: Path, name: str, photo: RenderedPhoto, quality: int) -> None:
-    """Write a photo and its label and plane images."""
+def write_photo(
+    root: Path, truth: Path, name: str, image: np.ndarray, labels: np.ndarray, quality: int
+) -> None:
+    """Write a photo and its mask."""
     with atomic_path(root / "photos" / name) as temporary:
-        temporary.write_bytes(encode_jpeg(photo.image, quality))
-    stem = Path(name).stem
-    write_label_png(truth / "masks" / f"{stem}.png", photo.labels)
-    write_png(truth / "planes" / f"{stem}.png", photo.planes)
+        temporary.write_bytes(encode_jpeg(image, quality))
+    write_label_png(truth / "masks" / f"{Path(name).stem}.png", labels)
 
 
 def _write_materials(truth: Path, materials: Mapping[SurfaceKey, Material], tile_px: int) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 
 from plan2scene.floorplans import write_scene_json
@@ -15,12 +16,10 @@ from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House
 from plan2scene.images import write_png
 from plan2scene.io import atomic_directory, atomic_path, write_json
-from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.homes.floorplans import generate_house
-from plan2scene_workshop.homes.residences import write_assignment
+from plan2scene_workshop.homes.residences import clear_photos, write_assignment, write_photo
 from plan2scene_workshop.homes.style import accent_walls, assign_materials
-from plan2scene_workshop.rendering import encode_jpeg
 from plan2scene_workshop.rendering.decor import draw_decor
 from plan2scene_workshop.rendering.snapshots import Snapshot, shoot_room
 from plan2scene_workshop.rendering.sources import Sources
@@ -66,6 +65,7 @@ def write_snapshots(
     rng = generator(seed, "snapshots", house_id)
     assignment: list[tuple[str, str]] = []
     cameras: dict[str, Any] = {}
+    clear_photos(root, house_id)
     with atomic_directory(root / "truth" / split / house_id) as truth:
         for room_id in _rooms(house, rng):
             room_seed = derive_seed(seed, "room", house_id, room_id)
@@ -86,7 +86,9 @@ def write_snapshots(
             for shot in shots:
                 name = f"{house_id}_{len(cameras):02d}.jpg"
                 quality = int(rng.integers(options.jpeg_quality[0], options.jpeg_quality[1] + 1))
-                _write(root, truth, name, shot, quality, targets=options.targets)
+                write_photo(root, truth, name, shot.image, shot.labels, quality)
+                if options.targets:
+                    _write_targets(truth, f"{Path(name).stem}.png", shot)
                 cameras[name] = shot.camera
                 assignment.append((room_id, name))
         write_json(truth / "cameras.json", cameras)
@@ -105,25 +107,11 @@ def _rooms(house: House, rng: np.random.Generator) -> list[str]:
     ]
 
 
-def _write(
-    root: Path, truth: Path, name: str, shot: Snapshot, quality: int, *, targets: bool
-) -> None:
-    """Write a photo and its truth."""
-    with atomic_path(root / "photos" / name) as temporary:
-        temporary.write_bytes(encode_jpeg(shot.image, quality))
-    stem = Path(name).stem
-    write_label_png(truth / "masks" / f"{stem}.png", shot.labels)
-    if targets:
-        write_png(truth / "normals" / f"{stem}.png", shot.normals)
-        _write_depth(truth / "depth" / f"{stem}.png", shot)
-
-
-def _write_depth(path: Path, shot: Snapshot) -> None:
-    """Write depth as 16-bit grey PNG, millimetres."""
-    import cv2
-
+def _write_targets(truth: Path, name: str, shot: Snapshot) -> None:
+    """Write normals, and depth as 16-bit grey PNG, millimetres."""
+    write_png(truth / "normals" / name, shot.normals)
     done, data = cv2.imencode(".png", shot.depth)
     if not done:
         raise RuntimeError("no PNG of a depth image")
-    with atomic_path(path) as temporary:
+    with atomic_path(truth / "depth" / name) as temporary:
         temporary.write_bytes(data.tobytes())
