@@ -13,6 +13,7 @@ from typing import Any
 
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.check import photo_problem
+from plan2scene.datasets.table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.floorplans import read_plan, validate_house
 from plan2scene.io import safe_join, write_text
@@ -86,7 +87,7 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
         assignment = "photoroom.csv"
     with (root / "houses.tsv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, delimiter="\t", lineterminator="\n")
-        writer.writerow(["house", "split", "plan", "assignment", "photos"])
+        writer.writerow(COLUMNS)
         writer.writerow([request.house, "test", plan.name, assignment, "|".join(names)])
     return _write_config(request, root, work)
 
