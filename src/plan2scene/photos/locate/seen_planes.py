@@ -37,6 +37,23 @@ class SeenPlane:
     plane: Plane
 
 
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """The pixels (n,) of one surface's label: what their rays meet, and how steep these are."""
+
+    surface: str
+    pose: Pose
+    shapes: Mapping[str, RoomShape]
+    sight: Sight
+    #: (n,) float64: metres up for each metre ahead.
+    slope: np.ndarray
+
+    @property
+    def room(self) -> RoomShape:
+        """Return the room that the camera stands in."""
+        return self.shapes[self.pose.room_id]
+
+
 def seen_planes(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]) -> list[SeenPlane]:
     """Return floor, ceiling and walls of the pose's room, then those of rooms behind its doors.
 
@@ -70,7 +87,7 @@ def seen_planes(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape])
         slope = rays[:, 1] / np.maximum(np.hypot(rays[:, 0], rays[:, 2]), 1e-9)
         owners = _wall_owners if surface == "wall" else _flat_owners
         planes = []
-        for room_id, bare, mine in owners(surface, pose, shapes, sight, slope):
+        for room_id, bare, mine in owners(_Seen(surface, pose, shapes, sight, slope)):
             mask = np.zeros(labels.shape, bool)
             mask[rows[mine], columns[mine]] = True
             mask = without_specks(mask)
@@ -91,21 +108,15 @@ def _numbered(planes: list[SeenPlane], own: str) -> list[SeenPlane]:
     ]
 
 
-def _flat_owners(
-    surface: str,
-    pose: Pose,
-    shapes: Mapping[str, RoomShape],
-    sight: Sight,
-    slope: np.ndarray,
-) -> Iterator[tuple[str, Plane, np.ndarray]]:
+def _flat_owners(seen: _Seen) -> Iterator[tuple[str, Plane, np.ndarray]]:
     """Yield (room, its plane without a mask, pixels (n,) bool) of floor or ceiling pixels."""
-    shape = shapes[pose.room_id]
+    pose, sight, slope, shape = seen.pose, seen.sight, seen.slope, seen.room
     slack = OFF_SHARE * sight.reach + OFF_M
     open_ = _open_to(shape, sight)
     tops = np.array([*(hole.top for hole in shape.holes), 0.0])[sight.hole]
     below_top = pose.position[1] + slope * sight.reach < tops - OFF_M
     for room_id in (pose.room_id, *_rooms_behind(shape)):
-        level = 0.0 if surface == "floor" else shapes[room_id].height
+        level = 0.0 if seen.surface == "floor" else seen.shapes[room_id].height
         rise = level - pose.position[1]
         meets = slope * rise > 1e-9
         away = np.where(meets, rise / np.where(meets, slope, 1.0), np.inf)
@@ -114,20 +125,14 @@ def _flat_owners(
         else:
             mine = (open_ == room_id) & below_top & (away > sight.reach + OFF_M)
             mine &= away < sight.beyond * (1 + OFF_SHARE)
-        up = 1.0 if surface == "floor" else -1.0
-        yield room_id, _plane(surface, (0.0, up, 0.0), up * rise, pose), mine
+        up = 1.0 if seen.surface == "floor" else -1.0
+        yield room_id, _plane(seen.surface, (0.0, up, 0.0), up * rise, pose), mine
 
 
-def _wall_owners(
-    surface: str,
-    pose: Pose,
-    shapes: Mapping[str, RoomShape],
-    sight: Sight,
-    slope: np.ndarray,
-) -> Iterator[tuple[str, Plane, np.ndarray]]:
+def _wall_owners(seen: _Seen) -> Iterator[tuple[str, Plane, np.ndarray]]:
     """Yield (room, its plane without a mask, pixels (n,) bool) of wall pixels."""
-    shape = shapes[pose.room_id]
-    level = pose.position[1] + slope * sight.reach
+    pose, sight, shape = seen.pose, seen.sight, seen.room
+    level = pose.position[1] + seen.slope * sight.reach
     near_hole = np.zeros(len(level), bool)
     well_inside = np.zeros(len(level), bool)
     for hole in shape.holes:
@@ -140,12 +145,12 @@ def _wall_owners(
                 & (level < hole.top + margin)
             )
     corner = np.minimum(sight.at, shape.length[sight.edge] - sight.at) < CORNER_M
-    for plane, edges in _wall_planes(surface, pose, shape):
+    for plane, edges in _wall_planes(pose, shape):
         yield pose.room_id, plane, np.isin(sight.edge, edges) & ~near_hole & ~corner
     open_ = _open_to(shape, sight)
     for room_id in _rooms_behind(shape):
         through = (open_ == room_id) & well_inside
-        for plane, edges in _wall_planes(surface, pose, shapes[room_id]):
+        for plane, edges in _wall_planes(pose, seen.shapes[room_id]):
             yield room_id, plane, through & np.isin(sight.beyond_edge, edges)
 
 
@@ -164,7 +169,7 @@ def _rooms_behind(shape: RoomShape) -> tuple[str, ...]:
     return tuple(dict.fromkeys(room for room in behind if room is not None))
 
 
-def _wall_planes(surface: str, pose: Pose, shape: RoomShape) -> Iterator[tuple[Plane, np.ndarray]]:
+def _wall_planes(pose: Pose, shape: RoomShape) -> Iterator[tuple[Plane, np.ndarray]]:
     """Yield the planes of a room's walls that face the camera, with the edges on each."""
     eye = pose.eye[[0, 2]]
     distance = ((shape.start - eye) * shape.outward).sum(axis=1)
@@ -173,7 +178,7 @@ def _wall_planes(surface: str, pose: Pose, shape: RoomShape) -> Iterator[tuple[P
         edges = np.flatnonzero((keys == key).all(axis=1))
         x, z = shape.outward[edges[0]].tolist()
         offset = -float(distance[edges].mean())
-        yield _plane(surface, (0.0 - x, 0.0, 0.0 - z), offset, pose), edges
+        yield _plane("wall", (0.0 - x, 0.0, 0.0 - z), offset, pose), edges
 
 
 def _plane(surface: str, normal: tuple[float, float, float], offset: float, pose: Pose) -> Plane:
