@@ -83,7 +83,7 @@ class Segmenter:
     def logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
         """Return (labels, h', w') float32 logits of a photo at half the larger network size.
 
-        Their softmax is calibrated. Arguments as of :meth:`labels`.
+        They are divided by the network's temperature. Arguments as of :meth:`labels`.
         """
         photo_size, image = (image.shape[0], image.shape[1]), brightened(image)
         sides = sorted(round(self.network.long_side * scale) for scale in SCALES)
