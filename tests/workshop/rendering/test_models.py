@@ -93,7 +93,7 @@ def test_bad_rows_are_one_line(tmp_path: Path, row: str, expected: str) -> None:
 
 
 def test_an_index_without_its_columns_is_one_line(tmp_path: Path) -> None:
-    (tmp_path / "index.csv").write_text("file,class\nm0.glb,chair\n")
+    (tmp_path / "index.csv").write_text("file,class\nm0.glb,chair,1,2\n")
     with pytest.raises(InputError, match=r"columns class, depth.*file, class"):
         read_model_index(tmp_path, train=True)
     (tmp_path / "index.csv").write_text(HEADER)

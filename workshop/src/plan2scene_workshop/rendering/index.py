@@ -30,7 +30,7 @@ def read_index(
             rows = list(csv.DictReader(handle))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"index.csv of {what}", str(error), file=index) from error
-    found = list(rows[0]) if rows else []
+    found = [str(name) for name in rows[0]] if rows else []  # None: cells beyond the columns
     if not rows or not set(columns) <= set(found):
         named = f" of columns {', '.join(sorted(columns))}" if columns else ""
         expected = f"index.csv of {what} with rows{named}"

@@ -83,7 +83,9 @@ def load_textures(folder: str | Path, *, train: bool) -> list[Material]:
     if "file" not in rows[0]:
         return load_texture_folder(folder, "train" if train else "val")
     if "substance" not in rows[0]:
-        raise InputError("columns file and substance", ", ".join(rows[0]), file=index_path(folder))
+        raise InputError(
+            "columns file and substance", ", ".join(map(str, rows[0])), file=index_path(folder)
+        )
     return [_flat_texture(Path(folder), row) for row in of_split(rows, train=train)]
 
 
