@@ -11,7 +11,7 @@ import torch
 from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels import labeller
-from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.network import Attention, SegmentationNet
 from plan2scene.photos.labels.palette import DOOR, OTHER, WALL, WINDOW, without_openings
 from plan2scene.photos.labels.segmentation import (
     MEDIAN,
@@ -40,6 +40,17 @@ def _photo(height: int, width: int, seed: int = 0) -> np.ndarray:
 def test_network_gives_four_logits_at_half_resolution() -> None:
     network = _tiny()
     assert network(torch.zeros(2, 3, 64, 96)).shape == (2, 4, 32, 48)
+
+
+def test_attention_begins_as_nothing_and_then_sees_far_places() -> None:
+    torch.manual_seed(0)
+    block = Attention(64)
+    x = torch.randn(1, 64, 4, 6)
+    assert torch.equal(block(x), x)
+    torch.nn.init.normal_(block.mix.weight)
+    elsewhere = x.clone()
+    elsewhere[..., -1, -1] += 3 * torch.randn(64)
+    assert (block(elsewhere) - block(x))[..., 0, 0].abs().max() > 1e-3
 
 
 def test_a_network_that_tells_openings_labels_the_same_without_them() -> None:

@@ -73,6 +73,40 @@ class WholePicture(nn.Module):
         return x + y
 
 
+class Attention(nn.Module):
+    """Let every place ask all others what they see (Vaswani et al. 2017).
+
+    What looks like the floor over there is floor here, too. A new block changes nothing. Shapes:
+    (n, c, h, w) -> (n, c, h, w), c a multiple of `HEAD`.
+    """
+
+    HEAD = 32  #: channels of an attention head
+
+    def __init__(self, channels: int) -> None:
+        super().__init__()
+        self.heads = channels // self.HEAD
+        self.norm, self.norm_wide = nn.GroupNorm(1, channels), nn.GroupNorm(1, channels)
+        self.ask = nn.Conv2d(channels, 3 * channels, 1)
+        self.mix = nn.Conv2d(channels, channels, 1)
+        self.wide, self.narrow = (
+            nn.Conv2d(channels, 2 * channels, 1),
+            nn.Conv2d(2 * channels, channels, 1),
+        )
+        for last in (self.mix, self.narrow):
+            nn.init.zeros_(last.weight)
+            nn.init.zeros_(last.bias)  # type: ignore[arg-type]
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        """Return `x` with what was asked for, and a layer of its own, added."""
+        n, c, h, w = x.shape
+        parts = self.ask(self.norm(x)).reshape(n, 3, self.heads, self.HEAD, h * w)
+        query, key, value = (parts[:, k].transpose(2, 3) for k in range(3))
+        seen = F.scaled_dot_product_attention(query, key, value)
+        x = x + self.mix(seen.transpose(2, 3).reshape(n, c, h, w))
+        y: torch.Tensor = x + self.narrow(F.hardswish(self.wide(self.norm_wide(x))))
+        return y
+
+
 class _Up(nn.Module):
     """Double the resolution, add the encoder's map of that resolution, filter (if `filtered`)."""
 
@@ -100,6 +134,8 @@ class SegmentationNet(nn.Module):
         Blocks at strides 4, 8, 16, 32.
     decoder : int
         Channels of the decoder at strides 16 and 8; half of it at 4, a quarter at 2.
+    attention : int
+        Blocks of attention among all places at stride 32, and as many in the decoder at 16.
     long_side : int
         Pixels of the longer side that photos are scaled to before inference.
     elevation : bool
@@ -118,6 +154,7 @@ class SegmentationNet(nn.Module):
         widths: Sequence[int] = (16, 24, 56, 112, 192),
         depths: Sequence[int] = (2, 3, 5, 3),
         decoder: int = 64,
+        attention: int = 0,
         long_side: int = 320,
         elevation: bool = False,
         labels: int = 4,
@@ -129,6 +166,7 @@ class SegmentationNet(nn.Module):
             "widths": list(widths),
             "depths": list(depths),
             "decoder": decoder,
+            "attention": attention,
             "long_side": long_side,
             "elevation": elevation,
             "labels": labels,
@@ -147,6 +185,9 @@ class SegmentationNet(nn.Module):
             )
         )
         self.context = WholePicture(widths[4])
+        self.attention, self.attention_up = (
+            nn.Sequential(*(Attention(c) for _ in range(attention))) for c in (widths[4], decoder)
+        )
         self.ups = nn.ModuleList(
             [
                 _Up(widths[4], widths[3], decoder),
@@ -173,10 +214,12 @@ class SegmentationNet(nn.Module):
         for stage in self.stages:
             y = stage(y)
             skips.append(y)
-        y = self.context(y)
+        y = self.attention(self.context(y))
         found = []
         for up, skip in zip(self.ups, reversed(skips[:-1]), strict=True):
             y = up(y, skip)
+            if not found:
+                y = self.attention_up(y)
             found.append(y)
         return found
 

@@ -15,13 +15,13 @@ import numpy as np
 import torch
 
 from plan2scene.photos.labels.palette import DOOR, IGNORE, OTHER, WINDOW
-from plan2scene.photos.labels.segmentation import to_tensor
+from plan2scene.photos.labels.segmentation import brightened, to_tensor
 from plan2scene_workshop.segmentation.camera_looks import other_camera
 from plan2scene_workshop.segmentation.data import LabelledPhoto
 from plan2scene_workshop.segmentation.surfaces import recolour_labels, retexture
 
 #: Chance that each label of a view is tinted, and that one has another material.
-RECOLOUR, RETEXTURE = 0.35, 0.35
+RECOLOUR, RETEXTURE = 0.35, 0.45
 #: Chance that a view is tilted and turned, gets things of another view, and each of two patches.
 TILT, TRANSPLANT, PATCH = 0.5, 0.3, 0.2
 #: Least share of a photo's area that a view shows.
@@ -105,7 +105,7 @@ def training_batch(
         found = [empty if view.geometry is None else view.geometry for view in views]
         geometry = torch.from_numpy(np.stack(found)).permute(0, 3, 1, 2).contiguous()
     return Batch(
-        torch.stack([to_tensor(other_camera(view.image, rng)) for view in views]),
+        torch.stack([to_tensor(brightened(other_camera(view.image, rng))) for view in views]),
         torch.from_numpy(np.stack([view.sines for view in views])),
         torch.from_numpy(np.stack([view.labels for view in views]).astype(np.int64)),
         torch.tensor([photo.openings for photo in photos]),

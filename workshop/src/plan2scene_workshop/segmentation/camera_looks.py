@@ -30,6 +30,34 @@ def lamp(image: Array, rng: Rng) -> Array:
     return image * np.exp(rng.uniform(-0.7, 0.7) * field)[..., None] ** tint
 
 
+def burnt(image: Array, rng: Rng) -> Array:
+    """Return an image with a lamp so near that what it lights burns out, the rest darker or not."""
+    height, width = image.shape[:2]
+    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j].astype(np.float32)
+    left, top, spread = rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0.1, 0.5)
+    spot = np.exp(-((x - left) ** 2 + (y - top) ** 2) / (2 * spread**2))
+    tint = np.exp(rng.normal(0, 0.15, 3)).astype(np.float32)
+    gain = rng.uniform(0.5, 1) + rng.uniform(1, 5) * spot
+    return image * gain[..., None].astype(np.float32) ** tint
+
+
+def random_filter(image: Array, rng: Rng) -> Array:
+    """Return an image partly replaced by a random linear filter of it.
+
+    Shapes stay, textures and colours are others: what the network shall not go by. RandConv, Xu et
+    al. 2021, https://arxiv.org/abs/2007.13003.
+    """
+    side = int(rng.choice([1, 3, 5, 7]))
+    kernels = rng.standard_normal((3, 3, side, side), dtype=np.float32) / (side * np.sqrt(3))
+    planes = [np.ascontiguousarray(image[..., k]) - np.float32(0.5) for k in range(3)]
+    found = np.stack(
+        [sum(cv2.filter2D(p, -1, k) for p, k in zip(planes, row, strict=True)) for row in kernels],
+        axis=2,
+    )
+    share = np.float32(rng.uniform(0.2, 1))
+    return np.asarray((1 - share) * image + share * (found * np.float32(1.2) + np.float32(0.5)))
+
+
 def balance(image: Array, rng: Rng) -> Array:
     """Return an image by another white balance, from blue to lamp-lit, at times green or pink."""
     warm, green = rng.normal(0, 0.16), rng.normal(0, 0.05)
@@ -96,7 +124,9 @@ def compress(image: Array, rng: Rng) -> Array:
 
 #: What happens to a view on its way into the file, in this order, and how often.
 LOOKS: tuple[tuple[Callable[[Array, Rng], Array], float], ...] = (
+    (random_filter, 0.3),
     (lamp, 0.35),
+    (burnt, 0.12),
     (balance, 0.6),
     (blur, 0.3),
     (tone, 0.75),

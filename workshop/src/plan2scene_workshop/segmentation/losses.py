@@ -69,10 +69,13 @@ def segmentation_loss(
         spread = -(log * counted).sum(dim=1) / counted.sum(dim=1)
         miss = (1 - smoothing) * miss + smoothing * spread
     loss = (miss * kept).sum() / kept.sum().clamp(min=1)
-    target = F.one_hot(true, log.shape[1]).permute(0, 3, 1, 2) * kept[:, None]
-    probability = log.exp() * kept[:, None] * counted
+    # Of four labels: one overlap for doors would buy many false ones, which are walls.
+    found = log.exp()
+    found = torch.cat([1 - found[:, 1:DOOR].sum(dim=1, keepdim=True), found[:, 1:DOOR]], dim=1)
+    target = F.one_hot(true.where(true < DOOR, OTHER), DOOR).permute(0, 3, 1, 2) * kept[:, None]
+    probability = found * kept[:, None]
     overlap = (probability * target).sum(dim=(0, 2, 3))
-    total = (probability + target * counted).sum(dim=(0, 2, 3))
+    total = (probability + target).sum(dim=(0, 2, 3))
     return loss + dice * (1 - ((2 * overlap + 1) / (total + 1)).mean())
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 import logging
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import torch
 
+from plan2scene.errors import InputError
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import LABELS, LABELS_AND_OPENINGS
 from plan2scene.photos.labels.segmentation import load_segmenter
@@ -24,6 +28,7 @@ from plan2scene_workshop.segmentation.data import (
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.segmentation.training import answers, estimated_cameras, train_network
 from plan2scene_workshop.training.card import Card, table, write_card
+from plan2scene_workshop.training.loop import Trained
 
 _LOG = logging.getLogger("plan2scene")
 _WHAT = """
@@ -57,13 +62,7 @@ def train_segmentation(
     held_out = _photos(roots, "val", 1024)
     held_out = held_out[:: max(1, len(held_out) // settings.evaluate_photos)]
     _LOG.info("%d photos, %d held out", len(photos), len(held_out))
-    torch.manual_seed(derive_seed(seed, "segmentation", "weights"))
-    network = SegmentationNet(
-        long_side=settings.long_side, elevation=True, labels=len(LABELS_AND_OPENINGS)
-    )
-    if settings.start:
-        start_from(network, settings.start)
-    trained = train_network(network, photos, held_out, settings, seed=seed, checkpoint=checkpoint)
+    trained = averaged_runs(photos, held_out, settings, seed=seed, checkpoint=checkpoint)
     network = trained.network
     save_model_file(model_path, network.state_dict(), network.architecture)
     shipped = load_segmenter(model_path).network
@@ -86,6 +85,69 @@ def train_segmentation(
     about = Card("segmentation", what, seen, settings, seed, figures)
     write_card(card_path, about, trained, model_path)
     return final
+
+
+def averaged_runs(
+    photos: Sequence[LabelledPhoto],
+    held_out: Sequence[LabelledPhoto],
+    settings: SegmentationSettings,
+    *,
+    seed: int,
+    checkpoint: Path | None = None,
+) -> Trained[SegmentationNet]:
+    """Return the mean of the runs' networks and of the one they started from, by their shares.
+
+    The first run has `seed`, the others seeds derived from it. Each has a checkpoint of its own;
+    those beside `checkpoint` are gone after the last run.
+    """
+    if not (settings.runs >= 1 and 0 <= settings.start_share < 1):
+        found = f"{settings.runs} runs, start_share {settings.start_share}"
+        raise InputError("training.segmentation.runs from 1, start_share in [0, 1)", found)
+    start = _begun(settings, seed)
+    runs, files = [], [checkpoint]
+    files += [checkpoint and Path(f"{checkpoint}{k}") for k in range(1, settings.runs)]
+    for k, file in enumerate(files):
+        run_seed = derive_seed(seed, "segmentation", "run", k) if k else seed
+        network = copy.deepcopy(start)
+        runs.append(
+            train_network(network, photos, held_out, settings, seed=run_seed, checkpoint=file)
+        )
+    for file in files[1:]:
+        if file:
+            file.unlink(missing_ok=True)
+    alone = settings.runs == 1 and not settings.start_share
+    share = (1 - settings.start_share) / settings.runs
+    states = [(settings.start_share, start.state_dict())]
+    states += [(share, run.network.state_dict()) for run in runs]
+    mean = runs[0].network
+    mean.load_state_dict(mean_weights(states))
+    seconds = sum(run.seconds for run in runs)
+    return Trained(mean, runs[0].step, runs[0].score if alone else math.nan, seconds)
+
+
+def _begun(settings: SegmentationSettings, seed: int) -> SegmentationNet:
+    """Return the network that runs start from."""
+    torch.manual_seed(derive_seed(seed, "segmentation", "weights"))
+    network = SegmentationNet(
+        attention=settings.attention,
+        long_side=settings.long_side,
+        elevation=True,
+        labels=len(LABELS_AND_OPENINGS),
+    )
+    if settings.start:
+        start_from(network, settings.start)
+    return network
+
+
+def mean_weights(states: Sequence[tuple[float, Mapping[str, torch.Tensor]]]) -> dict[str, Any]:
+    """Return the weighted mean of state dicts of one architecture; whole numbers as the last's."""
+    last = states[-1][1]
+    return {
+        name: sum(share * state[name] for share, state in states)
+        if value.is_floating_point()
+        else value
+        for name, value in last.items()
+    }
 
 
 def _photos(roots: Sequence[str | Path], split: str, long_side: int) -> list[LabelledPhoto]:

@@ -11,8 +11,16 @@ class SegmentationSettings:
 
     #: Weights file that training starts from, of a network of the same widths; null: random ones.
     start: str | None = None
+    #: Share of the weights to start from in what is kept: what they know of photos that renderings
+    #: do not show is forgotten otherwise (WiSE-FT, doi 10.1109/CVPR52688.2022.00780).
+    start_share: float = 0.0
+    #: Runs from the same start that differ in their seed; the mean of their weights is kept (model
+    #: soups, https://arxiv.org/abs/2203.05482).
+    runs: int = 1
     #: Roots of further data sets whose train and val splits count too, joined by ``:``.
     further: str | None = None
+
+    attention: int = 2  #: blocks of attention at each of two resolutions
 
     # Views.
     batch: int = 8  #: views in a step

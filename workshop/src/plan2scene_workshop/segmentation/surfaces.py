@@ -51,7 +51,7 @@ def retexture(image: Array, labels: Array, rng: Rng) -> Array:
     found = [k for k in range(len(LABELS_AND_OPENINGS)) if (labels == k).mean() > 0.02]
     if not found:
         return image
-    weights = np.array([2.0 if k == FLOOR else 1.0 for k in found])
+    weights = np.array([2.0 if k in (FLOOR, CEILING) else 1.0 for k in found])
     label = int(rng.choice(found, p=weights / weights.sum()))
     inside = labels == label
     rows, columns = np.nonzero(inside)
