@@ -215,7 +215,7 @@ class SegmentationNet(nn.Module):
             y = stage(y)
             skips.append(y)
         y = self.attention(self.context(y))
-        found = []
+        found: list[torch.Tensor] = []
         for up, skip in zip(self.ups, reversed(skips[:-1]), strict=True):
             y = up(y, skip)
             if not found:
