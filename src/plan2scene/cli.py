@@ -204,6 +204,25 @@ def import_plan_file(
     print(out)
 
 
+@app.command("edit")
+def edit_plan(
+    source: Annotated[
+        Path | None, typer.Argument(help="A plan, or a picture of one; default: an empty page.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="The page (HTML) to write.")] = Path("editor.html"),
+    metres_per_pixel: _Scale = None,
+    house: _HouseId = None,
+) -> None:
+    """Write a page that draws a plan, offline: open it in a browser."""
+    from plan2scene.editor import write_editor
+    from plan2scene.io import keep_inputs
+
+    keep_inputs(out, [source] if source else [])
+    name = _house_id(source or Path("my_home"), house)
+    write_editor(source, out, house_id=name, metres_per_pixel=metres_per_pixel)
+    print(out)
+
+
 @app.command("export")
 def export(
     house: Annotated[Path, typer.Argument(help="What `plan2scene run` made: the folder OUT.")],

@@ -39,7 +39,8 @@ R2V_TYPES = {
     "stairs": "Staircase",
     "outside": "Outdoor",
 }
-_TYPES = {**{name.lower(): name for name in ROOM_TYPES}, **R2V_TYPES}
+#: Every name of a room type that plans may use, in lower case, and the type that it means.
+TYPE_NAMES = {**{name.lower(): name for name in ROOM_TYPES}, **R2V_TYPES}
 _LABEL = re.compile(r"[a-z][a-z_]*")
 
 
@@ -145,7 +146,7 @@ class Source:
         A lower-case label that no list knows is Unknown with a warning (plans of the reference
         converter keep such labels); any other name is a fault.
         """
-        known = _TYPES.get(value.lower()) if isinstance(value, str) else None
+        known = TYPE_NAMES.get(value.lower()) if isinstance(value, str) else None
         if known is not None:
             return known
         expected = f"a room type ({', '.join(ROOM_TYPES)})"

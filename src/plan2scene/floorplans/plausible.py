@@ -25,7 +25,7 @@ USUAL_DOOR, NARROW = (0.4, 1.6), 0.2
 #: Rooms farther than this (metres) from all others stand for themselves.
 APART = 5.0
 #: Names that Windows keeps for devices, whatever follows a dot.
-_DEVICES = {"con", "prn", "aux", "nul", *(f"{d}{k}" for d in ("com", "lpt") for k in range(1, 10))}
+DEVICES = {"con", "prn", "aux", "nul", *(f"{d}{k}" for d in ("com", "lpt") for k in range(1, 10))}
 
 _Fault = Callable[..., InputError]
 #: (expected, found, room) of a warning.
@@ -77,7 +77,7 @@ def name_oddities(what: str, names: Iterable[str]) -> Iterator[_Line]:
         if len(same) > 1:
             found = f"{same[0]} and {same[1]}"
             yield f"{what} that differ by more than upper and lower case", found, same[0]
-        if lower.split(".")[0] in _DEVICES:
+        if lower.split(".")[0] in DEVICES:
             yield f"{what} that every system takes as a file name", same[0], same[0]
 
 

@@ -1,0 +1,55 @@
+// Elements of the page, made without markup: text stays text.
+
+/** A new HTML element; `on...` properties are listeners, `data-...` and `aria-...` attributes. */
+export function el(name, properties = {}, ...children) {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(properties)) {
+    if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
+    else if (key.includes("-") || key === "for" || key === "role" || key === "list") element.setAttribute(key, value);
+    else element[key] = value;
+  }
+  element.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+export const button = (text, onclick, properties = {}) => el("button", { type: "button", onclick, ...properties }, text);
+
+/** A labelled field; `key` keeps the focus when the panel is made anew. */
+export function field(label, key, value, onchange, properties = {}) {
+  const input = el("input", { defaultValue: value, autocomplete: "off", spellcheck: false, "data-key": key, onchange: (event) => onchange(event.target.value, event.target), ...properties });
+  return el("label", { className: "field" }, el("span", {}, label), input);
+}
+
+/** Show a dialog with a form; resolves to its data, or null when it is closed. */
+export function ask(title, children, confirm = "OK") {
+  return new Promise((resolve) => {
+    const form = el("form", { method: "dialog" }, el("h2", {}, title), ...children,
+      el("div", { className: "row end" }, button("Cancel", () => dialog.close()), el("button", { type: "submit", className: "primary" }, confirm)));
+    const dialog = el("dialog", { onclose: () => { dialog.remove(); resolve(null); } }, form);
+    form.addEventListener("submit", () => resolve(new FormData(form)));
+    document.body.append(dialog);
+    dialog.showModal();
+    form.querySelector("input, select, button.primary")?.focus();
+  });
+}
+
+/** Let the browser save a text as a file. */
+export function download(name, text, type) {
+  const link = el("a", { href: URL.createObjectURL(new Blob([text], { type })), download: name });
+  document.body.append(link);
+  link.click();
+  link.remove();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}
+
+export const readFile = (file) => file.text();
+
+/** A picture file as {url (data), width, height}, its longer side at most `side` pixels. */
+export async function readPicture(file, side, type = "image/jpeg") {
+  const bitmap = await createImageBitmap(file);
+  const share = Math.min(1, side / Math.max(bitmap.width, bitmap.height));
+  const canvas = el("canvas", { width: Math.round(bitmap.width * share), height: Math.round(bitmap.height * share) });
+  canvas.getContext("2d").drawImage(bitmap, 0, 0, canvas.width, canvas.height);
+  bitmap.close();
+  return { url: canvas.toDataURL(type, 0.85), width: canvas.width, height: canvas.height };
+}

@@ -1,0 +1,140 @@
+// The panel on the right: what is chosen, the photos, the problems.
+
+import { fitId, renameRoom, withRooms } from "./document.js";
+import { button, el, field } from "./dom.js";
+import { dist, mid, polygonArea, ringsOf, roundPoint } from "./geometry.js";
+import { photoCard } from "./photos.js";
+import { areaText, lengthText, readLength } from "./units.js";
+import { nearestWall, segmentOn } from "./walls.js";
+
+/** Make the panel anew; the focus stays where it was, and what is being typed is waited for. */
+export function renderPanel(app, panel) {
+  const active = document.activeElement, key = active?.dataset?.key, top = panel.scrollTop;
+  if (panel.contains(active) && active.tagName === "INPUT" && active.type === "text" && active.value !== active.defaultValue) {
+    active.addEventListener("blur", () => app.renderPanel(), { once: true });
+    return;
+  }
+  panel.replaceChildren(chosenSection(app), photoSection(app), problemSection(app));
+  panel.scrollTop = top;
+  const again = key && panel.querySelector(`[data-key="${CSS.escape(key)}"]`);
+  again?.focus();
+  if (again?.type === "text") again.select();
+}
+
+function chosenSection(app) {
+  const { selection, store } = app;
+  const room = selection?.kind === "room" && store.plan.rooms.find((r) => r.id === selection.id);
+  const opening = selection?.kind === "opening" && store.plan.openings.find((o) => o.id === selection.id);
+  if (room) return roomSection(app, room);
+  if (opening) return openingSection(app, opening);
+  if (selection?.kind === "wall") return wallSection(app, selection.edge);
+  return houseSection(app);
+}
+
+const section = (title, ...children) => el("section", {}, el("h2", {}, title), ...children);
+
+/** A field for a length; what is no length is refused with a line. */
+function lengthField(app, label, key, value, change) {
+  return field(label, key, lengthText(value, app.feet), (text, input) => {
+    const metres = readLength(text, app.feet);
+    if (Number.isNaN(metres)) { app.say(`${label}: a length such as ${lengthText(2.4, app.feet)}, not ${text}`); input.value = lengthText(value, app.feet); } else change(Math.round(metres * 1000) / 1000);
+  }, { inputMode: "decimal" });
+}
+
+function houseSection(app) {
+  const { store, feet } = app, { plan, picture } = store.state;
+  const total = plan.rooms.reduce((sum, room) => sum + polygonArea(ringsOf(room)), 0);
+  const rooms = plan.rooms.map((room) => el("li", {}, button([el("span", { className: `swatch type-${room.types[0]?.toLowerCase()}` }), room.id, el("span", { className: "soft" }, areaText(polygonArea(ringsOf(room)), feet))], () => app.select({ kind: "room", id: room.id }), { className: "line" })));
+  return section("House",
+    lengthField(app, "Wall thickness", "depth", plan.wall_depth, (v) => store.changePlan({ wall_depth: v })),
+    plan.rooms.length ? null : el("p", { className: "soft" }, "Draw a room: press R and drag, or W and click corner by corner. Or drop a picture of a plan here and draw over it."),
+    plan.rooms.length ? el("ul", { className: "list", id: "rooms" }, rooms) : null,
+    plan.rooms.length ? el("p", { className: "soft" }, `${plan.rooms.length} rooms, ${areaText(total, feet)}`) : null,
+    pictureRow(app, picture));
+}
+
+function pictureRow(app, picture) {
+  if (!app.picture || !picture) return button("Picture of a plan underneath\u2026", () => app.pickFile("image/*", (file) => app.openPicture(file)), { className: "wide" });
+  const place = (changes) => app.store.change({ picture: { ...picture, ...changes } }, "picture");
+  return el("div", { className: "picture-row" },
+    el("label", { className: "field" }, el("span", {}, "Picture"), el("input", { type: "range", min: 0, max: 1, step: 0.05, value: picture.opacity, "data-key": "opacity", "aria-label": "How much the picture shows", oninput: (event) => place({ opacity: Number(event.target.value), visible: true }) })),
+    el("div", { className: "row" },
+      button(picture.visible ? "Hide" : "Show", () => place({ visible: !picture.visible })),
+      button("Scale\u2026", () => app.setTool("scale")),
+      button("Remove", () => app.store.change({ picture: null }))));
+}
+
+function roomSection(app, room) {
+  const { store } = app;
+  const change = (changes, merge = "") => store.change({ plan: withRooms(store.plan, (r) => (r.id === app.selection?.id ? { ...r, ...changes } : r)) }, merge);
+  const chip = (type) => el("button", {
+    type: "button", className: `type type-${type.toLowerCase()}`, "aria-pressed": String(room.types.includes(type)), "data-key": `type ${type}`,
+    onclick: (event) => {
+      const several = event.shiftKey || event.ctrlKey || event.metaKey;
+      const without = room.types.filter((t) => t !== type);
+      if (!several) change({ types: [type] });
+      else change({ types: room.types.includes(type) ? (without.length ? without : room.types) : [...without, type] });
+    },
+  }, type);
+  return section("Room",
+    field("Name", "name", room.id, (text, input) => rename(app, room.id, text, input)),
+    lengthField(app, "Height", "height", room.height ?? app.rules.limits.default_height, (v) => change({ height: v })),
+    el("p", { className: "soft" }, `${areaText(polygonArea(ringsOf(room)), app.feet)}. An open plan may have several types: hold Shift.`),
+    el("div", { className: "types", role: "group", "aria-label": "Types of the room" }, app.rules.room_types.map(chip)),
+    el("div", { className: "row" },
+      button("Height for all rooms", () => store.change({ plan: withRooms(store.plan, (r) => ({ ...r, height: room.height })) })),
+      button("Delete", () => app.remove(app.selection), { className: "danger" })));
+}
+
+function rename(app, from, text, input) {
+  const id = fitId(text);
+  if (!id || app.store.plan.rooms.some((room) => room.id === id && id !== from)) {
+    app.say(id ? `Another room is named ${id}` : "A name of letters and digits");
+    input.value = from;
+  } else if (id !== from) {
+    app.selection = { kind: "room", id };
+    app.store.change(renameRoom(app.store.state, from, id));
+  }
+}
+
+function openingSection(app, opening) {
+  const { store } = app, set = (changes) => store.changePlan({ openings: store.plan.openings.map((o) => (o.id === opening.id ? { ...o, ...changes } : o)) });
+  const kinds = Object.keys(app.rules.openings).map((kind) => el("button", { type: "button", "aria-pressed": String(kind === opening.kind), "data-key": kind, onclick: () => set({ kind, bottom: kind === "window" ? opening.bottom : 0 }) }, kind));
+  const width = (v) => {
+    const near = nearestWall(app.walls, mid(opening.from, opening.to));
+    if (!near) return;
+    const [from, to] = segmentOn(near.wall, near.along, v).map(roundPoint);
+    set({ from, to });
+  };
+  return section("Opening", el("div", { className: "row types", role: "group", "aria-label": "Kind" }, kinds),
+    lengthField(app, "Width", "width", dist(opening.from, opening.to), width),
+    lengthField(app, "From the floor", "bottom", opening.bottom, (bottom) => set({ bottom })),
+    lengthField(app, "Up to", "top", opening.top, (top) => set({ top })),
+    el("div", { className: "row" }, button("Delete", () => app.remove(app.selection), { className: "danger" })));
+}
+
+function wallSection(app, edge) {
+  const add = (kind) => {
+    const tool = app.tools.find((t) => t.name === kind);
+    tool.down(mid(...edge), { altKey: true });
+  };
+  return section("Wall", el("p", { className: "soft" }, `${lengthText(dist(...edge), app.feet)} long. Drag it, or move it by arrow keys.`),
+    el("div", { className: "row" }, Object.keys(app.rules.openings).map((kind) => button(`+ ${kind}`, () => add(kind)))));
+}
+
+function photoSection(app) {
+  const { photos } = app.store.state;
+  const chosen = app.selection?.kind === "room" ? app.selection.id : null;
+  const shown = chosen ? photos.filter((photo) => photo.rooms.includes(chosen)) : [...photos].sort((a, b) => Boolean(a.rooms.length) - Boolean(b.rooms.length));
+  return section(chosen ? `Photos of ${chosen}` : "Photos",
+    shown.length ? el("div", { className: "photos" }, shown.map((photo) => photoCard(app, photo))) : el("p", { className: "soft" }, "Drop photos on a room. One that shows two rooms is dropped on both."),
+    button("Add photos\u2026", () => app.pickPhotos(chosen), { className: "wide" }));
+}
+
+function problemSection(app) {
+  const lines = app.problems.map((problem) => el("li", { className: problem.level },
+    button([el("b", {}, `${problem.room || problem.opening || problem.photo || "Plan"}: `), `expected ${problem.expected}, found ${problem.found}`], () => app.showProblem(problem), { className: "line" })));
+  const text = app.problems.length ? "Problems" : "No problems";
+  return el("section", { id: "problems", "aria-live": "polite" }, el("h2", {}, text, lines.length ? el("span", { className: "count" }, String(lines.length)) : null),
+    lines.length ? el("ul", { className: "list" }, lines) : null);
+}

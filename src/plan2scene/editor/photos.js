@@ -1,0 +1,89 @@
+// Photos of rooms: dropped on rooms or added in the panel; the table of rooms and photos.
+
+import { button, el, readPicture } from "./dom.js";
+
+const THUMB = 240; // pixels
+
+/** Problems of the photo table, in the words of its reader (datasets/assignments.py). */
+export function photoProblems(photos, rooms) {
+  const found = [], stems = new Map(), known = new Set(rooms.map((room) => room.id));
+  const tell = (level, expected, text, photo) => found.push({ level, expected, found: text, room: "", opening: "", photo });
+  for (const { name, rooms: shown } of photos) {
+    if (/[\\:*?"<>|{}\u0000-\u001f]/.test(name) || name !== name.trim() || name.startsWith("/") || name.split("/").some((part) => ["", ".", ".."].includes(part)))
+      tell("error", "a plain file name without '..', a leading '/' or braces", `'${name}'`, name);
+    const stem = name.split("/").at(-1).replace(/(?<=.)\.[^.]*$/, "");
+    if (stems.has(stem)) tell("error", "photo names that differ before the extension", `${stems.get(stem)} and ${name}`, name);
+    stems.set(stem, name);
+    for (const id of shown) if (!known.has(id)) tell("error", `a room of the plan (${[...known].sort().join(", ").slice(0, 150)})`, `'${id}' for photo ${name}`, name);
+    if (!shown.length) tell("note", "a room for each photo", `${name} without one: it is not in the table`, name);
+  }
+  return found;
+}
+
+/** Take photos into the document, and show that they are of a room (null: of none yet). */
+export async function addPhotos(app, files, room) {
+  const pictures = [...files].filter((file) => file.type.startsWith("image/"));
+  if (pictures.length < files.length) app.say(`${files.length - pictures.length} of ${files.length} files are no pictures`);
+  if (!pictures.length) return;
+  for (const file of pictures) {
+    try {
+      if (!app.thumbs.has(file.name)) app.thumbs.set(file.name, (await readPicture(file, THUMB)).url);
+      await app.host.photo?.(file);
+    } catch (error) {
+      app.say(`${file.name}: ${error.message}`);
+      continue;
+    }
+    const photos = app.store.state.photos, known = photos.find((photo) => photo.name === file.name);
+    const rooms = room && !known?.rooms.includes(room) ? [...(known?.rooms ?? []), room] : (known?.rooms ?? []);
+    app.store.change({ photos: known ? photos.map((p) => (p === known ? { ...p, rooms } : p)) : [...photos, { name: file.name, rooms }] });
+  }
+  app.say(`${pictures.length === 1 ? pictures[0].name : `${pictures.length} photos`} ${room ? `in ${room}` : "added: choose their rooms"}`);
+}
+
+export function setRooms(app, name, rooms) {
+  app.store.change({ photos: app.store.state.photos.map((photo) => (photo.name === name ? { ...photo, rooms: [...new Set(rooms)] } : photo)) });
+}
+
+/** A card of a photo: its picture, its rooms, a way to give it one. */
+export function photoCard(app, photo) {
+  const rooms = app.store.plan.rooms.map((room) => room.id).filter((id) => !photo.rooms.includes(id));
+  const thumb = app.thumbs.get(photo.name);
+  const chips = photo.rooms.map((id) => el("span", { className: "chip" }, id,
+    button("\u00d7", () => setRooms(app, photo.name, photo.rooms.filter((r) => r !== id)), { title: `${photo.name} does not show ${id}`, "aria-label": `Remove ${id} from ${photo.name}` })));
+  const choice = el("select", { "data-key": `photo ${photo.name}`, "aria-label": `Room of ${photo.name}`, onchange: (event) => setRooms(app, photo.name, [...photo.rooms, event.target.value]) },
+    el("option", { value: "", selected: true }, photo.rooms.length ? "+ room" : "Which room?"), rooms.map((id) => el("option", { value: id }, id)));
+  const card = el("figure", { className: `photo${photo.rooms.length ? "" : " loose"}`, draggable: true, "data-photo": photo.name },
+    thumb ? el("img", { src: thumb, alt: photo.name, draggable: false }) : el("div", { className: "blank" }, photo.name.slice(0, 18)),
+    el("figcaption", {}, el("span", { className: "file", title: photo.name }, photo.name), el("div", { className: "chips" }, chips, rooms.length ? choice : null)),
+    button("\u00d7", () => app.store.change({ photos: app.store.state.photos.filter((p) => p.name !== photo.name) }), { className: "remove", title: `Take ${photo.name} out`, "aria-label": `Take ${photo.name} out` }));
+  card.addEventListener("dragstart", (event) => { event.dataTransfer.setData("text/x-photo", photo.name); event.dataTransfer.effectAllowed = "copyMove"; });
+  return card;
+}
+
+/** Drops on the drawing: files and cards on rooms; a first picture on an empty page is the plan's. */
+export function listenToDrops(app, target) {
+  const roomAt = (event) => app.roomAt(app.view.at(event))?.id ?? null;
+  target.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    event.dataTransfer.dropEffect = "copy";
+    app.dropRoom = roomAt(event);
+    app.refresh();
+  });
+  target.addEventListener("dragleave", () => { app.dropRoom = null; app.refresh(); });
+  target.addEventListener("drop", async (event) => {
+    event.preventDefault();
+    const room = roomAt(event), name = event.dataTransfer.getData("text/x-photo");
+    app.dropRoom = null;
+    if (name) {
+      const photo = app.store.state.photos.find((p) => p.name === name);
+      if (room && photo) setRooms(app, name, event.shiftKey || event.ctrlKey ? [...photo.rooms, room] : [room]);
+      app.refresh();
+      return;
+    }
+    const files = [...event.dataTransfer.files];
+    if (!files.length) return;
+    if (files.length === 1 && !files[0].type.startsWith("image/")) await app.openFile(files[0]);
+    else if (!app.store.plan.rooms.length && !app.picture && files.length === 1) await app.openPicture(files[0]);
+    else await addPhotos(app, files, room);
+  });
+}

@@ -1,0 +1,55 @@
+"""What the page must know of the reader of plan.json: its schema, names and limits."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from plan2scene.floorplans import openings, parse, plan_json, plausible, validate
+from plan2scene.floorplans.drawings.areas import HEIGHTS
+from plan2scene.floorplans.geometry import SHARED_TOLERANCE
+from plan2scene.house import ROOM_TYPES
+
+#: Width in metres of an opening that a click makes.
+WIDTHS = {"door": 0.9, "window": 1.2, "passage": 1.2}
+
+
+def page_rules() -> dict[str, Any]:
+    """Return the rules that ``rules.js`` follows, as plain JSON.
+
+    Lengths are metres, areas square metres, angles radians. Every value is the reader's own, so
+    that the page and ``plan2scene run`` agree.
+    """
+    return {
+        "schema": plan_json.plan_schema(),
+        "format": plan_json.FORMAT,
+        "room_types": list(ROOM_TYPES),
+        "types": dict(parse.TYPE_NAMES),
+        "devices": sorted(plausible.DEVICES),
+        "openings": {
+            kind: {"width": WIDTHS[kind], "bottom": bottom, "top": top}
+            for kind, (bottom, top) in HEIGHTS.items()
+        },
+        "limits": {
+            "default_height": plan_json.DEFAULT_HEIGHT,
+            "default_depth": plan_json.DEFAULT_DEPTH,
+            "snap_tolerance": plan_json.SNAP_TOLERANCE,
+            "shared_tolerance": SHARED_TOLERANCE,
+            "max_angle": openings.MAX_ANGLE,
+            "min_share": openings.MIN_SHARE,
+            "max_coordinate": parse.MAX_COORDINATE,
+            "max_corners": parse.MAX_CORNERS,
+            "same_point": parse.SAME_POINT,
+            "min_area": validate.MIN_AREA,
+            "overlap_share": validate.OVERLAP_SHARE,
+            "rounding": validate.ROUNDING,
+            "max_extent": plausible.MAX_EXTENT,
+            "max_usual_area": plausible.MAX_USUAL_AREA,
+            "heights": plausible.HEIGHTS,
+            "usual_heights": plausible.USUAL_HEIGHTS,
+            "usual_extent": plausible.USUAL_EXTENT,
+            "usual_area": plausible.USUAL_AREA,
+            "usual_door": plausible.USUAL_DOOR,
+            "narrow": plausible.NARROW,
+            "apart": plausible.APART,
+        },
+    }

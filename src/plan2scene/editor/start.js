@@ -1,0 +1,22 @@
+// Starts the editor with what Python put into the page.
+
+import { App } from "./app.js";
+
+const byId = (id) => document.getElementById(id);
+const json = (id) => JSON.parse(byId(id).textContent);
+
+/** Make the editor in the page; `host` says where things are saved. */
+export function startEditor(start, host) {
+  const page = { svg: byId("drawing"), panel: byId("panel"), tools: byId("tools"), status: byId("status"), undo: byId("undo"), redo: byId("redo"), saved: byId("saved") };
+  const app = new App(json("rules"), start, host, page);
+  page.undo.addEventListener("click", () => app.store.undo());
+  page.redo.addEventListener("click", () => app.store.redo());
+  byId("save").addEventListener("click", () => host.save(app));
+  byId("open").addEventListener("click", () => app.pickFile("", (file) => app.openFile(file)));
+  byId("fit").addEventListener("click", () => app.fit());
+  byId("help").addEventListener("click", () => byId("keys").showModal());
+  byId("feet").addEventListener("change", (event) => { app.feet = event.target.value === "feet"; app.changed(); });
+  document.body.dataset.ready = "true";
+  globalThis.editor = app;
+  return app;
+}

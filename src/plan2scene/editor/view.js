@@ -1,0 +1,138 @@
+// The drawing: an SVG of the state, redrawn whole. Metres to pixels by zoom and offset.
+
+import { add, boundsOf, cross, dist, labelPoint, mid, polygonArea, ringsOf, sub, times, unit } from "./geometry.js";
+import { gridOf } from "./snapping.js";
+import { areaText, lengthText } from "./units.js";
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/** A new SVG element with attributes, inside a parent. */
+export function draw(parent, name, attributes = {}, text = null) {
+  const element = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  if (text !== null) element.textContent = text;
+  parent.append(element);
+  return element;
+}
+
+export class View {
+  scale = 60; // pixels of a metre
+  offset = [80, 80]; // pixels of the point 0, 0
+
+  constructor(svg) { this.svg = svg; }
+  get size() { return [this.svg.clientWidth || 800, this.svg.clientHeight || 600]; }
+  toPixels(p) { return add(times(p, this.scale), this.offset); }
+  toMetres(p) { return times(sub(p, this.offset), 1 / this.scale); }
+  at(event) {
+    const box = this.svg.getBoundingClientRect();
+    return this.toMetres([event.clientX - box.left, event.clientY - box.top]);
+  }
+  zoom(factor, pixel = times(this.size, 0.5)) {
+    const before = this.toMetres(pixel);
+    this.scale = Math.max(4, Math.min(600, this.scale * factor));
+    this.offset = sub(pixel, times(before, this.scale));
+  }
+  fit(points) {
+    const { low, high } = points.length ? boundsOf(points) : { low: [-0.5, -0.5], high: [9.5, 6.5] };
+    const extent = sub(high, low), [width, height] = this.size;
+    this.scale = Math.max(4, Math.min(160, (width - 120) / (extent[0] || 1), (height - 120) / (extent[1] || 1)));
+    this.offset = sub(times(this.size, 0.5), times(mid(low, high), this.scale));
+  }
+  path(points, closed = true) {
+    return points.map((p, k) => (k ? "L" : "M") + this.toPixels(p).map((v) => v.toFixed(1)).join(" ")).join("") + (closed ? "Z" : "");
+  }
+
+  /** Draw everything; `scene` is {state, walls, problems, selection, picture, feet, photos}. */
+  render(scene) {
+    this.svg.replaceChildren();
+    this.drawGrid();
+    if (scene.picture) this.drawPicture(scene);
+    const rooms = draw(this.svg, "g", { class: "rooms" });
+    const wrong = new Map(scene.problems.filter((p) => p.room).map((p) => [p.room, p.level]));
+    for (const room of scene.state.plan.rooms) this.drawRoom(rooms, room, scene, wrong.get(room.id));
+    this.drawWalls(scene);
+    const labels = draw(this.svg, "g", { class: "labels" });
+    for (const room of scene.state.plan.rooms) this.drawLabel(labels, room, scene);
+    this.overlay = draw(this.svg, "g", { class: "overlay" });
+  }
+
+  drawGrid() {
+    const step = gridOf(this.scale) * (this.scale > 40 ? 10 : 5), [width, height] = this.size;
+    const fine = step * this.scale > 60 ? step / 5 : step;
+    const low = this.toMetres([0, 0]), high = this.toMetres([width, height]);
+    const grid = draw(this.svg, "g", { class: "grid" });
+    for (const axis of [0, 1]) {
+      let lines = "", strong = "";
+      for (let k = Math.ceil(low[axis] / fine); k * fine < high[axis]; k++) {
+        const v = (k * fine * this.scale + this.offset[axis]).toFixed(1);
+        const line = axis ? `M0 ${v}H${width}` : `M${v} 0V${height}`;
+        if (Math.abs((k * fine) / step - Math.round((k * fine) / step)) < 1e-6) strong += line;
+        else lines += line;
+      }
+      draw(grid, "path", { d: lines });
+      draw(grid, "path", { d: strong, class: "strong" });
+    }
+  }
+
+  drawPicture({ state: { picture: place }, picture }) {
+    const [x, y] = this.toPixels([place.x, place.z]), size = place.metres_per_pixel * this.scale;
+    const image = draw(this.svg, "image", { href: picture.url, x, y, width: picture.width * size, height: picture.height * size, opacity: place.opacity, preserveAspectRatio: "none", class: "picture" });
+    image.style.display = place.visible ? "" : "none";
+  }
+
+  drawRoom(parent, room, { selection }, level) {
+    const chosen = selection?.kind === "room" && selection.id === room.id;
+    const path = draw(parent, "path", {
+      d: ringsOf(room).map((ring) => this.path(ring)).join(""), "fill-rule": "evenodd", "data-room": room.id,
+      class: `room type-${room.types[0]?.toLowerCase()}${chosen ? " chosen" : ""}${level ? ` ${level}` : ""}`,
+    });
+    draw(path, "title", {}, room.id);
+  }
+
+  drawWalls({ walls, state, selection }) {
+    const width = Math.max(2, state.plan.wall_depth * this.scale);
+    const group = draw(this.svg, "g", { class: "walls", "stroke-width": width });
+    for (const wall of walls) draw(group, "path", { d: this.path([wall.start, wall.end], false) });
+    if (selection?.kind === "wall") draw(this.svg, "path", { d: this.path(selection.edge, false), class: "chosen-wall", "stroke-width": width + 4 });
+    const holes = draw(this.svg, "g", { class: "openings" });
+    for (const wall of walls) for (const hole of wall.openings) this.drawOpening(holes, wall, hole, width, selection);
+  }
+
+  drawOpening(parent, wall, { opening, start, end }, width, selection) {
+    const way = unit(sub(wall.end, wall.start)), at = (v) => add(wall.start, times(way, v));
+    const a = at(start), b = at(end), chosen = selection?.kind === "opening" && selection.id === opening.id;
+    const group = draw(parent, "g", { class: `opening ${opening.kind}${chosen ? " chosen" : ""}`, "data-opening": opening.id ?? "" });
+    draw(group, "path", { d: this.path([a, b], false), class: "gap", "stroke-width": width + 1 });
+    const side = [-way[1], way[0]], half = width / 2 / this.scale;
+    if (opening.kind === "window") {
+      for (const k of [-1, 0, 1]) draw(group, "path", { d: this.path([a, b].map((p) => add(p, times(side, k * half))), false), class: "line" });
+    } else if (opening.kind === "door") {
+      const [p, q] = [this.toPixels(a), this.toPixels(b)], reach = dist(p, q);
+      const tip = this.toPixels(add(a, times(side, dist(a, b))));
+      const sweep = cross(sub(q, p), sub(tip, p)) > 0 ? 1 : 0;
+      draw(group, "path", { d: `M${q.join(" ")}A${reach} ${reach} 0 0 ${sweep} ${tip.join(" ")}L${p.join(" ")}`, class: "line" });
+    } else for (const k of [-1, 1]) draw(group, "path", { d: this.path([a, b].map((p) => add(p, times(side, k * half))), false), class: "line dashed" });
+    draw(group, "path", { d: this.path([a, b], false), class: "grip", "stroke-width": Math.max(14, width) });
+  }
+
+  drawLabel(parent, room, { feet, state }) {
+    const [x, y] = this.toPixels(labelPoint(ringsOf(room)));
+    const { low, high } = boundsOf(room.polygon), fits = (high[0] - low[0]) * this.scale;
+    if (fits < 34) return;
+    const long = 7 * room.id.length > fits - 8 && fits > 40 ? `${room.id.slice(0, Math.max(2, Math.floor(fits / 7) - 2))}\u2026` : room.id;
+    draw(parent, "text", { x, y: y - 3, class: "name" }, long);
+    draw(parent, "text", { x, y: y + 13, class: "area" }, areaText(polygonArea(ringsOf(room)), feet));
+    const photos = state.photos.filter((photo) => photo.rooms.includes(room.id)).length;
+    if (photos) draw(parent, "text", { x, y: y + 29, class: "count" }, photos === 1 ? "1 photo" : `${photos} photos`);
+  }
+
+  /** Draw the length of a segment beside it. */
+  measure(a, b, feet, className = "measure") {
+    const [p, q] = [this.toPixels(a), this.toPixels(b)], length = dist(p, q);
+    if (length < 24) return;
+    const way = unit(sub(q, p)), [x, y] = add(mid(p, q), times([way[1], -way[0]], 13));
+    const text = lengthText(dist(a, b), feet), width = text.length * 6.6 + 8;
+    draw(this.overlay, "rect", { x: x - width / 2, y: y - 9, width, height: 18, rx: 5, class: `${className}-plate` });
+    draw(this.overlay, "text", { x, y: y + 4, class: className }, text);
+  }
+}

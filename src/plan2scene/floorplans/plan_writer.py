@@ -1,0 +1,86 @@
+"""Any house as this program's own plan JSON: what the editor opens."""
+
+from __future__ import annotations
+
+import statistics
+from typing import Any
+
+from plan2scene.floorplans.geometry import point_along
+from plan2scene.floorplans.plan_json import DEFAULT_DEPTH, FORMAT, SNAP_TOLERANCE, plan_schema
+from plan2scene.house import House, Opening, Point, Wall
+
+#: Places after the point of a coordinate in metres.
+_DIGITS = 4
+
+
+def house_to_plan(house: House) -> dict[str, Any]:
+    """Return a house as a document of ``plan.schema.json``.
+
+    Rooms, types, heights and openings stay; walls follow the outlines again when it is read, all
+    with the usual thickness of this house's. Objects and icons are left out. A hole that two
+    rooms have in walls of their own is one opening, between them where both are near enough.
+    """
+    depths = [wall.depth for wall in house.walls] or [DEFAULT_DEPTH]
+    limits = plan_schema()["properties"]["wall_depth"]
+    depth = min(max(statistics.median(depths), limits["minimum"]), limits["maximum"])
+    rooms = []
+    for room in house.rooms:
+        entry = {"id": room.id, "types": list(room.types), "polygon": _ring(room.rings[0])}
+        if room.rings[1:]:
+            entry["holes"] = [_ring(ring) for ring in room.rings[1:]]
+        rooms.append({**entry, "height": round(room.height, _DIGITS)})
+    return {
+        "format": FORMAT,
+        "version": 1,
+        "wall_depth": round(depth, _DIGITS),
+        "rooms": rooms,
+        "openings": _openings(house),
+    }
+
+
+def _openings(house: House) -> list[dict[str, Any]]:
+    """Return every opening once, as a segment."""
+    found: dict[str, list[tuple[Wall, Opening]]] = {}
+    for wall in house.walls:
+        for opening in wall.openings:
+            found.setdefault(opening.id, []).append((wall, opening))
+    entries = []
+    for name, places in found.items():
+        (wall, opening), *others = places
+        start, end = _ends(wall, opening)
+        if others:
+            start, end = _between((start, end), _ends(*others[0]))
+        entries.append(
+            {
+                "id": name,
+                "kind": opening.kind,
+                "from": _point(start),
+                "to": _point(end),
+                "bottom": round(max(opening.bottom, 0.0), _DIGITS),
+                "top": round(opening.top, _DIGITS),
+            }
+        )
+    return entries
+
+
+def _ends(wall: Wall, opening: Opening) -> tuple[Point, Point]:
+    return point_along(wall, opening.start), point_along(wall, opening.end)
+
+
+def _between(one: tuple[Point, Point], other: tuple[Point, Point]) -> tuple[Point, Point]:
+    """Return the segment midway of two that face each other, the first where they are far."""
+    (a, b), (c, d) = one, other
+    if (b[0] - a[0]) * (d[0] - c[0]) + (b[1] - a[1]) * (d[1] - c[1]) < 0:
+        c, d = d, c
+    apart = max(abs(a[0] - c[0]), abs(a[1] - c[1]), abs(b[0] - d[0]), abs(b[1] - d[1]))
+    if apart > 2 * SNAP_TOLERANCE:
+        return one
+    return ((a[0] + c[0]) / 2, (a[1] + c[1]) / 2), ((b[0] + d[0]) / 2, (b[1] + d[1]) / 2)
+
+
+def _ring(ring: tuple[Point, ...]) -> list[list[float]]:
+    return [_point(point) for point in ring]
+
+
+def _point(point: Point) -> list[float]:
+    return [round(point[0], _DIGITS) + 0.0, round(point[1], _DIGITS) + 0.0]

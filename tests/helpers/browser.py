@@ -1,0 +1,67 @@
+"""A headless Chromium that tests click through; tests are skipped where there is none."""
+
+import shutil
+from contextlib import contextmanager
+
+import pytest
+
+CHROMIUM = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
+
+
+@contextmanager
+def chromium():
+    """Yield a browser."""
+    if CHROMIUM is None:
+        pytest.skip("no Chromium on PATH")
+    api = pytest.importorskip("playwright.sync_api")
+    with api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
+        )
+        yield browser
+        browser.close()
+
+
+class Drawing:
+    """An open editor page: clicks and drags in metres of its drawing."""
+
+    def __init__(self, page):
+        self.page = page
+        self.faults = []
+        page.on("pageerror", lambda error: self.faults.append(str(error)))
+        page.on(
+            "console",
+            lambda message: self.faults.append(message.text) if message.type == "error" else None,
+        )
+
+    def pixel(self, x, z):
+        at = self.page.evaluate(
+            "(p) => { const box = editor.view.svg.getBoundingClientRect();"
+            " const at = editor.view.toPixels(p); return [box.x + at[0], box.y + at[1]]; }",
+            [x, z],
+        )
+        return at
+
+    def click(self, x, z):
+        self.page.mouse.click(*self.pixel(x, z))
+
+    def drag(self, start, end, *, steps=3):
+        goal = self.pixel(*end)
+        self.page.mouse.move(*self.pixel(*start))
+        self.page.mouse.down()
+        self.page.mouse.move(*goal, steps=steps)
+        self.page.mouse.up()
+
+    def press(self, *keys):
+        for key in keys:
+            self.page.keyboard.press(key)
+
+    @property
+    def plan(self):
+        return self.page.evaluate("editor.store.plan")
+
+    @property
+    def photos(self):
+        return self.page.evaluate("editor.store.state.photos")

@@ -1,0 +1,95 @@
+"""The page as a file: nothing asks for anything outside, names are text, any plan opens."""
+
+import base64
+import hashlib
+import json
+import re
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from plan2scene.editor import write_editor
+from plan2scene.editor.page import joined_program
+from plan2scene.errors import InputError
+from plan2scene.floorplans import read_plan, write_scene_json
+from plan2scene.floorplans.plan_json import house_of_plan
+
+ROOT = Path(__file__).parents[3]
+PLAN = ROOT / "resources" / "examples" / "plan.json"
+NAME = '</script><script>alert(1)</script>"&'
+
+
+def block(page, name):
+    """Return the JSON that a page holds under an id."""
+    text = re.search(
+        rf'<script type="application/json" id="{name}">(.*?)</script>', page, re.DOTALL
+    )
+    return json.loads(text[1])
+
+
+def test_the_policy_allows_the_page_itself_and_nothing_else(tmp_path):
+    path = tmp_path / "editor.html"
+    write_editor(None, path, house_id=NAME)
+    page = path.read_text(encoding="utf-8")
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', page)[1]
+    rules = dict(rule.strip().split(" ", 1) for rule in policy.split(";"))
+    assert rules["default-src"] == "'none'"
+    assert rules["img-src"] == "data: blob:"
+    for tag, source in (("style", "style-src"), ('script type="module"', "script-src")):
+        text = re.search(rf"<{tag}>(.*?)</{tag.split()[0]}>", page, re.DOTALL)[1]
+        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        assert rules[source] == f"'sha256-{digest}'"
+    assert not re.search(r"(src|href)=\"?https?:|@import|\bfetch\(|XMLHttpRequest|WebSocket", page)
+    assert "<script>alert" not in page
+    assert block(page, "start")["house"] == NAME
+
+
+def test_the_program_is_one_module_without_imports():
+    program = joined_program("files_page")
+    assert not re.search(r"^(import|export) ", program, re.MULTILINE)
+    names = re.findall(r"^(?:const|function|async function|class) (\w+)", program, re.MULTILINE)
+    assert len(names) == len(set(names)) > 100
+
+
+def test_files_are_short():
+    folder = ROOT / "src" / "plan2scene" / "editor"
+    long = [
+        p.name for p in folder.iterdir() if p.is_file() and len(p.read_text().splitlines()) > 300
+    ]
+    assert long == []
+
+
+def test_a_plan_of_another_format_opens_as_plan_json(tmp_path):
+    house = read_plan(PLAN, "home")
+    write_scene_json(house, tmp_path / "scene.json")
+    write_editor(tmp_path / "scene.json", tmp_path / "editor.html", house_id="home")
+    start = block((tmp_path / "editor.html").read_text(encoding="utf-8"), "start")
+    again = house_of_plan(start["plan"], "home")
+    assert again.rooms == house.rooms
+    assert again.doors == house.doors
+
+
+@pytest.mark.parametrize("given", [None, 0.02])
+def test_a_picture_lies_underneath(given, tmp_path):
+    Image.new("L", (6000, 3000), 255).save(tmp_path / "plan.png")
+    out = tmp_path / "editor.html"
+    write_editor(tmp_path / "plan.png", out, house_id="home", metres_per_pixel=given)
+    picture = block(out.read_text(encoding="utf-8"), "start")["picture"]
+    assert picture["url"].startswith("data:image/png;base64,")
+    assert picture["width"] == 2 * picture["height"] <= 6000
+    if given:
+        assert picture["metres_per_pixel"] * picture["width"] == pytest.approx(6000 * given)
+    else:
+        assert "metres_per_pixel" not in picture
+
+
+def test_only_an_editor_page_is_overwritten(tmp_path):
+    out = tmp_path / "editor.html"
+    write_editor(None, out, house_id="one")
+    write_editor(None, out, house_id="two")
+    assert "<h1>two</h1>" in out.read_text(encoding="utf-8")
+    out.write_text("<p>mine</p>")
+    with pytest.raises(InputError, match="a file of yours"):
+        write_editor(None, out, house_id="three")
+    assert out.read_text() == "<p>mine</p>"
