@@ -17,7 +17,7 @@ WORKSHOP = CLONE / "workshop" / "src" / "plan2scene_workshop"
 LAYERS = (
     {"floorplans", "materials", "metrics"},
     {"photos", "propagation", "mesh"},
-    {"textures", "viewer", "editor", "datasets", "exports"},
+    {"textures", "viewer", "editor", "datasets", "exports", "tracing"},
     {"evaluation", "checkpoints"},
     {"config", "run"},
     {"cli"},

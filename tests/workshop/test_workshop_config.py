@@ -12,6 +12,7 @@ import yaml
 from snakemake.utils import update_config
 
 from plan2scene_workshop.features.settings import FeaturesSettings
+from plan2scene_workshop.plans.settings import PlanSettings
 from plan2scene_workshop.propagation.settings import PropagationSettings
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.texture.data import MaterialSettings
@@ -27,6 +28,7 @@ SETTINGS = {
     "naivesynth": TextureSettings,
     "features": FeaturesSettings,
     "segmentation": SegmentationSettings,
+    "plans": PlanSettings,
     "propagation": PropagationSettings,
 }
 _TYPES = {int: "integer", float: "number", bool: "boolean", str: "string", NoneType: "null"}

@@ -6,7 +6,7 @@ import copy
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 import torch
@@ -26,6 +26,8 @@ from plan2scene_workshop.segmentation.losses import (
 )
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, best_device, cosine
+
+_Drawn = TypeVar("_Drawn")
 
 
 def estimated_cameras(photos: Sequence[LabelledPhoto]) -> list[Camera | None]:
@@ -107,7 +109,7 @@ def train_network(
         bfloat16=settings.bfloat16,
     )
     optimiser = torch.optim.AdamW(
-        _parameter_groups(whole if told else network, settings.weight_decay),
+        parameter_groups(whole if told else network, settings.weight_decay),
         lr=settings.learning_rate,
     )
     cameras = estimated_cameras(held_out)
@@ -124,18 +126,18 @@ def train_network(
     return Trained(trained.network.network, trained.step, trained.score, trained.seconds)
 
 
-class Ahead:
+class Ahead(Generic[_Drawn]):
     """Draws the batches of the next steps while the present one is learned from.
 
     A batch depends on its step alone, so it is the same whoever draws it and when.
     """
 
-    def __init__(self, draw: Callable[[int], Batch], steps: int, *, workers: int) -> None:
+    def __init__(self, draw: Callable[[int], _Drawn], steps: int, *, workers: int) -> None:
         self.draw, self.steps, self.depth = draw, steps, 2 * workers
         self.pool = ThreadPoolExecutor(workers)
-        self.coming: dict[int, Future[Batch]] = {}
+        self.coming: dict[int, Future[_Drawn]] = {}
 
-    def batch(self, step: int) -> Batch:
+    def batch(self, step: int) -> _Drawn:
         """Return the batch of a step; asks for those after it."""
         for k in range(step, min(self.steps, step + self.depth + 1)):
             if k not in self.coming:
@@ -143,7 +145,7 @@ class Ahead:
         return self.coming.pop(step).result()
 
 
-def _parameter_groups(network: nn.Module, decay: float) -> list[dict[str, Any]]:
+def parameter_groups(network: nn.Module, decay: float) -> list[dict[str, Any]]:
     """Return optimiser groups: no weight decay on norms and biases."""
     decayed = [p for p in network.parameters() if p.ndim > 1]
     free = [p for p in network.parameters() if p.ndim <= 1]

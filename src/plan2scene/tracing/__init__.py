@@ -1,0 +1,1 @@
+"""A picture of a plan in, a plan in metres out."""

@@ -1,0 +1,1 @@
+"""Drawn plans of synthetic homes, and the network that reads them."""

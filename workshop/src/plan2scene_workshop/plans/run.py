@@ -1,0 +1,75 @@
+"""The training run of the plan network: drawings of synthetic homes in, weights and a card out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import torch
+
+from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.seeds import derive_seed
+from plan2scene.tracing.labels import MODEL, PLAN_LABELS
+from plan2scene.weights import filled, load_model_file, save_model_file
+from plan2scene_workshop.plans.settings import PlanSettings
+from plan2scene_workshop.plans.training import (
+    STRUCTURE,
+    ious,
+    other_views,
+    structure_confusion,
+    train_network,
+)
+from plan2scene_workshop.training.card import Card, table, write_card
+
+#: Drawings that the card's figures are of.
+_FIGURE_DRAWINGS = 40
+_WHAT = """
+Labels every pixel of a picture of a floorplan as outside, wall, door, window, passage or room, and
+rooms by what stands in them. `plan2scene.photos.labels.network.SegmentationNet`, {:.2f} M
+parameters, float16; pictures are scaled to {} pixels on their longer side.
+"""
+_SEEN = (
+    "Drawings of {} synthetic homes (`plans/drawing.py`), each in a style of its own; every view "
+    "is turned, bent and worn anew.",
+    "No drawing of anybody else's, and no style of `style.HELD_OUT`.",
+)
+_FIGURES = """
+Intersection over union on {} drawings of other homes in styles that were not trained on; kind of
+room: share of rooms' pixels.
+
+"""
+
+
+def train_plans(
+    model_path: str | Path,
+    card_path: str | Path,
+    *,
+    settings: PlanSettings,
+    seed: int,
+    checkpoint: Path | None = None,
+) -> float:
+    """Train on drawings of synthetic homes, write weights and card; return the mean IoU."""
+    torch.manual_seed(derive_seed(seed, "plans", "weights"))
+    network = SegmentationNet(long_side=settings.long_side, labels=len(PLAN_LABELS))
+    trained = train_network(network, settings, seed=seed, checkpoint=checkpoint)
+    network = trained.network
+    save_model_file(model_path, network.state_dict(), network.architecture)
+    state, architecture = load_model_file(model_path)
+    shipped = filled(lambda: SegmentationNet(**architecture), state, MODEL, model_path)
+    with torch.no_grad():
+        matrix, kinds = structure_confusion(
+            shipped, other_views(_FIGURE_DRAWINGS, seed, held_out=True)
+        )
+    found = ious(matrix)
+    rows = {name: [float(value)] for name, value in zip(STRUCTURE, found, strict=True)}
+    rows |= {"**mean**": [float(found.mean())], "kind of room": [kinds]}
+    size = sum(parameter.numel() for parameter in shipped.parameters()) / 1e6
+    card = Card(
+        MODEL,
+        _WHAT.format(size, settings.long_side),
+        [line.format(settings.drawings) for line in _SEEN],
+        settings,
+        seed,
+        _FIGURES.format(_FIGURE_DRAWINGS) + table(["label", "IoU"], rows),
+    )
+    write_card(card_path, card, trained, model_path)
+    return float(found.mean())
