@@ -69,5 +69,5 @@ def test_data_and_a_model_are_made(run, tmp_path):
 
 def test_every_model_has_a_rule(run):
     planned = run("train", "--dry-run")
-    for name in ("texture", "naivesynth", "features", "segmentation", "propagation"):
+    for name in ("texture", "naivesynth", "features", "segmentation", "propagation", "plans"):
         assert f"{MODELS}/{name}.safetensors" in planned
