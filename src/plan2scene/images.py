@@ -184,6 +184,16 @@ def png_bytes(image: np.ndarray) -> bytes:
     return buffer.getvalue()
 
 
+def jpeg_bytes(image: np.ndarray, *, quality: int, full_colour: bool = False) -> bytes:
+    """Return a (h, w, 3) uint8 sRGB image as JPEG; `full_colour` keeps chroma at every pixel."""
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    way = 0 if full_colour else 2
+    Image.fromarray(image).save(buffer, format="JPEG", quality=quality, subsampling=way)
+    return buffer.getvalue()
+
+
 def write_png(path: str | os.PathLike[str], image: np.ndarray) -> None:
     """Write a (h, w, 3) sRGB or (h, w) grey uint8 image as PNG, atomically."""
     with atomic_path(path) as temporary:

@@ -243,6 +243,13 @@ def texture_params(method):
     return {"models": models, "hashes": hashes(models), "seam_correction": corrected}
 
 
+def shows_maps(wildcards):
+    """Return whether these textures are those of the 3D house, and it shows surface maps."""
+    house = config["house"]
+    shown = (wildcards.drop, wildcards.method) == ("0.0", house["method"])
+    return shown and house["surfaces"] == "maps"
+
+
 def texture_inputs(wildcards):
     """Return what a method takes from elsewhere: tiles, crops of other houses, made weights."""
     method = TEXTURE_METHODS[wildcards.method]

@@ -46,7 +46,7 @@ rule crop_pool:
 
 
 rule textures:
-    # A tile for every surface of a house, by one method.
+    # A tile for every surface of a house, by one method; maps where the house is to show them.
     input:
         unpack(texture_inputs),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
@@ -68,6 +68,7 @@ rule textures:
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
         method=lambda wildcards: texture_params(wildcards.method),
+        maps=shows_maps,
         code=code_hash("textures.stage"),
     script:
         "../scripts/textures.py"

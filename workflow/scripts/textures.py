@@ -1,4 +1,4 @@
-"""Rule textures: propagated embeddings, crops and models -> a tile per surface."""
+"""Rule textures: propagated embeddings, crops and models -> a tile, and a map, per surface."""
 
 from pathlib import Path
 
@@ -14,4 +14,4 @@ with job(snakemake.log[0]):
         {name: Path(path) for name, path in params.method["models"].items()},
         TextureSettings(params.seed, params.size_px, params.method["seam_correction"]),
     )
-    make_textures(snakemake.wildcards.method, inputs, snakemake.output[0])
+    make_textures(snakemake.wildcards.method, inputs, snakemake.output[0], maps=params.maps)

@@ -32,7 +32,7 @@ _DATE = 946_728_000
 
 
 def write_usd(house: House, textures: Mapping[SurfaceKey, TileTexture], folder: Path) -> None:
-    """Write ``house.usdc``, ``textures/*.png`` and ``house.usdz`` of a house into a folder.
+    """Write ``house.usdc``, ``textures/*`` and ``house.usdz`` of a house into a folder.
 
     InputError where usd-core is not installed.
     """
@@ -44,7 +44,7 @@ def write_usd(house: House, textures: Mapping[SurfaceKey, TileTexture], folder: 
         work = Path(name)
         (work / "textures").mkdir()
         for key, tile in textures.items():
-            (work / "textures" / f"{key.filename}.png").write_bytes(tile.png)
+            (work / "textures" / f"{key.filename}{tile.suffix}").write_bytes(tile.image)
         layer = work / "house.usdc"
         _Stage(house, textures).write(layer)
         package = work / "house.usdz"
@@ -173,7 +173,7 @@ class _Stage:
             colour.Set(Gf.Vec3f(*GLASS[:3]))
             shader.CreateInput("opacity", Sdf.ValueTypeNames.Float).Set(GLASS[3])
         elif tile is not None:
-            colour.ConnectToSource(self._texture(path, f"./textures/{name}.png"), "rgb")
+            colour.ConnectToSource(self._texture(path, f"./textures/{name}{tile.suffix}"), "rgb")
         elif part.surface is not None:
             flat = srgb_to_linear(np.array(UNTEXTURED[part.surface.surface], np.uint8))
             colour.Set(Gf.Vec3f(*map(float, flat)))

@@ -1,6 +1,6 @@
 """glTF 2.0 binary by trimesh's exporter: every part a named node, textures embedded.
 
-By hand is only what the exporter has no argument for, in `_finish` and `_Png`: sampler, names,
+By hand is only what the exporter has no argument for, in `_finish` and `_File`: sampler, names,
 kinds of buffers, colours that are not rounded to bytes, equal tiles once, PNG files as they are.
 """
 
@@ -23,7 +23,7 @@ from plan2scene.io import atomic_path
 from plan2scene.mesh.house_mesh import build_parts
 from plan2scene.mesh.occlusion import bake_occlusion
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.textures import UNTEXTURED, TileTexture
+from plan2scene.mesh.textures import UNTEXTURED, MapTexture, TileTexture
 
 #: Linear base colour and opacity of window glass.
 GLASS = (0.62, 0.75, 0.80, 0.28)
@@ -65,7 +65,7 @@ def write_glb(
     parts = build_parts(house) if parts is None else parts
     textured = [part for part in parts if part.surface in textures]
     occlusion = bake_occlusion(parts, textured)
-    shade = None if occlusion is None else _Png(occlusion.png)
+    shade = None if occlusion is None else _File(occlusion.png)
     for part in parts:
         tile = None if part.surface is None else textures.get(part.surface)
         key = part.surface or part.material
@@ -93,13 +93,12 @@ def write_glb(
         temporary.write_bytes(data)
 
 
-class _Png:
-    """A PNG file in the place of a PIL image: written as it is, not decoded and encoded again."""
-
-    format = "PNG"
+class _File:
+    """A PNG or JPEG file in the place of a PIL image: written as it is, not encoded again."""
 
     def __init__(self, data: bytes) -> None:
         self.data = data
+        self.format = "PNG" if data.startswith(b"\x89PNG") else "JPEG"
 
     def __array__(self, *_: object, **__: object) -> np.ndarray:
         """Return the bytes, which trimesh tells materials apart by."""
@@ -110,7 +109,7 @@ class _Png:
         file.write(self.data)
 
 
-def _material(part: MeshPart, tile: TileTexture | None, shade: _Png | None) -> PBRMaterial:
+def _material(part: MeshPart, tile: TileTexture | None, shade: _File | None) -> PBRMaterial:
     """Return a part's material; `_finish` sets its plain colour."""
     glass = part.material == "glass"
     rough = 1.0 if tile is None else ROUGHNESS.get(tile.substance or "", 1.0)
@@ -120,7 +119,7 @@ def _material(part: MeshPart, tile: TileTexture | None, shade: _Png | None) -> P
         roughnessFactor=0.1 if glass else rough,
         alphaMode="BLEND" if glass else None,
         doubleSided=glass,
-        baseColorTexture=None if tile is None else _Png(tile.png),
+        baseColorTexture=None if tile is None else _File(tile.image),
         occlusionTexture=None if tile is None else shade,
     )
 
@@ -156,6 +155,8 @@ def _extras(part: MeshPart, tile: TileTexture | None) -> dict[str, Any]:
     if tile is not None:
         facts = {"size_m": tile.size_m, "observed": tile.observed, "substance": tile.substance}
         facts["source"] = tile.source or None
+        if isinstance(tile, MapTexture):
+            facts["map_m"] = list(tile.extent_m)
         extras.update({name: value for name, value in facts.items() if value is not None})
     return extras
 

@@ -27,7 +27,7 @@ def write_obj(
     textures: Mapping[SurfaceKey, TileTexture],
     path: str | Path,
 ) -> None:
-    """Write ``{name}.obj`` with ``{name}.mtl`` and ``{name}_textures/*.png`` beside it.
+    """Write ``{name}.obj`` with ``{name}.mtl`` and ``{name}_textures/*`` beside it.
 
     Metres, y up, one object per part. OBJ's v axis runs up the image, so v is negated. Plain
     parts have one material per vertex colour, as OBJ has no standard for vertex colours.
@@ -43,7 +43,7 @@ def write_obj(
     folder = target.with_name(f"{target.stem}_textures")
     with atomic_directory(folder) as temporary:
         for key, tile in textures.items():
-            (temporary / f"{key.filename}.png").write_bytes(tile.png)
+            (temporary / f"{key.filename}{tile.suffix}").write_bytes(tile.image)
     scene = _Scene()
     for part in build_parts(house):
         painted = None if part.surface is None else textures.get(part.surface)
@@ -114,7 +114,7 @@ def _surface_material(part: MeshPart, tile: TileTexture | None, folder: str) -> 
     if tile is None:
         return _plain(UNTEXTURED[part.surface.surface])
     name = part.surface.filename
-    return _Material(name, ["Kd 1 1 1", f"map_Kd {folder}/{name}.png"])
+    return _Material(name, ["Kd 1 1 1", f"map_Kd {folder}/{name}{tile.suffix}"])
 
 
 def _plain(colour: Sequence[int]) -> _Material:

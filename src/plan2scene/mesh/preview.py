@@ -179,13 +179,13 @@ def _draw(soup: Soup, camera: Camera, keep: np.ndarray, house: House) -> np.ndar
         if camera.perspective
         else np.full(len(t), 1.0 / camera.scale, dtype=np.float32)
     )
-    repeats = _tiles_per_metre(soup).astype(np.float32)[t]
+    texels = _texels_per_metre(soup).astype(np.float32)[t]
     texture = soup.texture.astype(np.int16)[t]
     order = np.argsort(texture, kind="stable")
     ends = np.cumsum(np.bincount(texture + 1, minlength=len(soup.mipmaps) + 1))
     for levels, start, end in zip(soup.mipmaps, ends[:-1], ends[1:], strict=True):
         mine = order[start:end]
-        footprint = metres_per_pixel[mine] * repeats[mine] * levels[0].shape[0]
+        footprint = metres_per_pixel[mine] * texels[mine]
         colour[mine] = sample(levels, uv[mine], footprint)
     image.reshape(-1, 3)[pixels] = colour * _light(soup.normals, t, points, house)[:, None]
     ids, far = visible(soup, camera, keep & soup.glass)
@@ -194,10 +194,12 @@ def _draw(soup: Soup, camera: Camera, keep: np.ndarray, house: House) -> np.ndar
     return _small(image)
 
 
-def _tiles_per_metre(soup: Soup) -> np.ndarray:
-    """Return the (t,) texture repeats per metre of each triangle."""
+def _texels_per_metre(soup: Soup) -> np.ndarray:
+    """Return the (t,) texels per metre of each triangle, 0 without a texture."""
+    sizes = np.array([levels[0].shape[1::-1] for levels in soup.mipmaps] + [(0, 0)])
     edge = np.linalg.norm(soup.corners[:, 1] - soup.corners[:, 0], axis=1)
-    return np.linalg.norm(soup.uv[:, 1] - soup.uv[:, 0], axis=1) / np.maximum(edge, 1e-9)
+    across = (soup.uv[:, 1] - soup.uv[:, 0]) * sizes[soup.texture]
+    return np.linalg.norm(across, axis=1) / np.maximum(edge, 1e-9)
 
 
 def _light(normals: np.ndarray, t: np.ndarray, points: np.ndarray, house: House) -> np.ndarray:

@@ -68,7 +68,7 @@ class Soup:
         World metres.
     normals : (t, 3) float64
     uv : (t, 3, 2) float64
-        Tiles, not metres.
+        In images, not metres.
     colours : (t, 3) float64
         Linear base colours.
     texture : (t,) int64
@@ -86,7 +86,7 @@ class Soup:
 
 
 def mipmaps(image: np.ndarray) -> list[np.ndarray]:
-    """Return the linear float32 pyramid of a (h, w, 3) uint8 sRGB tile, halved by box filter."""
+    """Return the linear float32 pyramid of a (h, w, 3) uint8 sRGB texture, halved by box filter."""
     levels: list[Any] = [srgb_to_linear(image).astype(np.float32)]
     while min(levels[-1].shape[:2]) > 1:
         top = levels[-1]
@@ -107,7 +107,7 @@ def soup_of(parts: Iterable[MeshPart], textures: Mapping[SurfaceKey, TileTexture
         if tile is not None and part.uv is not None:
             number = numbers.setdefault(tile.digest, len(numbers))
             if number == len(pyramids):
-                pyramids.append(mipmaps(image_from_bytes(tile.png)))
+                pyramids.append(mipmaps(image_from_bytes(tile.image)))
             uv = tile.turns(part.uv)[faces]
         normals = part.mesh.vertex_normals[faces[:, 0]]
         kind = np.full(len(faces), number), np.full(len(faces), part.material == "glass")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +36,10 @@ class TileTexture:
         Where it comes from, in words.
     origin_m : (2,) tuple of float
         Where a tile begins in a part's texture coordinates, metres.
+    material : str
+        Name of what it shares with other rooms, or empty.
+    crops : tuple of str
+        Ids of the crops that it was quilted from.
     """
 
     png: bytes
@@ -44,21 +48,72 @@ class TileTexture:
     substance: str | None = None
     source: str = ""
     origin_m: tuple[float, float] = (0.0, 0.0)
+    material: str = ""
+    crops: tuple[str, ...] = ()
+
+    @property
+    def image(self) -> bytes:
+        """The file that a mesh shows."""
+        return self.png
+
+    @property
+    def suffix(self) -> str:
+        """``.png`` or ``.jpg``: what kind of file `image` is."""
+        return ".png"
+
+    @property
+    def sides_m(self) -> tuple[float, float]:
+        """Metres that the image's width and height cover."""
+        return self.size_m, self.size_m
 
     @property
     def digest(self) -> str:
         """Hash of the pixels' file: equal textures are embedded once."""
-        return hashlib.sha256(self.png).hexdigest()
+        return hashlib.sha256(self.image).hexdigest()
 
     def turns(self, uv: np.ndarray) -> np.ndarray:
-        """Return texture coordinates (..., 2) in tiles, from metres."""
-        return np.asarray((uv - np.array(self.origin_m)) / self.size_m)
+        """Return texture coordinates (..., 2) in images, from metres."""
+        return np.asarray((uv - np.array(self.origin_m)) / np.array(self.sides_m))
+
+
+@dataclass(frozen=True)
+class MapTexture(TileTexture):
+    """A surface map in the place of its tile: one image for the whole surface.
+
+    `origin_m` is where the map begins.
+
+    Attributes
+    ----------
+    jpeg : bytes
+        JPEG, sRGB.
+    extent_m : (2,) tuple of float
+        Metres that its width and height cover.
+    """
+
+    jpeg: bytes = b""
+    extent_m: tuple[float, float] = (1.0, 1.0)
+
+    @property
+    def image(self) -> bytes:
+        """The file that a mesh shows."""
+        return self.jpeg
+
+    @property
+    def suffix(self) -> str:
+        """``.jpg``."""
+        return ".jpg"
+
+    @property
+    def sides_m(self) -> tuple[float, float]:
+        """Metres that the image's width and height cover."""
+        return self.extent_m
 
 
 def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileTexture]:
-    """Return the textures that a method left for a house (``textures.json`` and PNG tiles).
+    """Return the textures that a method left for a house (``textures.json``, tiles, maps).
 
-    Surfaces that the folder does not list are left out, with a warning in the log.
+    A surface that has a map gets a :class:`MapTexture`. Those that the folder does not list are
+    left out, with a warning in the log.
 
     Raises
     ------
@@ -85,35 +140,55 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
 
 
 def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house_id: str) -> TileTexture:
-    """Return one tile of a textures folder."""
+    """Return one texture of a folder."""
 
     def fault(expected: str, found: object) -> InputError:
         index = root / "textures.json"
         return InputError(expected, str(found), file=index, house=house_id, room=key.room_id)
 
+    def read(file: Path) -> bytes:
+        try:
+            return file.read_bytes()
+        except OSError:
+            raise InputError("a texture", "no such file", file=file, house=house_id) from None
+
     size = entry.get("size_m")
     if not isinstance(size, int | float) or not 0 < size < 1000:
         raise fault("a size_m in metres over 0", size)
-    origin = entry.get("origin_m", [0.0, 0.0])
-    if not (
-        isinstance(origin, list)
-        and len(origin) == 2
-        and all(isinstance(v, int | float) and abs(v) < 1e6 for v in origin)
-    ):
-        raise fault("an origin_m of two numbers of metres", origin)
+    origin = _pair(entry.get("origin_m", [0.0, 0.0]))
+    if origin is None:
+        raise fault("an origin_m of two numbers of metres", entry.get("origin_m"))
     file = root / f"{key.filename}.png"
-    try:
-        data = file.read_bytes()
-    except OSError:
-        raise InputError("a texture", "no such file", file=file, house=house_id) from None
+    data = read(file)
     if not data.startswith(b"\x89PNG"):
         data = png_bytes(read_image(file, house_id=house_id))
     observed, substance = entry.get("observed"), entry.get("substance")
-    return TileTexture(
+    crops = entry.get("crops")
+    tile = TileTexture(
         png=data,
         size_m=float(size),
         observed=observed if isinstance(observed, bool) else None,
         substance=str(substance) if substance else None,
         source=str(entry.get("source", "")),
-        origin_m=(float(origin[0]), float(origin[1])),
+        origin_m=origin,
+        material=str(entry.get("material", "")),
+        crops=tuple(map(str, crops)) if isinstance(crops, list) else (),
     )
+    whole = entry.get("map")
+    if not isinstance(whole, dict):
+        return tile
+    corner, extent = _pair(whole.get("origin_m")), _pair(whole.get("extent_m"))
+    if corner is None or extent is None or min(extent) <= 0:
+        raise fault("a map with origin_m and extent_m, two numbers of metres each", whole)
+    jpeg = root / f"{key.filename}.jpg"
+    facts = {field.name: getattr(tile, field.name) for field in fields(tile)} | {"origin_m": corner}
+    return MapTexture(**facts, jpeg=read(jpeg), extent_m=extent)
+
+
+def _pair(value: object) -> tuple[float, float] | None:
+    """Return two numbers of metres; None for anything else."""
+    if not isinstance(value, list) or len(value) != 2:
+        return None
+    if not all(isinstance(v, int | float) and abs(v) < 1e6 for v in value):
+        return None
+    return float(value[0]), float(value[1])

@@ -92,7 +92,7 @@ def even_crop(
 
     from plan2scene.colour import as_uint8
     from plan2scene.textures.exemplar.light import flatten, highlights
-    from plan2scene.textures.exemplar.make import toned
+    from plan2scene.textures.exemplar.tone import toned
 
     images = np.stack([crop, *others[:_OTHERS]]) / 255.0
     flat = flatten(images, highlights(images))[0]

@@ -18,9 +18,21 @@ from plan2scene.textures.methods import TextureMethod, method_named
 from plan2scene.textures.tiles import NoTile, Tile, write_tiles
 
 
-def make_textures(name: str, inputs: TextureInputs, out_dir: str | Path) -> None:
-    """Write ``{room_id}_{surface}.png`` and ``textures.json`` by method `name` to `out_dir`."""
-    write_tiles(out_dir, name, inputs.surfaces, house_tiles(name, inputs))
+def make_textures(
+    name: str, inputs: TextureInputs, out_dir: str | Path, *, maps: bool = False
+) -> None:
+    """Write ``{room_id}_{surface}.png`` and ``textures.json`` by method `name` to `out_dir`.
+
+    With `maps` also a map of every surface of the house, ``{room_id}_{surface}.jpg``.
+    """
+    tiles = house_tiles(name, inputs)
+    whole = None
+    if maps:
+        from plan2scene.textures.maps.house import house_maps
+
+        materials = {surface.key: surface.material for surface in inputs.surfaces}
+        whole = house_maps(inputs.house, tiles, materials, seed=inputs.settings.seed)
+    write_tiles(out_dir, name, inputs.surfaces, tiles, whole)
 
 
 def house_tiles(name: str, inputs: TextureInputs) -> dict[SurfaceKey, Tile]:

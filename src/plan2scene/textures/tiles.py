@@ -15,14 +15,17 @@ from plan2scene.io import atomic_directory, write_json
 from plan2scene.textures.seams import make_seamless, with_calm_border
 
 if TYPE_CHECKING:
+    from plan2scene.textures.exemplar.make import Pattern
     from plan2scene.textures.inputs import KnownSurface
+    from plan2scene.textures.maps.house import SurfaceMap
 
 
 @dataclass(frozen=True, eq=False)
 class Tile:
     """A surface's texture: (s, s, 3) uint8 sRGB, metres it covers, what it was made of.
 
-    `origin_m` is where a tile begins in the mesh's texture coordinates, metres.
+    `origin_m` is where a tile begins in the mesh's texture coordinates, metres; `crops` are the
+    ids of the crops that it was quilted from, `pattern` what they show.
     """
 
     image: np.ndarray
@@ -31,6 +34,8 @@ class Tile:
     tiles_by_construction: bool = False
     origin_m: tuple[float, float] = (0.0, 0.0)
     seam_corrected: bool = False
+    crops: tuple[str, ...] = ()
+    pattern: Pattern | None = None
 
     def without_seams(self) -> Tile:
         """Return the tile with its seams repaired; itself where it tiles already."""
@@ -54,8 +59,12 @@ def write_tiles(
     method: str,
     surfaces: Iterable[KnownSurface],
     tiles: Mapping[SurfaceKey, Tile],
+    maps: Mapping[SurfaceKey, SurfaceMap] | None = None,
 ) -> None:
-    """Write ``{room_id}_{surface}.png`` and ``textures.json`` (docs/conventions.md)."""
+    """Write ``{room_id}_{surface}.png`` and ``textures.json`` (docs/conventions.md).
+
+    With `maps` also ``{room_id}_{surface}.jpg``.
+    """
     entries = {}
     with atomic_directory(out_dir) as folder:
         for surface in surfaces:
@@ -70,7 +79,12 @@ def write_tiles(
             }
             if surface.material:
                 entry["material"] = surface.material
+            if tile.crops:
+                entry["crops"] = list(tile.crops)
             if any(tile.origin_m):
                 entry["origin_m"] = list(tile.origin_m)
+            if maps and key in maps:
+                (folder / f"{key.filename}.jpg").write_bytes(maps[key].jpeg)
+                entry["map"] = maps[key].facts()
             entries[f"{key.room_id}/{key.surface}"] = entry
         write_json(folder / "textures.json", {"method": method, "surfaces": entries})

@@ -241,5 +241,5 @@ def test_of_two_paints_the_surface_s_own_colour_decides():
     assert alike([*white, *green], tone) == green
     assert alike([*white, *green], np.array([1.0, 1.0, 0.98])) == white
     made = make_exemplar([*white, *green], size_px=128, tone=tone)
-    assert made.crops == 4
+    assert len(made.crops) == 4
     assert np.abs(np.median(made.image, axis=(0, 1)) - (108, 122, 103)).max() < 6

@@ -63,7 +63,7 @@ def test_the_fewer_are_turned_where_most_have_a_direction(grains, turned) -> Non
 def test_an_exemplar_of_planks_seen_from_two_sides_runs_one_way() -> None:
     images = [planks(k) for k in range(5)] + [np.rot90(planks(k)) for k in (7, 9)]
     flat = np.stack(images) / 255.0
-    straight, masks = one_way(flat, np.zeros(flat.shape[:3], bool))
+    straight, masks, _ = one_way(flat, np.zeros(flat.shape[:3], bool))
     assert all(grain(luma(255 * image), NOTHING) < -0.4 for image in straight)
     assert masks.shape == flat.shape[:3]
     made = make_exemplar([ExemplarCrop(i, 0.8, 1.0) for i in images], size_px=128)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from plan2scene.images import jpeg_bytes
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.verdict import Verdict
 from plan2scene.photos.planes.planes import Plane
@@ -31,6 +32,9 @@ LAST_UPSAMPLING = 3.0
 MIN_PLACES = 64
 #: Windows drawn for each crop that is wanted, where some may be refused.
 DRAWS_PER_CROP = 3
+#: Side that a crop's detail has at most, and at least over the crop's own, pixels.
+DETAIL_PX = 512
+DETAIL_GAIN = 1.1
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,8 @@ class Crop:
     #: (8,): x y of the window's corners in the photo, pixels, clockwise from the top left of the
     #: crop.
     corners: tuple[float, ...] = (float("nan"),) * 8
+    #: JPEG of the window at the photo's own resolution; empty where the crop holds all of it.
+    detail: bytes = b""
 
 
 @dataclass(frozen=True)
@@ -155,9 +161,9 @@ def cut_window(
 ) -> Crop:
     """Return one window as a crop."""
     side = window_pixels(rectified, size_m)
-    patch = rectified.image[row : row + side, column : column + side]
+    whole = rectified.image[row : row + side, column : column + side]
     way = cv2.INTER_AREA if side > CROP_PX else cv2.INTER_CUBIC
-    patch = cv2.resize(patch, (CROP_PX, CROP_PX), interpolation=way)
+    patch = cv2.resize(whole, (CROP_PX, CROP_PX), interpolation=way)
     window = rectified.window(row, column, side)
     grazing, density = rectified.view((window[0] + window[2]) / 2, (window[1] + window[3]) / 2)
     covered = side * rectified.metres_per_pixel
@@ -169,7 +175,21 @@ def cut_window(
         grazing_deg=grazing,
         image=patch,
         corners=window_corners(rectified, camera, window),
+        detail=detail_of(whole, round(density * covered)),
     )
+
+
+def detail_of(window: np.ndarray, photo_px: int) -> bytes:
+    """Return a window (s, s, 3) as JPEG with the photo's own pixels; empty if a crop has as many.
+
+    `photo_px` of the photo lie along its side.
+    """
+    side = min(len(window), photo_px, DETAIL_PX)
+    if side < DETAIL_GAIN * CROP_PX:
+        return b""
+    if side < len(window):
+        window = cv2.resize(window, (side, side), interpolation=cv2.INTER_AREA)
+    return jpeg_bytes(window, quality=95, full_colour=True)
 
 
 def window_corners(

@@ -13,7 +13,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
-from plan2scene.images import read_image
+from plan2scene.images import image_from_bytes, jpeg_bytes, read_image
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.candidates import (
@@ -155,7 +155,12 @@ def corrected(
 
 def _under(item: PhotoCandidate, gains: np.ndarray) -> PhotoCandidate:
     """Return a candidate whose image's linear RGB is multiplied by `gains` (3,)."""
-    crop = replace(item.candidate.crop, image=relight(item.candidate.crop.image, gains))
+    crop = item.candidate.crop
+    detail = crop.detail
+    if detail:
+        even = relight(image_from_bytes(detail), gains)
+        detail = jpeg_bytes(even, quality=95, full_colour=True)
+    crop = replace(crop, image=relight(crop.image, gains), detail=detail)
     return replace(item, candidate=replace(item.candidate, crop=crop))
 
 

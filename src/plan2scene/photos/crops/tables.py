@@ -32,7 +32,13 @@ _SHARED = {
     "grazing_deg": "float64",
 }
 #: Columns of crops.parquet and of candidates.parquet.
-COLUMNS = {"crop_id": "str", **_SHARED, "medoid": "bool", "png": "object"}
+COLUMNS = {
+    "crop_id": "str",
+    **_SHARED,
+    "medoid": "bool",
+    "png": "object",
+    "detail": "object",
+}
 CANDIDATE_COLUMNS = {**_SHARED, "reason": "str", "crop_id": "str", "corners": "object"}
 #: Crops kept of a surface that has no good one: with mild reasons only, and of each photo with
 #: grave ones.
@@ -136,7 +142,8 @@ def write_tables(
                 images.setdefault((room, item.surface), []).append(
                     (len(rows), item.candidate.crop.image)
                 )
-                rows.append({**row, "index": index, "medoid": False, "png": encoded[number]})
+                pixels = {"png": encoded[number], "detail": item.candidate.crop.detail}
+                rows.append({**row, "index": index, "medoid": False, **pixels})
             drawn.append(row)
     for shown in images.values():
         rows[shown[medoid_index([image for _, image in shown])][0]]["medoid"] = True

@@ -44,7 +44,8 @@ _TILED_ROOMS = frozenset({"Bathroom", "Balcony", "Terrace", "Outdoor"})
 class Crop:
     """A visible crop of a surface: PNG bytes of 128x128 sRGB, and the metres it covers.
 
-    `size_m` and `sharpness` (photo pixels per crop pixel) are NaN where unknown.
+    `size_m` and `sharpness` (photo pixels per crop pixel) are NaN where unknown; `detail` is a
+    JPEG at the photo's own resolution, empty where the crop holds as much.
     """
 
     crop_id: str
@@ -52,12 +53,20 @@ class Crop:
     png: bytes
     size_m: float
     sharpness: float = math.nan
+    detail: bytes = b""
 
     @classmethod
     def of(cls, row: Any) -> Crop:
         """Return the crop of a row of ``crops.parquet`` (a named tuple)."""
         key = SurfaceKey(row.room_id, row.surface)
-        return cls(row.crop_id, key, row.png, float(row.metres), float(row.sharpness))
+        return cls(
+            row.crop_id,
+            key,
+            row.png,
+            float(row.metres),
+            float(row.sharpness),
+            getattr(row, "detail", b""),
+        )
 
     def image(self) -> np.ndarray:
         """Return the pixels, (128, 128, 3) uint8 sRGB."""

@@ -48,7 +48,16 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
         if made is None:
             tiles[key] = NoTile(f"none of {len(group)} crops is sharp enough")
         else:
-            own[key] = Tile(made.image, made.size_m, f"exemplar of {made.crops} crops", True)
+            exemplar, names = made
+            source = f"exemplar of {len(names)} crops"
+            own[key] = Tile(
+                exemplar.image,
+                exemplar.size_m,
+                source,
+                True,
+                crops=names,
+                pattern=exemplar.pattern,
+            )
     for key, surface in surfaces.items():
         if key not in tiles:
             tile = own[key] if key in own else _nearest(surface, surfaces, own)
@@ -77,8 +86,8 @@ def _exemplar(
     tone: np.ndarray | None,
     *,
     one_colour: bool,
-) -> Exemplar | None:
-    """Return the exemplar of a surface's crops; None if they are too poor.
+) -> tuple[Exemplar, tuple[str, ...]] | None:
+    """Return the exemplar of a surface's crops and their ids; None if they are too poor.
 
     Where it shares a material, the pattern is that of all the material's crops, made once, in the
     colour of its own crops, or in its tone where the material has `one_colour`. The tone that the
@@ -89,23 +98,31 @@ def _exemplar(
     pattern = _made(inputs, shared, None)
     colour = tone
     if not one_colour:
-        own = [ExemplarCrop(crop.image(), crop.size_m, crop.sharpness) for crop in crops]
+        own = [_known(crop) for crop in crops]
         colour = crops_colour(own, tone)
     if pattern is None or colour is None:
         return _made(inputs, crops, tone)
-    return replace(pattern, image=recoloured(pattern.image, colour))
+    exemplar, names = pattern
+    return replace(exemplar, image=recoloured(exemplar.image, colour)), names
 
 
-def _made(inputs: TextureInputs, crops: Sequence[Crop], tone: np.ndarray | None) -> Exemplar | None:
-    """Return the exemplar of crops, which is made once; None if they are too poor."""
+def _made(
+    inputs: TextureInputs, crops: Sequence[Crop], tone: np.ndarray | None
+) -> tuple[Exemplar, tuple[str, ...]] | None:
+    """Return the exemplar of crops, made once, and those in it; None if they are too poor."""
     size_px = inputs.settings.size_px
     names = tuple(crop.crop_id for crop in crops)
     made, key = inputs.data.exemplars, (names, size_px, None if tone is None else tuple(tone))
     if key not in made:
-        known = [ExemplarCrop(crop.image(), crop.size_m, crop.sharpness) for crop in crops]
+        known = [_known(crop) for crop in crops]
         made[key] = make_exemplar(known, size_px=size_px, tone=tone)
     exemplar: Exemplar | None = made[key]
-    return exemplar
+    return exemplar and (exemplar, tuple(names[k] for k in exemplar.crops))
+
+
+def _known(crop: Crop) -> ExemplarCrop:
+    """Return a crop of the house's file as one to learn from."""
+    return ExemplarCrop(crop.image(), crop.size_m, crop.sharpness, crop.detail)
 
 
 def _nearest(

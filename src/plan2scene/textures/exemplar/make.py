@@ -11,14 +11,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from plan2scene.colour import as_uint8, clipped_share, delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.textures.exemplar.grain import grain, quarter_turns
+from plan2scene.textures.exemplar.lattice import CropLattice
 from plan2scene.textures.exemplar.light import flatten, highlights, log_luma
-from plan2scene.textures.exemplar.quilt import quilt
-from plan2scene.textures.exemplar.straighten import find_pattern, straightened
+from plan2scene.textures.exemplar.quilt import Source, quilt
+from plan2scene.textures.exemplar.straighten import Cut, find_pattern, straightened
+from plan2scene.textures.exemplar.tone import consensus, enlarged, toned
 from plan2scene.textures.seams import with_calm_border
 
 #: Side of the torus in pixels for tiles of up to this size; larger ones get twice as much.
@@ -28,8 +29,6 @@ MAX_CROPS = 10
 _LARGEST = 2.0  # side of the tile over the side of a crop
 _LEAST_SHARP = 0.2  # photo pixels per crop pixel under which a crop shows no texture
 _MOST_SPOILED = 0.5  # share of burned-out or masked pixels from which a crop is useless
-_WHITE = 0.96  # channel value beyond which in all channels a crop's colour is burned out
-_REPAIR = 0.03  # log repair of the light below which crops count alike for the brightness
 _ALIKE_DE = 20.0  # CIEDE2000 beyond which crops are of different things; light gives less
 _SMALLEST_PX = 32  # crops that fill less of the tile only make seams
 _BLUR = 0.1  # what an octave fewer photo pixels a metre weighs, in log repair of the light
@@ -49,11 +48,14 @@ class ExemplarCrop:
         Side of the square that it covers; NaN when unknown.
     sharpness : float
         Photo pixels per crop pixel; NaN when unknown.
+    detail : bytes
+        JPEG at the photo's own resolution; empty where the crop holds as much.
     """
 
     image: np.ndarray
     size_m: float
     sharpness: float
+    detail: bytes = b""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,20 +68,23 @@ class Exemplar:
         sRGB, repeats in both directions.
     size_m : float
         Metres that it covers; NaN when no crop knows its scale.
-    crops : int
-        How many crops it was made of.
+    crops : tuple of int
+        Which of the given crops it was made of.
     periods : (int, int)
         How often its pattern repeats in it along x and y; 0 where it has no period.
     period_m : (float, float)
         Its periods in metres (in sides of the median crop where no scale is known); NaN where it
         has none.
+    pattern : Pattern
+        What it was quilted from.
     """
 
     image: np.ndarray
     size_m: float
-    crops: int
+    crops: tuple[int, ...]
     periods: tuple[int, int]
     period_m: tuple[float, float]
+    pattern: Pattern
 
 
 def usable(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
@@ -123,13 +128,86 @@ def sharper(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
     return [crop for crop, octaves in zip(crops, behind, strict=True) if octaves <= limit]
 
 
-def one_way(flat: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return crops (n, s, s, 3) and masks (n, s, s) turned so that their planks run one way."""
+def one_way(flat: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return crops (n, s, s, 3), masks (n, s, s) with planks running one way, and which turned."""
     turned = quarter_turns([grain(log_luma(i), m) for i, m in zip(flat, masks, strict=True)])
     flat, masks = flat.copy(), masks.copy()
     flat[turned] = np.rot90(flat[turned], axes=(1, 2))
     masks[turned] = np.rot90(masks[turned], axes=(1, 2))
-    return flat, masks
+    return flat, masks, turned
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Crops of one surface brought to one light, colour, direction and lattice.
+
+    Attributes
+    ----------
+    crops : list of ExemplarCrop
+        Those that show the surface.
+    flat, masks : (n, s, s, 3) float, (n, s, s) bool
+        Under even light and turned one way; spoiled pixels.
+    turned : (n,) bool
+        Which crops were turned by 90 degrees (``np.rot90``).
+    colour : (3,) float
+        What they agree on, sRGB in [0, 1].
+    order : list of int
+        The crops that take part, the best first.
+    sides : (n,) float
+        Sides of the crops in sides of a tile of `size_m`.
+    size_m : float
+        NaN when no crop knows its scale.
+    lattices : list of CropLattice
+    cut : Cut
+    """
+
+    crops: list[ExemplarCrop]
+    flat: np.ndarray
+    masks: np.ndarray
+    turned: np.ndarray
+    colour: np.ndarray
+    order: list[int]
+    sides: np.ndarray
+    size_m: float
+    lattices: list[CropLattice]
+    cut: Cut
+
+    @property
+    def used(self) -> list[ExemplarCrop]:
+        """Return the crops that take part, the best first."""
+        return [self.crops[k] for k in self.order]
+
+    @property
+    def covered_m(self) -> float:
+        """Return the side in metres of a square as large as the cut."""
+        return self.size_m * float(np.sqrt(self.cut.wide * self.cut.high))
+
+    def source(self, k: int, work: int) -> Source:
+        """Return crop `k` straightened for a tile of `work` px that holds the cut."""
+        crop = self.flat[k], self.masks[k], float(self.sides[k])
+        return straightened(*crop, self.lattices[k], self.cut, work)
+
+
+def find_surface(
+    crops: Sequence[ExemplarCrop], *, size_px: int, tone: np.ndarray | None = None
+) -> tuple[Pattern, int] | None:
+    """Return the pattern of the surface that `crops` show, and the side of its torus in pixels.
+
+    None when all crops are too poor. Parameters as of :func:`make_exemplar`.
+    """
+    good = usable(crops)
+    if not good:
+        return None
+    good = sharper(alike(good, tone))
+    work = work_size(size_px, len(good))
+    flat, masks, colour, order = _evened(good)
+    flat, masks, turned = one_way(flat, masks)
+    sides, size_m = tile_scale(good, work / WORK_PX)
+    known = np.isfinite([crop.size_m for crop in good]).all()
+    lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
+    large = [k for k in order if fits[k] and sides[k] * work >= _SMALLEST_PX]
+    order = (large or [int(sides.argmax())])[:MAX_CROPS]
+    return Pattern(good, flat, masks, turned, colour, order, sides, size_m, lattices, cut), work
 
 
 def make_exemplar(
@@ -148,30 +226,23 @@ def make_exemplar(
     tone : (3,) float, optional
         Colour that the surface is known to have, sRGB in [0, 1]: says which crops are of it.
     """
-    good = usable(crops)
-    if not good:
+    found = find_surface(crops, size_px=size_px, tone=tone)
+    if found is None:
         return None
-    good = sharper(alike(good, tone))
-    work = work_size(size_px, len(good))
-    flat, masks, colour, order = _evened(good)
-    flat, masks = one_way(flat, masks)
-    sides, size_m = tile_scale(good, work / WORK_PX)
-    known = np.isfinite([crop.size_m for crop in good]).all()
-    lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
-    large = [k for k in order if fits[k] and sides[k] * work >= _SMALLEST_PX]
-    order = (large or [int(sides.argmax())])[:MAX_CROPS]
-    sources = [straightened(flat[k], masks[k], sides[k], lattices[k], cut, work) for k in order]
-    canvas = quilt(sources, work)
-    image = with_calm_border(as_uint8(toned(canvas.solve(), colour)))
+    pattern, work = found
+    cut, size_m = pattern.cut, pattern.size_m
+    canvas = quilt([pattern.source(k, work) for k in pattern.order], work)
+    image = with_calm_border(as_uint8(toned(canvas.solve(), pattern.colour)))
     return Exemplar(
         as_uint8(enlarged(image / 255.0, size_px)),
-        size_m * float(np.sqrt(cut.wide * cut.high)),
-        len(order),
+        pattern.covered_m,
+        tuple(i for i, crop in enumerate(crops) if any(crop is own for own in pattern.used)),
         (cut.columns, cut.rows),
         (
             size_m * cut.wide / cut.columns if cut.columns else float("nan"),
             size_m * cut.high / cut.rows if cut.rows else float("nan"),
         ),
+        pattern,
     )
 
 
@@ -222,48 +293,3 @@ def tile_scale(crops: Sequence[ExemplarCrop], extent: float = 1.0) -> tuple[np.n
     sharp = np.clip(np.where(np.isfinite(sharp), sharp, 1.0), 1.0 / _LARGEST, 1.0)
     size = max(float(np.median(sides / sharp)), float(sides.max())) * extent
     return sides / size, size if known.any() else float("nan")
-
-
-def consensus(tones: np.ndarray, repair: np.ndarray) -> np.ndarray:
-    """Return the colour (3,) that crops agree on.
-
-    A cast may go either way in each crop: the mean of their chroma (log ratios of the channels)
-    has the least error. Shading mostly darkens and spoils some crops more than others: the level
-    is the mean weighted by how little their light had to be repaired. Where half of the crops of
-    a white surface burn out it is the median; fewer of them have no say.
-
-    Parameters
-    ----------
-    tones : (n, 3) float
-        Median colours of the crops, sRGB in [0, 1].
-    repair : (n,) float
-        Standard deviation of the log light that was taken out of each.
-    """
-    burned = tones.min(axis=1) > _WHITE
-    if 2 * burned.sum() >= len(tones):
-        return np.median(tones, axis=0)
-    logs = np.log(np.maximum(tones[~burned], 1 / 255))
-    levels = logs.mean(axis=1)
-    weights = 1.0 / (_REPAIR + repair[~burned]) ** 2
-    chroma = (logs - levels[:, None]).mean(axis=0)
-    return np.minimum(np.exp(chroma + np.average(levels, weights=weights)), 1.0)
-
-
-def enlarged(image: np.ndarray, size_px: int) -> np.ndarray:
-    """Return a periodic (s, s, 3) image at `size_px`, still periodic (cubic interpolation)."""
-    if image.shape[0] == size_px:
-        return image
-    pad = 8
-    side = image.shape[0]
-    wide = np.pad(image, ((pad, pad), (pad, pad), (0, 0)), mode="wrap").astype(np.float32)
-    position = (np.arange(size_px) + 0.5) * side / size_px - 0.5 + pad
-    across, down = np.meshgrid(position.astype(np.float32), position.astype(np.float32))
-    if size_px < side:
-        wide = cv2.GaussianBlur(wide, (0, 0), 0.45 * side / size_px)
-    return cv2.remap(wide, across, down, cv2.INTER_CUBIC)
-
-
-def toned(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
-    """Return an sRGB image in [0, 1] scaled to the median colour `tone`, (3,)."""
-    median = np.median(image.reshape(-1, 3), axis=0)
-    return np.clip(image * (tone / np.maximum(median, 1 / 255)), 0.0, 1.0)

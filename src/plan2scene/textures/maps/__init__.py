@@ -1,0 +1,1 @@
+"""Surface maps: one image for a whole surface, quilted from crops without repeating."""

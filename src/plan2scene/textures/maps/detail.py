@@ -1,0 +1,141 @@
+"""Crops of a surface at the photos' own resolution, brought to one light, scale and direction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from plan2scene.images import image_from_bytes
+from plan2scene.textures.exemplar.make import Pattern
+from plan2scene.textures.exemplar.quilt import Source
+from plan2scene.textures.exemplar.straighten import straightened
+
+#: Pixels per metre of a map where the photos have as many.
+PX_PER_M = 256.0
+#: What a map has at least, so that a wall's edge of colour stays where it is.
+LEAST_PX_PER_M = 32.0
+#: The finer direction of a plane seen at a slant has so many times the mean photo pixels.
+_FINER = 1.2
+#: Root mean square in sRGB levels below which detail is not seen, and left away.
+_UNSEEN = 0.7
+_STEPS = (0.75, 0.5, 0.375, 0.25, 0.1875)
+_SMOOTH = 6.0  # px of a crop: the light's changes are slower
+
+
+@dataclass(frozen=True, eq=False)
+class Detail:
+    """The sources of a map.
+
+    Attributes
+    ----------
+    sources : list of Source
+        Float sRGB in [0, 1] at `px_per_m`, the best first.
+    px_per_m : float
+    resolved : float
+        Photo pixels per metre that the crops have, in the median.
+    periods : (float, float)
+        Of the lattice along x and y, pixels; NaN for none.
+    """
+
+    sources: list[Source]
+    px_per_m: float
+    resolved: float
+    periods: tuple[float, float]
+
+
+def detail_of_pattern(pattern: Pattern, size_m: float) -> Detail:
+    """Return the sources that a tile's crops give.
+
+    `size_m` is what the tile covers: the scale where no crop knows its own.
+    """
+    if not np.isfinite(pattern.size_m):
+        side = size_m / float(np.sqrt(pattern.cut.wide * pattern.cut.high))
+        pattern = replace(pattern, size_m=side)
+    resolved = float(np.median([_resolved(pattern, k) for k in pattern.order]))
+    px_per_m = float(np.clip(_FINER * resolved, LEAST_PX_PER_M, PX_PER_M))
+    sources = _sources(pattern, px_per_m)
+    share = seen_share(sources)
+    if share < 1.0:
+        px_per_m = max(share * px_per_m, LEAST_PX_PER_M)
+        sources = _sources(pattern, px_per_m)
+    work = round(pattern.size_m * px_per_m)
+    cut = pattern.cut
+    periods = [work / n if n else float("nan") for n in (cut.columns, cut.rows)]
+    return Detail(sources, px_per_m, resolved, (periods[0], periods[1]))
+
+
+def detail_of_tile(tile: np.ndarray, size_m: float) -> Detail:
+    """Return a tile (s, s, 3) uint8 that repeats as the only source, laid out twice each way."""
+    image = np.tile(tile, (2, 2, 1)).astype(np.float32) / 255.0
+    resolved = tile.shape[0] / size_m
+    scale = min(1.0, PX_PER_M / resolved)
+    source = Source(image, np.ones(image.shape[:2], bool))
+    scale *= seen_share([source])
+    if scale < 1.0:
+        side = max(8, round(image.shape[0] * scale))
+        image = cv2.resize(image, (side, side), interpolation=cv2.INTER_AREA)
+        source = Source(image, np.ones(image.shape[:2], bool))
+    nothing = (float("nan"), float("nan"))
+    return Detail([source], image.shape[0] / (2 * size_m), resolved, nothing)
+
+
+def _resolved(pattern: Pattern, k: int) -> float:
+    """Return the photo pixels per metre of a crop of a pattern, no more than its image has."""
+    crop = pattern.crops[k]
+    size_m = pattern.sides[k] * pattern.size_m
+    side = crop.image.shape[0]
+    sharp = crop.sharpness if np.isfinite(crop.sharpness) else 1.0
+    return side * (sharp if crop.detail else min(sharp, 1.0)) / size_m
+
+
+def _sources(pattern: Pattern, px_per_m: float) -> list[Source]:
+    """Return the crops that take part, straightened, at `px_per_m`."""
+    work = max(8, round(pattern.size_m * px_per_m))
+    return [_source(pattern, k, work) for k in pattern.order]
+
+
+def _source(pattern: Pattern, k: int, work: int) -> Source:
+    """Return a crop straightened for a tile of `work` px, of the photo's own pixels."""
+    crop = pattern.crops[k]
+    if not crop.detail:
+        return pattern.source(k, work)
+    image, small = image_from_bytes(crop.detail) / 255.0, crop.image / 255.0
+    if pattern.turned[k]:
+        image, small = np.rot90(image), np.rot90(small)
+    even, plain = (cv2.GaussianBlur(i, (0, 0), _SMOOTH) for i in (pattern.flat[k], small))
+    side = image.shape[0]
+    gain = cv2.resize(even / np.maximum(plain, 1 / 255), (side, side))
+    mask = cv2.resize(pattern.masks[k].astype(np.uint8), (side, side)) > 0
+    lattice, scale = pattern.lattices[k], side / small.shape[0]
+    periods = (lattice.periods[0] * scale, lattice.periods[1] * scale)
+    return straightened(
+        np.clip(image * gain, 0.0, 1.0),
+        mask,
+        float(pattern.sides[k]),
+        replace(lattice, periods=periods),
+        pattern.cut,
+        work,
+    )
+
+
+def seen_share(sources: Sequence[Source]) -> float:
+    """Return the share of the resolution below which nothing visible is lost, at most 1."""
+    share = 1.0
+    for step in _STEPS:
+        if max(_lost(source, step) for source in sources[:3]) > _UNSEEN:
+            break
+        share = step
+    return share
+
+
+def _lost(source: Source, step: float) -> float:
+    """Return what of a source a lower resolution loses, root mean square in sRGB levels."""
+    height, width = source.valid.shape
+    size = (max(1, round(width * step)), max(1, round(height * step)))
+    small = cv2.resize(source.image, size, interpolation=cv2.INTER_AREA)
+    back = cv2.resize(small, (width, height), interpolation=cv2.INTER_LINEAR)
+    lost = (255.0 * (back - source.image))[source.valid]
+    return float(np.sqrt((lost**2).mean())) if lost.size else 0.0

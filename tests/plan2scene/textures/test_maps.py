@@ -1,0 +1,197 @@
+"""Surface maps: no repetition, whole tiles, the tile's colour, what they cover, shared quilts."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from plan2scene.colour import median_colour
+from plan2scene.house import SurfaceKey
+from plan2scene.images import image_from_bytes, jpeg_bytes
+from plan2scene.mesh import build_parts, load_textures
+from plan2scene.metrics.repetition import repetition
+from plan2scene.textures.exemplar.lattice import find_lattice
+from plan2scene.textures.exemplar.light import log_luma
+from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+from plan2scene.textures.exemplar.quilt import Source
+from plan2scene.textures.maps.areas import Area, areas_of
+from plan2scene.textures.maps.detail import detail_of_pattern, detail_of_tile, seen_share
+from plan2scene.textures.maps.house import Wanted, house_maps, joined
+from plan2scene.textures.maps.patches import cell, cut_patches
+from plan2scene.textures.maps.quilting import quilted
+from plan2scene.textures.tiles import Tile, write_tiles
+
+SIDE = 128
+
+
+def carpet(seed, side=SIDE):
+    values = np.random.default_rng(seed).normal(0, 14, (side, side, 1))
+    return np.clip(np.array([120, 100, 80]) + values, 0, 255).astype(np.uint8)
+
+
+def slabs(seed, shift=0.0, count=4, side=SIDE):
+    """Dark joints around `count` square slabs a side, each of a grey of its own."""
+    rng = np.random.default_rng(seed)
+    place = (np.arange(side) + 0.5) / side * count + shift
+    row, column = np.floor(place).astype(int), place % 1
+    shade = rng.normal(0, 10, (count + 1, count + 1))[row[:, None], row[None, :]]
+    joint = (column < 0.06)[:, None] | (column < 0.06)[None, :]
+    grey = np.where(joint, 60.0, 170.0 + shade) + rng.normal(0, 2, (side, side))
+    return np.repeat(np.clip(grey, 0, 255).astype(np.uint8)[..., None], 3, 2)
+
+
+def exemplar(images, size_m=1.0, **facts):
+    made = make_exemplar([ExemplarCrop(i, size_m, 1.0, **facts) for i in images], size_px=128)
+    assert made is not None
+    return made
+
+
+def tile_of(made, image=None):
+    image = made.image if image is None else image
+    return Tile(image, made.size_m, "test", True, pattern=made.pattern)
+
+
+def quilt_of(detail, metres, seed=0):
+    rng = np.random.default_rng(seed)
+    patches = cut_patches(detail.sources, detail.px_per_m, detail.periods, rng)
+    side = round(metres * detail.px_per_m)
+    return quilted(patches, side, side, rng)
+
+
+@pytest.fixture(scope="module")
+def floor():
+    return exemplar([carpet(k) for k in range(4)])
+
+
+@pytest.fixture(scope="module")
+def rug(floor):
+    """The floor's exemplar as if photographed from afar: maps of few pixels."""
+    crops = [replace(crop, sharpness=0.3) for crop in floor.pattern.crops]
+    return replace(floor, pattern=replace(floor.pattern, crops=crops))
+
+
+def test_a_map_does_not_repeat_where_its_tile_does(floor) -> None:
+    detail = detail_of_pattern(floor.pattern, floor.size_m)
+    image = quilt_of(detail, 3.0)
+    assert image.shape == (round(3 * detail.px_per_m),) * 2 + (3,)
+    tiled = np.tile(floor.image, (3, 3, 1))
+    assert repetition(tiled, 128 / floor.size_m) > 0.95
+    assert repetition(image, detail.px_per_m) < 0.5
+    # As much contrast as the crops have: joints are cut, not blended.
+    assert image.std() == pytest.approx(floor.image.std(), rel=0.15)
+    np.testing.assert_array_equal(image, quilt_of(detail, 3.0))
+
+
+def test_slabs_stay_whole() -> None:
+    made = exemplar([slabs(k, shift=0.23 * k) for k in range(5)])
+    detail = detail_of_pattern(made.pattern, made.size_m)
+    period = 0.25 * detail.px_per_m
+    assert detail.periods == pytest.approx((period, period), rel=0.04)
+    image = quilt_of(detail, 2.5)
+    crop = image[:SIDE, :SIDE]
+    found = find_lattice(log_luma(crop / 255.0), np.zeros((SIDE, SIDE), bool))
+    assert found.periods == pytest.approx(detail.periods, rel=0.05)
+    # Every joint runs straight across the whole map.
+    dark = image[..., 0] < 115
+    lines = dark.mean(axis=0)
+    assert np.sort(lines)[-9] > 0.8
+
+
+def test_maps_are_as_fine_as_the_photos_and_no_finer(floor) -> None:
+    plain = detail_of_pattern(floor.pattern, floor.size_m)
+    assert plain.resolved == pytest.approx(SIDE)
+    fine = jpeg_bytes(carpet(9, 256), quality=95, full_colour=True)
+    crops = [replace(c, sharpness=2.0, detail=fine) for c in floor.pattern.crops]
+    detail = detail_of_pattern(replace(floor.pattern, crops=crops), floor.size_m)
+    assert detail.resolved == pytest.approx(256) and detail.px_per_m == pytest.approx(256)
+    assert np.abs(np.diff(detail.sources[0].image, axis=0)).mean() > 0.03
+    blurred = [replace(c, sharpness=0.5) for c in floor.pattern.crops]
+    coarse = detail_of_pattern(replace(floor.pattern, crops=blurred), floor.size_m)
+    assert coarse.px_per_m == pytest.approx(0.6 * SIDE)
+
+
+def test_plain_surfaces_need_few_pixels() -> None:
+    wall = np.full((SIDE, SIDE, 3), 0.8, np.float32)
+    whole = np.ones((SIDE, SIDE), bool)
+    assert seen_share([Source(wall, whole)]) < 0.2
+    assert seen_share([Source(carpet(0) / np.float32(255), whole)]) == 1.0
+    tile = detail_of_tile(np.full((SIDE, SIDE, 3), 200, np.uint8), 1.0)
+    assert tile.px_per_m == pytest.approx(24, rel=0.01)
+
+
+def test_patches_lie_in_step_with_the_lattice() -> None:
+    free = cell(100.0, float("nan"), 60.0)
+    assert free.side <= 42 and free.period != free.period
+    axis = cell(100.0, 17.3, 60.0)
+    assert axis.step == pytest.approx(2 * 17.3)
+    starts = axis.starts(20)
+    np.testing.assert_allclose(starts, np.arange(20) * axis.step, atol=0.5)
+    assert axis.count(400) * axis.step + axis.overlap >= 400
+    small = [Source(np.zeros((20, 20, 3), np.float32), np.ones((20, 20), bool))]
+    assert cut_patches(small, 100.0, (50.0, 50.0), np.random.default_rng(0)) is None
+
+
+def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tmp_path) -> None:
+    keys = gap_house.surface_keys()
+    red = np.clip(rug.image * [1.3, 0.7, 0.7], 0, 255).astype(np.uint8)
+    tiles = {key: tile_of(rug, red if key.room_id == "b" else None) for key in keys}
+    maps = house_maps(gap_house, tiles, {}, seed=1)
+    assert set(maps) == set(keys)
+    parts = build_parts(gap_house)
+    for key in keys:
+        image = image_from_bytes(maps[key].jpeg)
+        apart = median_colour(image) - median_colour(tiles[key].image)
+        assert np.abs(apart).max() < 0.02
+    surfaces = [_Known(key) for key in keys]
+    write_tiles(tmp_path / "t", "exemplar", surfaces, tiles, maps)
+    textures = load_textures(tmp_path / "t", gap_house)
+    for part in parts:
+        if part.surface is not None and part.uv is not None:
+            turns = textures[part.surface].turns(part.uv)
+            assert turns.min() > 0 and turns.max() < 1
+    again = house_maps(gap_house, tiles, {}, seed=1)
+    assert again[keys[0]].jpeg == maps[keys[0]].jpeg
+    assert house_maps(gap_house, tiles, {}, seed=2)[keys[0]].jpeg != maps[keys[0]].jpeg
+
+
+class _Known:
+    """What write_tiles asks of a surface."""
+
+    observed, substance, material = True, "carpet", ""
+
+    def __init__(self, key):
+        self.key = key
+
+
+def test_a_material_runs_on_through_a_door(rug, gap_house) -> None:
+    tiles = {key: tile_of(rug) for key in gap_house.surface_keys()}
+    floors = [SurfaceKey("a", "floor"), SurfaceKey("b", "floor")]
+    maps = house_maps(gap_house, tiles, dict.fromkeys(floors, "floor-1"), seed=0)
+    left, right = (maps[key] for key in floors)
+    # Where both maps cover the threshold they show the same.
+    scale = left.px_per_m
+    shift = [round((r - le) * scale) for r, le in zip(right.area.low, left.area.low, strict=True)]
+    pictures = [image_from_bytes(m.jpeg).astype(int) for m in (left, right)]
+    shared = pictures[0].shape[1] - shift[0]
+    assert shared > 3
+    apart = pictures[0][max(shift[1], 0) :, shift[0] :][:200] - pictures[1][:200, :shared]
+    assert np.abs(apart).mean() < 6
+
+
+def test_what_shares_a_quilt(rug) -> None:
+    def wanted(room, surface, material, low=0.0):
+        area = Area((low, 0.0), (low + 3.0, 3.0))
+        return Wanted(SurfaceKey(room, surface), tile_of(rug), area, material)
+
+    near = [wanted("a", "floor", "m"), wanted("b", "floor", "m", 3.0)]
+    assert len(joined(near)) == 1
+    assert len(joined([near[0], wanted("b", "floor", "m", 60.0)])) == 2
+    assert len(joined([near[0], wanted("b", "floor", "")])) == 2
+    assert len(joined([wanted("a", "wall", "m"), wanted("b", "wall", "m")])) == 2
+
+
+def test_areas_are_those_of_the_faces(l_house) -> None:
+    areas = areas_of(build_parts(l_house))
+    wall = areas[SurfaceKey("hall", "wall")]
+    assert wall.size == pytest.approx((18.0 + 0.1, 2.5 + 0.1), abs=0.01)
+    assert areas[SurfaceKey("hall", "ceiling")].size == pytest.approx((5.1, 4.1), abs=0.01)
