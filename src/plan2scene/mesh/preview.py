@@ -196,7 +196,7 @@ def _draw(soup: Soup, camera: Camera, keep: np.ndarray, house: House) -> np.ndar
 
 def _texels_per_metre(soup: Soup) -> np.ndarray:
     """Return the (t,) texels per metre of each triangle, 0 without a texture."""
-    sizes = np.array([levels[0].shape[1::-1] for levels in soup.mipmaps] + [(0, 0)])
+    sizes = np.array([*(levels[0].shape[1::-1] for levels in soup.mipmaps), (0, 0)])
     edge = np.linalg.norm(soup.corners[:, 1] - soup.corners[:, 0], axis=1)
     across = (soup.uv[:, 1] - soup.uv[:, 0]) * sizes[soup.texture]
     return np.linalg.norm(across, axis=1) / np.maximum(edge, 1e-9)

@@ -117,7 +117,7 @@ def _made(
         known = [_known(crop) for crop in crops]
         made[key] = make_exemplar(known, size_px=size_px, tone=tone)
     exemplar: Exemplar | None = made[key]
-    return exemplar and (exemplar, tuple(names[k] for k in exemplar.crops))
+    return None if exemplar is None else (exemplar, tuple(names[k] for k in exemplar.crops))
 
 
 def _known(crop: Crop) -> ExemplarCrop:

@@ -22,6 +22,8 @@ _FINER = 1.2
 #: Root mean square in sRGB levels below which detail is not seen, and left away.
 _UNSEEN = 0.7
 _STEPS = (0.75, 0.5, 0.375, 0.25, 0.1875)
+#: Variations slower than this (sigma) are levelled: patches of a quilt would scatter them, metres.
+LEVEL_M = 0.15
 _SMOOTH = 6.0  # px of a crop: the light's changes are slower
 
 
@@ -94,7 +96,7 @@ def _resolved(pattern: Pattern, k: int) -> float:
 def _sources(pattern: Pattern, px_per_m: float) -> list[Source]:
     """Return the crops that take part, straightened, at `px_per_m`."""
     work = max(8, round(pattern.size_m * px_per_m))
-    return [_source(pattern, k, work) for k in pattern.order]
+    return levelled([_source(pattern, k, work) for k in pattern.order], px_per_m)
 
 
 def _source(pattern: Pattern, k: int, work: int) -> Source:
@@ -119,6 +121,36 @@ def _source(pattern: Pattern, k: int, work: int) -> Source:
         pattern.cut,
         work,
     )
+
+
+def levelled(sources: Sequence[Source], px_per_m: float) -> list[Source]:
+    """Return the sources with one colour everywhere, but for what varies faster than `LEVEL_M`.
+
+    Each channel is scaled by its mean over all sources over its mean nearby.
+    """
+    near = [_nearby(source, LEVEL_M * px_per_m) for source in sources]
+    level = np.mean([n[s.valid].mean(axis=0) for n, s in zip(near, sources, strict=True)], axis=0)
+    gains = (level / np.maximum(n, 1 / 255) for n in near)
+    return [
+        replace(source, image=(source.image * gain).astype(np.float32))
+        for source, gain in zip(sources, gains, strict=True)
+    ]
+
+
+def _nearby(source: Source, sigma: float) -> np.ndarray:
+    """Return the mean colour of a source's valid pixels near each, (h, w, 3) float32."""
+    height, width = source.valid.shape
+    scale = min(1.0, 4.0 / sigma)
+    size = (max(2, round(width * scale)), max(2, round(height * scale)))
+    weight = source.valid.astype(np.float32)
+    total = cv2.resize(source.image * weight[..., None], size, interpolation=cv2.INTER_AREA)
+    weight = cv2.resize(weight, size, interpolation=cv2.INTER_AREA)
+    total, weight = (
+        cv2.GaussianBlur(a, (0, 0), sigma * scale, borderType=cv2.BORDER_CONSTANT)
+        for a in (total, weight)
+    )
+    mean = total / np.maximum(weight, 1e-3)[..., None]
+    return np.asarray(cv2.resize(mean, (width, height), interpolation=cv2.INTER_LINEAR))
 
 
 def seen_share(sources: Sequence[Source]) -> float:
