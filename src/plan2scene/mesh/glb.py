@@ -153,7 +153,11 @@ def _extras(part: MeshPart, tile: TileTexture | None) -> dict[str, Any]:
     """Return what viewers show about a part."""
     extras = dict(part.extras)
     if tile is not None:
-        facts: dict[str, Any] = {"size_m": tile.size_m, "observed": tile.observed, "substance": tile.substance}
+        facts: dict[str, Any] = {
+            "size_m": tile.size_m,
+            "observed": tile.observed,
+            "substance": tile.substance,
+        }
         facts["source"] = tile.source or None
         if isinstance(tile, MapTexture):
             facts["map_m"] = list(tile.extent_m)

@@ -17,7 +17,7 @@ STEP_M, OVERLAP_M = 0.3, 0.1
 #: Most patches to choose from: their costs are worked out for each pair.
 MOST = 500
 #: Share of a source's side that a patch without a lattice takes at most.
-_SHARE = 0.65
+_SHARE = 0.85
 _LEAST_PX = 12  # side of a patch
 _PHASES = 48  # bins of a period
 
@@ -142,7 +142,7 @@ def _starts(length: int, axis: Cell, shift: float) -> np.ndarray:
     if last < 0:
         return np.zeros(0, int)
     if not math.isfinite(axis.period):
-        stride = max(1, axis.side // 12)
+        stride = max(1, min(axis.side // 12, last // 6))
         return np.arange(0, last + 1, stride)
     # A joint of the lattice lies in the middle of the patches' overlap.
     first = (shift - axis.overlap / 2) % axis.period
