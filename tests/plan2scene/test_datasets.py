@@ -121,7 +121,7 @@ def test_no_table_is_no_rows():
         ),
         (
             "room_id,photo\na\n",
-            ", house h1: expected a room and a photo in each row, found row 2: a",
+            ", house h1: expected a photo in each row, found row 2: a",
         ),
     ],
 )
@@ -130,6 +130,13 @@ def test_line_of_a_bad_table(tmp_path, text, line):
     with pytest.raises(InputError) as caught:
         read_assignment(path, small_house())
     assert str(caught.value) == f"file {path}{line}"
+
+
+@pytest.mark.parametrize("text", ["photo\none.jpg\n", "room_id,photo\n,one.jpg\n"])
+def test_a_table_need_not_name_rooms(tmp_path, text):
+    path = table(tmp_path, text)
+    assert read_assignment(path, small_house()) == (PhotoAssignment("", "one.jpg"),)
+    assert rooms_of_photos(path, small_house()) == {"one.jpg": []}
 
 
 def test_missing_photo_is_a_warning(tmp_path):

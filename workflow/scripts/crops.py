@@ -7,7 +7,7 @@ from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.stage import load_crops, make_crops
-from plan2scene.photos.locate.stage import locate_photos
+from plan2scene.photos.locate.stage import locate_photos, with_found_rooms
 
 with job(snakemake.log[0]):
     name, params = snakemake.wildcards.house, snakemake.params
@@ -16,9 +16,11 @@ with job(snakemake.log[0]):
     output = snakemake.output
     paths = (output.crops, output.candidates, output.light)
     if params.source == "precomputed":
+        rooms_of_photo = with_found_rooms(house, rooms_of_photo, None)
         load_crops(house, rooms_of_photo, params.folder, *paths, dataset=params.dataset)
     else:
         locate_photos(house, rooms_of_photo, snakemake.input.masks, output.cameras)
+        rooms_of_photo = with_found_rooms(house, rooms_of_photo, output.cameras)
         make_crops(
             house,
             rooms_of_photo,

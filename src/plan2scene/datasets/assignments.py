@@ -19,6 +19,7 @@ MAX_ROWS = 10_000
 class PhotoAssignment(NamedTuple):
     """A photo that shows a room; a photo may show several."""
 
+    #: Empty where the table does not say: the locate stage looks for it.
     room_id: str
     photo: str
 
@@ -28,15 +29,16 @@ def read_assignment(
 ) -> tuple[PhotoAssignment, ...]:
     """Return the rows of a photo table in file order, repeated rows once.
 
-    Raises InputError for missing columns, a row without a room or photo, a room that the plan
-    lacks, a photo name with ``..`` or a leading ``/``, or two photos that share a stem (masks are
+    Raises InputError for a missing column, a row without a photo, a room that the plan lacks, a
+    photo name with ``..`` or a leading ``/``, or two photos that share a stem (masks are
     ``{stem}.png``).
 
     Parameters
     ----------
     path : path or None
         CSV with a header; the columns ``room_id`` (or ``roomId``) and ``photo`` in any order,
-        further columns are ignored. None, an empty file or a table without rows give no rows;
+        further columns are ignored. The room may be left empty, and its column left out: it is
+        looked for then. None, an empty file or a table without rows give no rows;
         :func:`check_assignment` lists that as a warning.
     house : House, optional
         When given, each room id must be one of its rooms.
@@ -50,7 +52,7 @@ def read_assignment(
     stems: dict[str, str] = {}
     rooms = None if house is None else {room.id for room in house.rooms}
     for row in rows:
-        if rooms is not None and row.room_id not in rooms:
+        if rooms is not None and row.room_id and row.room_id not in rooms:
             known = ", ".join(sorted(rooms))
             found = f"{row.room_id!r} for photo {row.photo}"
             raise fault(f"a room of the plan ({known[:150]})", found, room=row.room_id)
@@ -78,7 +80,8 @@ def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
     header = [cell.strip() for cell in table[0]]
     room = next((header.index(n) for n in ("room_id", "roomId") if n in header), None)
     photo = header.index("photo") if "photo" in header else None
-    if room is None or photo is None:
+    misnamed = room is None and any("room" in name.lower() for name in header)
+    if photo is None or misnamed:
         other = next((c for c in ";\t" if len(header) == 1 and c in header[0]), "")
         names = {";": "semicolons", "\t": "tabs"}
         expected = "columns room_id and photo"
@@ -92,9 +95,9 @@ def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
         cells = [cell.strip() for cell in cells]
         if not any(cells):
             continue
-        if len(cells) <= max(room, photo) or not cells[room] or not cells[photo]:
-            raise fault("a room and a photo in each row", f"row {number}: {','.join(cells)}")
-        rows.append(PhotoAssignment(cells[room], cells[photo]))
+        if len(cells) <= max(-1 if room is None else room, photo) or not cells[photo]:
+            raise fault("a photo in each row", f"row {number}: {','.join(cells)}")
+        rows.append(PhotoAssignment("" if room is None else cells[room], cells[photo]))
     return rows
 
 
@@ -122,8 +125,11 @@ def check_assignment(
 
 
 def rooms_of_photos(path: str | Path | None, house: House) -> dict[str, list[str]]:
-    """Return photo -> rooms that it shows, in the order of a photo table (`read_assignment`)."""
+    """Return photo -> rooms that it shows, in the order of a photo table (`read_assignment`).
+
+    No rooms where the table does not say.
+    """
     rooms: dict[str, list[str]] = {}
     for row in read_assignment(path, house):
-        rooms.setdefault(row.photo, []).append(row.room_id)
+        rooms.setdefault(row.photo, []).extend([row.room_id] if row.room_id else [])
     return rooms

@@ -14,7 +14,7 @@ from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.likelihood import N_CLASSES, log_table
 from plan2scene.photos.locate.plan_view import dominant_direction, look, room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json, turned
-from plan2scene.photos.locate.stage import locate_photos, read_poses
+from plan2scene.photos.locate.stage import locate_photos, read_poses, with_found_rooms
 
 
 def shot(house, heading_deg, eye, *, pitch_deg=6.0):
@@ -136,3 +136,27 @@ def test_the_stage_writes_every_camera(tmp_path):
     plain = Shot(photo.camera, without_openings(photo.labels), ("room",))
     alone = locate_shots(house, {"a.jpg": plain})["a.jpg"]
     assert found["a.jpg"].located > alone.located
+
+
+def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
+    house = box_house()
+    photo, true = shot(house, 230.0, (0.6, 1.5, 2.9))
+    masks = tmp_path / "masks"
+    masks.mkdir()
+    write_label_png(masks / "a.png", photo.labels)
+    write_label_png(masks / "b.png", np.full(SIZE, 2, np.uint8))
+    cameras = {f"{name}.jpg": photo.camera.to_json() for name in ("a", "b")}
+    write_json(masks / "cameras.json", cameras)
+    output = tmp_path / "cameras.json"
+    table = {"a.jpg": [], "b.jpg": [], "damaged.jpg": []}
+    poses = locate_photos(house, table, masks, output)
+    np.testing.assert_allclose(poses["a.jpg"].camera.matrix, true.matrix, atol=1e-6)
+    assert with_found_rooms(house, table, output) == {"a.jpg": ["room"]}
+    asked = "expected a room_id in the photo table where a photo's place in the plan is not clear"
+    assert caplog.messages[-1] == f"house h: {asked}, found none for b.jpg; left out"
+    given = {"b.jpg": ["store"], "a.jpg": []}
+    assert with_found_rooms(house, given, output) == {"b.jpg": ["store"], "a.jpg": ["room"]}
+    with pytest.raises(InputError, match=r"room_id in the photo table .* found none for b\.jpg$"):
+        with_found_rooms(house, {"b.jpg": []}, output)
+    with pytest.raises(InputError, match=r"none for a\.jpg"):
+        with_found_rooms(house, {"a.jpg": []}, None)

@@ -97,6 +97,8 @@ def write_contact_sheet(
     _header(draw, house.id, len(names), len(shown), counts, everything)
     for row, name in enumerate(shown):
         rooms = tuple(rooms_of_photo.get(name, ()))
+        if not rooms and name in poses:
+            rooms = (poses[name].room_id,)
         photo = sheet_photo(
             name,
             photos.get(name),

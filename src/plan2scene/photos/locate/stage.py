@@ -6,6 +6,7 @@ import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import Camera
@@ -29,7 +30,8 @@ def locate_photos(
     house : House
         The plan.
     rooms_of_photo : mapping
-        Photo name to the rooms of the house that it shows: one of them it was taken in.
+        Photo name to the rooms of the house that it shows: one of them it was taken in. Any
+        room of the house where none is named.
     masks_dir : path
         Output of the masks stage.
     output : path
@@ -38,13 +40,15 @@ def locate_photos(
     folder = Path(masks_dir)
     file = folder / "cameras.json"
     cameras = {name: Camera.from_json(value, file=file) for name, value in read_json(file).items()}
+    anywhere = [room.id for room in house.rooms]
     shots = {
         name: Shot(
             camera,
             read_label_png(folder / f"{Path(name).stem}.png", house_id=house.id, openings=True),
-            tuple(dict.fromkeys(rooms_of_photo.get(name, ()))),
+            tuple(dict.fromkeys(rooms_of_photo[name] or anywhere)),
         )
         for name, camera in sorted(cameras.items())
+        if name in rooms_of_photo
     }
     poses = locate_shots(house, shots)
     entries = {name: pose_to_json(cameras[name], poses.get(name)) for name in sorted(cameras)}
@@ -58,3 +62,29 @@ def read_poses(path: str | Path) -> dict[str, Pose]:
     """Return the poses of the located photos of a cameras.json, by name."""
     found = {name: pose_from_json(value, file=path) for name, value in read_json(path).items()}
     return {name: pose for name, pose in found.items() if pose is not None}
+
+
+def with_found_rooms(
+    house: House, rooms_of_photo: Mapping[str, Sequence[str]], cameras: str | Path | None
+) -> dict[str, list[str]]:
+    """Return photo -> rooms; of photos for which none is named, the room they were located in.
+
+    `cameras` is the cameras.json of `locate_photos`, None where photos have none. Photos without
+    a room are left out, those with a camera with a line that asks for it; InputError where
+    no photo of the house has a room.
+    """
+    located = {} if cameras is None else read_poses(cameras)
+    rooms = {
+        photo: list(named) or ([located[photo].room_id] if photo in located else [])
+        for photo, named in rooms_of_photo.items()
+    }
+    known = rooms if cameras is None else read_json(cameras)
+    asked = sorted(photo for photo, named in rooms.items() if not named and photo in known)
+    if asked:
+        names = ", ".join(asked[:8]) + (f" and {len(asked) - 8} more" if len(asked) > 8 else "")
+        expected = "a room_id in the photo table where a photo's place in the plan is not clear"
+        fault = InputError(expected, f"none for {names}", house=house.id)
+        if not any(rooms.values()):
+            raise fault
+        _log.warning("%s; left out", fault)
+    return {photo: named for photo, named in rooms.items() if named}
