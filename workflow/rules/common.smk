@@ -20,6 +20,7 @@ from plan2scene.datasets.house_table import (
 )
 from plan2scene.errors import InputError
 from plan2scene.provenance import code_hash, file_hash
+from plan2scene.slurm import check_cluster
 from plan2scene.textures.methods import METHODS as TEXTURE_METHODS
 
 try:
@@ -81,6 +82,15 @@ wildcard_constraints:
     house=r"[A-Za-z0-9_][A-Za-z0-9_.-]*",
     drop=r"[01]\.\d",
     method="|".join(TEXTURE_METHODS),
+
+
+onstart:
+    # A SLURM whose jobs' end nobody would see is told before the first of them is submitted.
+    if hasattr(workflow.executor_settings, "status_command"):
+        try:
+            check_cluster(workflow.executor_settings.status_command)
+        except InputError as error:
+            sys.exit(f"plan2scene: {error}")
 
 
 def plan_of(wildcards):

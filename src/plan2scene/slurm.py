@@ -1,0 +1,52 @@
+"""What a SLURM must tell for a run to see its jobs end.
+
+The status of jobs is asked for by ``squeue``, which forgets a finished job after MinJobAge seconds,
+or by ``sacct``, which knows none where accounting is off. A job whose end is not seen is waited for
+for ever: better said before the first submission.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+
+from plan2scene.errors import InputError
+
+#: Longest pause between two looks at the jobs, and what the looks themselves may take, in seconds.
+LONGEST_PAUSE = 180 + 20
+
+
+def read_settings(text: str) -> dict[str, str]:
+    """Return the settings that ``scontrol show config`` prints, by name."""
+    pairs = (line.partition("=") for line in text.splitlines() if "=" in line)
+    return {name.strip(): value.strip() for name, _, value in pairs}
+
+
+def check_status(settings: dict[str, str], command: str) -> None:
+    """Raise InputError where `command` (squeue or sacct) would miss the end of a job."""
+    accounting = settings.get("AccountingStorageType", "").rpartition("/")[2] not in ("", "none")
+    kept = re.match(r"\d+", settings.get("MinJobAge", ""))
+    if command == "sacct" and not accounting:
+        raise InputError(
+            "--slurm-status-command squeue", "sacct, and accounting is off", file="SLURM"
+        )
+    if command == "squeue" and kept and int(kept.group()) < LONGEST_PAUSE:
+        found = f"MinJobAge={kept.group()}: squeue forgets jobs before their end is seen"
+        other = "--slurm-status-command sacct" if accounting else "accounting or a longer memory"
+        raise InputError(other, found, file="SLURM")
+
+
+def check_cluster(command: str) -> None:
+    """Raise InputError where no SLURM answers, or one whose jobs' end `command` would miss."""
+    try:
+        shown = subprocess.run(
+            ["scontrol", "show", "config"], capture_output=True, text=True, timeout=60, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise InputError(
+            "a login node of a SLURM cluster", f"scontrol: {error}", file="SLURM"
+        ) from None
+    if shown.returncode != 0:
+        lines = shown.stderr.strip().splitlines() or ["no answer"]
+        raise InputError("a login node of a SLURM cluster", lines[-1], file="SLURM")
+    check_status(read_settings(shown.stdout), command)

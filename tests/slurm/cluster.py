@@ -1,0 +1,228 @@
+"""A SLURM of this machine alone, on loopback, in a temporary folder.
+
+    python tests/slurm/cluster.py snakemake --profile profiles/slurm all
+
+starts munged, slurmctld and a slurmd for each node, runs the command with it and takes it all down.
+Wants root and the programs of Debian's slurm-wlm; nothing outside the folder is touched.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import secrets
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "srun", "squeue", "scontrol", "setpriv")
+#: How long the daemons may take to answer, in seconds.
+PATIENCE = 60
+CONF = """\
+ClusterName=loopback
+SlurmctldHost={host}(127.0.0.1)
+SlurmctldPort={port}
+AuthType=auth/munge
+AuthInfo=socket={folder}/munge.socket
+CredType=cred/munge
+SlurmUser=root
+SlurmdUser=root
+StateSaveLocation={folder}/state
+SlurmdSpoolDir={folder}/%n
+SlurmctldPidFile={folder}/slurmctld.pid
+SlurmdPidFile={folder}/%n.pid
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+MpiDefault=none
+SwitchType=switch/none
+ReturnToService=2
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core_Memory
+JobAcctGatherType=jobacct_gather/linux
+JobAcctGatherFrequency=task=1
+JobAcctGatherParams=OverMemoryKill
+AccountingStorageType=accounting_storage/none
+JobCompType=jobcomp/filetxt
+JobCompLoc={folder}/finished.txt
+SlurmdParameters=config_overrides
+SlurmdTimeout=5
+KillWait=2
+MinJobAge={min_job_age}
+PartitionName=main Nodes=ALL Default=YES State=UP
+PartitionName=other Nodes=ALL State=UP
+"""
+NODE = (
+    "NodeName={name} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs={cpus} "
+    "RealMemory={memory}\n"
+)
+
+
+def missing() -> str:
+    """Return in a line why no SLURM can be started here; nothing where one can."""
+    if os.geteuid() != 0:
+        return "a SLURM on loopback wants root"
+    absent = [name for name in PROGRAMS if shutil.which(name) is None]
+    return f"not installed (Debian: slurm-wlm): {', '.join(absent)}" if absent else ""
+
+
+def free_ports(count: int) -> list[int]:
+    """Return ports that nobody listens on."""
+    with ExitStack() as opened:
+        sockets = [opened.enter_context(socket.socket()) for _ in range(count)]
+        for each in sockets:
+            each.bind(("127.0.0.1", 0))
+        return [each.getsockname()[1] for each in sockets]
+
+
+@dataclass
+class Cluster:
+    """A running SLURM: what it takes to use it and to harm it."""
+
+    folder: Path
+    daemons: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """Return the environment of its users: which SLURM, and programs that keep to it.
+
+        Job steps start without SLURM's variables, so ``srun`` is told by a script of that name.
+        """
+        path = f"{self.folder / 'bin'}:{os.environ['PATH']}"
+        clean = {k: v for k, v in os.environ.items() if not k.startswith(("SLURM_", "SBATCH_"))}
+        return clean | {"SLURM_CONF": str(self.folder / "slurm.conf"), "PATH": path}
+
+    def start(self, name: str, *command: str) -> None:
+        """Start a daemon that ends with this process, in the foreground, its output in a log."""
+        words = ("setpriv", "--pdeathsig", "TERM", *command)
+        with (self.folder / f"{name}.log").open("ab") as log:
+            self.daemons[name] = subprocess.Popen(
+                words, env=self.environment, stdout=log, stderr=log, start_new_session=True
+            )
+
+    def start_node(self, name: str) -> None:
+        """Start the daemon of a node, anew where it was killed."""
+        self.start(name, "slurmd", "-D", "-N", name)
+
+    def kill_node(self, name: str) -> None:
+        """Kill the daemon of a node and the jobs, as a machine that loses power."""
+        self.daemons[name].kill()
+        self.daemons.pop(name).wait()
+        own, node = f"SLURM_CONF={self.folder}/", f"SLURMD_NODENAME={name}"
+        for process in Path("/proc").glob("[0-9]*"):
+            try:
+                words = (process / "environ").read_text(errors="replace").split("\0")
+                step = (process / "cmdline").read_text(errors="replace").startswith("slurmstepd")
+            except OSError:
+                continue
+            if any(word.startswith(own) for word in words) and (step or node in words):
+                os.kill(int(process.name), signal.SIGKILL)
+
+    def ask(self, *command: str) -> str:
+        """Return what one of SLURM's commands prints; nothing where it fails."""
+        done = subprocess.run(
+            command, env=self.environment, capture_output=True, text=True, check=False
+        )
+        return done.stdout if done.returncode == 0 else ""
+
+    def wait_for(self, what: str, *command: str) -> None:
+        """Wait until `what` is in the answer of a command."""
+        end = time.monotonic() + PATIENCE
+        while what not in self.ask(*command):
+            if time.monotonic() > end:
+                logs = {p.name: p.read_text()[-500:] for p in self.folder.glob("*.log")}
+                raise TimeoutError(f"{' '.join(command)} never said {what!r}: {logs}")
+            time.sleep(0.1)
+
+    def finished(self) -> list[dict[str, str]]:
+        """Return what SLURM notes of each job that ended: JobId, JobState, StartTime, EndTime."""
+        path = self.folder / "finished.txt"
+        lines = path.read_text().splitlines() if path.exists() else []
+        return [dict(word.split("=", 1) for word in line.split() if "=" in word) for line in lines]
+
+    def stop(self) -> None:
+        """End jobs and daemons."""
+        end = time.monotonic() + 10
+        while self.ask("squeue", "--noheader") and time.monotonic() < end:
+            self.ask("scancel", "--quiet", "--user", "root")
+            time.sleep(0.2)
+        for name in reversed(list(self.daemons)):
+            self.daemons[name].terminate()
+        for daemon in self.daemons.values():
+            try:
+                daemon.wait(10)
+            except subprocess.TimeoutExpired:
+                daemon.kill()
+
+
+def write_settings(folder: Path, nodes: int, cpus: int, memory: int, min_job_age: int) -> None:
+    """Write key, configuration and the script `srun` of a cluster."""
+    host, (port, *ports) = socket.gethostname(), free_ports(nodes + 1)
+    lines = [
+        NODE.format(name=f"node{i}", host=host, port=ports[i], cpus=cpus, memory=memory)
+        for i in range(nodes)
+    ]
+    head = CONF.format(host=host, port=port, folder=folder, min_job_age=min_job_age)
+    (folder / "slurm.conf").write_text("".join(lines) + head)
+    for name in ("state", "bin", *(f"node{i}" for i in range(nodes))):
+        (folder / name).mkdir()
+    key = folder / "munge.key"
+    key.write_bytes(secrets.token_bytes(1024))
+    key.chmod(0o400)
+    script = folder / "bin" / "srun"
+    script.write_text(
+        f'#!/bin/sh\nSLURM_CONF={folder}/slurm.conf exec {shutil.which("srun")} "$@"\n'
+    )
+    script.chmod(0o755)
+
+
+@contextmanager
+def cluster(
+    *, nodes: int = 1, cpus: int = 8, memory: int = 16000, min_job_age: int = 300
+) -> Iterator[Cluster]:
+    """Run a SLURM without accounting; a node claims to have `cpus` and `memory` (MB)."""
+    with tempfile.TemporaryDirectory(prefix="slurm_", ignore_cleanup_errors=True) as name:
+        folder = Path(name)
+        folder.chmod(0o755)
+        write_settings(folder, nodes, cpus, memory, min_job_age)
+        made = Cluster(folder)
+        files = {"key-file": "munge.key", "socket": "munge.socket", "pid-file": "munged.pid"}
+        files |= {"log-file": "munged.log", "seed-file": "munge.seed"}
+        options = [f"--{option}={folder / file}" for option, file in files.items()]
+        try:
+            made.start("munge", "munged", "--force", "--foreground", *options)
+            made.wait_for("MUNGE:", "munge", "-n", "--socket", str(folder / "munge.socket"))
+            made.start("slurmctld", "slurmctld", "-D", "-c")
+            for i in range(nodes):
+                made.start_node(f"node{i}")
+            for i in range(nodes):
+                made.wait_for("idle", "sinfo", "--noheader", "-o", "%T", "-n", f"node{i}")
+            yield made
+        finally:
+            made.stop()
+
+
+def main() -> None:
+    """Run a command with a cluster beside it; its exit code is the command's."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--nodes", type=int, default=1)
+    parser.add_argument("--cpus", type=int, default=os.cpu_count(), help="of each node")
+    parser.add_argument("--memory", type=int, default=16000, help="of each node, MB")
+    parser.add_argument("command", nargs=argparse.REMAINDER)
+    options = parser.parse_args()
+    if missing():
+        sys.exit(missing())
+    with cluster(nodes=options.nodes, cpus=options.cpus, memory=options.memory) as made:
+        done = subprocess.run(options.command, env=made.environment, check=False)
+    sys.exit(done.returncode)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,24 @@
+"""Fixtures of the tests on a SLURM; what takes minutes: pytest -m slurm tests/slurm."""
+
+import importlib.util
+
+import cluster
+import pytest
+
+
+def pytest_collection_modifyitems(config, items):
+    on_demand = pytest.mark.skip(reason="takes minutes: pytest -m slurm tests/slurm")
+    for item in items:
+        if item.get_closest_marker("slurm") and "slurm" not in config.option.markexpr:
+            item.add_marker(on_demand)
+
+
+@pytest.fixture(scope="session")
+def slurm():
+    """A SLURM of one node that claims to have 8 cores and 16 GB."""
+    if cluster.missing():
+        pytest.skip(cluster.missing())
+    if importlib.util.find_spec("snakemake_executor_plugin_slurm") is None:
+        pytest.skip("not installed: snakemake-executor-plugin-slurm")
+    with cluster.cluster() as made:
+        yield made

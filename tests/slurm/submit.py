@@ -1,0 +1,37 @@
+"""Runs of Snakemake with the shipped profile on a SLURM."""
+
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+from cluster import Cluster
+
+PROFILE = Path(__file__).parents[2] / "workflow" / "profiles" / "slurm"
+#: One file system, and jobs of seconds: looks at them soon, and waits for no NFS.
+QUICK = ("--slurm-init-seconds-before-status-checks", "5", "--latency-wait", "5")
+
+
+def submit(
+    slurm: Cluster, folder: Path, *arguments: str, **further: str
+) -> subprocess.CompletedProcess[str]:
+    """Run Snakemake in a folder with the profile; `further` are environment variables."""
+    command = [sys.executable, "-m", "snakemake", "--profile", str(PROFILE), *QUICK, *arguments]
+    return subprocess.run(
+        command,
+        cwd=folder,
+        env=slurm.environment | {"OMP_NUM_THREADS": "1"} | further,
+        text=True,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        timeout=500,
+        check=False,
+    )
+
+
+def write_snakefile(folder: Path, text: str) -> Path:
+    """Write a Snakefile that runs under the profile; return its folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "Snakefile").write_text(textwrap.dedent(text))
+    return folder

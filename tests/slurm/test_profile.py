@@ -1,0 +1,53 @@
+"""The shipped profile on a real SLURM: a part of the demo, and jobs that are ended from outside."""
+
+from clones import demo_rows, make_clone
+from submit import submit, write_snakefile
+
+#: Jobs that need nobody, and what becomes of each.
+THREE = """
+    rule all:
+        input: "fine", "cancelled", "large"
+    rule fine:
+        output: "fine"
+        shell: "echo $SLURM_JOB_PARTITION > {output}"
+    rule cancelled:
+        output: "cancelled"
+        shell: "scancel $SLURM_JOB_ID; sleep 60; touch {output}"
+    rule large:
+        output: "large"
+        resources: mem_mb=400
+        shell: "python -c 'import time; x = 700 * 2**20 * b\\"x\\"; time.sleep(60)'; touch {output}"
+"""
+
+
+def test_a_house_is_made_and_a_broken_one_beside_it_is_named(slurm, tmp_path):
+    clone = make_clone(tmp_path / "clone", demo_rows()[:2])
+    good, bad = (row["house"] for row in demo_rows()[:2])
+    plan = clone.root / "data" / demo_rows()[1]["plan"]
+    plan.write_text(plan.read_text()[:200])
+    base = clone.root / "results" / "tiny" / "houses"
+    targets = [f"results/tiny/houses/{good}/crops.parquet", f"results/tiny/houses/{bad}/scene.json"]
+    library = {"PYTHONPATH": str(clone.root / "src")}
+    run = submit(slurm, clone.root, "--retries", "0", *targets, **library)
+    assert run.returncode == 1
+    assert {path.name for path in (base / good).iterdir()} >= {
+        "scene.json",
+        "masks",
+        "crops.parquet",
+    }
+    assert f"house {bad}: expected" in run.stdout, run.stdout[-3000:]
+    assert not (base / bad / "scene.json").exists()
+    # Three jobs of the good house are one submission.
+    assert run.stdout.count("submitted with SLURM jobid") == 2
+
+
+def test_cancelled_and_too_large_jobs_do_not_hang_the_others(slurm, tmp_path):
+    folder = write_snakefile(tmp_path, THREE)
+    run = submit(slurm, folder, "--retries", "0", SBATCH_PARTITION="other")
+    assert run.returncode == 1
+    assert (tmp_path / "fine").read_text() == "other\n"
+    assert "SLURM status is: 'CANCELLED'" in run.stdout, run.stdout[-3000:]
+    # Without control groups the state is FAILED, and SLURM's own line says why.
+    assert "exceeded memory limit" in run.stdout, run.stdout[-3000:]
+    assert not (tmp_path / "cancelled").exists()
+    assert not (tmp_path / "large").exists()
