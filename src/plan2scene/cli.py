@@ -71,9 +71,15 @@ def run_house(
     colours: Annotated[
         Colours, typer.Option(help="As the photos show them, or under one light for the house.")
     ] = Colours.PHOTO,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="All that Snakemake says.")
+    ] = False,
 ) -> None:
     """Make one textured house from a plan and photos."""
     from plan2scene.run import SingleHouse, run
+
+    shown = "quiet" if quiet else "verbose" if verbose else "lines"
 
     request = SingleHouse(
         plan=plan,
@@ -86,7 +92,7 @@ def run_house(
         texture_size=texture_size,
         colours=colours.value,
     )
-    for name, path in run(request, out, cores=cores).items():
+    for name, path in run(request, out, cores=cores, shown=shown).items():
         print(f"{name}: {path}")
 
 

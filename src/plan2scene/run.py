@@ -26,6 +26,12 @@ DATASET = "own"
 TEXTURE_SIZES = (128, 256, 512)
 #: Files of the house that a user wants.
 DELIVERED = ("house.glb", "house.scene.json", "preview.png", "viewer.html")
+#: What is printed of the progress: nothing, a line a stage (a bar on a terminal), or all.
+SHOWN = {
+    "quiet": ("--quiet", "all"),
+    "lines": ("--logger", "plan2scene"),
+    "verbose": ("--printshellcmds",),
+}
 
 
 @dataclass(frozen=True)
@@ -127,11 +133,12 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     return path
 
 
-def run(request: SingleHouse, out: Path, *, cores: int) -> dict[str, Path]:
+def run(request: SingleHouse, out: Path, *, cores: int, shown: str = "lines") -> dict[str, Path]:
     """Make one house with Snakemake under `out`; return the files a user wants, by name.
 
-    A run that was killed goes on by the same call. Raises InputError for faults of the input,
-    WorkflowError when the workflow fails.
+    A run that was killed goes on by the same call. `shown` says what is printed of its progress, a
+    key of :data:`SHOWN`. Raises InputError for faults of the input, WorkflowError when the workflow
+    fails.
     """
     if not (WORKFLOW / "Snakefile").is_file():
         raise WorkflowError(f"this installation lacks the workflow: no Snakefile in {WORKFLOW}")
@@ -142,20 +149,20 @@ def run(request: SingleHouse, out: Path, *, cores: int) -> dict[str, Path]:
     names = read_input(request)
     with claimed_folder(out, (*DELIVERED, "textures"), inputs) as folder:
         config = prepare(request, names, folder.work)
-        _make(request, config, folder, cores)
+        _make(request, config, folder, cores, shown)
         made = folder.work / "results" / DATASET
         files = {name: made / "houses" / request.house / name for name in DELIVERED}
         files["textures"] = made / "drop_0.0" / request.method / request.house / "textures"
         return folder.deliver(files)
 
 
-def _make(request: SingleHouse, config: Path, folder: OutFolder, cores: int) -> None:
+def _make(request: SingleHouse, config: Path, folder: OutFolder, cores: int, shown: str) -> None:
     """Run Snakemake in the work folder; WorkflowError when it fails."""
     base = f"results/{DATASET}/houses/{request.house}"
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(WORKFLOW / "Snakefile")]
     command += ["--directory", str(folder.work), "--configfile", str(config)]
     command += ["--workflow-profile", str(WORKFLOW / "workflow" / "profiles" / "default")]
-    command += ["--cores", str(cores), "--quiet", "rules", "--"]
+    command += ["--cores", str(cores), *SHOWN[shown], "--"]
     command += [f"{base}/{name}" for name in DELIVERED]
     # Who inherits the lock keeps it: the folder is free when Snakemake is gone too.
     inherited = (folder.lock,) if folder.lock >= 0 else ()

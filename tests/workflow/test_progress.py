@@ -1,0 +1,57 @@
+"""Lines of progress: how many of how many jobs, rule, house and seconds; a bar on a terminal."""
+
+import io
+import logging
+
+import pytest
+
+interface = pytest.importorskip("snakemake_interface_logger_plugins.common")
+from snakemake_logger_plugin_plan2scene import LogHandler  # noqa: E402
+
+EVENT = interface.LogEvent
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def events(handler, *, seconds=2.5):
+    """Let a run of two jobs, one of a house, pass by."""
+
+    def tell(created, level=logging.INFO, message="", **fields):
+        record = logging.makeLogRecord({"levelno": level, "msg": message, **fields})
+        record.created = created
+        handler.emit(record)
+
+    tell(0.0, event=EVENT.RUN_INFO, stats={"crops": 1, "paper_table": 1, "total": 2})
+    crops = {"jobid": 7, "rule_name": "crops", "wildcards": {"house": "flat_1"}}
+    tell(1.0, event=EVENT.JOB_INFO, **crops)
+    tell(1.0, event=EVENT.JOB_STARTED, jobs=[7])
+    tell(1.5, message="Select jobs to execute...")
+    tell(1.0 + seconds, event=EVENT.JOB_FINISHED, job_id=7)
+    tell(4.0, event=EVENT.JOB_INFO, jobid=0, rule_name="paper_table", wildcards={})
+    tell(4.25, event=EVENT.JOB_FINISHED, job_id=0)
+    tell(5.0, level=logging.ERROR, message="disk full")
+
+
+def made(stream):
+    handler = LogHandler(None, None)
+    handler.stream = stream
+    events(handler)
+    return stream.getvalue()
+
+
+def test_a_line_says_count_rule_house_and_seconds():
+    lines = made(io.StringIO()).splitlines()
+    assert [line.split() for line in lines] == [
+        ["1", "of", "2", "crops", "flat_1", "2.5", "s"],
+        ["2", "of", "2", "paper_table", "0.2", "s"],
+        ["disk", "full"],
+    ]
+
+
+def test_a_terminal_gets_a_bar_below_the_lines():
+    text = made(Terminal())
+    assert f"[{'#' * 15}{'.' * 15}]\r" in text
+    assert f"[{'#' * 30}]\n" in text
