@@ -28,6 +28,7 @@ def test_every_house_has_its_files(made):
         assert (folder / "house.glb").read_bytes()[:4] == b"glTF"
         assert (folder / "viewer.html").stat().st_size > (folder / "house.glb").stat().st_size
         assert Image.open(folder / "preview.png").size[0] > 400
+        assert Image.open(folder / "rooms.jpg").size[0] > 400
         assert Image.open(folder / "contact_sheet.png").size[0] > 1000
         assert Image.open(folder / "texture_sheet.png").size[0] > 1000
         own = made.root / "results/tiny/drop_0.0/exemplar" / house / "textures"

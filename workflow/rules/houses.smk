@@ -10,7 +10,7 @@ wildcard_constraints:
 
 rule house:
     # The 3D house: GLB with embedded textures, scene.json with textures, its preview (plan view
-    # with room names, and oblique view), and one offline HTML file with the house in it: one start.
+    # with room names, and oblique view), each room at eye level, and one offline HTML file with the house in it: one start.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         textures=CHOSEN_TEXTURES,
@@ -23,6 +23,13 @@ rule house:
             category="Houses",
             subcategory="{house}",
             labels={"file": "preview"},
+        ),
+        rooms=report(
+            f"{RESULTS}/houses/{{house}}/rooms.jpg",
+            caption="../report/rooms.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "rooms"},
         ),
         viewer=report(
             f"{RESULTS}/houses/{{house}}/viewer.html",

@@ -1,4 +1,4 @@
-"""Rule house: plan and textures -> GLB, scene.json with textures, preview, offline viewer."""
+"""Rule house: plan and textures -> GLB, scene.json with textures, pictures, offline viewer."""
 
 from plan2scene.jobs import job
 from plan2scene.mesh.build import build_house
@@ -12,6 +12,7 @@ with job(snakemake.log[0]):
         made.glb,
         made.scene,
         made.preview,
+        made.rooms,
         house_id=house_id,
     )
     build_viewer(made.glb, made.viewer, house_id=house_id)

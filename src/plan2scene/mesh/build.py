@@ -7,7 +7,9 @@ from pathlib import Path
 
 from plan2scene.floorplans import read_scene_json, write_scene_json
 from plan2scene.house import House, SurfaceKey
-from plan2scene.images import write_png
+from plan2scene.images import jpeg_bytes, write_png
+from plan2scene.io import atomic_path
+from plan2scene.mesh.eye_level import render_rooms
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.preview import render_preview
@@ -28,10 +30,11 @@ def build_house(
     glb: str | Path,
     textured_scene_json: str | Path,
     preview: str | Path,
+    rooms: str | Path,
     *,
     house_id: str,
 ) -> None:
-    """Write a house as GLB, as scene.json with textures in the official form, and as a picture.
+    """Write a house as GLB, as scene.json with textures in the official form, and as pictures.
 
     Parameters
     ----------
@@ -41,6 +44,8 @@ def build_house(
         A method's tiles with ``textures.json``; surfaces without one get a plain colour.
     glb, textured_scene_json, preview : path
         Outputs; the preview is a PNG, see :func:`~plan2scene.mesh.preview.render_preview`.
+    rooms : path
+        Output: a JPEG, see :func:`~plan2scene.mesh.eye_level.render_rooms`.
     house_id : str
     """
     house, textures = _load(scene_json, textures_dir, house_id)
@@ -49,6 +54,9 @@ def build_house(
     plain = {key: (tile.png, tile.size_m) for key, tile in textures.items()}
     write_scene_json(house, textured_scene_json, plain)
     write_png(preview, render_preview(house, textures, assembly))
+    pictures = render_rooms(house, textures, assembly.parts)
+    with atomic_path(rooms) as temporary:
+        temporary.write_bytes(jpeg_bytes(pictures, quality=90))
     logging.getLogger("plan2scene").info(
         "house %s: %d rooms, %d parts, %d triangles, %d textures",
         house_id,

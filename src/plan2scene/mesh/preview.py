@@ -16,7 +16,16 @@ from plan2scene.house import House, SurfaceKey
 from plan2scene.mesh.house_mesh import Assembly, assemble
 from plan2scene.mesh.labels import SECTION_COLOUR, annotate
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
-from plan2scene.mesh.raster import Camera, Soup, attributes, look_at, sample, soup_of, visible
+from plan2scene.mesh.raster import (
+    Camera,
+    Soup,
+    attributes,
+    look_at,
+    sample,
+    soup_of,
+    texels_per_metre,
+    visible,
+)
 from plan2scene.mesh.textures import TileTexture
 
 BACKGROUND: Colour = (247, 246, 243)
@@ -179,7 +188,7 @@ def _draw(soup: Soup, camera: Camera, keep: np.ndarray, house: House) -> np.ndar
         if camera.perspective
         else np.full(len(t), 1.0 / camera.scale, dtype=np.float32)
     )
-    texels = _texels_per_metre(soup).astype(np.float32)[t]
+    texels = texels_per_metre(soup).astype(np.float32)[t]
     texture = soup.texture.astype(np.int16)[t]
     order = np.argsort(texture, kind="stable")
     ends = np.cumsum(np.bincount(texture + 1, minlength=len(soup.mipmaps) + 1))
@@ -192,14 +201,6 @@ def _draw(soup: Soup, camera: Camera, keep: np.ndarray, house: House) -> np.ndar
     front = (ids >= 0) & (far < depth)
     image[front] = 0.7 * image[front] + 0.3 * soup.colours[ids[front]]
     return _small(image)
-
-
-def _texels_per_metre(soup: Soup) -> np.ndarray:
-    """Return the (t,) texels per metre of each triangle, 0 without a texture."""
-    sizes = np.array([*(levels[0].shape[1::-1] for levels in soup.mipmaps), (0, 0)])
-    edge = np.linalg.norm(soup.corners[:, 1] - soup.corners[:, 0], axis=1)
-    across = (soup.uv[:, 1] - soup.uv[:, 0]) * sizes[soup.texture]
-    return np.linalg.norm(across, axis=1) / np.maximum(edge, 1e-9)
 
 
 def _light(normals: np.ndarray, t: np.ndarray, points: np.ndarray, house: House) -> np.ndarray:

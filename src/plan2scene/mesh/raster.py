@@ -126,6 +126,14 @@ def _colours(part: MeshPart) -> np.ndarray:
     return np.tile(colour, (len(part.mesh.faces), 1))
 
 
+def texels_per_metre(soup: Soup) -> np.ndarray:
+    """Return the (t,) texels per metre of each triangle, 0 without a texture."""
+    sizes = np.array([*(levels[0].shape[1::-1] for levels in soup.mipmaps), (0, 0)])
+    edge = np.linalg.norm(soup.corners[:, 1] - soup.corners[:, 0], axis=1)
+    across = (soup.uv[:, 1] - soup.uv[:, 0]) * sizes[soup.texture]
+    return np.linalg.norm(across, axis=1) / np.maximum(edge, 1e-9)
+
+
 def visible(soup: Soup, camera: Camera, keep: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return (h, w) int32 id of the nearest triangle (-1 none) and float32 depth, of those kept.
 

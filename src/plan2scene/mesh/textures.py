@@ -112,8 +112,8 @@ class MapTexture(TileTexture):
 def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileTexture]:
     """Return the textures that a method left for a house (``textures.json``, tiles, maps).
 
-    A surface that has a map gets a :class:`MapTexture`. Those that the folder does not list are
-    left out, with a warning in the log.
+    A surface that ``maps.json`` lists gets a :class:`MapTexture`. Those that ``textures.json`` does
+    not list are left out, with a warning in the log.
 
     Raises
     ------
@@ -121,12 +121,10 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
         When textures.json is not of the form in docs/conventions.md or a tile is no image.
     """
     root = Path(folder)
-    index = read_json(root / "textures.json")
-    entries = index.get("surfaces") if isinstance(index, dict) else None
-    if not isinstance(entries, dict):
-        raise InputError(
-            "an object 'surfaces'", "none", file=root / "textures.json", house=house.id
-        )
+    entries = _surfaces(root / "textures.json", house.id)
+    maps = {}
+    if (root / "maps.json").is_file():
+        maps = _surfaces(root / "maps.json", house.id)
     textures: dict[SurfaceKey, TileTexture] = {}
     for key in house.surface_keys():
         entry = entries.get(f"{key.room_id}/{key.surface}")
@@ -135,8 +133,19 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
                 "house %s: no texture for %s/%s", house.id, key.room_id, key.surface
             )
             continue
-        textures[key] = _tile(root, key, entry, house.id)
+        tile = _tile(root, key, entry, house.id)
+        whole = maps.get("/".join(key))
+        textures[key] = tile if whole is None else _map(root, key, tile, whole, house.id)
     return textures
+
+
+def _surfaces(file: Path, house_id: str) -> dict[str, dict[str, object]]:
+    """Return the entries of an index file by ``room/surface``."""
+    index = read_json(file)
+    entries = index.get("surfaces") if isinstance(index, dict) else None
+    if not isinstance(entries, dict):
+        raise InputError("an object 'surfaces'", "none", file=file, house=house_id)
+    return entries
 
 
 def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house_id: str) -> TileTexture:
@@ -146,12 +155,6 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house_id: str) 
         index = root / "textures.json"
         return InputError(expected, str(found), file=index, house=house_id, room=key.room_id)
 
-    def read(file: Path) -> bytes:
-        try:
-            return file.read_bytes()
-        except OSError:
-            raise InputError("a texture", "no such file", file=file, house=house_id) from None
-
     size = entry.get("size_m")
     if not isinstance(size, int | float) or not 0 < size < 1000:
         raise fault("a size_m in metres over 0", size)
@@ -159,12 +162,12 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house_id: str) 
     if origin is None:
         raise fault("an origin_m of two numbers of metres", entry.get("origin_m"))
     file = root / f"{key.filename}.png"
-    data = read(file)
+    data = _bytes(file, house_id)
     if not data.startswith(b"\x89PNG"):
         data = png_bytes(read_image(file, house_id=house_id))
     observed, substance = entry.get("observed"), entry.get("substance")
     crops = entry.get("crops")
-    tile = TileTexture(
+    return TileTexture(
         png=data,
         size_m=float(size),
         observed=observed if isinstance(observed, bool) else None,
@@ -174,15 +177,28 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house_id: str) 
         material=str(entry.get("material", "")),
         crops=tuple(map(str, crops)) if isinstance(crops, list) else (),
     )
-    whole = entry.get("map")
-    if not isinstance(whole, dict):
-        return tile
-    corner, extent = _pair(whole.get("origin_m")), _pair(whole.get("extent_m"))
+
+
+def _map(
+    root: Path, key: SurfaceKey, tile: TileTexture, entry: dict[str, object], house_id: str
+) -> MapTexture:
+    """Return the map of a surface that has a tile."""
+    corner, extent = _pair(entry.get("origin_m")), _pair(entry.get("extent_m"))
     if corner is None or extent is None or min(extent) <= 0:
-        raise fault("a map with origin_m and extent_m, two numbers of metres each", whole)
-    jpeg = root / f"{key.filename}.jpg"
-    facts = {field.name: getattr(tile, field.name) for field in fields(tile)} | {"origin_m": corner}
-    return MapTexture(**facts, jpeg=read(jpeg), extent_m=extent)
+        expected = "a map with origin_m and extent_m, two numbers of metres each"
+        file = root / "maps.json"
+        raise InputError(expected, str(entry), file=file, house=house_id, room=key.room_id)
+    facts = {field.name: getattr(tile, field.name) for field in fields(tile)}
+    jpeg = _bytes(root / f"{key.filename}.jpg", house_id)
+    return MapTexture(**facts | {"origin_m": corner}, jpeg=jpeg, extent_m=extent)
+
+
+def _bytes(file: Path, house_id: str) -> bytes:
+    """Return a texture's file."""
+    try:
+        return file.read_bytes()
+    except OSError:
+        raise InputError("a texture", "no such file", file=file, house=house_id) from None
 
 
 def _pair(value: object) -> tuple[float, float] | None:

@@ -63,7 +63,7 @@ def write_tiles(
 ) -> None:
     """Write ``{room_id}_{surface}.png`` and ``textures.json`` (docs/conventions.md).
 
-    With `maps` also ``{room_id}_{surface}.jpg``.
+    With `maps` also ``{room_id}_{surface}.jpg`` and ``maps.json``.
     """
     entries = {}
     with atomic_directory(out_dir) as folder:
@@ -83,8 +83,10 @@ def write_tiles(
                 entry["crops"] = list(tile.crops)
             if any(tile.origin_m):
                 entry["origin_m"] = list(tile.origin_m)
-            if maps and key in maps:
-                (folder / f"{key.filename}.jpg").write_bytes(maps[key].jpeg)
-                entry["map"] = maps[key].facts()
             entries[f"{key.room_id}/{key.surface}"] = entry
         write_json(folder / "textures.json", {"method": method, "surfaces": entries})
+        if maps is not None:
+            for key, whole in maps.items():
+                (folder / f"{key.filename}.jpg").write_bytes(whole.jpeg)
+            facts = {"/".join(key): whole.facts() for key, whole in maps.items()}
+            write_json(folder / "maps.json", {"surfaces": facts})

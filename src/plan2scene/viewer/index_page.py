@@ -82,6 +82,9 @@ def _card(scene: Path, base: Path) -> str:
         f'<article><a href="{_link(folder / "viewer.html", base)}">'
         f'<img src="{_link(folder / "preview.png", base)}" loading="lazy" '
         f'alt="House {name} from above and obliquely"></a>'
+        f"<details><summary>Rooms at eye level</summary>"
+        f'<img src="{_link(folder / "rooms.jpg", base)}" loading="lazy" '
+        f'alt="Rooms of house {name} at eye level"></details>'
         f"<h3>{name}</h3><p>{rooms}, {area:.1f} m²</p><p>{links}</p></article>"
     )
 

@@ -45,9 +45,10 @@ def entries_of(folder):
 def test_files_of_a_house(folder, gap_house, paint):
     out = folder / "out"
     args = folder / "scene.json", folder / "textures"
-    outputs = [out / name for name in ("house.glb", "house.scene.json", "preview.png")]
+    outputs = [out / name for name in ("house.glb", "house.scene.json", "preview.png", "rooms.jpg")]
     build_house(*args, *outputs, house_id="gap")
     assert Image.open(outputs[2]).size == (1600, 800)
+    assert Image.open(outputs[3]).size == (2 * 428 + 8, 312 + 8)
     scene = trimesh.load(out / "house.glb")
     assert scene.geometry["a/floor"].area == pytest.approx(12.0, rel=1e-4)
     textures = scene_textures(out / "house.scene.json")

@@ -16,6 +16,7 @@ def make(tmp_path, small_house):
         "house.glb",
         "house.scene.json",
         "preview.png",
+        "rooms.jpg",
         "contact_sheet.png",
         "texture_sheet.png",
     ):
@@ -40,7 +41,7 @@ def test_links_are_relative_and_exist(tmp_path, small_house):
     links = re.findall(r'(?:href|src)="([^"]+)"', page)
     assert "houses/small/viewer.html" in links
     assert "houses/small/house.glb" in links
-    assert "houses/small/preview.png" in links
+    assert {"houses/small/preview.png", "houses/small/rooms.jpg"} <= set(links)
     for link in links:
         assert not link.startswith(("/", "http"))
         assert (tmp_path / unquote(link)).is_file()

@@ -49,7 +49,7 @@ class SurfaceMap:
     photo_px_per_m: float
 
     def facts(self) -> dict[str, Any]:
-        """Return what ``textures.json`` says about it."""
+        """Return what ``maps.json`` says about it."""
         return {
             "origin_m": [round(value, 6) for value in self.area.low],
             "extent_m": [round(value, 6) for value in self.area.size],

@@ -1,0 +1,226 @@
+"""Light of a house's surfaces: sky through the windows, a lamp in every room, some bounces.
+
+Radiosity by rays (Cohen and Wallace 1993): every texel looks at the house in the same few
+directions about its normal; what it sees, a window's sky or another texel, is worked out once,
+then each bounce is a sum. Values are factors on a surface's colour, about 1 where a room is lit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+from shapely.geometry import Point
+
+from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.house import House, SurfaceKey
+from plan2scene.mesh.charts import Chart, packed
+from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.rays import Rays, hemisphere
+
+#: Directions that a texel looks in, bounces, and the largest image in pixels.
+RAYS, BOUNCES, MOST_PX = 64, 4, 2048
+#: Linear RGB of sky and ground outside, of lamps, and what doors and frames reflect.
+SKY = np.array([1.55, 1.7, 1.9])
+GROUND = np.array([0.55, 0.53, 0.5])
+LAMP = np.array([1.0, 0.94, 0.86])
+PLAIN = 0.6
+#: Mean and greatest direct light of a room's lamp, and how far below the ceiling it hangs.
+LAMP_SHARE, LAMP_MOST, LAMP_DROP_M = 0.3, 0.8, 0.35
+#: Radius of a lamp's glow, metres: its light does not grow without end towards it.
+LAMP_GLOW_M = 1.1
+#: Light that lies in the middle of a house after exposure.
+_MIDDLE = 0.9
+
+
+@dataclass(frozen=True)
+class Light:
+    """Baked light, and where each part lies in it.
+
+    Attributes
+    ----------
+    image : (h, w, 3) float32
+        Linear factors on surface colours.
+    charts : mapping of part name to Chart
+    rooms : mapping of room id to (3,) float64
+        Mean light of a room, for what has no texels.
+    """
+
+    image: np.ndarray
+    charts: Mapping[str, Chart]
+    rooms: Mapping[str, np.ndarray]
+
+    def uv(self, part: MeshPart) -> np.ndarray:
+        """Return texture coordinates (n, 2) of a part's vertices in the image, v down."""
+        height, width = self.image.shape[:2]
+        return self.charts[part.name].texels(np.asarray(part.uv)) / [width, height]
+
+
+@dataclass(eq=False)
+class _Texels:
+    """All texels on parts, in one row: points, normals, colours and rooms."""
+
+    points: np.ndarray
+    charts: np.ndarray
+    colours: np.ndarray
+    index: np.ndarray  # (h, w) int: number of the texel of a pixel, -1 off the parts
+
+
+def bake_light(
+    house: House,
+    parts: Sequence[MeshPart],
+    colours: Mapping[SurfaceKey, np.ndarray],
+    texel_m: float,
+) -> Light | None:
+    """Return the light of a house's textured parts; None without a ray tracer. Deterministic.
+
+    Parameters
+    ----------
+    house : House
+    parts : sequence of MeshPart
+    colours : mapping of SurfaceKey to (3,) float
+        Mean linear RGB of the surfaces; parts of others are plain.
+    texel_m : float
+        Side of a texel, metres.
+    """
+    flat = [part for part in parts if part.surface in colours]
+    rays = Rays.of([part for part in parts if part.extras.get("kind") != "skirting"])
+    if rays is None or not flat:
+        return None
+    charts, shape = packed(flat, texel_m, MOST_PX)
+    grids = [chart.grid() for chart in charts]
+    texels = _texels(charts, grids, colours, shape)
+    direct = _lamps(house, charts, texels, rays)
+    seen, sky = _seen(charts, texels, rays)
+    reflected = np.vstack([texels.colours, np.full((1, 3), PLAIN)])
+    light = direct + sky
+    for _ in range(BOUNCES):
+        known = np.vstack([light, np.median(light, axis=0)]) * reflected
+        light = direct + sky + _gathered(known, seen)
+    light *= _MIDDLE / max(float(np.median(light.mean(axis=1))), 1e-6)
+    image = np.zeros((*shape, 3), np.float32)
+    start = 0
+    for chart, (_, inside) in zip(charts, grids, strict=True):
+        values = np.zeros((*inside.shape, 3))
+        count = int(inside.sum())
+        values[inside] = light[start : start + count]
+        chart.paste(image, _smooth(values, inside), inside)
+        start += count
+    names = np.array([str(chart.part.extras.get("room_id", "")) for chart in charts])
+    owner = names[texels.charts]
+    rooms = {room: light[owner == room].mean(axis=0) for room in np.unique(owner)}
+    return Light(image, {chart.part.name: chart for chart in charts}, rooms)
+
+
+def _texels(
+    charts: Sequence[Chart],
+    grids: Sequence[tuple[np.ndarray, np.ndarray]],
+    colours: Mapping[SurfaceKey, np.ndarray],
+    shape: tuple[int, int],
+) -> _Texels:
+    """Return the texels of all charts."""
+    index = np.full(shape, -1)
+    points, numbers, looks, start = [], [], [], 0
+    for number, (chart, (uv, inside)) in enumerate(zip(charts, grids, strict=True)):
+        count = int(inside.sum())
+        points.append(chart.world(uv[inside]))
+        numbers.append(np.full(count, number))
+        look = np.zeros(3) if chart.part.surface is None else colours[chart.part.surface]
+        looks.append(np.tile(look, (count, 1)))
+        order = np.full(inside.shape, -1)
+        order[inside] = np.arange(start, start + count)
+        chart.paste(index, order, inside)
+        start += count
+    return _Texels(np.concatenate(points), np.concatenate(numbers), np.concatenate(looks), index)
+
+
+def _seen(charts: Sequence[Chart], texels: _Texels, rays: Rays) -> tuple[np.ndarray, np.ndarray]:
+    """Return what texels see in each direction, and the mean light of the sky in them (n, 3).
+
+    (n, `RAYS`) int: number of a texel, n for plain things, n + 1 for what is outside.
+    """
+    count = len(texels.points)
+    seen = np.full((count, RAYS), count + 1)
+    sky = np.zeros((count, 3))
+    by_name = {chart.part.name: chart for chart in charts}
+    known = [by_name.get(part.name) for part in rays.parts]
+    for number, chart in enumerate(charts):
+        mine = np.flatnonzero(texels.charts == number)
+        if not len(mine):
+            continue
+        directions = np.tile(hemisphere(chart.normal, RAYS), (len(mine), 1))
+        origins = np.repeat(texels.points[mine], RAYS, axis=0)
+        hit = rays.hits(origins, directions)
+        out = (hit < 0).reshape(-1, RAYS)
+        up = directions[:, 1].reshape(-1, RAYS) > 0
+        for part, colour in ((out & up, SKY), (out & ~up, GROUND)):
+            sky[mine] += part.mean(axis=1)[:, None] * colour
+        found = np.full(len(hit), count + 1)
+        found[hit >= 0] = count
+        for other in np.unique(rays.part[hit[hit >= 0]]):
+            target = known[other]
+            if target is not None:
+                ours = np.flatnonzero((hit >= 0) & (rays.part[hit] == other))
+                points, _ = rays.points(hit[ours], origins[ours], directions[ours])
+                found[ours] = _texel_at(target, points, texels.index, count)
+        seen[mine] = found.reshape(-1, RAYS)
+    return seen, sky
+
+
+def _texel_at(chart: Chart, points: np.ndarray, index: np.ndarray, plain: int) -> np.ndarray:
+    """Return the numbers of the texels of a chart at world points (n, 3)."""
+    known = np.column_stack([chart.part.mesh.vertices, np.ones(len(chart.part.mesh.vertices))])
+    to_uv, *_ = np.linalg.lstsq(known, np.asarray(chart.part.uv), rcond=None)
+    column, row = np.floor(chart.texels(np.column_stack([points, np.ones(len(points))]) @ to_uv)).T
+    place = (
+        np.clip(n, 0, m - 1).astype(int) for n, m in zip((row, column), index.shape, strict=True)
+    )
+    found = index[tuple(place)]
+    return np.where(found < 0, plain, found)
+
+
+def _gathered(known: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """Return the mean over directions of what is seen, (n, 3); outside counts in the sky."""
+    padded = np.vstack([known, np.zeros((1, 3))]).astype(np.float32)
+    return np.stack([padded[:, k][seen].mean(axis=1) for k in range(3)], axis=1)
+
+
+def _lamps(house: House, charts: Sequence[Chart], texels: _Texels, rays: Rays) -> np.ndarray:
+    """Return the direct light of one lamp below each room's ceiling, (n, 3)."""
+    light = np.zeros((len(texels.points), 3))
+    normals = np.stack([chart.normal for chart in charts])[texels.charts]
+    names = np.array([str(chart.part.extras.get("room_id", "")) for chart in charts])
+    for room in house.rooms:
+        lamp = lamp_position(house, room.id)
+        away = lamp - texels.points
+        distance = np.linalg.norm(away, axis=1)
+        facing = np.einsum("ij,ij->i", away, normals) / np.maximum(distance, 1e-6)
+        strength = np.maximum(facing, 0.0) / (distance**2 + LAMP_GLOW_M**2)
+        own = names[texels.charts] == room.id
+        if not strength[own].any():
+            continue
+        share = min(LAMP_SHARE / strength[own].mean(), LAMP_MOST / strength[own].max())
+        lit = np.flatnonzero(strength > 0.02 * strength[own].max())
+        free = rays.distances(texels.points[lit], away[lit] / distance[lit, None])
+        lit = lit[free > distance[lit]]
+        light[lit] += (share * strength[lit])[:, None] * LAMP
+    return light
+
+
+def lamp_position(house: House, room_id: str) -> np.ndarray:
+    """Return where a room's lamp hangs, (3,): below the ceiling, in its middle or near it."""
+    room = house.room(room_id)
+    polygon = room_polygon(room)
+    middle = polygon.centroid
+    if not polygon.buffer(-0.3).contains(Point(middle.x, middle.y)):
+        middle = polygon.representative_point()
+    return np.array([middle.x, room.height - LAMP_DROP_M, middle.y])
+
+
+def _smooth(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """Return values (h, w, 3) averaged over the texels beside, on the part alone."""
+    weight = ndimage.uniform_filter(inside.astype(np.float64), 3, mode="constant")
+    mean = ndimage.uniform_filter(values, (3, 3, 1), mode="constant")
+    return np.asarray(np.where(inside[..., None], mean / np.maximum(weight, 1e-6)[..., None], 0.0))

@@ -1,0 +1,98 @@
+"""Baked light and pictures at eye level: windows and lamps light, cameras stand inside."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapely.geometry import Point
+
+from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.house import Opening
+from plan2scene.mesh import build_parts
+from plan2scene.mesh.eye_level import EYE_M, SIZE, camera_in, render_rooms, standpoints
+from plan2scene.mesh.light import bake_light, lamp_position
+from plan2scene.mesh.rays import Rays, hemisphere
+
+pytest.importorskip("embreex")
+
+
+def light_of(house):
+    colours = {key: np.full(3, 0.6) for key in house.surface_keys()}
+    return bake_light(house, build_parts(house), colours, 0.25)
+
+
+def at(light, part, point):
+    uv = light.uv(part)
+    known = np.column_stack([part.mesh.vertices, np.ones(len(part.mesh.vertices))])
+    to_uv, *_ = np.linalg.lstsq(known, uv, rcond=None)
+    u, v = np.array([*point, 1.0]) @ to_uv
+    height, width = light.image.shape[:2]
+    return light.image[int(v * height), int(u * width)]
+
+
+@pytest.fixture
+def windowed(gap_house):
+    """Room a has a window opposite to its door, room b has none."""
+    wall = next(wall for wall in gap_house.walls if wall.id == "a_w3")
+    lit = replace(wall, openings=(Opening("w", "window", 1.0, 3.0, 0.8, 2.2),))
+    walls = tuple(lit if other is wall else other for other in gap_house.walls)
+    return replace(gap_house, walls=walls)
+
+
+def test_a_window_lights_the_floor_before_it(windowed):
+    light = light_of(windowed)
+    parts = {part.name: part for part in build_parts(windowed)}
+    floor = parts["a/floor"]
+    assert at(light, floor, (0.8, 0, 2)).mean() > 1.15 * at(light, floor, (2.5, 0, 3.7)).mean()
+    # The sky is bluer than the lamp.
+    near, far = (at(light, floor, (x, 0, z)) for x, z in ((0.5, 2.0), (2.7, 3.7)))
+    assert near[2] / near[0] > far[2] / far[0]
+    assert light.rooms["a"].mean() > light.rooms["b"].mean()
+    assert light.image.min() >= 0 and np.isfinite(light.image).all()
+    np.testing.assert_array_equal(light_of(windowed).image, light.image)
+
+
+def test_a_lamp_is_brightest_below_itself(gap_house):
+    light = light_of(gap_house)
+    parts = {part.name: part for part in build_parts(gap_house)}
+    lamp = lamp_position(gap_house, "b")
+    assert Point(lamp[0], lamp[2]).within(room_polygon(gap_house.room("b")))
+    below = at(light, parts["b/floor"], (lamp[0], 0, lamp[2])).mean()
+    assert below > 1.2 * at(light, parts["b/floor"], (3.3, 0, 0.2)).mean()
+
+
+def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
+    for house in (l_house, ring_house):
+        room = house.rooms[0]
+        polygon = room_polygon(room)
+        lamp = lamp_position(house, room.id)
+        assert Point(lamp[0], lamp[2]).within(polygon)
+        rays = Rays.of(build_parts(house))
+        camera = camera_in(house, room.id, rays)
+        assert camera.position[1] == EYE_M
+        assert polygon.contains(Point(camera.position[0], camera.position[2]))
+        for eye, _ in standpoints(polygon):
+            assert polygon.exterior.distance(Point(*eye)) > 0.3
+
+
+def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
+    textures = paint(gap_house)
+    parts = build_parts(gap_house)
+    sheet = render_rooms(gap_house, textures, parts)
+    first = sheet[8 : 8 + SIZE[0], 8 : 8 + SIZE[1]].astype(int)
+    assert sheet.dtype == np.uint8
+    # Bright corners of the tiles are orange; nothing is black or burnt.
+    orange = (first[..., 0] > first[..., 2] + 60).mean()
+    assert 0.1 < orange < 0.5
+    assert (first.max(axis=2) < 12).mean() < 0.01
+    assert (first.min(axis=2) > 250).mean() < 0.01
+    np.testing.assert_array_equal(render_rooms(gap_house, textures, parts), sheet)
+
+
+def test_rays_lie_about_the_normal_as_dense_as_the_cosine():
+    for normal in ([0, 1, 0], [0, -1, 0], [1, 0, 0], [0.6, 0, 0.8]):
+        ways = hemisphere(np.array(normal, float), 256)
+        np.testing.assert_allclose(np.linalg.norm(ways, axis=1), 1)
+        cosine = ways @ np.array(normal, float)
+        assert cosine.min() > 0
+        assert cosine.mean() == pytest.approx(2 / 3, abs=0.01)
