@@ -26,6 +26,8 @@ DATASET = "own"
 TEXTURE_SIZES = (128, 256, 512)
 #: Files of the house that a user wants.
 DELIVERED = ("house.glb", "house.scene.json", "preview.png", "rooms.jpg", "viewer.html")
+#: What became of the photos, to look at.
+CONTACT_SHEET = "contact_sheet.png"
 #: What is printed of the progress: nothing, a line a stage (a bar on a terminal), or all.
 SHOWN = {
     "quiet": ("--quiet", "all"),
@@ -133,12 +135,14 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     return path
 
 
-def run(request: SingleHouse, out: Path, *, cores: int, shown: str = "lines") -> dict[str, Path]:
+def run(
+    request: SingleHouse, out: Path, *, cores: int, shown: str = "lines", sheet: bool = False
+) -> dict[str, Path]:
     """Make one house with Snakemake under `out`; return the files a user wants, by name.
 
     A run that was killed goes on by the same call. `shown` says what is printed of its progress, a
-    key of :data:`SHOWN`. Raises InputError for faults of the input, WorkflowError when the workflow
-    fails.
+    key of :data:`SHOWN`; with `sheet` the contact sheet of the photos is one of the files. Raises
+    InputError for faults of the input, WorkflowError when the workflow fails.
     """
     if not (WORKFLOW / "Snakefile").is_file():
         raise WorkflowError(f"this installation lacks the workflow: no Snakefile in {WORKFLOW}")
@@ -147,23 +151,23 @@ def run(request: SingleHouse, out: Path, *, cores: int, shown: str = "lines") ->
     given = (request.plan, request.photo_table, request.photos_dir)
     inputs = [path for path in given if path is not None]
     names = read_input(request)
-    with claimed_folder(out, (*DELIVERED, "textures"), inputs) as folder:
+    wanted = (*DELIVERED, CONTACT_SHEET) if sheet and names else DELIVERED
+    with claimed_folder(out, (*wanted, "textures"), inputs) as folder:
         config = prepare(request, names, folder.work)
-        _make(request, config, folder, cores, shown)
+        base = f"results/{DATASET}/houses/{request.house}"
+        _make([f"{base}/{name}" for name in wanted], config, folder, cores, shown)
         made = folder.work / "results" / DATASET
-        files = {name: made / "houses" / request.house / name for name in DELIVERED}
+        files = {name: made / "houses" / request.house / name for name in wanted}
         files["textures"] = made / "drop_0.0" / request.method / request.house / "textures"
         return folder.deliver(files)
 
 
-def _make(request: SingleHouse, config: Path, folder: OutFolder, cores: int, shown: str) -> None:
+def _make(targets: list[str], config: Path, folder: OutFolder, cores: int, shown: str) -> None:
     """Run Snakemake in the work folder; WorkflowError when it fails."""
-    base = f"results/{DATASET}/houses/{request.house}"
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(WORKFLOW / "Snakefile")]
     command += ["--directory", str(folder.work), "--configfile", str(config)]
     command += ["--workflow-profile", str(WORKFLOW / "workflow" / "profiles" / "default")]
-    command += ["--cores", str(cores), *SHOWN[shown], "--"]
-    command += [f"{base}/{name}" for name in DELIVERED]
+    command += ["--cores", str(cores), *SHOWN[shown], "--", *targets]
     # Who inherits the lock keeps it: the folder is free when Snakemake is gone too.
     inherited = (folder.lock,) if folder.lock >= 0 else ()
     if subprocess.run(command, check=False, pass_fds=inherited).returncode != 0:

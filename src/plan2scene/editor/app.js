@@ -141,9 +141,8 @@ export class App {
   }
 
   async openPicture(file) {
-    try { this.picture = await readPicture(file, PICTURE_SIDE); } catch { this.say(`${file.name} is no picture that this browser reads`); return; }
+    try { this.picture = await (this.host.picture?.(file) ?? readPicture(file, PICTURE_SIDE)); } catch (error) { this.say(`${file.name} is no picture that can be read (${error.message})`); return; }
     this.store.change({ picture: this.placed(this.picture) });
-    await this.host.picture?.(file);
     this.fit();
     this.setTool("scale");
   }

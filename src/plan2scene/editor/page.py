@@ -7,6 +7,7 @@ import hashlib
 import html
 import json
 import re
+from collections.abc import Sequence
 from graphlib import TopologicalSorter
 from pathlib import Path
 from string import Template
@@ -20,7 +21,7 @@ from plan2scene.image_modes import to_small_srgb
 from plan2scene.images import decode_image, png_bytes
 from plan2scene.io import atomic_path
 
-_FOLDER = Path(__file__).parent
+FOLDER = Path(__file__).parent
 #: Pictures of plans are reduced to this many pixels of the longer side.
 PICTURE_SIDE = 2400
 #: What pages begin with, so that no other file is overwritten.
@@ -90,25 +91,30 @@ def _picture(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
     return found | ({"metres_per_pixel": metres_per_pixel / share} if metres_per_pixel else {})
 
 
+def picture_bytes(picture: dict[str, Any]) -> bytes:
+    """Return the PNG of a picture that :func:`opened` gave."""
+    return base64.b64decode(picture["url"].partition(",")[2])
+
+
 def editor_page(start: dict[str, Any]) -> str:
     """Return the page's HTML; `start` is ``{house, plan, photos, picture, notes}``."""
-    program, style = joined_program("files_page"), (_FOLDER / "editor.css").read_text("utf-8")
+    program, style = joined_program("files_page"), (FOLDER / "editor.css").read_text("utf-8")
     policy = (
-        f"default-src 'none'; script-src {_hash(program)}; style-src {_hash(style)}; "
+        f"default-src 'none'; script-src {source_hash(program)}; style-src {source_hash(style)}; "
         "img-src data: blob:; form-action 'none'; base-uri 'none'"
     )
-    return Template((_FOLDER / "editor.html").read_text("utf-8")).substitute(
+    return Template((FOLDER / "editor.html").read_text("utf-8")).substitute(
         title=html.escape(str(start["house"])),
         policy=policy,
         style=style,
-        rules=_inline_json(page_rules()),
-        start=_inline_json(start),
+        rules=inline_json(page_rules()),
+        start=inline_json(start),
         program=program,
     )
 
 
-def joined_program(entry: str) -> str:
-    """Return a module of the page and all that it imports as one module.
+def joined_program(entry: str, folders: Sequence[Path] = (FOLDER,)) -> str:
+    """Return a module of the page and all that it imports, found in `folders`, as one module.
 
     Imports and the word ``export`` are taken out; no two modules have a name in common (a browser
     would say so of the whole).
@@ -119,18 +125,19 @@ def joined_program(entry: str) -> str:
     while queue:
         name = queue.pop()
         if name not in texts:
-            text = (_FOLDER / f"{name}.js").read_text(encoding="utf-8")
+            found = (folder / f"{name}.js" for folder in folders)
+            text = next(path for path in found if path.is_file()).read_text(encoding="utf-8")
             needs[name] = _IMPORT.findall(text)
             texts[name] = re.sub(r"^export (?=\w)", "", _IMPORT.sub("", text), flags=re.MULTILINE)
             queue += needs[name]
     return "\n".join(texts[name] for name in TopologicalSorter(needs).static_order())
 
 
-def _inline_json(value: object) -> str:
+def inline_json(value: object) -> str:
     """Return JSON that stands in a script element: no ``<`` that could end it."""
     return json.dumps(value).replace("<", "\\u003c")
 
 
-def _hash(text: str) -> str:
+def source_hash(text: str) -> str:
     """Return the source expression of a content policy that allows this text alone."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"

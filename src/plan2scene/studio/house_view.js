@@ -1,0 +1,135 @@
+// The house of a project: how far its run is, what came out, downloads.
+
+import { button, el } from "./dom.js";
+import { photoCard } from "./photos.js";
+import { asked } from "./server.js";
+
+const WORDS = { none: "Make the house", done: "Make it again", failed: "Try again", cancelled: "Go on", interrupted: "Go on" };
+
+export class HouseView {
+  run = { state: "none", stages: [], results: { files: {}, tiles: [] }, settings: {} }; view = "3D"; shown = "";
+
+  constructor(app, host, rules) {
+    Object.assign(this, { app, host, rules, box: document.getElementById("run"), results: document.getElementById("results"), make: document.getElementById("make") });
+    this.method = el("select", { "aria-label": "How textures are made" }, rules.methods.map((name) => el("option", { value: name }, name)));
+    this.size = el("select", { "aria-label": "Pixels of a tile" }, rules.texture_sizes.map((size) => el("option", { value: size }, `${size} px`)));
+    this.method.value = "exemplar";
+    this.make.addEventListener("click", () => (this.run.state === "running" ? this.cancel() : this.start()));
+    this.poll();
+  }
+
+  async poll() {
+    clearTimeout(this.timer);
+    try {
+      await this.take(await asked("run"));
+      await this.host.look(this.run.revision);
+      if (this.away) this.tell("");
+      this.away = false;
+    } catch (error) {
+      if (!this.away) this.tell(error.message);
+      this.away = true;
+    }
+    this.timer = setTimeout(() => this.poll(), this.run.state === "running" ? 700 : 2000);
+  }
+  async take(run) {
+    if (!this.started) this.settle(run.settings);
+    this.started = true;
+    this.run = run;
+    const text = JSON.stringify([run, this.app.problems.length, this.app.store.state.photos, this.view, this.host.revision]);
+    if (text === this.shown) return;
+    this.shown = text;
+    this.render();
+  }
+  settle({ method, texture_size: size }) {
+    if (method) this.method.value = method;
+    if (size) this.size.value = size;
+  }
+  async start() {
+    document.getElementById("tab-house").click();
+    try {
+      await this.host.flush();
+      const body = JSON.stringify({ method: this.method.value, texture_size: Number(this.size.value) });
+      await this.take(await asked("run", { method: "POST", body }));
+      this.tell("");
+    } catch (error) { this.tell(error.message); }
+    this.poll();
+  }
+  async cancel() {
+    try { await this.take(await asked("run", { method: "DELETE" })); } catch (error) { this.tell(error.message); }
+  }
+  /** Show a line of the server on both tabs; none takes it away. */
+  tell(line) {
+    if (line) this.app.say(line);
+    this.line = line;
+    this.render();
+  }
+
+  render() {
+    const { run } = this, running = run.state === "running";
+    const errors = this.app.problems.filter((p) => p.level === "error").length;
+    const done = run.stages.filter((stage) => stage.state === "done").length;
+    this.make.textContent = running ? "Cancel" : WORDS[run.state];
+    this.make.className = running ? "" : "primary";
+    document.getElementById("badge").textContent = running ? (run.stages.length ? `${done}/${run.stages.length}` : "\u2026") : "";
+    this.box.replaceChildren(this.runSection(running, errors, done), this.photoSection());
+    this.renderResults();
+  }
+  runSection(running, errors, done) {
+    const { run } = this, changed = run.state === "done" && run.settings.revision !== run.revision;
+    const titles = { none: "No house yet", running: "Being made", done: "Ready", failed: "The run failed", cancelled: "Cancelled", interrupted: "Interrupted" };
+    return el("section", {}, el("h2", {}, titles[run.state]),
+      el("div", { className: "row" }, this.method, this.size),
+      el("div", { className: "row" }, running ? button("Cancel", () => this.cancel(), { id: "cancel" }) : button(WORDS[run.state], () => this.start(), { className: "primary", id: "start-run" })),
+      errors && !running ? el("p", { className: "hint" }, `The plan has ${errors} problem${errors > 1 ? "s" : ""} that would stop a run: see Plan and photos.`) : null,
+      changed ? el("p", { className: "hint" }, "Plan or photos changed since. Only what depends on the change is made again.") : null,
+      this.line ? el("p", { className: "fault" }, this.line) : null,
+      run.fault ? el("p", { className: "fault" }, run.fault) : null,
+      ["cancelled", "interrupted"].includes(run.state) ? el("p", { className: "soft" }, "What is made stays; a run goes on from there.") : null,
+      running && !run.stages.length ? el("p", { className: "soft" }, "Reading plan and photos\u2026") : null,
+      run.stages.length ? el("progress", { value: done, max: run.stages.length, "aria-label": "Stages done" }) : null,
+      el("ol", { className: "stages" }, run.stages.map((stage) => el("li", { className: stage.state }, stage.title))),
+      run.warnings?.length ? el("details", {}, el("summary", {}, `${run.warnings.length} warnings`), run.warnings.map((line) => el("p", {}, line))) : null);
+  }
+  photoSection() {
+    const { photos } = this.app.store.state;
+    return el("section", {}, el("h2", {}, "Photos and their rooms"), photos.length ? el("div", { className: "photos" }, photos.map((photo) => photoCard(this.app, photo))) : el("p", { className: "soft" }, "None: every surface is made up from what homes are like."));
+  }
+
+  renderResults() {
+    const { files, tiles } = this.run.results, views = [];
+    if (files["viewer.html"]) views.push("3D");
+    if (files["preview.png"]) views.push("Picture");
+    if (files["rooms.jpg"]) views.push("Rooms");
+    if (files["contact_sheet.png"]) views.push("Photos to crops");
+    if (tiles.length) views.push("Textures");
+    if (!views.length) {
+      this.results.replaceChildren(el("div", { className: "empty" }, "The house appears here when it is made."));
+      this.pane = "";
+      return;
+    }
+    if (!views.includes(this.view)) [this.view] = views;
+    const choose = views.map((view) => button(view, () => { this.view = view; this.shown = ""; this.render(); }, { "aria-pressed": String(view === this.view) }));
+    const links = [["house.glb", "GLB"], ["house.scene.json", "scene.json"]].filter(([name]) => files[name])
+      .map(([name, title]) => el("a", { className: "button", href: `results/${name}`, download: name }, title));
+    const bar = el("div", { className: "views" }, choose, el("span", { className: "grow" }), links, el("a", { className: "button", href: "zip", download: "" }, "All as ZIP"));
+    const pane = `${this.view} ${Object.values(files).join()}`;
+    if (pane === this.pane) this.results.firstChild.replaceWith(bar);
+    else this.results.replaceChildren(bar, this.paneOf(files, tiles));
+    this.pane = pane;
+  }
+  paneOf(files, tiles) {
+    const at = (name) => `results/${name}?${files[name] ?? ""}`;
+    if (this.view === "3D") return el("iframe", { src: at("viewer.html"), title: "The house in 3D", sandbox: "allow-scripts" });
+    const pictures = { Picture: "preview.png", Rooms: "rooms.jpg", "Photos to crops": "contact_sheet.png" };
+    if (this.view in pictures) {
+      const image = el("img", { src: at(pictures[this.view]), alt: this.view, title: "Click: full size, or to fit", onclick: () => image.classList.toggle("full") });
+      return el("div", { className: "pane" }, image);
+    }
+    const time = files["house.glb"];
+    return el("div", { className: "pane" }, el("div", { className: "tiles" }, tiles.map((name) => {
+      const tile = el("div", { className: "tile", role: "img", "aria-label": name });
+      tile.style.backgroundImage = `url("results/textures/${name}?${time}")`;
+      return el("figure", {}, tile, el("figcaption", {}, name.replace(/\.png$/, "").replaceAll("_", " ")));
+    })));
+  }
+}

@@ -1,0 +1,101 @@
+// The studio's side of the editor: every change is kept on the server; changes of other tabs come in.
+
+import { withIds } from "./app.js";
+import { newPlan } from "./document.js";
+import { ask, el } from "./dom.js";
+
+const DELAY = 400; // milliseconds from a change to its saving
+
+/** Ask the server; what it refuses is an error with its line. */
+export async function asked(path, options = {}) {
+  let answer;
+  try { answer = await fetch(path, options); } catch { throw new Error("the studio does not answer: is it still running?"); }
+  if (answer.ok) return answer.json();
+  const text = await answer.text();
+  let line = text.trim();
+  try { line = JSON.parse(text).error; } catch { /* plain text */ }
+  throw Object.assign(new Error(line), { status: answer.status });
+}
+
+export const photoUrl = (name) => `photos/${encodeURIComponent(name)}`;
+
+/** The state of the editor out of the server's. */
+export function editorState(found, rules) {
+  return { plan: found.plan ? withIds(found.plan) : newPlan(rules), photos: found.photos, picture: found.place };
+}
+
+export class Server {
+  #timer = 0; #kept = null; #saving = false;
+
+  constructor(revision) { this.revision = revision; }
+
+  /** Called at every change of the document. */
+  changed(app) {
+    this.app = app;
+    const { state } = app.store;
+    this.#kept ??= state;
+    if (state === this.#kept) return;
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.flush(), DELAY);
+  }
+  get pending() { return this.#saving || this.app.store.state !== this.#kept; }
+
+  /** Save what is not saved; resolves when it is. */
+  async flush() {
+    clearTimeout(this.#timer);
+    if (this.#saving) { this.#timer = setTimeout(() => this.flush(), DELAY); return; }
+    const { store } = this.app, { state } = store;
+    if (state === this.#kept) return;
+    this.#saving = true;
+    try {
+      const body = JSON.stringify({ plan: state.plan, photos: state.photos, place: state.picture, revision: this.revision });
+      ({ revision: this.revision } = await asked("state", { method: "PUT", body }));
+      this.#kept = state;
+      store.markSaved(state);
+      this.app.page.saved.textContent = store.unsaved ? "not saved" : "saved";
+    } catch (error) {
+      if (error.status === 409) await this.conflict();
+      else { this.app.say(`Not saved: ${error.message}`); this.#timer = setTimeout(() => this.flush(), 3000); }
+    } finally { this.#saving = false; }
+  }
+  async save() { await this.flush(); this.app.say("Saved"); }
+
+  async conflict() {
+    const theirs = await asked("state");
+    const mine = await ask("This home was changed elsewhere", [el("p", {}, "Another tab or program has saved other changes since. Keep what this tab shows, or take theirs? (Undo brings yours back.)")], "Keep mine");
+    if (mine) { this.revision = theirs.revision; this.#timer = setTimeout(() => this.flush(), 0); } else this.take(theirs);
+  }
+  /** Show what the server has. */
+  take(found) {
+    const { app } = this;
+    this.revision = found.revision;
+    for (const { name } of found.photos) if (!app.thumbs.has(name)) app.thumbs.set(name, photoUrl(name));
+    const state = editorState(found, app.rules);
+    this.#kept = state;
+    app.store.open(state);
+    this.#kept = app.store.state;
+    clearTimeout(this.#timer);
+  }
+  /** Look whether another tab has saved something. */
+  async look(revision) {
+    if (revision === this.revision || this.pending) return;
+    const found = await asked("state");
+    if (found.revision !== this.revision && !this.pending) { this.take(found); this.app.say("Changed in another tab"); }
+  }
+
+  async photo(file) {
+    await asked(photoUrl(file.name), { method: "PUT", body: file });
+  }
+  /** The picture as the server keeps it. */
+  async picture(file) {
+    const { picture } = await asked("plan", { method: "POST", body: file });
+    if (!picture) throw new Error("a plan, not a picture");
+    return picture;
+  }
+  /** A plan of another format: the server reads it. */
+  async openOther(file) {
+    const { plan, notes } = await asked("plan", { method: "POST", body: file });
+    await this.app.openPlan(plan, file);
+    for (const line of notes) this.app.say(line);
+  }
+}

@@ -1,0 +1,118 @@
+"""The studio by clicks: from an empty home to a GLB, a photo moved, two tabs."""
+
+import sys
+
+import pytest
+from browser import Drawing, chromium
+from PIL import Image
+
+from plan2scene.floorplans import read_plan
+from plan2scene.studio import runs
+
+#: Stands for the workflow, which takes minutes: tells what it tells, makes a GLB of the plan.
+JOB = """
+import json, sys
+from pathlib import Path
+from PIL import Image
+from plan2scene.floorplans import read_plan
+from plan2scene.mesh import write_glb
+home = Path(sys.argv[1])
+print("Job stats:\\nfloorplan  1\\nhouse  1\\ntotal  2\\nrule floorplan:", flush=True)
+print("Finished jobid: 1 (Rule: floorplan)\\nrule house:", flush=True)
+house = home / "house"
+(house / "textures").mkdir(parents=True, exist_ok=True)
+write_glb(read_plan(home / "plan.json", home.name), {}, house / "house.glb")
+(house / "viewer.html").write_text("<h1>the house</h1>")
+Image.new("RGB", (8, 8), "red").save(house / "textures" / "room_floor.png")
+print("Finished jobid: 2 (Rule: house)", flush=True)
+record = json.loads((home / "run.json").read_text())
+(home / "run.json").write_text(json.dumps(record | {"state": "done"}))
+"""
+
+
+@pytest.fixture(scope="module")
+def context():
+    with chromium() as browser:
+        yield browser.new_context(viewport={"width": 1280, "height": 800})
+
+
+@pytest.fixture
+def drawing(context, studio, monkeypatch):
+    """Yield a new home opened in the studio; a fault of its program fails the test."""
+    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", JOB))
+    page = context.new_page()
+    page.goto(studio.url)
+    page.fill("#new input", f"My home {len(list(studio.root.iterdir()))}")
+    page.click("#new button")
+    page.wait_for_url("**/p/My_home_*/")
+    found = Drawing(page)
+    page.wait_for_selector("body[data-ready]")
+    yield found
+    page.close()
+    assert found.faults == []
+
+
+def home_of(studio, drawing):
+    return studio.root / drawing.page.url.rstrip("/").split("/")[-1]
+
+
+def two_rooms(drawing):
+    drawing.press("r")
+    drawing.drag((0, 0), (5, 3))
+    drawing.press("w")
+    drawing.click(3, 0)
+    drawing.click(3, 3)
+    drawing.press("d")
+    drawing.click(3, 1.5)
+    drawing.press("v")
+    drawing.page.wait_for_function("() => !house.host.pending")
+
+
+def add_photo(drawing, tmp_path, room):
+    Image.new("RGB", (64, 48), "green").save(tmp_path / "bed.jpg")
+    drawing.page.evaluate("(room) => editor.pickPhotos(room)", room)
+    drawing.page.set_input_files("#file-input", tmp_path / "bed.jpg")
+    drawing.page.wait_for_function("() => editor.store.state.photos.length && !house.host.pending")
+
+
+def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
+    page, home = drawing.page, home_of(studio, drawing)
+    two_rooms(drawing)
+    add_photo(drawing, tmp_path, "room")
+    assert len(read_plan(home / "plan.json", "home").rooms) == 2
+    assert (home / "photos.csv").read_text() == "room_id,photo\nroom,bed.jpg\n"
+    assert (home / "photos" / "bed.jpg").read_bytes() == (tmp_path / "bed.jpg").read_bytes()
+    page.click("#make")
+    page.wait_for_function("() => house.run.state === 'done'")
+    page.wait_for_selector("iframe")
+    assert page.frame_locator("iframe").locator("h1").inner_text() == "the house"
+    assert page.locator(".stages .done").all_inner_texts() == ["Plan", "The house in 3D"]
+    with page.expect_download() as download:
+        page.get_by_role("link", name="GLB").click()
+    assert download.value.path().read_bytes()[:4] == b"glTF"
+    page.get_by_role("button", name="Textures").click()
+    assert page.locator(".tiles figcaption").inner_text() == "room floor"
+    # The photo shows the other room: its table follows, and the page says what that means.
+    page.select_option("#run .photo select", "room_2")
+    page.locator("#run .chip", has_text="room_2").wait_for()
+    page.locator("#run").get_by_label("Remove room from bed.jpg", exact=True).click()
+    page.get_by_text("Only what depends on the change").wait_for()
+    assert (home / "photos.csv").read_text() == "room_id,photo\nroom_2,bed.jpg\n"
+
+
+def test_two_tabs_and_a_reload_lose_nothing(drawing, studio, context):
+    two_rooms(drawing)
+    other = Drawing(context.new_page())
+    other.page.goto(drawing.page.url)
+    assert other.plan == drawing.plan
+    other.press("r")
+    other.drag((0, 3), (5, 5))
+    other.page.wait_for_function("() => !house.host.pending")
+    drawing.page.bring_to_front()
+    drawing.page.wait_for_function("() => editor.store.plan.rooms.length === 3")
+    assert drawing.plan == other.plan
+    drawing.page.reload()
+    drawing.page.wait_for_selector("body[data-ready]")
+    assert drawing.plan == other.plan
+    other.page.close()
+    assert other.faults == []
