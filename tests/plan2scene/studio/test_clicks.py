@@ -97,6 +97,7 @@ def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
     page.locator("#run .chip", has_text="room_2").wait_for()
     page.locator("#run").get_by_label("Remove room from bed.jpg", exact=True).click()
     page.get_by_text("Only what depends on the change").wait_for()
+    page.wait_for_function("() => !house.host.pending")
     assert (home / "photos.csv").read_text() == "room_id,photo\nroom_2,bed.jpg\n"
 
 
