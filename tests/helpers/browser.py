@@ -11,14 +11,14 @@ CHROMIUM = next(
 
 
 @contextmanager
-def chromium():
-    """Yield a browser."""
+def chromium(*options):
+    """Yield a browser, started with command line options."""
     if CHROMIUM is None:
         pytest.skip("no Chromium on PATH")
     api = pytest.importorskip("playwright.sync_api")
     with api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
+            executable_path=CHROMIUM, args=["--no-sandbox", *(options or ["--disable-gpu"])]
         )
         yield browser
         browser.close()

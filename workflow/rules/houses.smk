@@ -10,8 +10,12 @@ wildcard_constraints:
 
 rule house:
     # The 3D house: GLB with embedded textures, scene.json with textures, its preview (plan view
-    # with room names, and oblique view), each room at eye level, and one offline HTML file with the house in it: one start.
+    # with room names, and oblique view), each room at eye level, and one offline HTML file with
+    # the house in it, which also shows its photos' crops and places: one start.
     input:
+        **given(cameras=HAS_MASKS and CAMERAS),
+        propagated=f"{RESULTS}/drop_0.0/{{house}}/propagated.parquet",
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         textures=CHOSEN_TEXTURES,
     output:

@@ -1,18 +1,19 @@
-"""Rule house: plan and textures -> GLB, scene.json with textures, pictures, offline viewer."""
+"""Rule house: plan, textures, crops -> GLB, scene.json with textures, pictures, offline viewer."""
 
 from plan2scene.jobs import job
 from plan2scene.mesh.build import build_house
-from plan2scene.viewer import build_viewer
+from plan2scene.viewer import build_viewer, read_facts
 
 with job(snakemake.log[0]):
-    house_id, made = snakemake.wildcards.house, snakemake.output
+    house_id, given, made = snakemake.wildcards.house, snakemake.input, snakemake.output
     build_house(
-        snakemake.input.scene,
-        snakemake.input.textures,
+        given.scene,
+        given.textures,
         made.glb,
         made.scene,
         made.preview,
         made.rooms,
         house_id=house_id,
     )
-    build_viewer(made.glb, made.viewer, house_id=house_id)
+    facts = read_facts(given.propagated, given.crops, given.get("cameras"))
+    build_viewer(made.glb, made.viewer, house_id=house_id, facts=facts)

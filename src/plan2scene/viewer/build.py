@@ -1,22 +1,38 @@
-"""viewer.html: page, style, program and GLB in one file that needs no network."""
+"""viewer.html: page, style, three.js, program and GLB in one file that needs no network."""
 
 from __future__ import annotations
 
 import base64
+import gzip
+import hashlib
 import html
+import json
+from collections.abc import Mapping
 from pathlib import Path
 from string import Template
+from typing import Any
 
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_path
 
 _FOLDER = Path(__file__).parent
 #: The program's files, in the order in which they go into the page.
-PROGRAM = ("glb.js", "camera.js", "drawing.js", "viewer.js")
+PROGRAM = ("house.js", "light.js", "eye.js", "walk.js", "tools.js", "viewer.js")
+#: What the page says of a house of which only the GLB is known.
+NO_FACTS: Mapping[str, Any] = {"surfaces": {}, "photos": []}
 
 
-def build_viewer(glb: str | Path, output: str | Path, *, house_id: str) -> None:
+def build_viewer(
+    glb: str | Path,
+    output: str | Path,
+    *,
+    house_id: str,
+    facts: Mapping[str, Any] = NO_FACTS,
+) -> None:
     """Write the viewer of a house.
+
+    The page's content policy lets the two scripts and the style run that are written here, by their
+    hashes, and no request. Names are escaped; the program shows them as text.
 
     Parameters
     ----------
@@ -26,6 +42,8 @@ def build_viewer(glb: str | Path, output: str | Path, *, house_id: str) -> None:
         An HTML file; it opens from the disk in any browser with WebGL 2.
     house_id : str
         Shown as the title.
+    facts : mapping
+        What a click tells beside the GLB, see :func:`plan2scene.viewer.facts.read_facts`.
 
     Raises
     ------
@@ -35,12 +53,35 @@ def build_viewer(glb: str | Path, output: str | Path, *, house_id: str) -> None:
     data = Path(glb).read_bytes()
     if data[:4] != b"glTF":
         raise InputError("a GLB file", f"bytes {data[:4]!r}", file=glb, house=house_id)
-    template = Template((_FOLDER / "viewer.html").read_text(encoding="utf-8"))
-    page = template.substitute(
+    style = _text("viewer.css")
+    library = _text("three.min.js")
+    program = "\n".join(_text(f"{name}") for name in PROGRAM)
+    page = Template(_text("viewer.html")).substitute(
         title=html.escape(house_id),
-        style=(_FOLDER / "viewer.css").read_text(encoding="utf-8"),
-        program="\n".join((_FOLDER / name).read_text(encoding="utf-8") for name in PROGRAM),
-        glb=base64.b64encode(data).decode("ascii"),
+        styles=_hash(style),
+        scripts=f"{_hash(library)} {_hash(program)}",
+        style=style,
+        library=library,
+        program=program,
+        facts=_json(facts),
+        glb=base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii"),
     )
     with atomic_path(output) as temporary:
         temporary.write_text(page, encoding="utf-8")
+
+
+def _text(name: str) -> str:
+    """Return a file of this package."""
+    return (_FOLDER / name).read_text(encoding="utf-8")
+
+
+def _hash(text: str) -> str:
+    """Return a script's or style's source expression for the content policy."""
+    digest = hashlib.sha256(text.encode("utf-8")).digest()
+    return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
+
+
+def _json(value: Mapping[str, Any]) -> str:
+    """Return JSON that can't end the script element it stands in."""
+    text = json.dumps(value, separators=(",", ":"), sort_keys=True)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

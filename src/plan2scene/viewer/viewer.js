@@ -1,216 +1,214 @@
 "use strict";
-// The viewer: WebGL 2, orbit and walk cameras, rooms by name, what a clicked surface is.
+// The viewer: starts, draws when something changed, and listens.
 
-const FLASH = 900; // milliseconds that a clicked surface glows
-const EYE = 1.6; // metres above the floor when walking
-const FIELDS = { orbit: (32 * Math.PI) / 180, walk: (62 * Math.PI) / 180 }; // vertical fields of view
 const HELP = {
   orbit: "Drag to turn, right-drag or Shift-drag to move, scroll to come nearer. Click a surface to read about it.",
   walk: "W A S D or arrows to walk, drag to look. Click a surface to read about it.",
 };
-
-const $ = (id) => document.getElementById(id);
+const REST = 200; // milliseconds after which a still picture is drawn finely
 const canvas = $("view");
-let gl, program, uniforms, parts = [], textures = [], rooms = [], chosen = null, chosenAt = -Infinity;
-const show = { ceilings: false, shells: true };
-const eye = { mode: "orbit", target: [0, 0, 0], distance: 10, azimuth: 0.42, elevation: 0.95, position: [0, EYE, 0], yaw: 0, pitch: 0 };
 const keys = new Set();
-let house = { centre: [0, 0, 0], radius: 1 }; // a ball around everything
-let pending = false, lastTime = 0;
+const seen = { ceilings: false, shells: true, level: null }; // a level's id, null for all
+let renderer, scene, pending = false, lastTime = 0, resting = 0;
 
 function refresh() {
-  if (pending) return;
+  if (pending || !renderer) return;
   pending = true;
   requestAnimationFrame((time) => {
     pending = false;
     const moving = step(Math.min((time - lastTime) / 1000, 0.1));
     lastTime = time;
-    draw();
+    if (eye.mode === "walk" && moving) markRoom(eye.room);
+    draw(Math.max(1, window.devicePixelRatio || 1));
+    clearTimeout(resting);
     if (moving || performance.now() - chosenAt < FLASH) refresh();
+    else resting = setTimeout(() => draw(Math.max(2, window.devicePixelRatio || 1)), REST);
   });
 }
 
-function pick(x, y) {
-  // The nearest shown triangle that faces the eye under a point of the canvas (CSS pixels).
-  const { position, right, up, forward } = frame();
-  const box = canvas.getBoundingClientRect();
-  const sx = ((x - box.left) / box.width) * 2 - 1 - shift(), sy = 1 - ((y - box.top) / box.height) * 2;
-  const ray = unit(add(add(forward, right, sx * tangent() * (box.width / box.height)), up, sy * tangent()));
-  let best = Infinity, found = null;
+function draw(ratio) {
+  // One picture. Edges of still ones are smoothed by drawing them larger: multisampling lets the wall
+  // behind a corner shine through on software renderers.
+  const width = canvas.clientWidth, height = canvas.clientHeight;
+  if (renderer.getPixelRatio() !== ratio || canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio)) {
+    renderer.setPixelRatio(ratio);
+    renderer.setSize(width, height, false);
+  }
   for (const part of parts) {
-    if (!shown(part) || part.glass) continue;
-    const p = part.position, corner = (i) => [p[3 * i], p[3 * i + 1], p[3 * i + 2]];
-    for (let k = 0; k < part.index.length; k += 3) {
-      const a = corner(part.index[k]), ab = add(corner(part.index[k + 1]), a, -1), ac = add(corner(part.index[k + 2]), a, -1);
-      const h = cross(ray, ac), det = dot(ab, h);
-      if (det < 1e-12 && !(twoSided(part) && det < -1e-12)) continue;
-      const s = add(position, a, -1), u = dot(s, h) / det, q = cross(s, ab), v = dot(ray, q) / det, t = dot(ac, q) / det;
-      if (u >= 0 && v >= 0 && u + v <= 1 && t > 0.01 && t < best) { best = t; found = part; }
-    }
+    const { kind } = part.extras;
+    const level = eye.mode === "walk" || seen.level === null || part.level === null || part.level === seen.level;
+    part.mesh.visible = level && (kind !== "ceiling" || seen.ceilings) && (kind !== "structure" || seen.shells);
+    part.uniforms.glow.value = part === chosen ? 0.3 * Math.max(0, 1 - (performance.now() - chosenAt) / FLASH) : 0;
   }
-  return found;
+  aim(canvas);
+  renderer.render(scene, camera);
+  label(canvas);
 }
 
-function areaOf(part) {
-  let sum = 0;
-  const p = part.position, corner = (i) => [p[3 * i], p[3 * i + 1], p[3 * i + 2]];
-  for (let k = 0; k < part.index.length; k += 3) {
-    const a = corner(part.index[k]);
-    sum += Math.hypot(...cross(add(corner(part.index[k + 1]), a, -1), add(corner(part.index[k + 2]), a, -1))) / 2;
-  }
-  return sum;
+function markRoom(id) {
+  for (const room of rooms) room.button.setAttribute("aria-current", String(room.id === id));
 }
 
-function describe(part) {
-  const info = $("info");
-  info.hidden = !part;
-  info.replaceChildren();
-  if (!part) return;
-  const { extras } = part;
-  const room = rooms.find((r) => r.id === extras.room_id);
-  const rows = [["Room", room ? room.title : null], ["Part", extras.wall_id && extras.surface ? `wall ${extras.wall_id}` : null],
-    ["Leads to", extras.leads_to ? (rooms.find((r) => r.id === extras.leads_to) || {}).title : null],
-    ["Area", extras.surface ? `${areaOf(part).toFixed(2)} m\u00b2` : null],
-    ["Substance", extras.substance], ["Texture tile", extras.size_m ? `${extras.size_m.toFixed(2)} m` : null],
-    ["Photos", extras.observed === undefined ? null : extras.observed ? "observed" : "none: predicted"]];
-  const title = document.createElement("h2");
-  title.textContent = (extras.kind === "structure" ? "outer wall" : extras.kind || part.name).replace(/^./, (c) => c.toUpperCase());
-  const list = document.createElement("dl");
-  for (const [name, value] of rows) {
-    if (!value) continue;
-    list.append(Object.assign(document.createElement("dt"), { textContent: name }), Object.assign(document.createElement("dd"), { textContent: value }));
-  }
-  info.append(title, list);
-}
-
-function focus(room) {
-  document.querySelectorAll("#rooms button").forEach((b) => b.setAttribute("aria-current", String(b === room.button)));
-  const own = parts.filter((p) => p.extras.room_id === room.id && p.extras.surface);
-  if (eye.mode === "walk") enter(room);
-  else { eye.elevation = Math.max(eye.elevation, 1.05); fit(own, 0.75); }
-  describe(own.find((p) => p.extras.kind === "floor"));
+function setLevel(id) {
+  seen.level = id;
+  for (const button of $("floors").children) button.setAttribute("aria-pressed", String(button.value === (id ?? "")));
+  for (const room of rooms) room.button.parentElement.hidden = id !== null && room.level !== id;
   refresh();
 }
 
-function insidePoint(floor) {
-  // Centre of the floor's largest triangle: inside the room whatever its shape.
-  const p = floor.position, corner = (i) => [p[3 * i], 0, p[3 * i + 2]];
-  let best = -1, point = [0, 0];
-  for (let k = 0; k < floor.index.length; k += 3) {
-    const [a, b, c] = [0, 1, 2].map((j) => corner(floor.index[k + j]));
-    const area = Math.hypot(...cross(add(b, a, -1), add(c, a, -1)));
-    if (area > best) { best = area; point = [(a[0] + b[0] + c[0]) / 3, (a[2] + b[2] + c[2]) / 3]; }
-  }
-  return point;
+function focus(room) {
+  const { mode } = eye;
+  if (seen.level !== null && room.level !== seen.level) setLevel(room.level);
+  if (mode === "walk") enter(room);
+  else fit(parts.filter((part) => part.extras.room_id === room.id && part.extras.surface), 0.75, canvas, undefined, Math.min(orbit.getPolarAngle(), 0.52));
+  markRoom(room.id);
+  describe(room.floor);
+  refresh();
 }
 
-function listRooms(entries) {
-  const count = {}, seen = {};
-  const name = (r) => r.types.join(" / ");
-  entries.forEach((r) => { count[name(r)] = (count[name(r)] || 0) + 1; });
-  rooms = entries.map((r) => {
-    seen[name(r)] = (seen[name(r)] || 0) + 1;
-    const floor = parts.find((p) => p.name === `${r.id}/floor`);
-    return { ...r, title: count[name(r)] > 1 ? `${name(r)} ${seen[name(r)]}` : name(r), area: areaOf(floor), inside: insidePoint(floor) };
-  });
+function listRooms() {
   for (const room of rooms) {
-    room.button = document.createElement("button");
-    room.button.type = "button";
-    const area = Object.assign(document.createElement("span"), { textContent: `${room.area.toFixed(1)} m\u00b2` });
-    room.button.append(room.title, area);
+    room.button = Object.assign(document.createElement("button"), { type: "button" });
+    room.button.append(room.title, text("span", `${room.size.toFixed(1)} m\u00b2`));
     room.button.addEventListener("click", () => focus(room));
     const item = document.createElement("li");
     item.append(room.button);
     $("rooms").append(item);
   }
+  $("floors").hidden = levels.length < 2;
+  for (const level of levels.length < 2 ? [] : [{ id: "", name: "All" }, ...levels]) {
+    const button = Object.assign(text("button", level.name), { type: "button", value: level.id });
+    button.setAttribute("aria-pressed", String(level.id === ""));
+    button.addEventListener("click", () => setLevel(level.id || null));
+    $("floors").append(button);
+  }
 }
 
 function setMode(mode) {
-  if (mode === "walk" && eye.mode !== "walk") {
-    enter(rooms.find((r) => r.button.getAttribute("aria-current") === "true") || rooms.reduce((a, b) => (b.area > a.area ? b : a)));
-    $("ceilings").checked = show.ceilings = true;
-  } else if (mode === "orbit" && eye.mode === "walk") {
-    $("ceilings").checked = show.ceilings = false;
-  }
+  const current = rooms.find((room) => room.button.getAttribute("aria-current") === "true");
+  if (mode !== eye.mode) $("ceilings").checked = seen.ceilings = mode === "walk";
+  if (mode === "walk" && eye.mode !== "walk") enter(current || rooms.reduce((a, b) => (b.size > a.size ? b : a)));
   eye.mode = mode;
+  eye.field = FIELDS.walk;
+  orbit.enabled = mode === "orbit";
+  if (mode === "orbit") orbit.update();
   $("orbit").setAttribute("aria-pressed", String(mode === "orbit"));
   $("walk").setAttribute("aria-pressed", String(mode === "walk"));
+  $("pad").hidden = mode !== "walk";
   $("help").textContent = HELP[mode];
   refresh();
 }
 
-function listen() {
+function click(x, y) {
+  const photo = photoAt(x, y, canvas);
+  if (tape.on) measure(x, y, canvas);
+  else if (photo) describePhoto(photo);
+  else {
+    chosen = pick(x, y, canvas)?.part || null;
+    chosenAt = performance.now();
+    describe(chosen);
+  }
+  refresh();
+}
+
+function listenToPointers() {
   const pointers = new Map();
   let travelled = 0;
-  canvas.addEventListener("pointerdown", (e) => {
-    canvas.setPointerCapture(e.pointerId);
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
     if (!pointers.size) travelled = 0;
-    pointers.set(e.pointerId, e);
+    pointers.set(event.pointerId, event);
   });
-  canvas.addEventListener("pointermove", (e) => {
-    const last = pointers.get(e.pointerId);
+  canvas.addEventListener("pointermove", (event) => {
+    const last = pointers.get(event.pointerId);
     if (!last) return;
-    const dx = e.clientX - last.clientX, dy = e.clientY - last.clientY;
+    const dx = event.clientX - last.clientX, dy = event.clientY - last.clientY;
     travelled += Math.abs(dx) + Math.abs(dy);
-    if (pointers.size === 2) {
-      const other = [...pointers.entries()].find(([id]) => id !== e.pointerId)[1];
-      const gap = (p) => Math.hypot(p.clientX - other.clientX, p.clientY - other.clientY) || 1;
-      zoomBy(gap(last) / gap(e));
-      moveBy(dx / 2, dy / 2);
-    } else if (eye.mode === "orbit" && (e.buttons & 6 || e.shiftKey)) moveBy(dx, dy);
-    else turnBy(dx, dy);
-    pointers.set(e.pointerId, e);
-    refresh();
+    pointers.set(event.pointerId, event);
+    if (eye.mode === "walk") { turnBy(dx, dy); refresh(); }
   });
-  const release = (e) => {
-    if (pointers.delete(e.pointerId) && e.type === "pointerup" && travelled < 5) {
-      chosen = pick(e.clientX, e.clientY);
-      chosenAt = performance.now();
-      describe(chosen);
-      refresh();
-    }
+  const release = (event) => {
+    const held = pointers.delete(event.pointerId);
+    if (held && event.type === "pointerup" && event.button === 0 && travelled < 5) click(event.clientX, event.clientY);
   };
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", release);
-  canvas.addEventListener("contextmenu", (e) => e.preventDefault());
-  canvas.addEventListener("wheel", (e) => { e.preventDefault(); zoomBy(Math.exp(e.deltaY * 0.001)); refresh(); }, { passive: false });
-  canvas.addEventListener("keydown", (e) => {
-    const key = e.key.toLowerCase();
-    if (key === "+" || key === "=") zoomBy(0.9);
-    else if (key === "-") zoomBy(1.1);
-    else if (key === "escape") describe(null);
-    else if (/^([wasd]|arrow.*)$/.test(key) && !e.ctrlKey && !e.metaKey) {
-      if (!keys.size) lastTime = performance.now();
-      keys.add(key);
-    } else return;
-    e.preventDefault();
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+}
+
+function hold(key) {
+  if (!keys.size) lastTime = performance.now();
+  keys.add(key);
+  refresh();
+}
+
+function listenToKeys() {
+  const nearer = (factor) => {
+    camera.position.sub(orbit.target).multiplyScalar(factor).add(orbit.target);
+    orbit.update();
+  };
+  canvas.addEventListener("keydown", (event) => {
+    const key = event.key.toLowerCase();
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (key === "+" || key === "=") nearer(0.9);
+    else if (key === "-") nearer(1.1);
+    else if (key === "m") setTape(!tape.on);
+    else if (key === "escape") { setTape(false); describe(null); }
+    else if (/^([wasd]|arrow.*)$/.test(key)) hold(key);
+    else return;
+    event.preventDefault();
     refresh();
   });
-  canvas.addEventListener("keyup", (e) => keys.delete(e.key.toLowerCase()));
+  canvas.addEventListener("keyup", (event) => keys.delete(event.key.toLowerCase()));
   canvas.addEventListener("blur", () => keys.clear());
+  for (const button of $("pad").children) {
+    button.addEventListener("pointerdown", (event) => { button.setPointerCapture(event.pointerId); hold(button.value); });
+    for (const end of ["pointerup", "pointercancel"]) button.addEventListener(end, () => keys.delete(button.value));
+  }
+}
+
+function listen() {
+  listenToPointers();
+  listenToKeys();
   $("orbit").addEventListener("click", () => setMode("orbit"));
   $("walk").addEventListener("click", () => { setMode("walk"); canvas.focus(); });
-  $("plan").addEventListener("click", () => { setMode("orbit"); Object.assign(eye, { azimuth: 0, elevation: 1.5706 }); fit(parts, 0.9); refresh(); });
-  for (const name of ["ceilings", "shells"]) $(name).addEventListener("change", (e) => { show[name] = e.target.checked; refresh(); });
+  $("plan").addEventListener("click", () => { setMode("orbit"); fit(parts, 0.9, canvas, 0, 0); refresh(); });
+  $("measure").addEventListener("click", () => setTape(!tape.on));
+  for (const name of Object.keys(LOOKS)) $(name).addEventListener("click", () => setLook(name));
+  for (const name of ["ceilings", "shells"]) $(name).addEventListener("change", (event) => { seen[name] = event.target.checked; refresh(); });
+  $("shots").addEventListener("change", (event) => { frusta.visible = event.target.checked; refresh(); });
   new ResizeObserver(refresh).observe(canvas);
 }
 
+function startRenderer() {
+  try {
+    renderer = new THREE.WebGLRenderer({ canvas, antialias: false, stencil: false });
+  } catch {
+    throw new Error("This browser has no WebGL 2. house.glb opens in any glTF program.");
+  }
+  renderer.toneMapping = THREE.NeutralToneMapping;
+  renderer.setClearColor(0xf7f6f3, 1);
+  return renderer.capabilities.getMaxAnisotropy();
+}
+
 async function start() {
-  startGl();
-  const glb = readGlb(base64Bytes($("house").textContent));
-  parts = readParts(glb);
-  parts.forEach(uploadPart);
-  const { centre, size } = bounds(parts);
-  house = { centre, radius: Math.hypot(...size) / 2 };
-  const shades = new Set(parts.map((part) => part.shade));
-  textures = (await readImages(glb)).map((image, k) => (shades.has(k) ? uploadShade : uploadTexture)(image));
-  gl.bindVertexArray(null);
-  listRooms(glb.json.scenes[0].extras.rooms);
+  const sharpness = startRenderer();
+  const house = await readHouse();
+  parts.forEach((part) => paint(part, Math.min(4, sharpness)));
+  scene = new THREE.Scene();
+  scene.add(house, drawFrusta(), ...makeTape());
+  stretch();
+  hangLamps();
+  whole = boxOf(parts).getBoundingSphere(whole);
+  startOrbit(canvas);
+  listRooms();
   listen();
   setMode("orbit");
-  fit(parts, 0.92);
+  setLook("day");
+  fit(parts, 0.92, canvas, 0.42, 0.62);
+  draw(1);
   $("message").textContent = "";
-  document.body.dataset.ready = "true";
+  document.body.dataset.ready = performance.now().toFixed(0);
 }
 
 start().catch((error) => { $("message").textContent = error.message; console.error(error); });

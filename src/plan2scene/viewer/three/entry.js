@@ -1,0 +1,34 @@
+// What the viewer uses of three.js: `npm ci && npm run build` makes ../three.min.js of it.
+export {
+  Box3,
+  BufferGeometry,
+  Float32BufferAttribute,
+  Line3,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix3,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  NeutralToneMapping,
+  NoColorSpace,
+  PerspectiveCamera,
+  Points,
+  PointsMaterial,
+  Quaternion,
+  REVISION,
+  Raycaster,
+  SRGBColorSpace,
+  Scene,
+  Sphere,
+  Texture,
+  Triangle,
+  Vector2,
+  Vector3,
+  Vector4,
+  WebGLRenderer,
+} from "three";
+export { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+export { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
+export { Capsule } from "three/examples/jsm/math/Capsule.js";
+export { Octree } from "three/examples/jsm/math/Octree.js";

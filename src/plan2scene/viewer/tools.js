@@ -1,0 +1,142 @@
+"use strict";
+// What a click does: facts of a surface with its photo crop, photos, the tape measure.
+
+const FLASH = 900; // milliseconds that a clicked surface glows
+const SNAP = 14; // CSS pixels from a corner or a photo within which a click means it
+const INK = 0x8a4b2a;
+let chosen = null, chosenAt = -Infinity;
+const tape = { on: false, points: [] };
+let tapeLine, tapeEnds, frusta;
+
+const text = (tag, content) => Object.assign(document.createElement(tag), { textContent: content });
+
+function show(title, rows, ...more) {
+  const list = document.createElement("dl");
+  for (const [name, value] of rows) if (value) list.append(text("dt", name), text("dd", value));
+  $("info").replaceChildren(text("h2", title), list, ...more);
+  $("info").hidden = false;
+}
+
+function rayAt(x, y, canvas) {
+  const box = canvas.getBoundingClientRect();
+  const ray = new THREE.Raycaster();
+  ray.setFromCamera(new THREE.Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), camera);
+  return ray;
+}
+
+function pick(x, y, canvas) {
+  // The nearest shown surface under a point of the canvas (CSS pixels): {part, point, corners} or null.
+  const shown = parts.filter((part) => part.mesh.visible && !part.glass);
+  const [hit] = rayAt(x, y, canvas).intersectObjects(shown.map((part) => part.mesh), false);
+  if (!hit) return null;
+  const { position } = hit.object.geometry.attributes;
+  const corners = [hit.face.a, hit.face.b, hit.face.c].map((k) => hit.object.localToWorld(new THREE.Vector3().fromBufferAttribute(position, k)));
+  return { part: shown.find((part) => part.mesh === hit.object), point: hit.point, corners };
+}
+
+function onScreen(point, canvas) {
+  // Where a world point is drawn, CSS pixels; null behind the eye.
+  const seen = point.clone().project(camera);
+  return seen.z > 1 ? null : { x: ((seen.x + 1) / 2) * canvas.clientWidth, y: ((1 - seen.y) / 2) * canvas.clientHeight };
+}
+
+const near = (place, x, y) => place && Math.hypot(place.x - x, place.y - y) < SNAP;
+const capital = (word) => word.replace(/^./, (c) => c.toUpperCase());
+const share = (value) => value.toFixed(2).replace(/^0/, "");
+
+function describe(part) {
+  if (!part) { $("info").hidden = true; return; }
+  const { extras } = part;
+  const titleOf = (id) => rooms.find((room) => room.id === id)?.title;
+  const known = facts.surfaces[`${extras.room_id}/${extras.surface}`] || {};
+  const photo = facts.photos.find((entry) => entry.name === known.photo);
+  const predicted = known.confidence == null ? "predicted" : `predicted, ${share(known.confidence)} sure`;
+  const seen = photo ? `from photo ${photo.number} (${photo.name})` : "from photos";
+  const name = extras.kind === "structure" ? "outer wall" : extras.category || extras.kind || part.name;
+  const rows = [["Room", titleOf(extras.room_id)], ["Part", extras.wall_id && extras.surface ? `wall ${extras.wall_id}` : null],
+    ["Leads to", titleOf(extras.leads_to)], ["Area", extras.surface ? `${areaOf(part).toFixed(2)} m\u00b2` : null],
+    ["Substance", extras.substance], ["Texture tile", extras.size_m ? `${extras.size_m.toFixed(2)} m` : null],
+    ["Looks", extras.observed === undefined ? null : extras.observed ? seen : predicted],
+    ["As", extras.observed === false ? known.source : null], ["Texture", extras.source]];
+  const pictures = known.crop ? [Object.assign(new Image(), { src: known.crop, alt: "The photo's piece that shows this surface" })] : [];
+  show(capital(name), rows, ...pictures);
+}
+
+function drawFrusta() {
+  // Where located photos were taken: their pyramids of sight, half a metre deep.
+  const lines = [];
+  for (const photo of facts.photos) {
+    if (!photo.position) continue;
+    const [right, down, ahead] = photo.rotation.map((row) => new THREE.Vector3(...row));
+    const centre = new THREE.Vector3(...photo.position);
+    photo.point = centre;
+    const corner = (x, y) => centre.clone().addScaledVector(ahead, 0.5)
+      .addScaledVector(right, (0.5 * (x - photo.width / 2)) / photo.focal_px).addScaledVector(down, (0.5 * (y - photo.height / 2)) / photo.focal_px);
+    const ring = [corner(0, 0), corner(photo.width, 0), corner(photo.width, photo.height), corner(0, photo.height)];
+    ring.forEach((point, k) => lines.push(centre, point, point, ring[(k + 1) % 4]));
+  }
+  frusta = new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints(lines), new THREE.LineBasicMaterial({ color: INK, depthTest: false }));
+  frusta.visible = false;
+  $("shots").parentElement.hidden = !lines.length;
+  return frusta;
+}
+
+function photoAt(x, y, canvas) {
+  return frusta.visible && facts.photos.find((photo) => photo.point && near(onScreen(photo.point, canvas), x, y));
+}
+
+function describePhoto(photo) {
+  const button = Object.assign(text("button", "Look from there"), { type: "button" });
+  button.addEventListener("click", () => { setMode("walk"); standAt(photo); refresh(); });
+  const room = rooms.find((entry) => entry.id === photo.room_id);
+  show(`Photo ${photo.number}`, [["File", photo.name], ["Taken in", room?.title], ["Place", `${share(photo.located)} sure`]], button);
+}
+
+function makeTape() {
+  const shape = { color: INK, depthTest: false, depthWrite: false, toneMapped: false };
+  tapeLine = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial(shape));
+  tapeEnds = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({ ...shape, size: 9, sizeAttenuation: false }));
+  for (const shown of [tapeLine, tapeEnds]) { shown.frustumCulled = false; shown.renderOrder = 2; }
+  return [tapeLine, tapeEnds];
+}
+
+function measure(x, y, canvas) {
+  // Takes a point, or the corner near it; the second one gives the distance, the third begins anew.
+  const hit = pick(x, y, canvas);
+  if (!hit) return;
+  const corner = hit.corners.find((point) => near(onScreen(point, canvas), x, y));
+  tape.points = [...(tape.points.length === 2 ? [] : tape.points), corner || hit.point];
+  stretch();
+}
+
+function stretch() {
+  const { points } = tape;
+  tapeLine.geometry.dispose();
+  tapeEnds.geometry.dispose();
+  tapeLine.geometry = new THREE.BufferGeometry().setFromPoints(points.length === 2 ? points : []);
+  tapeEnds.geometry = new THREE.BufferGeometry().setFromPoints(points);
+  tapeLine.visible = points.length === 2;
+  tapeEnds.visible = points.length > 0;
+  if (points.length === 2) {
+    const metres = (value) => `${value.toFixed(2)} m`, [a, b] = points;
+    show(metres(a.distanceTo(b)), [["Level", metres(Math.hypot(a.x - b.x, a.z - b.z))], ["Height", metres(Math.abs(a.y - b.y))]]);
+  } else if (tape.on) show("Measure", [], text("p", points.length ? "Click the second point." : "Click two points; near a corner the corner counts."));
+}
+
+function setTape(on) {
+  Object.assign(tape, { on, points: [] });
+  $("measure").setAttribute("aria-pressed", String(on));
+  $("info").hidden = true;
+  stretch();
+  refresh();
+}
+
+function label(canvas) {
+  // The distance beside the tape's middle.
+  const [a, b] = tape.points;
+  const place = b && onScreen(a.clone().add(b).multiplyScalar(0.5), canvas);
+  $("label").hidden = !place;
+  if (!place) return;
+  $("label").textContent = `${a.distanceTo(b).toFixed(2)} m`;
+  Object.assign($("label").style, { left: `${place.x}px`, top: `${place.y}px` });
+}

@@ -1,0 +1,99 @@
+"use strict";
+// Walking: a capsule that walls, windows, shut doors and objects stop (three's Octree), on floors and
+// stairs that are near enough underfoot. Inner doors stand open for it.
+
+const BODY = 0.22; // metres: radius of the capsule
+const KNEE = 0.45; // what is lower stops nobody, unless it is ground that is too high
+const STEP = 0.3; // the highest step up; down it is twice that
+const STRIDE = 0.04; // metres between two looks for walls
+const GROUND = new Set(["floor", "threshold", "stairs"]);
+const STOPS = new Set(["wall", "structure", "window", "glass", "railing", "object", "stairs"]);
+let barriers = null, grounds = null;
+
+const stops = ({ extras }) => STOPS.has(extras.kind) || (extras.kind === "door" && !extras.leads_to);
+
+function buildWorld() {
+  barriers = new THREE.Octree();
+  grounds = [];
+  for (const part of parts) {
+    for (const { a, b, c } of trianglesOf(part.mesh)) {
+      const copy = new THREE.Triangle(a.clone(), b.clone(), c.clone());
+      const level = copy.getNormal(new THREE.Vector3()).y > 0.7;
+      if (GROUND.has(part.extras.kind) && level) grounds.push({ part, triangle: copy, box: new THREE.Box3().setFromPoints([a, b, c]) });
+      else if (stops(part)) {
+        barriers.addTriangle(copy);
+        // Panes have one side.
+        if (part.glass) barriers.addTriangle(new THREE.Triangle(copy.a, copy.c, copy.b));
+      }
+    }
+  }
+  barriers.build();
+}
+
+function groundAt(x, z, feet) {
+  // The highest ground within a step of the feet, tried around the point too: {y, part} or null.
+  for (const [dx, dz] of [[0, 0], [0.06, 0], [-0.06, 0], [0, 0.06], [0, -0.06]]) {
+    const point = new THREE.Vector3();
+    let best = null;
+    for (const { part, triangle, box } of grounds) {
+      if (x + dx < box.min.x - 1e-6 || x + dx > box.max.x + 1e-6 || z + dz < box.min.z - 1e-6 || z + dz > box.max.z + 1e-6) continue;
+      const y = triangle.a.y; // grounds are level
+      if (y > feet + STEP || y < feet - 2 * STEP || (best && y <= best.y)) continue;
+      if (triangle.containsPoint(point.set(x + dx, y, z + dz))) best = { y, part };
+    }
+    if (best) return best;
+  }
+  return null;
+}
+
+function stride(dx, dz) {
+  // One short move; slides along what stops it; returns whether there was a way.
+  const place = eye.feet.clone().add(new THREE.Vector3(dx, 0, dz));
+  const capsule = new THREE.Capsule(new THREE.Vector3(), new THREE.Vector3(), BODY);
+  for (let pass = 0; pass < 4; pass++) {
+    capsule.start.set(place.x, place.y + KNEE + BODY, place.z);
+    capsule.end.set(place.x, place.y + EYE, place.z);
+    const hit = barriers.capsuleIntersect(capsule);
+    if (!hit) break;
+    const push = new THREE.Vector3(hit.normal.x, 0, hit.normal.z);
+    if (push.lengthSq() < 1e-6) break;
+    place.addScaledVector(push.normalize(), hit.depth + 1e-4);
+    if (pass === 3) return false;
+  }
+  if (place.distanceTo(eye.feet) > 2 * STRIDE) return false;
+  const ground = groundAt(place.x, place.z, eye.feet.y);
+  if (!ground) return false;
+  eye.feet.set(place.x, ground.y, place.z);
+  eye.room = ground.part.extras.room_id;
+  return true;
+}
+
+function walkBy(dx, dz) {
+  // Goes a way in the plan, metres, as far as it is free.
+  if (!barriers) buildWorld();
+  const count = Math.max(1, Math.ceil(Math.hypot(dx, dz) / STRIDE));
+  for (let k = 0; k < count; k++) {
+    if (!stride(dx / count, dz / count) && !stride(dx / count, 0) && !stride(0, dz / count)) break;
+  }
+}
+
+function step(seconds) {
+  // Walks (or moves the orbit's target) with the keys that are down; returns whether any is.
+  const held = (...names) => (names.some((name) => keys.has(name)) ? 1 : 0);
+  const along = held("w", "arrowup") - held("s", "arrowdown"), across = held("d") - held("a");
+  const turn = held("arrowright") - held("arrowleft");
+  if (!along && !across && !turn) return keys.size > 0;
+  if (eye.mode === "walk") {
+    eye.yaw -= turn * 1.6 * seconds;
+    const far = 1.8 * seconds, [sin, cos] = [Math.sin(eye.yaw), Math.cos(eye.yaw)];
+    if (along || across) walkBy(far * (along * sin - across * cos), far * (along * cos + across * sin));
+    return true;
+  }
+  const away = camera.position.clone().sub(orbit.target), far = 0.5 * away.length() * seconds;
+  const angle = orbit.getAzimuthalAngle(), [sin, cos] = [Math.sin(angle), Math.cos(angle)];
+  orbit.target.add(new THREE.Vector3(far * (across * cos - along * sin), 0, -far * (across * sin + along * cos)));
+  away.applyAxisAngle(new THREE.Vector3(0, 1, 0), turn * 1.2 * seconds);
+  camera.position.copy(orbit.target).add(away);
+  orbit.update();
+  return true;
+}
