@@ -57,7 +57,7 @@ def label_photos(
         try:
             image = read_image(photo)
             exif = read_exif_focal(photo, (image.shape[0], image.shape[1]))
-            write_png(target, label.labels(photo.name, image, exif=exif))
+            write_png(target, label.labelled(photo.name, image, exif=exif).labels)
             print(target)
         except InputError as error:
             print(f"ERROR {error}", file=sys.stderr)

@@ -13,7 +13,12 @@ from plan2scene.io import atomic_directory, safe_join, write_json
 from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal, read_exif_focal
 from plan2scene.photos.labels.labeller import Labeller
-from plan2scene.photos.labels.palette import without_openings, write_label_png
+from plan2scene.photos.labels.palette import (
+    PROBABILITIES,
+    without_openings,
+    write_label_png,
+    write_probability_png,
+)
 from plan2scene.photos.photo_files import read_photo
 
 _log = logging.getLogger("plan2scene")
@@ -40,7 +45,8 @@ def make_masks(
         Returns what labels the photos; not called for a house without any.
     out_dir : path
         Replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
-        ``cameras.json``, ``warnings.json`` (``docs/conventions.md``).
+        ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
+        ``warnings.json`` (``docs/conventions.md``).
     fov_deg : float
         Horizontal field of view in degrees where neither EXIF data nor vanishing points give one.
     threads : int
@@ -74,12 +80,17 @@ def _label_photo(
         safe_join("", name, house_id=house_id)
         image = read_photo(path, house_id=house_id)
         exif = read_exif_focal(path, (image.shape[0], image.shape[1]))
-        labels = labeller.labels(name, image, fov_deg=fov_deg, exif=exif)
+        labelled = labeller.labelled(name, image, fov_deg=fov_deg, exif=exif)
     except InputError as error:
         _log.warning("photo %s left out: %s", name, error)
         return None, [f"photo {name} left out: {error}"]
-    camera = estimate_camera(image, without_openings(labels), fov_deg=fov_deg, exif=exif)
-    write_label_png(folder / f"{Path(name).stem}.png", labels)
+    plain = without_openings(labelled.labels)
+    camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif)
+    write_label_png(folder / f"{Path(name).stem}.png", labelled.labels)
+    if labelled.probabilities is not None:
+        write_probability_png(
+            folder / PROBABILITIES / f"{Path(name).stem}.png", labelled.probabilities
+        )
     return camera, [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
 
 

@@ -1,5 +1,7 @@
 """Photos of rooms whose labels are rendered from known poses are found where they were taken."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from box_room import HEIGHT, SIZE, WIDE, box_house, rendered
@@ -9,11 +11,17 @@ from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import canonical
-from plan2scene.photos.labels.palette import without_openings, write_label_png
+from plan2scene.photos.labels.palette import (
+    read_probability_png,
+    without_openings,
+    write_label_png,
+    write_probability_png,
+)
 from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.likelihood import N_CLASSES, log_table
 from plan2scene.photos.locate.plan_view import dominant_direction, look, room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json, turned
+from plan2scene.photos.locate.profile import label_counts
 from plan2scene.photos.locate.stage import locate_photos, read_poses, with_found_rooms
 
 
@@ -91,11 +99,35 @@ def test_the_frame_of_a_turned_room():
     assert np.mod(angle - turn + 1e-9, np.pi / 2) == pytest.approx(0.0, abs=1e-6)
 
 
-@pytest.mark.parametrize("has_openings", [True, False])
-def test_labels_are_probabilities(has_openings):
-    table = np.exp(log_table(has_openings=has_openings))
-    labels = slice(0, 6) if has_openings else slice(0, 4)
-    np.testing.assert_allclose(table[:, labels].sum(axis=1), np.ones(N_CLASSES), atol=1e-9)
+@pytest.mark.parametrize(
+    ("told", "labels"), [("all", range(6)), ("windows", (0, 1, 2, 3, 5)), ("nothing", range(4))]
+)
+def test_labels_are_probabilities(told, labels):
+    table = np.exp(log_table(told))
+    np.testing.assert_allclose(table[:, list(labels)].sum(axis=1), np.ones(N_CLASSES), atol=1e-9)
+
+
+def test_sure_probabilities_are_labels_and_doubt_lowers_them():
+    house = box_house()
+    photo, _ = shot(house, 230.0, (0.6, 1.5, 2.9))
+    sure = (photo.labels == np.arange(6)[:, None, None]).astype(np.float32)
+    plain, found = (label_counts(photo.labels, photo.camera, p) for p in (None, sure))
+    np.testing.assert_allclose(found[0], plain[0], atol=1e-9)
+    located = [
+        locate_shots(house, {"a.jpg": replace(photo, probabilities=probable)})["a.jpg"].located
+        for probable in (sure, 0.3 * sure + 0.7 / 6)
+    ]
+    assert located[1] < located[0]
+
+
+def test_probabilities_round_trip(tmp_path):
+    rng = np.random.default_rng(0)
+    values = rng.dirichlet(np.ones(6), (4, 5)).transpose(2, 0, 1).astype(np.float32)
+    write_probability_png(tmp_path / "a.png", values)
+    np.testing.assert_allclose(read_probability_png(tmp_path / "a.png"), values, atol=0.5 / 255)
+    write_probability_png(tmp_path / "b.png", values[:5])
+    with pytest.raises(InputError, match="rows of 6 labels"):
+        read_probability_png(tmp_path / "b.png")
 
 
 def test_cameras_json_round_trip(tmp_path):

@@ -196,10 +196,10 @@ def test_labels_are_made_again_once_a_camera_is_found(
     monkeypatch.setattr(labeller, "estimate_camera", lambda _image, labels, **_: camera)
     told: list[bool] = []
 
-    def label(_photo: str, image: np.ndarray, given: Camera | None) -> np.ndarray:
+    def label(_photo: str, image: np.ndarray, given: Camera | None) -> labeller.Labelled:
         told.append(given is camera)
-        return np.full(image.shape[:2], len(told), np.uint8)
+        return labeller.Labelled(np.full(image.shape[:2], len(told), np.uint8))
 
-    labels = labeller.Labeller(label, uses_camera).labels("a.jpg", _photo(48, 64))
+    found = labeller.Labeller(label, uses_camera).labelled("a.jpg", _photo(48, 64))
     assert told == seen
-    assert (labels == len(seen)).all()
+    assert (found.labels == len(seen)).all()

@@ -110,7 +110,7 @@ def test_the_masks_stage_takes_a_checkpoint(tmp_path: Path) -> None:
     label = labeller("pretrained", pretrained=asdict(checkpoint), house_id="h")
     image = np.zeros((30, 40, 3), np.uint8)
     assert np.array_equal(
-        label.label("a.jpg", image, None), load_pretrained(checkpoint).labels(image)
+        label.label("a.jpg", image, None).labels, load_pretrained(checkpoint).labels(image)
     )
     with pytest.raises(InputError, match="neither"):
         labeller("pretrained", pretrained={"path": None}, house_id="h")

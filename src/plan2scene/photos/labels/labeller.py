@@ -11,41 +11,55 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal
-from plan2scene.photos.labels.palette import labels_from_folder, without_openings
+from plan2scene.photos.labels.palette import (
+    LABELS_AND_OPENINGS,
+    labels_from_folder,
+    without_openings,
+)
 
 #: Where masks may come from (config key ``photos.masks``).
 SOURCES = ("embedded", "precomputed", "pretrained")
+
+
+@dataclass(frozen=True, eq=False)
+class Labelled:
+    """What a photo shows where."""
+
+    #: (h, w) uint8, the photo's size.
+    labels: np.ndarray
+    #: (6, h', w') float32 in [0, 1] over the whole photo, more coarsely: how likely each label is,
+    #: doors and windows too; None from a source that does not tell.
+    probabilities: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
 class Labeller:
     """What labels photos."""
 
-    #: Given a photo's name, its (h, w, 3) uint8 sRGB pixels and its camera, where one is known,
-    #: returns its (h, w) uint8 labels.
-    label: Callable[[str, np.ndarray, Camera | None], np.ndarray]
+    #: Given a photo's name, its (h, w, 3) uint8 sRGB pixels and its camera, where one is known.
+    label: Callable[[str, np.ndarray, Camera | None], Labelled]
     #: Whether the labels depend on the camera.
     uses_camera: bool = False
 
-    def labels(
+    def labelled(
         self,
         photo: str,
         image: np.ndarray,
         *,
         fov_deg: float = DEFAULT_FOV_DEG,
         exif: ExifFocal | None = None,
-    ) -> np.ndarray:
-        """Return labels (h, w) uint8 of a photo.
+    ) -> Labelled:
+        """Return the labels of a photo.
 
         Those that depend on the camera are made again once the first ones gave it. `fov_deg` and
         `exif` as of :func:`plan2scene.photos.camera.calibration.estimate_camera`.
         """
-        labels = self.label(photo, image, None)
+        labelled = self.label(photo, image, None)
         if not self.uses_camera:
-            return labels
-        plain = without_openings(labels)
+            return labelled
+        plain = without_openings(labelled.labels)
         camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif)
-        return labels if camera.fallback else self.label(photo, image, camera)
+        return labelled if camera.fallback else self.label(photo, image, camera)
 
 
 def labeller(
@@ -90,14 +104,23 @@ def labeller(
         from plan2scene.photos.labels.pretrained import Checkpoint, load_pretrained
 
         ade20k = load_pretrained(Checkpoint(**pretrained))
-        return Labeller(lambda _photo, image, _camera: ade20k.labels(image))
-    from plan2scene.photos.labels.segmentation import load_segmenter
+        return Labeller(lambda _photo, image, _camera: Labelled(ade20k.labels(image)))
+    return _embedded(str(model), openings)
 
-    embedded = load_segmenter(str(model))
-    return Labeller(
-        lambda _photo, image, camera: embedded.labels(image, camera, openings=openings),
-        uses_camera=embedded.network.elevation,
-    )
+
+def _embedded(model: str, openings: bool) -> Labeller:
+    """Return the network of a weights file."""
+    from plan2scene.photos.labels.segmentation import labels_of, load_segmenter, probabilities_of
+
+    segmenter = load_segmenter(model)
+
+    def label(_photo: str, image: np.ndarray, camera: Camera | None) -> Labelled:
+        logits = segmenter.logits(image, camera)
+        labels = labels_of(logits, (image.shape[0], image.shape[1]), openings=openings)
+        tells = len(logits) == len(LABELS_AND_OPENINGS)
+        return Labelled(labels, probabilities_of(logits) if tells else None)
+
+    return Labeller(label, uses_camera=segmenter.network.elevation)
 
 
 def _precomputed(folder: str | Path | None, openings: bool, house_id: str) -> Labeller:
@@ -107,11 +130,13 @@ def _precomputed(folder: str | Path | None, openings: bool, house_id: str) -> La
         raise InputError("a folder of label PNGs (photos.masks_folder)", found, house=house_id)
     ready = Path(folder)
     return Labeller(
-        lambda photo, image, _camera: labels_from_folder(
-            ready,
-            photo,
-            (image.shape[0], image.shape[1]),
-            house_id=house_id,
-            openings=openings,
+        lambda photo, image, _camera: Labelled(
+            labels_from_folder(
+                ready,
+                photo,
+                (image.shape[0], image.shape[1]),
+                house_id=house_id,
+                openings=openings,
+            )
         )
     )

@@ -26,6 +26,8 @@ OTHER, FLOOR, WALL, CEILING, DOOR, WINDOW = range(6)
 #: Names of the labels of files that tell openings.
 LABELS_AND_OPENINGS = (*LABELS, "door", "window")
 IGNORE = 255
+#: Folder of a masks folder with how likely each label is.
+PROBABILITIES = "probabilities"
 #: sRGB colour of each label in the palette PNG and in overlays.
 PALETTE = (
     (128, 128, 128),
@@ -71,6 +73,28 @@ def _label_values(image: Image.Image) -> np.ndarray:
     if image.mode not in ("P", "L"):
         raise InputError("a palette or grey PNG of labels", f"mode {image.mode}")
     return np.array(image, dtype=np.uint8)
+
+
+def write_probability_png(path: str | Path, probabilities: np.ndarray) -> None:
+    """Write (labels, h, w) float32 in [0, 1] as a grey PNG, one label below another, atomically."""
+    from PIL import Image
+
+    values = np.rint(255.0 * probabilities).astype(np.uint8)
+    with atomic_path(path) as temporary:
+        Image.fromarray(values.reshape(-1, values.shape[-1])).save(temporary, format="PNG")
+
+
+def read_probability_png(path: str | Path, *, house_id: str = "") -> np.ndarray:
+    """Return (6, h, w) float32 in [0, 1] of a PNG of `write_probability_png`.
+
+    Raises InputError for a file that is missing or no such image.
+    """
+    values = decode_image(path, _label_values, house_id=house_id)
+    labels = len(LABELS_AND_OPENINGS)
+    if len(values) % labels:
+        expected = f"rows of {labels} labels"
+        raise InputError(expected, f"{len(values)} rows", file=path, house=house_id)
+    return np.asarray(values.reshape(labels, -1, values.shape[1]) / 255.0, dtype=np.float32)
 
 
 def labels_from_folder(

@@ -153,6 +153,12 @@ def confidence_of(logits: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return cv2.resize(best, size[::-1], interpolation=cv2.INTER_LINEAR)
 
 
+def probabilities_of(logits: np.ndarray) -> np.ndarray:
+    """Return (labels, h', w') float32 in [0, 1]: how likely each label is, of logits."""
+    powers = np.exp(logits - logits.max(axis=0))
+    return np.asarray(powers / powers.sum(axis=0), dtype=np.float32)
+
+
 def surface_logits(logits: np.ndarray) -> np.ndarray:
     """Return logits (4, h, w) of other, floor, wall, ceiling: doors and windows are other.
 

@@ -11,8 +11,9 @@ FLOOR = 0.004
 #: Weights of a constant and both leads: fitted on 329 synthetic photos with true and predicted
 #: masks (right: the heading, within 1 m), calibrated on two real flats (development).
 WEIGHTS = (5.0, 2.4, 0.5)
-#: What masks take off that tell no doors and windows: those make rooms differ that look alike.
-WITHOUT_OPENINGS = 1.2
+#: What masks take off that tell fewer openings (`likelihood.TOLD`): those make rooms differ that
+#: look alike.
+LESS = {"all": 0.0, "windows": 1.2, "nothing": 1.2}
 
 
 @dataclass(frozen=True)
@@ -22,13 +23,13 @@ class Evidence:
     #: Lead in score over the best pose of another heading or room, and at another position.
     heading: float
     elsewhere: float
-    #: Whether the masks tell doors and windows.
-    has_openings: bool
+    #: Which openings the masks tell, of `likelihood.TOLD`.
+    told: str
 
 
 def probability(evidence: Evidence) -> float:
     """Return the probability that heading and position are right."""
     leads = np.maximum([evidence.heading, evidence.elsewhere], 0.0)
     logit = WEIGHTS[0] + float(np.log10(leads + FLOOR) @ np.array(WEIGHTS[1:]))
-    logit -= 0.0 if evidence.has_openings else WITHOUT_OPENINGS
+    logit -= LESS[evidence.told]
     return float(1.0 / (1.0 + np.exp(-logit)))

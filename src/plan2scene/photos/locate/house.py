@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,21 +37,22 @@ class Shot:
     #: (h, w) uint8, the camera's size: labels of `likelihood`; others say nothing.
     labels: np.ndarray
     rooms: tuple[str, ...]
+    #: (6, h', w') float32 over the same view: how likely each label is, where that is known.
+    probabilities: np.ndarray | None = None
 
 
 def locate_shots(house: House, shots: Mapping[str, Shot]) -> dict[str, Pose]:
     """Return the best pose of each photo that has a frame and a room, with its probability."""
     shapes = room_shapes(house)
-    has_openings = any(
-        ((shot.labels >= DOOR) & (shot.labels <= OPENING)).any() for shot in shots.values()
-    )
-    table = log_table(has_openings=has_openings)
+    told = openings_told(shots.values())
+    table = log_table(told)
     searches: dict[str, list[RoomSearch]] = {}
     for name, shot in shots.items():
         if shot.camera.fallback or not shot.rooms:
             continue
         coarse, fine = (
-            make_profile(shot.labels, shot.camera, table, blur) for blur in (COARSE_BLUR, FINE_BLUR)
+            make_profile(shot.labels, shot.camera, table, blur, shot.probabilities)
+            for blur in (COARSE_BLUR, FINE_BLUR)
         )
         searches[name] = [
             RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), coarse, fine)
@@ -61,11 +62,16 @@ def locate_shots(house: House, shots: Mapping[str, Shot]) -> dict[str, Pose]:
     prior = shared_height([poses for poses in found.values() if poses])
     if prior is not None:
         found = {name: _best(rooms, prior) for name, rooms in searches.items()}
-    return {
-        name: _pose(shots[name], poses, has_openings=has_openings)
-        for name, poses in found.items()
-        if poses
-    }
+    return {name: _pose(shots[name], poses, told) for name, poses in found.items() if poses}
+
+
+def openings_told(shots: Iterable[Shot]) -> str:
+    """Return which openings the masks of a house tell, of `likelihood.TOLD`."""
+    given = list(shots)
+    if any(shot.probabilities is not None for shot in given):
+        return "windows"
+    drawn = (((shot.labels >= DOOR) & (shot.labels <= OPENING)).any() for shot in given)
+    return "all" if any(drawn) else "nothing"
 
 
 def shared_height(found: Sequence[Sequence[Found]]) -> HeightPrior | None:
@@ -101,8 +107,8 @@ def _best(searches: Sequence[RoomSearch], prior: HeightPrior) -> list[Found]:
     return sorted(found, key=lambda pose: -pose.score)
 
 
-def _pose(shot: Shot, poses: Sequence[Found], *, has_openings: bool) -> Pose:
+def _pose(shot: Shot, poses: Sequence[Found], told: str) -> Pose:
     """Return the best of the poses and its probability."""
     best, (heading, elsewhere) = poses[0], margins(poses)
-    located = probability(Evidence(heading, elsewhere, has_openings))
+    located = probability(Evidence(heading, elsewhere, told))
     return Pose(best.room_id, best.position, turned(shot.camera, best.turn), located)

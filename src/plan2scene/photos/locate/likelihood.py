@@ -18,6 +18,12 @@ ROOM = {"floor": 0, "wall": 1, "ceiling": 2}
 BEHIND = ("floor", "wall", "ceiling", "unknown")
 HOLES = ("door", "window", "passage")
 N_CLASSES = 3 + len(HOLES) * len(BEHIND)
+#: Openings that masks may tell. A network's probabilities take doors for things.
+TOLD = {
+    "nothing": frozenset[int](),
+    "windows": frozenset({WINDOW}),
+    "all": frozenset({DOOR, WINDOW}),
+}
 
 _ROOM_ROWS = (
     (0.22, 0.66, 0.07, 0.005, 0.03, 0.015),
@@ -39,10 +45,10 @@ def hole_class(kind: str, behind: str) -> int:
     return 3 + HOLES.index(kind) * len(BEHIND) + BEHIND.index(behind)
 
 
-def log_table(*, has_openings: bool) -> np.ndarray:
+def log_table(told: str) -> np.ndarray:
     """Return (N_CLASSES, N_LABELS) float64 log probabilities of a label given a class.
 
-    Without `has_openings` masks know no doors and windows: those are other.
+    `told`, of `TOLD`, says which openings masks tell; others are other.
     """
     table = np.zeros((N_CLASSES, N_LABELS))
     table[:3, :OPENING] = _ROOM_ROWS
@@ -51,8 +57,7 @@ def log_table(*, has_openings: bool) -> np.ndarray:
         for behind in BEHIND:
             seen = shut if behind == "unknown" else table[ROOM[behind], :OPENING]
             table[hole_class(kind, behind), :OPENING] = (1 - share) * shut + share * seen
-    if not has_openings:
-        table[:, OTHER] += table[:, DOOR] + table[:, WINDOW]
-        table[:, DOOR] = table[:, WINDOW] = table[:, OTHER]
+    hidden = [OTHER, *({DOOR, WINDOW} - TOLD[told])]
+    table[:, hidden] = table[:, hidden].sum(axis=1, keepdims=True)
     table[:, OPENING] = table[:, DOOR] + table[:, WINDOW]
     return np.asarray(np.log(np.maximum(table, 1e-4)))

@@ -68,10 +68,13 @@ class Profile:
         return np.asarray(start + (row - whole) * (sums[column, whole + 1] - start))
 
 
-def label_counts(labels: np.ndarray, camera: Camera) -> tuple[np.ndarray, np.ndarray, float]:
+def label_counts(
+    labels: np.ndarray, camera: Camera, probabilities: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Return (labels, a, rows) counts by direction, azimuths (a,) and the lowest elevation.
 
-    `labels` (h, w) uint8; values that are no label count nowhere.
+    `labels` (h, w) uint8; values that are no label count nowhere. With `probabilities`
+    (l, h', w') of the same view each pixel counts for every label, by how likely that is.
     """
     step = max(1.0, camera.width / SAMPLED_COLUMNS)
     columns = np.arange(step / 2, camera.width, step)
@@ -89,20 +92,36 @@ def label_counts(labels: np.ndarray, camera: Camera) -> tuple[np.ndarray, np.nda
     a = (azimuth[kept] / AZIMUTH_STEP - first).astype(int)
     e = (elevation[kept] / ELEVATION_STEP - lowest).astype(int)
     shape = (N_LABELS, int(a.max()) + 1, int(e.max()) + 1)
-    flat = np.ravel_multi_index((values[kept].astype(int), a, e), shape)
-    counts = np.bincount(flat, minlength=int(np.prod(shape))).reshape(shape) / kept.sum()
+    counts = np.zeros(shape)
+    if probabilities is None:
+        np.add.at(counts, (values[kept].astype(int), a, e), 1.0)
+    else:
+        row, column = (
+            np.minimum(at * new / old, new - 1).astype(int)
+            for at, new, old in zip(
+                pixels[kept].T[::-1], probabilities.shape[1:], labels.shape, strict=True
+            )
+        )
+        for label, likely in enumerate(probabilities):
+            np.add.at(counts[label], (a, e), likely[row, column])
+    counts /= kept.sum()
     middles = (first + 0.5 + np.arange(shape[1])) * AZIMUTH_STEP
     return counts, middles, float(lowest * ELEVATION_STEP)
 
 
 def make_profile(
-    labels: np.ndarray, camera: Camera, table: np.ndarray, blur: float = 0.0
+    labels: np.ndarray,
+    camera: Camera,
+    table: np.ndarray,
+    blur: float = 0.0,
+    probabilities: np.ndarray | None = None,
 ) -> Profile:
     """Return the profile of a mask; `table` (classes, labels) log probabilities.
 
-    `blur` is the spread in radians by which directions are uncertain.
+    `blur` is the spread in radians by which directions are uncertain; `probabilities` as of
+    `label_counts`.
     """
-    counts, azimuth, lowest = label_counts(labels, camera)
+    counts, azimuth, lowest = label_counts(labels, camera, probabilities)
     log = np.tensordot(table, counts, axes=(1, 0))
     if blur > 0.0:
         log = np.stack([_blurred(part, blur) for part in log])

@@ -6,11 +6,17 @@ import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import Camera
-from plan2scene.photos.labels.palette import read_label_png
+from plan2scene.photos.labels.palette import (
+    PROBABILITIES,
+    read_label_png,
+    read_probability_png,
+)
 from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json
 
@@ -46,6 +52,7 @@ def locate_photos(
             camera,
             read_label_png(folder / f"{Path(name).stem}.png", house_id=house.id, openings=True),
             tuple(dict.fromkeys(rooms_of_photo[name] or anywhere)),
+            _probabilities(folder / PROBABILITIES / f"{Path(name).stem}.png", house.id),
         )
         for name, camera in sorted(cameras.items())
         if name in rooms_of_photo
@@ -56,6 +63,11 @@ def locate_photos(
     count = sum(pose.believed for pose in poses.values())
     _log.info("%d of %d photos located", count, len(cameras))
     return poses
+
+
+def _probabilities(path: Path, house_id: str) -> np.ndarray | None:
+    """Return how likely each label of a photo is, None where the masks stage left nothing."""
+    return read_probability_png(path, house_id=house_id) if path.exists() else None
 
 
 def read_poses(path: str | Path) -> dict[str, Pose]:
