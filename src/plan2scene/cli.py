@@ -14,6 +14,7 @@ import typer
 from plan2scene.cli_parts import known_method, method_names, parts
 from plan2scene.errors import InputError, WorkflowError, system_fault
 from plan2scene.exports.registry import EXPORTS, export_house
+from plan2scene.tracing.command import trace_plan
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 app.add_typer(parts)
@@ -141,6 +142,9 @@ def edit_plan(
     name = _house_id(source or Path("my_home"), house)
     write_editor(source, out, house_id=name, metres_per_pixel=metres_per_pixel)
     print(out)
+
+
+app.command("trace")(trace_plan)
 
 
 @app.command("studio")

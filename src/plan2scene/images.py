@@ -34,6 +34,8 @@ MAX_IMAGE_BYTES = 200_000_000
 #: Others are refused: Pillow would hand PostScript to an outside program.
 FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "TIFF", "BMP", "PPM")
 FORMAT_NAMES = "JPEG, PNG, GIF, WebP, TIFF, BMP or PPM"
+#: How names of pictures end, for who must tell before files are read (jobs are planned).
+SUFFIXES = (".png", ".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff", ".bmp", ".ppm")
 #: Side in pixels at which the paper compares textures.
 METRIC_SIZE = 128
 

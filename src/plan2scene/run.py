@@ -16,9 +16,11 @@ from plan2scene.datasets.check import photo_problem
 from plan2scene.datasets.table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.floorplans import read_plan, validate_house
+from plan2scene.floorplans.formats import PlanFile
 from plan2scene.io import safe_join, write_text
 from plan2scene.out_folder import OutFolder, claimed_folder
 from plan2scene.provenance import WORKFLOW
+from plan2scene.tracing.picture import read_plan_picture
 
 _LOG = logging.getLogger("plan2scene")
 DATASET = "own"
@@ -34,6 +36,8 @@ SHOWN = {
     "lines": ("--logger", "plan2scene"),
     "verbose": ("--printshellcmds",),
 }
+#: Files beside them of a plan that was a picture.
+TRACED = ("plan.json", "plan.overlay.png", "plan.doubts.txt")
 
 
 @dataclass(frozen=True)
@@ -51,8 +55,25 @@ class SingleHouse:
     colours: str = "photo"
 
 
+def is_picture(request: SingleHouse) -> bool:
+    """Return whether the plan is a picture, which the workflow traces first."""
+    return PlanFile(request.plan, request.house).is_picture
+
+
+def _check_picture(request: SingleHouse) -> None:
+    """Refuse a picture that can't be read, and photos of rooms that nobody has seen yet."""
+    read_plan_picture(request.plan)
+    if request.photo_table is not None:
+        how = f"plan2scene trace {request.plan.name} --out plan.json names its rooms"
+        expected = "a plan whose rooms the photo table names"
+        raise InputError(expected, f"a picture: {how}", file=request.plan)
+
+
 def read_input(request: SingleHouse) -> list[str]:
     """Read plan and photo table, so that a mistake is told before any job; return the photos."""
+    if is_picture(request):
+        _check_picture(request)
+        return []
     house = read_plan(request.plan, request.house, request.metres_per_pixel)
     for line in validate_house(house, file=request.plan):
         _LOG.warning("%s", line)
@@ -85,7 +106,8 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     root = work / "dataset"
     photos = root / "photos"
     photos.mkdir(parents=True, exist_ok=True)
-    plan = root / f"plan{request.plan.suffix or '.json'}"
+    suffix = ".png" if is_picture(request) else request.plan.suffix or ".json"
+    plan = root / f"plan{suffix}"
     shutil.copy2(request.plan, plan)
     assignment = ""
     if request.photo_table is not None:
@@ -152,6 +174,7 @@ def run(
     inputs = [path for path in given if path is not None]
     names = read_input(request)
     wanted = (*DELIVERED, CONTACT_SHEET) if sheet and names else DELIVERED
+    wanted += TRACED if is_picture(request) else ()
     with claimed_folder(out, (*wanted, "textures"), inputs) as folder:
         config = prepare(request, names, folder.work)
         base = f"results/{DATASET}/houses/{request.house}"

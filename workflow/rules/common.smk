@@ -19,6 +19,7 @@ from plan2scene.datasets.house_table import (
     table_of,
 )
 from plan2scene.errors import InputError
+from plan2scene.images import SUFFIXES
 from plan2scene.provenance import code_hash, file_hash
 from plan2scene.slurm import check_cluster
 from plan2scene.textures.methods import METHODS as TEXTURE_METHODS
@@ -96,7 +97,14 @@ onstart:
 def plan_of(wildcards):
     """Return the plan of a house; empty when it is missing (the job then says so)."""
     path = DATA_ROOT / ALL_HOUSES[wildcards.house].plan
-    return str(path) if path.is_file() else []
+    return read_plan_of(wildcards) if path.is_file() else []
+
+
+def read_plan_of(wildcards):
+    """Return the plan that is read: of a picture what is traced, there or not."""
+    path = DATA_ROOT / ALL_HOUSES[wildcards.house].plan
+    traced = path.suffix.lower() in SUFFIXES and path.is_file()
+    return f"{RESULTS}/houses/{wildcards.house}/plan.json" if traced else str(path)
 
 
 def assignment_of(wildcards):

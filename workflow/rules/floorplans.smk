@@ -17,7 +17,7 @@ rule floorplan:
         mem_mb=500,
     params:
         # What the house table names: of a file that is missing the job says which.
-        plan=lambda wildcards: str(DATA_ROOT / ALL_HOUSES[wildcards.house].plan),
+        plan=read_plan_of,
         assignment=named_assignment_of,
         photos=str(LAYOUT.photos),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
@@ -25,3 +25,29 @@ rule floorplan:
         code=code_hash("datasets.import_plan"),
     script:
         "../scripts/floorplan.py"
+
+
+rule trace:
+    # A plan that is a picture: rooms and openings by the plan network, scale and names by its text.
+    input:
+        picture=lambda wildcards: str(DATA_ROOT / ALL_HOUSES[wildcards.house].plan),
+    output:
+        plan=f"{RESULTS}/houses/{{house}}/plan.json",
+        overlay=f"{RESULTS}/houses/{{house}}/plan.overlay.png",
+        doubts=f"{RESULTS}/houses/{{house}}/plan.doubts.txt",
+    log:
+        f"logs/{DATASET}/trace/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/trace/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 2
+    resources:
+        mem_mb=2500,
+    params:
+        metres_per_pixel=config["floorplans"]["metres_per_pixel"],
+        model=model_of("plans"),
+        weights=hashes({"plans": model_of("plans")}),
+        code=code_hash("tracing.output"),
+    script:
+        "../scripts/trace.py"

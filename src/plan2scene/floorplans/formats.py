@@ -74,6 +74,11 @@ class PlanFile:
         """What kind of file this is when it begins like one that is no text; else empty."""
         return next((name for start, name in _SIGNATURES if self.head.startswith(start)), "")
 
+    @property
+    def is_picture(self) -> bool:
+        """Whether it is a picture, which is to be traced."""
+        return self.binary.endswith("picture")
+
     @cached_property
     def text(self) -> str:
         """The file as UTF-8 text; empty for a :attr:`binary` one."""
@@ -192,7 +197,8 @@ def read_plan(
     found = next((entry for entry in FORMATS if entry.sniff(plan)), None)
     if found is None:
         names = ", ".join(entry.name for entry in FORMATS)
-        start = plan.binary or f"{plan.text.split()[0][:40]!r} at its start"
+        start = plan.binary + (" (plan2scene trace makes a plan of it)" * plan.is_picture)
+        start = start or f"{plan.text.split()[0][:40]!r} at its start"
         raise plan.fault(f"a plan ({names})", start)
     if found.needs_scale and not 0 < (metres_per_pixel or 0) <= 1:
         expected = f"metres_per_pixel above 0 and up to 1 for {found.name}"

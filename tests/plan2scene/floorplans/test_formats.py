@@ -78,8 +78,8 @@ def test_a_missing_package_is_one_line(tmp_path, monkeypatch, start, package):
 @pytest.mark.parametrize(
     ("start", "what"),
     [
-        (b"\x89PNG\r\n\x1a\n\x00", "a PNG picture"),
-        (b"\xff\xd8\xff\xe0\x00", "a JPEG picture"),
+        (b"\x89PNG\r\n\x1a\n\x00", "a PNG picture (plan2scene trace makes a plan of it)"),
+        (b"\xff\xd8\xff\xe0\x00", "a JPEG picture (plan2scene trace makes a plan of it)"),
         (b"%PDF-1.7\n\xff", "a PDF"),
         (b"AC1032\x00\xff", "a DWG drawing (save it as DXF)"),
         (b"PK\x05\x06" + b"\x00" * 18, "an empty ZIP archive"),

@@ -138,7 +138,7 @@ def _rooms(source: Source, drawing: Drawing) -> list[Room]:
     rooms = []
     taken: set[str] = set()
     for room in drawn:
-        name = _free_id(room.name, taken)
+        name = free_id(room.name, taken)
         types = room.types or room_types(room.name)
         if not types:
             source.warn("a name that tells what room it is", f"{room.name!r}; Unknown", name)
@@ -151,7 +151,7 @@ def _ring(ring: LineString) -> Ring:
     return tuple((float(x), float(z)) for x, z in list(ring.coords)[:-1])
 
 
-def _free_id(name: str, taken: set[str]) -> str:
+def free_id(name: str, taken: set[str]) -> str:
     """Return an id made of a room's name that is not taken yet, and take it."""
     plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
     stem = re.sub(r"[^a-z0-9]+", "_", plain.lower()).strip("_")[:40] or "room"

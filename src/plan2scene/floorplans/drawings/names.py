@@ -13,14 +13,15 @@ _STEMS = {
     "Bathroom": (
         "bath badezimmer bad salle_de_bain salle_d'eau bano aseo bagno badkamer shower dusche "
         "douche ducha doccia wc toilet toilette lavatory restroom washroom ensuite en_suite "
-        "powder servizi sauna lavabo"
+        "powder servizi sauna lavabo badrum dusch"
     ),
-    "Kitchen": ("kitchen kuche kueche cuisine cocina cucina keuken kitchenette pantry_kitchen"),
+    "Kitchen": ("kitchen kuche kueche cuisine cocina cucina keuken kitchenette pantry_kitchen kok"),
     "Bedroom": (
         "bedroom schlafzimmer schlafen chambre dormitorio habitacion camera cameretta "
-        "slaapkamer kinderzimmer kind guest gastezimmer nursery alcoba recamara cuarto bed"
+        "slaapkamer kinderzimmer kind guest gastezimmer nursery alcoba recamara cuarto bed "
+        "sovrum letto"
     ),
-    "Balcony": "balcon balcony balkon balcone loggia",
+    "Balcony": "balcon balcony balkon balcone loggia balkong",
     "Terrace": "terrace terrasse terraza terrazza terras patio deck porch veranda",
     "Outdoor": (
         "outdoor outside garden garten jardin giardino tuin yard garage carport exterior "
@@ -29,7 +30,7 @@ _STEMS = {
     "Staircase": ("stair stairs staircase treppe treppenhaus escalier escalera scala scale trap"),
     "Entrance": (
         "entry entrance entree eingang foyer vestibule recibidor entrada ingresso lobby "
-        "windfang draughtlobby"
+        "windfang draughtlobby entre"
     ),
     "Corridor": (
         "corridor hall hallway flur diele gang couloir pasillo corridoio disimpegno passage "
@@ -39,13 +40,13 @@ _STEMS = {
         "closet wardrobe storage store abstellraum abstellkammer kammer dressing placard "
         "cellier armario vestidor trastero despensa ripostiglio sgabuzzino berging kast "
         "pantry utility laundry cupboard walkin speisekammer buanderie lavanderia lavadero "
-        "ankleide bijkeuken technical larder"
+        "ankleide bijkeuken technical larder klk kladkammare forrad garderob tvatt"
     ),
     "Reception": (
         "living reception wohnzimmer wohnen wohn sejour salon sala soggiorno woonkamer lounge "
         "dining esszimmer essen salle_a_manger comedor pranzo eetkamer family den library "
         "great_room drawing parlour parlor office study buro arbeitszimmer bureau despacho "
-        "studio ufficio werkkamer stube zimmer"
+        "studio ufficio werkkamer stube zimmer vardagsrum matplats allrum activity theatre"
     ),
 }
 _TYPES = {name.lower(): name for name in ROOM_TYPES}

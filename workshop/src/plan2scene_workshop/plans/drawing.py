@@ -10,6 +10,7 @@ import shapely
 
 from plan2scene.house import House
 from plan2scene.tracing.labels import DOOR, LABEL_OF_TYPE, OUTSIDE, PASSAGE, WALL, WINDOW
+from plan2scene_workshop.plans.clutter import draw_clutter
 from plan2scene_workshop.plans.furnish import furnish
 from plan2scene_workshop.plans.lettering import dimension_chains, name_rooms, surroundings
 from plan2scene_workshop.plans.openings import draw_gap
@@ -65,6 +66,7 @@ def _draw(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Genera
     """Draw everything in the order in which it lies on top of one another."""
     _floors(sheet, plan, style, rng)
     surroundings(sheet, plan, style, rng)
+    draw_clutter(sheet, plan, style, rng)
     if style.furniture != "none":
         furnish(sheet, plan, style, rng)
     _walls(sheet, plan, style, rng)

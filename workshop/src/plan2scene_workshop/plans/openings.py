@@ -158,6 +158,18 @@ def _window_line(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Genera
     sheet.line(_along(gap, 0.0), style.accent, style.thin)
 
 
+def _window_niche(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
+    low, high = -0.5, float(rng.uniform(-0.35, 0.0))
+    for share in (low, (low + high) / 2, high):
+        sheet.line(_along(gap, share), style.accent, style.thin)
+    if rng.random() < 0.5:
+        middle = (gap.start + gap.end) / 2
+        ends = [middle + gap.normal * gap.depth * share for share in (low, high)]
+        sheet.line(ends, style.accent, style.thin)
+    if rng.random() < 0.5:
+        sheet.line(_along(gap, 0.5), style.accent, style.thin)
+
+
 def _window_cross(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
     _frame(sheet, gap, style, style.thin)
     corners = gap.corners()
@@ -209,6 +221,7 @@ _WINDOWS: dict[str, _Draw] = {
     "swing": _window_swing,
     "gap": _window_gap,
     "line": _window_line,
+    "niche": _window_niche,
     "cross": _window_cross,
     "thick_frame": _window_thick,
 }

@@ -7,6 +7,7 @@ from pathlib import Path
 import torch
 
 from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
 from plan2scene.tracing.labels import MODEL, PLAN_LABELS
 from plan2scene.weights import filled, load_model_file, save_model_file
@@ -39,6 +40,15 @@ room: share of rooms' pixels.
 """
 
 
+def _seen(settings: PlanSettings) -> list[str]:
+    """Return a line for each thing that the network learned from, or never saw."""
+    lines = [line.format(settings.drawings) for line in _SEEN]
+    if settings.start:
+        start = settings.start
+        lines.append(f"Weights of {Path(start).name} ({file_hash(start)}) to start.")
+    return lines
+
+
 def train_plans(
     model_path: str | Path,
     card_path: str | Path,
@@ -50,6 +60,8 @@ def train_plans(
     """Train on drawings of synthetic homes, write weights and card; return the mean IoU."""
     torch.manual_seed(derive_seed(seed, "plans", "weights"))
     network = SegmentationNet(long_side=settings.long_side, labels=len(PLAN_LABELS))
+    if settings.start:
+        network.load_state_dict(load_model_file(settings.start)[0])
     trained = train_network(network, settings, seed=seed, checkpoint=checkpoint)
     network = trained.network
     save_model_file(model_path, network.state_dict(), network.architecture)
@@ -66,7 +78,7 @@ def train_plans(
     card = Card(
         MODEL,
         _WHAT.format(size, settings.long_side),
-        [line.format(settings.drawings) for line in _SEEN],
+        _seen(settings),
         settings,
         seed,
         _FIGURES.format(_FIGURE_DRAWINGS) + table(["label", "IoU"], rows),

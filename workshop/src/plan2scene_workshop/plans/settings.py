@@ -9,6 +9,9 @@ from dataclasses import dataclass
 class PlanSettings:
     """Hyperparameters of the plan network's training."""
 
+    #: Weights file that training starts from, of a network of the same widths; null: random ones.
+    start: str | None = None
+
     # Drawings.
     drawings: int = 500  #: different homes, each in one style; a view is a new copy of one
     blank_share: float = 0.04  #: of the views: a sheet without any plan

@@ -38,6 +38,7 @@ CHOICES: dict[str, dict[str, float]] = {
         "swing": 0.7,
         "gap": 0.4,
         "line": 1.5,
+        "niche": 2.5,
     },
     "passage": {"gap": 4.0, "dashed": 1.5, "lines": 1.0, "dotted": 0.5},
     "floor": {"none": 6.0, "one": 1.5, "by_type": 2.5, "pattern": 2.0},

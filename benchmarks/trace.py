@@ -1,0 +1,205 @@
+"""Traces drawn plans in styles that no training saw, for docs/measurements/trace.md.
+
+python benchmarks/trace.py [--plans 60] [--pictures FOLDER]
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+from shapely.geometry import Polygon
+
+from plan2scene.errors import InputError
+from plan2scene.images import write_png
+from plan2scene.seeds import generator
+from plan2scene.tracing.output import overlay
+from plan2scene.tracing.scale import SURE
+from plan2scene.tracing.trace import TracedPlan, trace_picture
+from plan2scene_workshop.plans.drawing import DrawnPlan
+from plan2scene_workshop.plans.paper import bend, homography, worn
+from plan2scene_workshop.plans.views import other_drawing
+
+#: Corners and openings are found within this share of the plan's longer side.
+NEAR = 0.01
+#: An opening's middle may be this far off, in shares of its own width.
+OPENING_NEAR = 0.5
+WEARS = ("as drawn", "scanned", "photographed")
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A drawn plan in the pixels of its picture."""
+
+    rooms: list[Polygon]
+    openings: list[tuple[str, np.ndarray, float]]  #: kind, middle, width
+    metres: float  #: of a pixel, about the middle
+    areas: list[float]  #: m2
+
+
+def test_picture(number: int, wear: str) -> tuple[np.ndarray, Truth]:
+    """Return picture `number` and its truth."""
+    rng = generator(7, "trace benchmark", number)
+    ppm = float(np.exp(rng.uniform(np.log(35), np.log(90))))
+    drawn = other_drawing(1000 + number, 7, ppm, held_out=True, finer=1)
+    h, w = drawn.labels.shape
+    turn = 0.0 if wear == "as drawn" else float(rng.normal(0, 1.5))
+    keystone = 0.02 if wear == "photographed" else 0.0
+    move = homography((h, w), rng, turn=turn, keystone=keystone)
+    image = drawn.image
+    if wear != "as drawn":
+        edge = tuple(int(v) for v in image[0, 0])
+        image, _ = bend(image, drawn.labels, move, (h, w), rng, beyond=edge)
+        image = worn(image, rng, photographed=wear == "photographed")
+    return image, _truth(drawn, move)
+
+
+def _truth(drawn: DrawnPlan, move: np.ndarray) -> Truth:
+    """Return what a drawing shows, moved by a homography."""
+
+    def pixels(points: np.ndarray) -> np.ndarray:
+        flat = ((np.asarray(points, float) - drawn.origin) * drawn.ppm)[:, None].astype(np.float32)
+        return cv2.perspectiveTransform(flat, move)[:, 0].astype(float)
+
+    rooms = [Polygon(pixels(np.array(r.exterior.coords))) for r in drawn.plan.rooms]
+    openings = []
+    for gap in drawn.plan.gaps:
+        a, b = pixels(np.array([gap.start, gap.end]))
+        openings.append((gap.kind, (a + b) / 2, float(np.linalg.norm(b - a))))
+    areas = [room.area for room in drawn.plan.rooms]
+    metres = float(np.sqrt(sum(areas) / sum(room.area for room in rooms)))
+    return Truth(rooms, openings, metres, areas)
+
+
+def f1(hits: int, found: int, true: int) -> float:
+    """Return the F1 score."""
+    return 2 * hits / max(found + true, 1)
+
+
+def compare(plan: TracedPlan, truth: Truth) -> dict[str, float]:
+    """Return the figures of one traced plan."""
+
+    def pixels(points: np.ndarray) -> np.ndarray:
+        return plan.frame.to_picture(np.asarray(points, float)) * plan.shrunk
+
+    rooms = [Polygon(pixels(np.array(r.polygon.exterior.coords))) for r in plan.rooms]
+    overlaps = np.array(
+        [[a.intersection(b).area / a.union(b).area for b in truth.rooms] for a in rooms]
+    )
+    rows, columns = linear_sum_assignment(-overlaps)
+    pairs = [(i, j) for i, j in zip(rows, columns, strict=True) if overlaps[i, j] >= 0.5]
+    metres = plan.metres * plan.frame.zoom / plan.shrunk
+    errors = [abs(rooms[i].area * metres**2 / truth.areas[j] - 1) for i, j in pairs]
+    bounds = np.concatenate([np.array(r.exterior.coords) for r in truth.rooms])
+    near = NEAR * float(np.ptp(bounds, axis=0).max())
+    scale = abs(metres / truth.metres - 1)
+    return {
+        "rooms": f1(len(pairs), len(rooms), len(truth.rooms)),
+        "corners": corner_f1(rooms, truth.rooms, near),
+        "openings": opening_f1(plan, pixels, truth),
+        "area": float(np.median(errors)) if errors else np.nan,
+        "scale": scale,
+        "sure": plan.scale.confidence,
+    }
+
+
+def corner_f1(found: list[Polygon], true: list[Polygon], near: float) -> float:
+    """Return F1 of the distinct corners of all rooms."""
+    sets = []
+    for polygons in (found, true):
+        kept: list[np.ndarray] = []
+        for point in np.concatenate([np.array(p.exterior.coords)[:-1] for p in polygons]):
+            if all(np.linalg.norm(point - other) > near for other in kept):
+                kept.append(point)
+        sets.append(np.array(kept))
+    apart = np.linalg.norm(sets[0][:, None] - sets[1][None], axis=2)
+    rows, columns = linear_sum_assignment(apart)
+    hits = int((apart[rows, columns] <= near).sum())
+    return f1(hits, len(sets[0]), len(sets[1]))
+
+
+def opening_f1(plan: TracedPlan, pixels, truth: Truth) -> float:
+    """Return F1 of openings: kind and place agree."""
+    found = [(o.kind, pixels(np.array([o.start, o.end])).mean(0)) for o in plan.openings]
+    if not found:
+        return 0.0
+    cost = np.array(
+        [
+            [
+                float(np.linalg.norm(middle - spot)) / width if kind == other else 9.0
+                for other, spot, width in truth.openings
+            ]
+            for kind, middle in found
+        ]
+    )
+    rows, columns = linear_sum_assignment(cost)
+    hits = int((cost[rows, columns] <= OPENING_NEAR).sum())
+    return f1(hits, len(found), len(truth.openings))
+
+
+def measure(
+    count: int, model: Path | None, pictures: Path | None
+) -> dict[str, list[dict[str, float]]]:
+    """Return the figures of every picture by wear; one that is refused has found nothing."""
+    results: dict[str, list[dict[str, float]]] = {wear: [] for wear in WEARS}
+    with tempfile.TemporaryDirectory() as folder:
+        for number in range(count):
+            wear = WEARS[number % len(WEARS)]
+            image, truth = test_picture(number, wear)
+            path = Path(folder) / "plan.png"
+            write_png(path, image)
+            try:
+                plan = trace_picture(path, model=model)
+            except InputError as error:
+                print(f"plan {number}: {error}")
+                results[wear].append(dict.fromkeys(("rooms", "corners", "openings"), 0.0))
+                continue
+            row = compare(plan, truth)
+            results[wear].append(row)
+            if pictures is not None:
+                write_png(
+                    pictures / f"{row['rooms']:.2f}_{row['corners']:.2f}_{number:03d}.png",
+                    overlay(plan),
+                )
+    return results
+
+
+def print_table(results: dict[str, list[dict[str, float]]]) -> None:
+    """Print the table of the page."""
+    print(
+        "| pictures | n | room F1 | corner F1 | opening F1 | area error | scale error "
+        "| sure of the scale | scale error of those | refused |"
+    )
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    groups = [*results.items(), ("all", [row for rows in results.values() for row in rows])]
+    for name, rows in groups:
+        told = [row for row in rows if "scale" in row]
+        sure = [row for row in told if row["sure"] >= SURE]
+        cells = [
+            f"{np.mean([row[key] for row in rows]):.3f}" for key in ("rooms", "corners", "openings")
+        ]
+        cells += [f"{np.nanmedian([row[key] for row in told]):.1%}" for key in ("area", "scale")]
+        cells += [f"{len(sure) / max(len(told), 1):.0%}"]
+        cells += [f"{np.median([row['scale'] for row in sure]):.1%}" if sure else "-"]
+        print(f"| {name} | {len(rows)} | {' | '.join(cells)} | {len(rows) - len(told)} |")
+
+
+def main() -> None:
+    """Print the table; with --pictures write overlays whose names begin with their figures."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--plans", type=int, default=60)
+    parser.add_argument("--model", type=Path)
+    parser.add_argument("--pictures", type=Path)
+    given = parser.parse_args()
+    if given.pictures is not None:
+        given.pictures.mkdir(parents=True, exist_ok=True)
+    print_table(measure(given.plans, given.model, given.pictures))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,12 @@
+"""Rule trace: a picture of a plan -> plan JSON, overlay, doubts."""
+
+from plan2scene.jobs import job
+from plan2scene.tracing.output import write_trace
+
+with job(snakemake.log[0]):
+    write_trace(
+        snakemake.input.picture,
+        snakemake.output.plan,
+        metres_per_pixel=snakemake.params.metres_per_pixel,
+        model=snakemake.params.model,
+    )
