@@ -27,7 +27,13 @@ DATASET = "own"
 #: Sides of a tile in pixels that the configuration allows.
 TEXTURE_SIZES = (128, 256, 512)
 #: Files of the house that a user wants.
-DELIVERED = ("house.glb", "house.scene.json", "preview.png", "rooms.jpg", "viewer.html")
+DELIVERED: tuple[str, ...] = (
+    "house.glb",
+    "house.scene.json",
+    "preview.png",
+    "rooms.jpg",
+    "viewer.html",
+)
 #: What became of the photos, to look at.
 CONTACT_SHEET = "contact_sheet.png"
 #: What is printed of the progress: nothing, a line a stage (a bar on a terminal), or all.
