@@ -14,6 +14,7 @@ import argparse
 import datetime
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -49,7 +50,7 @@ def make_data_set(root: Path, names: list[str]) -> None:
 def run_batch(folder: Path, names: list[str], made: Cluster) -> float:
     """Make the houses of a batch; return the seconds it took."""
     config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
-    config["dataset"] |= {"name": "slurm", "root": "data", "houses": names}
+    config["dataset"] |= {"name": "small", "root": "data", "houses": names}
     (folder / "config.yaml").write_text(yaml.safe_dump(config))
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")]
     command += ["--directory", str(folder), "--configfile", str(folder / "config.yaml")]
@@ -60,7 +61,7 @@ def run_batch(folder: Path, names: list[str], made: Cluster) -> float:
         "rules",
         "--",
     ]
-    command += [f"results/slurm/houses/{name}/house.glb" for name in names]
+    command += [f"results/small/houses/{name}/house.glb" for name in names]
     began = time.perf_counter()
     with (folder / "snakemake.log").open("a") as log:
         environment = made.environment | {"OMP_NUM_THREADS": "1"}
@@ -86,7 +87,7 @@ def job_seconds(folder: Path) -> float:
 
 def row(folder: Path, houses: int, ended: list[dict[str, str]], wall: float) -> str:
     """Return the row of the table after some batches."""
-    glbs = len(list((folder / "results" / "slurm" / "houses").glob("*/house.glb")))
+    glbs = len(list((folder / "results" / "small" / "houses").glob("*/house.glb")))
     bad = sum(job["JobState"] != "COMPLETED" for job in ended)
     whole = sum(seconds(job) for job in ended)
     cells = [houses, glbs, len(ended), bad, f"{wall:.0f}", f"{whole / max(len(ended), 1):.1f}"]
@@ -102,6 +103,7 @@ def main() -> None:
     parser.add_argument("--memory", type=int, default=6000, help="MB that the node claims to have")
     parser.add_argument("--keep", type=Path, help="where the submissions' list is kept")
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     names = [f"home_{number:04d}" for number in range(options.houses)]
     print("|", " | ".join(HEAD), "|\n|", "---|" * len(HEAD), sep="", flush=True)
     with tempfile.TemporaryDirectory() as made_in, cluster(memory=options.memory) as made:

@@ -1,14 +1,15 @@
 """``snakemake --logger plan2scene``: a line for each job that is done, a bar on a terminal.
 
 A package of its own, for Snakemake finds plugins by the name of their package; the library does
-not know it. Faults of a house are told by the jobs themselves, one line each.
+not know it. A job that fails is a line with what its log says.
 """
 
 from __future__ import annotations
 
 import logging
 import sys
-from typing import TextIO
+from pathlib import Path
+from typing import Any, TextIO
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
@@ -16,6 +17,11 @@ from snakemake_interface_logger_plugins.common import LogEvent
 _WIDTH = 30  # of the bar, in characters
 #: What a user of the lines need not read: the log file has it.
 _LEVEL = logging.ERROR
+
+
+def _read(log: Path) -> list[str]:
+    """Return the lines of a log; none where it is not there."""
+    return log.read_text(errors="replace").splitlines() if log.is_file() else []
 
 
 class LogHandler(LogHandlerBase):
@@ -49,6 +55,8 @@ class LogHandler(LogHandlerBase):
             self._started |= dict.fromkeys(record.__dict__["jobs"], record.created)
         elif event == LogEvent.JOB_FINISHED:
             self._finish(record.__dict__["job_id"], record.created)
+        elif event == LogEvent.JOB_ERROR:
+            self._fail(record.__dict__)
         elif event is None and record.levelno >= _LEVEL:
             self._write(self.format(record))
 
@@ -60,6 +68,19 @@ class LogHandler(LogHandlerBase):
         total = max(self._total, self._done)
         count = f"{self._done:>{len(str(total))}} of {total}"
         self._write(f"{count}  {rule:<15} {house}  {seconds:.1f} s")
+
+    def _fail(self, fields: dict[str, Any]) -> None:
+        """Write what a job's log says went wrong, or where to look.
+
+        Of a group that failed every job is named: those without a fault in their log are left out.
+        """
+        rule, house = self._names.get(fields["jobid"], (fields["rule_name"], ""))
+        logs = [Path(name) for name in fields["log"]]
+        lines = [line for log in logs for line in _read(log) if line.startswith("ERROR")]
+        where = f"see {', '.join(map(str, logs))}" if logs else "no log"
+        told = lines[-1] if lines else fields.get("rule_msg") or where
+        if lines or not fields["indent"]:
+            self._write(f"failed  {rule:<15} {house}  {told}")
 
     def _write(self, line: str) -> None:
         """Write a line, above the bar where there is one."""

@@ -55,3 +55,18 @@ def test_a_terminal_gets_a_bar_below_the_lines():
     text = made(Terminal())
     assert f"[{'#' * 15}{'.' * 15}]\r" in text
     assert f"[{'#' * 30}]\n" in text
+
+
+def test_a_failed_job_is_a_line_with_what_its_log_says(tmp_path):
+    (tmp_path / "plan.log").write_text("INFO read\nERROR house h: expected a room, found none\n")
+    handler = LogHandler(None, None)
+    handler.stream = io.StringIO()
+    common = {"event": EVENT.JOB_ERROR, "levelno": logging.ERROR, "rule_msg": None}
+    told = common | {"jobid": 1, "rule_name": "floorplan", "log": [str(tmp_path / "plan.log")]}
+    silent = common | {"jobid": 2, "rule_name": "crops", "log": [str(tmp_path / "none.log")]}
+    handler.emit(logging.makeLogRecord(told | {"indent": True}))
+    handler.emit(logging.makeLogRecord(silent | {"indent": True}))
+    handler.emit(logging.makeLogRecord(silent | {"indent": False}))
+    first, second = handler.stream.getvalue().splitlines()
+    assert first.split(maxsplit=2)[2] == "ERROR house h: expected a room, found none"
+    assert second.endswith(f"see {tmp_path / 'none.log'}")
