@@ -1,7 +1,7 @@
 // The editor: joins document, drawing, tools and panel, and listens to pointer and keys.
 
 import { newPlan, openingId, readTable, Store, withoutRoom } from "./document.js";
-import { ask, button, el, field, readFile, readPicture } from "./dom.js";
+import { ask, button, el, field, isPicture, readFile, readPicture } from "./dom.js";
 import { OpeningTool, RoomTool, WallTool } from "./drawing_tools.js";
 import { add, dist, inside, ringsOf, roundPoint, sub, times } from "./geometry.js";
 import { renderPanel } from "./panel.js";
@@ -148,7 +148,7 @@ export class App {
   }
   /** Open a plan.json, a photo table or a picture of a plan. */
   async openFile(file) {
-    if (file.type.startsWith("image/")) { await this.openPicture(file); return; }
+    if (isPicture(file)) { await this.openPicture(file); return; }
     try {
       const text = await readFile(file);
       if (/^\s*\{/.test(text)) await this.openPlan(JSON.parse(text), file);

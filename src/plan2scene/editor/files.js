@@ -3,7 +3,41 @@
 import { planText, tableText } from "./document.js";
 import { ask, download, el } from "./dom.js";
 
+const DELAY = 800; // milliseconds from a change to its keeping
+
+/** Name under which a browser keeps what is not saved: that of the page's own beginning. */
+async function draftName(start) {
+  const bytes = new TextEncoder().encode(JSON.stringify([start.house, start.plan, start.picture?.url?.length]));
+  const digest = await crypto.subtle?.digest("SHA-256", bytes);
+  return digest && `plan2scene ${[...new Uint8Array(digest)].slice(0, 10).map((v) => v.toString(16).padStart(2, "0")).join("")}`;
+}
+
 export class Files {
+  #name = null; #timer = 0;
+
+  /** Keep changes in the browser until they are saved, and offer what an earlier page left. */
+  async keepDrafts(app, start) {
+    try { this.#name = await draftName(start); } catch { return; }
+    const left = this.#name && localStorage.getItem(this.#name);
+    if (!left || app.store.canUndo) return;
+    const { plan, photos, picture } = JSON.parse(left);
+    const again = await ask("There is a drawing that was not saved", [el("p", {}, `${plan.rooms.length} rooms, drawn in this page before it was closed.`)], "Go on with it");
+    if (again) app.store.change({ plan, photos, picture: app.picture ? picture : null });
+    else localStorage.removeItem(this.#name);
+    app.fit();
+  }
+  /** Called at every change of the document. */
+  changed(app) {
+    if (!this.#name) return;
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => {
+      try {
+        if (app.store.unsaved) localStorage.setItem(this.#name, JSON.stringify(app.store.state));
+        else localStorage.removeItem(this.#name);
+      } catch { /* a browser without room or leave to keep anything */ }
+    }, DELAY);
+  }
+
   /** Save the plan, and the photo table where there are photos. */
   async save(app) {
     const { plan, photos } = app.store.state;

@@ -1,4 +1,5 @@
 import { Files } from "./files.js";
 import { startEditor } from "./start.js";
 
-startEditor(JSON.parse(document.getElementById("start").textContent), new Files());
+const begun = JSON.parse(document.getElementById("start").textContent), files = new Files();
+files.keepDrafts(startEditor(begun, files), begun);

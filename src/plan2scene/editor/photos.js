@@ -1,6 +1,6 @@
 // Photos of rooms: dropped on rooms or added in the panel; the table of rooms and photos.
 
-import { button, el, readPicture } from "./dom.js";
+import { button, el, isPicture, readPicture } from "./dom.js";
 
 const THUMB = 240; // pixels
 
@@ -22,7 +22,7 @@ export function photoProblems(photos, rooms) {
 
 /** Take photos into the document, and show that they are of a room (null: of none yet). */
 export async function addPhotos(app, files, room) {
-  const pictures = [...files].filter((file) => file.type.startsWith("image/"));
+  const pictures = [...files].filter(isPicture);
   if (pictures.length < files.length) app.say(`${files.length - pictures.length} of ${files.length} files are no pictures`);
   if (!pictures.length) return;
   for (const file of pictures) {
@@ -82,7 +82,7 @@ export function listenToDrops(app, target) {
     }
     const files = [...event.dataTransfer.files];
     if (!files.length) return;
-    if (files.length === 1 && !files[0].type.startsWith("image/")) await app.openFile(files[0]);
+    if (files.length === 1 && !isPicture(files[0])) await app.openFile(files[0]);
     else if (!app.store.plan.rooms.length && !app.picture && files.length === 1) await app.openPicture(files[0]);
     else await addPhotos(app, files, room);
   });

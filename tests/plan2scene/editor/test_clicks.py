@@ -192,3 +192,13 @@ def test_saved_files_open_again(drawing, tmp_path):
         {"name": "a, b.jpg", "rooms": ["room_2"]},
         {"name": "c.jpg", "rooms": ["room"]},
     ]
+
+
+def test_what_was_not_saved_is_offered_again(drawing):
+    drawing.press("r")
+    drawing.drag((0, 0), (4, 3))
+    drawing.page.wait_for_function("() => localStorage.length === 1")
+    drawing.page.on("dialog", lambda dialog: dialog.accept())
+    drawing.page.reload()
+    drawing.page.get_by_role("button", name="Go on with it").click()
+    assert areas(drawing) == {"room": 12.0}
