@@ -133,6 +133,7 @@ def edit_plan(
     out: Annotated[Path, typer.Option(help="The page (HTML) to write.")] = Path("editor.html"),
     metres_per_pixel: _Scale = None,
     house: _HouseId = None,
+    trace: Annotated[bool, typer.Option(help="Trace a picture, to mend what is read.")] = True,
 ) -> None:
     """Write a page that draws a plan, offline: open it in a browser."""
     from plan2scene.editor import write_editor
@@ -140,7 +141,7 @@ def edit_plan(
 
     keep_inputs(out, [source] if source else [])
     name = _house_id(source or Path("my_home"), house)
-    write_editor(source, out, house_id=name, metres_per_pixel=metres_per_pixel)
+    write_editor(source, out, house_id=name, metres_per_pixel=metres_per_pixel, trace=trace)
     print(out)
 
 

@@ -17,8 +17,8 @@ WORKSHOP = CLONE / "workshop" / "src" / "plan2scene_workshop"
 LAYERS = (
     {"floorplans", "materials", "metrics"},
     {"photos", "propagation", "mesh"},
-    {"textures", "viewer", "editor", "datasets", "exports", "tracing"},
-    {"evaluation", "checkpoints"},
+    {"textures", "viewer", "datasets", "exports", "tracing"},
+    {"evaluation", "checkpoints", "editor"},
     {"config", "run"},
     {"studio"},
     {"cli_parts"},

@@ -15,11 +15,11 @@ import { placeOpenings, wallsOf } from "./walls.js";
 const PICTURE_SIDE = 2400; // pixels
 
 export class App {
-  selection = null; dropRoom = null; problems = []; walls = []; thumbs = new Map(); picture = null; feet = false;
+  selection = null; dropRoom = null; problems = []; walls = []; thumbs = new Map(); picture = null; feet = false; notes = [];
 
   /** `start` is {house, plan, photos, picture, notes}; `host` saves (files.js; the studio's own). */
   constructor(rules, start, host, page) {
-    Object.assign(this, { rules, host, page, house: start.house });
+    Object.assign(this, { rules, host, page, house: start.house, notes: start.notes ?? [] });
     const plan = start.plan ?? newPlan(rules);
     this.picture = start.picture ?? null;
     this.store = new Store({ plan: withIds(plan), photos: start.photos ?? [], picture: this.picture ? this.placed(this.picture) : null });
@@ -35,7 +35,6 @@ export class App {
     this.changed();
     this.fit();
     if (!plan.rooms.length) this.setTool(this.picture ? "scale" : "room");
-    for (const line of start.notes ?? []) this.say(line);
   }
 
   /** Where a new picture lies: of unknown scale it is 12 m wide. */
@@ -140,11 +139,17 @@ export class App {
     this.setTool(rooms ? "select" : "room");
   }
 
+  /** Put a picture underneath; where the host has traced it and nothing is drawn yet, its plan over it. */
   async openPicture(file) {
-    try { this.picture = await (this.host.picture?.(file) ?? readPicture(file, PICTURE_SIDE)); } catch (error) { this.say(`${file.name} is no picture that can be read (${error.message})`); return; }
-    this.store.change({ picture: this.placed(this.picture) });
+    this.say(`Reading ${file.name}\u2026`);
+    let found;
+    try { found = await (this.host.picture?.(file) ?? readPicture(file, PICTURE_SIDE).then((picture) => ({ picture }))); } catch (error) { this.say(`${file.name} is no picture that can be read (${error.message})`); return; }
+    const traced = found.plan && !this.store.plan.rooms.length;
+    this.picture = found.picture;
+    this.notes = found.notes ?? [];
+    this.store.change({ picture: this.placed(this.picture), ...(traced ? { plan: withIds(found.plan) } : {}) });
     this.fit();
-    this.setTool("scale");
+    this.setTool(traced ? "select" : "scale");
   }
   /** Open a plan.json, a photo table or a picture of a plan. */
   async openFile(file) {

@@ -13,9 +13,11 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
+import numpy as np
+
 from plan2scene.editor.rules import page_rules
 from plan2scene.errors import InputError
-from plan2scene.floorplans import read_plan, validate_house
+from plan2scene.floorplans import PlanFile, read_plan, validate_house
 from plan2scene.floorplans.plan_writer import house_to_plan
 from plan2scene.image_modes import to_small_srgb
 from plan2scene.images import decode_image, png_bytes
@@ -24,13 +26,20 @@ from plan2scene.io import atomic_path
 FOLDER = Path(__file__).parent
 #: Pictures of plans are reduced to this many pixels of the longer side.
 PICTURE_SIDE = 2400
+#: What to do about a scale that is a guess.
+_BY_HAND = "press S and click two points whose distance you know"
 #: What pages begin with, so that no other file is overwritten.
 _MARK = b'<meta name="generator" content="plan2scene edit">'
 _IMPORT = re.compile(r'^import (?:\{[^}]*\} from )?"\./(\w+)\.js";\n', re.MULTILINE)
 
 
 def write_editor(
-    source: Path | None, output: Path, *, house_id: str, metres_per_pixel: float | None = None
+    source: Path | None,
+    output: Path,
+    *,
+    house_id: str,
+    metres_per_pixel: float | None = None,
+    trace: bool = True,
 ) -> None:
     """Write the page that edits a plan of any format, draws over a picture, or starts empty.
 
@@ -44,32 +53,61 @@ def write_editor(
         Shown as the title.
     metres_per_pixel : float, optional
         Scale of a picture, or of a plan in pixels.
+    trace : bool
+        Whether a picture is traced: what is read of it is drawn over it, to be mended.
     """
     if output.is_file() and _MARK not in output.read_bytes()[:2000]:
         raise InputError("an --out that is no other file", "a file of yours", file=output)
     start: dict[str, Any] = {"house": house_id}
     if source is not None:
-        start |= opened(source, house_id, metres_per_pixel)
+        start |= opened(source, house_id, metres_per_pixel, trace=trace)
     with atomic_path(output) as temporary:
         temporary.write_text(editor_page(start), encoding="utf-8")
 
 
-def opened(source: Path, house_id: str, metres_per_pixel: float | None) -> dict[str, Any]:
-    """Return what the page starts with: ``plan`` and ``notes`` (warnings), or ``picture``."""
+def opened(
+    source: Path, house_id: str, metres_per_pixel: float | None, *, trace: bool = True
+) -> dict[str, Any]:
+    """Return what the page starts with: ``plan``, ``picture``, ``notes`` (warnings, doubts)."""
     if not source.is_file():
         raise InputError("a plan or a picture of one", "no such file", file=source)
-    if is_picture(source):
-        return {"picture": _picture(source, metres_per_pixel)}
-    house = read_plan(source, house_id, metres_per_pixel)
-    return {"plan": house_to_plan(house), "notes": validate_house(house, file=source.name)[:1]}
+    if not PlanFile(source, house_id).is_picture:
+        house = read_plan(source, house_id, metres_per_pixel)
+        return {"plan": house_to_plan(house), "notes": validate_house(house, file=source.name)}
+    if trace:
+        try:
+            return _traced(source, metres_per_pixel)
+        except InputError as error:
+            note = f"not traced: expected {error.expected}, found {error.found}"
+            return {"picture": _picture(source, metres_per_pixel), "notes": [note]}
+    return {"picture": _picture(source, metres_per_pixel)}
 
 
-def is_picture(path: Path) -> bool:
-    """Return whether a file begins as a JPEG, PNG, GIF, WebP, TIFF or BMP picture does."""
-    with path.open("rb") as file:
-        head = file.read(12)
-    starts = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"II*\x00", b"MM\x00*", b"BM")
-    return head.startswith(starts) or (head[:4] == b"RIFF" and head[8:] == b"WEBP")
+def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
+    """Return the plan that a picture shows, with the picture straight underneath."""
+    import cv2
+
+    from plan2scene.tracing.output import doubts, plan_document, plan_origin
+    from plan2scene.tracing.trace import trace_picture
+
+    found = trace_picture(source, metres_per_pixel=metres_per_pixel)
+    # As fine as the picture was, within what a page holds.
+    zoom = min(1 / found.frame.zoom, PICTURE_SIDE / max(found.frame.image.shape[:2]))
+    height, width = (round(zoom * side) for side in found.frame.image.shape[:2])
+    pixels = cv2.warpAffine(
+        found.picture,
+        found.frame.matrix * zoom,
+        (width, height),
+        flags=cv2.INTER_AREA,
+        borderValue=(255, 255, 255),
+    )
+    x, z = -plan_origin(found) * found.metres
+    place = {"x": float(x), "z": float(z), "metres_per_pixel": found.metres / zoom}
+    return {
+        "plan": plan_document(found),
+        "picture": _page_picture(pixels) | place,
+        "notes": [line.replace("give --metres-per-pixel", _BY_HAND) for line in doubts(found)],
+    }
 
 
 def _picture(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
@@ -82,13 +120,15 @@ def _picture(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
 
     pixels = decode_image(path, reduced)
     share = max(pixels.shape[:2]) / sizes[0]
+    scale = {"metres_per_pixel": metres_per_pixel / share} if metres_per_pixel else {}
+    return _page_picture(pixels) | scale
+
+
+def _page_picture(pixels: np.ndarray) -> dict[str, Any]:
+    """Return (h, w, 3) uint8 sRGB as the page holds a picture: data URL and size in pixels."""
     data = base64.b64encode(png_bytes(pixels)).decode("ascii")
-    found = {
-        "url": f"data:image/png;base64,{data}",
-        "width": pixels.shape[1],
-        "height": pixels.shape[0],
-    }
-    return found | ({"metres_per_pixel": metres_per_pixel / share} if metres_per_pixel else {})
+    height, width = pixels.shape[:2]
+    return {"url": f"data:image/png;base64,{data}", "width": width, "height": height}
 
 
 def picture_bytes(picture: dict[str, Any]) -> bytes:

@@ -86,16 +86,16 @@ export class Server {
   async photo(file) {
     await asked(photoUrl(file.name), { method: "PUT", body: file });
   }
-  /** The picture as the server keeps it. */
+  /** The picture as the server keeps it, with the plan that it traced. */
   async picture(file) {
-    const { picture } = await asked("plan", { method: "POST", body: file });
-    if (!picture) throw new Error("a plan, not a picture");
-    return picture;
+    const found = await asked("plan", { method: "POST", body: file });
+    if (!found.picture) throw new Error("a plan, not a picture");
+    return found;
   }
   /** A plan of another format: the server reads it. */
   async openOther(file) {
     const { plan, notes } = await asked("plan", { method: "POST", body: file });
+    this.app.notes = notes;
     await this.app.openPlan(plan, file);
-    for (const line of notes) this.app.say(line);
   }
 }

@@ -25,10 +25,15 @@ _COLOURS = {"door": (0, 150, 60), "window": (20, 90, 235), "passage": (240, 140,
 _FILLS = ((230, 90, 80), (90, 160, 230), (110, 190, 110), (230, 180, 70), (170, 120, 210))
 
 
+def plan_origin(plan: TracedPlan) -> np.ndarray:
+    """Return the upper left corner of the rooms (x, y) in pixels of the frame."""
+    corners = np.concatenate([np.array(r.polygon.exterior.coords) for r in plan.rooms])
+    return np.asarray(corners.min(0))
+
+
 def plan_document(plan: TracedPlan) -> dict[str, Any]:
     """Return the plan as this program's plan JSON, in metres from its upper left corner."""
-    corners = np.concatenate([np.array(r.polygon.exterior.coords) for r in plan.rooms])
-    origin = corners.min(0)
+    origin = plan_origin(plan)
 
     def metric(point: Any) -> list[float]:
         return [round(float(v), 3) for v in (np.asarray(point) - origin) * plan.metres]

@@ -2,18 +2,26 @@
 
 import base64
 import hashlib
+import io
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
+import cv2
+import numpy as np
 import pytest
 from PIL import Image
+from shapely.geometry import Polygon
 
 from plan2scene.editor import write_editor
-from plan2scene.editor.page import joined_program
+from plan2scene.editor.page import joined_program, opened, picture_bytes
 from plan2scene.errors import InputError
 from plan2scene.floorplans import read_plan, write_scene_json
 from plan2scene.floorplans.plan_json import house_of_plan
+from plan2scene.tracing.frame import Frame
+from plan2scene.tracing.scale import Scale
+from plan2scene.tracing.trace import TracedPlan
 
 ROOT = Path(__file__).parents[3]
 PLAN = ROOT / "resources" / "examples" / "plan.json"
@@ -74,7 +82,7 @@ def test_a_plan_of_another_format_opens_as_plan_json(tmp_path):
 def test_a_picture_lies_underneath(given, tmp_path):
     Image.new("L", (6000, 3000), 255).save(tmp_path / "plan.png")
     out = tmp_path / "editor.html"
-    write_editor(tmp_path / "plan.png", out, house_id="home", metres_per_pixel=given)
+    write_editor(tmp_path / "plan.png", out, house_id="home", metres_per_pixel=given, trace=False)
     picture = block(out.read_text(encoding="utf-8"), "start")["picture"]
     assert picture["url"].startswith("data:image/png;base64,")
     assert picture["width"] == 2 * picture["height"] <= 6000
@@ -82,6 +90,40 @@ def test_a_picture_lies_underneath(given, tmp_path):
         assert picture["metres_per_pixel"] * picture["width"] == pytest.approx(6000 * given)
     else:
         assert "metres_per_pixel" not in picture
+
+
+def test_what_is_no_plan_is_a_picture_with_a_line(tmp_path):
+    Image.new("L", (600, 300), 255).save(tmp_path / "plan.png")
+    found = opened(tmp_path / "plan.png", "home", None)
+    assert found["picture"]["width"] == 600
+    assert found["notes"] == ["not traced: expected a picture of a floorplan, found an empty page"]
+
+
+def test_a_traced_plan_lies_on_its_picture(tmp_path, monkeypatch):
+    # A page with a black room of 300 x 200 pixels, seen by the tracer turned by 3 degrees.
+    picture = np.full((500, 700, 3), 255, np.uint8)
+    picture[150:350, 200:500] = 0
+    Image.fromarray(picture).save(tmp_path / "plan.png")
+    matrix = cv2.getRotationMatrix2D((350, 250), 3, 0.8)
+    frame = Frame(cv2.warpAffine(picture, matrix, (700, 500)), matrix)
+    ring = np.array([[200, 150], [500, 150], [500, 350], [200, 350]], float)
+    polygon = Polygon(ring @ matrix[:, :2].T + matrix[:, 2])
+    room = SimpleNamespace(
+        id="room", types=("Kitchen",), polygon=polygon, number=1, named=True, confidence=0.9
+    )
+    scale = Scale(0.0125, 0.9, "as given")
+    plan = TracedPlan(picture, frame, (room,), (), scale, 8.0, 1.0, True)
+    monkeypatch.setattr("plan2scene.tracing.trace.trace_picture", lambda *_, **__: plan)
+    found = opened(tmp_path / "plan.png", "home", None)
+    place = found["picture"]
+    shown = np.asarray(Image.open(io.BytesIO(picture_bytes(place))).convert("L"))
+    corners = np.array(found["plan"]["rooms"][0]["polygon"])
+    middle = corners.mean(0)
+    for corner in corners:
+        for share, colour in ((0.95, 0), (1.05, 255)):
+            at = middle + share * (corner - middle)
+            column, row = (at - [place["x"], place["z"]]) / place["metres_per_pixel"]
+            assert abs(int(shown[round(row), round(column)]) - colour) < 40
 
 
 def test_only_an_editor_page_is_overwritten(tmp_path):
