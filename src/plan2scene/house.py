@@ -28,6 +28,8 @@ ROOM_TYPES = (
     "Terrace",
     "Balcony",
 )
+#: Types of rooms without a roof.
+OPEN_AIR = frozenset({"Outdoor", "Terrace", "Balcony"})
 #: Surface kinds of a room, in the order of the propagation network's blocks.
 SURFACES = ("floor", "wall", "ceiling")
 #: Substances in the order of the substance head's logits.
@@ -100,6 +102,11 @@ class Room:
     types: tuple[str, ...]
     rings: tuple[Ring, ...]
     height: float
+
+    @property
+    def open_air(self) -> bool:
+        """Whether the room has no roof: a balcony, terrace or yard."""
+        return bool(self.types) and OPEN_AIR.issuperset(self.types)
 
     def surface_keys(self) -> tuple[SurfaceKey, ...]:
         """Return the floor, wall and ceiling key of this room."""

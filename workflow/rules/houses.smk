@@ -52,6 +52,7 @@ rule house:
     resources:
         mem_mb=1500,
     params:
+        objects=config["house"]["objects"],
         code=code_hash("mesh.build", "viewer"),
     script:
         "../scripts/house.py"
@@ -74,6 +75,7 @@ rule export_house:
     resources:
         mem_mb=1000,
     params:
+        objects=config["house"]["objects"],
         code=code_hash("exports.registry"),
     script:
         "../scripts/export_house.py"

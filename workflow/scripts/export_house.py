@@ -10,4 +10,5 @@ with job(snakemake.log[0]):
         snakemake.output[0],
         snakemake.wildcards.export,
         house_id=snakemake.wildcards.house,
+        objects=snakemake.params.objects,
     )

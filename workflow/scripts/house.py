@@ -14,6 +14,7 @@ with job(snakemake.log[0]):
         made.preview,
         made.rooms,
         house_id=house_id,
+        objects=snakemake.params.objects,
     )
     facts = read_facts(given.propagated, given.crops, given.get("cameras"))
     build_viewer(made.glb, made.viewer, house_id=house_id, facts=facts)

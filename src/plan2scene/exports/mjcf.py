@@ -28,6 +28,7 @@ COLOURS = {
     "door": "0.62 0.45 0.32 1",
     "window": "0.70 0.85 0.95 0.3",
 }
+OBJECT = "0.80 0.80 0.78 1"
 
 
 def mjcf_text(house: House, solids: Sequence[Solid]) -> str:
@@ -86,7 +87,7 @@ def _geom(
         points = points - [solid.hinge.x, -solid.hinge.z, 0.0]
     ET.SubElement(assets, "mesh", name=name, vertex=_numbers(points.ravel()))
     geom = ET.SubElement(
-        body, "geom", name=name, type="mesh", mesh=name, rgba=COLOURS[solid.category]
+        body, "geom", name=name, type="mesh", mesh=name, rgba=COLOURS.get(solid.category, OBJECT)
     )
     if solid.hinge is not None:
         geom.set("density", str(DOOR_DENSITY))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -97,6 +97,7 @@ def export_house(
     name: str,
     *,
     house_id: str,
+    objects: bool = True,
 ) -> list[Path]:
     """Write a house in one form into a folder; return the files and folders written.
 
@@ -111,6 +112,8 @@ def export_house(
     name : str
         One of :data:`EXPORTS`.
     house_id : str
+    objects : bool
+        Whether the plan's fixed objects are in it.
 
     Raises InputError for an unknown name, an unreadable plan, or a package that is missing.
     """
@@ -121,6 +124,7 @@ def export_house(
         raise InputError(f"one of {', '.join(EXPORTS)}", repr(name), house=house_id)
     house = read_scene_json(scene_json, house_id)
     textures = load_textures(textures_dir, house)
+    house = house if objects else replace(house, icons=())
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     EXPORTS[name].writer()(house, textures, target)

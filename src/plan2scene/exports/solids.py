@@ -20,7 +20,7 @@ from plan2scene.house import House
 from plan2scene.mesh.fixtures import FRAME_WIDTH, LEAF_THICKNESS, TWO_LEAVES
 from plan2scene.mesh.house_mesh import Assembly, assemble
 from plan2scene.mesh.openings import Portal
-from plan2scene.mesh.parts import numbered
+from plan2scene.mesh.parts import MeshPart, numbered
 from plan2scene.mesh.polygons import polygons_of, triangulate
 from plan2scene.mesh.walls import Body
 
@@ -30,6 +30,8 @@ SLAB = 0.1
 LEAST_WALL = 0.02
 #: Panes are so thick, metres.
 PANE = 0.02
+#: Parts that are boxes, by kind.
+BOXED = frozenset({"object", "stairs", "railing"})
 #: Pieces of less area are left out, square metres.
 _SLIVER = 1e-5
 #: A leaf is so much smaller than the clear opening, metres to each side.
@@ -62,7 +64,8 @@ class Solid:
     name : str
         Unique in the house, like the GLB's nodes: ``{room}/floor``, ``wall/{wall}`` ...
     category : str
-        ``floor``, ``ceiling``, ``wall``, ``door`` or ``window``.
+        ``floor``, ``ceiling``, ``wall``, ``door``, ``window``, ``railing``, or what an object of
+        the plan is (:data:`plan2scene.mesh.objects.KINDS`).
     room_ids : tuple of str
         The rooms it belongs to.
     pieces : tuple of trimesh.Trimesh
@@ -79,7 +82,7 @@ class Solid:
 
 
 def house_solids(house: House, assembly: Assembly | None = None) -> list[Solid]:
-    """Return the solids of a house: slabs, walls with their holes, door leaves, panes.
+    """Return the solids of a house: slabs, walls with their holes, door leaves, panes, objects.
 
     Doors and passages are holes through the walls with floor in them; a leaf fills its door when
     shut. Windows are filled by a pane. `assembly` is the house's, when at hand.
@@ -90,14 +93,25 @@ def house_solids(house: House, assembly: Assembly | None = None) -> list[Solid]:
     for room in house.rooms:
         polygon = room_polygon(room)
         for surface, low in (("floor", -SLAB), ("ceiling", room.height)):
+            if surface == "ceiling" and room.open_air:
+                continue
             pieces = prisms(polygon, low, low + SLAB)
             solids.append(Solid(f"{room.id}/{surface}", surface, (room.id,), pieces))
     solids.extend(_walls(assembly, ways))
     solids.extend(_thresholds(house, assembly, ways))
     for portal in assembly.portals:
         solids.extend(_fillings(portal))
+    solids.extend(_boxed(part) for part in assembly.parts if part.extras["kind"] in BOXED)
     names = numbered(solid.name for solid in solids)
     return [replace(solid, name=name) for solid, name in zip(solids, names, strict=True)]
+
+
+def _boxed(part: MeshPart) -> Solid:
+    """Return the solid of a part that `PartBuilder.box` made: 24 vertices a box."""
+    boxes = part.mesh.vertices.reshape(-1, 24, 3)
+    kind, room = str(part.extras.get("category", part.extras["kind"])), str(part.extras["room_id"])
+    pieces = tuple(trimesh.convex.convex_hull(corners) for corners in boxes)
+    return Solid(part.name, kind, (room,), pieces)
 
 
 def prisms(area: BaseGeometry, low: float, high: float) -> tuple[trimesh.Trimesh, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 from pathlib import Path
 
 from plan2scene.floorplans import read_scene_json, write_scene_json
@@ -33,6 +34,7 @@ def build_house(
     rooms: str | Path,
     *,
     house_id: str,
+    objects: bool = True,
 ) -> None:
     """Write a house as GLB, as scene.json with textures in the official form, and as pictures.
 
@@ -47,14 +49,17 @@ def build_house(
     rooms : path
         Output: a JPEG, see :func:`~plan2scene.mesh.eye_level.render_rooms`.
     house_id : str
+    objects : bool
+        Whether the plan's fixed objects are shown (:mod:`plan2scene.mesh.objects`).
     """
     house, textures = _load(scene_json, textures_dir, house_id)
-    assembly = assemble(house)
-    write_glb(house, textures, glb, assembly.parts)
+    shown = house if objects else replace(house, icons=())
+    assembly = assemble(shown)
+    write_glb(shown, textures, glb, assembly.parts)
     plain = {key: (tile.png, tile.size_m) for key, tile in textures.items()}
     write_scene_json(house, textured_scene_json, plain)
-    write_png(preview, render_preview(house, textures, assembly))
-    pictures = render_rooms(house, textures, assembly.parts)
+    write_png(preview, render_preview(shown, textures, assembly))
+    pictures = render_rooms(shown, textures, assembly.parts)
     with atomic_path(rooms) as temporary:
         temporary.write_bytes(jpeg_bytes(pictures, quality=90))
     logging.getLogger("plan2scene").info(

@@ -9,8 +9,10 @@ from shapely.ops import unary_union
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House
 from plan2scene.mesh.fixtures import fixtures
+from plan2scene.mesh.objects import objects
 from plan2scene.mesh.openings import Portal, find_openings, room_sides
 from plan2scene.mesh.parts import MeshPart, numbered
+from plan2scene.mesh.railings import railing, railing_sides
 from plan2scene.mesh.skirting import skirting
 from plan2scene.mesh.walls import (
     Body,
@@ -52,14 +54,16 @@ def assemble(house: House) -> Assembly:
     together = unary_union(list(polygons.values()))
     sides = room_sides(house, polygons)
     openings = find_openings(house, sides, polygons)
-    parts: list[MeshPart] = []
+    rails = railing_sides(house, sides, polygons)
+    walled = [side for side in sides if side not in rails]
+    parts: list[MeshPart] = [railing(side) for side in rails]
     for room in house.rooms:
         parts.extend(flat_parts(room, polygons[room.id]))
-        own = [side for side in sides if side.room_id == room.id]
+        own = [side for side in walled if side.room_id == room.id]
         faces = (wall_face(side, room, polygons[room.id], openings) for side in own)
         boards = skirting(room, own, openings)
         parts.extend(part for part in (*faces, boards) if part is not None)
-    bodies = wall_bodies(sides, together)
+    bodies = wall_bodies(walled, together)
     for body in bodies:
         part = structure_part(body, bodies, together, openings.portals)
         if part is not None:
@@ -68,6 +72,7 @@ def assemble(house: House) -> Assembly:
     for portal in portals:
         strip = threshold(portal)
         parts.extend(([strip] if strip is not None else []) + fixtures(portal))
+    parts.extend(objects(house, sides, polygons))
     names = numbered(part.name for part in parts)
     named = [replace(part, name=name) for part, name in zip(parts, names, strict=True)]
     return Assembly(named, bodies, portals)

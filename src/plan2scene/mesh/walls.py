@@ -220,10 +220,13 @@ def threshold(portal: Portal) -> MeshPart | None:
 def flat_parts(room: Room, polygon: BaseGeometry) -> list[MeshPart]:
     """Return a room's floor (facing up, y = 0) and ceiling (facing down, y = height).
 
+    A room in the open air has no ceiling.
     UV in metres: columns along +x, rows along +z.
     """
     parts = []
     for surface, y in (("floor", 0.0), ("ceiling", room.height)):
+        if surface == "ceiling" and room.open_air:
+            continue
         builder = PartBuilder()
         builder.level(polygon, y, up=surface == "floor")
         extras = {"kind": surface, "room_id": room.id, "surface": surface}

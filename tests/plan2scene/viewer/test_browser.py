@@ -1,6 +1,7 @@
 """The viewer in a headless browser: pixels, clicks, keys, walking, no request."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from PIL import Image
 from viewer_page import ViewerPage
 
 from plan2scene.floorplans import write_scene_json
-from plan2scene.house import SurfaceKey
+from plan2scene.house import IconBox, SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh import TileTexture, write_glb
 from plan2scene.viewer import build_viewer
@@ -261,7 +262,9 @@ def test_a_name_of_markup_is_text(view):
     view.complaints.clear()
 
 
-def test_doors_inside_are_passed(browser, gap_house, tmp_path):
+def test_doors_inside_are_passed_and_stairs_climbed(browser, gap_house, tmp_path):
+    stairs = IconBox("stairs", (5.0, 0.5), (5.9, 3.5))
+    gap_house = replace(gap_house, icons=(stairs,))
     textures = {
         SurfaceKey(room, "floor"): TileTexture(png_bytes(np.full((4, 4, 3), 90, np.uint8)), 1.0)
         for room in ("a", "b")
@@ -274,6 +277,13 @@ def test_doors_inside_are_passed(browser, gap_house, tmp_path):
     assert x == pytest.approx(4.5, abs=0.05) and room == "b"
     x, room = browser.run(walk.format(z=3.0))
     assert x < 2.8 and room == "a"
+    ends = [
+        browser.run(f"eye.feet.set(5.45, 0, {start}); walkBy(0, {way}); [eye.feet.y, eye.feet.z]")
+        for start, way in ((0.25, 3.1), (3.75, -3.1))
+    ]
+    (up, _), (foot, z) = sorted(ends, reverse=True)
+    assert up == pytest.approx(2.5, abs=0.2)  # from the foot to the top step
+    assert foot == 0.0 and (z < 0.4 or z > 3.6)  # the top's high side stops who stands below
 
 
 def test_the_index_page_shows_pictures_and_runs_nothing(browser, small_house, tmp_path):

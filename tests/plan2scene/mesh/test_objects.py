@@ -1,0 +1,126 @@
+"""Objects of the plan: the right thing, of the right size, at the right wall, inside its room."""
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapely.geometry import box
+
+from plan2scene.house import House, IconBox, Room
+from plan2scene.mesh import build_parts
+from plan2scene.mesh.objects import KINDS, category_of
+
+#: A room of 4 x 3 m with walls of no thickness in the way: the walls of `small_house`.
+INSIDE = box(0, 0, 4, 3)
+
+
+@pytest.fixture
+def room_of_four(shared_house):
+    """Return a house of one room, 3 x 4 m."""
+    room = Room("r", ("Bathroom",), (((0.0, 0.0), (3.0, 0.0), (3.0, 4.0), (0.0, 4.0)),), 2.5)
+    walls = [w for w in shared_house.walls if w.id.startswith("a_")]
+    ring = room.rings[0]
+    walls = tuple(
+        replace(walls[0], id=f"w{k}", room_ids=("r",), start=ring[k], end=ring[(k + 1) % 4])
+        for k in range(4)
+    )
+    return House("h", (room,), walls)
+
+
+def objects_of(house: House, *icons: IconBox):
+    parts = build_parts(replace(house, icons=icons))
+    return [part for part in parts if part.extras["kind"] in ("object", "stairs")]
+
+
+@pytest.mark.parametrize(
+    ("drawn", "category"),
+    [
+        ("toilet", "toilet"),
+        ("washing_basin", "sink"),
+        ("bathtub", "bath"),
+        ("cooking_counter", "stove"),
+        ("closet", "wardrobe"),
+        ("stairs", "stairs"),
+        ("Closet CoatCloset", "wardrobe"),
+        ("CornerBathTub", "bath"),
+        ("special", None),
+        ("entrance", None),
+        ("piano", None),
+    ],
+)
+def test_icons_say_what_they_are(drawn, category):
+    assert category_of(IconBox(drawn, (0, 0), (1, 1))) == category
+
+
+@pytest.mark.parametrize("category", sorted(KINDS))
+def test_models_fill_their_size_and_are_closed(category, room_of_four):
+    width, depth, height = KINDS[category].size
+    corners = np.array(
+        [c for a, b, _ in KINDS[category].blocks(width, depth, height) for c in (a, b)]
+    )
+    assert corners.min(axis=0) == pytest.approx([0, 0, 0], abs=1e-9)
+    assert corners[:, [0, 2]].max(axis=0) == pytest.approx([width, depth])
+    assert height - 1e-9 <= corners[:, 1].max() <= height + 0.15  # taps stand above
+    for low, high, _ in KINDS[category].blocks(width, depth, height):
+        assert (np.array(high) > np.array(low)).all()
+    (part,) = objects_of(room_of_four, IconBox(category, (1.0, 0.1), (1.9, 0.9)))
+    assert part.name == f"r/object/{category}"
+    assert part.extras["category"] == category and part.extras["room_id"] == "r"
+    # Boxes: every edge belongs to two faces when corners are joined.
+    mesh = part.mesh.copy()
+    mesh.merge_vertices(merge_norm=True)
+    assert mesh.volume > 0
+
+
+@pytest.mark.parametrize(
+    ("icon", "axis", "face"),
+    [
+        (((1.2, 0.1), (1.8, 0.8)), 1, 0.0),  # z = 0
+        (((1.2, 3.2), (1.8, 3.9)), 1, 4.0),
+        (((0.1, 1.5), (0.8, 2.1)), 0, 0.0),  # x = 0
+        (((2.3, 1.5), (2.95, 2.1)), 0, 3.0),
+    ],
+)
+def test_a_toilet_stands_with_its_back_to_the_wall_it_is_drawn_at(room_of_four, icon, axis, face):
+    (part,) = objects_of(room_of_four, IconBox("toilet", *icon))
+    low, high = part.mesh.bounds[:, [0, 2]]
+    assert min(abs(low[axis] - face), abs(high[axis] - face)) == pytest.approx(0.02, abs=1e-4)
+    assert high[axis] - low[axis] == pytest.approx(0.68, abs=1e-4)
+    assert high[1 - axis] - low[1 - axis] == pytest.approx(0.38, abs=1e-4)
+    middle = (icon[0][1 - axis] + icon[1][1 - axis]) / 2
+    assert (low + high)[1 - axis] / 2 == pytest.approx(middle, abs=1e-4)
+    # The cistern, the highest piece, is at the wall.
+    top = part.mesh.vertices[part.mesh.vertices[:, 1] > 0.7][:, [0, 2]]
+    assert np.abs(top[:, axis] - face).max() < 0.25
+
+
+def test_counters_are_as_long_as_drawn_and_reach_into_no_wall(room_of_four):
+    (part,) = objects_of(room_of_four, IconBox("cooking_counter", (0.0, -0.05), (2.4, 0.7)))
+    low, high = part.mesh.bounds
+    assert high[0] - low[0] == pytest.approx(2.4, abs=1e-4)
+    assert low[0] >= 0.019 and low[2] >= 0.019
+    assert high[1] == pytest.approx(0.9, abs=0.02)
+
+
+def test_stairs_fill_their_box_up_to_the_ceiling_in_steps_to_walk(room_of_four):
+    (part,) = objects_of(room_of_four, IconBox("stairs", (0.5, 0.5), (1.4, 3.5)))
+    assert part.extras["kind"] == "stairs"
+    low, high = part.mesh.bounds
+    assert low == pytest.approx([0.5, 0.0, 0.5]) and high == pytest.approx([1.4, 2.5, 3.5])
+    heights = np.unique(part.mesh.vertices[:, 1].round(4))
+    assert np.diff(heights).max() <= 0.19
+
+
+def test_what_stands_in_no_room_is_left_out_with_a_warning(room_of_four, caplog):
+    with caplog.at_level(logging.WARNING, logger="plan2scene"):
+        assert objects_of(room_of_four, IconBox("toilet", (6.0, 6.0), (7.0, 7.0))) == []
+    assert "toilet" in caplog.text and "no room" in caplog.text
+
+
+def test_two_of_a_kind_have_names_of_their_own(room_of_four):
+    boxes = [IconBox("toilet", (x, 0.1), (x + 0.5, 0.8)) for x in (0.5, 1.8)]
+    assert [p.name for p in objects_of(room_of_four, *boxes)] == [
+        "r/object/toilet",
+        "r/object/toilet#2",
+    ]
