@@ -106,7 +106,9 @@ def bake_light(
         values = np.zeros((*inside.shape, 3))
         count = int(inside.sum())
         values[inside] = light[start : start + count]
-        chart.paste(image, _smooth(values, inside), inside)
+        if not count:  # a strip between the texels' middles
+            values[:] = np.median(light, axis=0)
+        chart.paste(image, _smooth(values, inside) if count else values, inside)
         start += count
     names = np.array([str(chart.part.extras.get("room_id", "")) for chart in charts])
     owner = names[texels.charts]

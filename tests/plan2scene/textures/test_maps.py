@@ -15,7 +15,13 @@ from plan2scene.textures.exemplar.light import log_luma
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.exemplar.quilt import Source
 from plan2scene.textures.maps.areas import Area, areas_of
-from plan2scene.textures.maps.detail import detail_of_pattern, detail_of_tile, seen_share
+from plan2scene.textures.maps.detail import (
+    Detail,
+    detail_of_pattern,
+    detail_of_tile,
+    seen_share,
+    various,
+)
 from plan2scene.textures.maps.house import Wanted, house_maps, joined
 from plan2scene.textures.maps.patches import cell, cut_patches
 from plan2scene.textures.maps.quilting import quilted
@@ -53,7 +59,7 @@ def tile_of(made, image=None):
 
 def quilt_of(detail, metres, seed=0):
     rng = np.random.default_rng(seed)
-    patches = cut_patches(detail.sources, detail.px_per_m, detail.periods, rng)
+    patches = cut_patches(detail, rng)
     side = round(metres * detail.px_per_m)
     return quilted(patches, side, side, rng)
 
@@ -110,6 +116,25 @@ def test_maps_are_as_fine_as_the_photos_and_no_finer(floor) -> None:
     assert coarse.px_per_m == pytest.approx(0.6 * SIDE)
 
 
+def test_crops_of_many_places_take_part_and_the_same_place_is_known(floor) -> None:
+    crops = [
+        replace(crop, plane=f"photo {k // 3}", centre=(0.3 * k, 0.0))
+        for k, crop in enumerate(floor.pattern.crops)
+    ]
+    pattern = replace(floor.pattern, crops=crops)
+    assert [crops[k].plane for k in various(pattern)] == ["photo 0"] * 3
+    far = replace(pattern, crops=[replace(c, plane="p", centre=(0.0, 0.0)) for c in crops])
+    far.crops[3] = replace(crops[3], plane="other")
+    assert len(various(far)) == 4
+    detail = detail_of_pattern(pattern, floor.size_m)
+    patches = cut_patches(detail, np.random.default_rng(0))
+    # Patches of two crops of one plane that lie 30 cm apart show partly the same.
+    middles = {tuple(np.round(origin, 3)) for origin in detail.origins}
+    assert len(middles) == 3
+    spread = np.ptp(patches.shown[patches.shown[:, 0] == patches.shown[0, 0], 1])
+    assert spread > 0.3 * detail.px_per_m
+
+
 def test_plain_surfaces_need_few_pixels() -> None:
     wall = np.full((SIDE, SIDE, 3), 0.8, np.float32)
     whole = np.ones((SIDE, SIDE), bool)
@@ -128,7 +153,8 @@ def test_patches_lie_in_step_with_the_lattice() -> None:
     np.testing.assert_allclose(starts, np.arange(20) * axis.step, atol=0.5)
     assert axis.count(400) * axis.step + axis.overlap >= 400
     small = [Source(np.zeros((20, 20, 3), np.float32), np.ones((20, 20), bool))]
-    assert cut_patches(small, 100.0, (50.0, 50.0), np.random.default_rng(0)) is None
+    facts = 100.0, 100.0, (50.0, 50.0), np.zeros((1, 3)), np.zeros(1, bool)
+    assert cut_patches(Detail(small, *facts), np.random.default_rng(0)) is None
 
 
 def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tmp_path) -> None:

@@ -45,7 +45,8 @@ class Crop:
     """A visible crop of a surface: PNG bytes of 128x128 sRGB, and the metres it covers.
 
     `size_m` and `sharpness` (photo pixels per crop pixel) are NaN where unknown; `detail` is a
-    JPEG at the photo's own resolution, empty where the crop holds as much.
+    JPEG at the photo's own resolution, empty where the crop holds as much; `window` is x0 y0 x1 y1
+    on its plane of the photo, metres.
     """
 
     crop_id: str
@@ -54,19 +55,15 @@ class Crop:
     size_m: float
     sharpness: float = math.nan
     detail: bytes = b""
+    window: tuple[float, ...] = (math.nan,) * 4
 
     @classmethod
     def of(cls, row: Any) -> Crop:
         """Return the crop of a row of ``crops.parquet`` (a named tuple)."""
         key = SurfaceKey(row.room_id, row.surface)
-        return cls(
-            row.crop_id,
-            key,
-            row.png,
-            float(row.metres),
-            float(row.sharpness),
-            getattr(row, "detail", b""),
-        )
+        detail, window = getattr(row, "detail", b""), getattr(row, "window", (math.nan,) * 4)
+        sizes = float(row.metres), float(row.sharpness)
+        return cls(row.crop_id, key, row.png, *sizes, detail, tuple(map(float, window)))
 
     def image(self) -> np.ndarray:
         """Return the pixels, (128, 128, 3) uint8 sRGB."""

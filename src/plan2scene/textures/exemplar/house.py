@@ -122,7 +122,10 @@ def _made(
 
 def _known(crop: Crop) -> ExemplarCrop:
     """Return a crop of the house's file as one to learn from."""
-    return ExemplarCrop(crop.image(), crop.size_m, crop.sharpness, crop.detail)
+    plane = crop.crop_id.rpartition("_crop")[0] if np.isfinite(crop.window).all() else ""
+    middle = (float(np.mean(crop.window[::2])), float(np.mean(crop.window[1::2])))
+    facts = crop.size_m, crop.sharpness, crop.detail
+    return ExemplarCrop(crop.image(), *facts, plane, middle)
 
 
 def _nearest(

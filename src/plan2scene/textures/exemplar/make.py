@@ -50,12 +50,18 @@ class ExemplarCrop:
         Photo pixels per crop pixel; NaN when unknown.
     detail : bytes
         JPEG at the photo's own resolution; empty where the crop holds as much.
+    plane : str
+        Name of the photo's plane that it was cut from; empty when unknown.
+    centre : (float, float)
+        Its middle on that plane, metres (right, down).
     """
 
     image: np.ndarray
     size_m: float
     sharpness: float
     detail: bytes = b""
+    plane: str = ""
+    centre: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +158,7 @@ class Pattern:
     colour : (3,) float
         What they agree on, sRGB in [0, 1].
     order : list of int
-        The crops that take part, the best first.
+        The crops that may take part, the best first.
     sides : (n,) float
         Sides of the crops in sides of a tile of `size_m`.
     size_m : float
@@ -174,8 +180,8 @@ class Pattern:
 
     @property
     def used(self) -> list[ExemplarCrop]:
-        """Return the crops that take part, the best first."""
-        return [self.crops[k] for k in self.order]
+        """Return the crops of a tile, the best first."""
+        return [self.crops[k] for k in self.order[:MAX_CROPS]]
 
     @property
     def covered_m(self) -> float:
@@ -206,7 +212,7 @@ def find_surface(
     known = np.isfinite([crop.size_m for crop in good]).all()
     lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
     large = [k for k in order if fits[k] and sides[k] * work >= _SMALLEST_PX]
-    order = (large or [int(sides.argmax())])[:MAX_CROPS]
+    order = large or [int(sides.argmax())]
     return Pattern(good, flat, masks, turned, colour, order, sides, size_m, lattices, cut), work
 
 
@@ -231,7 +237,7 @@ def make_exemplar(
         return None
     pattern, work = found
     cut, size_m = pattern.cut, pattern.size_m
-    canvas = quilt([pattern.source(k, work) for k in pattern.order], work)
+    canvas = quilt([pattern.source(k, work) for k in pattern.order[:MAX_CROPS]], work)
     image = with_calm_border(as_uint8(toned(canvas.solve(), pattern.colour)))
     return Exemplar(
         as_uint8(enlarged(image / 255.0, size_px)),

@@ -22,6 +22,8 @@ _FINER = 1.2
 #: Root mean square in sRGB levels below which detail is not seen, and left away.
 _UNSEEN = 0.7
 _STEPS = (0.75, 0.5, 0.375, 0.25, 0.1875)
+#: Crops that a map is made of, at most, and what they show together where the photos show as much.
+MOST_CROPS, ENOUGH_M2 = 20, 1.5
 #: Variations slower than this (sigma) are levelled: patches of a quilt would scatter them, metres.
 LEVEL_M = 0.15
 _SMOOTH = 6.0  # px of a crop: the light's changes are slower
@@ -40,12 +42,18 @@ class Detail:
         Photo pixels per metre that the crops have, in the median.
     periods : (float, float)
         Of the lattice along x and y, pixels; NaN for none.
+    origins : (n, 3) float
+        Number of the photo's plane that each source shows, and its middle there, pixels (x, y).
+    turned : (n,) bool
+        Which sources are turned by 90 degrees against their plane.
     """
 
     sources: list[Source]
     px_per_m: float
     resolved: float
     periods: tuple[float, float]
+    origins: np.ndarray
+    turned: np.ndarray
 
 
 def detail_of_pattern(pattern: Pattern, size_m: float) -> Detail:
@@ -56,6 +64,7 @@ def detail_of_pattern(pattern: Pattern, size_m: float) -> Detail:
     if not np.isfinite(pattern.size_m):
         side = size_m / float(np.sqrt(pattern.cut.wide * pattern.cut.high))
         pattern = replace(pattern, size_m=side)
+    pattern = replace(pattern, order=various(pattern))
     resolved = float(np.median([_resolved(pattern, k) for k in pattern.order]))
     px_per_m = float(np.clip(_FINER * resolved, LEAST_PX_PER_M, PX_PER_M))
     sources = _sources(pattern, px_per_m)
@@ -66,7 +75,53 @@ def detail_of_pattern(pattern: Pattern, size_m: float) -> Detail:
     work = round(pattern.size_m * px_per_m)
     cut = pattern.cut
     periods = [work / n if n else float("nan") for n in (cut.columns, cut.rows)]
-    return Detail(sources, px_per_m, resolved, (periods[0], periods[1]))
+    origins = _origins(pattern) * [1.0, px_per_m, px_per_m]
+    turned = pattern.turned[pattern.order]
+    return Detail(sources, px_per_m, resolved, (periods[0], periods[1]), origins, turned)
+
+
+def various(pattern: Pattern) -> list[int]:
+    """Return the crops of a map: of planes that show much of the surface, and sharply.
+
+    Photos differ in noise and sharpness, so planes are added only until they show `ENOUGH_M2`; of
+    each plane the largest crops, of equals the best first.
+    """
+    planes: dict[str, list[int]] = {}
+    for k in pattern.order:
+        planes.setdefault(pattern.crops[k].plane, []).append(k)
+    areas = {name: _shown_m2(pattern, members) for name, members in planes.items()}
+
+    def worth(name: str) -> float:
+        density = float(np.median([_resolved(pattern, k) for k in planes[name]]))
+        return -min(areas[name], ENOUGH_M2) * density
+
+    chosen: list[int] = []
+    shown = 0.0
+    for name in sorted(planes, key=worth):
+        sides = {k: -round(float(pattern.sides[k]), 1) for k in planes[name]}
+        chosen += sorted(planes[name], key=lambda k: sides[k])[: MOST_CROPS - len(chosen)]
+        shown += areas[name]
+        if shown >= ENOUGH_M2 or len(chosen) >= MOST_CROPS:
+            break
+    return chosen
+
+
+def _shown_m2(pattern: Pattern, members: Sequence[int]) -> float:
+    """Return the area of the rectangle around crops of a plane, square metres."""
+    middles = np.array([pattern.crops[k].centre for k in members])
+    half = pattern.size_m * np.array([pattern.sides[k] for k in members])[:, None] / 2
+    return float(((middles + half).max(axis=0) - (middles - half).min(axis=0)).prod())
+
+
+def _origins(pattern: Pattern) -> np.ndarray:
+    """Return plane and middle (n, 3) of the crops that take part, metres; apart where unknown."""
+    numbers: dict[str, int] = {}
+    rows = []
+    for k in pattern.order:
+        crop = pattern.crops[k]
+        name = crop.plane or f"crop {k}"
+        rows.append((numbers.setdefault(name, len(numbers)), *crop.centre))
+    return np.array(rows, dtype=np.float64)
 
 
 def detail_of_tile(tile: np.ndarray, size_m: float) -> Detail:
@@ -81,7 +136,8 @@ def detail_of_tile(tile: np.ndarray, size_m: float) -> Detail:
         image = cv2.resize(image, (side, side), interpolation=cv2.INTER_AREA)
         source = Source(image, np.ones(image.shape[:2], bool))
     nothing = (float("nan"), float("nan"))
-    return Detail([source], image.shape[0] / (2 * size_m), resolved, nothing)
+    whole = image.shape[0] / (2 * size_m), resolved, nothing
+    return Detail([source], *whole, np.zeros((1, 3)), np.zeros(1, bool))
 
 
 def _resolved(pattern: Pattern, k: int) -> float:

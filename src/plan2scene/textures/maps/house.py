@@ -150,7 +150,7 @@ def _maps(
 ) -> Iterator[tuple[SurfaceKey, SurfaceMap]]:
     """Yield the maps of a group's surfaces, parts of one quilt."""
     whole = reduce(Area.union, (surface.area for surface in group))
-    patches = cut_patches(detail.sources, detail.px_per_m, detail.periods, rng)
+    patches = cut_patches(detail, rng)
     if patches is None:  # no crop holds a patch, but the tile twice each way does
         tile = group[0].tile
         yield from _maps(group, detail_of_tile(tile.image, tile.size_m), rng)

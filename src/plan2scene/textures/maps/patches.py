@@ -11,6 +11,7 @@ import numpy as np
 
 from plan2scene.textures.exemplar.light import log_luma
 from plan2scene.textures.exemplar.quilt import Source
+from plan2scene.textures.maps.detail import Detail
 
 #: Metres between patches and by which they overlap, where the crops are large enough.
 STEP_M, OVERLAP_M = 0.3, 0.1
@@ -56,11 +57,14 @@ class Patches:
     sources : list of (h, w, 3) uint8
     places : (n, 3) int
         Source, row and column of each patch's corner.
+    shown : (n, 3) float
+        Number of the photo's plane that each shows, and its middle there, pixels (x, y).
     down, across : Cell
     """
 
     sources: list[np.ndarray]
     places: np.ndarray
+    shown: np.ndarray
     down: Cell
     across: Cell
 
@@ -87,24 +91,12 @@ def cell(px_per_m: float, period: float, side: float) -> Cell:
     return Cell(step, max(3, round(overlap)), period)
 
 
-def cut_patches(
-    sources: Sequence[Source],
-    px_per_m: float,
-    periods: tuple[float, float],
-    rng: np.random.Generator,
-) -> Patches | None:
-    """Return patches of the sources; None where none holds a whole patch.
+def cut_patches(detail: Detail, rng: np.random.Generator) -> Patches | None:
+    """Return patches of the sources of a map; None where none holds a whole patch.
 
-    Parameters
-    ----------
-    sources : sequence of Source
-        Straightened crops at the map's scale, float sRGB in [0, 1].
-    px_per_m : float
-    periods : (float, float)
-        Of the lattice along x and y, pixels; NaN for none.
-    rng : numpy.random.Generator
-        Chooses among too many.
+    `rng` chooses among too many.
     """
+    sources, px_per_m, periods = detail.sources, detail.px_per_m, detail.periods
     sides = [np.median([s.valid.shape[axis] for s in sources]) for axis in (0, 1)]
     down, across = cell(px_per_m, periods[1], sides[0]), cell(px_per_m, periods[0], sides[1])
     shifts = [_phases(sources, axis, c.period) for axis, c in ((0, down), (1, across))]
@@ -120,13 +112,24 @@ def cut_patches(
         inside += total[r, c] - total[r + down.side, c]
         whole = inside == down.side * across.side
         found = np.stack([np.full(int(whole.sum()), k), r[whole], c[whole]], axis=1)
-        most = max(1, math.ceil(2 * MOST / len(sources)))
-        places.append(_drawn(found, most, rng))
+        places.append(_drawn(found, max(1, math.ceil(2 * MOST / len(sources))), rng))
     found = np.concatenate(places) if places else np.zeros((0, 3), int)
     if not len(found):
         return None
     images = [np.rint(255 * np.clip(s.image, 0, 1)).astype(np.uint8) for s in sources]
-    return Patches(images, _drawn(found, MOST, rng), down, across)
+    found = _drawn(found, MOST, rng)
+    return Patches(images, found, _shown(detail, found, down, across), down, across)
+
+
+def _shown(detail: Detail, places: np.ndarray, down: Cell, across: Cell) -> np.ndarray:
+    """Return plane and middle (n, 3) of patches (n, 3)."""
+    source = places[:, 0]
+    sizes = np.array([s.valid.shape for s in detail.sources])[source]
+    y = places[:, 1] + (down.side - sizes[:, 0]) / 2
+    x = places[:, 2] + (across.side - sizes[:, 1]) / 2
+    turned = detail.turned[source]
+    right, below = np.where(turned, -y, x), np.where(turned, x, y)
+    return detail.origins[source] + np.stack([np.zeros(len(x)), right, below], axis=1)
 
 
 def _drawn(places: np.ndarray, most: int, rng: np.random.Generator) -> np.ndarray:

@@ -13,8 +13,8 @@ from plan2scene.textures.maps.patches import Cell, Patches
 
 _STRIP = 4  # pixels across a joint when patches are compared
 _SWEEPS = 2  # times that every patch is chosen anew, with all four neighbours known
-_WORN = 0.3  # what each use of a place costs, in fair costs of a joint
-_BESIDE = 6.0  # what a place costs that is used this near already, in the same
+_WORN = 2.0  # what a place costs that is used as often as others in the mean, in fair joints
+_BESIDE = 4.0  # what one costs that is there already nearer than `_NEAR`, in the same
 _NEAR = 3  # patches
 _FEATHER = 2.0  # px over which a cut blends
 
@@ -43,13 +43,12 @@ def choose(patches: Patches, rows: int, columns: int, rng: np.random.Generator) 
     count = len(beside)
     usual = max(float(_fair(beside) + _fair(below)) / 2, 1e-6)
     beside, below = beside / usual, below / usual
-    place = _places(patches)
-    worn = np.zeros(int(place.max()) + 1)
+    near, worn = _alike(patches), np.zeros(count, np.float32)
     grid = np.full((rows, columns), -1)
     tie = 0.05 * rng.random((rows, columns, count)).astype(np.float32)
 
     def best(i: int, j: int) -> int:
-        cost = tie[i, j] + _WORN * worn[place]
+        cost = tie[i, j] + _WORN * worn
         if j and grid[i, j - 1] >= 0:
             cost = cost + beside[grid[i, j - 1]]
         if i and grid[i - 1, j] >= 0:
@@ -59,18 +58,27 @@ def choose(patches: Patches, rows: int, columns: int, rng: np.random.Generator) 
         if i + 1 < rows and grid[i + 1, j] >= 0:
             cost = cost + below[:, grid[i + 1, j]]
         around = grid[max(0, i - _NEAR) : i + _NEAR + 1, max(0, j - _NEAR) : j + _NEAR + 1]
-        taken = np.zeros(len(worn), bool)
-        taken[place[around[around >= 0]]] = True
-        return int((cost + _BESIDE * taken[place]).argmin())
+        taken = near[around[around >= 0]].max(axis=0, initial=0.0)
+        return int((cost + _BESIDE * taken).argmin())
 
+    usual_wear = near.mean() * rows * columns
+    near_worn = near / max(usual_wear, 1.0)
     for _ in range(1 + _SWEEPS):
         for i, j in np.ndindex(rows, columns):
             if grid[i, j] >= 0:
-                worn[place[grid[i, j]]] -= 1
+                worn -= near_worn[grid[i, j]]
                 grid[i, j] = -1
             grid[i, j] = best(i, j)
-            worn[place[grid[i, j]]] += 1
+            worn += near_worn[grid[i, j]]
     return grid
+
+
+def _alike(patches: Patches) -> np.ndarray:
+    """Return how much two patches show the same place, (n, n) float32: 1 the same, 0 apart."""
+    apart = np.abs(patches.shown[:, None] - patches.shown[None])
+    sides = np.array([patches.across.side, patches.down.side])
+    shared = np.clip(1 - apart[..., 1:] / sides, 0, 1).prod(axis=2)
+    return np.where(apart[..., 0] == 0, shared, 0.0).astype(np.float32)
 
 
 def _fair(costs: np.ndarray) -> float:
