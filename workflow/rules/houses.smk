@@ -58,6 +58,28 @@ rule house:
         "../scripts/house.py"
 
 
+rule lit_house:
+    # On demand: the house with baked light in unlit textures.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        textures=CHOSEN_TEXTURES,
+    output:
+        f"{RESULTS}/houses/{{house}}/house_lit.glb",
+    log:
+        f"logs/{DATASET}/lit_house/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/lit_house/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        code=code_hash("mesh.lit"),
+    script:
+        "../scripts/lit_house.py"
+
+
 rule export_house:
     # On demand: the house for other programs, docs/exports.md.
     input:

@@ -9,12 +9,11 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from plan2scene.colour import linear_to_srgb, srgb_to_linear
+from plan2scene.colour import linear_to_srgb
 from plan2scene.drawing import INK, PAPER, font
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, SurfaceKey
-from plan2scene.images import image_from_bytes
-from plan2scene.mesh.light import Light, bake_light
+from plan2scene.mesh.light import Light, bake_light, mean_colours
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.raster import Camera, Soup, look_at, sample, soup_of, texels_per_metre
 from plan2scene.mesh.rays import Rays
@@ -47,15 +46,6 @@ def render_rooms(
     scene = _Scene(rays, textures, light)
     pictures = [scene.draw(camera_in(house, room.id, rays)) for room in house.rooms]
     return _sheet(pictures, [room.id for room in house.rooms])
-
-
-def mean_colours(textures: Mapping[SurfaceKey, TileTexture]) -> dict[SurfaceKey, np.ndarray]:
-    """Return the mean linear RGB (3,) of each surface's tile."""
-    made: dict[bytes, np.ndarray] = {}
-    for tile in textures.values():
-        if tile.png not in made:
-            made[tile.png] = srgb_to_linear(image_from_bytes(tile.png)).mean(axis=(0, 1))
-    return {key: made[tile.png] for key, tile in textures.items()}
 
 
 def camera_in(house: House, room_id: str, rays: Rays) -> Camera:
@@ -132,14 +122,11 @@ class _Scene:
         self.rays, self.light = rays, light
         self.soup: Soup = soup_of(rays.parts, textures)
         self.texels = texels_per_metre(self.soup)
-        mean = np.mean(list(light.rooms.values()), axis=0)
         lights, uv = [], []
         for part in rays.parts:
             faces, own = part.mesh.faces, light.charts.get(part.name)
-            room = light.rooms.get(str(part.extras.get("room_id", "")), mean)
-            # Doors and frames have no texels: what looks up is a little brighter.
-            up = 0.85 + 0.15 * part.mesh.vertex_normals[faces[:, 0], 1:2]
-            lights.append(np.full((len(faces), 3), np.nan) if own else room * up)
+            plain = light.of_plain(part)[faces[:, 0]]
+            lights.append(np.full((len(faces), 3), np.nan) if own else plain)
             uv.append(light.uv(part)[faces] if own else np.zeros((len(faces), 3, 2)))
         self.plain, self.light_uv = np.concatenate(lights), np.concatenate(uv)
 

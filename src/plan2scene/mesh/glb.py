@@ -43,6 +43,8 @@ def write_glb(
     textures: Mapping[SurfaceKey, TileTexture],
     path: str | Path,
     parts: Sequence[MeshPart] | None = None,
+    *,
+    unlit: bool = False,
 ) -> None:
     """Write a house as GLB: metres, y up, UV = metres / tile size with repeat wrapping.
 
@@ -57,6 +59,8 @@ def write_glb(
         Written atomically.
     parts : sequence of MeshPart, optional
         What :func:`~plan2scene.mesh.build_parts` returned, when at hand.
+    unlit : bool
+        Whether colours are shown as they are (KHR_materials_unlit), without occlusion.
     """
     rooms = [{"id": r.id, "types": list(r.types), "height": r.height} for r in house.rooms]
     scene = trimesh.Scene(base_frame=_WORLD, metadata={"house": house.id, "rooms": rooms})
@@ -64,7 +68,7 @@ def write_glb(
     materials: dict[object, PBRMaterial] = {}
     parts = build_parts(house) if parts is None else parts
     textured = [part for part in parts if part.surface in textures]
-    occlusion = bake_occlusion(parts, textured)
+    occlusion = None if unlit else bake_occlusion(parts, textured)
     shade = None if occlusion is None else _File(occlusion.png)
     for part in parts:
         tile = None if part.surface is None else textures.get(part.surface)
@@ -87,7 +91,7 @@ def write_glb(
     data = export_glb(
         scene,
         include_normals=True,
-        tree_postprocessor=lambda tree: _finish(tree, house.id, factors),
+        tree_postprocessor=lambda tree: _finish(tree, house.id, factors, unlit=unlit),
     )
     with atomic_path(path) as temporary:
         temporary.write_bytes(data)
@@ -165,7 +169,9 @@ def _extras(part: MeshPart, tile: TileTexture | None) -> dict[str, Any]:
     return extras
 
 
-def _finish(tree: dict[str, Any], house_id: str, factors: Mapping[str, list[float]]) -> None:
+def _finish(
+    tree: dict[str, Any], house_id: str, factors: Mapping[str, list[float]], *, unlit: bool
+) -> None:
     """Complete trimesh's glTF header in place; `factors` are base colours by material name."""
     tree["asset"]["generator"] = f"plan2scene {__version__}, trimesh {trimesh.__version__}"
     tree["scenes"][0]["name"] = house_id
@@ -181,6 +187,10 @@ def _finish(tree: dict[str, Any], house_id: str, factors: Mapping[str, list[floa
                 view = tree["accessors"][accessor]["bufferView"]
                 tree["bufferViews"][view]["target"] = target
     _join_images(tree, factors)
+    if unlit:
+        for material in tree["materials"]:
+            material["extensions"] = {"KHR_materials_unlit": {}}
+        tree["extensionsUsed"] = ["KHR_materials_unlit"]
 
 
 def _join_images(tree: dict[str, Any], factors: Mapping[str, list[float]]) -> None:

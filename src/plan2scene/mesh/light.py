@@ -14,11 +14,14 @@ import numpy as np
 from scipy import ndimage
 from shapely.geometry import Point
 
+from plan2scene.colour import srgb_to_linear
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, SurfaceKey
+from plan2scene.images import image_from_bytes
 from plan2scene.mesh.charts import Chart, packed
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.rays import Rays, hemisphere
+from plan2scene.mesh.textures import TileTexture
 
 #: Directions that a texel looks in, bounces, and the largest image in pixels.
 RAYS, BOUNCES, MOST_PX = 64, 4, 2048
@@ -56,6 +59,15 @@ class Light:
         """Return texture coordinates (n, 2) of a part's vertices in the image, v down."""
         height, width = self.image.shape[:2]
         return self.charts[part.name].texels(np.asarray(part.uv)) / [width, height]
+
+    def of_plain(self, part: MeshPart) -> np.ndarray:
+        """Return the light (n, 3) of the vertices of a part without texels: its room's mean.
+
+        What looks up is a little brighter.
+        """
+        mean = np.mean(list(self.rooms.values()), axis=0)
+        room = self.rooms.get(str(part.extras.get("room_id", "")), mean)
+        return np.asarray(room * (0.85 + 0.15 * part.mesh.vertex_normals[:, 1:2]))
 
 
 @dataclass(eq=False)
@@ -114,6 +126,15 @@ def bake_light(
     owner = names[texels.charts]
     rooms = {room: light[owner == room].mean(axis=0) for room in np.unique(owner)}
     return Light(image, {chart.part.name: chart for chart in charts}, rooms)
+
+
+def mean_colours(textures: Mapping[SurfaceKey, TileTexture]) -> dict[SurfaceKey, np.ndarray]:
+    """Return the mean linear RGB (3,) of each surface's tile."""
+    made: dict[bytes, np.ndarray] = {}
+    for tile in textures.values():
+        if tile.png not in made:
+            made[tile.png] = srgb_to_linear(image_from_bytes(tile.png)).mean(axis=(0, 1))
+    return {key: made[tile.png] for key, tile in textures.items()}
 
 
 def _texels(

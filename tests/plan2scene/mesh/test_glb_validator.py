@@ -6,12 +6,15 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
+from plan2scene.images import jpeg_bytes
 from plan2scene.mesh import write_glb
+from plan2scene.mesh.textures import MapTexture
 
 SCRIPT = Path(__file__).with_name("validate_gltf.cjs")
 
@@ -41,6 +44,20 @@ def test_houses_made_by_hand(
     for house in (l_house, ring_house, shared_house, gap_house):
         files.append(tmp_path / f"{house.id}.glb")
         write_glb(house, paint(house) if textured else {}, files[-1])
+    for report in validate(*files):
+        assert report["numErrors"] == 0, report["messages"]
+        assert report["numWarnings"] == 0, report["messages"]
+
+
+def test_maps_as_jpeg_and_unlit_houses(gap_house, paint, tmp_path):
+    data = jpeg_bytes(np.full((40, 60, 3), 120, np.uint8), quality=90)
+    maps = {
+        key: MapTexture(tile.png, tile.size_m, True, "wood", jpeg=data, extent_m=(9.0, 6.0))
+        for key, tile in paint(gap_house).items()
+    }
+    files = [tmp_path / "maps.glb", tmp_path / "unlit.glb"]
+    for file, unlit in zip(files, (False, True), strict=True):
+        write_glb(gap_house, maps, file, unlit=unlit)
     for report in validate(*files):
         assert report["numErrors"] == 0, report["messages"]
         assert report["numWarnings"] == 0, report["messages"]

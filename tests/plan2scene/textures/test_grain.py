@@ -4,12 +4,11 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene.textures.exemplar.grain import grain, quarter_turns
+from plan2scene.textures.exemplar.grain import grain, one_way, quarter_turns
 from plan2scene.textures.exemplar.make import (
     ExemplarCrop,
     blur_octaves,
     make_exemplar,
-    one_way,
     sharper,
 )
 

@@ -11,6 +11,8 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from plan2scene.textures.exemplar.light import log_luma
+
 _FINE, _SLOW = 1.5, 12.0  # scales (sigma, crop pixels) between which a pattern lies
 _CLEAR = 0.2  # from this on a crop has a direction
 _MOST = 0.6  # share of the crops that need one for the surface to have one
@@ -47,3 +49,12 @@ def quarter_turns(grains: Sequence[float]) -> np.ndarray:
         return np.zeros(len(runs), dtype=bool)
     usual = np.sign(runs[clear].sum()) or 1.0
     return np.asarray(clear & (np.sign(runs) != usual))
+
+
+def one_way(flat: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return crops (n, s, s, 3), masks (n, s, s) with planks running one way, and which turned."""
+    turned = quarter_turns([grain(log_luma(i), m) for i, m in zip(flat, masks, strict=True)])
+    flat, masks = flat.copy(), masks.copy()
+    flat[turned] = np.rot90(flat[turned], axes=(1, 2))
+    masks[turned] = np.rot90(masks[turned], axes=(1, 2))
+    return flat, masks, turned

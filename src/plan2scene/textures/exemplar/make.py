@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from plan2scene.colour import as_uint8, clipped_share, delta_e_2000, median_colour, rgb_to_lab
-from plan2scene.textures.exemplar.grain import grain, quarter_turns
+from plan2scene.textures.exemplar.grain import one_way
 from plan2scene.textures.exemplar.lattice import CropLattice
-from plan2scene.textures.exemplar.light import flatten, highlights, log_luma
+from plan2scene.textures.exemplar.light import flatten, highlights
 from plan2scene.textures.exemplar.quilt import Source, quilt
 from plan2scene.textures.exemplar.straighten import Cut, find_pattern, straightened
 from plan2scene.textures.exemplar.tone import consensus, enlarged, toned
@@ -132,15 +132,6 @@ def sharper(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
         return list(crops)
     limit = float(np.sort(behind)[_ENOUGH - 1]) + _FEW_OCTAVES
     return [crop for crop, octaves in zip(crops, behind, strict=True) if octaves <= limit]
-
-
-def one_way(flat: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return crops (n, s, s, 3), masks (n, s, s) with planks running one way, and which turned."""
-    turned = quarter_turns([grain(log_luma(i), m) for i, m in zip(flat, masks, strict=True)])
-    flat, masks = flat.copy(), masks.copy()
-    flat[turned] = np.rot90(flat[turned], axes=(1, 2))
-    masks[turned] = np.rot90(masks[turned], axes=(1, 2))
-    return flat, masks, turned
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,9 +15,9 @@ from plan2scene.colour import median_colour, srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh import build_parts
+from plan2scene.mesh.areas import Area, areas_of
 from plan2scene.photos.crops.light import relight
 from plan2scene.seeds import generator
-from plan2scene.textures.maps.areas import Area, areas_of
 from plan2scene.textures.maps.detail import Detail, detail_of_pattern, detail_of_tile
 from plan2scene.textures.maps.patches import cut_patches
 from plan2scene.textures.maps.quilting import quilted

@@ -1,4 +1,4 @@
-"""What a surface map covers: the part of the texture plane that a surface's faces take."""
+"""The part of the texture plane that each surface takes, in metres: what one image of it covers."""
 
 from __future__ import annotations
 

@@ -1,0 +1,142 @@
+"""house_lit.glb: the house with its light baked into unlit textures (KHR_materials_unlit).
+
+Every surface gets one image: its texture times the light of :mod:`plan2scene.mesh.light`, which
+every viewer shows as it is, on phones, too.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from plan2scene.colour import linear_to_srgb, srgb_to_linear
+from plan2scene.floorplans import read_scene_json
+from plan2scene.house import House, SurfaceKey
+from plan2scene.images import image_from_bytes, jpeg_bytes
+from plan2scene.mesh.areas import Area, areas_of
+from plan2scene.mesh.glb import write_glb
+from plan2scene.mesh.house_mesh import build_parts
+from plan2scene.mesh.light import Light, bake_light, mean_colours
+from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.textures import MapTexture, TileTexture, load_textures
+
+#: Pixels per metre of the images, and their largest side.
+PX_PER_M, MOST_PX = 128.0, 4096
+#: Side of the light's texels, metres.
+TEXEL_M = 0.08
+#: Linear value from which highlights are compressed, so that nothing burns out.
+KNEE = 0.75
+_QUALITY = 88
+_BAND = 512  # rows that are worked on at once
+
+
+def build_lit_house(
+    scene_json: str | Path, textures_dir: str | Path, glb: str | Path, *, house_id: str
+) -> None:
+    """Write a house with baked light as GLB.
+
+    Parameters
+    ----------
+    scene_json, textures_dir : path
+        As of :func:`plan2scene.mesh.build.build_house`.
+    glb : path
+    house_id : str
+    """
+    house = read_scene_json(scene_json, house_id)
+    textures, parts = load_textures(textures_dir, house), build_parts(house)
+    light = bake_light(house, parts, mean_colours(textures), TEXEL_M)
+    if light is None:
+        logging.getLogger("plan2scene").warning("house %s: no light to bake", house_id)
+        write_glb(house, textures, glb, parts)
+        return
+    lit = lit_textures(house, parts, textures, light)
+    write_glb(house, lit, glb, [lit_part(part, light) for part in parts], unlit=True)
+
+
+def lit_textures(
+    house: House,
+    parts: Sequence[MeshPart],
+    textures: Mapping[SurfaceKey, TileTexture],
+    light: Light,
+) -> dict[SurfaceKey, TileTexture]:
+    """Return the images of all surfaces under the light."""
+    areas = areas_of(parts)
+    made: dict[SurfaceKey, TileTexture] = {}
+    for key in house.surface_keys():
+        if key in textures and key in areas:
+            own = [part for part in parts if part.surface == key and part.name in light.charts]
+            made[key] = _lit(textures[key], areas[key], own, light)
+    return made
+
+
+def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light) -> MapTexture:
+    """Return one surface's image under the light."""
+    scale = min(PX_PER_M, MOST_PX / max(area.size))
+    width, height = (max(2, round(side * scale)) for side in area.size)
+    shade = _shade(area, (height, width), scale, parts, light)
+    picture = srgb_to_linear(image_from_bytes(tile.image)).astype(np.float32)
+    texels = picture.shape[1] / tile.sides_m[0]
+    if texels > scale:
+        size = (round(picture.shape[1] * scale / texels), round(picture.shape[0] * scale / texels))
+        picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+    made = np.empty((height, width, 3), np.uint8)
+    for top in range(0, height, _BAND):
+        rows, columns = np.mgrid[top : min(top + _BAND, height), :width]
+        uv = np.stack([columns, rows], axis=-1) + 0.5
+        turns = tile.turns(uv / scale + np.array(area.low))
+        at = ((turns - np.floor(turns)) * picture.shape[1::-1] - 0.5).astype(np.float32)
+        colour = cv2.remap(
+            picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
+        )
+        made[top : top + _BAND] = shown(colour * shade[top : top + _BAND])
+    facts = {field.name: getattr(tile, field.name) for field in fields(TileTexture)}
+    return MapTexture(
+        **facts | {"origin_m": area.low},
+        jpeg=jpeg_bytes(made, quality=_QUALITY),
+        extent_m=(width / scale, height / scale),
+    )
+
+
+def _shade(
+    area: Area, size: tuple[int, int], scale: float, parts: Sequence[MeshPart], light: Light
+) -> np.ndarray:
+    """Return the light of a surface's parts in its image, (h, w, 3) float32; its mean beside."""
+    shade = np.full((*size, 3), np.nan, np.float32)
+    for part in parts:
+        uv = np.asarray(part.uv)
+        low = np.floor((uv.min(axis=0) - area.low) * scale).astype(int)
+        high = np.ceil((uv.max(axis=0) - area.low) * scale).astype(int) + 1
+        rows, columns = np.mgrid[
+            max(low[1], 0) : min(high[1], size[0]), low[0] : min(high[0], size[1])
+        ]
+        at = np.stack([columns, rows], axis=-1) + 0.5
+        texels = light.charts[part.name].texels(at / scale + np.array(area.low)) - 0.5
+        x, y = (texels[..., k].astype(np.float32) for k in (0, 1))
+        shade[rows, columns] = cv2.remap(light.image, x, y, cv2.INTER_LINEAR)
+    known = np.isfinite(shade[..., 0])
+    shade[~known] = shade[known].mean(axis=0) if known.any() else 1.0
+    return shade
+
+
+def shown(linear: np.ndarray) -> np.ndarray:
+    """Return linear values as uint8 sRGB, those beyond `KNEE` compressed."""
+    over = np.maximum(linear - KNEE, 0.0)
+    value = np.minimum(linear, KNEE) + (1 - KNEE) * over / (over + 1 - KNEE)
+    steps = np.clip(value * 4095, 0, 4095).astype(np.uint16)
+    return np.asarray(_SRGB[steps])
+
+
+_SRGB = np.round(255 * linear_to_srgb(np.arange(4096) / 4095)).astype(np.uint8)
+
+
+def lit_part(part: MeshPart, light: Light) -> MeshPart:
+    """Return a part without a texture under the mean light of its room; others as they are."""
+    if part.colours is None:
+        return part
+    linear = srgb_to_linear(part.colours) * light.of_plain(part)
+    return replace(part, colours=shown(linear))

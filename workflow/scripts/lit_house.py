@@ -1,0 +1,12 @@
+"""Rule lit_house: plan and textures -> GLB with baked light."""
+
+from plan2scene.jobs import job
+from plan2scene.mesh.lit import build_lit_house
+
+with job(snakemake.log[0]):
+    build_lit_house(
+        snakemake.input.scene,
+        snakemake.input.textures,
+        snakemake.output[0],
+        house_id=snakemake.wildcards.house,
+    )
