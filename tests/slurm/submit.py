@@ -25,7 +25,7 @@ def submit(
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        timeout=500,
+        timeout=1500,
         check=False,
     )
 
