@@ -22,7 +22,7 @@ export class App {
     Object.assign(this, { rules, host, page, house: start.house, notes: start.notes ?? [] });
     const plan = start.plan ?? newPlan(rules);
     this.picture = start.picture ?? null;
-    this.store = new Store({ plan: withIds(plan), photos: start.photos ?? [], picture: this.picture ? this.placed(this.picture) : null });
+    this.store = new Store({ plan: completed(plan, rules), photos: start.photos ?? [], picture: this.picture ? this.placed(this.picture) : null });
     this.view = new View(page.svg);
     this.tools = [new SelectTool(this), new RoomTool(this), new WallTool(this), new OpeningTool(this, "door", "d", "Door"),
       new OpeningTool(this, "window", "n", "Window"), new OpeningTool(this, "passage", "p", "Passage"), new ScaleTool(this)];
@@ -147,7 +147,7 @@ export class App {
     const traced = found.plan && !this.store.plan.rooms.length;
     this.picture = found.picture;
     this.notes = found.notes ?? [];
-    this.store.change({ picture: this.placed(this.picture), ...(traced ? { plan: withIds(found.plan) } : {}) });
+    this.store.change({ picture: this.placed(this.picture), ...(traced ? { plan: completed(found.plan, this.rules) } : {}) });
     this.fit();
     this.setTool(traced ? "select" : "scale");
   }
@@ -166,7 +166,7 @@ export class App {
     const errors = this.check(plan).filter((p) => p.level === "error");
     const broken = !Array.isArray(plan.rooms) || !plan.rooms.every((r) => Array.isArray(r?.polygon) && Array.isArray(r.types)) || !(plan.openings ?? []).every((o) => Array.isArray(o?.from) && Array.isArray(o.to));
     if (broken) throw new Error(`expected ${errors[0].expected}, found ${errors[0].found}`);
-    this.store.open({ ...this.store.state, plan: withIds(plan) });
+    this.store.open({ ...this.store.state, plan: completed(plan, this.rules) });
     this.select(null);
     this.setTool("select");
     this.fit();
@@ -248,7 +248,8 @@ export class App {
   }
 }
 
-/** A plan whose openings all have ids, as the reader gives them. */
-export function withIds(plan) {
-  return { ...plan, wall_depth: plan.wall_depth ?? 0.1, openings: (plan.openings ?? []).map((o, k) => ({ ...o, id: openingId(o, k) })) };
+/** A plan with all that the reader takes for granted: heights, thickness, ids of openings. */
+export function completed(plan, { limits }) {
+  const rooms = plan.rooms.map((room) => ({ ...room, height: room.height ?? limits.default_height }));
+  return { ...plan, wall_depth: plan.wall_depth ?? limits.default_depth, rooms, openings: (plan.openings ?? []).map((o, k) => ({ ...o, id: openingId(o, k) })) };
 }

@@ -1,6 +1,6 @@
 // The studio's side of the editor: every change is kept on the server; changes of other tabs come in.
 
-import { withIds } from "./app.js";
+import { completed } from "./app.js";
 import { newPlan } from "./document.js";
 import { ask, el } from "./dom.js";
 
@@ -21,7 +21,7 @@ export const photoUrl = (name) => `photos/${encodeURIComponent(name)}`;
 
 /** The state of the editor out of the server's. */
 export function editorState(found, rules) {
-  return { plan: found.plan ? withIds(found.plan) : newPlan(rules), photos: found.photos, picture: found.place };
+  return { plan: found.plan ? completed(found.plan, rules) : newPlan(rules), photos: found.photos, picture: found.place };
 }
 
 export class Server {

@@ -202,3 +202,15 @@ def test_what_was_not_saved_is_offered_again(drawing):
     drawing.page.reload()
     drawing.page.get_by_role("button", name="Go on with it").click()
     assert areas(drawing) == {"room": 12.0}
+
+
+def test_a_plan_without_heights_takes_a_passage(drawing):
+    ring = [[0, 0], [4, 0], [4, 3], [0, 3]]
+    plan = {"format": "plan2scene-plan", "version": 1}
+    plan["rooms"] = [{"id": "a", "types": ["Kitchen"], "polygon": ring}]
+    drawing.page.evaluate("(plan) => editor.openPlan(plan)", plan)
+    drawing.press("p")
+    drawing.click(2, 0)
+    assert drawing.plan["rooms"][0]["height"] == 2.8
+    assert drawing.plan["openings"][0]["top"] == 2.2
+    assert drawing.page.evaluate("editor.problems") == []
