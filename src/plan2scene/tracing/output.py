@@ -14,6 +14,7 @@ from plan2scene.floorplans.drawings.areas import HEIGHTS
 from plan2scene.floorplans.plan_json import FORMAT, house_of_plan
 from plan2scene.images import write_png
 from plan2scene.io import write_json, write_text
+from plan2scene.tracing.picture import BUSY
 from plan2scene.tracing.scale import SURE
 from plan2scene.tracing.trace import TracedPlan, trace_picture
 
@@ -76,6 +77,8 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
             f"the scale is {scale.source} ({centimetres:.3g} cm a pixel, {scale.confidence:.0%} "
             "sure): give --metres-per-pixel"
         )
+    if plan.sure < BUSY[0]:
+        yield f"the picture as a whole: {plan.sure:.0%} sure of what it shows"
     if not plan.read:
         yield "no text is read: pip install 'plan2scene[trace]'"
     if scale.differ:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import ndimage
 from skimage.segmentation import watershed
 
-from plan2scene.tracing.labels import OUTSIDE, PASSAGE, ROOM
+from plan2scene.tracing.labels import DOOR, OUTSIDE, PASSAGE, ROOM
 
 #: Metres, as far as doors tell the scale: a neck of a room narrower than this parts two rooms.
 NECK = 0.5
@@ -19,6 +19,8 @@ LEAST_FLOOR, LEAST_WIDTH = 0.6, 0.5
 THICKEST = 0.55
 #: A room has something behind this share of its border.
 CLOSED = 0.7
+#: Square metres up to which a room without an opening is part of another.
+ISLAND = 3.0
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,8 @@ def find_regions(structure: np.ndarray, ppm: float) -> Regions:
     count = int(floors.max())
     wall_px = _wall_thickness(structure, floors, ppm)
     rooms = _grown(floors, wall_px, ppm) if count else floors
-    return without_open_rooms(Regions(rooms, floors, structure, count, wall_px, ppm))
+    found = Regions(rooms, floors, structure, count, wall_px, ppm)
+    return without_open_rooms(without_islands(found)) if count else found
 
 
 def _without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
@@ -131,6 +134,34 @@ def closed_share(regions: Regions, number: int) -> float:
     rim = cv2.dilate(floor, np.ones((5, 5), np.uint8)) > floor
     behind = regions.structure[rim]
     return float(np.mean(behind != OUTSIDE)) if rim.any() else 0.0
+
+
+def without_islands(regions: Regions) -> Regions:
+    """Return the regions with small ones that no opening leads to as part of the room around.
+
+    Furniture drawn as heavily as walls looks like a room; cupboards that are rooms have doors.
+    """
+    sizes = np.bincount(regions.floors.ravel(), minlength=regions.count + 1)
+    reach = max(3, round(regions.wall_px) + 2)
+    square = np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)
+    owner = np.arange(regions.count + 1)
+    for number in np.argsort(sizes).tolist():
+        if not number or sizes[number] >= ISLAND * regions.ppm**2:
+            continue
+        rim = cv2.dilate((regions.floors == number).astype(np.uint8), square) > 0
+        behind = np.isin(regions.structure[rim], (DOOR, PASSAGE)).sum()
+        beside = np.bincount(regions.floors[rim], minlength=regions.count + 1)
+        beside[[0, number]] = 0
+        if behind < LEAST_WIDTH * regions.ppm and beside.max() > 0:
+            owner[number] = int(beside.argmax())
+    for _ in range(3):  # an island in an island
+        owner = owner[owner]
+    kept, floors = np.unique(owner[regions.floors], return_inverse=True)
+    if len(kept) == regions.count + 1:
+        return regions
+    floors = floors.reshape(regions.floors.shape).astype(np.int32)
+    rooms = _grown(floors, regions.wall_px, regions.ppm)
+    return replace(regions, rooms=rooms, floors=floors, count=len(kept) - 1)
 
 
 def without_open_rooms(regions: Regions) -> Regions:

@@ -11,7 +11,7 @@ from plan2scene.tracing.lettering import TextLine
 from plan2scene.tracing.measures import read_area, read_length, read_sides
 
 #: Usual width of a door in metres, and how far (natural logarithm) one home's doors are from it.
-DOOR_WIDTH, DOOR_SPREAD = 0.85, 0.14
+DOOR_WIDTH, DOOR_SPREAD = 0.85, 0.18
 #: Usual floor of a room in m2, and how far (of the scale's logarithm) homes are from it.
 ROOM_FLOOR, FLOOR_SPREAD = 12.0, 0.35
 #: Evidence agrees that is nearer than this many of its own deviations.
@@ -127,14 +127,15 @@ def find_scale(
 
 
 def _prior(door_widths: Sequence[float], floors: Sequence[float]) -> tuple[float, float, str]:
-    """Return logarithm, deviation and source of the scale as doors, else rooms' sizes tell it."""
-    if door_widths:
-        spread = DOOR_SPREAD + 0.15 / len(door_widths)
-        width = float(np.median(door_widths))
-        return float(np.log(DOOR_WIDTH / width)), spread, f"a guess: doors of {DOOR_WIDTH} m"
-    usual = float(np.mean(floors))
-    source = f"a guess: rooms of {ROOM_FLOOR:g} m2"
-    return 0.5 * float(np.log(ROOM_FLOOR / usual)), FLOOR_SPREAD, source
+    """Return logarithm, deviation and source of the scale as doors and rooms' sizes tell it."""
+    by_rooms = 0.5 * float(np.log(ROOM_FLOOR / np.mean(floors)))
+    if not door_widths:
+        return by_rooms, FLOOR_SPREAD, f"a guess: rooms of {ROOM_FLOOR:g} m2"
+    by_doors = float(np.log(DOOR_WIDTH / np.median(door_widths)))
+    weights = np.array([1 / (DOOR_SPREAD + 0.2 / len(door_widths)) ** 2, 1 / FLOOR_SPREAD**2])
+    mean = float((weights * [by_doors, by_rooms]).sum() / weights.sum())
+    source = f"a guess: doors of {DOOR_WIDTH} m, rooms of {ROOM_FLOOR:g} m2"
+    return mean, float(weights.sum() ** -0.5), source
 
 
 def _nearest(evidence: Evidence, scale: float) -> float | None:

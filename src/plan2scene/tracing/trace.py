@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 from shapely.geometry import Polygon
 
-from plan2scene.errors import InputError
 from plan2scene.tracing.frame import Frame, first_scale, main_direction, straightened, whole
 from plan2scene.tracing.labels import MODEL, ROOM
 from plan2scene.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene.tracing.openings import TracedOpening, find_openings
 from plan2scene.tracing.outlines import room_polygons
-from plan2scene.tracing.picture import read_plan_picture, refuse_other_pictures
+from plan2scene.tracing.picture import how_sure, read_plan_picture, refuse_other_pictures
 from plan2scene.tracing.regions import Regions, find_regions, structure_of
 from plan2scene.tracing.rooms import TracedRoom, describe_rooms
 from plan2scene.tracing.scale import RoomSize, Scale, chain_evidence, find_scale, room_evidence
@@ -39,6 +38,7 @@ class TracedPlan:
     scale: Scale  #: of the frame's pixels
     wall_px: float
     shrunk: float  #: pixels of the file for one of the picture
+    sure: float  #: mean probability of what was found
     read: bool  #: whether text was read
 
     @property
@@ -60,13 +60,12 @@ def trace_picture(
     read = reader_installed()
     texts = read_lines(picture.image) if read else []
     frame, probabilities, regions = _seen(without_text(picture.image, texts), segmenter)
-    refuse_other_pictures(path, picture.image, probabilities, regions)
-    polygons = room_polygons(regions)
-    if not polygons:
-        raise InputError("a picture of a floorplan", "no room that walls close", file=path)
+    polygons = room_polygons(regions) if regions.count else {}
+    openings = find_openings(regions, polygons, probabilities)
+    sure = how_sure(probabilities, regions)
+    refuse_other_pictures(path, picture.image, sure, polygons, len(openings))
     lines = _in_frame(texts, frame)
     rooms = describe_rooms(regions, polygons, probabilities, lines)
-    openings = find_openings(regions, polygons, probabilities)
     if metres_per_pixel is not None:
         given = metres_per_pixel * picture.shrunk / frame.zoom
         scale = Scale(given, 1.0, "as given")
@@ -81,6 +80,7 @@ def trace_picture(
         scale,
         regions.wall_px,
         picture.shrunk,
+        sure,
         read,
     )
 

@@ -131,13 +131,16 @@ def _letter():
     [
         (np.full((300, 400, 3), 255, np.uint8), "an empty page"),
         (np.full((50, 400, 3), 255, np.uint8), "400x50"),
-        (_noise(), "a photo"),
+        (_noise(), "a photo?"),
         (_letter(), "no room that walls close"),
     ],
     ids=["empty", "small", "photo", "text"],
 )
-def test_what_is_no_plan_is_one_line(tmp_path, image, found):
-    pytest.importorskip("rapidocr")
+def test_what_is_no_plan_is_one_line(tmp_path, monkeypatch, image, found):
+    if image.shape[0] == 700:  # letters alone: they are read, and painted over
+        pytest.importorskip("rapidocr")
+    else:
+        monkeypatch.setattr(trace, "reader_installed", lambda: False)
     path = tmp_path / "other.png"
     write_png(path, image)
     with pytest.raises(InputError) as caught:
