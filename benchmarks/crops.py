@@ -169,7 +169,7 @@ class Drawn:
 
 def draw(source: Source, masks: Path, *, filtered: bool) -> Drawn:
     """Return the windows of a house, judged when `filtered`."""
-    candidates, gains = draw_candidates(
+    shown = draw_candidates(
         source.house,
         source.rooms_of_photo,
         source.photos,
@@ -182,15 +182,15 @@ def draw(source: Source, masks: Path, *, filtered: bool) -> Drawn:
             read_label_png(source.truth / "masks" / f"{Path(photo).stem}.png"),
             read_image(source.truth / "planes" / f"{Path(photo).stem}.png")[..., 0],
         )
-        for photo in {item.photo for item in candidates}
+        for photo in {item.photo for item in shown.candidates}
     }
     shares = [
         touched(
             np.array(item.candidate.crop.corners).reshape(4, 2), item.surface, truth[item.photo]
         )
-        for item in candidates
+        for item in shown.candidates
     ]
-    return Drawn(source, candidates, gains, shares)
+    return Drawn(source, shown.candidates, shown.gains, shares)
 
 
 def measure_house(

@@ -7,6 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+#: Luminance of linear R, G, B.
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
 
 def as_float(image: np.ndarray) -> np.ndarray:
     """Return a uint8 image as float32 in [0, 1]; a float image as float32 unchanged."""
@@ -54,6 +57,23 @@ def linear_to_srgb(linear: np.ndarray) -> np.ndarray:
 
 
 _LINEAR_OF_UINT8 = srgb_to_linear(np.arange(256) / 255.0)
+
+
+def log_axes(linear: np.ndarray) -> np.ndarray:
+    """Return log brightness, red and blue (..., 3) of linear RGB (..., 3).
+
+    Brightness is the mean of the logs, red and blue are against green.
+    """
+    log = np.log(np.maximum(linear, 1e-3))
+    green = log[..., 1]
+    return np.stack([log.mean(axis=-1), log[..., 0] - green, log[..., 2] - green], axis=-1)
+
+
+def from_log_axes(axes: np.ndarray) -> np.ndarray:
+    """Return linear RGB (..., 3) of log brightness, red and blue (..., 3)."""
+    brightness, red, blue = axes[..., 0], axes[..., 1], axes[..., 2]
+    green = brightness - (red + blue) / 3
+    return np.exp(np.stack([green + red, green, green + blue], axis=-1))
 
 
 def rgb_to_lab(rgb: np.ndarray) -> np.ndarray:

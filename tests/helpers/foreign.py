@@ -32,7 +32,7 @@ from plan2scene.floorplans.scene_json import house_of_scene
 from plan2scene.images import image_from_bytes
 from plan2scene.materials import load_texture_folder
 from plan2scene.photos.camera.exif import read_exif_focal
-from plan2scene.photos.crops.stage import load_crops
+from plan2scene.photos.crops.stage import CropFiles, load_crops
 from plan2scene.photos.labels.palette import labels_from_folder
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.weights import filled, load_model_file, read_model_arrays
@@ -192,8 +192,8 @@ def read_crop(path: Path) -> None:
     folder = path.parent / "crops" / "wall"
     folder.mkdir(parents=True, exist_ok=True)
     path.replace(folder / "p_0_crop0.png")
-    out = [path.parent / name for name in ("crops.parquet", "candidates.parquet", "light.json")]
-    load_crops(house(), {"p.jpg": ["living"]}, folder.parent, *out, dataset="d")
+    out = CropFiles(*(path.parent / f"written_{k}" for k in range(4)))
+    load_crops(house(), {"p.jpg": ["living"]}, folder.parent, out, dataset="d")
 
 
 def read_texture(path: Path) -> None:

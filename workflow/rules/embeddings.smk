@@ -10,6 +10,7 @@ rule embeddings:
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
         light=f"{RESULTS}/houses/{{house}}/light.json",
         texture_model=model_of("texture"),
         naive_model=model_of("naivesynth"),

@@ -50,6 +50,7 @@ rule crops:
         **({"cameras": CAMERAS} if HAS_MASKS else {}),
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         candidates=f"{RESULTS}/houses/{{house}}/candidates.parquet",
+        colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
         light=f"{RESULTS}/houses/{{house}}/light.json",
     log:
         f"logs/{DATASET}/crops/{{house}}.log",

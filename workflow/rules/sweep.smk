@@ -9,6 +9,7 @@ rule sweep_house:
         **made(EVALUATION_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
         embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
         library=f"{RESULTS}/texture_library.parquet",
     output:

@@ -6,7 +6,7 @@ from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job
 from plan2scene.photos.crops.candidates import CropSettings
-from plan2scene.photos.crops.stage import load_crops, make_crops
+from plan2scene.photos.crops.stage import CropFiles, load_crops, make_crops
 from plan2scene.photos.locate.stage import locate_photos, with_found_rooms
 
 with job(snakemake.log[0]):
@@ -14,10 +14,10 @@ with job(snakemake.log[0]):
     house = read_scene_json(snakemake.input.scene, name)
     rooms_of_photo = rooms_of_photos(snakemake.input.assignment or None, house)
     output = snakemake.output
-    paths = (output.crops, output.candidates, output.light)
+    files = CropFiles(output.crops, output.candidates, output.colours, output.light)
     if params.source == "precomputed":
         rooms_of_photo = with_found_rooms(house, rooms_of_photo, None)
-        load_crops(house, rooms_of_photo, params.folder, *paths, dataset=params.dataset)
+        load_crops(house, rooms_of_photo, params.folder, files, dataset=params.dataset)
     else:
         locate_photos(house, rooms_of_photo, snakemake.input.masks, output.cameras)
         rooms_of_photo = with_found_rooms(house, rooms_of_photo, output.cameras)
@@ -26,7 +26,7 @@ with job(snakemake.log[0]):
             rooms_of_photo,
             {photo: Path(params.photo_folder) / photo for photo in rooms_of_photo},
             snakemake.input.masks,
-            *paths,
+            files,
             dataset=params.dataset,
             seed=params.seed,
             cameras=output.cameras,

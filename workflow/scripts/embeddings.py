@@ -36,5 +36,7 @@ with job(snakemake.log[0]):
             texture_model=found.texture_model,
             predictor=params.predictor,
             materials=materials,
+            colours=found.colours,
+            hidden_photos=hidden,
             **names,
         )

@@ -91,7 +91,7 @@ def _propagated(
     given = (table, crops, embedded, hidden_photos, variant)
     chosen = selected(*given, house=files.house_id, seed=house.settings.seed)
     write_parquet(own, chosen, {"house": files.house_id})
-    propagated_from(own, output, house)
+    propagated_from(own, output, house, list(hidden_photos))
     frame, metadata = read_parquet(output)
     plan = read_scene_json(files.scene, files.house_id)
     write_parquet(output, predicted(plan, frame, variant, house.models), metadata)

@@ -84,11 +84,13 @@ def propagated_at(
     surfaces, propagated = folder / "surfaces.parquet", folder / "propagated.parquet"
     names = {"house": house.files.house_id, "dataset": house.dataset}
     select_surfaces(embeddings, house.files.crops, hidden_photos, surfaces, **names)
-    propagated_from(surfaces, propagated, house)
+    propagated_from(surfaces, propagated, house, hidden_photos)
     return surfaces, propagated
 
 
-def propagated_from(surfaces: Path, output: Path, house: EvaluatedHouse) -> None:
+def propagated_from(
+    surfaces: Path, output: Path, house: EvaluatedHouse, hidden_photos: Sequence[str]
+) -> None:
     """Write the ``propagated.parquet`` of a table of surfaces to `output`."""
     propagate_house(
         house.files.scene,
@@ -99,6 +101,8 @@ def propagated_from(surfaces: Path, output: Path, house: EvaluatedHouse) -> None
         propagation_model=house.models.propagation,
         texture_model=house.models.texture,
         predictor=house.predictor,
+        colours=house.files.colours,
+        hidden_photos=hidden_photos,
     )
 
 

@@ -150,9 +150,9 @@ def predicted(
     graph = house_graph(plan, seen)
     if variant.propagate == "no_graph":
         cut = replace(graph, edges=graph.edges[:, :0])
-        output = PREDICTORS["network"](cut, network, means).embedding
+        output = PREDICTORS["network"](cut, network, means, None).embedding
     else:
-        output = PREDICTORS[variant.propagate](graph, network, means).embedding
+        output = PREDICTORS[variant.propagate](graph, network, means, None).embedding
     frame = propagated.copy()
     frame["embedding"] = [
         row.embedding

@@ -37,6 +37,10 @@ class HouseGraph:
     embeddings: np.ndarray
     observed: np.ndarray
 
+    def place(self, key: SurfaceKey) -> tuple[int, int]:
+        """Return the row and column of a surface."""
+        return self.room_ids.index(key.room_id), SURFACES.index(key.surface)
+
     def node_features(self, visible: np.ndarray) -> np.ndarray:
         """Return the network's input with only the `visible` surfaces shown.
 

@@ -34,11 +34,14 @@ class Prediction:
     alike : (n, 3) int64
         Row of the room whose surface of the same kind is likeliest to be like it; -1 where that
         is none or not told.
+    seen : (n, 3, 3) float64, optional
+        sRGB that surfaces have of which photos show anything, where the predictor tells it.
     """
 
     embedding: np.ndarray
     confidence: np.ndarray
     alike: np.ndarray
+    seen: np.ndarray | None = None
 
 
 @torch.inference_mode()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,16 +11,17 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.house import SUBSTANCES, SURFACES, SurfaceKey
+from plan2scene.house import SUBSTANCES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.propagation.graph import house_graph
+from plan2scene.propagation.house_colours import shown_colours
 from plan2scene.provenance import file_hash
 from plan2scene.weights import fitting, read_model_arrays
 
 #: Metres that a tile covers where the house shows no scale at all.
 DEFAULT_METRES = 1.0
 _COLUMNS = ["room_id", "surface", "observed", "embedding", "naive_embedding"]
-_COLUMNS += ["substance", "metres", "source", "confidence", "material"]
+_COLUMNS += ["substance", "metres", "source", "confidence", "material", "colour"]
 
 
 def propagate_house(
@@ -34,11 +35,15 @@ def propagate_house(
     texture_model: str | Path,
     predictor: str,
     materials: str | Path | None = None,
+    colours: str | Path | None = None,
+    hidden_photos: Collection[str] = (),
 ) -> None:
     """Write ``propagated.parquet`` (docs/conventions.md): a row for every surface of the house.
 
     `predictor` is a name of :data:`plan2scene.propagation.predictors.PREDICTORS`. Surfaces of one
     of the house's `materials` (``materials.parquet``) share its colour where colours are corrected.
+    `colours` (``colours.parquet``) is what photos show of all surfaces; `hidden_photos` of it count
+    as not taken. Without it the colours of observed surfaces are those of their crops.
     """
     import pandas as pd
 
@@ -51,29 +56,41 @@ def propagate_house(
     material = shared_materials(materials)
     network, means = load_propagation(propagation_model)
     observed = {SurfaceKey(row.room_id, row.surface): row for row in table.itertuples()}
-    own = {k: _with_colour(row.embedding, material.get(k)) for k, row in observed.items()}
-    graph = house_graph(plan, own)
-    predicted = PREDICTORS[predictor](graph, network, means)
+    graph = house_graph(plan, {k: row.embedding for k, row in observed.items()})
+    shown = None
+    if colours is not None:
+        names = {key: one.name for key, one in material.items()}
+        shown = shown_colours(colours, hidden_photos, graph.room_ids, names)
+    predicted = PREDICTORS[predictor](graph, network, means, shown)
     substances = substances_of(predicted.embedding, texture_model)
+    embeddings = np.where(graph.observed[..., None], graph.embeddings, predicted.embedding)
+    for key, one in material.items():
+        if one.colour is not None:
+            embeddings[graph.place(key)][-3:] = one.colour
+    colour = embeddings[..., -3:].copy()
+    if predicted.seen is not None and shown is not None:
+        colour = np.where(shown.photos[..., None] > 0, predicted.seen, colour).astype(np.float32)
+        embeddings[..., -3:] = np.where(graph.observed[..., None], embeddings[..., -3:], colour)
     known = {key: float(row.metres) for key, row in observed.items()}
     rows: list[dict[str, Any]] = []
     for key in plan.surface_keys():
         values: dict[str, Any]
+        place = graph.place(key)
         if key in observed:
-            values = _observed_row(observed[key]) | {"embedding": own[key]}
+            values = _observed_row(observed[key])
         else:
-            place = graph.room_ids.index(key.room_id), SURFACES.index(key.surface)
             alike = int(predicted.alike[place])
             _, naive = means.predict(graph.types[place[0]])
             values = {
                 "observed": False,
-                "embedding": predicted.embedding[place],
                 "naive_embedding": naive[place[1]],
                 "substance": substances[place],
                 "source": "propagated" + (f", like {graph.room_ids[alike]}" if alike >= 0 else ""),
                 "confidence": float(predicted.confidence[place]),
             }
+        place_of: dict[str, Any]
         place_of = {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)}
+        place_of |= {"embedding": embeddings[place], "colour": colour[place]}
         shared = material[key].name if key in material else ""
         rows.append(place_of | {"material": shared} | values)
     metadata = {"dataset": dataset, "house": house, "model": file_hash(propagation_model)}
@@ -100,14 +117,6 @@ def shared_materials(path: str | Path | None) -> dict[SurfaceKey, SharedMaterial
         )
         for row in table.itertuples()
     }
-
-
-def _with_colour(embedding: Any, material: SharedMaterial | None) -> np.ndarray:
-    """Return an embedding (11,) with the colour of its material, where it shares one."""
-    values = np.array(embedding, dtype=np.float32)
-    if material is not None and material.colour is not None:
-        values[-3:] = material.colour
-    return values
 
 
 def _observed_row(row: Any) -> dict[str, Any]:

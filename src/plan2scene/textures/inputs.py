@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 class HouseFiles:
     """Files of one house that do not depend on the drop, and what methods take from elsewhere.
 
-    `library` are the tiles of Retrieve, `crop_pool` the crops of other houses; None without.
+    `library` are the tiles of Retrieve, `crop_pool` crops of other houses, `colours` what photos
+    show of all surfaces; None without.
     """
 
     house_id: str
@@ -36,17 +37,19 @@ class HouseFiles:
     crops: Path
     library: Path | None = None
     crop_pool: Path | None = None
+    colours: Path | None = None
 
     @classmethod
     def of(cls, paths: Mapping[str, Any], house_id: str) -> HouseFiles:
-        """Return the files among a job's inputs: scene, crops and, where given, library, pool."""
-        library, pool = paths.get("library"), paths.get("pool")
+        """Return the files among a job's inputs: scene, crops and, where given, the others."""
+        library, pool, colours = (paths.get(name) for name in ("library", "pool", "colours"))
         return cls(
             house_id,
             Path(paths["scene"]),
             Path(paths["crops"]),
             Path(library) if library else None,
             Path(pool) if pool else None,
+            Path(colours) if colours else None,
         )
 
 
@@ -76,7 +79,8 @@ class KnownSurface:
 
     `embedding` (11,) and `naive_embedding` (8,) are float32, None where not worked out;
     `size_m` is the metres that its tile covers, `source` the crop or the propagation behind it,
-    `material` the name of what it shares with other rooms (empty for nothing).
+    `material` the name of what it shares with other rooms (empty for nothing). `colour` (3,) is
+    the sRGB that all photos together give it, None where that is not known.
     """
 
     key: SurfaceKey
@@ -88,6 +92,7 @@ class KnownSurface:
     embedding: np.ndarray | None
     naive_embedding: np.ndarray | None
     material: str = ""
+    colour: np.ndarray | None = None
 
     @classmethod
     def of(cls, row: Any) -> KnownSurface:
@@ -102,11 +107,14 @@ class KnownSurface:
             np.asarray(row.embedding, dtype=np.float32),
             np.asarray(row.naive_embedding, dtype=np.float32),
             row.material,
+            np.asarray(row.colour, dtype=np.float64) if hasattr(row, "colour") else None,
         )
 
     @property
     def tone(self) -> np.ndarray | None:
-        """Return the colour that the surface has by its embedding, (3,) sRGB in [0, 1]."""
+        """Return the colour (3,) sRGB that all photos give the surface, else its embedding."""
+        if self.colour is not None:
+            return np.clip(self.colour, 0.0, 1.0)
         if self.embedding is None:
             return None
         return np.clip(self.embedding[-3:].astype(np.float64), 0.0, 1.0)

@@ -13,7 +13,7 @@ from plan2scene.images import image_from_bytes, write_png
 from plan2scene.io import read_parquet, write_json
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.sampling import draw_windows, medoid_index, sample_candidates
-from plan2scene.photos.crops.stage import load_crops, make_crops
+from plan2scene.photos.crops.stage import CropFiles, load_crops, make_crops
 from plan2scene.photos.crops.tables import CANDIDATE_COLUMNS, COLUMNS
 from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.photos.planes.planes import Plane
@@ -126,6 +126,12 @@ def inputs(tmp_path):
     return tmp_path
 
 
+def files_in(folder):
+    """Return the files of the stage in a folder."""
+    names = ("crops.parquet", "candidates.parquet", "colours.parquet", "light.json")
+    return CropFiles(*(folder / name for name in names))
+
+
 def run(house, inputs, rooms_of_photo, **more):
     photos = {photo: inputs / photo for photo in rooms_of_photo}
     return make_crops(
@@ -133,9 +139,7 @@ def run(house, inputs, rooms_of_photo, **more):
         rooms_of_photo,
         photos,
         inputs / "masks",
-        inputs / "crops.parquet",
-        inputs / "candidates.parquet",
-        inputs / "light.json",
+        files_in(inputs),
         dataset="d",
         seed=3,
         **more,
@@ -231,18 +235,17 @@ def test_ready_crops(house, tmp_path):
     for name in ("floor/x_1_0_crop2", "wall/x_1_7_crop0", "wall/other_0_crop0"):
         image = rng.integers(0, 255, (128, 128, 3)).astype(np.uint8)
         write_png(tmp_path / f"{name}.png", image)
-    out = tmp_path / "crops.parquet"
-    drawn, light = tmp_path / "candidates.parquet", tmp_path / "light.json"
-    frame = load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, light, dataset="d")
+    out = files_in(tmp_path)
+    frame = load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
     assert frame.crop_id.tolist() == ["floor/x_1_0_crop2", "wall/x_1_7_crop0"]
     assert frame.plane.tolist() == [0, 7]
     assert frame.metres.isna().all()
     assert frame.medoid.all()
-    read = read_parquet(out)[0]
+    read = read_parquet(out.crops)[0]
     pd.testing.assert_series_equal(read.crop_id, frame.crop_id)
     write_png(tmp_path / "floor/x_1_0_crop3.png", np.zeros((64, 64, 3), np.uint8))
     with pytest.raises(InputError, match="128x128"):
-        load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, drawn, light, dataset="d")
+        load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
 
 
 def test_default_settings_are_those_of_the_configuration():

@@ -10,6 +10,7 @@ from plan2scene.house import ROOM_TYPES
 from plan2scene.propagation import predictors
 from plan2scene.propagation.evidence import house_evidence
 from plan2scene.propagation.graph import HouseGraph
+from plan2scene.propagation.house_colours import Shown
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.predict import Prediction
 from plan2scene.propagation.predictors import PREDICTORS, nearest_rooms, network_share
@@ -40,6 +41,19 @@ def alike() -> HouseGraph:
     return house(np.tile([0.3, 0.5, 0.45], (ROOMS, 1)), seen)
 
 
+def shown(graph: HouseGraph) -> Shown:
+    """Return what the graph's surfaces tell."""
+    return Shown.of_embeddings(graph.embeddings, graph.observed)
+
+
+def evidence(graph: HouseGraph) -> np.ndarray:
+    return house_evidence(graph, MEANS, shown(graph))
+
+
+def share(graph: HouseGraph, value: float) -> float:
+    return network_share(graph, stubborn(value), MEANS, shown(graph))
+
+
 def stubborn(value: float) -> PropagationNetwork:
     """Return a network that answers one value to everything."""
     network = PropagationNetwork().eval()
@@ -50,26 +64,26 @@ def stubborn(value: float) -> PropagationNetwork:
 
 
 def test_an_unseen_ceiling_follows_the_seen_ones():
-    found = house_evidence(alike(), MEANS)
+    found = evidence(alike())
     assert found[-1, 2, -3:] == pytest.approx(np.full(3, 0.45), abs=0.03)
     # As if not seen: what a surface itself looks like is not in its prediction.
     odd = alike()
     odd.embeddings[0, 2, -3:] = 0.9
-    assert house_evidence(odd, MEANS)[0, 2, -3:] == pytest.approx(np.full(3, 0.45), abs=0.03)
+    assert evidence(odd)[0, 2, -3:] == pytest.approx(np.full(3, 0.45), abs=0.03)
 
 
 def test_a_kind_that_the_house_never_shows_is_under_its_light():
     seen = np.ones((ROOMS, 3), bool)
     seen[:, 2] = False
-    dark = house_evidence(house(np.full((ROOMS, 3), 0.4), seen), MEANS)
-    assert dark[:, 2, -3:] == pytest.approx(np.full((ROOMS, 3), 0.4), abs=0.02)
-    nothing = house_evidence(house(np.full((ROOMS, 3), 0.4), np.zeros((ROOMS, 3), bool)), MEANS)
+    dark = evidence(house(np.full((ROOMS, 3), 0.4), seen))
+    assert dark[:, 2, -3:] == pytest.approx(np.full((ROOMS, 3), 0.4), abs=0.03)
+    nothing = evidence(house(np.full((ROOMS, 3), 0.4), np.zeros((ROOMS, 3), bool)))
     assert nothing == pytest.approx(np.full((ROOMS, 3, 11), 0.8))
 
 
 def test_a_network_that_is_wrong_in_this_house_is_not_heard():
     graph = alike()
-    assert network_share(graph, stubborn(0.95), MEANS) < 1e-3
+    assert share(graph, 0.95) < 1e-3
     embedding = PREDICTORS["house"](graph, stubborn(0.95), MEANS).embedding
     assert embedding[-1, 2, -3:] == pytest.approx(np.full(3, 0.45), abs=0.03)
 
@@ -80,9 +94,9 @@ def test_a_network_that_is_right_in_this_house_is_heard(monkeypatch):
     nan = np.full((ROOMS, 3), np.nan, np.float32)
     known = Prediction(graph.embeddings, nan, np.full((ROOMS, 3), -1))
     monkeypatch.setattr(predictors, "predict", lambda network, shown: known)
-    assert network_share(graph, stubborn(0.5), MEANS) > 0.99
+    assert share(graph, 0.5) > 0.99
     blind = replace(graph, observed=np.zeros((ROOMS, 3), bool))
-    assert network_share(blind, stubborn(0.5), MEANS) == pytest.approx(1 / 3)
+    assert share(blind, 0.5) == pytest.approx(1 / 3)
 
 
 def test_confidence_grows_with_surfaces_of_the_kind():

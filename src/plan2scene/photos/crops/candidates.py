@@ -15,8 +15,9 @@ from plan2scene.photos.crops.filter import inner_mask, judge_of, with_reason
 from plan2scene.photos.crops.sampling import Candidate, sample_candidates
 from plan2scene.photos.crops.tables import WORST_RESORT, PhotoCandidate
 from plan2scene.photos.crops.verdict import Reason
+from plan2scene.photos.locate.plan_view import RoomShape
 from plan2scene.photos.locate.pose import Pose
-from plan2scene.photos.locate.seen_planes import SeenPlane
+from plan2scene.photos.locate.seen_planes import seen_planes
 from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
 from plan2scene.photos.planes.room_size import RoomSize
 from plan2scene.seeds import generator
@@ -61,24 +62,33 @@ def rooms_by_size(house: House, rooms: Sequence[str]) -> dict[RoomSize, tuple[st
     return {size: tuple(members) for size, members in groups.items()}
 
 
-def candidates_of_photo(
+@dataclass(frozen=True)
+class ShownPlane:
+    """A plane of a photo and whose it is: rooms of one size, or the one that the place tells.
+
+    `own` tells whether the photo was taken within that room.
+    """
+
+    rooms: tuple[str, ...]
+    plane: Plane
+    own: bool = True
+
+
+def planes_of_photo(
     image: np.ndarray,
     labels: np.ndarray,
     camera: Camera,
     rooms_by_size: Mapping[RoomSize, tuple[str, ...]],
     settings: CropSettings,
-    names: Naming,
-) -> list[PhotoCandidate]:
-    """Return the windows drawn on all planes of one photo, for its rooms of each size.
+) -> list[ShownPlane]:
+    """Return the planes of a photo whose place is not known, for its rooms of each size.
 
-    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8; candidates are numbered on within a
-    plane's number from one size to the next, so that crops of different images have
-    different names.
+    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8.
     """
-    found: list[PhotoCandidate] = []
-    count: dict[tuple[str, int], int] = {}
-    for size, rooms in rooms_by_size.items():
-        planes = split_planes(
+    return [
+        ShownPlane(rooms, plane)
+        for size, rooms in rooms_by_size.items()
+        for plane in split_planes(
             labels,
             camera,
             image=image,
@@ -86,39 +96,45 @@ def candidates_of_photo(
             room_height_m=size.height_m,
             room_extent_m=size.extent_m,
         )
-        for plane in planes:
-            rng = names.rng(plane)
-            drawn = candidates_of_plane(image, camera, plane, settings, rng)
-            first = count.get((plane.surface, plane.index), 0)
-            count[plane.surface, plane.index] = first + len(drawn)
-            for candidate in drawn:
-                numbered = _renumbered(candidate, first + candidate.crop.index)
-                found.append(
-                    PhotoCandidate(names.photo, rooms, plane.surface, plane.index, numbered)
-                )
-    return found
+    ]
 
 
-def candidates_of_located(
+def planes_of_located(
+    labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]
+) -> list[ShownPlane]:
+    """Return the planes of a located photo, each room's own; none where place and mask disagree."""
+    return [
+        ShownPlane((seen.room_id,), seen.plane, seen.room_id == pose.room_id)
+        for seen in seen_planes(labels, pose, shapes)
+    ]
+
+
+def candidates_of_photo(
     image: np.ndarray,
-    pose: Pose,
-    planes: Sequence[SeenPlane],
+    camera: Camera,
+    planes: Sequence[ShownPlane],
     settings: CropSettings,
     names: Naming,
 ) -> list[PhotoCandidate]:
-    """Return the windows drawn on the planes of a located photo (`seen_planes`), each room's own.
+    """Return the windows drawn on the planes of one photo.
 
-    Of rooms behind a door only good ones: what is seen from afar is no last resort.
+    `image` (h, w, 3) uint8 sRGB; `camera` in whose frame the planes are. Candidates are numbered
+    on from one plane to another of the same number, so that crops of different images have
+    different names. Of rooms behind a door only good ones: what is seen from afar is no last
+    resort.
     """
     found: list[PhotoCandidate] = []
-    for seen in planes:
-        plane = seen.plane
-        drawn = candidates_of_plane(image, pose.camera, plane, settings, names.rng(plane))
+    count: dict[tuple[str, int], int] = {}
+    for shown in planes:
+        plane = shown.plane
+        drawn = candidates_of_plane(image, camera, plane, settings, names.rng(plane))
+        first = count.get((plane.surface, plane.index), 0)
+        count[plane.surface, plane.index] = first + len(drawn)
         for candidate in drawn:
-            if seen.room_id == pose.room_id or candidate.verdict.good:
-                rooms = (seen.room_id,)
+            if shown.own or candidate.verdict.good:
+                numbered = _renumbered(candidate, first + candidate.crop.index)
                 found.append(
-                    PhotoCandidate(names.photo, rooms, plane.surface, plane.index, candidate)
+                    PhotoCandidate(names.photo, shown.rooms, plane.surface, plane.index, numbered)
                 )
     return found
 

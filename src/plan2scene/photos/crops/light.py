@@ -21,7 +21,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plan2scene.colour import as_uint8, linear_to_srgb, srgb_to_linear
+from plan2scene.colour import (
+    as_uint8,
+    from_log_axes,
+    linear_to_srgb,
+    log_axes,
+    srgb_to_linear,
+)
 from plan2scene.photos.crops.filter import CLIPPED_LEVELS, inner_mask
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
 
@@ -105,7 +111,7 @@ def estimate_light(colours: Sequence[SurfaceColour]) -> dict[str, np.ndarray]:
     if not photos:
         return {}
     column = {name: k for k, name in enumerate([*photos, *surfaces], start=1)}
-    logs = _axes(np.array([item.colour for item in colours]))
+    logs = log_axes(np.array([item.colour for item in colours]))
     axes = np.zeros((len(photos), 3))
     for axis in range(3):
         prior = [LIGHT[axis]] + [(0.0, DEVIATION[axis])] * len(photos)
@@ -118,7 +124,7 @@ def estimate_light(colours: Sequence[SurfaceColour]) -> dict[str, np.ndarray]:
             design[row, column[item.room_id, item.surface]] = 1.0
         solved = _robust_map(design, logs[:, axis], noise, np.array(prior))
         axes[:, axis] = solved[0] + solved[1 : 1 + len(photos)]
-    light = np.exp(_from_axes(axes))
+    light = from_log_axes(axes)
     return {photo: light[k] for k, photo in enumerate(photos)}
 
 
@@ -131,11 +137,10 @@ def house_gains(
     """
     if not lights:
         return {}
-    axes = {photo: -_axes(light) for photo, light in lights.items()}
+    axes = {photo: -log_axes(light) for photo, light in lights.items()}
     bounds = np.array([MAX_EXPOSURE, MAX_BALANCE, MAX_BALANCE])
     gains = {
-        photo: np.exp(_from_axes(np.clip(wanted, -bounds, bounds)))
-        for photo, wanted in axes.items()
+        photo: from_log_axes(np.clip(wanted, -bounds, bounds)) for photo, wanted in axes.items()
     }
     lit = [(np.array(item.colour) * gains[item.photo]).max() for item in colours]
     level = min(1.0, KNEE / float(np.percentile(lit, _BRIGHTEST)))
@@ -168,20 +173,6 @@ def _bent(values: np.ndarray, gain: float) -> np.ndarray:
     bent = KNEE + width * over / (1.0 + over * (most - 1.0) / most)
     lit = np.where(over > 0.0, bent, values * gain)
     return np.where(values < _CLIPPED, lit, values)
-
-
-def _axes(rgb: np.ndarray) -> np.ndarray:
-    """Return brightness, red, blue (..., 3) of linear RGB (..., 3)."""
-    log = np.log(np.maximum(rgb, 1e-3))
-    green = log[..., 1]
-    return np.stack([log.mean(axis=-1), log[..., 0] - green, log[..., 2] - green], axis=-1)
-
-
-def _from_axes(axes: np.ndarray) -> np.ndarray:
-    """Return log R, G, B (..., 3) of brightness, red, blue (..., 3)."""
-    brightness, red, blue = axes[..., 0], axes[..., 1], axes[..., 2]
-    green = brightness - (red + blue) / 3
-    return np.stack([green + red, green, green + blue], axis=-1)
 
 
 def _robust_map(

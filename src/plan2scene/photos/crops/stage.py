@@ -1,11 +1,11 @@
-"""The crops stage: photos, masks and cameras of one house -> crops.parquet, candidates.parquet."""
+"""The crops stage: photos, masks and cameras of one house -> the tables of its crops."""
 
 from __future__ import annotations
 
 import logging
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,10 +19,12 @@ from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.candidates import (
     CropSettings,
     Naming,
-    candidates_of_located,
     candidates_of_photo,
+    planes_of_located,
+    planes_of_photo,
     rooms_by_size,
 )
+from plan2scene.photos.crops.colours import SeenColours, colours_of_photo, relit, write_colours
 from plan2scene.photos.crops.house import agreeing
 from plan2scene.photos.crops.light import (
     SurfaceColour,
@@ -36,7 +38,6 @@ from plan2scene.photos.crops.tables import PhotoCandidate, write_tables
 from plan2scene.photos.crops.verdict import Verdict
 from plan2scene.photos.labels.palette import read_label_png
 from plan2scene.photos.locate.plan_view import room_shapes
-from plan2scene.photos.locate.seen_planes import seen_planes
 from plan2scene.photos.locate.stage import read_poses
 from plan2scene.photos.photo_files import read_photo
 
@@ -48,21 +49,39 @@ _log = logging.getLogger("plan2scene")
 _CROP_NAME = re.compile(r"(?P<stem>.+)_(?P<mask>\d+)_crop(?P<index>\d+)\.png")
 
 
+@dataclass(frozen=True)
+class CropFiles:
+    """What the stage writes: three Parquet files and light.json, ``docs/conventions.md``."""
+
+    crops: str | Path
+    candidates: str | Path
+    colours: str | Path
+    light: str | Path
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """What photos of a house show, as photographed, and each photo's gains (3,)."""
+
+    candidates: list[PhotoCandidate]
+    colours: list[SeenColours]
+    #: As of :func:`plan2scene.photos.crops.light.house_gains`.
+    gains: dict[str, np.ndarray]
+
+
 def make_crops(
     house: House,
     rooms_of_photo: Mapping[str, Sequence[str]],
     photos: Mapping[str, Path],
     masks_dir: str | Path,
-    output: str | Path,
-    candidates: str | Path,
-    light: str | Path,
+    output: CropFiles,
     *,
     dataset: str,
     seed: int,
     settings: CropSettings | None = None,
     cameras: str | Path | None = None,
 ) -> pd.DataFrame:
-    """Sample the crops of every photo of a house and write crops.parquet.
+    """Sample the crops of every photo of a house and write the stage's files.
 
     Parameters
     ----------
@@ -76,8 +95,8 @@ def make_crops(
         Photo name to its file.
     masks_dir : path
         Output of the masks stage. Photos that it left out (``warnings.json``) are skipped.
-    output, candidates, light : path
-        The Parquet files and light.json, ``docs/conventions.md``.
+    output : CropFiles
+        What is written.
     dataset : str
         Name for the metadata.
     seed : int
@@ -93,13 +112,18 @@ def make_crops(
         The crops that were written.
     """
     chosen = CropSettings() if settings is None else settings
-    drawn, gains = draw_candidates(
+    drawn = draw_candidates(
         house, rooms_of_photo, photos, masks_dir, seed=seed, settings=chosen, cameras=cameras
     )
+    candidates, colours = drawn.candidates, drawn.colours
     if chosen.colours == "corrected":
-        drawn = corrected(drawn, gains)
-    _write_light(light, gains, chosen)
-    return write_tables(drawn, output, candidates, dataset=dataset, house_id=house.id)
+        candidates, colours = corrected(candidates, drawn.gains), relit(colours, drawn.gains)
+    _write_light(output.light, drawn.gains, chosen)
+    names = {"dataset": dataset, "house_id": house.id, "colours": chosen.colours}
+    write_colours(output.colours, colours, **names)
+    return write_tables(
+        candidates, output.crops, output.candidates, dataset=dataset, house_id=house.id
+    )
 
 
 def draw_candidates(
@@ -111,17 +135,14 @@ def draw_candidates(
     seed: int,
     settings: CropSettings,
     cameras: str | Path | None = None,
-) -> tuple[list[PhotoCandidate], dict[str, np.ndarray]]:
-    """Return the candidates of all photos of a house, as photographed, and each photo's gains.
-
-    Parameters as in :func:`make_crops`; gains (3,) as of
-    :func:`plan2scene.photos.crops.light.house_gains`.
-    """
+) -> Drawn:
+    """Return what all photos of a house show. Parameters as in :func:`make_crops`."""
     folder = Path(masks_dir)
     known = read_json(folder / "cameras.json")
     poses = {} if cameras is None else read_poses(cameras)
     shapes = room_shapes(house)
     drawn: list[PhotoCandidate] = []
+    seen: list[SeenColours] = []
     colours: list[SurfaceColour] = []
     for photo in sorted(rooms_of_photo):
         if photo not in known:
@@ -132,18 +153,21 @@ def draw_candidates(
         image = read_photo(photos[photo], house_id=house.id)
         _check_sizes(image, labels, camera, photos[photo], house.id)
         names = Naming(seed, house.id, photo)
-        planes = seen_planes(labels, poses[photo], shapes) if photo in poses else []
+        rooms = list(dict.fromkeys(rooms_of_photo[photo]))
+        planes = planes_of_located(labels, poses[photo], shapes) if photo in poses else []
         if planes:
-            of_photo = candidates_of_located(image, poses[photo], planes, settings, names)
+            camera = poses[photo].camera
         else:
-            rooms = rooms_by_size(house, rooms_of_photo[photo])
-            of_photo = candidates_of_photo(image, labels, camera, rooms, settings, names)
-        colours += surface_colours(image, labels, photo, list(dict.fromkeys(rooms_of_photo[photo])))
+            sizes = rooms_by_size(house, rooms)
+            planes = planes_of_photo(image, labels, camera, sizes, settings)
+        of_photo = candidates_of_photo(image, camera, planes, settings, names)
+        seen += colours_of_photo(image, camera, planes, photo)
+        colours += surface_colours(image, labels, photo, rooms)
         _log.info("%s: %d candidates, camera %s", photo, len(of_photo), camera.focal_source)
         drawn += of_photo
     lights = estimate_light(colours)
     gains = house_gains(lights, colours)
-    return (agreeing(drawn, lights) if settings.filter else drawn), gains
+    return Drawn(agreeing(drawn, lights) if settings.filter else drawn, seen, gains)
 
 
 def corrected(
@@ -180,13 +204,11 @@ def load_crops(
     house: House,
     rooms_of_photo: Mapping[str, Sequence[str]],
     folder: str | Path,
-    output: str | Path,
-    candidates: str | Path,
-    light: str | Path,
+    output: CropFiles,
     *,
     dataset: str,
 ) -> pd.DataFrame:
-    """Write both tables from ready crops in Rent3D++'s ``surface_crops`` layout.
+    """Write the stage's files from ready crops in Rent3D++'s ``surface_crops`` layout.
 
     `folder` has ``{floor,wall,ceiling}/{photo stem}_{mask}_crop{k}.png`` of 128x128; their size
     in metres, window, sharpness and grazing angle are unknown (NaN). Raises InputError when
@@ -208,9 +230,15 @@ def load_crops(
             ready = Candidate(crop, Verdict())
             found.append(PhotoCandidate(photo, rooms, surface, int(match["mask"]), ready))
     found.sort(key=lambda item: item.photo)
-    _write_light(light, {}, None)
+    _write_light(output.light, {}, None)
+    write_colours(output.colours, [], dataset=dataset, house_id=house.id)
     return write_tables(
-        found, output, candidates, dataset=dataset, house_id=house.id, keep_index=True
+        found,
+        output.crops,
+        output.candidates,
+        dataset=dataset,
+        house_id=house.id,
+        keep_index=True,
     )
 
 

@@ -20,7 +20,7 @@ from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab, srgb_to_l
 from plan2scene.house import SurfaceKey
 from plan2scene.photos.crops.light import relight
 from plan2scene.textures.baselines.nearest import Crop
-from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, crops_colour, make_exemplar
+from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import NoTile, Tile
 
@@ -40,11 +40,7 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     shared = _shared_crops(surfaces, groups)
     for key, group in groups.items():
         surface = surfaces[key]
-        tones = [o.tone for o in surfaces.values() if o.material == surface.material]
-        first = surface.tone
-        same = first is not None and all(t is None or np.array_equal(t, first) for t in tones)
-        crops_of_all = shared.get(surface.material, ())
-        made = _exemplar(inputs, group, crops_of_all, surface.tone, one_colour=same)
+        made = _exemplar(inputs, group, shared.get(surface.material, ()), surface.tone)
         if made is None:
             tiles[key] = NoTile(f"none of {len(group)} crops is sharp enough")
         else:
@@ -84,26 +80,18 @@ def _exemplar(
     crops: Sequence[Crop],
     shared: Sequence[Crop],
     tone: np.ndarray | None,
-    *,
-    one_colour: bool,
 ) -> tuple[Exemplar, tuple[str, ...]] | None:
-    """Return the exemplar of a surface's crops and their ids; None if they are too poor.
+    """Return the exemplar of a surface's crops in its tone and their ids; None of too poor ones.
 
-    Where it shares a material, the pattern is that of all the material's crops, made once, in the
-    colour of its own crops, or in its tone where the material has `one_colour`. The tone that the
-    surface was given goes for all methods, so for the choice of crops.
+    Where it shares a material, the pattern is that of all the material's crops, made once. The tone
+    is known from more than crops, and goes for all methods. Without one the crops' own is kept.
     """
-    if len(shared) <= len(crops):
-        return _made(inputs, crops, tone)
-    pattern = _made(inputs, shared, None)
-    colour = tone
-    if not one_colour:
-        own = [_known(crop) for crop in crops]
-        colour = crops_colour(own, tone)
-    if pattern is None or colour is None:
-        return _made(inputs, crops, tone)
-    exemplar, names = pattern
-    return replace(exemplar, image=recoloured(exemplar.image, colour)), names
+    made = _made(inputs, shared, None) if len(shared) > len(crops) and tone is not None else None
+    made = made or _made(inputs, crops, tone)
+    if made is None or tone is None:
+        return made
+    exemplar, names = made
+    return replace(exemplar, image=recoloured(exemplar.image, tone)), names
 
 
 def _made(

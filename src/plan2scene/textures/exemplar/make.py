@@ -243,14 +243,6 @@ def make_exemplar(
     )
 
 
-def crops_colour(
-    crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None
-) -> np.ndarray | None:
-    """Return the colour (3,) sRGB in [0, 1] that a tile of the crops has; None of no good crop."""
-    good = usable(crops)
-    return _evened(alike(good, tone))[2] if good else None
-
-
 def _evened(
     crops: Sequence[ExemplarCrop],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:

@@ -1,0 +1,71 @@
+"""Colours of surfaces from all that is seen of a house."""
+
+import numpy as np
+import pytest
+
+from plan2scene.colour import from_log_axes, linear_to_srgb, log_axes
+from plan2scene.propagation.house_colours import Shown, expected_colours, usual_colour
+
+GREY = np.full((4, 3, 3), 0.5)
+
+
+def shown(**seen: tuple[tuple[int, int], float, float]) -> Shown:
+    """Return what is seen: place, grey linear value, photos."""
+    colours, photos = np.zeros((4, 3, 3)), np.zeros((4, 3))
+    for place, value, count in seen.values():
+        colours[place], photos[place] = value, count
+    return Shown(colours, photos)
+
+
+def test_axes_come_back():
+    linear = np.random.default_rng(0).uniform(0.01, 1.0, (5, 3))
+    np.testing.assert_allclose(from_log_axes(log_axes(linear)), linear)
+
+
+def test_shadow_and_glare_do_not_move_the_usual_colour():
+    floor = np.linspace(0.19, 0.21, 32)
+    floor[:4], floor[-3:] = 0.02, 0.9
+    shares = np.repeat(floor[:, None], 3, axis=1)
+    assert usual_colour([shares], [1.0]) == pytest.approx(np.full(3, 0.2), abs=0.01)
+    # The heavier of two photos has its way.
+    dark = np.full((32, 3), 0.05)
+    assert usual_colour([dark, shares], [1.0, 3.0]) == pytest.approx(np.full(3, 0.2), abs=0.01)
+    assert usual_colour([dark, shares], [3.0, 1.0]) == pytest.approx(np.full(3, 0.05), abs=0.01)
+
+
+def test_a_surface_well_seen_keeps_its_colour_and_a_glimpse_follows_the_house():
+    others = {f"c{k}": ((k, 2), 0.4, 4.0) for k in range(3)}
+    well = expected_colours(shown(**others, mine=((3, 2), 0.1, 30.0)), GREY)
+    assert well[3, 2] == pytest.approx(linear_to_srgb(np.full(3, 0.1)), abs=0.03)
+    glimpse = expected_colours(shown(**others, mine=((3, 2), 0.1, 0.05)), GREY)
+    assert glimpse[3, 2] == pytest.approx(linear_to_srgb(np.full(3, 0.4)), abs=0.05)
+    unseen = expected_colours(shown(**others), GREY)
+    assert unseen[3, 2] == pytest.approx(linear_to_srgb(np.full(3, 0.4)), abs=0.02)
+
+
+def test_an_unseen_ceiling_follows_the_light_of_its_room():
+    walls = {f"w{k}": ((k, 1), 0.4, 4.0) for k in range(3)} | {"w3": ((3, 1), 0.15, 4.0)}
+    ceilings = {f"c{k}": ((k, 2), 0.5, 4.0) for k in range(3)}
+    found = expected_colours(shown(**walls, **ceilings), GREY)
+    assert found[3, 2].mean() < found[0, 2].mean() - 0.03
+
+
+def test_under_one_light_a_material_has_one_colour_and_rooms_have_no_light():
+    seen = {f"s{k}{j}": ((k, j), 0.1 * (k + 1), 4.0) for k in range(3) for j in range(3)}
+    lit = shown(**seen)
+    numbers = np.arange(12).reshape(4, 3)
+    numbers[:3, 0] = 0
+    one = Shown(lit.colours, lit.photos, numbers, one_light=True)
+    found, photo = expected_colours(one, GREY), expected_colours(lit, GREY)
+    assert np.ptp(found[:3, 0], axis=0) == pytest.approx(np.zeros(3), abs=1e-9)
+    assert np.ptp(found[:3, 2]) < 0.7 * np.ptp(photo[:3, 2])
+
+
+def test_as_if_unseen_is_what_is_expected_without_it():
+    seen = {"a": ((0, 0), 0.1, 2.0), "b": ((1, 0), 0.3, 1.0), "c": ((1, 1), 0.5, 3.0)}
+    every = shown(**seen)
+    out = expected_colours(every, GREY, as_if_unseen=True)
+    for place, _, _ in seen.values():
+        alone = expected_colours(every.but(place), GREY)
+        np.testing.assert_allclose(out[place], alone[place], atol=1e-9)
+    np.testing.assert_allclose(expected_colours(shown(), GREY), GREY, atol=1e-9)
