@@ -12,7 +12,13 @@ from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL
 from plan2scene_workshop.segmentation.augment import View, cut_view, training_batch, transplant
 from plan2scene_workshop.segmentation.camera_looks import LOOKS, other_camera
 from plan2scene_workshop.segmentation.data import LabelledPhoto
-from plan2scene_workshop.segmentation.surfaces import recolour_labels, retexture
+from plan2scene_workshop.segmentation.surfaces import (
+    FRONT,
+    TOP,
+    faced,
+    recolour_labels,
+    retexture,
+)
 
 COLOURS = np.array([[200, 40, 40], [40, 160, 60], [60, 80, 190], [240, 240, 200]], np.uint8)
 
@@ -117,6 +123,23 @@ def test_recolouring_leaves_other_alone() -> None:
     inside = (slice(22, 38), slice(32, 48))  # the tint is blurred by a pixel
     assert np.array_equal(changed[inside], photo.image[inside])
     assert not np.array_equal(changed, photo.image)
+
+
+def test_tops_and_fronts_of_things_are_told_by_their_normals_but_not_rugs() -> None:
+    labels = np.full((40, 40), WALL, np.uint8)
+    labels[20:], labels[22:28, 10:20], labels[30:38, 10:20] = FLOOR, OTHER, OTHER
+    labels[10:22, 10:20] = OTHER
+    geometry = np.zeros((40, 40, 4), np.float32)
+    geometry[..., 2], geometry[..., 3] = -1, 3
+    geometry[20:, :, :3] = (0, -1, 0)
+    geometry[20:, :, 3] = 20 / np.arange(1, 21)[:, None]  # a plane: linear in its inverse
+    geometry[20:28, 10:20, 3] *= 0.5  # a table's top stands above it, a rug does not
+    found = faced(labels, geometry)
+    assert (found[20:28, 10:20] == TOP).all()
+    assert (found[10:20, 10:20] == FRONT).all()
+    assert (found[30:38, 10:20] == OTHER).all()
+    assert ((found == labels) | (labels == OTHER)).all()
+    assert faced(labels, None) is labels
 
 
 def test_another_material_stays_on_its_surface() -> None:

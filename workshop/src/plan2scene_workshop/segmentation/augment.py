@@ -18,10 +18,10 @@ from plan2scene.photos.labels.palette import DOOR, IGNORE, OTHER, WINDOW
 from plan2scene.photos.labels.segmentation import brightened, to_tensor
 from plan2scene_workshop.segmentation.camera_looks import other_camera
 from plan2scene_workshop.segmentation.data import LabelledPhoto
-from plan2scene_workshop.segmentation.surfaces import recolour_labels, retexture
+from plan2scene_workshop.segmentation.surfaces import faced, recolour_labels, retexture
 
 #: Chance that each label of a view is tinted, and that one has another material.
-RECOLOUR, RETEXTURE = 0.35, 0.45
+RECOLOUR, RETEXTURE = 0.35, 0.55
 #: Chance that a view is tilted and turned, gets things of another view, and each of two patches.
 TILT, TRANSPLANT, PATCH = 0.5, 0.3, 0.2
 #: Least share of a photo's area that a view shows.
@@ -152,7 +152,7 @@ def _other_surfaces(view: View, rng: np.random.Generator) -> View:
     if rng.random() < RECOLOUR:
         image = recolour_labels(image, view.labels, rng)
     if rng.random() < RETEXTURE:
-        image = retexture(image, view.labels, rng)
+        image = retexture(image, faced(view.labels, view.geometry), rng)
     return replace(view, image=image)
 
 

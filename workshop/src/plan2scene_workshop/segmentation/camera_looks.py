@@ -54,7 +54,7 @@ def random_filter(image: Array, rng: Rng) -> Array:
         [sum(cv2.filter2D(p, -1, k) for p, k in zip(planes, row, strict=True)) for row in kernels],
         axis=2,
     )
-    share = np.float32(rng.uniform(0.2, 1))
+    share = np.float32(rng.uniform(0.1, 0.8))
     return np.asarray((1 - share) * image + share * (found * np.float32(1.2) + np.float32(0.5)))
 
 
@@ -124,7 +124,7 @@ def compress(image: Array, rng: Rng) -> Array:
 
 #: What happens to a view on its way into the file, in this order, and how often.
 LOOKS: tuple[tuple[Callable[[Array, Rng], Array], float], ...] = (
-    (random_filter, 0.3),
+    (random_filter, 0.2),
     (lamp, 0.35),
     (burnt, 0.12),
     (balance, 0.6),

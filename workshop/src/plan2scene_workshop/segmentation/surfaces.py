@@ -19,6 +19,11 @@ Array = np.ndarray
 Rng = np.random.Generator
 #: Side of the tiles in pixels.
 SIDE = 128
+#: Other with a known normal, by where it faces: tops of beds and tables, fronts of cupboards.
+TOP, FRONT = len(LABELS_AND_OPENINGS), len(LABELS_AND_OPENINGS) + 1
+#: How likely each label is chosen for another material, before its neighbours' shares: floors,
+#: ceilings and what is easily taken for them most.
+WEIGHTS = {FLOOR: 2.0, CEILING: 2.0, TOP: 2.0, FRONT: 1.5}
 
 
 @lru_cache(maxsize=1)
@@ -43,15 +48,45 @@ def recolour_labels(image: Array, labels: Array, rng: Rng) -> Array:
     return np.asarray(cv2.multiply(image, field, dtype=cv2.CV_8U))
 
 
+def faced(labels: Array, geometry: Array | None) -> Array:
+    """Return labels (h, w) uint8 with other as `TOP` or `FRONT` where its normal is known.
+
+    `geometry` (h, w, 4) is normals in camera axes, y down, and depth; cameras look nearly level.
+    What lies on the floor, a rug, stays other: nothing but its material tells it from the floor.
+    """
+    if geometry is None:
+        return labels
+    upright, known = geometry[..., 1], np.abs(geometry[..., :3]).max(axis=2) > 0.5
+    other = (labels == OTHER) & known
+    top = other & (upright < -0.75) & ~_on_floor(labels, geometry[..., 3])
+    found = np.where(top, TOP, labels)
+    return np.where(other & (np.abs(upright) < 0.3), FRONT, found).astype(np.uint8)
+
+
+def _on_floor(labels: Array, depth: Array) -> Array:
+    """Return where (h, w) a depth is that of the floor's plane, which is linear in its inverse."""
+    rows, columns = np.nonzero((labels == FLOOR) & (depth > 0))
+    if len(rows) < 50:
+        return np.zeros(labels.shape, bool)
+    step = len(rows) // 500 + 1
+    rows, columns = rows[::step], columns[::step]
+    places = np.stack([rows, columns, np.ones(len(rows))], axis=1)
+    plane = np.linalg.lstsq(places, 1 / depth[rows, columns], rcond=None)[0]
+    y, x = np.indices(labels.shape)
+    inverse = plane[0] * y + plane[1] * x + plane[2]
+    return np.asarray(np.abs(depth * inverse - 1) < 0.06)
+
+
 def retexture(image: Array, labels: Array, rng: Rng) -> Array:
     """Return the photo with one label's surface of another material, its shading kept.
 
-    The tile lies in perspective on floors and ceilings, flat on walls and things.
+    The tile lies in perspective on floors, ceilings and tops, flat on walls and things. `labels`
+    as of :func:`faced`.
     """
-    found = [k for k in range(len(LABELS_AND_OPENINGS)) if (labels == k).mean() > 0.02]
+    found = [k for k in range(FRONT + 1) if (labels == k).mean() > 0.02]
     if not found:
         return image
-    weights = np.array([2.0 if k in (FLOOR, CEILING) else 1.0 for k in found])
+    weights = np.array([WEIGHTS.get(k, 1.0) for k in found])
     label = int(rng.choice(found, p=weights / weights.sum()))
     inside = labels == label
     rows, columns = np.nonzero(inside)
@@ -89,8 +124,8 @@ def _tile_places(
     scale = SIDE * np.exp(rng.uniform(-0.3, 1.6))
     angle = rng.choice([0.0, np.pi / 2, rng.uniform(0, np.pi)])
     x, y = (columns - width / 2) / width, rows / height
-    if label in (FLOOR, CEILING):
-        down = y - y.min() if label == FLOOR else y.max() - y
+    if label in (FLOOR, CEILING, TOP):
+        down = y.max() - y if label == CEILING else y - y.min()
         depth = 1 / (down + rng.uniform(0.08, 0.4))
         x, y = x * depth, 0.6 * depth
     cos, sin = np.cos(angle), np.sin(angle)
