@@ -22,7 +22,7 @@ from plan2scene.weights import filled, load_model_file
 #: Input height and width are multiples of this (the encoder's coarsest stride).
 STRIDE = 32
 #: Sizes that a photo is seen at, relative to the network's.
-SCALES = (1.0, 1.4)
+SCALES = (0.8, 1.5)
 #: Median grey value in [0, 1] that dimmer photos are brought to before they are labelled.
 MEDIAN = 0.45
 

@@ -14,7 +14,7 @@ import torch
 from plan2scene.errors import InputError
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import LABELS, LABELS_AND_OPENINGS
-from plan2scene.photos.labels.segmentation import load_segmenter
+from plan2scene.photos.labels.segmentation import SCALES, load_segmenter
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
 from plan2scene.weights import save_model_file
@@ -34,7 +34,7 @@ _LOG = logging.getLogger("plan2scene")
 _WHAT = """
 Labels every pixel of a room photo as other, floor, wall, ceiling, door or window; furniture, rugs
 and pictures are other. `plan2scene.photos.labels.network.SegmentationNet`, {:.2f} M
-parameters, float16; photos are scaled to {} pixels on their longer side, and to 1.4 times that.
+parameters, float16; photos are seen at {} pixels on their longer side.
 """
 _FIGURES = """
 Intersection over union on {} rendered photos of the val split (other houses), told the camera that
@@ -81,7 +81,8 @@ def train_segmentation(
     rows |= {"door or window": [final.openings]}
     rows |= {"**mean**": [final.mean_iou], "pixel accuracy": [final.accuracy]}
     figures = _FIGURES.format(len(held_out)) + table(["label", "IoU"], rows)
-    what = _WHAT.format(size, shipped.long_side)
+    sides = " and ".join(str(round(shipped.long_side * scale)) for scale in SCALES)
+    what = _WHAT.format(size, sides)
     about = Card("segmentation", what, seen, settings, seed, figures)
     write_card(card_path, about, trained, model_path)
     return final

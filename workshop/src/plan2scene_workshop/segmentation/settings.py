@@ -19,7 +19,6 @@ class SegmentationSettings:
     runs: int = 1
     #: Roots of further data sets whose train and val splits count too, joined by ``:``.
     further: str | None = None
-
     attention: int = 2  #: blocks of attention at each of two resolutions
 
     # Views.
@@ -28,10 +27,13 @@ class SegmentationSettings:
     elevation_noise_deg: float = 1.5  #: deviation of what they are told, per axis
     # Longer side in pixels: small views are quick, large ones tell where things end.
     small: int = 224  #: in two thirds of the steps
-    long_side: int = 320  #: in the last third, and the smaller of two sizes at inference
+    long_side: int = 320  #: in the last third; what sizes at inference are relative to
 
     # Optimiser: AdamW; a linear rise, then a cosine to a hundredth.
     steps: int = 7300
+    stop: int = (
+        0  #: step after which a run ends though the rate has not fallen all the way; 0: none
+    )
     learning_rate: float = 3e-3  #: at the peak
     weight_decay: float = 0.02  #: of all but norms and biases
     clip_norm: float = 5.0  #: of the gradient

@@ -76,7 +76,8 @@ def train_network(
         long = settings.small if step < settings.steps * 2 / 3 else settings.long_side
         return draw_batch(photos, settings, long, generator(seed, "segmentation batch", step))
 
-    ahead = Ahead(draw, settings.steps, workers=8 if device == "cuda" else 1)
+    steps = min(settings.steps, settings.stop or settings.steps)
+    ahead = Ahead(draw, steps, workers=8 if device == "cuda" else 1)
 
     def loss(step: int, _: np.random.Generator) -> dict[str, torch.Tensor]:
         batch = ahead.batch(step).to(device)
@@ -101,7 +102,7 @@ def train_network(
     options = TrainerOptions(
         "segmentation",
         seed,
-        settings.steps,
+        steps,
         lambda step: cosine(step, settings.steps, rise=min(300, settings.steps // 10 + 1)),
         clip_norm=settings.clip_norm,
         average_decay=settings.ema_decay,
