@@ -54,6 +54,7 @@ def test_shipped_weights_have_cards_and_fit_their_budget():
     assert [file.stem for file in files] == [
         "features",
         "naivesynth",
+        "plans",
         "propagation",
         "segmentation",
         "texture",
