@@ -188,7 +188,11 @@ def run(
         made = folder.work / "results" / DATASET
         files = {name: made / "houses" / request.house / name for name in wanted}
         files["textures"] = made / "drop_0.0" / request.method / request.house / "textures"
-        return folder.deliver(files)
+        made_files = folder.deliver(files)
+        if is_picture(request):
+            for line in made_files["plan.doubts.txt"].read_text(encoding="utf-8").splitlines():
+                _LOG.warning("%s", line)
+        return made_files
 
 
 def _make(targets: list[str], config: Path, folder: OutFolder, cores: int, shown: str) -> None:

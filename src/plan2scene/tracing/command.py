@@ -32,3 +32,5 @@ def trace_plan(
     )
     for path in traced_files(out):
         typer.echo(path)
+    if lines:
+        typer.echo(f"to mend it: plan2scene edit {picture} --out editor.html")

@@ -133,6 +133,8 @@ def _cells(
         if isinstance(shape, MultiPolygon):
             shape = max(shape.geoms, key=lambda part: part.area)
         shape = shape.simplify(0.01)
-        if isinstance(shape, Polygon) and not shape.is_empty:
+        # What is mostly cells of another room is none of its own.
+        floor = float((regions.floors == number).sum())
+        if isinstance(shape, Polygon) and shape.is_valid and shape.area > floor / 2:
             found[number] = shape
     return found

@@ -167,7 +167,7 @@ def write_trace(
     plan = trace_picture(path, metres_per_pixel=metres_per_pixel, model=model)
     document = plan_document(plan)
     house = house_of_plan(document, "traced", file=str(path))
-    lines = [*doubts(plan), *house.warnings, *validate_house(house, file=path)]
+    lines = list(dict.fromkeys([*doubts(plan), *validate_house(house, file=path)]))
     target, picture, notes = traced_files(Path(out))
     write_png(picture, overlay(plan))
     write_text(notes, "".join(f"{line}\n" for line in lines))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from shapely.geometry import Point, Polygon
@@ -14,10 +14,12 @@ from plan2scene.floorplans.drawings.names import room_types
 from plan2scene.tracing.labels import LABEL_OF_TYPE, ROOM
 from plan2scene.tracing.lettering import TextLine
 from plan2scene.tracing.measures import read_area, read_length, read_sides
+from plan2scene.tracing.openings import TracedOpening
 from plan2scene.tracing.regions import Regions
 
 #: Share of a room's pixels that furniture must say one kind of for the type to be told by it.
 TOLD = 0.55
+_OPEN_AIR = ("Balcony", "Terrace", "Outdoor")
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,25 @@ def describe_rooms(
         sure = float(inside[ROOM:].sum())
         identifier = free_id(base, taken)
         found.append(TracedRoom(number, polygon, identifier, name, told, bool(types), sure, own))
+    return found
+
+
+def without_inner_windows(
+    openings: Sequence[TracedOpening], rooms: Sequence[TracedRoom], widest: float
+) -> list[TracedOpening]:
+    """Return openings with windows between two rooms indoors as what leads from one to the other.
+
+    A gap with nothing drawn in it looks like a window. Up to `widest` pixels it is a door, else a
+    passage; neither is sure.
+    """
+    indoors = {room.number for room in rooms if not set(room.types) & set(_OPEN_AIR)}
+    found = []
+    for opening in openings:
+        if opening.kind == "window" and {opening.room, opening.other} <= indoors:
+            kind = "door" if opening.width <= widest else "passage"
+            sure = min(opening.confidence, 0.5)
+            opening = replace(opening, kind=kind, confidence=sure)
+        found.append(opening)
     return found
 
 

@@ -16,7 +16,7 @@ from plan2scene.tracing.openings import TracedOpening, find_openings
 from plan2scene.tracing.outlines import room_polygons
 from plan2scene.tracing.picture import how_sure, read_plan_picture, refuse_other_pictures
 from plan2scene.tracing.regions import Regions, find_regions, structure_of
-from plan2scene.tracing.rooms import TracedRoom, describe_rooms
+from plan2scene.tracing.rooms import TracedRoom, describe_rooms, without_inner_windows
 from plan2scene.tracing.scale import RoomSize, Scale, chain_evidence, find_scale, room_evidence
 from plan2scene.tracing.segmenter import PlanSegmenter, load_plan_segmenter
 from plan2scene.weights import MODELS
@@ -25,6 +25,8 @@ from plan2scene.weights import MODELS
 FIRST_VIEWS, VIEWS = 2, 4
 #: Metres: what is narrower than this is no opening.
 LEAST_WIDTH = {"door": 0.45, "window": 0.3, "passage": 0.5}
+#: Metres up to which a gap between two rooms is a door rather than a passage.
+WIDEST_DOOR = 1.2
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,8 @@ def trace_picture(
         scale = Scale(given, 1.0, "as given")
     else:
         scale = _scale(regions, rooms, openings, lines)
+    widest = WIDEST_DOOR / scale.metres_per_pixel
+    openings = without_inner_windows(openings, rooms, widest)
     kept = tuple(o for o in openings if o.width * scale.metres_per_pixel >= LEAST_WIDTH[o.kind])
     return TracedPlan(
         picture.image,

@@ -8,10 +8,10 @@ from shapely.geometry import Point, Polygon
 from plan2scene.tracing.frame import first_scale, main_direction, straightened, whole
 from plan2scene.tracing.labels import ROOM
 from plan2scene.tracing.lettering import TextLine
-from plan2scene.tracing.openings import find_openings
+from plan2scene.tracing.openings import TracedOpening, find_openings
 from plan2scene.tracing.outlines import room_polygons
 from plan2scene.tracing.regions import find_regions, structure_of
-from plan2scene.tracing.rooms import describe_rooms
+from plan2scene.tracing.rooms import describe_rooms, without_inner_windows
 
 from .conftest import FLOORS, PPM, as_probabilities, flat_labels
 
@@ -127,3 +127,28 @@ def test_frame_maps_there_and_back():
     box = Polygon([(0, 0), (w, 0), (w, h), (0, h)])
     corners = np.array([(30, 30), (243, 30), (243, 123), (30, 123)], float)
     assert all(box.contains(Point(p)) for p in frame.of_picture(corners))
+
+
+def test_windows_between_rooms_are_doors_or_passages(probabilities):
+    regions, polygons = traced(probabilities)
+    rooms = describe_rooms(regions, polygons, probabilities, [])
+
+    def window(other, width):
+        return TracedOpening("window", (0.0, 0.0), (width, 0.0), 1, other, 0.9)
+
+    found = without_inner_windows([window(2, 20.0), window(2, 60.0), window(0, 20.0)], rooms, 40.0)
+    assert [o.kind for o in found] == ["door", "passage", "window"]
+    assert [o.confidence for o in found] == [0.5, 0.5, 0.9]
+
+
+def test_a_box_in_a_room_is_part_of_it_unless_it_has_a_door():
+    labels = flat_labels()
+    box = slice(round(1.5 * PPM), round(2.9 * PPM)), slice(round(2.0 * PPM), round(3.2 * PPM))
+    labels[box] = 1
+    inner = tuple(slice(s.start + 3, s.stop - 3) for s in box)
+    labels[inner] = ROOM
+    regions, _ = traced(as_probabilities(labels))
+    assert regions.count == 2
+    labels[box[0].start + 6 : box[0].start + 30, box[1].stop - 3 : box[1].stop] = 2
+    regions, _ = traced(as_probabilities(labels))
+    assert regions.count == 3
