@@ -249,6 +249,14 @@ def test_nothing_is_drawn_when_nothing_moves(view):
     assert frames[-1] == frames[-2]
 
 
+def test_slow_pictures_get_coarser_and_quick_ones_finer(view):
+    pace = view.run("pace = late = early = 0; [60, 60, 60].forEach(keepPace); pace")
+    assert pace == 1
+    assert view.run("Array(9).fill(90).forEach(keepPace); PACES[pace]") == 0.5
+    assert view.run("Array(60).fill(16).forEach(keepPace); PACES[pace]") == 0.75
+    assert view.run("pace = 0; Array(9).fill(900).forEach(keepPace); pace") == 0  # stood still
+
+
 def test_a_name_of_markup_is_text(view):
     assert view.run('document.querySelector("h1").textContent') == NAME
     assert view.run("document.scripts.length") == 4

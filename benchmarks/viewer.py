@@ -1,0 +1,96 @@
+"""How fast viewers load and draw in Chromium with software WebGL, 1280x720.
+
+    python benchmarks/viewer.py results/demo/houses/*/viewer.html
+
+Each page is loaded, then turned for a number of pictures in every light, from outside and inside,
+each as fine as the page; on slow machines it draws moving ones more coarsely (`--ratio 0.5`).
+Printed are milliseconds until the page is ready (by its own clock), pictures a second, and the
+processor time of all of the browser's processes for a picture.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import sys
+from pathlib import Path
+from typing import Any
+
+CLONE = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(CLONE / "tests" / "helpers"))
+SIZE = (1280, 720)
+TURN = """(async () => {
+  const frame = () => new Promise(requestAnimationFrame), axis = new THREE.Vector3(0, 1, 0);
+  const turn = async () => {
+    eye.yaw += 0.02;
+    camera.position.sub(orbit.target).applyAxisAngle(axis, 0.02).add(orbit.target);
+    orbit.update();
+    clearTimeout(resting);
+    draw(RATIO);
+    await frame();
+  };
+  for (let k = 0; k < 3; k++) await turn();
+  const start = performance.now();
+  for (let k = 0; k < COUNT; k++) await turn();
+  return (performance.now() - start) / 1000;
+})()"""
+
+
+def processor_seconds() -> float:
+    """Return the processor time of all running processes that this one started."""
+    rows = {}
+    for folder in Path("/proc").iterdir():
+        if folder.name.isdigit():
+            try:
+                fields = (folder / "stat").read_text().rsplit(")", 1)[1].split()
+            except OSError:
+                continue
+            rows[int(folder.name)] = int(fields[1]), int(fields[11]) + int(fields[12])
+    mine, ticks = {os.getpid()}, 0
+    for pid in sorted(rows):  # parents before children
+        if rows[pid][0] in mine:
+            mine.add(pid)
+            ticks += rows[pid][1]
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def measure(view: Any, page: Path, count: int, ratio: float) -> None:
+    """Print the lines of one page."""
+    turn = TURN.replace("COUNT", str(count)).replace("RATIO", str(ratio))
+    before = processor_seconds()
+    view.open(page.resolve())
+    ready = view.run("document.body.dataset.ready")
+    size = page.stat().st_size / 1e6
+    used = processor_seconds() - before
+    name = page.resolve().parent.name if page.stem == "viewer" else page.stem
+    print(f"\n{name}: {size:.1f} MB, ready after {ready} ms, {used:.1f} s of processor time\n")
+    print("| light | view | pictures a second | processor ms a picture | draws | triangles |")
+    print("|---|---|---|---|---|---|")
+    for look in ("plain", "day", "lit"):
+        for mode in ("orbit", "walk"):
+            view.run(f'setLook("{look}"); setMode("{mode}")')
+            before = processor_seconds()
+            seconds = view.run(turn)
+            used = 1000 * (processor_seconds() - before) / (count + 3)
+            draws, triangles = view.run("Object.values(renderer.info.render).slice(1, 3)")
+            rate = f"{count / seconds:.1f} | {used:.0f}"
+            print(f"| {look} | {mode} | {rate} | {draws} | {triangles} |", flush=True)
+
+
+def main() -> None:
+    from viewer_page import ViewerPage
+
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("pages", nargs="+", type=Path)
+    parser.add_argument("--pictures", type=int, default=40)
+    parser.add_argument("--ratio", type=float, default=1.0, help="drawn pixels of the page's")
+    given = parser.parse_args()
+    print(f"{os.cpu_count()} cores, {platform.machine()}, load {os.getloadavg()[0]:.1f}")
+    with ViewerPage(SIZE) as view:
+        for page in given.pages:
+            measure(view, page, given.pictures, given.ratio)
+
+
+if __name__ == "__main__":
+    main()
