@@ -22,6 +22,7 @@ from plan2scene.floorplans.plan_writer import house_to_plan
 from plan2scene.image_modes import to_small_srgb
 from plan2scene.images import decode_image, png_bytes
 from plan2scene.io import atomic_path
+from plan2scene.tracing.picture import read_plan_picture
 
 FOLDER = Path(__file__).parent
 #: Pictures of plans are reduced to this many pixels of the longer side.
@@ -87,6 +88,7 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
     """Return the plan that a picture shows, with the picture straight underneath."""
     import cv2
 
+    read_plan_picture(source)  # an empty page is told before torch is imported
     from plan2scene.tracing.output import doubts, plan_document, plan_origin
     from plan2scene.tracing.trace import trace_picture
 

@@ -185,11 +185,12 @@ function oddities(rooms, walls, rules, warn) {
 }
 
 function islands(rooms, limits, warn) {
-  const seen = new Set([0]), queue = [0];
+  const seen = new Set([0]), queue = [0], boxes = rooms.map((room) => boundsOf(room.rings[0]));
+  const near = (i, j) => [0, 1].every((k) => boxes[i].low[k] - boxes[j].high[k] <= limits.apart && boxes[j].low[k] - boxes[i].high[k] <= limits.apart);
   while (queue.length) {
     const i = queue.pop();
     rooms.forEach((room, j) => {
-      if (!seen.has(j) && polygonDistance(rooms[i].rings, room.rings) <= limits.apart) { seen.add(j); queue.push(j); }
+      if (!seen.has(j) && near(i, j) && polygonDistance(rooms[i].rings, room.rings) <= limits.apart) { seen.add(j); queue.push(j); }
     });
   }
   const others = rooms.filter((_, k) => !seen.has(k));

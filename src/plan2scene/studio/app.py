@@ -50,6 +50,7 @@ def studio_app(root: Path, token: str, port: int, cores: int) -> Guard:
         Route("/run", _told(studio.cancel), methods=["DELETE"]),
         Route("/results/{file:path}", _told(studio.result), methods=["GET"]),
         Route("/zip", _told(studio.zip), methods=["GET"]),
+        Route("/export/{form}", _told(studio.export), methods=["GET"]),
     ]
     routes = [
         Route("/", _told(studio.home), methods=["GET"]),
@@ -180,8 +181,13 @@ class _Studio:
         """Give all results in one file."""
         project = self._of(request)
         content = await run_in_threadpool(results.zipped, project)
-        name = {"Content-Disposition": f'attachment; filename="{project.name}.zip"'}
-        return Response(content, media_type="application/zip", headers=name)
+        return _download(f"{project.name}.zip", content)
+
+    async def export(self, request: Request) -> Response:
+        """Give the house in a form that other programs read."""
+        form = request.path_params["form"]
+        found = await run_in_threadpool(results.exported, self._of(request), form)
+        return _download(*found)
 
 
 def _opened(project: Project, content: bytes) -> dict[str, Any]:
@@ -209,6 +215,12 @@ def _object(content: bytes) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise InputError("a JSON object", "other JSON")
     return found
+
+
+def _download(name: str, content: bytes) -> Response:
+    """Return a file to save."""
+    headers = {"Content-Disposition": f'attachment; filename="{name}"'}
+    return Response(content, media_type="application/octet-stream", headers=headers)
 
 
 def _page(page: str, policy: str) -> Response:

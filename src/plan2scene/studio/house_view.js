@@ -1,6 +1,6 @@
 // The house of a project: how far its run is, what came out, downloads.
 
-import { button, el } from "./dom.js";
+import { button, download, el } from "./dom.js";
 import { photoCard } from "./photos.js";
 import { asked } from "./server.js";
 
@@ -111,11 +111,22 @@ export class HouseView {
     const choose = views.map((view) => button(view, () => { this.view = view; this.shown = ""; this.render(); }, { "aria-pressed": String(view === this.view) }));
     const links = [["house.glb", "GLB"], ["house.scene.json", "scene.json"]].filter(([name]) => files[name])
       .map(([name, title]) => el("a", { className: "button", href: `results/${name}`, download: name }, title));
-    const bar = el("div", { className: "views" }, choose, el("span", { className: "grow" }), links, el("a", { className: "button", href: "zip", download: "" }, "All as ZIP"));
+    const bar = el("div", { className: "views" }, choose, el("span", { className: "grow" }), links, this.exportChoice(), el("a", { className: "button", href: "zip", download: "" }, "All as ZIP"));
     const pane = `${this.view} ${Object.values(files).join()}`;
     if (pane === this.pane) this.results.firstChild.replaceWith(bar);
     else this.results.replaceChildren(bar, this.paneOf(files, tiles));
     this.pane = pane;
+  }
+  exportChoice() {
+    const forms = Object.entries(this.rules.exports).map(([form, what]) => el("option", { value: form }, what));
+    return el("select", { "aria-label": "Other formats", onchange: (event) => { this.exportAs(event.target.value); event.target.value = ""; } }, el("option", { value: "" }, "Other formats\u2026"), forms);
+  }
+  async exportAs(form) {
+    this.tell("");
+    const answer = await fetch(`export/${form}`);
+    if (!answer.ok) { this.tell((await answer.json()).error); return; }
+    const name = answer.headers.get("content-disposition").match(/filename="(.*)"/)[1];
+    download(name, await answer.blob(), "application/octet-stream");
   }
   paneOf(files, tiles) {
     const at = (name) => `results/${name}?${files[name] ?? ""}`;

@@ -10,6 +10,7 @@ from typing import Any
 from plan2scene.editor.page import FOLDER as EDITOR
 from plan2scene.editor.page import inline_json, joined_program, source_hash
 from plan2scene.editor.rules import page_rules
+from plan2scene.exports.registry import EXPORTS
 from plan2scene.run import TEXTURE_SIZES
 from plan2scene.textures.methods import METHODS
 
@@ -18,7 +19,11 @@ _FOLDER = Path(__file__).parent
 
 def project_page(start: dict[str, Any]) -> tuple[str, str]:
     """Return the page of a project and its content policy; `start` is the project's state."""
-    rules = page_rules() | {"methods": list(METHODS), "texture_sizes": list(TEXTURE_SIZES)}
+    rules = page_rules() | {
+        "methods": list(METHODS),
+        "texture_sizes": list(TEXTURE_SIZES),
+        "exports": {form: export.purpose for form, export in EXPORTS.items()},
+    }
     editor = (EDITOR / "editor.html").read_text("utf-8")
     tools = editor[editor.index("<nav") : editor.index("<script")]
     return _filled("studio.html", "studio_page", str(start["house"]), start, rules, tools)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import io
 import re
+import tempfile
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from plan2scene.errors import InputError
+from plan2scene.exports.registry import export_house
 from plan2scene.image_modes import to_small_srgb
 from plan2scene.images import MAX_PHOTO_PIXELS, decode_image
 from plan2scene.run import CONTACT_SHEET, DELIVERED
@@ -44,17 +47,38 @@ def result_file(project: Project, name: str) -> Path:
 
 
 def zipped(project: Project) -> bytes:
-    """Return the results as a ZIP archive; entries and times are the same for the same results."""
-    buffer = io.BytesIO()
+    """Return the results as a ZIP archive."""
     results = results_of(project)
     names = [*results["files"], *(f"textures/{name}" for name in results["tiles"])]
     if not names:
         raise InputError("results", "none yet")
+    return _archive(project.name, {name: result_file(project, name) for name in names})
+
+
+def exported(project: Project, form: str) -> tuple[str, bytes]:
+    """Return the house in a form of :data:`EXPORTS`: the name of one file and its content.
+
+    USD is one ``.usdz``; forms of several files are a ZIP archive.
+    """
+    scene, textures = result_file(project, "house.scene.json"), project.house / "textures"
+    with tempfile.TemporaryDirectory() as folder:
+        export_house(scene, textures, folder, form, house_id=project.name)
+        package = Path(folder) / "house.usdz"
+        if package.is_file():
+            return f"{project.name}.usdz", package.read_bytes()
+        files = sorted(path for path in Path(folder).rglob("*") if path.is_file())
+        entries = {path.relative_to(folder).as_posix(): path for path in files}
+        return f"{project.name}_{form}.zip", _archive(project.name, entries)
+
+
+def _archive(name: str, files: Mapping[str, Path]) -> bytes:
+    """Return a ZIP archive with a folder; the same files give the same bytes."""
+    buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-        for name in sorted(names):
-            entry = zipfile.ZipInfo(f"{project.name}/{name}", (1980, 1, 1, 0, 0, 0))
+        for entry_name, path in sorted(files.items()):
+            entry = zipfile.ZipInfo(f"{name}/{entry_name}", (1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, result_file(project, name).read_bytes())
+            archive.writestr(entry, path.read_bytes())
     return buffer.getvalue()
 
 

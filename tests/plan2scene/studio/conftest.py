@@ -34,7 +34,7 @@ class Studio:
 
     def ask(self, method, path, body=None, *, token=TOKEN, **headers):
         """Return the status and the body of an answer (parsed where it is JSON)."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=90)
         sent = json.dumps(body).encode() if isinstance(body, dict) else body
         named = {name.replace("_", "-"): value for name, value in headers.items()}
         connection.request(method, f"/{token}/{path}", body=sent, headers=named)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from plan2scene.floorplans import read_plan, write_scene_json
 from plan2scene.studio import app
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
@@ -97,8 +98,19 @@ def test_stale_states_are_refused(studio, home):
 
 def test_results_are_given_and_zipped(studio, home):
     assert studio.ask("GET", f"{home}/zip")[0] == 400
+    assert studio.ask("GET", f"{home}/export/map")[0] == 400
     house = studio.root / "home" / "house"
     (house / "textures").mkdir(parents=True)
+    plan = read_plan(EXAMPLE, "home")
+    write_scene_json(plan, house / "house.scene.json")
+    document = {"method": "none", "surfaces": {}}
+    (house / "textures" / "textures.json").write_text(json.dumps(document))
+    status, content = studio.ask("GET", f"{home}/export/map")
+    assert status == 200, content
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        assert set(archive.namelist()) == {"home/map.pgm", "home/map.yaml"}
+    assert studio.ask("GET", f"{home}/export/..%2fplan")[0] in (400, 404)
+    (house / "house.scene.json").unlink()
     (house / "house.glb").write_bytes(b"glTF")
     (house / "viewer.html").write_text("<p>house</p>")
     (house / "textures" / "hall_floor.png").write_bytes(b"png")
