@@ -112,7 +112,9 @@ def test_a_traced_plan_lies_on_its_picture(tmp_path, monkeypatch):
         id="room", types=("Kitchen",), polygon=polygon, number=1, named=True, confidence=0.9
     )
     scale = Scale(0.0125, 0.9, "as given")
-    plan = TracedPlan(picture, frame, (room,), (), scale, 8.0, 1.0, True)
+    plan = TracedPlan(
+        picture, frame, (room,), (), scale, wall_px=8.0, shrunk=1.0, sure=0.9, read=True
+    )
     monkeypatch.setattr("plan2scene.tracing.trace.trace_picture", lambda *_, **__: plan)
     found = opened(tmp_path / "plan.png", "home", None)
     place = found["picture"]
