@@ -3,6 +3,8 @@
     python benchmarks/locate.py RESULTS --synthetic ROOT [--split test] [--masks own truth]
     python benchmarks/locate.py RESULTS --flat FOLDER [--flat FOLDER ...] [--masks own truth]
 
+``--without-rooms`` looks for each photo in all rooms, as for a photo table that names none.
+
 RESULTS (``results/{dataset}``) has the houses' scene.json and masks; only the place is looked for
 anew. ROOT is a synthetic data set with truth (``docs/conventions.md``). A flat's FOLDER, named as
 its house, has ``gt/cameras.csv`` (photo, room_id, yaw_deg, x, y, z; forward is (cos, sin) of the
@@ -24,6 +26,7 @@ from PIL import Image
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.io import read_json
 from plan2scene.photos.camera.calibration import Camera
+from plan2scene.photos.labels.palette import PROBABILITIES, read_probability_png
 from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.likelihood import OPENING
 from plan2scene.photos.locate.pose import LOCATED
@@ -47,7 +50,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Found:
-    """How a photo was found; NaN and 0 where it has no frame."""
+    """How a photo was found; NaN and 0 where it has no frame. Right: room and heading."""
 
     photo: str
     located: float
@@ -83,10 +86,13 @@ def flat_truth(folder: Path) -> Iterator[tuple[str, dict[str, Truth]]]:
     yield folder.name, truths
 
 
-def locate_house(results: Path, name: str, truths: Mapping[str, Truth], kind: str) -> list[Found]:
+def locate_house(
+    results: Path, name: str, truths: Mapping[str, Truth], kind: str, *, rooms_known: bool
+) -> list[Found]:
     """Return how the photos of a house are found by their own masks or the true ones."""
     folder = results / "houses" / name
     house = read_scene_json(folder / "scene.json", name)
+    rooms = tuple(room.id for room in house.rooms)
     cameras = read_json(folder / "masks" / "cameras.json")
     shots = {}
     for photo in sorted(set(truths) & set(cameras)):
@@ -97,13 +103,21 @@ def locate_house(results: Path, name: str, truths: Mapping[str, Truth], kind: st
         if kind == "truth":
             for value, label in truth.values.items():
                 labels = np.where(labels == value, label, labels).astype(np.uint8)
-        shots[photo] = Shot(Camera.from_json(cameras[photo]), labels, (truth.room_id,))
+        probable = folder / "masks" / PROBABILITIES / path.name
+        own = kind == "own" and probable.exists()
+        shots[photo] = Shot(
+            Camera.from_json(cameras[photo]),
+            labels,
+            (truth.room_id,) if rooms_known else rooms,
+            read_probability_png(probable) if own else None,
+        )
     poses = locate_shots(house, shots)
     found = [Found(photo, 0.0, False, float("nan")) for photo in sorted(set(shots) - set(poses))]
     for photo, pose in poses.items():
         ahead, truth = pose.camera.matrix[2], truths[photo]
         off = np.arctan2(ahead[0], ahead[2]) - truth.azimuth
         right = bool(np.abs(np.angle(np.exp(1j * off))) < np.radians(RIGHT_DEG))
+        right &= pose.room_id == truth.room_id
         error = float(np.linalg.norm((pose.eye - np.array(truth.position))[[0, 2]]))
         found.append(Found(photo, pose.located, right, error))
     return found
@@ -130,6 +144,7 @@ def main() -> None:
     parser.add_argument("--split", default="test")
     parser.add_argument("--flat", type=Path, action="append", default=[])
     parser.add_argument("--masks", choices=("own", "truth"), nargs="+", default=["own", "truth"])
+    parser.add_argument("--without-rooms", action="store_true", help="no table of rooms")
     parser.add_argument("--each", action="store_true", help="one line per photo too")
     given = parser.parse_args()
     sets: dict[str, Callable[[], Iterator[tuple[str, dict[str, Truth]]]]] = {}
@@ -151,7 +166,9 @@ def main() -> None:
                 item
                 for house, truths in houses()
                 if (given.results / "houses" / house / "masks").is_dir()
-                for item in locate_house(given.results, house, truths, kind)
+                for item in locate_house(
+                    given.results, house, truths, kind, rooms_known=not given.without_rooms
+                )
             ]
             print(f"| {name} | {kind} | {figures(found, time.process_time() - start)} |")
             for item in sorted(found, key=lambda item: -item.located) if given.each else ():
