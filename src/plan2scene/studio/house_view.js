@@ -88,7 +88,7 @@ export class HouseView {
       running && !run.stages.length ? el("p", { className: "soft" }, "Reading plan and photos\u2026") : null,
       run.stages.length ? el("progress", { value: done, max: run.stages.length, "aria-label": "Stages done" }) : null,
       el("ol", { className: "stages" }, run.stages.map((stage) => el("li", { className: stage.state }, stage.title))),
-      run.warnings?.length ? el("details", {}, el("summary", {}, `${run.warnings.length} warnings`), run.warnings.map((line) => el("p", {}, line))) : null);
+      run.warnings?.length ? el("details", {}, el("summary", {}, `Warnings: ${run.warnings.length}`), run.warnings.map((line) => el("p", {}, line))) : null);
   }
   photoSection() {
     const { photos } = this.app.store.state;
