@@ -29,7 +29,7 @@ _STANDPOINTS = 10  # of the longest lines across a room, compared by what is see
 _LOOK_DOWN = 0.22  # how far below the eye one looks at 1 m
 _SKY, _HORIZON = np.array([0.55, 0.70, 0.95]), np.array([0.90, 0.93, 0.97])
 _BRIGHT = 0.42  # mean linear value that a picture is exposed to, within these factors
-_EXPOSURE = (0.75, 1.5)
+_EXPOSURE = (0.5, 1.5)
 _KNEE = 0.75  # linear value from which highlights are compressed
 
 

@@ -36,6 +36,8 @@ LAMP_SHARE, LAMP_MOST, LAMP_DROP_M = 0.3, 0.8, 0.35
 LAMP_GLOW_M = 1.1
 #: Light that lies in the middle of a house after exposure.
 _MIDDLE = 0.9
+#: Mean light that a room, a balcony has at most.
+_BRIGHTEST = 1.3
 
 
 @dataclass(frozen=True)
@@ -112,6 +114,12 @@ def bake_light(
         known = np.vstack([light, np.median(light, axis=0)]) * reflected
         light = direct + sky + _gathered(known, seen)
     light *= _MIDDLE / max(float(np.median(light.mean(axis=1))), 1e-6)
+    names = np.array([str(chart.part.extras.get("room_id", "")) for chart in charts])
+    owner = names[texels.charts]
+    for room in np.unique(owner):  # eyes get used to a terrace's light
+        mine = owner == room
+        light[mine] *= min(1.0, _BRIGHTEST / max(float(light[mine].mean()), 1e-6))
+    rooms = {room: light[owner == room].mean(axis=0) for room in np.unique(owner)}
     image = np.zeros((*shape, 3), np.float32)
     start = 0
     for chart, (_, inside) in zip(charts, grids, strict=True):
@@ -122,9 +130,6 @@ def bake_light(
             values[:] = np.median(light, axis=0)
         chart.paste(image, _smooth(values, inside) if count else values, inside)
         start += count
-    names = np.array([str(chart.part.extras.get("room_id", "")) for chart in charts])
-    owner = names[texels.charts]
-    rooms = {room: light[owner == room].mean(axis=0) for room in np.unique(owner)}
     return Light(image, {chart.part.name: chart for chart in charts}, rooms)
 
 
