@@ -100,6 +100,8 @@ function listRooms() {
 function setMode(mode) {
   const current = rooms.find((room) => room.button.getAttribute("aria-current") === "true");
   if (mode !== eye.mode) $("ceilings").checked = seen.ceilings = mode === "walk";
+  if (mode === "walk" && eye.mode !== "walk") eye.outside = camera.position.clone();
+  if (mode === "orbit" && eye.mode === "walk") camera.position.copy(eye.outside);
   if (mode === "walk" && eye.mode !== "walk") enter(current || rooms.reduce((a, b) => (b.size > a.size ? b : a)));
   eye.mode = mode;
   eye.field = FIELDS.walk;

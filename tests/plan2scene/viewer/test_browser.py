@@ -226,6 +226,14 @@ def test_keys_walk_and_no_wall_is_passed(view):
     assert np.ptp(x) > 3.4 and np.ptp(z) > 2.4  # and went there
 
 
+def test_who_walked_orbits_again_from_where_he_was(view):
+    outside = view.run("camera.position.toArray()")
+    view.run('$("walk").click(); draw(1); eye.feet.x += 0.5; draw(1)')
+    assert view.run("camera.position.y") == pytest.approx(1.6)
+    view.run('$("orbit").click(); draw(1)')
+    assert view.run("camera.position.toArray()") == pytest.approx(outside)
+
+
 def test_touch_walks_by_the_pad(view):
     view.run('$("walk").click(); eye.yaw = 0; draw(1)')
     start = view.run("eye.feet.z")
