@@ -34,6 +34,8 @@ OPEN_AIR = frozenset({"Outdoor", "Terrace", "Balcony"})
 SURFACES = ("floor", "wall", "ceiling")
 #: Substances in the order of the substance head's logits.
 SUBSTANCES = ("wood", "plaster", "carpet", "tile")
+#: Height in metres of a room whose plan gives none.
+DEFAULT_HEIGHT = 2.8
 #: Kinds of opening. A passage is a door-sized or wider hole without a leaf.
 OPENING_KINDS = ("door", "window", "passage")
 

@@ -11,11 +11,10 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
 from plan2scene.floorplans.openings import Segment, place_openings
 from plan2scene.floorplans.parse import Source
-from plan2scene.house import House, Room
+from plan2scene.house import DEFAULT_HEIGHT, House, Room
 
 FORMAT = "plan2scene-plan"
-#: Height in metres of a room that states none, and thickness of the walls (as in the schema).
-DEFAULT_HEIGHT = 2.8
+#: Thickness in metres of the walls (as in the schema).
 DEFAULT_DEPTH = 0.1
 #: An opening this near (metres) to a wall's line lies on it.
 SNAP_TOLERANCE = 0.2

@@ -13,11 +13,8 @@ from plan2scene.floorplans.geometry import find_doors
 from plan2scene.floorplans.parse import SAME_POINT, Source, parse_json
 from plan2scene.floorplans.scene_frame import upright
 from plan2scene.floorplans.scene_walls import read_walls, room_ids_of
-from plan2scene.house import Door, House, IconBox, PlacedObject, Ring, Room, Wall
+from plan2scene.house import DEFAULT_HEIGHT, Door, House, IconBox, PlacedObject, Ring, Room, Wall
 from plan2scene.io import read_text
-
-#: Room height in metres when neither a ceiling nor a wall tells it.
-DEFAULT_HEIGHT = 2.8
 
 
 def read_scene_json(path: str | Path, house_id: str) -> House:

@@ -23,10 +23,8 @@ from plan2scene.floorplans.drawings.names import room_types
 from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
 from plan2scene.floorplans.openings import Segment, place_openings
 from plan2scene.floorplans.parse import MAX_ROOMS, Source
-from plan2scene.house import House, IconBox, Opening, Point, Ring, Room, Wall
+from plan2scene.house import DEFAULT_HEIGHT, House, IconBox, Opening, Point, Ring, Room, Wall
 
-#: Room height in metres where neither room nor wall tells it.
-DEFAULT_HEIGHT = 2.8
 #: Most openings of a plan.
 MAX_OPENINGS = 2000
 #: Openings whose middles are nearer (metres) are one, seen from both sides of its wall.

@@ -15,7 +15,6 @@ import numpy as np
 
 from plan2scene.floorplans.drawings.areas import HEIGHTS
 from plan2scene.floorplans.drawings.drawing import (
-    DEFAULT_HEIGHT,
     MAX_OPENINGS,
     Drawing,
     DrawnRoom,
@@ -24,7 +23,7 @@ from plan2scene.floorplans.drawings.drawing import (
 )
 from plan2scene.floorplans.openings import Segment
 from plan2scene.floorplans.parse import Source
-from plan2scene.house import House
+from plan2scene.house import DEFAULT_HEIGHT, House
 
 _KINDS = {"doors": "door", "windows": "window", "openings": "passage"}
 
