@@ -76,3 +76,16 @@ def test_three_is_the_release_that_the_lock_names_and_has_its_licence():
     version = lock["packages"]["node_modules/three"]["version"]
     assert f'="{version.split(".")[1]}"' in (FOLDER / "three.min.js").read_text(encoding="utf-8")
     assert "MIT" in (FOLDER / "three.LICENSE.txt").read_text()
+
+
+def test_all_that_the_program_takes_of_three_is_in_its_bundle():
+    bundle = (FOLDER / "three.min.js").read_text(encoding="utf-8")
+    exported = set(re.findall(r"(\w+):\(\)=>", bundle))
+    own = "".join(
+        path.read_text(encoding="utf-8")
+        for path in FOLDER.glob("*.js")
+        if path.name != "three.min.js"
+    )
+    used = set(re.findall(r"\bTHREE\.(\w+)", own))
+    assert "Vector3" in used
+    assert used <= exported

@@ -2,7 +2,9 @@
 export {
   Box3,
   BufferGeometry,
+  DoubleSide,
   Float32BufferAttribute,
+  FrontSide,
   Line3,
   LineBasicMaterial,
   LineSegments,
