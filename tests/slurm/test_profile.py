@@ -1,5 +1,8 @@
 """The shipped profile on a real SLURM: a part of the demo, and jobs that are ended from outside."""
 
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
 from clones import demo_rows, make_clone
 from submit import submit, write_snakefile
 
@@ -20,15 +23,27 @@ THREE = """
 """
 
 
-def test_a_house_is_made_and_a_broken_one_beside_it_is_named(slurm, tmp_path):
-    clone = make_clone(tmp_path / "clone", demo_rows()[:2])
+@pytest.fixture(scope="module")
+def runs(slurm, tmp_path_factory):
+    """The two runs below at once, since both mostly wait for SLURM: folder and finished process."""
+    clone = make_clone(tmp_path_factory.mktemp("houses") / "clone", demo_rows()[:2])
     good, bad = (row["house"] for row in demo_rows()[:2])
     plan = clone.root / "data" / demo_rows()[1]["plan"]
     plan.write_text(plan.read_text()[:200])
-    base = clone.root / "results" / "tiny" / "houses"
-    targets = [f"results/tiny/houses/{good}/crops.parquet", f"results/tiny/houses/{bad}/scene.json"]
+    houses = "results/tiny/houses"
+    targets = [f"{houses}/{good}/crops.parquet", f"{houses}/{bad}/scene.json"]
     library = {"PYTHONPATH": str(clone.root / "src")}
-    run = submit(slurm, clone.root, "--retries", "0", *targets, **library)
+    three = write_snakefile(tmp_path_factory.mktemp("three"), THREE)
+    with ThreadPoolExecutor(2) as pool:
+        made = pool.submit(submit, slurm, clone.root, "--retries", "0", *targets, **library)
+        ended = pool.submit(submit, slurm, three, "--retries", "0", SBATCH_PARTITION="other")
+        return {"houses": (clone.root, made.result()), "three": (three, ended.result())}
+
+
+def test_a_house_is_made_and_a_broken_one_beside_it_is_named(runs):
+    root, run = runs["houses"]
+    good, bad = (row["house"] for row in demo_rows()[:2])
+    base = root / "results" / "tiny" / "houses"
     assert run.returncode == 1
     assert {path.name for path in (base / good).iterdir()} >= {
         "scene.json",
@@ -41,13 +56,12 @@ def test_a_house_is_made_and_a_broken_one_beside_it_is_named(slurm, tmp_path):
     assert run.stdout.count("submitted with SLURM jobid") == 2
 
 
-def test_cancelled_and_too_large_jobs_do_not_hang_the_others(slurm, tmp_path):
-    folder = write_snakefile(tmp_path, THREE)
-    run = submit(slurm, folder, "--retries", "0", SBATCH_PARTITION="other")
+def test_cancelled_and_too_large_jobs_do_not_hang_the_others(runs):
+    folder, run = runs["three"]
     assert run.returncode == 1
-    assert (tmp_path / "fine").read_text() == "other\n"
+    assert (folder / "fine").read_text() == "other\n"
     assert "SLURM status is: 'CANCELLED'" in run.stdout, run.stdout[-3000:]
     # Without control groups the state is FAILED, and SLURM's own line says why.
     assert "exceeded memory limit" in run.stdout, run.stdout[-3000:]
-    assert not (tmp_path / "cancelled").exists()
-    assert not (tmp_path / "large").exists()
+    assert not (folder / "cancelled").exists()
+    assert not (folder / "large").exists()

@@ -74,7 +74,10 @@ def test_the_configuration_may_name_it(toy):
     ("key", "value"),
     [
         ("methods", ["magic"]),
-        ("house", {"method": "magic", "surfaces": "maps", "colours": "photo"}),
+        (
+            "house",
+            {"method": "magic", "surfaces": "maps", "colours": "photo", "objects": True},
+        ),
         ("study", {"houses": 1, "pairs": [["magic", "crop"]], "answers": None}),
     ],
 )

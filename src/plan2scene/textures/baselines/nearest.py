@@ -63,7 +63,9 @@ class Crop:
         key = SurfaceKey(row.room_id, row.surface)
         detail, window = getattr(row, "detail", b""), getattr(row, "window", (math.nan,) * 4)
         sizes = float(row.metres), float(row.sharpness)
-        return cls(row.crop_id, key, row.png, *sizes, detail, tuple(map(float, window)))
+        # Crops that were made elsewhere have no window: NaN, which Parquet holds as null.
+        window = tuple(math.nan if side is None else float(side) for side in window)
+        return cls(row.crop_id, key, row.png, *sizes, detail, window)
 
     def image(self) -> np.ndarray:
         """Return the pixels, (128, 128, 3) uint8 sRGB."""
