@@ -90,11 +90,13 @@ def shown_colours(
     seen_of, one_light = visible_colours(colours, hidden_photos)
     for key, seen in seen_of.items():
         place = _place(key, room_ids)
-        weights = [weight for _, weight, _ in seen]
-        linear[place] = usual_colour([shares for *_, shares in seen], weights)
         of_photo: dict[str, float] = {}
         for photo, weight, _ in seen:
             of_photo[photo] = of_photo.get(photo, 0.0) + weight
+        # What one photo shows has one light and place, right or wrong: photos count by the root
+        # of what they show, so that one with much of it does not outvote two.
+        weights = [weight / of_photo[photo] ** 0.5 for photo, weight, _ in seen]
+        linear[place] = usual_colour([shares for *_, shares in seen], weights)
         photos[place] = sum(min(1.0, weight / WHOLE) for weight in of_photo.values())
     numbers = np.arange(photos.size).reshape(shape)
     first: dict[str, int] = {}

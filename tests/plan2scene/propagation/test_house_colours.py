@@ -1,10 +1,17 @@
 """Colours of surfaces from all that is seen of a house."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from plan2scene.colour import from_log_axes, linear_to_srgb, log_axes
-from plan2scene.propagation.house_colours import Shown, expected_colours, usual_colour
+from plan2scene.io import write_parquet
+from plan2scene.propagation.house_colours import (
+    Shown,
+    expected_colours,
+    shown_colours,
+    usual_colour,
+)
 
 GREY = np.full((4, 3, 3), 0.5)
 
@@ -69,3 +76,16 @@ def test_as_if_unseen_is_what_is_expected_without_it():
         alone = expected_colours(every.but(place), GREY)
         np.testing.assert_allclose(out[place], alone[place], atol=1e-9)
     np.testing.assert_allclose(expected_colours(shown(), GREY), GREY, atol=1e-9)
+
+
+def test_one_photo_with_much_of_a_surface_does_not_outvote_two(tmp_path):
+    def row(photo: str, weight: float, grey: float) -> dict:
+        place = {"photo": photo, "room_id": "hall", "surface": "floor", "plane": 0, "own": True}
+        return {**place, "weight": weight, "colours": np.full(96, grey, np.float32).tolist()}
+
+    rows = [row("a.jpg", 0.02, 0.1), row("b.jpg", 0.02, 0.12), row("door.jpg", 0.06, 0.7)]
+    write_parquet(tmp_path / "colours.parquet", pd.DataFrame(rows), {"colours": "photo"})
+    found = shown_colours(tmp_path / "colours.parquet", set(), ["hall"], {})
+    assert 0.1 <= found.colours[0, 0].mean() <= 0.12
+    alone = shown_colours(tmp_path / "colours.parquet", {"a.jpg"}, ["hall"], {})
+    assert alone.colours[0, 0] == pytest.approx(np.full(3, 0.7), abs=1e-6)
