@@ -28,6 +28,14 @@ class Colours(StrEnum):
 
 
 _HouseId = Annotated[str | None, typer.Option(help="House id; default: the plan's name.")]
+_Layers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--dxf-layer",
+        metavar="KIND=PATTERN",
+        help="Layers of a DXF drawing: a regular expression for rooms, walls, doors or windows.",
+    ),
+]
 _Scale = Annotated[float | None, typer.Option(min=1e-6, help="Metres of a pixel or drawing unit.")]
 
 
@@ -39,6 +47,13 @@ def _house_id(plan: Path, given: str | None) -> str:
     if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", name):
         raise InputError("a house id of letters, digits, '_', '.', '-'", repr(name))
     return name
+
+
+def _layers(pairs: list[str] | None) -> dict[str, str]:
+    """Return the patterns of DXF layers by kind."""
+    from plan2scene.floorplans.drawings.dxf import layers_of
+
+    return layers_of(pairs or ())
 
 
 @app.command("run")
@@ -56,6 +71,7 @@ def run_house(
     cores: Annotated[int, typer.Option(min=1)] = 2,
     house: _HouseId = None,
     metres_per_pixel: _Scale = None,
+    dxf_layer: _Layers = None,
     texture_size: Annotated[int, typer.Option(help="128, 256 or 512 pixels a tile.")] = 128,
     seed: Annotated[int, typer.Option(min=0)] = 0,
     colours: Annotated[
@@ -81,6 +97,7 @@ def run_house(
         seed=seed,
         texture_size=texture_size,
         colours=colours.value,
+        dxf_layers=_layers(dxf_layer),
     )
     for name, path in run(request, out, cores=cores, shown=shown).items():
         print(f"{name}: {path}")
@@ -90,16 +107,19 @@ def run_house(
 def check(
     target: Annotated[Path, typer.Argument(help="A data set's folder, or a plan.")],
     metres_per_pixel: _Scale = None,
+    dxf_layer: _Layers = None,
 ) -> None:
     """Tell what would go wrong, before anything runs."""
     from plan2scene.datasets.check import check_dataset, check_plan
 
+    layers = _layers(dxf_layer)
+
     if not target.exists():
         raise InputError("a data set's folder or a plan", "no such file or folder", file=target)
     if target.is_dir():
-        problems = check_dataset(target, metres_per_pixel=metres_per_pixel)
+        problems = check_dataset(target, metres_per_pixel=metres_per_pixel, dxf_layers=layers)
     else:
-        house, problems = check_plan(target, _house_id(target, None), metres_per_pixel)
+        house, problems = check_plan(target, _house_id(target, None), metres_per_pixel, layers)
         if house is not None:
             print(f"{len(house.rooms)} rooms, {len(house.walls)} walls, {len(house.doors)} doors")
     for problem in problems:
@@ -114,6 +134,7 @@ def import_plan_file(
     plan: Path,
     out: Annotated[Path, typer.Option(help="The scene.json to write.")],
     metres_per_pixel: _Scale = None,
+    dxf_layer: _Layers = None,
     house: _HouseId = None,
 ) -> None:
     """Convert any supported plan to scene.json."""
@@ -121,7 +142,13 @@ def import_plan_file(
     from plan2scene.io import keep_inputs
 
     keep_inputs(out, [plan])
-    import_plan(plan, out, house_id=_house_id(plan, house), metres_per_pixel=metres_per_pixel)
+    import_plan(
+        plan,
+        out,
+        house_id=_house_id(plan, house),
+        metres_per_pixel=metres_per_pixel,
+        dxf_layers=_layers(dxf_layer),
+    )
     print(out)
 
 
@@ -132,6 +159,7 @@ def edit_plan(
     ] = None,
     out: Annotated[Path, typer.Option(help="The page (HTML) to write.")] = Path("editor.html"),
     metres_per_pixel: _Scale = None,
+    dxf_layer: _Layers = None,
     house: _HouseId = None,
     trace: Annotated[bool, typer.Option(help="Trace a picture, to mend what is read.")] = True,
 ) -> None:
@@ -141,7 +169,14 @@ def edit_plan(
 
     keep_inputs(out, [source] if source else [])
     name = _house_id(source or Path("my_home"), house)
-    write_editor(source, out, house_id=name, metres_per_pixel=metres_per_pixel, trace=trace)
+    write_editor(
+        source,
+        out,
+        house_id=name,
+        metres_per_pixel=metres_per_pixel,
+        dxf_layers=_layers(dxf_layer),
+        trace=trace,
+    )
     print(out)
 
 

@@ -7,6 +7,7 @@ import logging
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -59,6 +60,7 @@ class SingleHouse:
     seed: int
     texture_size: int
     colours: str = "photo"
+    dxf_layers: Mapping[str, str] | None = None
 
 
 def is_picture(request: SingleHouse) -> bool:
@@ -80,7 +82,7 @@ def read_input(request: SingleHouse) -> list[str]:
     if is_picture(request):
         _check_picture(request)
         return []
-    house = read_plan(request.plan, request.house, request.metres_per_pixel)
+    house = read_plan(request.plan, request.house, request.metres_per_pixel, request.dxf_layers)
     for line in validate_house(house, file=request.plan):
         _LOG.warning("%s", line)
     if request.photo_table is None:
@@ -157,6 +159,7 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     config["drops"] = [0.0]
     config["house"] |= {"method": request.method, "colours": request.colours}
     config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
+    config["floorplans"]["dxf_layers"] = dict(request.dxf_layers or {}) or None
     config["textures"]["size_px"] = request.texture_size
     path = work / "config.yaml"
     write_text(path, yaml.safe_dump(config, sort_keys=False))

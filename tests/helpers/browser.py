@@ -58,6 +58,17 @@ class Drawing:
         for key in keys:
             self.page.keyboard.press(key)
 
+    def two_rooms(self):
+        """Draw a room of 5 x 3 m by dragging, divide it by a wall, put a door into that."""
+        self.press("r")
+        self.drag((0, 0), (5, 3))
+        self.press("w")
+        self.click(3, 0)
+        self.click(3, 3)
+        self.press("d")
+        self.click(3, 1.5)
+        self.press("v")
+
     @property
     def plan(self):
         return self.page.evaluate("editor.store.plan")

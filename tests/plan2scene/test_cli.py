@@ -1,6 +1,7 @@
 """The command line: what each command writes, and one line for each mistake."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -178,3 +179,55 @@ def test_run_without_any_photo_that_can_be_read_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"none of 2; the first: .* no such file, but a\.JPG"):
         call("run", "--plan", PLAN, "--photos", table, "--out", out)
     assert not out.exists()
+
+
+@pytest.fixture
+def strange_layers(tmp_path):
+    """A drawing in metres of one room whose layer no usual pattern knows."""
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 6
+    ring = [(0, 0), (4, 0), (4, 3), (0, 3)]
+    document.modelspace().add_lwpolyline(ring, close=True, dxfattribs={"layer": "POLY-7"})
+    document.saveas(tmp_path / "flat.dxf")
+    return tmp_path / "flat.dxf"
+
+
+def test_dxf_layers_by_the_command_line(strange_layers, tmp_path):
+    layer, out = ("--dxf-layer", "rooms=^poly"), tmp_path / "scene.json"
+    code, output = call("check", strange_layers)
+    assert code == 1 and "rooms, or walls that close some" in output
+    code, output = call("check", strange_layers, *layer)
+    assert code == 0 and "1 rooms, 4 walls" in output
+    call("import", strange_layers, *layer, "--out", out)
+    assert len(read_plan(out, "flat").rooms) == 1
+    call("edit", strange_layers, *layer, "--out", tmp_path / "editor.html")
+    assert '"polygon": [[0.0, 0.0]' in (tmp_path / "editor.html").read_text()
+    for wrong in ("roofs=^poly", "rooms", "rooms=(", "rooms="):
+        with pytest.raises(InputError) as caught:
+            call("import", strange_layers, "--dxf-layer", wrong, "--out", out)
+        assert "\n" not in str(caught.value)
+
+
+def test_dxf_layers_reach_the_workflow(strange_layers, tmp_path):
+    import yaml
+
+    from plan2scene.run import SingleHouse, prepare, read_input
+
+    plain = SingleHouse(strange_layers, None, None, "flat", "exemplar", None, 0, 128)
+    with pytest.raises(InputError, match="rooms, or walls that close some"):
+        read_input(plain)
+    request = replace(plain, dxf_layers={"rooms": "^poly"})
+    assert read_input(request) == []
+    config = yaml.safe_load(prepare(request, [], tmp_path / "work").read_text())
+    assert config["floorplans"]["dxf_layers"] == {"rooms": "^poly"}
+
+
+def test_check_tells_of_a_picture_that_it_is_traced(tmp_path):
+    Image.fromarray(np.full((200, 300, 3), 180, np.uint8)).save(tmp_path / "plan.png")
+    code, output = call("check", tmp_path / "plan.png")
+    assert code == 0
+    assert "plan2scene trace" in output and output.splitlines()[-1] == "1 problems"
+    (tmp_path / "cut.png").write_bytes((tmp_path / "plan.png").read_bytes()[:60])
+    code, output = call("check", tmp_path / "cut.png")
+    assert code == 1 and "error: file" in output

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +12,13 @@ from plan2scene.datasets.copy_check import missing_parts
 from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
-from plan2scene.floorplans import add_object_boxes, house_faults, read_plan, validate_house
+from plan2scene.floorplans import (
+    PlanFile,
+    add_object_boxes,
+    house_faults,
+    read_plan,
+    validate_house,
+)
 from plan2scene.floorplans.plausible import name_oddities
 from plan2scene.house import House
 from plan2scene.image_modes import check_reducible
@@ -42,11 +48,22 @@ def _warnings(lines: Iterable[str]) -> list[Problem]:
 
 
 def check_plan(
-    path: str | Path, house_id: str, metres_per_pixel: float | None = None
+    path: str | Path,
+    house_id: str,
+    metres_per_pixel: float | None = None,
+    dxf_layers: Mapping[str, str] | None = None,
 ) -> tuple[House | None, list[Problem]]:
-    """Return the house of a plan (None when it has a fault) and every problem found."""
+    """Return the house of a plan (None when it has a fault) and every problem found.
+
+    Of a plan that is a picture there is no house before it is traced.
+    """
+    plan = PlanFile(Path(path), house_id)
     try:
-        house = read_plan(path, house_id, metres_per_pixel)
+        if plan.path.is_file() and plan.is_picture:
+            decode_image(path, _verified_format, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS)
+            expected = "a plan with rooms (plan2scene trace shows what is read of a picture)"
+            return None, _warnings([str(plan.fault(expected, plan.binary))])
+        house = read_plan(path, house_id, metres_per_pixel, dxf_layers)
         faults = [Problem("error", str(fault)) for fault in house_faults(house, file=path)]
         if faults:
             return None, [*_warnings(house.warnings), *faults]
@@ -56,7 +73,11 @@ def check_plan(
 
 
 def check_dataset(
-    root: str | Path, *, table: str = "houses.tsv", metres_per_pixel: float | None = None
+    root: str | Path,
+    *,
+    table: str = "houses.tsv",
+    metres_per_pixel: float | None = None,
+    dxf_layers: Mapping[str, str] | None = None,
 ) -> list[Problem]:
     """Return the problems of a data set (docs/conventions.md): table, plans, assignments, photos.
 
@@ -89,7 +110,8 @@ def check_dataset(
     checked: set[str] = set()
     for row in rows:
         known |= set(row["photos"].split("|"))
-        problems += _check_house(layout, layout.data / table, row, metres_per_pixel, checked)
+        plan = check_plan(layout.root / row["plan"], row["house"], metres_per_pixel, dxf_layers)
+        problems += _check_house(layout, layout.data / table, row, plan, checked)
     problems += _check_unobserved(layout.unobserved, known)
     return problems
 
@@ -98,13 +120,16 @@ def _check_house(
     layout: Layout,
     table: Path,
     row: dict[str, str],
-    metres_per_pixel: float | None,
+    plan: tuple[House | None, list[Problem]],
     checked: set[str],
 ) -> Iterator[Problem]:
-    """Yield the problems of one house; photos in `checked` were opened for another house."""
+    """Yield the problems of one house, those of its `plan` first.
+
+    Photos in `checked` were opened for another house.
+    """
     house_id = row["house"]
     names = {name for name in row["photos"].split("|") if name}
-    house, problems = check_plan(layout.root / row["plan"], house_id, metres_per_pixel)
+    house, problems = plan
     yield from problems
     if house is not None and (boxes := layout.object_boxes(row["split"], house_id)).is_file():
         yield from _warnings(add_object_boxes(house, boxes)[1])

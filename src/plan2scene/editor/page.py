@@ -7,7 +7,7 @@ import hashlib
 import html
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from graphlib import TopologicalSorter
 from pathlib import Path
 from string import Template
@@ -40,6 +40,7 @@ def write_editor(
     *,
     house_id: str,
     metres_per_pixel: float | None = None,
+    dxf_layers: Mapping[str, str] | None = None,
     trace: bool = True,
 ) -> None:
     """Write the page that edits a plan of any format, draws over a picture, or starts empty.
@@ -54,6 +55,8 @@ def write_editor(
         Shown as the title.
     metres_per_pixel : float, optional
         Scale of a picture, or of a plan in pixels.
+    dxf_layers : mapping of str to str, optional
+        Layers of a DXF drawing (docs/floorplans.md).
     trace : bool
         Whether a picture is traced: what is read of it is drawn over it, to be mended.
     """
@@ -61,19 +64,24 @@ def write_editor(
         raise InputError("an --out that is no other file", "a file of yours", file=output)
     start: dict[str, Any] = {"house": house_id}
     if source is not None:
-        start |= opened(source, house_id, metres_per_pixel, trace=trace)
+        start |= opened(source, house_id, metres_per_pixel, dxf_layers, trace=trace)
     with atomic_path(output) as temporary:
         temporary.write_text(editor_page(start), encoding="utf-8")
 
 
 def opened(
-    source: Path, house_id: str, metres_per_pixel: float | None, *, trace: bool = True
+    source: Path,
+    house_id: str,
+    metres_per_pixel: float | None = None,
+    dxf_layers: Mapping[str, str] | None = None,
+    *,
+    trace: bool = True,
 ) -> dict[str, Any]:
     """Return what the page starts with: ``plan``, ``picture``, ``notes`` (warnings, doubts)."""
     if not source.is_file():
         raise InputError("a plan or a picture of one", "no such file", file=source)
     if not PlanFile(source, house_id).is_picture:
-        house = read_plan(source, house_id, metres_per_pixel)
+        house = read_plan(source, house_id, metres_per_pixel, dxf_layers)
         return {"plan": house_to_plan(house), "notes": validate_house(house, file=source.name)}
     if trace:
         try:

@@ -196,7 +196,7 @@ def _opened(project: Project, content: bytes) -> dict[str, Any]:
         file = Path(folder) / "plan"
         file.write_bytes(content)
         try:
-            found = opened(file, project.name, None)
+            found = opened(file, project.name)
         except InputError as error:
             raise InputError(error.expected, error.found) from None
     if "picture" in found:

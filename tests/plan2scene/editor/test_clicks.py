@@ -49,14 +49,8 @@ def drop_file(drawing, at, name):
 
 
 def two_rooms(drawing):
-    """Draw a room of 5 x 3 m by dragging, divide it by a wall, put in a door and a window."""
-    drawing.press("r")
-    drawing.drag((0, 0), (5, 3))
-    drawing.press("w")
-    drawing.click(3, 0)
-    drawing.click(3, 3)
-    drawing.press("d")
-    drawing.click(3, 1.5)
+    """Draw two rooms with a door between them and a window."""
+    drawing.two_rooms()
     drawing.press("n")
     drawing.click(1.5, 0)
     drawing.press("v")

@@ -94,7 +94,7 @@ def test_a_picture_lies_underneath(given, tmp_path):
 
 def test_what_is_no_plan_is_a_picture_with_a_line(tmp_path):
     Image.new("L", (600, 300), 255).save(tmp_path / "plan.png")
-    found = opened(tmp_path / "plan.png", "home", None)
+    found = opened(tmp_path / "plan.png", "home")
     assert found["picture"]["width"] == 600
     assert found["notes"] == ["not traced: expected a picture of a floorplan, found an empty page"]
 
@@ -116,7 +116,7 @@ def test_a_traced_plan_lies_on_its_picture(tmp_path, monkeypatch):
         picture, frame, (room,), (), scale, wall_px=8.0, shrunk=1.0, sure=0.9, read=True
     )
     monkeypatch.setattr("plan2scene.tracing.trace.trace_picture", lambda *_, **__: plan)
-    found = opened(tmp_path / "plan.png", "home", None)
+    found = opened(tmp_path / "plan.png", "home")
     place = found["picture"]
     shown = np.asarray(Image.open(io.BytesIO(picture_bytes(place))).convert("L"))
     corners = np.array(found["plan"]["rooms"][0]["polygon"])

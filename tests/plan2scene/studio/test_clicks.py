@@ -57,14 +57,7 @@ def home_of(studio, drawing):
 
 
 def two_rooms(drawing):
-    drawing.press("r")
-    drawing.drag((0, 0), (5, 3))
-    drawing.press("w")
-    drawing.click(3, 0)
-    drawing.click(3, 3)
-    drawing.press("d")
-    drawing.click(3, 1.5)
-    drawing.press("v")
+    drawing.two_rooms()
     drawing.page.wait_for_function("() => !house.host.pending")
 
 

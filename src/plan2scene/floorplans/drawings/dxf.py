@@ -16,6 +16,7 @@ import numpy as np
 from shapely.affinity import affine_transform
 from shapely.geometry import LineString, Point, Polygon
 
+from plan2scene.errors import InputError
 from plan2scene.floorplans.drawings.areas import NearestAxis, axis_of_area
 from plan2scene.floorplans.drawings.axes import MAX_AXES, WallAxis
 from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom, house_of_drawing
@@ -43,6 +44,18 @@ WIDTHS = (0.4, 6.0)
 #: A closed outline that fills less of the rectangle around it is no wall's body.
 RECTANGLE = 0.85
 _HEAD = re.compile(rb"\s*(?:999\s*\r?\n[^\n]*\n\s*)*0\s*\r?\n\s*SECTION\b")
+
+
+def layers_of(pairs: Sequence[str]) -> dict[str, str]:
+    """Return the patterns of ``KIND=PATTERN`` lines, as `house_of_dxf` takes them."""
+    found: dict[str, str] = {}
+    for pair in pairs:
+        kind, _, pattern = pair.partition("=")
+        if kind not in LAYERS or not pattern:
+            expected = f"a DXF layer as KIND=PATTERN, KIND one of {', '.join(LAYERS)}"
+            raise InputError(expected, repr(pair))
+        found[kind] = pattern
+    return found
 
 
 def is_dxf(head: bytes) -> bool:
