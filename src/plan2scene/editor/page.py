@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import base64
-import hashlib
-import html
-import json
 import re
 from collections.abc import Mapping, Sequence
 from graphlib import TopologicalSorter
 from pathlib import Path
-from string import Template
 from typing import Any
 
 import numpy as np
@@ -19,6 +15,7 @@ from plan2scene.editor.rules import page_rules
 from plan2scene.errors import InputError
 from plan2scene.floorplans import PlanFile, read_plan, validate_house
 from plan2scene.floorplans.plan_writer import house_to_plan
+from plan2scene.html_page import html_page, inline_json, source_hash
 from plan2scene.image_modes import to_small_srgb
 from plan2scene.images import decode_image, png_bytes
 from plan2scene.io import atomic_path
@@ -30,7 +27,7 @@ PICTURE_SIDE = 2400
 #: What to do about a scale that is a guess.
 _BY_HAND = "press S and click two points whose distance you know"
 #: What pages begin with, so that no other file is overwritten.
-_MARK = b'<meta name="generator" content="plan2scene edit">'
+_MAKER = "plan2scene edit"
 _IMPORT = re.compile(r'^import (?:\{[^}]*\} from )?"\./(\w+)\.js";\n', re.MULTILINE)
 
 
@@ -60,7 +57,7 @@ def write_editor(
     trace : bool
         Whether a picture is traced: what is read of it is drawn over it, to be mended.
     """
-    if output.is_file() and _MARK not in output.read_bytes()[:2000]:
+    if output.is_file() and f'content="{_MAKER}"'.encode() not in output.read_bytes()[:2000]:
         raise InputError("an --out that is no other file", "a file of yours", file=output)
     start: dict[str, Any] = {"house": house_id}
     if source is not None:
@@ -153,10 +150,12 @@ def editor_page(start: dict[str, Any]) -> str:
         f"default-src 'none'; script-src {source_hash(program)}; style-src {source_hash(style)}; "
         "img-src data: blob:; form-action 'none'; base-uri 'none'"
     )
-    return Template((FOLDER / "editor.html").read_text("utf-8")).substitute(
-        title=html.escape(str(start["house"])),
-        policy=policy,
+    return html_page(
+        FOLDER / "editor.html",
+        title=str(start["house"]),
         style=style,
+        policy=policy,
+        maker=_MAKER,
         rules=inline_json(page_rules()),
         start=inline_json(start),
         program=program,
@@ -181,13 +180,3 @@ def joined_program(entry: str, folders: Sequence[Path] = (FOLDER,)) -> str:
             texts[name] = re.sub(r"^export (?=\w)", "", _IMPORT.sub("", text), flags=re.MULTILINE)
             queue += needs[name]
     return "\n".join(texts[name] for name in TopologicalSorter(needs).static_order())
-
-
-def inline_json(value: object) -> str:
-    """Return JSON that stands in a script element: no ``<`` that could end it."""
-    return json.dumps(value).replace("<", "\\u003c")
-
-
-def source_hash(text: str) -> str:
-    """Return the source expression of a content policy that allows this text alone."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"

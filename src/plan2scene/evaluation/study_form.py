@@ -12,12 +12,12 @@ import hashlib
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from string import Template
 
+from plan2scene.html_page import html_page, inline_json, source_hash
 from plan2scene.io import read_json, write_csv, write_text
 from plan2scene.seeds import generator
 
-_TEMPLATE = Path(__file__).with_name("study_form.html")
+_BODY = Path(__file__).with_name("study_form.html")
 
 
 def study_houses(houses: Sequence[str], count: int, *, seed: int) -> list[str]:
@@ -76,8 +76,18 @@ def write_study(
         question = {"id": item["question"], "plan": plan, "photos": shown}
         asked.append(question | {"left": left, "right": right})
     images = [base64.b64encode(path.read_bytes()).decode() for path in places]
-    data = json.dumps({"form": questions[0]["form"], "questions": asked, "images": images})
-    page = Template(_TEMPLATE.read_text(encoding="utf-8"))
-    text = page.substitute(count=len(questions), data=data.replace("<", "\\u003c"))
-    write_text(output_form, text)
+    style, program = (
+        _BODY.with_suffix(suffix).read_text(encoding="utf-8") for suffix in (".css", ".js")
+    )
+    page = html_page(
+        _BODY,
+        title="Which house fits better?",
+        style=style,
+        policy=f"default-src 'none'; img-src data:; style-src {source_hash(style)}; "
+        f"script-src {source_hash(program)}",
+        count=str(len(questions)),
+        data=inline_json({"form": questions[0]["form"], "questions": asked, "images": images}),
+        program=program,
+    )
+    write_text(output_form, page)
     write_csv(output_key, pd.DataFrame(questions))

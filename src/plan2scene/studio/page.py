@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import html
 from pathlib import Path
-from string import Template
 from typing import Any
 
 from plan2scene.editor.page import FOLDER as EDITOR
-from plan2scene.editor.page import inline_json, joined_program, source_hash
+from plan2scene.editor.page import joined_program
 from plan2scene.editor.rules import page_rules
 from plan2scene.exports.registry import EXPORTS
+from plan2scene.html_page import html_page, inline_json, source_hash
 from plan2scene.run import TEXTURE_SIZES
 from plan2scene.textures.methods import METHODS
 
@@ -39,8 +38,9 @@ def _filled(
 ) -> tuple[str, str]:
     program = joined_program(entry, (_FOLDER, EDITOR))
     style = (EDITOR / "editor.css").read_text("utf-8") + (_FOLDER / "studio.css").read_text("utf-8")
-    page = Template((_FOLDER / name).read_text("utf-8")).substitute(
-        title=html.escape(title),
+    page = html_page(
+        _FOLDER / name,
+        title=title,
         style=style,
         tools=tools,
         rules=inline_json(rules),

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import base64
 import gzip
-import hashlib
-import html
-import json
 from collections.abc import Mapping
 from pathlib import Path
-from string import Template
 from typing import Any
 
 from plan2scene.errors import InputError
+from plan2scene.html_page import html_page, inline_json, source_hash
 from plan2scene.io import atomic_path
 
 _FOLDER = Path(__file__).parent
@@ -55,15 +52,20 @@ def build_viewer(
         raise InputError("a GLB file", f"bytes {data[:4]!r}", file=glb, house=house_id)
     style = _text("viewer.css")
     library = _text("three.min.js")
-    program = "\n".join(_text(f"{name}") for name in PROGRAM)
-    page = Template(_text("viewer.html")).substitute(
-        title=html.escape(house_id),
-        styles=_hash(style),
-        scripts=f"{_hash(library)} {_hash(program)}",
+    program = "\n".join(_text(name) for name in PROGRAM)
+    scripts = f"{source_hash(library)} {source_hash(program)}"
+    policy = (
+        f"default-src 'none'; script-src {scripts}; style-src {source_hash(style)}; "
+        "img-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
+    page = html_page(
+        _FOLDER / "viewer.html",
+        title=house_id,
         style=style,
+        policy=policy,
         library=library,
         program=program,
-        facts=_json(facts),
+        facts=inline_json(facts),
         glb=base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii"),
     )
     with atomic_path(output) as temporary:
@@ -73,15 +75,3 @@ def build_viewer(
 def _text(name: str) -> str:
     """Return a file of this package."""
     return (_FOLDER / name).read_text(encoding="utf-8")
-
-
-def _hash(text: str) -> str:
-    """Return a script's or style's source expression for the content policy."""
-    digest = hashlib.sha256(text.encode("utf-8")).digest()
-    return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
-
-
-def _json(value: Mapping[str, Any]) -> str:
-    """Return JSON that can't end the script element it stands in."""
-    text = json.dumps(value, separators=(",", ":"), sort_keys=True)
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

@@ -8,11 +8,11 @@ import io
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from string import Template
 from urllib.parse import quote
 
 from plan2scene.floorplans import read_scene_json
 from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.html_page import html_page, source_hash
 from plan2scene.io import atomic_path, read_text
 
 _FOLDER = Path(__file__).parent
@@ -49,11 +49,13 @@ def write_index(
         Shown on the page.
     """
     base = Path(output).parent
-    template = Template((_FOLDER / "index.html").read_text(encoding="utf-8"))
-    page = template.substitute(
-        dataset=html.escape(dataset),
+    style = (_FOLDER / "index.css").read_text(encoding="utf-8")
+    page = html_page(
+        _FOLDER / "index.html",
+        title=dataset,
+        style=style,
+        policy=f"default-src 'none'; style-src {source_hash(style)}; img-src 'self' data: file:",
         method=html.escape(method),
-        style=(_FOLDER / "index.css").read_text(encoding="utf-8"),
         houses="\n".join(_card(Path(scene), base) for scene in scenes),
         table=_table(table),
         table_link=_link(Path(table), base),
