@@ -75,6 +75,7 @@ rule lit_house:
     resources:
         mem_mb=2000,
     params:
+        objects=config["house"]["objects"],
         code=code_hash("mesh.lit"),
     script:
         "../scripts/lit_house.py"

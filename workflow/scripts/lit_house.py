@@ -9,4 +9,5 @@ with job(snakemake.log[0]):
         snakemake.input.textures,
         snakemake.output[0],
         house_id=snakemake.wildcards.house,
+        objects=snakemake.params.objects,
     )

@@ -36,18 +36,23 @@ _BAND = 512  # rows that are worked on at once
 
 
 def build_lit_house(
-    scene_json: str | Path, textures_dir: str | Path, glb: str | Path, *, house_id: str
+    scene_json: str | Path,
+    textures_dir: str | Path,
+    glb: str | Path,
+    *,
+    house_id: str,
+    objects: bool = True,
 ) -> None:
     """Write a house with baked light as GLB.
 
     Parameters
     ----------
-    scene_json, textures_dir : path
+    scene_json, textures_dir, house_id, objects
         As of :func:`plan2scene.mesh.build.build_house`.
     glb : path
-    house_id : str
     """
     house = read_scene_json(scene_json, house_id)
+    house = house if objects else replace(house, icons=())
     textures, parts = load_textures(textures_dir, house), build_parts(house)
     light = bake_light(house, parts, mean_colours(textures), TEXEL_M)
     if light is None:
