@@ -22,7 +22,7 @@ from plan2scene.exports.simulator import CATEGORIES
 from plan2scene.exports.solids import Solid, house_solids
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, atomic_path
-from plan2scene.mesh.glb import GLASS
+from plan2scene.mesh.glb import GLASS, roughness
 from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.textures import UNTEXTURED, TileTexture
@@ -165,8 +165,7 @@ class _Stage:
         shader = UsdShade.Shader.Define(self.stage, f"{path}/surface")
         shader.CreateIdAttr("UsdPreviewSurface")
         shader.CreateInput("metallic", Sdf.ValueTypeNames.Float).Set(0.0)
-        rough = 0.1 if part.material == "glass" else 0.9
-        shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(rough)
+        shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(roughness(part, tile))
         material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
         colour = shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
         if part.material == "glass":

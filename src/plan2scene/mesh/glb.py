@@ -113,14 +113,20 @@ class _File:
         file.write(self.data)
 
 
+def roughness(part: MeshPart, tile: TileTexture | None) -> float:
+    """Return the roughness of a part's material, 0 (a mirror) to 1."""
+    if part.material == "glass":
+        return 0.1
+    return 1.0 if tile is None else ROUGHNESS.get(tile.substance or "", 1.0)
+
+
 def _material(part: MeshPart, tile: TileTexture | None, shade: _File | None) -> PBRMaterial:
     """Return a part's material; `_finish` sets its plain colour."""
     glass = part.material == "glass"
-    rough = 1.0 if tile is None else ROUGHNESS.get(tile.substance or "", 1.0)
     return PBRMaterial(
         name=part.material if part.surface is None else part.surface.filename,
         metallicFactor=0.0,
-        roughnessFactor=0.1 if glass else rough,
+        roughnessFactor=roughness(part, tile),
         alphaMode="BLEND" if glass else None,
         doubleSided=glass,
         baseColorTexture=None if tile is None else _File(tile.image),

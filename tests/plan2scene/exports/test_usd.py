@@ -5,6 +5,7 @@ import pytest
 
 from plan2scene.exports.usd import prim_name, write_usd
 from plan2scene.mesh import build_parts
+from plan2scene.mesh.glb import ROUGHNESS
 
 pxr = pytest.importorskip("pxr")
 from pxr import Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation  # noqa: E402
@@ -63,6 +64,12 @@ def test_collision_and_labels(folder):
     assert labels["a/floor"] == ["floor"]
     assert labels["a/door/ha"] == ["door"]
     assert all(labels.values())
+
+
+def test_surfaces_are_as_rough_as_in_the_glb(folder):
+    stage = Usd.Stage.Open(str(folder / "house.usdc"))
+    shader = UsdShade.Shader.Get(stage, "/house/materials/a_floor/surface")
+    assert shader.GetInput("roughness").Get() == pytest.approx(ROUGHNESS["tile"])
 
 
 def test_same_house_same_bytes(folder, gap_house, paint, tmp_path_factory):
