@@ -82,6 +82,20 @@ def test_temperature_changes_confidence_alone() -> None:
     assert (confidence_of(sharp, (48, 64)) > confidence_of(soft, (48, 64))).all()
 
 
+def test_logits_are_adjusted_by_label_before_the_temperature(tmp_path: Path) -> None:
+    network = _tiny()
+    plain = Segmenter(network).logits(_photo(48, 64), None)
+    adjusted = {**network.architecture, "temperature": 2.0, "logit_adjustment": [0, 0, 0.5, 0]}
+    save_model_file(tmp_path / "m.safetensors", network.state_dict(), adjusted, half=False)
+    found = load_segmenter(tmp_path / "m.safetensors").logits(_photo(48, 64), None)
+    assert np.allclose(2 * found - plain, np.array([0, 0, 0.5, 0])[:, None, None], atol=1e-5)
+    save_model_file(
+        tmp_path / "m.safetensors", network.state_dict(), {**adjusted, "logit_adjustment": [0.5]}
+    )
+    with pytest.raises(InputError, match="1 adjustments of 4 labels"):
+        load_segmenter(tmp_path / "m.safetensors")
+
+
 def test_every_weight_of_the_network_gets_a_gradient() -> None:
     network = _tiny().train()
     network(torch.rand(2, 3, 64, 64)).square().mean().backward()

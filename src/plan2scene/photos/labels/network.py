@@ -143,7 +143,11 @@ class SegmentationNet(nn.Module):
     labels : int
         4: other, floor, wall, ceiling; 6: door and window as well.
     temperature : float
-        What logits are divided by before they become probabilities, chosen on held-out renderings.
+        What logits are divided by, so that probabilities mean what they say.
+    logit_adjustment : sequence of float
+        Added to the labels' logits, in their order, where photos hold other shares of the labels
+        than the renderings that the network learned from (Menon et al. 2021, arXiv 2007.07314);
+        empty: nothing.
 
     Shapes: (n, 3, h, w) float32 in [0, 1], h and w multiples of 32 -> (n, labels, h / 2, w / 2).
     """
@@ -159,8 +163,11 @@ class SegmentationNet(nn.Module):
         elevation: bool = False,
         labels: int = 4,
         temperature: float = 1.0,
+        logit_adjustment: Sequence[float] = (),
     ) -> None:
         super().__init__()
+        if len(logit_adjustment) not in (0, labels):
+            raise ValueError(f"{len(logit_adjustment)} adjustments of {labels} labels")
         self.long_side, self.elevation = long_side, elevation
         self.architecture: dict[str, Any] = {
             "widths": list(widths),
@@ -171,6 +178,7 @@ class SegmentationNet(nn.Module):
             "elevation": elevation,
             "labels": labels,
             "temperature": temperature,
+            "logit_adjustment": list(logit_adjustment) or [0.0] * labels,
         }
         # Two more channels hold row and column in [-1, 1]: floors are mostly low in a photo.
         channels = 7 if elevation else 5

@@ -83,7 +83,7 @@ class Segmenter:
     def logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
         """Return (labels, h', w') float32 logits of a photo at half the larger network size.
 
-        They are divided by the network's temperature. Arguments as of :meth:`labels`.
+        With the network's adjustment, divided by its temperature. Arguments as of :meth:`labels`.
         """
         photo_size, image = (image.shape[0], image.shape[1]), brightened(image)
         sides = sorted(round(self.network.long_side * scale) for scale in SCALES)
@@ -96,7 +96,9 @@ class Segmenter:
             ]
             for size in sizes
         ]
-        return np.asarray(np.mean(found, axis=0) / self.network.architecture["temperature"])
+        constants = self.network.architecture
+        adjustment = np.array(constants["logit_adjustment"], np.float32)[:, None, None]
+        return np.asarray((np.mean(found, axis=0) + adjustment) / constants["temperature"])
 
     @torch.inference_mode()
     def _logits_at(

@@ -69,7 +69,8 @@ def train_segmentation(
     found = list(answers(shipped, held_out, estimated_cameras(held_out)))
     final = scores([matrix for matrix, _ in found])
     truth = [photo.labels for photo in held_out]
-    network.architecture["temperature"] = best_temperature([part for _, part in found], truth)
+    temperature = settings.temperature or best_temperature([part for _, part in found], truth)
+    network.architecture["temperature"] = temperature
     save_model_file(model_path, network.state_dict(), network.architecture)
     seen = [f"{len(photos)} rendered photos of the synthetic train split.", "No real photo."]
     if settings.start:
@@ -134,6 +135,7 @@ def _begun(settings: SegmentationSettings, seed: int) -> SegmentationNet:
         long_side=settings.long_side,
         elevation=True,
         labels=len(LABELS_AND_OPENINGS),
+        logit_adjustment=settings.logit_adjustment,
     )
     if settings.start:
         start_from(network, settings.start)

@@ -46,3 +46,16 @@ class SegmentationSettings:
     # The best of the validations is kept.
     evaluate_every: int = 500  #: steps
     evaluate_photos: int = 200  #: of a validation, spread over the split
+
+    # Calibration, where photos that are like the users' tell it better than hard renderings do.
+    #: What logits are divided by; null: chosen on the held-out photos.
+    temperature: float | None = None
+    # Added to the logit of a label of which photos hold more than renderings.
+    floor_adjustment: float = 0.0
+    wall_adjustment: float = 0.0
+    ceiling_adjustment: float = 0.0
+
+    @property
+    def logit_adjustment(self) -> list[float]:
+        """What is added to the logits of the six labels."""
+        return [0, self.floor_adjustment, self.wall_adjustment, self.ceiling_adjustment, 0, 0]
