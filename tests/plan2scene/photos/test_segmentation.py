@@ -217,3 +217,5 @@ def test_labels_are_made_again_once_a_camera_is_found(
     found = labeller.Labeller(label, uses_camera).labelled("a.jpg", _photo(48, 64))
     assert told == seen
     assert (found.labels == len(seen)).all()
+    # What the camera is by the labels that are kept is not worked out again.
+    assert (found.camera is camera) == (uses_camera and fallback)

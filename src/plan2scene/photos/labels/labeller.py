@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +30,8 @@ class Labelled:
     #: (6, h', w') float32 in [0, 1] over the whole photo, more coarsely: how likely each label is,
     #: doors and windows too; None from a source that does not tell.
     probabilities: np.ndarray | None = None
+    #: What the camera is by these very labels, where that was worked out.
+    camera: Camera | None = None
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,9 @@ class Labeller:
             return labelled
         plain = without_openings(labelled.labels)
         camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif)
-        return labelled if camera.fallback else self.label(photo, image, camera)
+        if camera.fallback:
+            return replace(labelled, camera=camera)
+        return self.label(photo, image, camera)
 
 
 def labeller(
