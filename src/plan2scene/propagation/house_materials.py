@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import SURFACES
 from plan2scene.io import read_json, read_parquet, write_parquet
 from plan2scene.propagation.graph import doors_between, house_graph
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Evidence for one material of two surfaces that look exactly alike.
 EVIDENCE = 0.85
@@ -54,46 +57,62 @@ def find_materials(
 ) -> None:
     """Write ``materials.parquet`` (docs/conventions.md): a row for each surface that shares one.
 
-    `surfaces` is the table of the observed surfaces, `embeddings` that of the crops, which names
-    their photos; `light` says under which light these are.
+    `surfaces` is the table of the observed surfaces, `embeddings` that of all crops, `light` says
+    under which light these are.
     """
     import pandas as pd
 
-    plan = read_scene_json(scene_json, house)
-    graph = house_graph(plan, {})
-    doors = doors_between(len(graph.room_ids), graph.edges)
+    graph = house_graph(read_scene_json(scene_json, house), {})
+    doors = np.isfinite(doors_between(len(graph.room_ids), graph.edges))
     place = {room: k for k, room in enumerate(graph.room_ids)}
     lit = read_json(light)
-    photos = read_parquet(embeddings)[0][["room_id", "surface", "photo"]]
-    photos = photos[~photos["photo"].isin(set(hidden_photos))]
+    crops, _ = read_parquet(embeddings)
+    crops = crops[~crops["photo"].isin(set(hidden_photos))]
     table, _ = read_parquet(surfaces)
     rows = []
     for kind in SURFACES:
-        seen = []
-        for row in table[table["surface"] == kind].itertuples():
-            own = photos[(photos["room_id"] == row.room_id) & (photos["surface"] == kind)]
-            gain = _gain(lit, own["photo"])
-            colour = np.clip(np.asarray(row.embedding, dtype=np.float64)[-3:], 0.0, 1.0)
-            after = linear_to_srgb(np.minimum(srgb_to_linear(colour) * gain, 1.0))
-            code = np.asarray(row.embedding, dtype=np.float64)[:-3]
-            seen.append(SeenSurface(row.room_id, code, after, int(row.n_crops)))
+        of_kind = crops[crops["surface"] == kind]
+        seen = [
+            _seen_surface(row, of_kind[of_kind["room_id"] == row.room_id], lit)
+            for row in table[table["surface"] == kind].itertuples()
+        ]
         index = [place[item.room_id] for item in seen]
-        joined = np.isfinite(doors[np.ix_(index, index)])
-        groups = grouped(pair_evidence(seen, kind, joined))
+        groups = grouped(pair_evidence(seen, kind, doors[np.ix_(index, index)]))
         for number, (members, evidence) in enumerate(groups, start=1):
-            rooms = [seen[k].room_id for k in members]
-            weights = [seen[k].crops for k in members]
-            shared = np.average([seen[k].colour for k in members], axis=0, weights=weights)
-            values = {
-                "surface": kind,
-                "material": f"{kind}-{number}",
-                "confidence": float(1.0 / (1.0 + np.exp(-evidence / EVIDENCE_SCALE))),
-                "colour": shared.astype(np.float32),
-                "rooms": "|".join(rooms),
-            }
-            rows += [{"room_id": room} | values for room in rooms]
+            rows += _rows_of([seen[k] for k in members], f"{kind}-{number}", kind, evidence)
     metadata = {"dataset": dataset, "house": house, "colours": str(lit["colours"])}
     write_parquet(output, pd.DataFrame(rows, columns=_COLUMNS), metadata)
+
+
+def _seen_surface(row: Any, crops: pd.DataFrame, light: Mapping[str, Any]) -> SeenSurface:
+    """Return a row of surfaces.parquet with the facts of its visible crops.
+
+    A pattern is known from all crops; of plain walls and ceilings the plainest crop, which the row
+    is about, has the least of other things.
+    """
+    values = np.asarray(row.embedding, dtype=np.float64)
+    code = values[:-3]
+    if row.surface == "floor" and len(crops):
+        code = np.stack(list(crops["embedding"])).astype(np.float64)[:, :-3].mean(axis=0)
+    linear = srgb_to_linear(np.clip(values[-3:], 0.0, 1.0)) * _gain(light, crops["photo"])
+    after = linear_to_srgb(np.minimum(linear, 1.0))
+    return SeenSurface(row.room_id, code, after, int(row.n_crops))
+
+
+def _rows_of(
+    members: Sequence[SeenSurface], name: str, kind: str, evidence: float
+) -> list[dict[str, Any]]:
+    """Return the rows of one material's surfaces."""
+    weights = [item.crops for item in members]
+    shared = np.average([item.colour for item in members], axis=0, weights=weights)
+    values = {
+        "surface": kind,
+        "material": name,
+        "confidence": float(1.0 / (1.0 + np.exp(-evidence / EVIDENCE_SCALE))),
+        "colour": shared.astype(np.float32),
+        "rooms": "|".join(item.room_id for item in members),
+    }
+    return [{"room_id": item.room_id} | values for item in members]
 
 
 def _gain(light: Mapping[str, Any], photos: Iterable[str]) -> np.ndarray:

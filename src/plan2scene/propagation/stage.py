@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,10 +13,13 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import SUBSTANCES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.propagation.graph import house_graph
-from plan2scene.propagation.house_colours import shown_colours
+from plan2scene.propagation.graph import HouseGraph, house_graph
+from plan2scene.propagation.house_colours import Shown, shown_colours
 from plan2scene.provenance import file_hash
 from plan2scene.weights import fitting, read_model_arrays
+
+if TYPE_CHECKING:
+    from plan2scene.propagation.predict import Prediction
 
 #: Metres that a tile covers where the house shows no scale at all.
 DEFAULT_METRES = 1.0
@@ -63,36 +66,20 @@ def propagate_house(
         shown = shown_colours(colours, hidden_photos, graph.room_ids, names)
     predicted = PREDICTORS[predictor](graph, network, means, shown)
     substances = substances_of(predicted.embedding, texture_model)
-    embeddings = np.where(graph.observed[..., None], graph.embeddings, predicted.embedding)
-    for key, one in material.items():
-        if one.colour is not None:
-            embeddings[graph.place(key)][-3:] = one.colour
-    colour = embeddings[..., -3:].copy()
-    if predicted.seen is not None and shown is not None:
-        colour = np.where(shown.photos[..., None] > 0, predicted.seen, colour).astype(np.float32)
-        embeddings[..., -3:] = np.where(graph.observed[..., None], embeddings[..., -3:], colour)
+    embeddings, colour = _all_surfaces(graph, predicted, shown, material)
     known = {key: float(row.metres) for key, row in observed.items()}
     rows: list[dict[str, Any]] = []
     for key in plan.surface_keys():
-        values: dict[str, Any]
         place = graph.place(key)
         if key in observed:
-            values = _observed_row(observed[key])
+            row = _observed_row(observed[key])
         else:
-            alike = int(predicted.alike[place])
             _, naive = means.predict(graph.types[place[0]])
-            values = {
-                "observed": False,
-                "naive_embedding": naive[place[1]],
-                "substance": substances[place],
-                "source": "propagated" + (f", like {graph.room_ids[alike]}" if alike >= 0 else ""),
-                "confidence": float(predicted.confidence[place]),
-            }
-        place_of: dict[str, Any]
-        place_of = {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)}
-        place_of |= {"embedding": embeddings[place], "colour": colour[place]}
-        shared = material[key].name if key in material else ""
-        rows.append(place_of | {"material": shared} | values)
+            row = _unobserved_row(graph, predicted, place)
+            row |= {"naive_embedding": naive[place[1]], "substance": substances[place]}
+        row |= {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)}
+        row |= {"embedding": embeddings[place], "colour": colour[place]}
+        rows.append(row | {"material": material[key].name if key in material else ""})
     metadata = {"dataset": dataset, "house": house, "model": file_hash(propagation_model)}
     write_parquet(output, pd.DataFrame(rows, columns=_COLUMNS), metadata)
 
@@ -116,6 +103,42 @@ def shared_materials(path: str | Path | None) -> dict[SurfaceKey, SharedMaterial
             row.material, np.asarray(row.colour, dtype=np.float32) if corrected else None
         )
         for row in table.itertuples()
+    }
+
+
+def _all_surfaces(
+    graph: HouseGraph,
+    predicted: Prediction,
+    shown: Shown | None,
+    material: Mapping[SurfaceKey, SharedMaterial],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return embeddings (n, 3, 11) and sRGB colours (n, 3, 3) of all surfaces, float32.
+
+    Observed surfaces keep their embedding, but for a colour that their material shares; what photos
+    show of a surface gives its colour, and that of the embedding where no crop is of it.
+    """
+    observed = graph.observed[..., None]
+    embeddings = np.where(observed, graph.embeddings, predicted.embedding)
+    for key, one in material.items():
+        if one.colour is not None:
+            embeddings[graph.place(key)][-3:] = one.colour
+    colour = embeddings[..., -3:].copy()
+    if predicted.seen is not None and shown is not None:
+        colour = np.where(shown.photos[..., None] > 0, predicted.seen, colour).astype(np.float32)
+        embeddings[..., -3:] = np.where(observed, embeddings[..., -3:], colour)
+    return embeddings, colour
+
+
+def _unobserved_row(
+    graph: HouseGraph, predicted: Prediction, place: tuple[int, int]
+) -> dict[str, Any]:
+    """Return what was predicted for a surface that no crop shows, but for its embedding."""
+    alike = int(predicted.alike[place])
+    like = f", like {graph.room_ids[alike]}" if alike >= 0 else ""
+    return {
+        "observed": False,
+        "source": f"propagated{like}",
+        "confidence": float(predicted.confidence[place]),
     }
 
 
