@@ -7,8 +7,9 @@ Plan coordinates are (x, z) in metres of a right-handed frame with y up, as in s
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 #: Longest id, so that file names built from it stay legal.
@@ -97,13 +98,15 @@ class Wall:
 class Room:
     """A room: its types (several for open plan), outline and height in metres.
 
-    `rings[0]` is the outline, further rings are holes.
+    `rings[0]` is the outline, further rings are holes. `level` is the id of one of the house's
+    levels; empty where it has none.
     """
 
     id: str
     types: tuple[str, ...]
     rings: tuple[Ring, ...]
     height: float
+    level: str = ""
 
     @property
     def open_air(self) -> bool:
@@ -136,16 +139,56 @@ class PlacedObject:
 
 @dataclass(frozen=True)
 class IconBox:
-    """Box of an icon drawn in the plan: corners (x, z) in metres."""
+    """Box of an icon drawn in the plan: corners (x, z) in metres, and the level it is on."""
 
     type: str
     p1: Point
     p2: Point
+    level: str = ""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A storey: its floor's y in metres, and the usual height of its ceilings above that."""
+
+    id: str
+    name: str
+    elevation: float
+    height: float
+
+
+#: The level of a plan without levels.
+GROUND = Level("", "", 0.0, DEFAULT_HEIGHT)
+
+
+@dataclass(frozen=True)
+class Stairs:
+    """A straight flight from the floor of a level up to the next: a strip along its middle line.
+
+    `start` is the middle of its foot, `end` of its head, in metres as `width`. `room_ids` are the
+    room that it stands in and the one that it leads to; None where there is none.
+    """
+
+    id: str
+    level: str
+    start: Point
+    end: Point
+    width: float
+    room_ids: tuple[str | None, str | None] = (None, None)
+
+    @property
+    def length(self) -> float:
+        """Length of the flight in plan, metres."""
+        return math.dist(self.start, self.end)
 
 
 @dataclass(frozen=True)
 class House:
-    """A whole plan. `doors` holds each relation once (not both directions)."""
+    """A whole plan. `doors` holds each relation once (not both directions).
+
+    `levels` go from the lowest to the highest; none for a plan of one storey at y = 0. Heights
+    of walls and openings are above the floor of their rooms' level.
+    """
 
     id: str
     rooms: tuple[Room, ...]
@@ -153,6 +196,8 @@ class House:
     doors: tuple[Door, ...] = ()
     objects: tuple[PlacedObject, ...] = ()
     icons: tuple[IconBox, ...] = ()
+    levels: tuple[Level, ...] = ()
+    stairs: tuple[Stairs, ...] = ()
     warnings: tuple[str, ...] = field(default=(), compare=False)
 
     def room(self, room_id: str) -> Room:
@@ -161,6 +206,49 @@ class House:
             if room.id == room_id:
                 return room
         raise KeyError(room_id)
+
+    def level_of(self, room_id: str) -> Level:
+        """Return the level of a room; :data:`GROUND` where the house has no levels."""
+        wanted = self.room(room_id).level
+        return next((level for level in self.levels if level.id == wanted), GROUND)
+
+    def level_above(self, level_id: str) -> Level | None:
+        """Return the next higher level, None above the highest."""
+        ids = [level.id for level in self.levels]
+        number = ids.index(level_id) + 1 if level_id in ids else len(ids)
+        return self.levels[number] if number < len(ids) else None
+
+    def rise_of(self, stairs: Stairs) -> float:
+        """Return how far a flight climbs, metres: to the next level, else its room's ceiling."""
+        above = self.level_above(stairs.level)
+        for level in self.levels:
+            if above is not None and level.id == stairs.level:
+                return above.elevation - level.elevation
+        lower = stairs.room_ids[0]
+        return DEFAULT_HEIGHT if lower is None else self.room(lower).height
+
+    def storeys(self) -> tuple[tuple[Level, House], ...]:
+        """Return each level, from the lowest, with the house of its rooms alone.
+
+        That house has no levels: its floors are at 0. Nor has it stairs.
+        """
+        if not self.levels:
+            return ((GROUND, self),)
+        return tuple((level, self._storey(level.id)) for level in self.levels)
+
+    def _storey(self, level_id: str) -> House:
+        """Return the house of one level's rooms."""
+        rooms = tuple(replace(r, level="") for r in self.rooms if r.level == level_id)
+        ids = {room.id for room in rooms}
+        return replace(
+            self,
+            rooms=rooms,
+            walls=tuple(wall for wall in self.walls if wall.room_ids[0] in ids),
+            doors=tuple(door for door in self.doors if door.room_a in ids),
+            icons=tuple(replace(i, level="") for i in self.icons if i.level == level_id),
+            levels=(),
+            stairs=(),
+        )
 
     def walls_of(self, room_id: str) -> Iterator[Wall]:
         """Yield the walls that bound a room."""
@@ -171,10 +259,8 @@ class House:
         return tuple(key for room in self.rooms for key in room.surface_keys())
 
     def adjacency(self) -> tuple[tuple[str, str], ...]:
-        """Return pairs of rooms joined by a door or passage, each pair once, sorted."""
-        pairs = {
-            tuple(sorted((door.room_a, door.room_b)))
-            for door in self.doors
-            if door.room_b is not None and door.room_b != door.room_a
-        }
-        return tuple(sorted((a, b) for a, b in pairs))
+        """Return pairs of rooms joined by a door, passage or stairs, each pair once, sorted."""
+        joined: list[tuple[str | None, str | None]] = [(d.room_a, d.room_b) for d in self.doors]
+        joined += [stairs.room_ids for stairs in self.stairs]
+        pairs = {(min(a, b), max(a, b)) for a, b in joined if a and b and a != b}
+        return tuple(sorted(pairs))

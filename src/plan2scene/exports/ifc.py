@@ -1,4 +1,4 @@
-"""A house as IFC4: a storey with spaces, walls with their openings, doors and windows.
+"""A house as IFC4: storeys with spaces, walls with their openings, doors, windows, stairs.
 
 Metres; IFC's z is up: (x, y, z) of the house becomes (x, -z, y). Bodies are extruded areas, so
 that other programs can edit them. Written by ifcopenshell (the extra `exports`).
@@ -18,14 +18,17 @@ from shapely.geometry.base import BaseGeometry
 from plan2scene.errors import InputError
 from plan2scene.exports.solids import SLAB, footprint, middle_strip, wall_area
 from plan2scene.floorplans.geometry import room_polygon
-from plan2scene.house import House, SurfaceKey
+from plan2scene.house import House, Level, Stairs, SurfaceKey
 from plan2scene.io import atomic_path
 from plan2scene.mesh.fixtures import LEAF_THICKNESS
 from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.labels import room_title
 from plan2scene.mesh.openings import Portal
 from plan2scene.mesh.polygons import polygons_of
+from plan2scene.mesh.stairs import step_areas
+from plan2scene.mesh.storey import Storey
 from plan2scene.mesh.textures import TileTexture
+from plan2scene.mesh.walls import open_plate
 
 #: Ids of all things derive from the house's id and their names: the same house, the same file.
 _NAMESPACE = uuid.UUID("6f2a2f0e-7a52-4b7c-9f2b-6d1d6c0f3a11")
@@ -60,21 +63,65 @@ class _Model:
         header = self.file.header
         header.file_name.time_stamp = _EPOCH
         header.file_name.name = f"{self.house.id}.ifc"
-        assembly = assemble(self.house)
-        storey = self._storey()
-        self._spaces(storey)
+        building = self._building()
+        storeys = assemble(self.house).storeys
+        entities = [self._storey(storey.level, building) for storey in storeys]
+        self._relate(
+            "IfcRelAggregates",
+            "storey 0 of IfcBuilding",
+            RelatingObject=building,
+            RelatedObjects=entities,
+        )
+        for storey, entity in zip(storeys, entities, strict=True):
+            self._fill(storey, entity)
+        return self.file
+
+    def _storey(self, level: Level, building: Any) -> Any:
+        """Return an empty storey."""
+        return self._root(
+            "IfcBuildingStorey",
+            level.id or "storey 0",
+            LongName=level.name or None,
+            ObjectPlacement=self._placement(building.ObjectPlacement, level.elevation),
+            CompositionType="ELEMENT",
+            Elevation=level.elevation,
+        )
+
+    def _fill(self, storey: Storey, here: Any) -> None:
+        """Add all that is in a storey."""
+        level = storey.level
+        own = f" of {level.id}" if level.id else ""
+        self._place = here.ObjectPlacement
+        self._spaces(storey, here, own)
         elements = []
-        for body in assembly.bodies:
+        for body in storey.bodies:
             wall = body.side.wall
-            through = [p for p in assembly.portals if footprint(p).intersects(wall_area(body))]
+            through = [p for p in storey.portals if footprint(p).intersects(wall_area(body))]
             elements += self._wall(wall.id, wall_area(body), wall.height, through)
+        elements += [self._stairs(s) for s in self.house.stairs if s.level == level.id]
         self._relate(
             "IfcRelContainedInSpatialStructure",
-            "contents",
+            f"contents{own}",
             RelatedElements=elements,
-            RelatingStructure=storey,
+            RelatingStructure=here,
         )
-        return self.file
+
+    def _stairs(self, stairs: Stairs) -> Any:
+        """Return a flight: an extrusion for each step."""
+        rise = self.house.rise_of(stairs)
+        return self._root(
+            "IfcStair",
+            stairs.id,
+            ObjectPlacement=self._placement(self._place),
+            Representation=self._represented(
+                [
+                    solid
+                    for area, low, high in step_areas(stairs, rise)
+                    for solid in self._extruded(area, low, high)
+                ]
+            ),
+            PredefinedType="STRAIGHT_RUN_STAIR",
+        )
 
     def _root(self, kind: str, name: str, **facts: Any) -> Any:
         """Return a new rooted entity, whose id derives from its kind and name."""
@@ -92,8 +139,8 @@ class _Model:
         axis = self.file.createIfcAxis2Placement3D(self._point(0, 0, y))
         return self.file.createIfcLocalPlacement(relative, axis)
 
-    def _storey(self) -> Any:
-        """Add project, site, building and storey; return the storey."""
+    def _building(self) -> Any:
+        """Add project, site and building; return the building."""
         f = self.file
         units = [
             f.createIfcSIUnit(None, kind, None, name)
@@ -115,14 +162,10 @@ class _Model:
             RepresentationContexts=[context],
             UnitsInContext=f.createIfcUnitAssignment(units),
         )
-        above, self._place = project, None
-        for kind, name in (
-            ("IfcSite", "site"),
-            ("IfcBuilding", "building"),
-            ("IfcBuildingStorey", "storey 0"),
-        ):
-            self._place = self._placement(self._place)
-            here = self._root(kind, name, ObjectPlacement=self._place, CompositionType="ELEMENT")
+        above, place = project, None
+        for kind, name in (("IfcSite", "site"), ("IfcBuilding", "building")):
+            place = self._placement(place)
+            here = self._root(kind, name, ObjectPlacement=place, CompositionType="ELEMENT")
             self._relate(
                 "IfcRelAggregates",
                 f"{name} of {above.is_a()}",
@@ -130,14 +173,14 @@ class _Model:
                 RelatedObjects=[here],
             )
             above = here
-        above.Elevation = 0.0
         return above
 
-    def _spaces(self, storey: Any) -> None:
-        """Add a space and a floor slab for each room."""
+    def _spaces(self, storey: Storey, here: Any, own: str) -> None:
+        """Add a space and a floor slab for each room; `own` tells the storey's relations apart."""
         spaces, slabs = [], []
-        for room in self.house.rooms:
+        for room in storey.house.rooms:
             polygon = room_polygon(room)
+            floor = open_plate(polygon, "floor", storey.well, storey.above)
             spaces.append(
                 self._root(
                     "IfcSpace",
@@ -154,16 +197,16 @@ class _Model:
                     "IfcSlab",
                     f"{room.id}/floor",
                     ObjectPlacement=self._placement(self._place),
-                    Representation=self._shape(polygon, -SLAB, 0.0),
+                    Representation=self._shape(floor, -SLAB, 0.0),
                     PredefinedType="FLOOR",
                 )
             )
-        self._relate("IfcRelAggregates", "spaces", RelatingObject=storey, RelatedObjects=spaces)
+        self._relate("IfcRelAggregates", f"spaces{own}", RelatingObject=here, RelatedObjects=spaces)
         self._relate(
             "IfcRelContainedInSpatialStructure",
-            "floors",
+            f"floors{own}",
             RelatedElements=slabs,
-            RelatingStructure=storey,
+            RelatingStructure=here,
         )
 
     def _wall(
@@ -216,6 +259,15 @@ class _Model:
 
     def _shape(self, area: BaseGeometry, low: float, high: float) -> Any:
         """Return upright extrusions of a plan area from height `low` to `high`."""
+        return self._represented(self._extruded(area, low, high))
+
+    def _represented(self, solids: list[Any]) -> Any:
+        """Return the shape of solids."""
+        shape = self.file.createIfcShapeRepresentation(self._body, "Body", "SweptSolid", solids)
+        return self.file.createIfcProductDefinitionShape(None, None, [shape])
+
+    def _extruded(self, area: BaseGeometry, low: float, high: float) -> list[Any]:
+        """Return upright prisms over the polygons of a plan area."""
         f = self.file
         solids = []
         for polygon in polygons_of(area):
@@ -228,8 +280,7 @@ class _Model:
             position = f.createIfcAxis2Placement3D(self._point(0, 0, low))
             up = f.createIfcDirection([0.0, 0.0, 1.0])
             solids.append(f.createIfcExtrudedAreaSolid(profile, position, up, float(high - low)))
-        shape = f.createIfcShapeRepresentation(self._body, "Body", "SweptSolid", solids)
-        return f.createIfcProductDefinitionShape(None, None, [shape])
+        return solids
 
     def _ring(self, ring: Any) -> Any:
         """Return a ring of plan points (x, z) as a closed polyline of (x, -z)."""

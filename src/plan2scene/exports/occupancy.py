@@ -1,4 +1,6 @@
-"""Occupancy map of a storey as ROS tools read it: ``map.pgm`` and ``map.yaml``.
+"""Occupancy map of each storey as ROS tools read it: ``map.pgm`` and ``map.yaml``.
+
+They are of the lowest level; a higher one's are ``map_{level}.pgm`` and ``map_{level}.yaml``.
 
 Pixels are 254 free, 0 occupied, 205 unknown, as `nav2_map_server` in its trinary mode. The map's
 x runs along the plan's x, its y along the plan's -z, so that seen from above it is not mirrored.
@@ -13,10 +15,12 @@ import shapely
 import yaml
 from shapely.ops import unary_union
 
-from plan2scene.exports.solids import house_solids
+from plan2scene.exports.solids import storey_solids
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_path
+from plan2scene.mesh.house_mesh import assemble
+from plan2scene.mesh.storey import Storey
 from plan2scene.mesh.textures import TileTexture
 
 FREE, OCCUPIED, UNKNOWN = 254, 0, 205
@@ -28,11 +32,12 @@ BODY_M = (0.05, 1.8)
 
 
 def occupancy(
-    house: House, resolution_m: float = RESOLUTION_M
+    storey: Storey, resolution_m: float = RESOLUTION_M
 ) -> tuple[np.ndarray, tuple[float, float]]:
-    """Return a map and where it lies.
+    """Return a storey's map and where it lies.
 
-    Doors stand open; windows and the doors that lead outside are shut.
+    Doors stand open; windows and the doors that lead outside are shut. Stairs and the wells that
+    they come up through are occupied.
 
     Returns
     -------
@@ -41,10 +46,9 @@ def occupancy(
     origin : (2,) tuple of float
         (x, y) of the map's lower left corner in metres; y is the plan's -z.
     """
-    solids = house_solids(house)
-    rooms = unary_union([room_polygon(room) for room in house.rooms])
-    floors, blocked = [rooms], []
-    for solid in solids:
+    rooms = unary_union([room_polygon(room) for room in storey.house.rooms])
+    floors, blocked = [rooms], [storey.well]
+    for solid in storey_solids(storey):
         inner_door = solid.category == "door" and len(solid.room_ids) > 1
         for piece in solid.pieces:
             low, high = piece.bounds[:, 1]
@@ -72,14 +76,19 @@ def occupancy(
 
 
 def write_map(house: House, textures: dict[SurfaceKey, TileTexture], folder: Path) -> None:
-    """Write ``map.pgm`` and ``map.yaml`` of a house; the textures are not needed."""
+    """Write the maps of a house's storeys; the textures are not needed."""
     del textures
-    grid, origin = occupancy(house)
+    for number, storey in enumerate(assemble(house).storeys):
+        _write_storey(storey, folder, f"map_{storey.level.id}" if number else "map")
+
+
+def _write_storey(storey: Storey, folder: Path, name: str) -> None:
+    grid, origin = occupancy(storey)
     height, width = grid.shape
-    with atomic_path(folder / "map.pgm") as temporary:
+    with atomic_path(folder / f"{name}.pgm") as temporary:
         temporary.write_bytes(f"P5\n{width} {height}\n255\n".encode() + grid.tobytes())
     facts = {
-        "image": "map.pgm",
+        "image": f"{name}.pgm",
         "mode": "trinary",
         "resolution": RESOLUTION_M,
         "origin": [round(origin[0], 6), round(origin[1], 6), 0.0],
@@ -87,5 +96,5 @@ def write_map(house: House, textures: dict[SurfaceKey, TileTexture], folder: Pat
         "occupied_thresh": 0.65,
         "free_thresh": 0.25,
     }
-    with atomic_path(folder / "map.yaml") as temporary:
+    with atomic_path(folder / f"{name}.yaml") as temporary:
         temporary.write_text(yaml.safe_dump(facts, sort_keys=False), encoding="utf-8")

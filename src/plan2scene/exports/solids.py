@@ -22,7 +22,8 @@ from plan2scene.mesh.house_mesh import Assembly, assemble
 from plan2scene.mesh.openings import Portal
 from plan2scene.mesh.parts import MeshPart, numbered
 from plan2scene.mesh.polygons import polygons_of, triangulate
-from plan2scene.mesh.walls import Body
+from plan2scene.mesh.storey import Storey
+from plan2scene.mesh.walls import Body, open_plate
 
 #: Floors and ceilings are so thick, metres.
 SLAB = 0.1
@@ -88,30 +89,51 @@ def house_solids(house: House, assembly: Assembly | None = None) -> list[Solid]:
     shut. Windows are filled by a pane. `assembly` is the house's, when at hand.
     """
     assembly = assemble(house) if assembly is None else assembly
-    ways = {id(portal): footprint(portal) for portal in assembly.portals}
     solids: list[Solid] = []
-    for room in house.rooms:
+    for storey in assembly.storeys:
+        solids.extend(_lifted(solid, storey.level.elevation) for solid in storey_solids(storey))
+    names = numbered(solid.name for solid in solids)
+    return [replace(solid, name=name) for solid, name in zip(solids, names, strict=True)]
+
+
+def storey_solids(storey: Storey) -> list[Solid]:
+    """Return the solids of one storey, its floors at 0; names may repeat."""
+    ways = {id(portal): footprint(portal) for portal in storey.portals}
+    solids: list[Solid] = []
+    for room in storey.house.rooms:
         polygon = room_polygon(room)
         for surface, low in (("floor", -SLAB), ("ceiling", room.height)):
             if surface == "ceiling" and room.open_air:
                 continue
-            pieces = prisms(polygon, low, low + SLAB)
-            solids.append(Solid(f"{room.id}/{surface}", surface, (room.id,), pieces))
-    solids.extend(_walls(assembly, ways))
-    solids.extend(_thresholds(house, assembly, ways))
-    for portal in assembly.portals:
+            plate = open_plate(polygon, surface, storey.well, storey.above)
+            pieces = prisms(plate, low, low + SLAB)
+            if pieces:
+                solids.append(Solid(f"{room.id}/{surface}", surface, (room.id,), pieces))
+    solids.extend(_walls(storey, ways))
+    solids.extend(_thresholds(storey, ways))
+    for portal in storey.portals:
         solids.extend(_fillings(portal))
-    solids.extend(_boxed(part) for part in assembly.parts if part.extras["kind"] in BOXED)
-    names = numbered(solid.name for solid in solids)
-    return [replace(solid, name=name) for solid, name in zip(solids, names, strict=True)]
+    solids.extend(_boxed(part) for part in storey.parts if part.extras["kind"] in BOXED)
+    return solids
+
+
+def _lifted(solid: Solid, elevation: float) -> Solid:
+    """Return a solid of a storey where it is in the house."""
+    if elevation == 0.0:
+        return solid
+    pieces = tuple(piece.copy() for piece in solid.pieces)
+    for piece in pieces:
+        piece.apply_translation([0.0, elevation, 0.0])
+    return replace(solid, pieces=pieces)
 
 
 def _boxed(part: MeshPart) -> Solid:
     """Return the solid of a part that `PartBuilder.box` made: 24 vertices a box."""
     boxes = part.mesh.vertices.reshape(-1, 24, 3)
-    kind, room = str(part.extras.get("category", part.extras["kind"])), str(part.extras["room_id"])
+    kind = str(part.extras.get("category", part.extras["kind"]))
+    rooms = (str(part.extras["room_id"]),) if "room_id" in part.extras else ()
     pieces = tuple(trimesh.convex.convex_hull(corners) for corners in boxes)
-    return Solid(part.name, kind, (room,), pieces)
+    return Solid(part.name, kind, rooms, pieces)
 
 
 def prisms(area: BaseGeometry, low: float, high: float) -> tuple[trimesh.Trimesh, ...]:
@@ -153,15 +175,15 @@ def footprint(portal: Portal) -> Polygon:
     return Polygon([near[0], near[1], far[1], far[0]])
 
 
-def _walls(assembly: Assembly, ways: dict[int, Polygon]) -> list[Solid]:
+def _walls(storey: Storey, ways: dict[int, Polygon]) -> list[Solid]:
     """Return a solid for each wall, with the holes of all portals that go through it."""
     solids = []
     taken: BaseGeometry = Polygon()
-    for body in assembly.bodies:
+    for body in storey.bodies:
         wall = body.side.wall
         area = shapely.difference(wall_area(body), taken)
         taken = unary_union([taken, area])
-        through = [p for p in assembly.portals if ways[id(p)].intersects(area)]
+        through = [p for p in storey.portals if ways[id(p)].intersects(area)]
         holes = unary_union([ways[id(p)] for p in through])
         pieces = list(prisms(area.difference(holes), 0.0, wall.height))
         for portal in through:
@@ -180,11 +202,11 @@ def wall_area(body: Body) -> BaseGeometry:
     return unary_union([body.area, line.buffer(LEAST_WALL / 2, cap_style="flat")])
 
 
-def _thresholds(house: House, assembly: Assembly, ways: dict[int, Polygon]) -> list[Solid]:
+def _thresholds(storey: Storey, ways: dict[int, Polygon]) -> list[Solid]:
     """Return the floor inside doors and passages."""
-    rooms = unary_union([room_polygon(room) for room in house.rooms])
+    rooms = unary_union([room_polygon(room) for room in storey.house.rooms])
     solids = []
-    for portal in assembly.portals:
+    for portal in storey.portals:
         opening, room = portal.hole.opening, portal.side.room_id
         if opening.kind == "window" or portal.hole.bottom > 0.02:
             continue

@@ -42,24 +42,28 @@ def find_doors(rooms: Sequence[Room], walls: Iterable[Wall]) -> tuple[Door, ...]
     """Return the room-door-room relations that the walls' doors and passages make.
 
     The room behind an opening is the wall's second room, else the room of another wall that has
-    an opening of the same id, else the nearest other room whose outline is within the wall's
-    depth and `BEHIND_TOLERANCE` of the opening's middle; None (outside) when there is none.
+    an opening of the same id, else the nearest other room of its level whose outline is within the
+    wall's depth and `BEHIND_TOLERANCE` of the opening's middle; None (outside) when there is none.
     """
     walls = list(walls)
     owners: dict[str, list[str]] = {}
     for wall in walls:
         for opening in wall.openings:
             owners.setdefault(opening.id, []).append(wall.room_ids[0])
-    polygons = {room.id: room_polygon(room) for room in rooms}
+    level_of = {room.id: room.level for room in rooms}
+    polygons: dict[str, dict[str, Polygon]] = {}
+    for room in rooms:
+        polygons.setdefault(room.level, {})[room.id] = room_polygon(room)
     doors: dict[tuple[str, frozenset[str | None]], Door] = {}
     for wall in walls:
         for opening in wall.openings:
             if opening.kind == "window":
                 continue
             room_a = wall.room_ids[0]
+            near = polygons[level_of[room_a]]
             others = [*wall.room_ids[1:], *(r for r in owners[opening.id] if r != room_a)]
             middle = point_along(wall, (opening.start + opening.end) / 2)
-            room_b = others[0] if others else _room_near(middle, room_a, wall.depth, polygons)
+            room_b = others[0] if others else _room_near(middle, room_a, wall.depth, near)
             key = (opening.id, frozenset((room_a, room_b)))
             doors.setdefault(key, Door(room_a, opening.id, room_b))
     return tuple(doors.values())
@@ -83,8 +87,15 @@ def walls_of_rooms(rooms: Sequence[Room], *, depth: float = 0.1, shared: bool = 
 
     With `shared`, edges are split where another room's corner lies on them (within
     `SHARED_TOLERANCE`), and a piece that two rooms have is one wall with both room ids. A shared
-    wall is as high as the higher of the two rooms.
+    wall is as high as the higher of the two rooms. Rooms of different levels share nothing.
     """
+    levels = list(dict.fromkeys(room.level for room in rooms))
+    groups = ([room for room in rooms if room.level == level] for level in levels)
+    return [wall for group in groups for wall in _walls_of_level(group, depth, shared=shared)]
+
+
+def _walls_of_level(rooms: Sequence[Room], depth: float, *, shared: bool) -> list[Wall]:
+    """Return the walls of rooms of one level; see :func:`walls_of_rooms`."""
     points = [point for room in rooms for ring in room.rings for point in ring] if shared else []
     corners = np.array(points, dtype=np.float64).reshape(-1, 2)
     pieces = _Pieces()

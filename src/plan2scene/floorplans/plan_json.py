@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,14 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
 from plan2scene.floorplans.openings import Segment, place_openings
 from plan2scene.floorplans.parse import Source
-from plan2scene.house import DEFAULT_HEIGHT, House, Room
+from plan2scene.floorplans.storeys import (
+    level_of,
+    linked,
+    ordered_levels,
+    sound_flight,
+    used_levels,
+)
+from plan2scene.house import DEFAULT_HEIGHT, House, Level, Room, Stairs, Wall
 
 FORMAT = "plan2scene-plan"
 #: Thickness in metres of the walls (as in the schema).
@@ -33,37 +41,114 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
     Walls follow the outlines; where two outlines coincide they share one. Openings lie on the
     walls within `SNAP_TOLERANCE` metres; doors join the rooms on both sides of their wall.
 
-    Raises InputError for the first thing that the schema forbids, and for an opening that no wall
-    is near.
+    Raises InputError for the first thing that the schema forbids, for a level that the plan lacks,
+    and for an opening that no wall is near.
     """
     source = Source(file, house_id)
     source.identifier(house_id, "a house name")
     _check_schema(source, document)
+    levels = _levels(source, document)
+    heights = {level.id: level.height for level in levels}
     rooms = []
     for entry in document["rooms"]:
         rings = [
             source.outline(ring, entry["id"])
             for ring in (entry["polygon"], *entry.get("holes", []))
         ]
-        height = float(entry.get("height", DEFAULT_HEIGHT))
+        level = level_of(source, entry, levels, f"room {entry['id']}", entry["id"])
+        height = float(entry.get("height", heights.get(level, DEFAULT_HEIGHT)))
         types = dict.fromkeys(source.room_type(name, entry["id"]) for name in entry["types"])
-        rooms.append(Room(entry["id"], tuple(types), tuple(rings), height))
+        rooms.append(Room(entry["id"], tuple(types), tuple(rings), height, level))
+    levels = used_levels(source, levels, rooms)
     source.limit_corners(rooms)
     walls = walls_of_rooms(rooms, depth=float(document.get("wall_depth", DEFAULT_DEPTH)))
-    segments = _segments(source, document.get("openings", []))
-    walls = place_openings(source, walls, segments, tolerance=SNAP_TOLERANCE)
+    segments = _segments(source, document.get("openings", []), levels)
+    walls = _with_openings(source, rooms, walls, segments)
     return House(
         id=house_id,
         rooms=tuple(rooms),
         walls=tuple(walls),
         doors=find_doors(rooms, walls),
+        levels=levels,
+        stairs=linked(_stairs(source, document.get("stairs", []), levels), rooms, levels),
         warnings=tuple(source.warnings),
     )
 
 
-def _segments(source: Source, entries: list[dict[str, Any]]) -> list[Segment]:
-    """Return the openings as drawn; ids are given to those without."""
-    segments = []
+def _levels(source: Source, document: dict[str, Any]) -> tuple[Level, ...]:
+    """Return the levels, the lowest first."""
+    levels = [
+        Level(
+            entry["id"],
+            entry.get("name") or entry["id"],
+            source.number(entry["elevation"], f"the elevation of level {entry['id']}"),
+            float(entry.get("height", DEFAULT_HEIGHT)),
+        )
+        for entry in document.get("levels", [])
+    ]
+    return ordered_levels(source, levels)
+
+
+def _with_openings(
+    source: Source, rooms: Sequence[Room], walls: Sequence[Wall], segments: dict[str, list[Segment]]
+) -> list[Wall]:
+    """Return the walls with the openings of their level, level by level.
+
+    An opening that only another level has a wall for is left out with a warning.
+    """
+    level_by_room = {room.id: room.level for room in rooms}
+    by_level: dict[str, list[Wall]] = {}
+    for wall in walls:
+        by_level.setdefault(level_by_room[wall.room_ids[0]], []).append(wall)
+    placed = []
+    for level, own in by_level.items():
+        others = [wall for other, walls in by_level.items() if other != level for wall in walls]
+        kept = [s for s in segments.get(level, []) if _on_level(source, s, level, own, others)]
+        placed += place_openings(source, own, kept, tolerance=SNAP_TOLERANCE)
+    return placed
+
+
+def _on_level(
+    source: Source, segment: Segment, level: str, own: Sequence[Wall], others: Sequence[Wall]
+) -> bool:
+    """Return whether an opening is one of its level; a warning where it is another level's."""
+
+    def fits(walls: Sequence[Wall]) -> bool:
+        scratch = Source(source.file, source.house_id)
+        try:
+            place_openings(scratch, walls, [segment], tolerance=SNAP_TOLERANCE)
+        except InputError:
+            return False
+        return True
+
+    if not others or fits(own) or not fits(others):
+        return True
+    expected = f"opening {segment.id} on a wall of its level {level}"
+    source.warn(expected, "one on a wall of another level; left out")
+    return False
+
+
+def _stairs(source: Source, entries: list[dict[str, Any]], levels: Sequence[Level]) -> list[Stairs]:
+    """Return the flights as drawn; ids are given to those without."""
+    flights: list[Stairs] = []
+    for number, entry in enumerate(entries):
+        name = entry.get("id", f"stairs_{number}")
+        if any(name == flight.id for flight in flights):
+            raise source.fault("each stairs id once", f"{name} twice")
+        (x0, z0), (x1, z1) = (
+            [source.number(v, f"stairs {name}") for v in entry[key]] for key in ("from", "to")
+        )
+        level = level_of(source, entry, levels, f"stairs {name}")
+        flight = Stairs(name, level, (x0, z0), (x1, z1), float(entry["width"]))
+        flights.append(sound_flight(source, flight))
+    return flights
+
+
+def _segments(
+    source: Source, entries: list[dict[str, Any]], levels: Sequence[Level]
+) -> dict[str, list[Segment]]:
+    """Return the openings as drawn, by level; ids are given to those without."""
+    segments: dict[str, list[Segment]] = {}
     seen: set[str] = set()
     for number, entry in enumerate(entries):
         name = entry.get("id", f"opening_{number}")
@@ -76,7 +161,9 @@ def _segments(source: Source, entries: list[dict[str, Any]]) -> list[Segment]:
             found = f"{bottom:g} to {top:g} m"
             raise source.fault(f"opening {name} with its top above its bottom", found)
         (x0, z0), (x1, z1) = ends
-        segments.append(Segment(name, entry["kind"], (x0, z0), (x1, z1), bottom, top))
+        level = level_of(source, entry, levels, f"opening {name}")
+        segment = Segment(name, entry["kind"], (x0, z0), (x1, z1), bottom, top)
+        segments.setdefault(level, []).append(segment)
     return segments
 
 

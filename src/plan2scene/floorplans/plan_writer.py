@@ -7,7 +7,7 @@ from typing import Any
 
 from plan2scene.floorplans.geometry import point_along
 from plan2scene.floorplans.plan_json import DEFAULT_DEPTH, FORMAT, SNAP_TOLERANCE, plan_schema
-from plan2scene.house import House, Opening, Point, Wall
+from plan2scene.house import House, Level, Opening, Point, Stairs, Wall
 
 #: Places after the point of a coordinate in metres.
 _DIGITS = 4
@@ -16,9 +16,10 @@ _DIGITS = 4
 def house_to_plan(house: House) -> dict[str, Any]:
     """Return a house as a document of ``plan.schema.json``.
 
-    Rooms, types, heights and openings stay; walls follow the outlines again when it is read, all
-    with the usual thickness of this house's. Objects and icons are left out. A hole that two
-    rooms have in walls of their own is one opening, between them where both are near enough.
+    Levels, rooms, types, heights, openings and stairs stay; walls follow the outlines again when
+    it is read, all with the usual thickness of this house's. Objects and icons are left out. A
+    hole that two rooms have in walls of their own is one opening, between them where both are
+    near enough.
     """
     depths = [wall.depth for wall in house.walls] or [DEFAULT_DEPTH]
     limits = plan_schema()["properties"]["wall_depth"]
@@ -28,14 +29,30 @@ def house_to_plan(house: House) -> dict[str, Any]:
         entry = {"id": room.id, "types": list(room.types), "polygon": _ring(room.rings[0])}
         if room.rings[1:]:
             entry["holes"] = [_ring(ring) for ring in room.rings[1:]]
-        rooms.append({**entry, "height": round(room.height, _DIGITS)})
-    return {
-        "format": FORMAT,
-        "version": 1,
-        "wall_depth": round(depth, _DIGITS),
-        "rooms": rooms,
-        "openings": _openings(house),
-    }
+        rooms.append({**entry, "height": round(room.height, _DIGITS), **_on(room.level)})
+    plan: dict[str, Any] = {"format": FORMAT, "version": 1, "wall_depth": round(depth, _DIGITS)}
+    if house.levels:
+        plan["levels"] = [_level(level) for level in house.levels]
+    plan.update(rooms=rooms, openings=_openings(house))
+    if house.stairs:
+        plan["stairs"] = [_flight(stairs) for stairs in house.stairs]
+    return plan
+
+
+def _on(level_id: str) -> dict[str, str]:
+    """Return the entry of what is on a level; none in a plan without levels."""
+    return {"level": level_id} if level_id else {}
+
+
+def _level(level: Level) -> dict[str, Any]:
+    heights = {"elevation": level.elevation, "height": level.height}
+    rounded = {key: round(value, _DIGITS) for key, value in heights.items()}
+    return {"id": level.id, "name": level.name, **rounded}
+
+
+def _flight(stairs: Stairs) -> dict[str, Any]:
+    ends = {"from": _point(stairs.start), "to": _point(stairs.end)}
+    return {"id": stairs.id, **ends, "width": round(stairs.width, _DIGITS), **_on(stairs.level)}
 
 
 def _openings(house: House) -> list[dict[str, Any]]:
@@ -58,6 +75,7 @@ def _openings(house: House) -> list[dict[str, Any]]:
                 "to": _point(end),
                 "bottom": round(max(opening.bottom, 0.0), _DIGITS),
                 "top": round(opening.top, _DIGITS),
+                **_on(house.room(wall.room_ids[0]).level),
             }
         )
     return entries

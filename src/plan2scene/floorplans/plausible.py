@@ -63,7 +63,8 @@ def oddities(house: House) -> Iterator[_Line]:
         if not low <= room.height <= high:
             yield f"a height of {low:g} to {high:g} m", f"{room.height:g}", room.id
     yield from _holes(house)
-    yield from _islands(house)
+    for _, storey in house.storeys():
+        yield from _islands(storey)
     yield from name_oddities("room ids", [room.id for room in house.rooms])
     yield from name_oddities("a house name", [house.id])
 

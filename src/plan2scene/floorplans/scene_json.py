@@ -5,15 +5,27 @@ Tolerates what real files do (docs/floorplans.md lists it); each repair is a war
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from plan2scene.floorplans.geometry import find_doors
 from plan2scene.floorplans.parse import SAME_POINT, Source, parse_json
 from plan2scene.floorplans.scene_frame import upright
+from plan2scene.floorplans.scene_levels import levels_of_rooms, read_levels, read_stairs
 from plan2scene.floorplans.scene_walls import read_walls, room_ids_of
-from plan2scene.house import DEFAULT_HEIGHT, Door, House, IconBox, PlacedObject, Ring, Room, Wall
+from plan2scene.floorplans.storeys import level_of, linked, used_levels
+from plan2scene.house import (
+    DEFAULT_HEIGHT,
+    Door,
+    House,
+    IconBox,
+    Level,
+    PlacedObject,
+    Ring,
+    Room,
+    Wall,
+)
 from plan2scene.io import read_text
 
 
@@ -40,7 +52,9 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
     ]
     if not elements:
         raise source.fault("a list of elements", "none")
-    rooms = _read_rooms(source, arch, elements)
+    levels = read_levels(source, arch)
+    rooms = _read_rooms(source, arch, elements, levels)
+    levels = used_levels(source, levels, rooms.values())
     walls = read_walls(source, arch, elements, rooms)
     return House(
         id=house_id,
@@ -48,7 +62,9 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
         walls=tuple(walls),
         doors=_read_doors(source, arch, rooms, walls),
         objects=_read_objects(source, scene),
-        icons=_read_icons(source, arch),
+        icons=_read_icons(source, arch, levels),
+        levels=levels,
+        stairs=linked(read_stairs(source, arch, levels), tuple(rooms.values()), levels),
         warnings=tuple(source.warnings),
     )
 
@@ -61,7 +77,10 @@ def find_arch(source: Source, document: Any) -> tuple[dict[str, Any], dict[str, 
 
 
 def _read_rooms(
-    source: Source, arch: Mapping[str, Any], elements: list[dict[str, Any]]
+    source: Source,
+    arch: Mapping[str, Any],
+    elements: list[dict[str, Any]],
+    levels: Sequence[Level],
 ) -> dict[str, Room]:
     """Return the rooms by id, outlines from the floors (else ceilings), heights from ceilings."""
     plates: dict[str, dict[str, dict[str, Any]]] = {"Floor": {}, "Ceiling": {}}
@@ -80,6 +99,7 @@ def _read_rooms(
             source.warn("an entry of 'rooms'", "none; read as Unknown", room_id)
             types[room_id] = ("Unknown",)
     rooms = {}
+    level_by_room = levels_of_rooms(source, arch, levels, list(types))
     for room_id, names in types.items():
         floor, ceiling = plates["Floor"].get(room_id), plates["Ceiling"].get(room_id)
         plate = floor or ceiling
@@ -88,8 +108,14 @@ def _read_rooms(
         if floor is None:
             source.warn("a Floor element", "none; outline of the ceiling used", room_id)
         rings, low = _read_rings(source, plate, room_id)
-        height = _room_height(source, room_id, low if floor else 0.0, ceiling, elements)
-        rooms[room_id] = Room(room_id, names, rings, height)
+        level = level_by_room[room_id]
+        if not floor:
+            low = level.elevation
+        if abs(low - level.elevation) > SAME_POINT:
+            base = f"{level.elevation:g}"
+            source.warn(f"a floor at y = {base}", f"y = {low:g}, moved to {base}", room_id)
+        height = _room_height(source, room_id, low, ceiling, elements)
+        rooms[room_id] = Room(room_id, names, rings, height, level.id)
     return rooms
 
 
@@ -143,10 +169,9 @@ def _room_height(
     elements: list[dict[str, Any]],
 ) -> float:
     """Return the height in metres: ceiling over floor, else the highest wall, else the default."""
-    if abs(low) > SAME_POINT:
-        source.warn("a floor at y = 0", f"y = {low:g}, moved to 0", room)
     if ceiling is not None:
         height = _read_rings(source, ceiling, room)[1] - low
+        height = round(height, 9) if low else height
         if height > SAME_POINT:
             return height
     walls = [
@@ -187,6 +212,10 @@ def _read_doors(
         if hole not in holes:
             source.warn("a hole of some wall for each rdr entry", f"no hole {hole}")
         door = Door(ends[0], hole, ends[1] if len(ends) == 2 else None)
+        if door.room_b is not None and rooms[door.room_a].level != rooms[door.room_b].level:
+            levels = f"{door.room_a} and {door.room_b} are on two; left out"
+            source.warn(f"door {hole} between rooms of one level", levels, door.room_a)
+            continue
         found.setdefault((hole, frozenset((door.room_a, door.room_b))), door)
     return tuple(found.values())
 
@@ -208,7 +237,16 @@ def _read_objects(source: Source, scene: Mapping[str, Any]) -> tuple[PlacedObjec
     return tuple(objects)
 
 
-def _read_icons(source: Source, arch: Mapping[str, Any]) -> tuple[IconBox, ...]:
+def _read_icons(
+    source: Source, arch: Mapping[str, Any], levels: Sequence[Level]
+) -> tuple[IconBox, ...]:
     """Return the icon boxes that :func:`write_scene_json` keeps under `arch.icons`."""
     icons = (source.mapping(entry, "an icon") for entry in source.items(arch.get("icons"), "icons"))
-    return tuple(IconBox(str(i.get("type", "")), *source.box(i, "an icon")) for i in icons)
+    return tuple(
+        IconBox(
+            str(icon.get("type", "")),
+            *source.box(icon, "an icon"),
+            level_of(source, icon, levels, "an icon") if levels else "",
+        )
+        for icon in icons
+    )

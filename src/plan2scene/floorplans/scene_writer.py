@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -26,13 +27,17 @@ def house_to_scene(
     images; the metres go into the texture's own key ``size_m``.
 
     Beyond the official form: ``size_m``, ``"passage": true`` on a hole of type Door that has no
-    leaf, and ``arch.icons``. Programs that don't know these keys are not disturbed.
+    leaf, ``arch.icons``, and of a house with levels ``arch.levels`` with the ``level`` of each
+    room and icon, and ``arch.stairs``. Programs that don't know these keys are not disturbed:
+    points have the elevation of their level.
     """
     textures = textures or {}
     elements: list[dict[str, Any]] = []
+    elevations = {room.id: house.level_of(room.id).elevation for room in house.rooms}
     for room in house.rooms:
-        elements += [_plate(room, "Floor", textures), _plate(room, "Ceiling", textures)]
-    elements += [_wall(wall, textures) for wall in house.walls]
+        y = elevations[room.id]
+        elements += [_plate(room, "Floor", textures, y), _plate(room, "Ceiling", textures, y)]
+    elements += [_wall(wall, textures, elevations[wall.room_ids[0]]) for wall in house.walls]
     arch: dict[str, Any] = {
         "id": house.id,
         "defaults": {
@@ -42,17 +47,48 @@ def house_to_scene(
         },
         "elements": elements,
         "rdr": _rdr(house.doors),
-        "rooms": [{"id": room.id, "types": list(room.types)} for room in house.rooms],
+        "rooms": [
+            {"id": room.id, "types": list(room.types), **_on(room.level)} for room in house.rooms
+        ],
+        **_storeys(house),
     }
     used = [key for key in house.surface_keys() if key in textures]
     if used:
         arch.update(_images(used, textures))
     if house.icons:
         arch["icons"] = [
-            {"type": icon.type, "bound_box": {"p1": list(icon.p1), "p2": list(icon.p2)}}
+            {
+                "type": icon.type,
+                "bound_box": {"p1": list(icon.p1), "p2": list(icon.p2)},
+                **_on(icon.level),
+            }
             for icon in house.icons
         ]
     return {"format": "sceneState", "scene": _scene(house, arch), "selected": []}
+
+
+def _on(level_id: str) -> dict[str, str]:
+    """Return the entry of what is on a level; none in a house without levels."""
+    return {"level": level_id} if level_id else {}
+
+
+def _storeys(house: House) -> dict[str, Any]:
+    """Return the entries of levels and stairs that a house has."""
+    found: dict[str, Any] = {}
+    if house.levels:
+        found["levels"] = [asdict(level) for level in house.levels]
+    if house.stairs:
+        found["stairs"] = [
+            {
+                "id": stairs.id,
+                "from": list(stairs.start),
+                "to": list(stairs.end),
+                "width": stairs.width,
+                **_on(stairs.level),
+            }
+            for stairs in house.stairs
+        ]
+    return found
 
 
 def write_scene_json(
@@ -99,13 +135,13 @@ def _material(key: SurfaceKey | None, textures: Mapping[SurfaceKey, Any], name: 
     return {"name": name, "diffuse": PLAIN}
 
 
-def _plate(room: Room, kind: str, textures: Mapping[SurfaceKey, Any]) -> dict[str, Any]:
-    """Return the Floor or Ceiling element of a room."""
+def _plate(room: Room, kind: str, textures: Mapping[SurfaceKey, Any], y: float) -> dict[str, Any]:
+    """Return the Floor or Ceiling element of a room whose floor is at height `y`."""
     element: dict[str, Any] = {
         "id": f"{room.id}_{kind[0].lower()}",
         "roomId": room.id,
         "type": kind,
-        "points": [[[x, 0.0, z] for x, z in ring] for ring in room.rings],
+        "points": [[[x, y, z] for x, z in ring] for ring in room.rings],
         "materials": [_material(SurfaceKey(room.id, kind.lower()), textures, "surface")],
         "depth": PLATE_DEPTH,
     }
@@ -114,15 +150,15 @@ def _plate(room: Room, kind: str, textures: Mapping[SurfaceKey, Any]) -> dict[st
     return element
 
 
-def _wall(wall: Wall, textures: Mapping[SurfaceKey, Any]) -> dict[str, Any]:
-    """Return a Wall element; the inner side is that of the first room id."""
+def _wall(wall: Wall, textures: Mapping[SurfaceKey, Any], y: float) -> dict[str, Any]:
+    """Return a Wall element that stands at height `y`; the inner side is the first room id's."""
     sides: list[SurfaceKey | None] = [SurfaceKey(room_id, "wall") for room_id in wall.room_ids]
     inside, outside = [*sides, None][:2]
     return {
         "id": wall.id,
         "roomId": list(wall.room_ids) if len(wall.room_ids) > 1 else wall.room_ids[0],
         "type": "Wall",
-        "points": [[x, 0.0, z] for x, z in (wall.start, wall.end)],
+        "points": [[x, y, z] for x, z in (wall.start, wall.end)],
         "holes": [_hole(opening) for opening in wall.openings],
         "materials": [
             _material(inside, textures, "inside"),

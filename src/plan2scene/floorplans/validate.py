@@ -23,6 +23,7 @@ from plan2scene.floorplans.parse import (
     SAME_POINT,
 )
 from plan2scene.floorplans.plausible import oddities, unit_faults
+from plan2scene.floorplans.storeys import LEAST_FLIGHT, storey_oddities
 from plan2scene.house import OPENING_KINDS, ROOM_TYPES, House, Opening, Room, Wall
 
 #: A room with less area than this (square metres) is a drawing fault.
@@ -45,7 +46,10 @@ def validate_house(house: House, *, file: str | Path = "") -> list[str]:
     for fault in house_faults(house, file=file):
         raise fault
     lines = list(house.warnings)
-    found = [*_overlaps(house), *_stray_walls(house), *_overlapping_holes(house), *oddities(house)]
+    storeys = [storey for _, storey in house.storeys()]
+    found = [line for storey in storeys for line in _overlaps(storey)]
+    found += [*_stray_walls(house), *_overlapping_holes(house), *oddities(house)]
+    found += storey_oddities(house)
     for expected, text, room in found:
         lines.append(str(InputError(expected, text, file=file, house=house.id, room=room)))
     return lines
@@ -72,6 +76,7 @@ def house_faults(house: House, *, file: str | Path = "") -> Iterator[InputError]
         yield from _room_faults(room, fault)
     if all(room.rings and min(map(len, room.rings)) >= 3 for room in house.rooms):
         yield from unit_faults(house, fault)
+    yield from _level_faults(house, fault)
     for wall in house.walls:
         yield from _wall_faults(house, wall, fault)
     known = {room.id for room in house.rooms}
@@ -87,6 +92,8 @@ def _id_faults(house: House, fault: _Fault) -> Iterator[InputError]:
         ("house name", [house.id]),
         ("room id", [room.id for room in house.rooms]),
         ("wall id", [wall.id for wall in house.walls]),
+        ("level id", [level.id for level in house.levels]),
+        ("stairs id", [stairs.id for stairs in house.stairs]),
     ]
     for what, ids in groups:
         for name, count in Counter(ids).items():
@@ -94,6 +101,27 @@ def _id_faults(house: House, fault: _Fault) -> Iterator[InputError]:
                 yield fault(f"a {what} of letters, digits, '_', '-' and '.'", repr(name))
             if count > 1:
                 yield fault(f"each {what} once", f"{name} {count} times")
+
+
+def _level_faults(house: House, fault: _Fault) -> Iterator[InputError]:
+    """Yield rooms on no level, walls of rooms on two, and flights without a length."""
+    ids = [level.id for level in house.levels] or [""]
+    level_of = {room.id: room.level for room in house.rooms}
+    for room in house.rooms:
+        if room.level not in ids:
+            yield fault(f"one of the levels {', '.join(ids)}", repr(room.level), room.id)
+    for wall in house.walls:
+        if len({level_of.get(room_id) for room_id in wall.room_ids}) > 1:
+            yield fault(f"rooms of one level at wall {wall.id}", ", ".join(wall.room_ids))
+    for stairs in house.stairs:
+        if stairs.level not in ids:
+            found = repr(stairs.level)
+            yield fault(f"one of the levels {', '.join(ids)} for stairs {stairs.id}", found)
+        numbers = (*stairs.start, *stairs.end, stairs.width)
+        sound = all(math.isfinite(v) and abs(v) <= MAX_COORDINATE for v in numbers)
+        if not sound or stairs.length < LEAST_FLIGHT or stairs.width <= 0:
+            found = f"{stairs.length:g} and {stairs.width:g} m"
+            yield fault(f"stairs {stairs.id} with a length and a width", found)
 
 
 def _room_faults(room: Room, fault: _Fault) -> Iterator[InputError]:

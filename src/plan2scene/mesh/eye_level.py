@@ -56,9 +56,8 @@ def camera_in(house: House, room_id: str, rays: Rays) -> Camera:
     """
     room = house.room(room_id)
     polygon = room_polygon(room)
-    cameras = [
-        _camera(eye, target, min(EYE_M, 0.7 * room.height)) for eye, target in standpoints(polygon)
-    ]
+    height = house.level_of(room_id).elevation + min(EYE_M, 0.7 * room.height)
+    cameras = [_camera(eye, target, height) for eye, target in standpoints(polygon)]
     return max(cameras, key=lambda camera: _openness(camera, rays))
 
 

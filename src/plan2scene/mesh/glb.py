@@ -7,6 +7,7 @@ kinds of buffers, colours that are not rounded to bytes, equal tiles once, PNG f
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -62,9 +63,11 @@ def write_glb(
     unlit : bool
         Whether colours are shown as they are (KHR_materials_unlit), without occlusion.
     """
-    rooms = [{"id": r.id, "types": list(r.types), "height": r.height} for r in house.rooms]
-    scene = trimesh.Scene(base_frame=_WORLD, metadata={"house": house.id, "rooms": rooms})
+    scene = trimesh.Scene(base_frame=_WORLD, metadata=_facts(house))
     scene.graph.update(frame_from=_WORLD, frame_to=house.id)
+    for level in house.levels:
+        facts = {"kind": "level", **asdict(level)}
+        scene.graph.update(frame_from=house.id, frame_to=level_node(level.id), metadata=facts)
     materials: dict[object, PBRMaterial] = {}
     parts = build_parts(house) if parts is None else parts
     textured = [part for part in parts if part.surface in textures]
@@ -80,7 +83,7 @@ def write_glb(
             _textured(part, tile, materials[key], second),
             node_name=part.name,
             geom_name=part.name,
-            parent_node_name=house.id,
+            parent_node_name=level_node(str(part.extras.get("level", ""))) or house.id,
             metadata=_extras(part, tile),
         )
     factors = {"glass": list(GLASS)}
@@ -95,6 +98,21 @@ def write_glb(
     )
     with atomic_path(path) as temporary:
         temporary.write_bytes(data)
+
+
+def level_node(level_id: str) -> str:
+    """Return the name of a level's node; empty for none. No id has a colon."""
+    return f"level:{level_id}" if level_id else ""
+
+
+def _facts(house: House) -> dict[str, Any]:
+    """Return what viewers show about a house."""
+    rooms: list[dict[str, Any]] = []
+    for room in house.rooms:
+        own = {"id": room.id, "types": list(room.types), "height": room.height}
+        rooms.append({**own, "level": room.level} if house.levels else own)
+    levels = {"levels": [asdict(level) for level in house.levels]} if house.levels else {}
+    return {"house": house.id, "rooms": rooms, **levels}
 
 
 class _File:

@@ -4,41 +4,49 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from plan2scene.floorplans.geometry import room_polygon
-from plan2scene.house import House
-from plan2scene.mesh.fixtures import fixtures
-from plan2scene.mesh.objects import objects
-from plan2scene.mesh.openings import Portal, find_openings, room_sides
-from plan2scene.mesh.parts import MeshPart, numbered
-from plan2scene.mesh.railings import railing, railing_sides
-from plan2scene.mesh.skirting import skirting
-from plan2scene.mesh.walls import (
-    Body,
-    flat_parts,
-    structure_part,
-    threshold,
-    wall_bodies,
-    wall_face,
-)
+from plan2scene.floorplans.storeys import flight_area
+from plan2scene.house import House, Level, Stairs
+from plan2scene.mesh.parts import GRID_DECIMALS, MeshPart, numbered
+from plan2scene.mesh.stairs import stair_parts, well_railings
+from plan2scene.mesh.storey import Storey, build_storey
+from plan2scene.mesh.walls import Above
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """A house's parts, and the plan areas that drawings of it need."""
+    """A house's storeys, the lowest first."""
 
-    parts: list[MeshPart]
-    bodies: list[Body]
-    portals: list[Portal]
+    storeys: list[Storey]
+
+    @property
+    def parts(self) -> list[MeshPart]:
+        """Return the parts of all storeys, each at its level's elevation."""
+        return [lifted(part, storey.level) for storey in self.storeys for part in storey.parts]
+
+
+def lifted(part: MeshPart, level: Level) -> MeshPart:
+    """Return a part of a storey where it is in the house; its extras name the level."""
+    if not level.id:
+        return part
+    mesh = part.mesh.copy()
+    normals = np.array(part.mesh.vertex_normals)
+    mesh.vertices = np.round(mesh.vertices + [0.0, level.elevation, 0.0], GRID_DECIMALS)
+    mesh.vertex_normals = normals
+    return replace(part, mesh=mesh, extras={**part.extras, "level": level.id})
 
 
 def build_parts(house: House) -> list[MeshPart]:
     """Return every part of a house, each with a name of its own.
 
     Floors, ceilings and wall faces carry their room's texture key and have exact areas: a
-    floor's is its polygon's, a wall face's is length x height less openings. Everything else
-    (wall bodies, door leaves, window frames, glass) is plain.
+    floor's is its polygon's less where stairs come up, a wall face's is length x height less
+    openings. Everything else (wall bodies, door leaves, window frames, glass) is plain.
 
     Parameters
     ----------
@@ -49,46 +57,25 @@ def build_parts(house: House) -> list[MeshPart]:
 
 
 def assemble(house: House) -> Assembly:
-    """Return the parts of a house, see :func:`build_parts`, with the bodies and portals."""
-    polygons = {room.id: room_polygon(room) for room in house.rooms}
-    together = unary_union(list(polygons.values()))
-    sides = room_sides(house, polygons)
-    openings = find_openings(house, sides, polygons)
-    rails = railing_sides(house, sides, polygons)
-    walled = [side for side in sides if side not in rails]
-    parts: list[MeshPart] = [railing(side) for side in rails]
-    for room in house.rooms:
-        parts.extend(flat_parts(room, polygons[room.id]))
-        own = [side for side in walled if side.room_id == room.id]
-        faces = (wall_face(side, room, polygons[room.id], openings) for side in own)
-        boards = skirting(room, own, openings)
-        parts.extend(part for part in (*faces, boards) if part is not None)
-    bodies = wall_bodies(walled, together)
-    for body in bodies:
-        part = structure_part(body, bodies, together, openings.portals)
-        if part is not None:
-            parts.append(part)
-    portals = _largest(openings.portals)
-    for portal in portals:
-        strip = threshold(portal)
-        parts.extend(([strip] if strip is not None else []) + fixtures(portal))
-    parts.extend(objects(house, sides, polygons))
-    names = numbered(part.name for part in parts)
-    named = [replace(part, name=name) for part, name in zip(parts, names, strict=True)]
-    return Assembly(named, bodies, portals)
-
-
-def _largest(portals: list[Portal]) -> list[Portal]:
-    """Return portals without those that mostly lie inside a wider one of the same wall."""
-    kept: list[Portal] = []
-    for portal in sorted(portals, key=lambda p: -p.width):
-        inside = any(
-            portal.side.wall.id == other.side.wall.id
-            and min(portal.hole.right, other.hole.right) - max(portal.hole.left, other.hole.left)
-            > 0.5 * portal.width
-            and min(portal.hole.top, other.hole.top) > max(portal.hole.bottom, other.hole.bottom)
-            for other in kept
-        )
-        if not inside:
-            kept.append(portal)
-    return [portal for portal in portals if portal in kept]
+    """Return the storeys of a house with their parts, see :func:`build_parts`."""
+    storeys = []
+    well: BaseGeometry = Polygon()
+    arriving: list[Stairs] = []
+    for level, rooms in house.storeys():
+        stairs = [flight for flight in house.stairs if flight.level == level.id]
+        higher = house.level_above(level.id)
+        above = None
+        if higher is not None:
+            own = [room_polygon(room) for room in house.rooms if room.level == higher.id]
+            shaft = unary_union([flight_area(flight) for flight in stairs])
+            above = Above(higher.elevation - level.elevation, unary_union(own), shaft)
+        storey = build_storey(level, rooms, well, above)
+        storey.parts.extend(stair_parts(house, stairs))
+        storey.parts.extend(well_railings(rooms, arriving, stairs))
+        storeys.append(storey)
+        arriving = stairs if above is not None else []
+        well = Polygon() if above is None else above.well
+    names = iter(numbered(part.name for storey in storeys for part in storey.parts))
+    for storey in storeys:
+        storey.parts[:] = [replace(part, name=next(names)) for part in storey.parts]
+    return Assembly(storeys)

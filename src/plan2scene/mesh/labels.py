@@ -29,6 +29,7 @@ def annotate(
     captions: Mapping[str, str],
     project: Callable[[tuple[float, float]], tuple[float, float]],
     scale: float,
+    title: str = "",
 ) -> np.ndarray:
     """Return a plan view (h, w, 3) uint8 with room names, captions or areas, and a scale bar.
 
@@ -40,6 +41,8 @@ def annotate(
         Pixel (x, y) of a point (x, z) in metres.
     scale : float
         Pixels per metre.
+    title : str
+        In the upper left corner.
     """
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture)
@@ -47,16 +50,17 @@ def annotate(
     for room in sorted(house.rooms, key=lambda room: -room_polygon(room).area):
         whole = room_polygon(room)
         centre = project(_label_point(whole))
-        title = room_title(room)
+        types = room_title(room)
         second = captions.get(room.id, "") if captions else f"{whole.area:.1f} m²"
-        full = f"{title}\n{second}".strip()
+        full = f"{types}\n{second}".strip()
         # A small room gets a small label, and none where a larger room's label is.
-        for text, size in ((full, 15), (full if captions else title, 11), (title, 11)):
+        for text, size in ((full, 15), (full if captions else types, 11), (types, 11)):
             if _label(draw, text, centre, size, taken, whole, scale):
                 break
     x0, y0 = 24, picture.height - 26
     draw.rectangle([x0, y0, x0 + scale, y0 + 5], fill=SECTION_COLOUR)
     draw.text((x0 + scale + 8, y0 + 2), "1 m", fill=SECTION_COLOUR, font=_font(14), anchor="lm")
+    draw.text((24, 24), title, fill=SECTION_COLOUR, font=_font(18))
     return np.asarray(picture)
 
 

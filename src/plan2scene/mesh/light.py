@@ -244,7 +244,8 @@ def lamp_position(house: House, room_id: str) -> np.ndarray:
     middle = polygon.centroid
     if not polygon.buffer(-0.3).contains(Point(middle.x, middle.y)):
         middle = polygon.representative_point()
-    return np.array([middle.x, room.height - LAMP_DROP_M, middle.y])
+    ceiling = house.level_of(room_id).elevation + room.height
+    return np.array([middle.x, ceiling - LAMP_DROP_M, middle.y])
 
 
 def _smooth(values: np.ndarray, inside: np.ndarray) -> np.ndarray:

@@ -26,6 +26,7 @@ from plan2scene.mesh.raster import (
     texels_per_metre,
     visible,
 )
+from plan2scene.mesh.storey import Storey
 from plan2scene.mesh.textures import TileTexture
 
 BACKGROUND: Colour = (247, 246, 243)
@@ -62,26 +63,36 @@ def render_preview(
     assembly: Assembly | None = None,
     side: int = SIDE,
 ) -> np.ndarray:
-    """Return (side, 2 side, 3) uint8 sRGB: plan view with room names, and oblique view."""
-    assembly = assembly or assemble(house)
-    plan = _plan_view(house, assembly, textures, side)
-    oblique = _view(house, assembly, textures, side, _OBLIQUE)
-    return np.concatenate([plan, oblique], axis=1)
+    """Return (n side, 2 side, 3) uint8 sRGB: plan view with room names, and oblique view.
+
+    A row for each of the n levels, the lowest first.
+    """
+    rows = []
+    for storey in (assembly or assemble(house)).storeys:
+        plan = _plan_view(storey, textures, side)
+        oblique = _view(storey, textures, side, _OBLIQUE)
+        rows.append(np.concatenate([plan, oblique], axis=1))
+    return np.concatenate(rows)
 
 
 def render_plan(house: House, captions: Mapping[str, str], side: int = SIDE) -> np.ndarray:
-    """Return the plan view in plain colours, (side, side, 3) uint8 sRGB.
+    """Return the plan view in plain colours, (n side, side, 3) uint8 sRGB: n levels, lowest first.
 
     `captions` holds a line for a room's label in place of its area, by room id.
     """
-    return _plan_view(house, assemble(house), {}, side, captions)
+    storeys = assemble(house).storeys
+    return np.concatenate([_plan_view(storey, {}, side, captions) for storey in storeys])
 
 
 def render_from_above(
     house: House, textures: Mapping[SurfaceKey, TileTexture], side: int = SIDE
 ) -> np.ndarray:
-    """Return the perspective view from straight above without ceilings, (side, side, 3) uint8."""
-    return _view(house, assemble(house), textures, side, _FROM_ABOVE)
+    """Return the perspective views from straight above without ceilings, (n side, side, 3) uint8.
+
+    One for each of the n levels, the lowest first.
+    """
+    storeys = assemble(house).storeys
+    return np.concatenate([_view(storey, textures, side, _FROM_ABOVE) for storey in storeys])
 
 
 def _extent(house: House) -> tuple[np.ndarray, np.ndarray]:
@@ -92,20 +103,20 @@ def _extent(house: House) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _plan_view(
-    house: House,
-    assembly: Assembly,
+    storey: Storey,
     textures: Mapping[SurfaceKey, TileTexture],
     side: int,
     captions: Mapping[str, str] | None = None,
 ) -> np.ndarray:
     """Return the orthographic view from above of what is below `CUT`."""
+    house = storey.house
     low, high = _extent(house)
     centre = (low + high) / 2
     size = (side * SUPERSAMPLING, side * SUPERSAMPLING)
     scale = 0.86 * min(size[1] / (high[0] - low[0]), size[0] / (high[1] - low[1]))
     target = np.array([centre[0], 0.0, centre[1]])
     camera = look_at(target + [0, 50.0, 0], target, scale, size, perspective=False)
-    parts = [p for p in assembly.parts if not p.name.endswith("/ceiling")] + _section(assembly)
+    parts = [p for p in storey.parts if not p.name.endswith("/ceiling")] + _section(storey)
     soup = soup_of(parts, textures)
     below = soup.corners[..., 1].min(axis=1) <= CUT + 2e-3
     small = _draw(soup, camera, below & ~soup.glass, house)
@@ -115,14 +126,14 @@ def _plan_view(
         x, y = camera.project(np.array([point[0], 0.0, point[1]]))[:2] / SUPERSAMPLING
         return float(x), float(y)
 
-    return annotate(small, house, captions or {}, project, scale)
+    return annotate(small, house, captions or {}, project, scale, storey.level.name)
 
 
-def _section(assembly: Assembly) -> list[MeshPart]:
+def _section(storey: Storey) -> list[MeshPart]:
     """Return flat parts at `CUT`: the wall bodies that it meets, and the windows in them."""
-    solid = unary_union([b.cap for b in assembly.bodies if b.side.wall.height > CUT])
+    solid = unary_union([b.cap for b in storey.bodies if b.side.wall.height > CUT])
     parts, windows = [], []
-    for portal in assembly.portals:
+    for portal in storey.portals:
         if portal.hole.top <= CUT and portal.hole.opening.kind != "window":
             continue
         margin = portal.side.wall.depth / 2
@@ -145,13 +156,13 @@ def _section(assembly: Assembly) -> list[MeshPart]:
 
 
 def _view(
-    house: House,
-    assembly: Assembly,
+    storey: Storey,
     textures: Mapping[SurfaceKey, TileTexture],
     side: int,
     view: _View,
 ) -> np.ndarray:
-    """Return a perspective view without ceilings that the house fills."""
+    """Return a perspective view without ceilings that the storey fills."""
+    house = storey.house
     low, high = _extent(house)
     height = max((wall.height for wall in house.walls), default=2.5)
     corners = np.array(
@@ -171,7 +182,7 @@ def _view(
         spread = (np.abs(points - middle) / middle).max()
         distance *= spread / 0.9
     camera = look_at(target + distance * direction, target, focal, size, perspective=True)
-    parts = [p for p in assembly.parts if not p.name.endswith("/ceiling")]
+    parts = [p for p in storey.parts if not p.name.endswith("/ceiling")]
     soup = soup_of(parts, textures)
     return _draw(soup, camera, np.ones(len(soup.corners), dtype=bool), house)
 

@@ -11,6 +11,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from plan2scene.house import House
+from plan2scene.mesh.frames import Frame
 from plan2scene.mesh.openings import Side
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 
@@ -44,8 +45,15 @@ def railing_sides(
 def railing(side: Side) -> MeshPart:
     """Return the part ``{room}/railing/{wall}``: posts, two rails, bars."""
     builder = PartBuilder()
-    axes, length = side.frame.axes(0.0), side.frame.length
-    top = min(HEIGHT, side.wall.height)
+    add_railing(builder, side.frame, min(HEIGHT, side.wall.height))
+    room = side.room_id
+    extras = {"kind": "railing", "room_id": room, "wall_id": side.wall.id}
+    return builder.build(f"{room}/railing/{side.wall.id}", extras=extras)
+
+
+def add_railing(builder: PartBuilder, frame: Frame, top: float = HEIGHT) -> None:
+    """Add posts, rails and bars behind a face's line, up to `top` metres."""
+    axes, length = frame.axes(0.0), frame.length
 
     def upright(s: float, width: float, low: float, high: float) -> None:
         half = width / 2
@@ -60,6 +68,3 @@ def railing(side: Side) -> MeshPart:
         count = int((second - first) / GAP)
         for s in np.linspace(first, second, count + 2)[1:-1]:
             upright(float(s), BAR, 0.08 + RAIL, top - RAIL)
-    room = side.room_id
-    extras = {"kind": "railing", "room_id": room, "wall_id": side.wall.id}
-    return builder.build(f"{room}/railing/{side.wall.id}", extras=extras)

@@ -38,6 +38,25 @@ LIFT = 2e-4
 GRID = 1e-6
 
 
+@dataclass(frozen=True)
+class Above:
+    """What is on top of a storey.
+
+    Attributes
+    ----------
+    rise : float
+        Metres from its floors to those of the next level.
+    rooms : geometry
+        The plan area of that level's rooms.
+    well : geometry
+        Where stairs go up: open in the ceilings and in the floors above.
+    """
+
+    rise: float
+    rooms: BaseGeometry
+    well: BaseGeometry
+
+
 def wall_face(side: Side, room: Room, polygon: BaseGeometry, openings: Openings) -> MeshPart | None:
     """Return the face of a wall that a room sees, None when openings leave nothing of it.
 
@@ -113,9 +132,16 @@ def _solid(geometry: BaseGeometry) -> BaseGeometry:
 
 
 def structure_part(
-    body: Body, bodies: list[Body], rooms: BaseGeometry, portals: list[Portal]
+    body: Body,
+    bodies: list[Body],
+    rooms: BaseGeometry,
+    portals: list[Portal],
+    above: Above | None = None,
 ) -> MeshPart | None:
-    """Return the part ``structure/wall/{wall}``: outer faces, cap, reveals of the wall's holes."""
+    """Return the part ``structure/wall/{wall}``: outer faces, cap, reveals of the wall's holes.
+
+    Below another level's rooms it goes on up to their floors.
+    """
     wall = body.side.wall
     others = unary_union(
         [b.area for b in bodies if b is not body and b.side.wall.height >= wall.height - 1e-6]
@@ -126,7 +152,13 @@ def structure_part(
         _outer_face(builder, frame, wall.height, portals)
     top = wall.height + max(wall.extra_height, 0.0)
     # The body's begins a little below the ceiling line, behind the lifted faces: no crack there.
-    _prism(builder, body.area, wall.height - 10 * LIFT, top)
+    area = body.area
+    if above is not None and above.rise > wall.height:
+        under = above.rooms.buffer(wall.depth + TOUCH, join_style="mitre")
+        band = area.intersection(under)
+        _prism(builder, band, wall.height - 10 * LIFT, above.rise, above.rooms, OUTER_COLOUR)
+        area, top = area.difference(under), min(top, above.rise - LIFT)
+    _prism(builder, area, wall.height - 10 * LIFT, top)
     _prism(builder, body.cap.difference(body.area), wall.height, top)
     for portal in portals:
         if portal.side.wall.id == wall.id:
@@ -182,15 +214,23 @@ def _outer_face(builder: PartBuilder, frame: Frame, height: float, portals: list
     builder.mesh(frame.world(points), faces, colour=OUTER_COLOUR)
 
 
-def _prism(builder: PartBuilder, area: BaseGeometry, low: float, high: float) -> None:
-    """Add the top and sides of an upright prism."""
-    builder.level(area, high, colour=CAP_COLOUR)
+def _prism(
+    builder: PartBuilder,
+    area: BaseGeometry,
+    low: float,
+    high: float,
+    covered: BaseGeometry | None = None,
+    colour: Colour = CAP_COLOUR,
+) -> None:
+    """Add the sides of an upright prism in a colour, and its top where nothing covers it."""
+    top = area if covered is None else area.difference(covered)
+    builder.level(top, high, colour=CAP_COLOUR)
     if high - low < 1e-6:
         return
     for start, end, normal in _edges(area):
         frame = frame_between(start, end, normal)
         corners = np.array([[0, low], [frame.length, low], [frame.length, high], [0, high]])
-        builder.quad(frame.world(corners), CAP_COLOUR)
+        builder.quad(frame.world(corners), colour)
 
 
 def _reveals(builder: PartBuilder, portal: Portal) -> None:
@@ -217,19 +257,33 @@ def threshold(portal: Portal) -> MeshPart | None:
     return builder.build(name, "surface", SurfaceKey(room, "floor"), extras)
 
 
-def flat_parts(room: Room, polygon: BaseGeometry) -> list[MeshPart]:
+def flat_parts(
+    room: Room, polygon: BaseGeometry, well: BaseGeometry, above: Above | None
+) -> list[MeshPart]:
     """Return a room's floor (facing up, y = 0) and ceiling (facing down, y = height).
 
-    A room in the open air has no ceiling.
-    UV in metres: columns along +x, rows along +z.
+    The floor is open where stairs come up (`well`), the ceiling where they go on; a room in the
+    open air has no ceiling. UV in metres: columns along +x, rows along +z.
     """
     parts = []
     for surface, y in (("floor", 0.0), ("ceiling", room.height)):
         if surface == "ceiling" and room.open_air:
             continue
         builder = PartBuilder()
-        builder.level(polygon, y, up=surface == "floor")
+        builder.level(open_plate(polygon, surface, well, above), y, up=surface == "floor")
+        if not builder:
+            continue
         extras = {"kind": surface, "room_id": room.id, "surface": surface}
         key = SurfaceKey(room.id, surface)
         parts.append(builder.build(f"{room.id}/{surface}", "surface", key, extras))
     return parts
+
+
+def open_plate(
+    polygon: BaseGeometry, surface: str, well: BaseGeometry, above: Above | None
+) -> BaseGeometry:
+    """Return a room's plan area less the stairs that go through its floor or ceiling."""
+    shaft = well if surface == "floor" or above is None else above.well
+    if surface == "ceiling" and above is None:
+        return polygon
+    return polygon if shaft.is_empty else polygon.difference(shaft)

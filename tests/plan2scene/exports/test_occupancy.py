@@ -7,6 +7,7 @@ from PIL import Image
 from scipy import ndimage
 
 from plan2scene.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M, UNKNOWN, occupancy, write_map
+from plan2scene.mesh.house_mesh import assemble
 
 
 def at(grid, origin, x, z):
@@ -17,7 +18,7 @@ def at(grid, origin, x, z):
 
 
 def test_values_where_the_plan_says(gap_house):
-    grid, origin = occupancy(gap_house)
+    grid, origin = occupancy(assemble(gap_house).storeys[0])
     assert at(grid, origin, 1.5, 2.0) == FREE
     assert at(grid, origin, 4.5, 2.0) == FREE
     assert at(grid, origin, 3.05, 1.4) == FREE  # the door, open
@@ -27,14 +28,14 @@ def test_values_where_the_plan_says(gap_house):
 
 
 def test_free_area_is_the_rooms_less_what_walls_touch(gap_house):
-    grid, _ = occupancy(gap_house)
+    grid, _ = occupancy(assemble(gap_house).storeys[0])
     free = (grid == FREE).sum() * RESOLUTION_M**2
     assert free == pytest.approx(3.0 * 4.0 + 2.9 * 4.0, rel=0.07)
 
 
 @pytest.mark.parametrize("name", ["gap_house", "shared_house"])
 def test_rooms_join_through_doors_and_nothing_leaks_out(request, name):
-    grid, _ = occupancy(request.getfixturevalue(name))
+    grid, _ = occupancy(assemble(request.getfixturevalue(name)).storeys[0])
     _, count = ndimage.label(grid == FREE)
     assert count == 1
     outside, _ = ndimage.label(grid != OCCUPIED)
@@ -43,7 +44,7 @@ def test_rooms_join_through_doors_and_nothing_leaks_out(request, name):
 
 def test_files(gap_house, tmp_path):
     write_map(gap_house, {}, tmp_path)
-    grid, origin = occupancy(gap_house)
+    grid, origin = occupancy(assemble(gap_house).storeys[0])
     facts = yaml.safe_load((tmp_path / "map.yaml").read_text())
     assert facts["resolution"] == RESOLUTION_M
     assert facts["origin"][:2] == pytest.approx(origin)

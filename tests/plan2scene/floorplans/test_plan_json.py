@@ -125,7 +125,10 @@ def test_opening_over_the_end_is_cut_with_a_warning(tmp_path):
 @pytest.mark.parametrize(
     ("change", "line"),
     [
-        ({"scale": 2}, ": expected only the keys format, version, wall_depth, rooms, openings"),
+        (
+            {"scale": 2},
+            ": expected only the keys format, version, wall_depth, levels, rooms, ",
+        ),
         ({"version": 2}, ": expected 1 at version, found 2"),
         ({"rooms": []}, ": expected minItems 1 at rooms, found []"),
         ({"rooms": None}, ": expected array at rooms, found None"),

@@ -83,7 +83,7 @@ def test_twice_the_same_id_gets_a_number(l_house):
 
 
 def test_holes_of_both_copies_join(gap_house):
-    (portal,) = assemble(gap_house).portals
+    (portal,) = assemble(gap_house).storeys[0].portals
     assert portal.other == "b"
     assert portal.depth == pytest.approx(0.1)
     np.testing.assert_allclose(np.sort(portal.back[:, 1]), [1.0, 1.8], atol=1e-9)
@@ -103,7 +103,7 @@ def test_a_door_drawn_once_is_cut_in_the_other_room_too(gap_house):
 
 def test_wall_body_stays_out_of_rooms(gap_house):
     rooms = [Polygon(room.rings[0]) for room in gap_house.rooms]
-    bodies = [body.area for body in assemble(gap_house).bodies]
+    bodies = [body.area for body in assemble(gap_house).storeys[0].bodies]
     for k, body in enumerate(bodies):
         assert all(body.intersection(room).area < 1e-6 for room in rooms)
         assert all(body.intersection(other).area < 1e-6 for other in bodies[k + 1 :])

@@ -1,0 +1,60 @@
+"""Levels and stairs out of scene.json: `arch.levels`, `level` of rooms, `arch.stairs`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from plan2scene.floorplans.parse import Source
+from plan2scene.floorplans.storeys import level_of, ordered_levels, sound_flight
+from plan2scene.house import DEFAULT_HEIGHT, GROUND, Level, Stairs
+
+
+def read_levels(source: Source, arch: Mapping[str, Any]) -> tuple[Level, ...]:
+    """Return the levels of a file, the lowest first; none where it has none.
+
+    Levels in another program's form, without an elevation, are left out with a warning.
+    """
+    levels = []
+    for entry in source.items(arch.get("levels"), "levels"):
+        level = source.mapping(entry, "a level")
+        if "elevation" not in level:
+            source.warn("levels with an elevation", "others; read as one storey")
+            return ()
+        name = source.identifier(level.get("id"), "a level id")
+        elevation = source.number(level.get("elevation"), f"the elevation of level {name}")
+        height = source.number(level.get("height", DEFAULT_HEIGHT), f"the height of level {name}")
+        levels.append(Level(name, str(level.get("name") or name)[:100], elevation, height))
+    return ordered_levels(source, levels)
+
+
+def levels_of_rooms(
+    source: Source, arch: Mapping[str, Any], levels: Sequence[Level], room_ids: Iterable[str]
+) -> dict[str, Level]:
+    """Return the level of each room, by what its entry of `rooms` names."""
+    if not levels:
+        return dict.fromkeys(room_ids, GROUND)
+    by_id = {level.id: level for level in levels}
+    entries = {
+        str(entry.get("id")): entry
+        for entry in source.items(arch.get("rooms"), "rooms")
+        if isinstance(entry, dict)
+    }
+    return {
+        room_id: by_id[level_of(source, entries.get(room_id, {}), levels, "a room", room_id)]
+        for room_id in room_ids
+    }
+
+
+def read_stairs(source: Source, arch: Mapping[str, Any], levels: Sequence[Level]) -> list[Stairs]:
+    """Return the flights of stairs, not yet linked with rooms."""
+    flights = []
+    for entry in source.items(arch.get("stairs"), "stairs"):
+        item = source.mapping(entry, "stairs")
+        name = source.identifier(item.get("id"), "an id of stairs")
+        start, end = (source.point(item.get(key), f"stairs {name}") for key in ("from", "to"))
+        width = source.number(item.get("width"), f"the width of stairs {name}")
+        level = level_of(source, item, levels, f"stairs {name}") if levels else ""
+        flight = Stairs(name, level, (start[0], start[2]), (end[0], end[2]), width)
+        flights.append(sound_flight(source, flight))
+    return flights

@@ -1,0 +1,147 @@
+"""Stairs between levels: flights of steps, the sides of their well, railings around it upstairs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+from shapely.geometry import LineString, Polygon
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
+
+from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.floorplans.storeys import flight_area, step_count
+from plan2scene.house import House, Stairs
+from plan2scene.mesh.frames import Frame
+from plan2scene.mesh.objects import WOOD
+from plan2scene.mesh.parts import MeshPart, PartBuilder
+from plan2scene.mesh.railings import add_railing
+from plan2scene.mesh.walls import REVEAL_COLOUR
+
+#: Metres below a step's foot that its body goes down.
+WAIST = 0.1
+#: An edge of a well this near to a wall needs no railing, metres; nor does a shorter piece.
+AT_WALL, LEAST_RAILING = 0.1, 0.2
+
+
+def stair_parts(house: House, stairs: Iterable[Stairs]) -> list[MeshPart]:
+    """Return the steps of flights and the sides of their wells, floors of their level at 0."""
+    parts = []
+    for flight in stairs:
+        rise = house.rise_of(flight)
+        parts.append(_steps(flight, rise))
+        room = flight.room_ids[0]
+        ceiling = None if room is None else house.room(room).height
+        if house.level_above(flight.level) is not None and ceiling is not None and ceiling < rise:
+            parts.append(_lining(flight, ceiling, rise))
+    return parts
+
+
+def step_areas(stairs: Stairs, rise: float) -> Iterator[tuple[Polygon, float, float]]:
+    """Yield the plan area (x, z) of each step with its lowest and highest height, from the foot."""
+    start, end = np.array(stairs.start), np.array(stairs.end)
+    up = (end - start) / stairs.length
+    side = np.array([up[1], -up[0]]) * stairs.width / 2
+    count = step_count(rise)
+    for k in range(count):
+        near, far = (start + (end - start) * share / count for share in (k, k + 1))
+        area = Polygon([near + side, far + side, far - side, near - side])
+        yield area, max(rise * k / count - WAIST, 0.0), rise * (k + 1) / count
+
+
+def _steps(stairs: Stairs, rise: float) -> MeshPart:
+    """Return the part ``{room}/stairs/{id}``: a box each step, the last as high as the rise."""
+    builder = PartBuilder()
+    start, end = np.array(stairs.start), np.array(stairs.end)
+    up = (end - start) / stairs.length
+    foot = [start[0], 0.0, start[1]]
+    axes = np.array([[up[0], 0.0, up[1]], [0.0, 1.0, 0.0], [-up[1], 0.0, up[0]], foot])
+    half, deep = stairs.width / 2, stairs.length / step_count(rise)
+    for k, (_, low, high) in enumerate(step_areas(stairs, rise)):
+        builder.box(axes, (k * deep, low, -half), ((k + 1) * deep, high, half), WOOD)
+    room, leads_to = stairs.room_ids
+    extras = {"kind": "stairs", "category": "stairs", "stairs_id": stairs.id}
+    if room is not None:
+        extras["room_id"] = room
+    if leads_to is not None:
+        extras["leads_to"] = leads_to
+    return builder.build(f"{room or 'structure'}/stairs/{stairs.id}", extras=extras)
+
+
+def _lining(stairs: Stairs, low: float, high: float) -> MeshPart:
+    """Return the part ``structure/well/{id}``: the sides of the well between two storeys."""
+    builder = PartBuilder()
+    for frame in _edges(stairs):
+        length = frame.length
+        corners = np.array([[0, low], [length, low], [length, high], [0, high]])
+        inward = Frame(frame.plan(length), -frame.right, -frame.normal, length)
+        builder.quad(inward.world(corners), REVEAL_COLOUR)
+    extras = {"kind": "structure", "stairs_id": stairs.id}
+    return builder.build(f"structure/well/{stairs.id}", extras=extras)
+
+
+def _edges(stairs: Stairs) -> list[Frame]:
+    """Return the foot, the two sides and the head of a flight's strip, seen from outside it."""
+    ring = np.asarray(flight_area(stairs).exterior.coords)
+    middle = ring[:4].mean(axis=0)
+    frames = []
+    for a, b in ((3, 4), (0, 1), (2, 3), (1, 2)):
+        along = ring[b] - ring[a]
+        length = float(np.linalg.norm(along))
+        normal = np.array([along[1], -along[0]]) / length
+        normal *= np.sign((ring[a] + ring[b] - 2 * middle) @ normal)
+        right = np.array([normal[1], -normal[0]])
+        left = ring[a] if right @ along > 0 else ring[b]
+        frames.append(Frame(left, right, normal, length))
+    return frames
+
+
+def well_railings(
+    storey: House, arriving: Sequence[Stairs], leaving: Sequence[Stairs]
+) -> list[MeshPart]:
+    """Return the parts ``{room}/railing/{id}`` around the wells in a storey's floors.
+
+    None at the head of a flight, nor along walls, nor where another flight goes on up.
+
+    Parameters
+    ----------
+    storey : House
+        The level's rooms.
+    arriving, leaving : sequence of Stairs
+        Flights that come up to the level, and those that start on it.
+    """
+    if not arriving:
+        return []
+    ways = [_edges(flight)[3] for flight in arriving] + [_edges(flight)[0] for flight in leaving]
+    gaps = unary_union([_line(frame).buffer(AT_WALL) for frame in ways])
+    wells = unary_union([flight_area(flight).buffer(-0.01) for flight in arriving])
+    parts = []
+    for flight in arriving:
+        builder, owner = PartBuilder(), flight.room_ids[1]
+        for room in storey.rooms:
+            inside = room_polygon(room).buffer(-AT_WALL).difference(unary_union([gaps, wells]))
+            for frame in _edges(flight)[:3]:
+                for piece in _pieces(frame, inside):
+                    add_railing(builder, piece)
+                    owner = owner or room.id
+        if builder:
+            extras = {"kind": "railing", "room_id": owner, "stairs_id": flight.id}
+            parts.append(builder.build(f"{owner}/railing/{flight.id}", extras=extras))
+    return parts
+
+
+def _line(frame: Frame) -> LineString:
+    """Return the plan line of a face."""
+    return LineString(frame.plan(np.array([0.0, frame.length])))
+
+
+def _pieces(frame: Frame, inside: BaseGeometry) -> list[Frame]:
+    """Return the pieces of a face's line that lie inside an area."""
+    found = _line(frame).intersection(inside)
+    pieces = []
+    for line in getattr(found, "geoms", [found]):
+        if line.length < LEAST_RAILING:
+            continue
+        s = np.sort((np.asarray(line.coords) - frame.left) @ frame.right)
+        pieces.append(Frame(frame.plan(s[0]), frame.right, frame.normal, float(s[-1] - s[0])))
+    return pieces

@@ -1,0 +1,87 @@
+"""One storey of a house as mesh parts, its floors at 0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
+
+from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.house import House, Level
+from plan2scene.mesh.fixtures import fixtures
+from plan2scene.mesh.objects import objects
+from plan2scene.mesh.openings import Portal, find_openings, room_sides
+from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.railings import railing, railing_sides
+from plan2scene.mesh.skirting import skirting
+from plan2scene.mesh.walls import (
+    Above,
+    Body,
+    flat_parts,
+    structure_part,
+    threshold,
+    wall_bodies,
+    wall_face,
+)
+
+
+@dataclass(frozen=True)
+class Storey:
+    """A level's parts, and the plan areas that drawings and bodies of it need.
+
+    `house` has the level's rooms alone. `well` is where stairs come up, open in the floors;
+    `above` what is on top, with the stairs that its ceilings are open over.
+    """
+
+    level: Level
+    house: House
+    parts: list[MeshPart]
+    bodies: list[Body]
+    portals: list[Portal]
+    well: BaseGeometry
+    above: Above | None
+
+
+def build_storey(level: Level, house: House, well: BaseGeometry, above: Above | None) -> Storey:
+    """Return the storey of a house without levels; names of parts may repeat."""
+    polygons = {room.id: room_polygon(room) for room in house.rooms}
+    together = unary_union(list(polygons.values()))
+    sides = room_sides(house, polygons)
+    openings = find_openings(house, sides, polygons)
+    rails = railing_sides(house, sides, polygons)
+    walled = [side for side in sides if side not in rails]
+    parts: list[MeshPart] = [railing(side) for side in rails]
+    for room in house.rooms:
+        parts.extend(flat_parts(room, polygons[room.id], well, above))
+        own = [side for side in walled if side.room_id == room.id]
+        faces = (wall_face(side, room, polygons[room.id], openings) for side in own)
+        boards = skirting(room, own, openings)
+        parts.extend(part for part in (*faces, boards) if part is not None)
+    bodies = wall_bodies(walled, together)
+    for body in bodies:
+        part = structure_part(body, bodies, together, openings.portals, above)
+        if part is not None:
+            parts.append(part)
+    portals = _largest(openings.portals)
+    for portal in portals:
+        strip = threshold(portal)
+        parts.extend(([strip] if strip is not None else []) + fixtures(portal))
+    parts.extend(objects(house, sides, polygons))
+    return Storey(level, house, parts, bodies, portals, well, above)
+
+
+def _largest(portals: list[Portal]) -> list[Portal]:
+    """Return portals without those that mostly lie inside a wider one of the same wall."""
+    kept: list[Portal] = []
+    for portal in sorted(portals, key=lambda p: -p.width):
+        inside = any(
+            portal.side.wall.id == other.side.wall.id
+            and min(portal.hole.right, other.hole.right) - max(portal.hole.left, other.hole.left)
+            > 0.5 * portal.width
+            and min(portal.hole.top, other.hole.top) > max(portal.hole.bottom, other.hole.bottom)
+            for other in kept
+        )
+        if not inside:
+            kept.append(portal)
+    return [portal for portal in portals if portal in kept]

@@ -1,0 +1,90 @@
+"""Several storeys in other programs' forms: bodies, maps, a ball on every floor, IFC storeys."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from PIL import Image
+
+from plan2scene.exports.ifc import write_ifc
+from plan2scene.exports.mjcf import mjcf_text
+from plan2scene.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M, write_map
+from plan2scene.exports.solids import house_solids
+from plan2scene.floorplans import read_plan
+
+EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
+
+
+@pytest.fixture(scope="module")
+def house():
+    return read_plan(EXAMPLE, "two")
+
+
+@pytest.fixture(scope="module")
+def solids(house):
+    return {solid.name: solid for solid in house_solids(house)}
+
+
+def test_bodies_are_closed_and_at_their_level(solids):
+    assert all(piece.is_watertight for solid in solids.values() for piece in solid.pieces)
+    slab = solids["bedroom/floor"].pieces[0]
+    assert slab.bounds[:, 1] == pytest.approx([2.7, 2.8])
+    landing = sum(piece.volume for piece in solids["landing/floor"].pieces)
+    assert landing == pytest.approx((2.4 * 6 + 2.2 - 0.9 * 3.6) * 0.1)
+    assert solids["hall/stairs/stairs"].category == "stairs"
+    assert len(solids["hall/stairs/stairs"].pieces) == 15
+
+
+def test_each_level_has_its_map(house, tmp_path):
+    write_map(house, {}, tmp_path)
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == ["map.pgm", "map.yaml", "map_upper.pgm", "map_upper.yaml"]
+
+    def at(name, x, z):
+        facts = yaml.safe_load((tmp_path / f"{name}.yaml").read_text())
+        grid = np.asarray(Image.open(tmp_path / facts["image"]))
+        column = int((x - facts["origin"][0]) / RESOLUTION_M)
+        return grid[grid.shape[0] - 1 - int((-z - facts["origin"][1]) / RESOLUTION_M), column]
+
+    assert at("map", 4.5, 5.0) == FREE  # the kitchen, below the bathroom's wall
+    assert at("map_upper", 4.6, 5.0) == OCCUPIED
+    assert at("map", 0.45, 2.0) == OCCUPIED  # the stairs
+    assert at("map_upper", 0.45, 2.0) == OCCUPIED  # the well
+    assert at("map_upper", 0.45, 0.5) == FREE
+
+
+def test_a_ball_rests_on_both_floors_and_falls_through_the_well(house, solids):
+    mujoco = pytest.importorskip("mujoco")
+    text = mjcf_text(house, list(solids.values()))
+    spots = {"bedroom": (5.0, 3.6, 1.5), "living": (5.0, 0.8, 1.5), "well": (0.45, 3.4, 4.4)}
+    rests = {}
+    for name, (x, y, z) in spots.items():
+        ball = f'<body pos="{x} {-z} {y}"><freejoint/><geom size="0.1" mass="1"/></body>'
+        model = mujoco.MjModel.from_xml_string(text.replace("</worldbody>", f"{ball}</worldbody>"))
+        data = mujoco.MjData(model)
+        while data.time < 1.2:
+            mujoco.mj_step(model, data)
+        rests[name] = data.body(model.nbody - 1).xpos[2]
+    assert rests["bedroom"] == pytest.approx(2.8 + 0.1, abs=0.02)
+    assert rests["living"] == pytest.approx(0.1, abs=0.02)
+    assert 0.1 < rests["well"] < 1.0  # on the steps below
+
+
+def test_ifc_has_both_storeys(house, tmp_path):
+    ifcopenshell = pytest.importorskip("ifcopenshell")
+    write_ifc(house, {}, tmp_path)
+    model = ifcopenshell.open(str(tmp_path / "house.ifc"))
+    storeys = {s.Name: s for s in model.by_type("IfcBuildingStorey")}
+    assert {name: s.Elevation for name, s in storeys.items()} == {"ground": 0.0, "upper": 2.8}
+    upper = storeys["upper"]
+    assert {s.Name for s in upper.IsDecomposedBy[0].RelatedObjects} == {
+        "landing",
+        "bedroom",
+        "bathroom",
+        "study",
+    }
+    (stairs,) = model.by_type("IfcStair")
+    assert stairs.ContainedInStructure[0].RelatingStructure == storeys["ground"]
+    ids = [entity.GlobalId for entity in model.by_type("IfcRoot")]
+    assert len(ids) == len(set(ids))

@@ -1,0 +1,113 @@
+"""Storeys as meshes: where floors lie, what is open over the stairs, how far these reach."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from plan2scene.floorplans import read_plan
+from plan2scene.mesh import build_parts, write_glb
+from plan2scene.mesh.house_mesh import assemble
+from plan2scene.mesh.rays import Rays
+from plan2scene.mesh.stairs import WAIST
+
+EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
+WELL = 0.9 * 3.6
+
+
+@pytest.fixture(scope="module")
+def house():
+    return read_plan(EXAMPLE, "two")
+
+
+@pytest.fixture(scope="module")
+def parts(house):
+    return {part.name: part for part in build_parts(house)}
+
+
+def test_floors_and_ceilings_lie_at_their_level(house, parts):
+    for room in house.rooms:
+        low = house.level_of(room.id).elevation
+        assert parts[f"{room.id}/floor"].mesh.vertices[:, 1] == pytest.approx(low)
+        assert parts[f"{room.id}/ceiling"].mesh.vertices[:, 1] == pytest.approx(low + 2.5)
+        assert parts[f"{room.id}/floor"].extras["level"] == room.level
+
+
+def test_floor_above_and_ceiling_below_are_open_over_the_stairs(parts):
+    assert parts["landing/floor"].mesh.area == pytest.approx(2.4 * 6 + 2.2 - WELL)
+    assert parts["hall/ceiling"].mesh.area == pytest.approx(2.4 * 6 - WELL)
+    assert parts["hall/floor"].mesh.area == pytest.approx(2.4 * 6)
+    assert parts["landing/ceiling"].mesh.area == pytest.approx(2.4 * 6 + 2.2)
+
+
+def test_steps_reach_from_one_floor_to_the_next(parts):
+    stairs = parts["hall/stairs/stairs"]
+    assert stairs.extras["leads_to"] == "landing"
+    low, high = stairs.mesh.bounds
+    assert (low[1], high[1]) == pytest.approx((0.0, 2.8))
+    tops = np.unique(np.round(stairs.mesh.vertices[stairs.mesh.vertex_normals[:, 1] > 0.9, 1], 4))
+    assert len(tops) == 15
+    assert np.diff(tops) == pytest.approx(2.8 / 15, abs=1e-3)
+
+
+def test_one_sees_up_through_the_well_and_nowhere_else(parts):
+    rays = Rays.of(list(parts.values()))
+    assert rays is not None
+    up = np.array([[0.0, 1.0, 0.0]])
+    steps = [0.45, 2.81, 1.2]  # on the upper flight's end: nothing but the landing's ceiling
+    assert rays.distances(np.array([steps]), up)[0] == pytest.approx(2.8 + 2.5 - 2.81, abs=1e-3)
+    assert rays.distances(np.array([[1.8, 1.0, 3.0]]), up)[0] == pytest.approx(1.5, abs=1e-3)
+    over_foot = np.array([[0.45, 1.0, 4.4]])
+    assert rays.distances(over_foot, up)[0] == pytest.approx(5.3 - 1.0, abs=1e-3)
+
+
+def test_a_railing_stands_around_the_well_but_at_its_head_and_the_wall(parts):
+    vertices = parts["landing/railing/stairs"].mesh.vertices
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    assert (low[1], high[1]) == pytest.approx((2.8, 2.8 + 1.05))
+    assert high[[0, 2]] == pytest.approx([0.9, 4.6])
+    at_head = (vertices[:, 2] < 1.05) & (vertices[:, 0] < 0.8)
+    at_wall = vertices[:, 0] < 0.09
+    assert not at_head.any() and not at_wall.any()
+
+
+def test_walls_below_rooms_go_on_to_their_floor(parts):
+    outer = parts["structure/wall/living_wall_0"]
+    assert outer.mesh.bounds[1, 1] == pytest.approx(2.8)
+    assert parts["structure/wall/bedroom_wall_0"].mesh.bounds[1, 1] == pytest.approx(2.8 + 2.535)
+
+
+def test_the_well_has_sides_between_the_storeys(parts):
+    lining = parts["structure/well/stairs"].mesh
+    assert lining.bounds[:, 1] == pytest.approx([2.5, 2.8])
+    middle = np.array([0.45, 2.65, 2.8])
+    inward = middle - lining.triangles_center
+    assert (np.einsum("ij,ij->i", lining.face_normals, inward) > 0).all()
+
+
+def test_glb_has_a_node_for_each_level(house, tmp_path):
+    write_glb(house, {}, tmp_path / "house.glb")
+    scene = trimesh.load(tmp_path / "house.glb")
+    assert scene.graph.transforms.parents["landing/floor"] == "level:upper"
+    assert scene.graph.transforms.parents["level:upper"] == "two"
+    data = (tmp_path / "house.glb").read_bytes()
+    tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    nodes = {node["name"]: node for node in tree["nodes"]}
+    assert nodes["level:upper"]["extras"]["elevation"] == 2.8
+    assert nodes["landing/floor"]["extras"]["level"] == "upper"
+    assert [level["id"] for level in tree["scenes"][0]["extras"]["levels"]] == ["ground", "upper"]
+
+
+def test_a_storey_keeps_its_floors_at_0(house):
+    upper = assemble(house).storeys[1]
+    floors = [part for part in upper.parts if part.extras["kind"] == "floor"]
+    assert all(part.mesh.bounds[1, 1] == 0.0 for part in floors)
+
+
+def test_a_flight_over_another_leaves_it_headroom():
+    house = read_plan(EXAMPLE, "two")
+    steps = next(p for p in build_parts(house) if p.extras["kind"] == "stairs")
+    last = steps.mesh.vertices.reshape(-1, 24, 3)[-1]
+    assert last[:, 1].min() == pytest.approx(2.8 * 14 / 15 - WAIST, abs=1e-4)
