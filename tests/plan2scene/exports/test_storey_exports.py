@@ -68,7 +68,7 @@ def test_a_ball_rests_on_both_floors_and_falls_through_the_well(house, solids):
         rests[name] = data.body(model.nbody - 1).xpos[2]
     assert rests["bedroom"] == pytest.approx(2.8 + 0.1, abs=0.02)
     assert rests["living"] == pytest.approx(0.1, abs=0.02)
-    assert 0.1 < rests["well"] < 1.0  # on the steps below
+    assert 0.05 < rests["well"] < 1.0  # on the steps below, or down them
 
 
 def test_ifc_has_both_storeys(house, tmp_path):
