@@ -1,5 +1,6 @@
 """Rule house: plan, textures, crops -> GLB, scene.json with textures, pictures, offline viewer."""
 
+from plan2scene.floorplans import read_scene_json
 from plan2scene.jobs import job
 from plan2scene.mesh.build import build_house
 from plan2scene.viewer import build_viewer, read_facts
@@ -16,5 +17,6 @@ with job(snakemake.log[0]):
         house_id=house_id,
         objects=snakemake.params.objects,
     )
-    facts = read_facts(given.propagated, given.crops, given.get("cameras"))
+    house = read_scene_json(given.scene, house_id)
+    facts = read_facts(given.propagated, given.crops, given.get("cameras"), house)
     build_viewer(made.glb, made.viewer, house_id=house_id, facts=facts)

@@ -12,7 +12,7 @@ from typing import Any
 from plan2scene.floorplans.geometry import find_doors
 from plan2scene.floorplans.parse import SAME_POINT, Source, parse_json
 from plan2scene.floorplans.scene_frame import upright
-from plan2scene.floorplans.scene_levels import levels_of_rooms, read_levels, read_stairs
+from plan2scene.floorplans.scene_levels import levels_of_rooms, read_stairs
 from plan2scene.floorplans.scene_walls import read_walls, room_ids_of
 from plan2scene.floorplans.storeys import level_of, linked, used_levels
 from plan2scene.house import (
@@ -52,8 +52,7 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
     ]
     if not elements:
         raise source.fault("a list of elements", "none")
-    levels = read_levels(source, arch)
-    rooms = _read_rooms(source, arch, elements, levels)
+    rooms, levels = _read_rooms(source, arch, elements)
     levels = used_levels(source, levels, rooms.values())
     walls = read_walls(source, arch, elements, rooms)
     return House(
@@ -77,12 +76,12 @@ def find_arch(source: Source, document: Any) -> tuple[dict[str, Any], dict[str, 
 
 
 def _read_rooms(
-    source: Source,
-    arch: Mapping[str, Any],
-    elements: list[dict[str, Any]],
-    levels: Sequence[Level],
-) -> dict[str, Room]:
-    """Return the rooms by id, outlines from the floors (else ceilings), heights from ceilings."""
+    source: Source, arch: Mapping[str, Any], elements: list[dict[str, Any]]
+) -> tuple[dict[str, Room], tuple[Level, ...]]:
+    """Return the rooms by id, and the levels that they are on.
+
+    Outlines are the floors' (else the ceilings'), heights come from the ceilings.
+    """
     plates: dict[str, dict[str, dict[str, Any]]] = {"Floor": {}, "Ceiling": {}}
     for element in elements:
         kind = str(element.get("type"))
@@ -98,8 +97,11 @@ def _read_rooms(
         if room_id not in types:
             source.warn("an entry of 'rooms'", "none; read as Unknown", room_id)
             types[room_id] = ("Unknown",)
+    low = {
+        room_id: _elevation(source, plate, room_id) for room_id, plate in plates["Floor"].items()
+    }
+    levels, level_by_room = levels_of_rooms(source, arch, list(types), low)
     rooms = {}
-    level_by_room = levels_of_rooms(source, arch, levels, list(types))
     for room_id, names in types.items():
         floor, ceiling = plates["Floor"].get(room_id), plates["Ceiling"].get(room_id)
         plate = floor or ceiling
@@ -107,16 +109,20 @@ def _read_rooms(
             raise source.fault("a Floor element of the room", "none", room_id)
         if floor is None:
             source.warn("a Floor element", "none; outline of the ceiling used", room_id)
-        rings, low = _read_rings(source, plate, room_id)
+        rings, _ = _read_rings(source, plate, room_id)
         level = level_by_room[room_id]
-        if not floor:
-            low = level.elevation
-        if abs(low - level.elevation) > SAME_POINT:
-            base = f"{level.elevation:g}"
-            source.warn(f"a floor at y = {base}", f"y = {low:g}, moved to {base}", room_id)
-        height = _room_height(source, room_id, low, ceiling, elements)
+        base = low.get(room_id, level.elevation)
+        if abs(base - level.elevation) > SAME_POINT:
+            there = f"{level.elevation:g}"
+            source.warn(f"a floor at y = {there}", f"y = {base:g}, moved to {there}", room_id)
+        height = _room_height(source, room_id, base, ceiling, elements)
         rooms[room_id] = Room(room_id, names, rings, height, level.id)
-    return rooms
+    return rooms, levels
+
+
+def _elevation(source: Source, plate: Mapping[str, Any], room: str) -> float:
+    """Return the y of a floor."""
+    return _read_rings(source, plate, room)[1]
 
 
 def _room_types(

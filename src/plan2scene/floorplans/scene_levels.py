@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from plan2scene.floorplans.parse import Source
 from plan2scene.floorplans.storeys import level_of, ordered_levels, sound_flight
 from plan2scene.house import DEFAULT_HEIGHT, GROUND, Level, Stairs
+
+#: Floors with no other between that are so far apart (metres) are two storeys.
+STOREY = 1.8
 
 
 def read_levels(source: Source, arch: Mapping[str, Any]) -> tuple[Level, ...]:
@@ -29,21 +32,44 @@ def read_levels(source: Source, arch: Mapping[str, Any]) -> tuple[Level, ...]:
 
 
 def levels_of_rooms(
-    source: Source, arch: Mapping[str, Any], levels: Sequence[Level], room_ids: Iterable[str]
-) -> dict[str, Level]:
-    """Return the level of each room, by what its entry of `rooms` names."""
+    source: Source, arch: Mapping[str, Any], room_ids: Sequence[str], floors: Mapping[str, float]
+) -> tuple[tuple[Level, ...], dict[str, Level]]:
+    """Return the levels, and that of each room: by what its entry of `rooms` names.
+
+    Where the file has no levels, `floors` (y in metres by room) that lie a storey apart make some.
+    """
+    levels = read_levels(source, arch)
     if not levels:
-        return dict.fromkeys(room_ids, GROUND)
+        return _levels_of_floors(room_ids, floors)
     by_id = {level.id: level for level in levels}
     entries = {
         str(entry.get("id")): entry
         for entry in source.items(arch.get("rooms"), "rooms")
         if isinstance(entry, dict)
     }
-    return {
+    found = {
         room_id: by_id[level_of(source, entries.get(room_id, {}), levels, "a room", room_id)]
         for room_id in room_ids
     }
+    return levels, found
+
+
+def _levels_of_floors(
+    room_ids: Sequence[str], floors: Mapping[str, float]
+) -> tuple[tuple[Level, ...], dict[str, Level]]:
+    """Return levels at heights that are `STOREY` apart, none where all floors are nearer."""
+    heights = sorted(floors.values())
+    starts = [y for k, y in enumerate(heights) if k == 0 or y - heights[k - 1] >= STOREY]
+    if len(starts) < 2:
+        return (), dict.fromkeys(room_ids, GROUND)
+    levels = tuple(
+        Level(f"level_{k}", f"Level {k}", y, DEFAULT_HEIGHT) for k, y in enumerate(starts)
+    )
+
+    def at(y: float) -> Level:
+        return max((level for level in levels if level.elevation <= y), key=lambda v: v.elevation)
+
+    return levels, {room_id: at(floors.get(room_id, starts[0])) for room_id in room_ids}
 
 
 def read_stairs(source: Source, arch: Mapping[str, Any], levels: Sequence[Level]) -> list[Stairs]:

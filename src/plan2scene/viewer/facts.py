@@ -8,6 +8,7 @@ from typing import Any
 
 import cv2
 
+from plan2scene.house import House
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_json
 
@@ -18,7 +19,10 @@ _CAMERA = ("width", "height", "focal_px", "rotation", "position", "room_id", "lo
 
 
 def read_facts(
-    propagated: str | Path, crops: str | Path, cameras: str | Path | None
+    propagated: str | Path,
+    crops: str | Path,
+    cameras: str | Path | None,
+    house: House | None = None,
 ) -> dict[str, Any]:
     """Return what :func:`plan2scene.viewer.build_viewer` puts into the page, as plain JSON values.
 
@@ -30,6 +34,8 @@ def read_facts(
         ``crops.parquet``.
     cameras : path or None
         ``cameras.json`` of located photos; None where crops came ready and no photo was read.
+    house : House, optional
+        Its levels lift the cameras; without it all is one storey at 0.
 
     Returns
     -------
@@ -50,7 +56,7 @@ def read_facts(
     return {
         "surfaces": {f"{row['room_id']}/{row['surface']}": _surface(row, by_id) for row in rows},
         "photos": [
-            {"name": name, "number": number, **_camera(taken.get(name, {}))}
+            {"name": name, "number": number, **_camera(taken.get(name, {}), house)}
             for number, name in enumerate(names, 1)
         ],
     }
@@ -73,7 +79,13 @@ def _data_url(png: bytes) -> str:
     return f"data:image/jpeg;base64,{base64.b64encode(data.tobytes()).decode('ascii')}"
 
 
-def _camera(entry: dict[str, Any]) -> dict[str, Any]:
-    """Return a located photo's camera; nothing of others."""
-    located = entry.get("position") is not None
-    return {name: entry[name] for name in _CAMERA} if located else {}
+def _camera(entry: dict[str, Any], house: House | None) -> dict[str, Any]:
+    """Return a located photo's camera, its position in the house; nothing of others."""
+    if entry.get("position") is None:
+        return {}
+    camera = {name: entry[name] for name in _CAMERA}
+    if house is not None and house.levels:
+        x, y, z = camera["position"]
+        y += house.level_of(camera["room_id"]).elevation
+        camera["position"] = [x, round(y, 4), z]
+    return camera

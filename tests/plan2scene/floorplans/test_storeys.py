@@ -199,3 +199,23 @@ def test_a_door_of_two_levels_in_a_scene_is_listed(plan, tmp_path):
     again = read_scene_json(tmp_path / "scene.json", "two")
     assert again.adjacency() == house.adjacency()
     assert "door hall_wc between rooms of one level" in again.warnings[0]
+
+
+def test_floors_a_storey_apart_in_a_scene_without_levels_are_two(plan, tmp_path):
+    house = house_of_plan(plan, "two")
+    write_scene_json(house, tmp_path / "scene.json")
+    document = json.loads((tmp_path / "scene.json").read_text())
+    arch = document["scene"]["arch"]
+    del arch["levels"], arch["stairs"]
+    for room in arch["rooms"]:
+        del room["level"]
+    (tmp_path / "scene.json").write_text(json.dumps(document))
+    again = read_scene_json(tmp_path / "scene.json", "two")
+    assert [level.elevation for level in again.levels] == [0.0, 2.8]
+    assert [room.id for room in again.storeys()[1][1].rooms] == [
+        "landing",
+        "bedroom",
+        "bathroom",
+        "study",
+    ]
+    assert again.warnings == ()

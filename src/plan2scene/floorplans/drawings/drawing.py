@@ -23,7 +23,17 @@ from plan2scene.floorplans.drawings.names import room_types
 from plan2scene.floorplans.geometry import find_doors, walls_of_rooms
 from plan2scene.floorplans.openings import Segment, place_openings
 from plan2scene.floorplans.parse import MAX_ROOMS, Source
-from plan2scene.house import DEFAULT_HEIGHT, House, IconBox, Opening, Point, Ring, Room, Wall
+from plan2scene.house import (
+    DEFAULT_HEIGHT,
+    House,
+    IconBox,
+    Opening,
+    Point,
+    Ring,
+    Room,
+    Stairs,
+    Wall,
+)
 
 #: Most openings of a plan.
 MAX_OPENINGS = 2000
@@ -64,6 +74,7 @@ class Drawing:
     axes: list[WallAxis] = field(default_factory=list)
     openings: list[Segment] = field(default_factory=list)
     icons: list[IconBox] = field(default_factory=list)
+    stairs: list[Stairs] = field(default_factory=list)  # up to a next storey, ends known
     height: float = DEFAULT_HEIGHT
 
     def floor(self) -> float:
@@ -88,8 +99,8 @@ def largest_storey(source: Source, storeys: Sequence[tuple[str, float]]) -> int:
     return chosen
 
 
-def house_of_drawing(source: Source, drawing: Drawing) -> House:
-    """Return the house of a drawing.
+def house_of_drawing(source: Source, drawing: Drawing, taken: set[str] | None = None) -> House:
+    """Return the house of a drawing; rooms get ids that are not `taken`, which are added.
 
     An opening that no wall is near is left out with a warning. Raises InputError where there are
     neither rooms nor walls that close one, or more than a house can have.
@@ -97,7 +108,7 @@ def house_of_drawing(source: Source, drawing: Drawing) -> House:
     source.identifier(source.house_id, "a house name")
     if len(drawing.openings) > MAX_OPENINGS:
         raise source.fault(f"at most {MAX_OPENINGS} doors and windows", len(drawing.openings))
-    rooms = _rooms(source, drawing)
+    rooms = _rooms(source, drawing, set() if taken is None else taken)
     source.limit_corners(rooms)
     along = _Axes(drawing.axes)
     walls = [along.applied(wall) for wall in walls_of_rooms(rooms, depth=DEFAULT_THICKNESS)]
@@ -115,7 +126,7 @@ def house_of_drawing(source: Source, drawing: Drawing) -> House:
     )
 
 
-def _rooms(source: Source, drawing: Drawing) -> list[Room]:
+def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
     """Return the rooms drawn, and those that walls close where none is drawn."""
     drawn = list(drawing.rooms)
     if len(drawn) > MAX_ROOMS:
@@ -134,7 +145,6 @@ def _rooms(source: Source, drawing: Drawing) -> list[Room]:
     if len(drawn) > MAX_ROOMS:
         raise source.fault(f"at most {MAX_ROOMS} rooms", len(drawn))
     rooms = []
-    taken: set[str] = set()
     for room in drawn:
         name = free_id(room.name, taken)
         types = room.types or room_types(room.name)

@@ -1,4 +1,4 @@
-"""Reader of IFC models by ifcopenshell (the extra `formats`): one storey's spaces, walls, openings.
+"""Reader of IFC models by ifcopenshell (the extra `formats`): storeys, spaces, walls, openings.
 
 The bodies' triangles are looked at from above. Metres; IFC's z goes up: (x, y, z) becomes (x, -y).
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +18,11 @@ from shapely.geometry import Polygon
 
 from plan2scene.floorplans.drawings.areas import NearestAxis, axis_of_area
 from plan2scene.floorplans.drawings.axes import MAX_AXES
-from plan2scene.floorplans.drawings.drawing import (
-    Drawing,
-    DrawnRoom,
-    house_of_drawing,
-    largest_storey,
-)
+from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom
+from plan2scene.floorplans.drawings.storeys import DrawnStorey, house_of_storeys
 from plan2scene.floorplans.parse import MAX_COORDINATE, MAX_ROOMS, Source
-from plan2scene.house import House
+from plan2scene.floorplans.storeys import LEAST_FLIGHT
+from plan2scene.house import House, Stairs
 
 #: Most bytes of a model, and triangles of one body.
 MAX_BYTES = 200_000_000
@@ -36,11 +33,15 @@ SILL = 0.3
 
 @dataclass(frozen=True)
 class _Body:
-    """What a product covers: its plan area (x, -y), bottom and top in metres."""
+    """What a product covers: its plan area (x, -y), bottom and top in metres, its points.
+
+    `points` are (n, 3): x and -y in the plan, and the height.
+    """
 
     area: Polygon
     low: float
     high: float
+    points: np.ndarray = field(repr=False)
 
 
 def is_ifc(head: bytes) -> bool:
@@ -49,7 +50,7 @@ def is_ifc(head: bytes) -> bool:
 
 
 def house_of_ifc(path: Path, house_id: str) -> House:
-    """Return the house of an IFC model: the storey with the most floor, else the most walls.
+    """Return the house of an IFC model with its storeys, each at the height of its floors.
 
     Raises InputError for a model without spaces and walls, and where ifcopenshell is missing.
     """
@@ -60,11 +61,12 @@ def house_of_ifc(path: Path, house_id: str) -> House:
         item.is_a("IfcSpace") or item.is_a("IfcWall") for s in storeys.values() for item in s
     ):
         raise source.fault("IfcSpace or IfcWall in the model", "none")
-    drawings = [model.drawing(items) for items in storeys.values()]
-    # A little for each wall tells storeys without spaces apart.
-    sizes = (drawing.floor() + 1e-3 * len(drawing.axes) for drawing in drawings)
-    chosen = largest_storey(source, list(zip(storeys, sizes, strict=True)))
-    return house_of_drawing(source, drawings[chosen])
+    drawn = (
+        model.storey(name, items)
+        for name, items in storeys.items()
+        if any(item.is_a("IfcSpace") or item.is_a("IfcWall") for item in items)
+    )
+    return house_of_storeys(source, drawn)
 
 
 class _Model:
@@ -90,13 +92,15 @@ class _Model:
         self.settings.set("disable-opening-subtractions", True)
 
     def storeys(self) -> dict[str, list[Any]]:
-        """Return spaces, walls, doors and windows by the name of their storey."""
+        """Return spaces, walls, doors, windows and stairs by the name of their storey."""
         found: dict[str, list[Any]] = defaultdict(list)
         kinds = {
             "IfcSpace": MAX_ROOMS,
             "IfcWall": MAX_AXES,
             "IfcDoor": MAX_AXES,
             "IfcWindow": MAX_AXES,
+            "IfcStair": MAX_AXES,
+            "IfcStairFlight": MAX_AXES,
         }
         for kind, limit in kinds.items():
             products = self.file.by_type(kind)
@@ -118,26 +122,28 @@ class _Model:
                 return above
         return None
 
-    def drawing(self, products: list[Any]) -> Drawing:
-        """Return what a storey's products draw."""
+    def storey(self, name: str, products: list[Any]) -> DrawnStorey:
+        """Return a storey with what its products draw."""
         bodies = [(product, body) for product in products if (body := self._body(product))]
         floors = [body.low for product, body in bodies if product.is_a("IfcSpace")]
         base = min(floors or [body.low for _, body in bodies], default=0.0)
         found = Drawing()
         for product, body in bodies:
             if product.is_a("IfcSpace"):
-                name = str(product.LongName or product.Name or "")[:100]
+                label = str(product.LongName or product.Name or "")[:100]
                 rings = (body.area.exterior, *body.area.interiors)
                 outlines = tuple(
-                    self.source.outline(list(ring.coords)[:-1], name[:40]) for ring in rings
+                    self.source.outline(list(ring.coords)[:-1], label[:40]) for ring in rings
                 )
-                found.rooms.append(DrawnRoom(name, outlines, body.high - body.low))
+                found.rooms.append(DrawnRoom(label, outlines, body.high - body.low))
             elif product.is_a("IfcWall"):
                 axis = axis_of_area(body.area, body.high - base)
                 found.axes += [] if axis is None else [axis]
+            elif product.is_a("IfcStair") or product.is_a("IfcStairFlight"):
+                found.stairs += [] if (flight := _flight(body)) is None else [flight]
         found.height = max((axis.height for axis in found.axes), default=found.height)
         self._add_openings(found, products, base)
-        return found
+        return DrawnStorey(name[:100], base, found)
 
     def _add_openings(self, found: Drawing, products: list[Any], base: float) -> None:
         """Add filled openings, then unfilled ones that are no second hole of another."""
@@ -191,7 +197,23 @@ class _Model:
         largest = max(parts, key=lambda part: part.area, default=None)
         if largest is None or largest.is_empty:
             return None
-        return _Body(largest.simplify(1e-4), float(points[:, 2].min()), float(points[:, 2].max()))
+        heights = points[:, 2]
+        looked = np.column_stack([plan, heights])
+        return _Body(largest.simplify(1e-4), float(heights.min()), float(heights.max()), looked)
+
+
+def _flight(body: _Body) -> Stairs | None:
+    """Return stairs as a flight along the longer side, up to where their body is highest."""
+    x0, z0, x1, z1 = body.area.bounds
+    axis = 0 if x1 - x0 >= z1 - z0 else 1
+    middle, width = ((z0 + z1) / 2, z1 - z0) if axis == 0 else ((x0 + x1) / 2, x1 - x0)
+    low, high = ((x0, middle), (x1, middle)) if axis == 0 else ((middle, z0), (middle, z1))
+    along, heights = body.points[:, axis], body.points[:, 2]
+    top = along[heights > body.high - 0.2 * (body.high - body.low)].mean()
+    foot = along[heights < body.low + 0.2 * (body.high - body.low)].mean()
+    ends = (low, high) if top >= foot else (high, low)
+    flight = Stairs("", "", *ends, width)
+    return flight if flight.length >= LEAST_FLIGHT and width > 0 else None
 
 
 def _leaf(product: Any) -> str:

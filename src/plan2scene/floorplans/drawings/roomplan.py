@@ -14,13 +14,9 @@ from shapely.geometry import Point as ShapelyPoint
 from shapely.geometry import Polygon
 
 from plan2scene.floorplans.drawings.axes import MAX_AXES, WallAxis
-from plan2scene.floorplans.drawings.drawing import (
-    Drawing,
-    DrawnRoom,
-    house_of_drawing,
-    largest_storey,
-)
+from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom
 from plan2scene.floorplans.drawings.names import room_types
+from plan2scene.floorplans.drawings.storeys import DrawnStorey, house_of_storeys
 from plan2scene.floorplans.openings import Segment
 from plan2scene.floorplans.parse import Source
 from plan2scene.house import House, IconBox, Ring
@@ -39,16 +35,24 @@ def is_roomplan(document: Any) -> bool:
 
 
 def house_of_roomplan(document: Any, house_id: str, *, file: str = "") -> House:
-    """Return the house of a captured room or structure: the storey with the most floor."""
+    """Return the house of a captured room or structure; its lowest storey is at 0."""
     source = Source(file, house_id)
     rooms = [source.mapping(room, "a room") for room in _rooms(document)]
     stories: dict[int, list[dict[str, Any]]] = defaultdict(list)
     for room in rooms:
         stories[_story(source, room)].append(room)
-    drawings = {story: _drawing(source, group) for story, group in sorted(stories.items())}
-    sizes = [(f"storey {story}", _size(drawing)) for story, drawing in drawings.items()]
-    chosen = list(drawings)[largest_storey(source, sizes)]
-    return house_of_drawing(source, drawings[chosen])
+    floors = {
+        story: min(_floor_height(source, room) for room in group)
+        for story, group in stories.items()
+    }
+    lowest = min(floors.values())
+    return house_of_storeys(
+        source,
+        (
+            DrawnStorey(f"storey {story}", floors[story] - lowest, _drawing(source, group))
+            for story, group in sorted(stories.items())
+        ),
+    )
 
 
 def _rooms(document: dict[str, Any]) -> list[Any]:
@@ -66,12 +70,6 @@ def _story(source: Source, room: dict[str, Any]) -> int:
         "story", source.mapping(surfaces[0], "a surface").get("story", 0) if surfaces else 0
     )
     return found if isinstance(found, int) else 0
-
-
-def _size(drawing: Drawing) -> float:
-    """Return floor area in square metres, plus a little for each metre of wall."""
-    lengths = (float(np.linalg.norm(np.subtract(a.end, a.start))) for a in drawing.axes)
-    return drawing.floor() + 1e-3 * sum(lengths)
 
 
 def _drawing(source: Source, rooms: list[dict[str, Any]]) -> Drawing:

@@ -16,12 +16,8 @@ from shapely.geometry import Polygon
 
 from plan2scene.floorplans.drawings.axes import MAX_AXES, WallAxis
 from plan2scene.floorplans.drawings.containers import attribute, parse_xml, zip_entry, zip_names
-from plan2scene.floorplans.drawings.drawing import (
-    Drawing,
-    DrawnRoom,
-    house_of_drawing,
-    largest_storey,
-)
+from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom
+from plan2scene.floorplans.drawings.storeys import DrawnStorey, house_of_storeys
 from plan2scene.floorplans.openings import Segment
 from plan2scene.floorplans.parse import MAX_ITEMS, Source
 from plan2scene.house import House, IconBox, Point, Ring
@@ -47,7 +43,7 @@ def is_sweet_home(path: Path) -> bool:
 
 
 def house_of_sweet_home(path: Path, house_id: str) -> House:
-    """Return the house of a Sweet Home 3D file: the level with the most floor.
+    """Return the house of a Sweet Home 3D file with its levels.
 
     Raises InputError for a file older than version 5.3, which holds a Java object only.
     """
@@ -58,7 +54,8 @@ def house_of_sweet_home(path: Path, house_id: str) -> House:
     root = parse_xml(source, zip_entry(source, path, ENTRY))
     if root.tag != "home":
         raise source.fault("<home> in Home.xml", f"<{root.tag}>")
-    return house_of_drawing(source, _Home(source, root).drawing())
+    home = _Home(source, root)
+    return house_of_storeys(source, [home.storey(level) for level in home.shown()])
 
 
 class _Home:
@@ -67,59 +64,82 @@ class _Home:
     def __init__(self, source: Source, root: Element) -> None:
         self.source, self.root = source, root
         self.levels = {level.get("id", ""): level for level in root.findall("level")}
-        self.level = self._level()
-        level = self.levels.get(self.level)
-        own = attribute(source, root, "wallHeight", 250.0, scale=CM)
-        self.height = (
-            own if level is None else attribute(source, level, "height", own / CM, scale=CM)
-        )
-        if self.height <= 0:
-            raise source.fault("a wall height above 0", f"{self.height:g} m")
 
-    def drawing(self) -> Drawing:
-        """Return what the chosen level shows."""
-        found = Drawing(height=self.height)
-        for element in self._on_level(("wall",)):
-            found.axes += self._wall(element)
+    def shown(self) -> list[str]:
+        """Return the ids of the levels on which anything is drawn; "" for a home without any.
+
+        Of levels at one elevation, which are layers of a drawing, that with the most floor.
+        """
+        drawn = {e.get("level", "") for tag in ("room", "wall") for e in self.root.findall(tag)}
+        kept: dict[float, str] = {}
+        sizes = self._sizes()
+        for name in self.levels:
+            place = round(self._elevation(name), 2)
+            if name in drawn and sizes[name] > sizes.get(kept.get(place, ""), -1.0):
+                kept[place] = name
+        return list(kept.values()) or [next(iter(self.levels), "")]
+
+    def _sizes(self) -> dict[str, float]:
+        """Return the floor of each level in square metres, and a little for each metre of wall."""
+        sizes = dict.fromkeys(self.levels, 0.0)
+        for room in self.root.findall("room"):
+            if room.get("level") in sizes:
+                sizes[room.get("level", "")] += Polygon(self._ring(room)).area
+        for wall in self.root.findall("wall"):
+            if wall.get("level") in sizes:
+                sizes[wall.get("level", "")] += 1e-3 * math.dist(*self._ends(wall))
+        return sizes
+
+    def _elevation(self, level: str) -> float:
+        element = self.levels.get(level)
+        return (
+            0.0 if element is None else attribute(self.source, element, "elevation", 0.0, scale=CM)
+        )
+
+    def storey(self, level: str) -> DrawnStorey:
+        """Return a level with what it shows."""
+        element = self.levels.get(level)
+        height = attribute(self.source, self.root, "wallHeight", 250.0, scale=CM)
+        if element is not None:
+            height = attribute(self.source, element, "height", height / CM, scale=CM)
+        if height <= 0:
+            raise self.source.fault("a wall height above 0", f"{height:g} m")
+        name = level if element is None else element.get("name") or level
+        return DrawnStorey(name[:100], self._elevation(level), self._drawing(level, height))
+
+    def _drawing(self, level: str, height: float) -> Drawing:
+        """Return what a level shows."""
+        found = Drawing(height=height)
+        for element in self._on_level(("wall",), level):
+            found.axes += self._wall(element, height)
             if len(found.axes) > MAX_AXES:
                 raise self.source.fault(f"at most {MAX_AXES} walls", "more")
-        for element in self._on_level(("room",)):
+        for element in self._on_level(("room",), level):
             ring = self._ring(element)
             found.rooms.append(DrawnRoom(element.get("name", "").strip(), (ring,)))
-        for number, element in enumerate(self._on_level(("doorOrWindow",))):
+        for number, element in enumerate(self._on_level(("doorOrWindow",), level)):
             found.openings.append(self._opening(element, f"opening_{number}"))
-        for element in self._on_level(_PIECES):
+        for element in self._on_level(_PIECES, level):
             found.icons.append(self._box(element))
         if len(found.icons) > MAX_ITEMS:
             raise self.source.fault(f"at most {MAX_ITEMS} pieces of furniture", len(found.icons))
         heights = [axis.height for axis in found.axes if axis.height > 0]
-        found.height = max(heights, default=self.height)
+        found.height = max(heights, default=height)
         return found
 
-    def _level(self) -> str:
-        """Return the id of the level with the most floor; the others are warned of."""
-        if len(self.levels) < 2:
-            return next(iter(self.levels), "")
-        floors = dict.fromkeys(self.levels, 0.0)
-        for room in self.root.findall("room"):
-            if room.get("level") in floors:
-                floors[room.get("level", "")] += Polygon(self._ring(room)).area
-        if not any(floors.values()):
-            for wall in self.root.findall("wall"):
-                if wall.get("level") in floors:
-                    floors[wall.get("level", "")] += math.dist(*self._ends(wall))
-        sizes = [(self.levels[name].get("name") or name, size) for name, size in floors.items()]
-        return list(floors)[largest_storey(self.source, sizes)]
+    def _on_level(self, tags: tuple[str, ...], level: str) -> Iterator[Element]:
+        """Yield the visible elements of these tags on a level, out of groups too.
 
-    def _on_level(self, tags: tuple[str, ...]) -> Iterator[Element]:
-        """Yield the visible elements of these tags on the level, out of groups too."""
+        What names no level of the file is on the first.
+        """
+        first = next(iter(self.levels), "")
         queue = [(element, element.get("level", "")) for element in reversed(self.root)]
         while queue:
-            element, level = queue.pop()
-            if level not in ("", self.level) and level in self.levels:
+            element, own = queue.pop()
+            if (own if own in self.levels else first) != level:
                 continue
             if element.tag == "furnitureGroup":
-                queue += [(child, child.get("level", level)) for child in reversed(element)]
+                queue += [(child, child.get("level", own)) for child in reversed(element)]
             elif element.tag in tags and element.get("visible") != "false":
                 yield element
 
@@ -130,10 +150,10 @@ class _Home:
         )
         return (x0, z0), (x1, z1)
 
-    def _wall(self, wall: Element) -> list[WallAxis]:
-        """Return a wall's axis; several for a curved wall."""
+    def _wall(self, wall: Element, usual: float) -> list[WallAxis]:
+        """Return a wall's axis, `usual` metres high where it does not tell; several for a curve."""
         thickness = attribute(self.source, wall, "thickness", 10.0, scale=CM)
-        height = attribute(self.source, wall, "height", self.height / CM, scale=CM)
+        height = attribute(self.source, wall, "height", usual / CM, scale=CM)
         height = max(height, attribute(self.source, wall, "heightAtEnd", height / CM, scale=CM))
         if thickness < 0 or height <= 0:
             found = f"{thickness:g} and {height:g} m"

@@ -28,8 +28,10 @@ def plan_panel(
 ) -> np.ndarray:
     """Return a picture of (height, width) of the plan, x to the right and z down.
 
-    With the frustum of a located photo.
+    Of the level where the photo was taken, with its frustum; else of the lowest.
     """
+    level = next(iter(shapes.values())).level if pose is None else shapes[pose.room_id].level
+    shapes = {name: shape for name, shape in shapes.items() if shape.level == level}
     picture = np.full((*size, 3), PAPER, np.uint8)
     points = np.concatenate([shape.start for shape in shapes.values()])
     low, span = points.min(axis=0), np.maximum(np.ptp(points, axis=0), 0.1)

@@ -59,6 +59,7 @@ class RoomShape:
     length: np.ndarray
     outward: np.ndarray
     holes: tuple[Hole, ...]
+    level: str = ""
 
 
 @dataclass(frozen=True)
@@ -165,7 +166,7 @@ def _room_shape(house: House, room: Room, behind: Mapping[tuple[str, str], str])
     length = np.linalg.norm(end - start, axis=1)
     along = (end - start) / length[:, None]
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    bare = RoomShape(room.id, room.height, start, along, length, outward, ())
+    bare = RoomShape(room.id, room.height, start, along, length, outward, (), room.level)
     return replace(bare, holes=tuple(_holes(house, bare, behind)))
 
 

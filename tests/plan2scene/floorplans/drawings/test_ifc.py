@@ -1,13 +1,17 @@
 """IFC: a model of ours is read back, storeys, models without spaces, faults."""
 
+from pathlib import Path
+
 import pytest
 from plan_drawing import FLATS, assert_found, drawn_flat
 from shapely.geometry import LineString
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans import read_plan
+from plan2scene.exports.ifc import write_ifc
+from plan2scene.floorplans import house_faults, read_plan
 
 ifcopenshell = pytest.importorskip("ifcopenshell")
+ROOT = Path(__file__).parents[4]
 GUID = pytest.importorskip("ifcopenshell.guid")
 
 
@@ -111,13 +115,30 @@ def test_a_model_without_spaces(tmp_path):
     assert_found(plan, read_plan(writer.saved(tmp_path), "h1"), types=False)
 
 
-def test_the_storey_with_most_floor_is_read(tmp_path):
-    large, small, writer = drawn_flat(2), drawn_flat(0), Writer()
-    writer.storey(small, "ground", walls=False)
-    writer.storey(large, "upper", base=3.0)
+def test_two_storeys_come_back(tmp_path):
+    plans, writer = (drawn_flat(2), drawn_flat(0)), Writer()
+    for plan, name, base in zip(plans, ("Ground", "Upper floor"), (0.0, 3.0), strict=True):
+        writer.storey(plan, name, base=base)
     found = read_plan(writer.saved(tmp_path), "h1")
-    assert_found(large, found)
-    assert any("2; upper read, left out ground" in line for line in found.warnings)
+    assert [(level.id, level.elevation) for level in found.levels] == [
+        ("ground", 0.0),
+        ("upper_floor", pytest.approx(3.0)),
+    ]
+    for plan, (_, storey) in zip(plans, found.storeys(), strict=True):
+        assert_found(plan, storey)
+    assert list(house_faults(found)) == []
+
+
+def test_our_own_export_comes_back_with_its_stairs(tmp_path):
+    house = read_plan(ROOT / "resources/examples/two_storeys/plan.json", "two")
+    write_ifc(house, {}, tmp_path)
+    found = read_plan(tmp_path / "house.ifc", "two")
+    assert [level.elevation for level in found.levels] == pytest.approx([0.0, 2.8])
+    assert len(found.rooms) == len(house.rooms)
+    (stairs,) = found.stairs
+    assert (*stairs.start, *stairs.end) == pytest.approx((0.45, 4.6, 0.45, 1.0), abs=1e-3)
+    assert stairs.width == pytest.approx(0.9, abs=1e-3)
+    assert None not in stairs.room_ids
 
 
 @pytest.mark.parametrize(

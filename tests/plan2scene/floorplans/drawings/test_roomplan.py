@@ -8,7 +8,7 @@ import pytest
 from plan_drawing import FLATS, assert_found, drawn_flat
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans import read_plan
+from plan2scene.floorplans import house_faults, read_plan
 from plan2scene.floorplans.drawings import roomplan
 from plan2scene.floorplans.geometry import room_polygon
 
@@ -108,12 +108,33 @@ def test_one_room_alone(tmp_path, floors):
     assert (*icon.p1, *icon.p2) == pytest.approx((1, 0.5, 3, 1.5))
 
 
-def test_the_storey_with_most_floor_is_read(tmp_path):
+def test_two_storeys_come_back(tmp_path):
     large, small = drawn_flat(2), drawn_flat(0)
-    rooms = [*rooms_of(small), *rooms_of(large, story=1, base=2.0)]
+    rooms = [*rooms_of(small, base=-1.2), *rooms_of(large, story=1, base=2.0)]
     found = read_plan(written(tmp_path, {"rooms": rooms}), "h1")
-    assert_found(large, found)
-    assert any("2; storey 1 read, left out storey 0" in line for line in found.warnings)
+    assert [level.id for level in found.levels] == ["storey_0", "storey_1"]
+    assert [level.elevation for level in found.levels] == pytest.approx([0.0, 3.2])
+    for plan, (_, storey) in zip((small, large), found.storeys(), strict=True):
+        assert_found(plan, storey)
+    assert list(house_faults(found)) == []
+
+
+def test_stairs_join_the_storeys(tmp_path):
+    plan = drawn_flat(2)
+    _, _, area = max(plan.rooms, key=lambda room: room[2].area)
+    x, z = area.representative_point().coords[0]
+    rooms = [*rooms_of(plan, base=0.0), *rooms_of(plan, story=1, base=2.8)]
+    matrix = [0.0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, x, 1.4, z, 1]  # its width along z
+    stairs = {"category": {"stairs": {}}, "dimensions": [1.2, 2.8, 0.8], "transform": matrix}
+    rooms[0]["objects"] = [stairs]
+    found = read_plan(written(tmp_path, {"rooms": rooms}), "h1")
+    (flight,) = found.stairs
+    assert flight.length == pytest.approx(1.2)
+    assert flight.width == pytest.approx(0.8)
+    assert found.icons == ()
+    assert None not in flight.room_ids
+    levels = [found.level_of(room).id for room in flight.room_ids]
+    assert levels == ["storey_0", "storey_1"]
 
 
 WALL = surface("wall", (0, 0), (4, 0), 0, 2.5)

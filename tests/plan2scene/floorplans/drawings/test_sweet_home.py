@@ -1,4 +1,4 @@
-"""Sweet Home 3D: what is written is read back, the one level, old and damaged files."""
+"""Sweet Home 3D: what is written is read back, levels, old and damaged files."""
 
 import zipfile
 from math import atan2, pi
@@ -9,7 +9,7 @@ import pytest
 from plan_drawing import FLATS, assert_found, drawn_flat
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans import read_plan, validate_house
+from plan2scene.floorplans import house_faults, read_plan, validate_house
 from plan2scene.floorplans.drawings import containers
 from plan2scene.floorplans.geometry import room_polygon
 
@@ -74,7 +74,8 @@ def wall(x0, y0, x1, y1, **more):
     return element("wall", xStart=x0, yStart=y0, xEnd=x1, yEnd=y1, **{"thickness": 20, **more})
 
 
-SQUARE = [wall(0, 0, 400, 0), wall(400, 0, 400, 300), wall(400, 300, 0, 300), wall(0, 300, 0, 0)]
+ENDS = [(0, 0, 400, 0), (400, 0, 400, 300), (400, 300, 0, 300), (0, 300, 0, 0)]
+SQUARE = [wall(*ends) for ends in ENDS]
 
 
 @pytest.mark.parametrize("number", range(len(FLATS)))
@@ -108,19 +109,36 @@ def test_a_curved_wall_bulges(tmp_path):
     assert area == pytest.approx(3.8 * 2.9 + pi * 1.9**2 / 2, rel=0.02)
 
 
-def test_the_level_with_most_floor_is_read(tmp_path):
-    levels = [element("level", id=i, name=n, elevation=e, height=240) for i, n, e in LEVELS]
-    large, small = drawn_flat(2), drawn_flat(0)
-    parts = [home_xml(small, level="l0"), home_xml(large, level="l1")]
-    found = read_plan(home(tmp_path, *levels, *parts), "h1")
-    assert_found(large, found)
-    assert (
-        sum("one storey, found 2; Upper read, left out Ground" in line for line in found.warnings)
-        == 1
-    )
-
-
 LEVELS = [("l0", "Ground", 0), ("l1", "Upper", 260)]
+
+
+def test_two_levels_come_back(tmp_path):
+    levels = [element("level", id=i, name=n, elevation=e, height=240) for i, n, e in LEVELS]
+    plans = (drawn_flat(0), drawn_flat(2))
+    parts = [home_xml(plan, level=level) for plan, (level, *_) in zip(plans, LEVELS, strict=True)]
+    found = read_plan(home(tmp_path, *levels, *parts), "h1")
+    assert [(level.id, level.elevation) for level in found.levels] == [
+        ("ground", 0.0),
+        ("upper", pytest.approx(2.6)),
+    ]
+    for plan, (_, storey) in zip(plans, found.storeys(), strict=True):
+        assert_found(plan, storey)
+    assert list(house_faults(found)) == []
+
+
+def test_a_staircase_joins_two_levels_and_a_layer_is_no_level(tmp_path):
+    layers = [*LEVELS, ("l2", "Wiring", 260), ("l3", "Roof", 520)]
+    levels = [element("level", id=i, name=n, elevation=e, height=240) for i, n, e in layers]
+    squares = [wall(*ends, level=level) for level in ("l0", "l1") for ends in ENDS]
+    wiring = wall(100, 100, 200, 100, level="l2")
+    place = {"x": 150, "y": 40, "width": 240, "depth": 60, "height": 250, "angle": 0}
+    piece = element("pieceOfFurniture", name="Staircase", level="l0", **place)
+    found = read_plan(home(tmp_path, *levels, *squares, wiring, piece), "h1")
+    assert [level.id for level in found.levels] == ["ground", "upper"]
+    (flight,) = found.stairs
+    assert (flight.length, flight.width) == pytest.approx((2.4, 0.6))
+    assert flight.room_ids == ("room", "room_2")
+    assert found.adjacency() == (("room", "room_2"),)
 
 
 def test_rooms_side_by_side_without_a_wall_are_open(tmp_path):
