@@ -45,10 +45,18 @@ Ring = tuple[Point, ...]  #: closed polygon ring, first point not repeated
 
 
 class SurfaceKey(NamedTuple):
-    """Names one texturable surface of a house: all walls of a room share one."""
+    """Names one texturable surface of a house.
+
+    All walls of a room share ``wall``, but for accent walls, ``wall.{wall id}``.
+    """
 
     room_id: str
     surface: str
+
+    @property
+    def kind(self) -> str:
+        """Return which of `SURFACES` it is."""
+        return self.surface.partition(".")[0]
 
     @property
     def filename(self) -> str:
@@ -187,7 +195,8 @@ class House:
     """A whole plan. `doors` holds each relation once (not both directions).
 
     `levels` go from the lowest to the highest; none for a plan of one storey at y = 0. Heights
-    of walls and openings are above the floor of their rooms' level.
+    of walls and openings are above the floor of their rooms' level. `accents` are the walls that
+    have a texture of their own on one side.
     """
 
     id: str
@@ -198,6 +207,7 @@ class House:
     icons: tuple[IconBox, ...] = ()
     levels: tuple[Level, ...] = ()
     stairs: tuple[Stairs, ...] = ()
+    accents: tuple[SurfaceKey, ...] = ()
     warnings: tuple[str, ...] = field(default=(), compare=False)
 
     def room(self, room_id: str) -> Room:
@@ -255,8 +265,15 @@ class House:
         return (wall for wall in self.walls if room_id in wall.room_ids)
 
     def surface_keys(self) -> tuple[SurfaceKey, ...]:
-        """Return every surface key of the house, room by room."""
-        return tuple(key for room in self.rooms for key in room.surface_keys())
+        """Return every surface key of the house, room by room, then those of accent walls."""
+        ids = {room.id for room in self.rooms}
+        accents = tuple(key for key in self.accents if key.room_id in ids)
+        return tuple(key for room in self.rooms for key in room.surface_keys()) + accents
+
+    def wall_key(self, room_id: str, wall_id: str) -> SurfaceKey:
+        """Return the surface of a wall as a room sees it."""
+        own = SurfaceKey(room_id, f"wall.{wall_id}")
+        return own if own in self.accents else SurfaceKey(room_id, "wall")
 
     def adjacency(self) -> tuple[tuple[str, str], ...]:
         """Return pairs of rooms joined by a door, passage or stairs, each pair once, sorted."""

@@ -268,12 +268,21 @@ def shows_maps(wildcards):
     return shown and house["surfaces"] == "maps"
 
 
+def walls_of(wildcards):
+    """Return which walls share a texture: accent walls have their own in the 3D house alone."""
+    house = config["house"]
+    shown = (wildcards.drop, wildcards.method) == ("0.0", house["method"])
+    return house["walls"] if shown else "room"
+
+
 def texture_inputs(wildcards):
     """Return what a method takes from elsewhere: tiles, crops of other houses, made weights."""
     method = TEXTURE_METHODS[wildcards.method]
     library = method.library and f"{RESULTS}/texture_library.parquet"
     pool = method.crop_pool and POOL
-    return given(library=library, pool=pool, **made(decoder(wildcards.method)))
+    colours = walls_of(wildcards) == "wall" and f"{RESULTS}/houses/{{house}}/colours.parquet"
+    weights = made(decoder(wildcards.method))
+    return given(library=library, pool=pool, colours=colours, **weights)
 
 
 def metric_model(network):

@@ -69,6 +69,7 @@ rule textures:
         size_px=config["textures"]["size_px"],
         method=lambda wildcards: texture_params(wildcards.method),
         maps=shows_maps,
+        walls=walls_of,
         code=code_hash("textures.stage"),
     script:
         "../scripts/textures.py"

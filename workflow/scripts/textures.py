@@ -14,4 +14,10 @@ with job(snakemake.log[0]):
         {name: Path(path) for name, path in params.method["models"].items()},
         TextureSettings(params.seed, params.size_px, params.method["seam_correction"]),
     )
-    make_textures(snakemake.wildcards.method, inputs, snakemake.output[0], maps=params.maps)
+    make_textures(
+        snakemake.wildcards.method,
+        inputs,
+        snakemake.output[0],
+        maps=params.maps,
+        walls=params.walls,
+    )

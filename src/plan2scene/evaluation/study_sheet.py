@@ -12,7 +12,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.io import atomic_directory, write_json
 from plan2scene.mesh.preview import render_from_above, render_plan
-from plan2scene.mesh.textures import load_textures
+from plan2scene.mesh.textures import textured
 from plan2scene.photos.photo_files import read_photo
 
 #: Side in pixels of plan and renders, and the longer side of photos.
@@ -54,7 +54,7 @@ def write_study_sheet(
     }
     pictures["plan.jpg"] = Image.fromarray(render_plan(house, captions, PLAN_SIDE))
     for method, tiles in textures.items():
-        render = render_from_above(house, load_textures(tiles, house), RENDER_SIDE)
+        render = render_from_above(*textured(tiles, house), RENDER_SIDE)
         pictures[f"{method}.jpg"] = Image.fromarray(render)
     with atomic_directory(output) as folder:
         folder.mkdir(parents=True, exist_ok=True)

@@ -118,12 +118,11 @@ def export_house(
     Raises InputError for an unknown name, an unreadable plan, or a package that is missing.
     """
     from plan2scene.floorplans import read_scene_json
-    from plan2scene.mesh.textures import load_textures
+    from plan2scene.mesh.textures import textured
 
     if name not in EXPORTS:
         raise InputError(f"one of {', '.join(EXPORTS)}", repr(name), house=house_id)
-    house = read_scene_json(scene_json, house_id)
-    textures = load_textures(textures_dir, house)
+    house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
     house = house if objects else replace(house, icons=())
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)

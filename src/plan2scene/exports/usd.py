@@ -174,7 +174,7 @@ class _Stage:
         elif tile is not None:
             colour.ConnectToSource(self._texture(path, f"./textures/{name}{tile.suffix}"), "rgb")
         elif part.surface is not None:
-            flat = srgb_to_linear(np.array(UNTEXTURED[part.surface.surface], np.uint8))
+            flat = srgb_to_linear(np.array(UNTEXTURED[part.surface.kind], np.uint8))
             colour.Set(Gf.Vec3f(*map(float, flat)))
         else:
             reader = self._reader(f"{path}/colour", "UsdPrimvarReader_float3", "displayColor")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -37,7 +37,9 @@ def house_to_scene(
     for room in house.rooms:
         y = elevations[room.id]
         elements += [_plate(room, "Floor", textures, y), _plate(room, "Ceiling", textures, y)]
-    elements += [_wall(wall, textures, elevations[wall.room_ids[0]]) for wall in house.walls]
+    for wall in house.walls:
+        sides = [house.wall_key(room_id, wall.id) for room_id in wall.room_ids]
+        elements.append(_wall(wall, sides, textures, elevations[wall.room_ids[0]]))
     arch: dict[str, Any] = {
         "id": house.id,
         "defaults": {
@@ -150,9 +152,10 @@ def _plate(room: Room, kind: str, textures: Mapping[SurfaceKey, Any], y: float) 
     return element
 
 
-def _wall(wall: Wall, textures: Mapping[SurfaceKey, Any], y: float) -> dict[str, Any]:
-    """Return a Wall element that stands at height `y`; the inner side is the first room id's."""
-    sides: list[SurfaceKey | None] = [SurfaceKey(room_id, "wall") for room_id in wall.room_ids]
+def _wall(
+    wall: Wall, sides: Sequence[SurfaceKey], textures: Mapping[SurfaceKey, Any], y: float
+) -> dict[str, Any]:
+    """Return a Wall element that stands at height `y`; the inner side is the first of `sides`."""
     inside, outside = [*sides, None][:2]
     return {
         "id": wall.id,

@@ -14,15 +14,14 @@ from plan2scene.mesh.eye_level import render_rooms
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.preview import render_preview
-from plan2scene.mesh.textures import TileTexture, load_textures
+from plan2scene.mesh.textures import TileTexture, textured
 
 
 def _load(
     scene_json: str | Path, textures_dir: str | Path, house_id: str
 ) -> tuple[House, dict[SurfaceKey, TileTexture]]:
     """Return a normalised plan and the textures that a method left for it."""
-    house = read_scene_json(scene_json, house_id)
-    return house, load_textures(textures_dir, house)
+    return textured(textures_dir, read_scene_json(scene_json, house_id))
 
 
 def build_house(

@@ -89,7 +89,7 @@ def write_glb(
     factors = {"glass": list(GLASS)}
     for surface in house.surface_keys():
         if surface not in textures:
-            colour = srgb_to_linear(np.array(UNTEXTURED[surface.surface], np.uint8))
+            colour = srgb_to_linear(np.array(UNTEXTURED[surface.kind], np.uint8))
             factors[surface.filename] = [round(float(c), 6) for c in colour] + [1.0]
     data = export_glb(
         scene,

@@ -23,7 +23,7 @@ from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.house_mesh import build_parts
 from plan2scene.mesh.light import Light, bake_light, mean_colours
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.textures import MapTexture, TileTexture, load_textures
+from plan2scene.mesh.textures import MapTexture, TileTexture, textured
 
 #: Pixels per metre of the images, and their largest side.
 PX_PER_M, MOST_PX = 128.0, 4096
@@ -51,9 +51,9 @@ def build_lit_house(
         As of :func:`plan2scene.mesh.build.build_house`.
     glb : path
     """
-    house = read_scene_json(scene_json, house_id)
+    house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
     house = house if objects else replace(house, icons=())
-    textures, parts = load_textures(textures_dir, house), build_parts(house)
+    parts = build_parts(house)
     light = bake_light(house, parts, mean_colours(textures), TEXEL_M)
     if light is None:
         logging.getLogger("plan2scene").warning("house %s: no light to bake", house_id)

@@ -112,7 +112,7 @@ def _surface_material(part: MeshPart, tile: TileTexture | None, folder: str) -> 
     if part.surface is None:
         return _Material("glass", [f"Kd {GLASS[0]} {GLASS[1]} {GLASS[2]}", f"d {GLASS[3]}"])
     if tile is None:
-        return _plain(UNTEXTURED[part.surface.surface])
+        return _plain(UNTEXTURED[part.surface.kind])
     name = part.surface.filename
     return _Material(name, ["Kd 1 1 1", f"map_Kd {folder}/{name}{tile.suffix}"])
 

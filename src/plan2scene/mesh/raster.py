@@ -122,7 +122,7 @@ def _colours(part: MeshPart) -> np.ndarray:
         return srgb_to_linear(part.colours[part.mesh.faces[:, 0]])
     colour = np.array(GLASS[:3])
     if part.surface is not None:
-        colour = srgb_to_linear(np.array(UNTEXTURED[part.surface.surface], np.uint8))
+        colour = srgb_to_linear(np.array(UNTEXTURED[part.surface.kind], np.uint8))
     return np.tile(colour, (len(part.mesh.faces), 1))
 
 

@@ -55,7 +55,12 @@ def build_storey(level: Level, house: House, well: BaseGeometry, above: Above | 
     for room in house.rooms:
         parts.extend(flat_parts(room, polygons[room.id], well, above))
         own = [side for side in walled if side.room_id == room.id]
-        faces = (wall_face(side, room, polygons[room.id], openings) for side in own)
+        faces = (
+            wall_face(
+                side, room, polygons[room.id], openings, house.wall_key(room.id, side.wall.id)
+            )
+            for side in own
+        )
         boards = skirting(room, own, openings)
         parts.extend(part for part in (*faces, boards) if part is not None)
     bodies = wall_bodies(walled, together)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -137,6 +137,20 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
         whole = maps.get("/".join(key))
         textures[key] = tile if whole is None else _map(root, key, tile, whole, house.id)
     return textures
+
+
+def textured(folder: str | Path, house: House) -> tuple[House, dict[SurfaceKey, TileTexture]]:
+    """Return a house with the accent walls that a folder has textures of, and all its textures.
+
+    As :func:`load_textures`.
+    """
+    entries = _surfaces(Path(folder) / "textures.json", house.id)
+    sides = (
+        SurfaceKey(room_id, f"wall.{wall.id}") for wall in house.walls for room_id in wall.room_ids
+    )
+    accents = tuple(key for key in sides if "/".join(key) in entries)
+    house = replace(house, accents=accents)
+    return house, load_textures(folder, house)
 
 
 def _surfaces(file: Path, house_id: str) -> dict[str, dict[str, object]]:

@@ -57,7 +57,9 @@ class Above:
     well: BaseGeometry
 
 
-def wall_face(side: Side, room: Room, polygon: BaseGeometry, openings: Openings) -> MeshPart | None:
+def wall_face(
+    side: Side, room: Room, polygon: BaseGeometry, openings: Openings, key: SurfaceKey
+) -> MeshPart | None:
     """Return the face of a wall that a room sees, None when openings leave nothing of it.
 
     It stands `LIFT` in front of the wall's line. UV in metres: u runs to the right along the
@@ -71,7 +73,6 @@ def wall_face(side: Side, room: Room, polygon: BaseGeometry, openings: Openings)
     uv = np.stack([points[:, 0] + arc_offset(room, side.frame), room.height - points[:, 1]], 1)
     builder = PartBuilder()
     builder.mesh(side.frame.moved(LIFT).world(points), faces, uv=uv)
-    key = SurfaceKey(room.id, "wall")
     return builder.build(
         f"{room.id}/wall/{side.wall.id}",
         "surface",

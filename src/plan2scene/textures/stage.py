@@ -8,6 +8,7 @@ touched. Crops stay at their 128 px whatever `size_px` is: more pixels would add
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,22 +18,39 @@ from plan2scene.textures.inputs import TextureInputs
 from plan2scene.textures.methods import TextureMethod, method_named
 from plan2scene.textures.tiles import NoTile, Tile, write_tiles
 
+#: What walls share a texture (config key ``house.walls``).
+WALLS = ("room", "wall")
+
 
 def make_textures(
-    name: str, inputs: TextureInputs, out_dir: str | Path, *, maps: bool = False
+    name: str,
+    inputs: TextureInputs,
+    out_dir: str | Path,
+    *,
+    maps: bool = False,
+    walls: str = "room",
 ) -> None:
     """Write ``{room_id}_{surface}.png`` and ``textures.json`` by method `name` to `out_dir`.
 
-    With `maps` also a map of every surface of the house, ``{room_id}_{surface}.jpg``.
+    With `maps` also a map of every surface of the house, ``{room_id}_{surface}.jpg``. `walls` of
+    :data:`WALLS`: all walls of a room look alike, or accent walls have a texture of their own.
     """
-    tiles = house_tiles(name, inputs)
+    tiles: Mapping[SurfaceKey, Tile] = house_tiles(name, inputs)
+    house, surfaces = inputs.house, inputs.surfaces
+    if walls == "wall":
+        from plan2scene.textures.accents import find_accents, with_accents
+
+        files = inputs.data.files
+        if files.colours is None:
+            raise InputError("colours.parquet for walls of their own", "none", house=files.house_id)
+        house, surfaces, tiles = with_accents(inputs, tiles, find_accents(files.colours))
     whole = None
     if maps:
         from plan2scene.textures.maps.house import house_maps
 
-        materials = {surface.key: surface.material for surface in inputs.surfaces}
-        whole = house_maps(inputs.house, tiles, materials, seed=inputs.settings.seed)
-    write_tiles(out_dir, name, inputs.surfaces, tiles, whole)
+        materials = {surface.key: surface.material for surface in surfaces}
+        whole = house_maps(house, tiles, materials, seed=inputs.settings.seed)
+    write_tiles(out_dir, name, surfaces, tiles, whole)
 
 
 def house_tiles(name: str, inputs: TextureInputs) -> dict[SurfaceKey, Tile]:

@@ -50,3 +50,17 @@ def test_a_pose_that_contradicts_the_mask_has_no_planes():
     house, pose, labels, _ = open_door_view()
     upside_down = labels[::-1].copy()
     assert seen_planes(upside_down, pose, room_shapes(house)) == []
+
+
+def test_planes_of_the_own_room_name_their_walls():
+    house, pose, labels, _ = open_door_view()
+    found = seen_planes(labels, pose, room_shapes(house))
+    ends = {wall.id: np.array([wall.start, wall.end]) for wall in house.walls}
+    named = [item for item in found if item.walls]
+    assert named and {item.room_id for item in named} == {"room"}
+    assert len(named) == sum(f.room_id == "room" and f.plane.surface == "wall" for f in found)
+    for item in named:
+        normal = np.array(item.plane.normal)[[0, 2]]
+        for wall in item.walls:
+            off = (ends[wall] - EYE[[0, 2]]) @ normal - item.plane.offset
+            np.testing.assert_allclose(off, 0.0, atol=0.2)

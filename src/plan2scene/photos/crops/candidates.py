@@ -66,12 +66,14 @@ def rooms_by_size(house: House, rooms: Sequence[str]) -> dict[RoomSize, tuple[st
 class ShownPlane:
     """A plane of a photo and whose it is: rooms of one size, or the one that the place tells.
 
-    `own` tells whether the photo was taken within that room.
+    `own` tells whether the photo was taken within that room, `walls` the ids of the walls on the
+    plane, where the place tells them.
     """
 
     rooms: tuple[str, ...]
     plane: Plane
     own: bool = True
+    walls: tuple[str, ...] = ()
 
 
 def planes_of_photo(
@@ -104,7 +106,7 @@ def planes_of_located(
 ) -> list[ShownPlane]:
     """Return the planes of a located photo, each room's own; none where place and mask disagree."""
     return [
-        ShownPlane((seen.room_id,), seen.plane, seen.room_id == pose.room_id)
+        ShownPlane((seen.room_id,), seen.plane, seen.room_id == pose.room_id, seen.walls)
         for seen in seen_planes(labels, pose, shapes)
     ]
 

@@ -27,7 +27,7 @@ SHARES = 32
 MIN_PIXELS = 200
 #: At most about so many pixels of a plane are looked at.
 MOST_PIXELS = 20000
-_COLUMNS = ["photo", "room_id", "surface", "plane", "own", "weight", "colours"]
+_COLUMNS = ["photo", "room_id", "surface", "plane", "own", "walls", "weight", "colours"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +44,8 @@ class SeenColours:
         Number of the plane within photo and surface.
     own : bool
         Whether it is seen from within the room.
+    walls : tuple of str
+        Ids of the walls on the plane; none where they are not known.
     weight : float
         Share of the photo's pixels, times the mean squared sine of the angle of view, shared
         among the rooms.
@@ -56,6 +58,7 @@ class SeenColours:
     surface: str
     plane: int
     own: bool
+    walls: tuple[str, ...]
     weight: float
     colours: np.ndarray
 
@@ -71,11 +74,8 @@ def colours_of_photo(
         if seen is not None:
             # Where the place is not known any of the table's rooms may be meant.
             weight = seen[0] / (count if shown.own else 1)
-            found.append(
-                SeenColours(
-                    photo, shown.rooms, plane.surface, plane.index, shown.own, weight, seen[1]
-                )
-            )
+            facts = photo, shown.rooms, plane.surface, plane.index, shown.own, shown.walls
+            found.append(SeenColours(*facts, weight, seen[1]))
     return found
 
 
@@ -149,6 +149,7 @@ def write_colours(
             "surface": item.surface,
             "plane": item.plane,
             "own": item.own,
+            "walls": "|".join(item.walls),
             "weight": item.weight,
             "colours": item.colours.ravel(),
         }

@@ -6,7 +6,7 @@ Directions are azimuths in the plan, ``(x, z) = (sin a, cos a)``, radians.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -60,6 +60,8 @@ class RoomShape:
     outward: np.ndarray
     holes: tuple[Hole, ...]
     level: str = ""
+    #: Length e: id of the room's wall along each edge; empty where there is none.
+    walls: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -167,7 +169,8 @@ def _room_shape(house: House, room: Room, behind: Mapping[tuple[str, str], str])
     along = (end - start) / length[:, None]
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
     bare = RoomShape(room.id, room.height, start, along, length, outward, (), room.level)
-    return replace(bare, holes=tuple(_holes(house, bare, behind)))
+    own = [wall for wall in house.walls if room.id in wall.room_ids]
+    return replace(bare, holes=tuple(_holes(house, bare, behind)), walls=_walls_along(bare, own))
 
 
 def _walked(ring: Ring, *, hole: bool) -> Ring:
@@ -204,18 +207,43 @@ def _holes(house: House, shape: RoomShape, behind: Mapping[tuple[str, str], str]
     return found
 
 
-def _placed(shape: RoomShape, wall: Wall, opening: Opening, room_behind: str | None) -> Hole | None:
-    """Return an opening on the nearest edge that runs its way; None where there is none."""
-    ends = np.array([point_along(wall, opening.start), point_along(wall, opening.end)])
-    width = np.linalg.norm(ends[1] - ends[0])
-    if width <= 1e-6:
-        return None
-    parallel = np.abs(shape.along @ (ends[1] - ends[0]) / width)
+def _walls_along(shape: RoomShape, walls: Sequence[Wall]) -> tuple[str, ...]:
+    """Return the id of the wall that shares most of each edge; empty where none shares any."""
+    names = [""] * len(shape.length)
+    most = np.zeros(len(shape.length))
+    for wall in walls:
+        _, at = _on_edges(shape, wall, (0.0, wall.length))
+        shared = np.minimum(at[:, 1], shape.length) - np.maximum(at[:, 0], 0.0)
+        for edge in np.flatnonzero(shared > np.maximum(most, NEAR_M)):
+            names[edge], most[edge] = wall.id, shared[edge]
+    return tuple(names)
+
+
+def _on_edges(
+    shape: RoomShape, wall: Wall, span: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far (e,) a span of a wall is off each edge, and where (e, 2) along it, metres.
+
+    Off by infinity, and nowhere (NaN), where it does not run the edge's way or is not near it.
+    """
+    ends = np.array([point_along(wall, at) for at in span])
+    width = max(float(np.linalg.norm(ends[1] - ends[0])), 1e-9)
     to_ends = ends[None] - shape.start[:, None]
     off = np.abs((to_ends * shape.outward[:, None]).sum(axis=2)).mean(axis=1)
     at = np.sort((to_ends * shape.along[:, None]).sum(axis=2), axis=1)
+    parallel = np.abs(shape.along @ (ends[1] - ends[0]) / width)
+    there = (parallel > PARALLEL) & (off < NEAR_M + wall.depth)
+    return np.where(there, off, np.inf), np.where(there[:, None], at, np.nan)
+
+
+def _placed(shape: RoomShape, wall: Wall, opening: Opening, room_behind: str | None) -> Hole | None:
+    """Return an opening on the nearest edge that runs its way; None where there is none."""
+    width = opening.end - opening.start
+    if width <= 1e-6:
+        return None
+    off, at = _on_edges(shape, wall, (opening.start, opening.end))
     shared = np.minimum(at[:, 1], shape.length) - np.maximum(at[:, 0], 0.0)
-    fits = (parallel > PARALLEL) & (off < NEAR_M + wall.depth) & (shared > 0.3 * width)
+    fits = shared > 0.3 * width
     if not fits.any():
         return None
     edge = int(np.argmin(np.where(fits, off, np.inf)))

@@ -35,6 +35,8 @@ class SeenPlane:
 
     room_id: str
     plane: Plane
+    #: Ids of the walls on it, where it is one of the pose's room.
+    walls: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,18 +94,25 @@ def seen_planes(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape])
             mask[rows[mine], columns[mine]] = True
             mask = without_specks(mask)
             if mask.any():
-                planes.append(SeenPlane(room_id, replace(bare, mask=mask)))
+                own = surface == "wall" and room_id == pose.room_id
+                walls = _walls_of(shapes[room_id], sight.edge[mine]) if own else ()
+                planes.append(SeenPlane(room_id, replace(bare, mask=mask), walls))
         found += _numbered(planes, pose.room_id)
     surfaces = np.isin(labels, (FLOOR, CEILING, WALL)).sum()
     explained = sum(int(item.plane.mask.sum()) for item in found)
     return found if explained >= MIN_EXPLAINED * surfaces else []
 
 
+def _walls_of(shape: RoomShape, edges: np.ndarray) -> tuple[str, ...]:
+    """Return the walls along edges (n,) of a room, each once."""
+    return tuple(sorted({shape.walls[edge] for edge in np.unique(edges)} - {""}))
+
+
 def _numbered(planes: list[SeenPlane], own: str) -> list[SeenPlane]:
     """Return at most `MAX_WALLS` planes of a surface, own ones first, then by size, numbered."""
     order = sorted(planes, key=lambda item: (item.room_id != own, -int(item.plane.mask.sum())))
     return [
-        SeenPlane(item.room_id, replace(item.plane, index=index))
+        replace(item, plane=replace(item.plane, index=index))
         for index, item in enumerate(order[:MAX_WALLS])
     ]
 

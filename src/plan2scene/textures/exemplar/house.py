@@ -40,20 +40,11 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     shared = _shared_crops(surfaces, groups)
     for key, group in groups.items():
         surface = surfaces[key]
-        made = _exemplar(inputs, group, shared.get(surface.material, ()), surface.tone)
+        made = exemplar_of(inputs, group, surface.tone, shared.get(surface.material, ()))
         if made is None:
             tiles[key] = NoTile(f"none of {len(group)} crops is sharp enough")
         else:
-            exemplar, names = made
-            source = f"exemplar of {len(names)} crops"
-            own[key] = Tile(
-                exemplar.image,
-                exemplar.size_m,
-                source,
-                True,
-                crops=names,
-                pattern=exemplar.pattern,
-            )
+            own[key] = made
     for key, surface in surfaces.items():
         if key not in tiles:
             tile = own[key] if key in own else _nearest(surface, surfaces, own)
@@ -75,23 +66,25 @@ def _shared_crops(
     return {name: list(crops.values()) for name, crops in shared.items()}
 
 
-def _exemplar(
+def exemplar_of(
     inputs: TextureInputs,
     crops: Sequence[Crop],
-    shared: Sequence[Crop],
     tone: np.ndarray | None,
-) -> tuple[Exemplar, tuple[str, ...]] | None:
-    """Return the exemplar of a surface's crops in its tone and their ids; None of too poor ones.
+    shared: Sequence[Crop] = (),
+) -> Tile | None:
+    """Return the exemplar of a surface's crops in its tone (3,) sRGB; None of too poor ones.
 
     Where it shares a material, the pattern is that of all the material's crops, made once. The tone
     is known from more than crops, and goes for all methods. Without one the crops' own is kept.
     """
     made = _made(inputs, shared, None) if len(shared) > len(crops) and tone is not None else None
     made = made or _made(inputs, crops, tone)
-    if made is None or tone is None:
-        return made
+    if made is None:
+        return None
     exemplar, names = made
-    return replace(exemplar, image=recoloured(exemplar.image, tone)), names
+    image = exemplar.image if tone is None else recoloured(exemplar.image, tone)
+    source = f"exemplar of {len(names)} crops"
+    return Tile(image, exemplar.size_m, source, True, crops=names, pattern=exemplar.pattern)
 
 
 def _made(

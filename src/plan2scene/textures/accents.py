@@ -1,0 +1,126 @@
+"""Accent walls: a wall of another paint than the other walls of its room.
+
+Located photos tell walls apart. Light differs from wall to wall, most of all in brightness, so a
+wall counts as an accent only where several photos that show it beside others agree on a difference
+that light does not make.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from plan2scene.colour import linear_to_srgb, rgb_to_lab
+from plan2scene.house import House, SurfaceKey
+from plan2scene.io import read_parquet
+from plan2scene.propagation.house_colours import usual_colour
+from plan2scene.textures.exemplar.house import exemplar_of, recoloured
+from plan2scene.textures.inputs import KnownSurface, TextureInputs
+from plan2scene.textures.tiles import Tile
+
+#: Difference in Lab, lightness counted half, from which a wall is of another paint: on white
+#: walls of two real flats (development) two photos agree on 13 at most.
+APART = 20.0
+#: Photos that have to show it, each with the least weight (``colours.parquet``) of both sides.
+PHOTOS, LEAST = 2, 0.02
+_LIGHTNESS = np.array([0.5, 1.0, 1.0])
+_NAME = re.compile(r"[\w-]+")
+
+
+@dataclass(frozen=True, eq=False)
+class Accent:
+    """Walls on one plane of a room that are of another paint.
+
+    Attributes
+    ----------
+    keys : tuple of SurfaceKey
+        A key for each wall.
+    colour : (3,) float64
+        sRGB.
+    planes : frozenset of str
+        Names of the photos' planes that show it, as crop ids begin.
+    """
+
+    keys: tuple[SurfaceKey, ...]
+    colour: np.ndarray
+    planes: frozenset[str]
+
+
+def find_accents(colours: str | Path, hidden_photos: Collection[str] = ()) -> list[Accent]:
+    """Return the accent walls of a house by what its photos show (``colours.parquet``)."""
+    table, _ = read_parquet(colours)
+    seen = table[(table["surface"] == "wall") & table["own"] & (table["walls"] != "")]
+    seen = seen[~seen["photo"].isin(set(hidden_photos))]
+    found = []
+    for room_id, of_room in seen.groupby("room_id", sort=True):
+        for walls, mine in of_room.groupby("walls", sort=True):
+            rest = of_room[of_room["walls"] != walls]
+            names = str(walls).split("|")
+            # The paint of most of what is seen is the room's.
+            if mine["weight"].sum() >= rest["weight"].sum() or not all(map(_plain, names)):
+                continue
+            if _apart(mine, rest) >= APART:
+                keys = tuple(SurfaceKey(str(room_id), f"wall.{name}") for name in names)
+                planes = frozenset(
+                    f"wall/{Path(r.photo).stem}_{r.plane}" for r in mine.itertuples()
+                )
+                found.append(Accent(keys, linear_to_srgb(_usual(mine)), planes))
+    return found
+
+
+def _plain(name: str) -> bool:
+    """Return whether a wall's id can be part of a file's name."""
+    return _NAME.fullmatch(name) is not None
+
+
+def _apart(mine: pd.DataFrame, rest: pd.DataFrame) -> float:
+    """Return how far a wall is from the others of the photos that show both, on the whole.
+
+    0 where too few photos do. Differences of photos that do not agree cancel out.
+    """
+    away = []
+    for photo, own in mine.groupby("photo"):
+        others = rest[rest["photo"] == photo]
+        if min(own["weight"].sum(), others["weight"].sum()) >= LEAST:
+            lab, other = (rgb_to_lab(linear_to_srgb(_usual(part))) for part in (own, others))
+            away.append((lab - other) * _LIGHTNESS)
+    return float(np.linalg.norm(np.mean(away, axis=0))) if len(away) >= PHOTOS else 0.0
+
+
+def _usual(rows: pd.DataFrame) -> np.ndarray:
+    """Return the usual linear RGB (3,) of rows of ``colours.parquet``."""
+    shares = [np.asarray(c, dtype=np.float64).reshape(-1, 3) for c in rows["colours"]]
+    return usual_colour(shares, rows["weight"])
+
+
+def with_accents(
+    inputs: TextureInputs, tiles: Mapping[SurfaceKey, Tile], accents: Sequence[Accent]
+) -> tuple[House, tuple[KnownSurface, ...], dict[SurfaceKey, Tile]]:
+    """Return house, surfaces and tiles with those of accent walls.
+
+    A tile is quilted from the wall's own crops, or else is the room's in the wall's colour.
+    """
+    known = {surface.key: surface for surface in inputs.surfaces}
+    surfaces, made = list(inputs.surfaces), dict(tiles)
+    for accent in accents:
+        room = SurfaceKey(accent.keys[0].room_id, "wall")
+        crops = [
+            crop
+            for crop in inputs.crops
+            if crop.key == room and crop.crop_id.rpartition("_crop")[0] in accent.planes
+        ]
+        tile = exemplar_of(inputs, crops, accent.colour) if crops else None
+        if tile is None:
+            image = recoloured(tiles[room].image, accent.colour)
+            source = f"{tiles[room].source}, in the colour of an accent wall"
+            tile = replace(tiles[room], image=image, source=source)
+        for key in accent.keys:
+            surfaces.append(replace(known[room], key=key, material="", colour=accent.colour))
+            made[key] = tile
+    house = replace(inputs.house, accents=tuple(key for accent in accents for key in accent.keys))
+    return house, tuple(surfaces), made
