@@ -1,6 +1,6 @@
 // The editor: joins document, drawing, tools and panel, and listens to pointer and keys.
 
-import { newPlan, openingId, readTable, Store, withoutRoom } from "./document.js";
+import { entryId, newPlan, readTable, Store, withoutRoom } from "./document.js";
 import { ask, button, el, field, isPicture, readFile, readPicture } from "./dom.js";
 import { OpeningTool, RoomTool, WallTool } from "./drawing_tools.js";
 import { add, dist, inside, ringsOf, roundPoint, sub, times } from "./geometry.js";
@@ -8,6 +8,8 @@ import { renderPanel } from "./panel.js";
 import { addPhotos, listenToDrops, photoProblems } from "./photos.js";
 import { problemsOf } from "./rules.js";
 import { ScaleTool, SelectTool } from "./select_tool.js";
+import { StairsTool } from "./stairs_tool.js";
+import { levelsOf, sliceOf } from "./storeys.js";
 import { lengthText, readLength } from "./units.js";
 import { draw, View } from "./view.js";
 import { placeOpenings, wallsOf } from "./walls.js";
@@ -25,7 +27,7 @@ export class App {
     this.store = new Store({ plan: completed(plan, rules), photos: start.photos ?? [], picture: this.picture ? this.placed(this.picture) : null });
     this.view = new View(page.svg);
     this.tools = [new SelectTool(this), new RoomTool(this), new WallTool(this), new OpeningTool(this, "door", "d", "Door"),
-      new OpeningTool(this, "window", "n", "Window"), new OpeningTool(this, "passage", "p", "Passage"), new ScaleTool(this)];
+      new OpeningTool(this, "window", "n", "Window"), new OpeningTool(this, "passage", "p", "Passage"), new StairsTool(this), new ScaleTool(this)];
     this.tool = this.tools[0];
     this.store.listen(() => this.changed());
     this.toolButtons();
@@ -43,14 +45,15 @@ export class App {
   }
 
   changed() {
-    const { plan, photos, picture } = this.store.state;
+    const { photos, picture, plan: whole } = this.store.state, { plan } = this.store;
     this.walls = wallsOf(plan.rooms.filter((room) => Array.isArray(room.polygon)), this.rules.limits.shared_tolerance);
     placeOpenings(this.walls, plan.openings, this.rules.limits);
-    this.problems = [...(plan.rooms.length ? this.check(plan) : []), ...photoProblems(photos, plan.rooms)];
-    if (!picture && this.tool?.name === "scale" && !plan.rooms.length) this.setTool("room");
+    this.problems = [...(whole.rooms.length ? this.check(whole) : []), ...photoProblems(photos, whole.rooms)];
+    if (!picture && this.tool?.name === "scale" && !whole.rooms.length) this.setTool("room");
     const { selection } = this;
     if (selection?.kind === "room" && !plan.rooms.some((r) => r.id === selection.id)) this.selection = null;
     if (selection?.kind === "opening" && !plan.openings.some((o) => o.id === selection.id)) this.selection = null;
+    if (selection?.kind === "stairs" && !plan.stairs?.some((s) => s.id === selection.id)) this.selection = null;
     this.page.undo.disabled = !this.store.canUndo;
     this.page.redo.disabled = !this.store.canRedo;
     this.page.saved.textContent = this.store.unsaved ? "not saved" : "";
@@ -60,7 +63,8 @@ export class App {
   }
   render() {
     const picture = this.store.state.picture ? this.picture : null;
-    this.view.render({ state: this.store.state, walls: this.walls, problems: this.problems, selection: this.selection, picture, feet: this.feet });
+    const levels = levelsOf(this.store.state.plan), below = levels[levels.findIndex((level) => level.id === this.store.level) - 1];
+    this.view.render({ state: { ...this.store.state, plan: this.store.plan }, below: below && sliceOf(this.store.state.plan, below.id), levels, limits: this.rules.limits, walls: this.walls, problems: this.problems, selection: this.selection, picture, feet: this.feet });
     this.drawOverlay();
   }
   /** Draw anew what only the pointer changes. */
@@ -94,8 +98,9 @@ export class App {
   }
   remove(selection) {
     const { store } = this, { plan } = store;
-    if (selection.kind === "room") store.change(withoutRoom(store.state, selection.id));
+    if (selection.kind === "room") store.changeWhole(withoutRoom(store.state, selection.id));
     else if (selection.kind === "opening") store.changePlan({ openings: plan.openings.filter((o) => o.id !== selection.id) });
+    else if (selection.kind === "stairs") store.changePlan({ stairs: plan.stairs.filter((s) => s.id !== selection.id) });
     else if (selection.kind === "corner") {
       const keep = (c) => dist(c, selection.point) > 0.01;
       const rooms = plan.rooms.map((room) => (room.polygon.length > 3 ? { ...room, polygon: room.polygon.filter(keep) } : room));
@@ -103,13 +108,20 @@ export class App {
     } else { this.say("A wall goes with its room: delete the room"); return; }
     this.select(null);
   }
+  /** Show the next floor up (1) or down (-1). */
+  showNext(step) {
+    const levels = levelsOf(this.store.state.plan), next = levels[levels.findIndex((level) => level.id === this.store.level) + step];
+    if (next) { this.tool.cancel?.(); this.store.show(next.id); }
+  }
   roomAt(p) { return [...this.store.plan.rooms].reverse().find((room) => inside(ringsOf(room), p)); }
   showProblem({ room, opening }) {
+    const { plan } = this.store.state, entry = plan.openings.find((o) => o.id === opening) ?? plan.rooms.find((r) => r.id === room);
+    if (entry?.level && entry.level !== this.store.level) this.store.show(entry.level);
     this.setTool("select");
     this.select(opening ? { kind: "opening", id: opening } : room ? { kind: "room", id: room } : null);
   }
   fit() {
-    const { plan, picture } = this.store.state;
+    const { picture } = this.store.state, { plan } = this.store;
     const points = plan.rooms.flatMap((room) => room.polygon);
     if (picture && this.picture) points.push([picture.x, picture.z], [picture.x + this.picture.width * picture.metres_per_pixel, picture.z + this.picture.height * picture.metres_per_pixel]);
     this.view.fit(points);
@@ -117,7 +129,7 @@ export class App {
   }
 
   async askScale(a, b) {
-    const { store } = this, rooms = store.plan.rooms.length;
+    const { store } = this, rooms = store.state.plan.rooms.length;
     const both = el("label", { className: "check" }, el("input", { type: "checkbox", name: "both", checked: true }), "Scale what is drawn, too");
     const data = await ask("How long is this in reality?", [
       field("Length", "length", lengthText(dist(a, b), this.feet), () => {}, { name: "length", inputMode: "decimal" }), rooms && store.state.picture ? both : null].filter(Boolean), "Set the scale");
@@ -133,8 +145,9 @@ export class App {
     }
     if (rooms && (!picture || data.get("both"))) changes.plan = { ...plan,
       rooms: plan.rooms.map((r) => ({ ...r, polygon: r.polygon.map(far), ...(r.holes ? { holes: r.holes.map((h) => h.map(far)) } : {}) })),
-      openings: plan.openings.map((o) => ({ ...o, from: far(o.from), to: far(o.to) })) };
-    store.change(changes);
+      openings: plan.openings.map((o) => ({ ...o, from: far(o.from), to: far(o.to) })),
+      ...(plan.stairs ? { stairs: plan.stairs.map((s) => ({ ...s, from: far(s.from), to: far(s.to) })) } : {}) };
+    store.changeWhole(changes);
     this.fit();
     this.setTool(rooms ? "select" : "room");
   }
@@ -164,7 +177,7 @@ export class App {
   async openPlan(plan, file) {
     if (plan.format !== this.rules.format) { await this.host.openOther(file); return; }
     const errors = this.check(plan).filter((p) => p.level === "error");
-    const broken = !Array.isArray(plan.rooms) || !plan.rooms.every((r) => Array.isArray(r?.polygon) && Array.isArray(r.types)) || !(plan.openings ?? []).every((o) => Array.isArray(o?.from) && Array.isArray(o.to));
+    const broken = !Array.isArray(plan.rooms) || !plan.rooms.every((r) => Array.isArray(r?.polygon) && Array.isArray(r.types)) || !(plan.openings ?? []).every((o) => Array.isArray(o?.from) && Array.isArray(o.to)) || !(plan.levels ?? []).every((l) => typeof l?.elevation === "number") || !(plan.stairs ?? []).every((s) => Array.isArray(s?.from) && Array.isArray(s.to));
     if (broken) throw new Error(`expected ${errors[0].expected}, found ${errors[0].found}`);
     this.store.open({ ...this.store.state, plan: completed(plan, this.rules) });
     this.select(null);
@@ -242,14 +255,19 @@ export class App {
     if ((key === "delete" || key === "backspace") && this.selection) { this.remove(this.selection); return true; }
     if (key === "f") { this.fit(); return true; }
     if (key === "+" || key === "=" || key === "-") { this.view.zoom(key === "-" ? 0.8 : 1.25); this.render(); return true; }
+    if (key === "pageup" || key === "pagedown") { this.showNext(key === "pageup" ? 1 : -1); return true; }
     const tool = !event.altKey && this.tools.find((t) => t.key === key);
     if (tool) this.setTool(tool.name);
     return Boolean(tool);
   }
 }
 
-/** A plan with all that the reader takes for granted: heights, thickness, ids of openings. */
+/** A plan with all that the reader takes for granted: heights, thickness, ids of openings and stairs. */
 export function completed(plan, { limits }) {
-  const rooms = plan.rooms.map((room) => ({ ...room, height: room.height ?? limits.default_height }));
-  return { ...plan, wall_depth: plan.wall_depth ?? limits.default_depth, rooms, openings: (plan.openings ?? []).map((o, k) => ({ ...o, id: openingId(o, k) })) };
+  const heights = new Map((plan.levels ?? []).map((level) => [level.id, level.height ?? limits.default_height]));
+  const rooms = plan.rooms.map((room) => ({ ...room, height: room.height ?? heights.get(room.level) ?? limits.default_height }));
+  const found = { ...plan, wall_depth: plan.wall_depth ?? limits.default_depth, rooms, openings: (plan.openings ?? []).map((o, k) => ({ ...o, id: entryId(o, k, "opening") })) };
+  if (plan.levels) found.levels = plan.levels.map((level) => ({ ...level, height: heights.get(level.id) }));
+  if (plan.stairs) found.stairs = plan.stairs.map((s, k) => ({ ...s, id: entryId(s, k, "stairs") }));
+  return found;
 }

@@ -1,29 +1,58 @@
 // The document: plan, photo table and place of the picture; every change makes a new state, so
 // that undo is going back to an old one. Nothing in a state is ever changed in place.
 
+import { freeId, levelsOf, merged, sliceOf } from "./storeys.js";
+
 export function newPlan(rules) {
   return { format: rules.format, version: 1, wall_depth: rules.limits.default_depth, rooms: [], openings: [] };
 }
 
 /** Holds the states and tells who listens. */
 export class Store {
-  #states; #at = 0; #saved; #listeners = []; #merge = "";
+  #states; #at = 0; #saved; #listeners = []; #merge = ""; #level = null; #slice = {};
 
   constructor(state) {
     this.#states = [state];
     this.#saved = state;
+    this.#keepLevel();
   }
   get state() { return this.#states[this.#at]; }
-  get plan() { return this.state.plan; }
+  /** The id of the floor that is shown; null in a plan without floors. */
+  get level() { return this.#level; }
+  get floor() { return levelsOf(this.state.plan).find((level) => level.id === this.#level) ?? null; }
+  /** The plan of the floor that is shown: what tools draw on. The whole is `state.plan`. */
+  get plan() {
+    const { plan } = this.state;
+    if (this.#slice.of !== plan || this.#slice.level !== this.#level) this.#slice = { of: plan, level: this.#level, plan: sliceOf(plan, this.#level) };
+    return this.#slice.plan;
+  }
+  show(level) {
+    this.#level = level;
+    this.#tell();
+  }
+  /** A floor that is gone is not shown any more: the one nearest to 0 is. */
+  #keepLevel() {
+    const levels = levelsOf(this.state.plan);
+    if (levels.some((level) => level.id === this.#level)) return;
+    this.#level = levels.sort((a, b) => Math.abs(a.elevation) - Math.abs(b.elevation))[0]?.id ?? null;
+  }
   get canUndo() { return this.#at > 0; }
   get canRedo() { return this.#at < this.#states.length - 1; }
   get unsaved() { return this.state.plan !== this.#saved.plan || this.state.photos !== this.#saved.photos; }
 
   listen(listener) { this.#listeners.push(listener); }
-  #tell() { for (const listener of this.#listeners) listener(); }
+  #tell() {
+    this.#keepLevel();
+    for (const listener of this.#listeners) listener();
+  }
 
-  /** Go to a changed state; changes with the same `merge` name in a row are one step of undo. */
+  /** Go to a changed state, its `plan` that of the floor that is shown; see `changeWhole`. */
   change(changes, merge = "") {
+    const whole = changes.plan ? { ...changes, plan: merged(this.state.plan, changes.plan, this.#level) } : changes;
+    this.changeWhole(whole, merge);
+  }
+  /** Go to a changed state; changes with the same `merge` name in a row are one step of undo. */
+  changeWhole(changes, merge = "") {
     const state = { ...this.state, ...changes };
     const before = merge && merge === this.#merge && this.#at > 0 ? this.#at : this.#at + 1;
     this.#states = [...this.#states.slice(Math.max(0, before - 300), before), state];
@@ -40,27 +69,19 @@ export class Store {
   markSaved(state = this.state) { this.#saved = state; this.#tell(); }
 
   /** Another document altogether: no way back to the old one but `undo`. */
-  open(state) { this.change(state); this.markSaved(); }
+  open(state) { this.changeWhole(state); this.markSaved(); }
 }
 
-export const openingId = (opening, k) => opening.id ?? `opening_${k}`;
-
-/** An id that no entry has: name, name_2, name_3 ... */
-export function freeId(name, entries) {
-  const taken = new Set(entries.map((entry) => entry.id?.toLowerCase()));
-  let id = name;
-  for (let k = 2; taken.has(id.toLowerCase()); k++) id = `${name}_${k}`;
-  return id;
-}
+export const entryId = (entry, k, name) => entry.id ?? `${name}_${k}`;
 
 /** Letters of an id: what is typed, made fit to name files. */
 export const fitId = (text) =>
   text.normalize("NFKD").replace(/[\u0300-\u036f]/g, "").trim().replace(/[^A-Za-z0-9_.-]+/g, "_").replace(/^\.+/, "").slice(0, 60);
 
-export function withRoom(plan, polygon, rules, types = ["Unknown"], height = null) {
-  const id = freeId(types[0] === "Unknown" ? "room" : types[0].toLowerCase(), plan.rooms);
-  const tall = height ?? plan.rooms.at(-1)?.height ?? rules.limits.default_height;
-  return { plan: { ...plan, rooms: [...plan.rooms, { id, types, polygon, height: tall }] }, id };
+/** A floor's plan with one more room: {plan, id}; `others` are the rooms of all floors. */
+export function withRoom(plan, polygon, others, height) {
+  const id = freeId("room", [...others, ...plan.rooms]);
+  return { plan: { ...plan, rooms: [...plan.rooms, { id, types: ["Unknown"], polygon, height }] }, id };
 }
 
 export const withRooms = (plan, change) => ({ ...plan, rooms: plan.rooms.map(change) });
@@ -71,6 +92,9 @@ export function renameRoom(state, from, to) {
     photos: state.photos.map((photo) => ({ ...photo, rooms: photo.rooms.map((id) => (id === from ? to : id)) })),
   };
 }
+
+/** How high a new room is: as the last one of the floor, else as the floor. */
+export const usualHeight = (store, rules) => store.plan.rooms.at(-1)?.height ?? store.floor?.height ?? rules.limits.default_height;
 
 export function withoutRoom(state, id) {
   return {

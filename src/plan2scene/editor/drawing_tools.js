@@ -2,8 +2,9 @@
 
 import { dist, roundPoint, signedArea } from "./geometry.js";
 import { drawnRooms } from "./faces.js";
-import { freeId, withRoom } from "./document.js";
+import { usualHeight, withRoom } from "./document.js";
 import { snap } from "./snapping.js";
+import { freeId } from "./storeys.js";
 import { readLength, readSize } from "./units.js";
 import { draw } from "./view.js";
 import { nearestWall, segmentOn } from "./walls.js";
@@ -11,7 +12,7 @@ import { nearestWall, segmentOn } from "./walls.js";
 const rectangle = (a, b) => [a, [b[0], a[1]], b, [a[0], b[1]]].map(roundPoint);
 
 /** What tools that draw share: a snapped pointer, and text typed while drawing. */
-class DrawingTool {
+export class DrawingTool {
   pointer = null; typed = "";
 
   constructor(app) { this.app = app; }
@@ -38,7 +39,7 @@ class DrawingTool {
   }
   addRoom(polygon) {
     const { store, rules } = this.app;
-    const { plan, id } = withRoom(store.plan, polygon, rules);
+    const { plan, id } = withRoom(store.plan, polygon, store.state.plan.rooms, usualHeight(store, rules));
     store.change({ plan });
     this.app.select({ kind: "room", id });
     this.app.say(`Room ${id} added`);
@@ -126,9 +127,9 @@ export class WallTool extends DrawingTool {
     let plan = store.plan, id = "";
     for (const [room, [first, ...others]] of split) {
       plan = { ...plan, rooms: plan.rooms.map((r) => (r.id === room.id ? { ...r, polygon: first } : r)) };
-      for (const polygon of others) ({ plan, id } = withRoom(plan, polygon, rules, ["Unknown"], room.height));
+      for (const polygon of others) ({ plan, id } = withRoom(plan, polygon, store.state.plan.rooms, room.height));
     }
-    for (const polygon of made) ({ plan, id } = withRoom(plan, signedArea(polygon) > 0 ? polygon : [...polygon].reverse(), rules));
+    for (const polygon of made) ({ plan, id } = withRoom(plan, signedArea(polygon) > 0 ? polygon : [...polygon].reverse(), store.state.plan.rooms, usualHeight(store, rules)));
     store.change({ plan });
     this.app.select({ kind: "room", id });
     this.app.say(`Room ${id} added`);
@@ -179,7 +180,7 @@ export class OpeningTool extends DrawingTool {
     this.find(p, event);
     if (!this.place) { this.app.say(`No wall here: a ${this.name} goes into a wall`); return; }
     const { store } = this.app, [from, to] = this.place.ends;
-    const id = freeId(`${this.name}_1`.replace(/_1$/, ""), store.plan.openings);
+    const id = freeId(this.name, store.state.plan.openings);
     const top = Math.min(this.usual.top, this.place.wall.height);
     store.changePlan({ openings: [...store.plan.openings, { id, kind: this.name, from, to, bottom: this.usual.bottom, top }] });
     this.app.select({ kind: "opening", id });

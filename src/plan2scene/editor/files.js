@@ -22,7 +22,7 @@ export class Files {
     if (!left || app.store.canUndo) return;
     const { plan, photos, picture } = JSON.parse(left);
     const again = await ask("There is a drawing that was not saved", [el("p", {}, `${plan.rooms.length} rooms, drawn in this page before it was closed.`)], "Go on with it");
-    if (again) app.store.change({ plan, photos, picture: app.picture ? picture : null });
+    if (again) app.store.changeWhole({ plan, photos, picture: app.picture ? picture : null });
     else localStorage.removeItem(this.#name);
     app.fit();
   }

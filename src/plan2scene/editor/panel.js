@@ -2,9 +2,11 @@
 
 import { fitId, renameRoom, withRooms } from "./document.js";
 import { button, el, field } from "./dom.js";
+import { lengthField, section } from "./fields.js";
+import { floorSection, stairsSection } from "./floors_panel.js";
 import { dist, mid, polygonArea, ringsOf, roundPoint } from "./geometry.js";
 import { photoCard } from "./photos.js";
-import { areaText, lengthText, readLength } from "./units.js";
+import { areaText, lengthText } from "./units.js";
 import { nearestWall, segmentOn } from "./walls.js";
 
 /** Make the panel anew; the focus stays where it was, and what is being typed is waited for. */
@@ -14,7 +16,7 @@ export function renderPanel(app, panel) {
     active.addEventListener("blur", () => app.renderPanel(), { once: true });
     return;
   }
-  panel.replaceChildren(chosenSection(app), photoSection(app), problemSection(app));
+  panel.replaceChildren(floorSection(app), chosenSection(app), photoSection(app), problemSection(app));
   panel.scrollTop = top;
   const again = key && panel.querySelector(`[data-key="${CSS.escape(key)}"]`);
   again?.focus();
@@ -27,22 +29,14 @@ function chosenSection(app) {
   const opening = selection?.kind === "opening" && store.plan.openings.find((o) => o.id === selection.id);
   if (room) return roomSection(app, room);
   if (opening) return openingSection(app, opening);
+  const flight = selection?.kind === "stairs" && store.plan.stairs?.find((s) => s.id === selection.id);
+  if (flight) return stairsSection(app, flight);
   if (selection?.kind === "wall") return wallSection(app, selection.edge);
   return houseSection(app);
 }
 
-const section = (title, ...children) => el("section", {}, el("h2", {}, title), ...children);
-
-/** A field for a length; what is no length is refused with a line. */
-function lengthField(app, label, key, value, change) {
-  return field(label, key, lengthText(value, app.feet), (text, input) => {
-    const metres = readLength(text, app.feet);
-    if (Number.isNaN(metres)) { app.say(`${label}: a length such as ${lengthText(2.4, app.feet)}, not ${text}`); input.value = lengthText(value, app.feet); } else change(Math.round(metres * 1000) / 1000);
-  }, { inputMode: "decimal" });
-}
-
 function houseSection(app) {
-  const { store, feet } = app, { plan, picture } = store.state;
+  const { store, feet } = app, { picture } = store.state, { plan } = store;
   const total = plan.rooms.reduce((sum, room) => sum + polygonArea(ringsOf(room)), 0);
   const rooms = plan.rooms.map((room) => el("li", {}, button([el("span", { className: `swatch type-${room.types[0]?.toLowerCase()}` }), room.id, el("span", { className: "soft" }, areaText(polygonArea(ringsOf(room)), feet))], () => app.select({ kind: "room", id: room.id }), { className: "line" })));
   return section("House",
@@ -88,12 +82,12 @@ function roomSection(app, room) {
 
 function rename(app, from, text, input) {
   const id = fitId(text);
-  if (!id || app.store.plan.rooms.some((room) => room.id === id && id !== from)) {
+  if (!id || app.store.state.plan.rooms.some((room) => room.id === id && id !== from)) {
     app.say(id ? `Another room is named ${id}` : "A name of letters and digits");
     input.value = from;
   } else if (id !== from) {
     app.selection = { kind: "room", id };
-    app.store.change(renameRoom(app.store.state, from, id));
+    app.store.changeWhole(renameRoom(app.store.state, from, id));
   }
 }
 

@@ -46,7 +46,7 @@ export function setRooms(app, name, rooms) {
 
 /** A card of a photo: its picture, its rooms, a way to give it one. */
 export function photoCard(app, photo) {
-  const rooms = app.store.plan.rooms.map((room) => room.id).filter((id) => !photo.rooms.includes(id));
+  const rooms = app.store.state.plan.rooms.map((room) => room.id).filter((id) => !photo.rooms.includes(id));
   const thumb = app.thumbs.get(photo.name);
   const chips = photo.rooms.map((id) => el("span", { className: "chip" }, id,
     button("\u00d7", () => setRooms(app, photo.name, photo.rooms.filter((r) => r !== id)), { title: `${photo.name} does not show ${id}`, "aria-label": `Remove ${id} from ${photo.name}` })));
@@ -83,7 +83,7 @@ export function listenToDrops(app, target) {
     const files = [...event.dataTransfer.files];
     if (!files.length) return;
     if (files.length === 1 && !isPicture(files[0])) await app.openFile(files[0]);
-    else if (!app.store.plan.rooms.length && !app.picture && files.length === 1) await app.openPicture(files[0]);
+    else if (!app.store.state.plan.rooms.length && !app.picture && files.length === 1) await app.openPicture(files[0]);
     else await addPhotos(app, files, room);
   });
 }

@@ -2,6 +2,7 @@
 // are the reader's own (rules.py puts them into the page); tests/plan2scene/editor holds both to
 // the same verdicts.
 
+import { checkLevel, isOnLevel, readLevels, readStairs, storeyOddities, usedLevels } from "./storey_rules.js";
 import { boundsOf, polygonArea, polygonDistance, ringsOf, selfCrossing, sharedArea } from "./geometry.js";
 import { cleanRing, placeOpenings, wallsOf } from "./walls.js";
 
@@ -12,16 +13,20 @@ export function problemsOf(plan, rules) {
   const fault = tell("error"), warn = tell("warning");
   checkSchema(plan, rules.schema, rules.schema, "", fault, plan);
   if (found.length) return found;
-  const rooms = readRooms(plan, rules, fault, warn);
+  const { limits } = rules, named = readLevels(plan, limits, fault);
+  const rooms = readRooms(plan, named, rules, fault, warn);
   if (found.some((p) => p.level === "error")) return found;
-  const walls = readWalls(plan, rooms, rules, fault, warn);
+  const levels = usedLevels(named, rooms, warn), storeys = (levels.length ? levels.map((l) => l.id) : [undefined]).map((id) => rooms.filter((room) => room.level === id));
+  const walls = readWalls(plan, rooms, storeys, levels, rules, fault, warn);
+  const stairs = readStairs(plan, levels, rooms, limits, fault);
   roomFaults(rooms, rules, fault);
   if (found.some((p) => p.level === "error")) return found;
   unitFaults(rooms, rules, fault);
   for (const wall of walls) for (const hole of wall.openings) holeFault(wall, hole, rooms, rules, fault);
-  overlaps(rooms, rules, warn);
+  for (const storey of storeys) overlaps(storey, rules, warn);
   holesApart(walls, rooms, rules, warn);
-  oddities(rooms, walls, rules, warn);
+  oddities(rooms, storeys, walls, rules, warn);
+  storeyOddities(stairs, levels, rooms, limits, warn);
   return found;
 }
 
@@ -55,10 +60,11 @@ function checkSchema(value, schema, root, place, fault, plan) {
   } else if (schema.type === "array") value.forEach((item, k) => checkSchema(item, schema.items, root, `${place}[${k}]`, fault, plan));
 }
 
-function readRooms(plan, rules, fault, warn) {
+function readRooms(plan, levels, rules, fault, warn) {
   const names = rules.room_types.join(", "), limits = rules.limits;
   let corners = 0;
   const rooms = plan.rooms.map((room) => {
+    checkLevel(room, levels, `room ${room.id}`, (expected, text) => fault(expected, text, room.id));
     for (const type of room.types) {
       if (type.toLowerCase() in rules.types) continue;
       if (/^[a-z][a-z_]*$/.test(type)) warn(`a room type (${names})`, `'${type}', read as Unknown`, room.id);
@@ -72,13 +78,14 @@ function readRooms(plan, rules, fault, warn) {
       corners += kept.length;
       return kept;
     });
-    return { id: room.id, rings, polygon: rings[0], holes: rings.slice(1), height: room.height ?? limits.default_height };
+    const height = room.height ?? levels.find((level) => level.id === room.level)?.height ?? limits.default_height;
+    return { id: room.id, rings, polygon: rings[0], holes: rings.slice(1), height, level: room.level };
   });
   if (corners > limits.max_corners) fault(`at most ${limits.max_corners} corners of all rooms`, `${corners}`);
   return rooms;
 }
 
-function readWalls(plan, rooms, rules, fault, warn) {
+function readWalls(plan, rooms, storeys, levels, rules, fault, warn) {
   const limits = rules.limits, seen = new Set(), openings = [];
   (plan.openings ?? []).forEach((entry, k) => {
     const id = entry.id ?? `opening_${k}`;
@@ -87,9 +94,19 @@ function readWalls(plan, rooms, rules, fault, warn) {
     const far = [...entry.from, ...entry.to].find((v) => Math.abs(v) > limits.max_coordinate);
     if (far !== undefined) fault(`opening ${id} within ${limits.max_coordinate} m (is the plan's scale in metres?)`, `${far}`, "", id);
     if (entry.bottom >= entry.top) fault(`opening ${id} with its top above its bottom`, `${entry.bottom} to ${entry.top} m`, "", id);
+    checkLevel(entry, levels, `opening ${id}`, (expected, text) => fault(expected, text, "", id));
     openings.push({ ...entry, id });
   });
-  const walls = wallsOf(rooms, limits.shared_tolerance);
+  const groups = storeys.map((storey) => wallsOf(storey, limits.shared_tolerance).map((wall) => ({ ...wall, rooms: wall.rooms.map((k) => rooms.indexOf(storey[k])) })));
+  groups.forEach((own, k) => {
+    const others = groups.flatMap((walls) => (walls === own ? [] : walls)), level = storeys[k][0]?.level;
+    const kept = openings.filter((opening) => opening.level === level && isOnLevel(opening, own, others, limits, warn));
+    checkOpenings(own, kept, rooms, limits, fault, warn);
+  });
+  return groups.flat();
+}
+
+function checkOpenings(walls, openings, rooms, limits, fault, warn) {
   const { lost, cut } = placeOpenings(walls, openings, limits);
   for (const { opening, nearest } of lost) {
     const text = nearest === null ? "none along it" : `the nearest at ${nearest.toFixed(2)} m`;
@@ -98,7 +115,6 @@ function readWalls(plan, rooms, rules, fault, warn) {
   for (const { opening, match, length } of cut)
     warn(`opening ${opening.id} within its wall ${match.wall.id} of ${length.toFixed(3)} m`,
       `${match.start.toFixed(3)} to ${match.end.toFixed(3)} m, cut`, rooms[match.wall.rooms[0]].id, opening.id);
-  return walls;
 }
 
 function roomFaults(rooms, rules, fault) {
@@ -164,7 +180,7 @@ function holesApart(walls, rooms, rules, warn) {
   }
 }
 
-function oddities(rooms, walls, rules, warn) {
+function oddities(rooms, storeys, walls, rules, warn) {
   const { extent, area } = sizeOf(rooms), limits = rules.limits;
   if (extent > limits.usual_extent) warn(`a home of at most ${limits.usual_extent} m`, `${extent.toFixed(0)} m`);
   const [least, most] = limits.usual_area, [low, high] = limits.usual_heights, [narrow, wide] = limits.usual_door;
@@ -180,7 +196,7 @@ function oddities(rooms, walls, rules, warn) {
     }
   const usual = doors.length ? median(doors) : narrow;
   if (usual < narrow || usual > wide) warn(`a usual door of ${narrow} to ${wide} m`, `${usual.toFixed(2)} m (is the plan's unit the metre?)`);
-  islands(rooms, limits, warn);
+  for (const storey of storeys) islands(storey, limits, warn);
   nameOddities(rooms, rules, warn);
 }
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from plan2scene.floorplans import openings, parse, plan_json, plausible, validate
+from plan2scene.floorplans import openings, parse, plan_json, plausible, storeys, validate
 from plan2scene.floorplans.drawings.areas import HEIGHTS
 from plan2scene.floorplans.geometry import SHARED_TOLERANCE
 from plan2scene.house import ROOM_TYPES
 
 #: Width in metres of an opening that a click makes.
 WIDTHS = {"door": 0.9, "window": 1.2, "passage": 1.2}
+#: Width in metres of a flight of stairs that is drawn.
+FLIGHT = 0.9
 
 
 def page_rules() -> dict[str, Any]:
@@ -29,6 +31,7 @@ def page_rules() -> dict[str, Any]:
             kind: {"width": WIDTHS[kind], "bottom": bottom, "top": top}
             for kind, (bottom, top) in HEIGHTS.items()
         },
+        "flight_width": FLIGHT,
         "limits": {
             "default_height": plan_json.DEFAULT_HEIGHT,
             "default_depth": plan_json.DEFAULT_DEPTH,
@@ -51,5 +54,10 @@ def page_rules() -> dict[str, Any]:
             "usual_door": plausible.USUAL_DOOR,
             "narrow": plausible.NARROW,
             "apart": plausible.APART,
+            "least_rise": storeys.LEAST_RISE,
+            "least_flight": storeys.LEAST_FLIGHT,
+            "step_off": storeys.STEP_OFF,
+            "riser": storeys.RISER,
+            "tread": storeys.TREAD,
         },
     }

@@ -3,6 +3,7 @@
 import { add, cross, dist, dot, edgesOf, inside, mid, nearestOn, ringsOf, roundPoint, sub, times, unit } from "./geometry.js";
 import { gridOf, snap } from "./snapping.js";
 import { movedCorner, movedRoom, movedWall } from "./moves.js";
+import { flightRing, movedFlight } from "./storeys.js";
 import { draw } from "./view.js";
 import { nearestWall, segmentOn } from "./walls.js";
 
@@ -24,6 +25,8 @@ export class SelectTool {
     if (corner) return { kind: "corner", point: corner };
     const wall = walls.length ? nearestWall(walls, p) : null;
     if (wall && wall.distance <= reach) return { kind: "wall", edge: [wall.wall.start, wall.wall.end] };
+    const flight = store.plan.stairs?.find((s) => inside([flightRing(s)], p));
+    if (flight) return { kind: "stairs", id: flight.id };
     const room = [...rooms].reverse().find((r) => inside(ringsOf(r), p));
     return room ? { kind: "room", id: room.id } : null;
   }
@@ -43,7 +46,7 @@ export class SelectTool {
     if (plan) app.store.change({ plan }, "drag");
   }
   up() { this.drag = null; this.app.store.endStep(); }
-  cursorAt(p) { return { corner: "move", wall: "pointer", opening: "pointer", room: "pointer" }[this.find(p)?.kind] ?? "grab"; }
+  cursorAt(p) { return { corner: "move", wall: "pointer", opening: "pointer", stairs: "move", room: "pointer" }[this.find(p)?.kind] ?? "grab"; }
 
   corner({ before, found, start }, p, event) {
     const { rules, view } = this.app;
@@ -86,6 +89,11 @@ export class SelectTool {
     return movedRoom(before, found.id, shift, this.drag.walls);
   }
 
+  stairs({ before, found, start }, p, event) {
+    const step = gridOf(this.app.view.scale), by = sub(p, start).map((v) => (event.altKey ? v : Math.round(v / step) * step));
+    return { ...before, stairs: before.stairs.map((s) => (s.id === found.id ? movedFlight(s, by) : s)) };
+  }
+
   opening({ before, found, start }, p, event) {
     const opening = before.openings.find((o) => o.id === found.id);
     const goal = add(mid(opening.from, opening.to), sub(p, start));
@@ -126,6 +134,9 @@ export class SelectTool {
     } else if (selection?.kind === "opening") {
       const opening = store.plan.openings.find((o) => o.id === selection.id);
       if (opening) view.measure(opening.from, opening.to, feet);
+    } else if (selection?.kind === "stairs") {
+      const flight = store.plan.stairs?.find((s) => s.id === selection.id);
+      if (flight) view.measure(flight.from, flight.to, feet);
     } else if (selection?.kind === "corner") {
       this.handle(view, selection.point);
       for (const room of store.plan.rooms) for (const edge of ringsOf(room).flatMap(edgesOf))

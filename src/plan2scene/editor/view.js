@@ -2,6 +2,7 @@
 
 import { add, boundsOf, cross, dist, labelPoint, mid, polygonArea, ringsOf, sub, times, unit } from "./geometry.js";
 import { gridOf } from "./snapping.js";
+import { flightRing, riseOf, stepCount } from "./storeys.js";
 import { areaText, lengthText } from "./units.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -50,6 +51,8 @@ export class View {
     const rooms = draw(this.svg, "g", { class: "rooms" });
     const wrong = new Map(scene.problems.filter((p) => p.room).map((p) => [p.room, p.level]));
     for (const room of scene.state.plan.rooms) this.drawRoom(rooms, room, scene, wrong.get(room.id));
+    if (scene.below) this.drawBelow(scene.below);
+    for (const flight of scene.state.plan.stairs ?? []) this.drawStairs(flight, scene);
     this.drawWalls(scene);
     const labels = draw(this.svg, "g", { class: "labels" });
     for (const room of scene.state.plan.rooms) this.drawLabel(labels, room, scene);
@@ -78,6 +81,22 @@ export class View {
     const [x, y] = this.toPixels([place.x, place.z]), size = place.metres_per_pixel * this.scale;
     const image = draw(this.svg, "image", { href: picture.url, x, y, width: picture.width * size, height: picture.height * size, opacity: place.opacity, preserveAspectRatio: "none", class: "picture" });
     image.style.display = place.visible ? "" : "none";
+  }
+
+  /** The floor below: outlines, and the wells of the stairs that come up from it. */
+  drawBelow(plan) {
+    const group = draw(this.svg, "g", { class: "below" });
+    for (const room of plan.rooms) draw(group, "path", { d: ringsOf(room).map((ring) => this.path(ring)).join("") });
+    for (const flight of plan.stairs ?? []) draw(group, "path", { d: this.path(flightRing(flight)), class: "well" });
+  }
+  drawStairs(flight, { selection, levels, limits }) {
+    const chosen = selection?.kind === "stairs" && selection.id === flight.id, steps = stepCount(riseOf(flight, levels, limits), limits);
+    const group = draw(this.svg, "g", { class: `flight${chosen ? " chosen" : ""}`, "data-stairs": flight.id });
+    const [a, b, c, d] = flightRing(flight), at = (p, q, share) => add(p, times(sub(q, p), share));
+    draw(group, "path", { d: this.path([a, b, c, d]), class: "strip" });
+    const lines = Array.from({ length: steps - 1 }, (_, k) => this.path([at(a, b, (k + 1) / steps), at(d, c, (k + 1) / steps)], false));
+    const tip = (side) => at(flight.from, flight.to, 1 - 0.25 * flight.width / (dist(flight.from, flight.to) || 1)).map((v, k) => v + 0.25 * (side[k] - flight.to[k]));
+    draw(group, "path", { d: lines.join("") + this.path([flight.from, flight.to], false) + this.path([tip(b), flight.to, tip(c)], false), class: "line" });
   }
 
   drawRoom(parent, room, { selection }, level) {

@@ -10,9 +10,9 @@ from plan2scene.datasets.check import check_plan
 from plan2scene.errors import InputError
 from plan2scene.floorplans import house_faults, read_plan, validate_house
 
-EXAMPLE = json.loads(
-    (Path(__file__).parents[3] / "resources" / "examples" / "plan.json").read_text()
-)
+EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
+EXAMPLE = json.loads((EXAMPLES / "plan.json").read_text())
+STOREYS = json.loads((EXAMPLES / "two_storeys" / "plan.json").read_text())
 
 
 def square(x0, z0, x1, z1):
@@ -37,9 +37,9 @@ def hole(kind, start, end, bottom=0.0, top=2.0, **more):
     return {"kind": kind, "from": start, "to": end, "bottom": bottom, "top": top, **more}
 
 
-def changed(path, value):
-    """Return the example with one value set (None: its key left out)."""
-    document = copy.deepcopy(EXAMPLE)
+def changed(path, value, example=EXAMPLE):
+    """Return an example with one value set (None: its key left out)."""
+    document = copy.deepcopy(example)
     *way, last = path
     entry = document
     for key in way:
@@ -51,6 +51,33 @@ def changed(path, value):
     return document
 
 
+STOREY_CHANGES = {
+    "no level of a room": (["rooms", 0, "level"], None),
+    "an unknown level": (["rooms", 0, "level"], "attic"),
+    "an unknown level of a door": (["openings", 0, "level"], "attic"),
+    "no levels": (["levels"], None),
+    "a level without rooms": (
+        ["levels"],
+        [*STOREYS["levels"], {"id": "attic", "elevation": 5.6, "height": 2.2}],
+    ),
+    "levels of one id": (["levels", 1, "id"], "ground"),
+    "levels too near": (["levels", 1, "elevation"], 0.3),
+    "a ceiling above the next floor": (["rooms", 1, "height"], 2.9),
+    "a level that is not high": (["levels", 0, "height"], 1.5),
+    "no stairs": (["stairs"], []),
+    "stairs of no level": (["stairs", 0, "level"], None),
+    "stairs on top": (["stairs", 0, "level"], "upper"),
+    "stairs beside the house": (["stairs", 0, "from"], [-3, 4.6]),
+    "stairs into a wall": (["stairs", 0, "to"], [0.45, -1]),
+    "steep stairs": (["stairs", 0, "to"], [0.45, 3.4]),
+    "short stairs": (["stairs", 0, "to"], [0.45, 4.3]),
+    "wide stairs": (["stairs", 0, "width"], 20),
+    "stairs far away": (["stairs", 0, "to"], [0.45, 4000]),
+    "stairs id twice": (["stairs"], STOREYS["stairs"] * 2),
+    "a window of the other level": (["openings", 5, "level"], "upper"),
+    "a door that only the other level has a wall for": (["openings", 3, "level"], "upper"),
+    "a room over another": (["rooms", 4, "level"], "ground"),
+}
 A, B = room("a", square(0, 0, 4, 3)), room("b", square(4, 0, 7, 3), ["Kitchen", "reception"])
 BOW = [[0, 0], [3, 3], [3, 0], [0, 3]]
 PLANS = {
@@ -111,6 +138,8 @@ PLANS = {
     ),
     "ids by case": plan(room("Bed", square(0, 0, 4, 3)), room("bed", square(4, 0, 7, 3))),
     "a device": plan(room("aux.1", square(0, 0, 4, 3))),
+    **{f"storeys: {name}": changed(*change, STOREYS) for name, change in STOREY_CHANGES.items()},
+    "storeys": STOREYS,
     "very wide": plan(*(room(f"r{k}", square(4 * k, 0, 4 * k + 4, 3)) for k in range(30))),
 }
 

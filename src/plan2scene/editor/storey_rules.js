@@ -1,0 +1,93 @@
+// What the reader says of floors and stairs (floorplans/storeys.py), in its words.
+
+import { dist, inside, unit, sub, add, times } from "./geometry.js";
+import { levelsOf, riseOf, stepCount } from "./storeys.js";
+import { matchOf } from "./walls.js";
+
+/** The floors, the lowest first; two of one id or nearly one height are faults. */
+export function readLevels(plan, limits, fault) {
+  const levels = levelsOf(plan).map((level) => ({ ...level, height: level.height ?? limits.default_height }));
+  for (let k = 1; k < levels.length; k++) {
+    const [level, above] = [levels[k - 1], levels[k]], same = levels.filter((one) => one.id === level.id).length;
+    if (same > 1) fault("each level id once", `${level.id} ${same} times`);
+    const apart = above.elevation - level.elevation;
+    if (apart < limits.least_rise) fault(`levels ${level.id} and ${above.id} at least ${limits.least_rise} m apart`, `${apart.toFixed(2)} m`);
+  }
+  return levels;
+}
+
+/** Tell what is on no floor, or names one where there is none. */
+export function checkLevel(entry, levels, what, fault) {
+  const ids = levels.map((level) => level.id), named = entry.level;
+  if (ids.length ? ids.includes(named) : named === undefined) return;
+  fault(ids.length ? `one of the levels ${ids.join(", ")} for ${what}` : `levels, for ${what}`, named === undefined ? "none" : `'${named}'`);
+}
+
+/** The floors that have rooms; the others are warned of. */
+export function usedLevels(levels, rooms, warn) {
+  const used = new Set(rooms.map((room) => room.level));
+  for (const { id } of levels) if (!used.has(id)) warn(`rooms on level ${id}`, "none; left out");
+  return levels.filter((level) => used.has(level.id));
+}
+
+/** Whether an opening is one of its floor's walls; a warning where only another floor has one. */
+export function isOnLevel(opening, own, others, limits, warn) {
+  const fits = (walls) => walls.some((wall) => (matchOf(wall, opening, limits)?.distance ?? Infinity) <= limits.snap_tolerance);
+  if (!others.length || fits(own) || !fits(others)) return true;
+  warn(`opening ${opening.id} on a wall of its level ${opening.level}`, "one on a wall of another level; left out", "", opening.id);
+  return false;
+}
+
+/** The flights with the rooms [lower, upper] that they join; null for none. */
+export function readStairs(plan, levels, rooms, limits, fault) {
+  const seen = new Set();
+  return (plan.stairs ?? []).map((entry, k) => {
+    const id = entry.id ?? `stairs_${k}`, what = `stairs ${id}`;
+    if (seen.has(id)) fault("each stairs id once", `${id} twice`);
+    seen.add(id);
+    const far = [...entry.from, ...entry.to].find((v) => Math.abs(v) > limits.max_coordinate);
+    if (far !== undefined) fault(`${what} within ${limits.max_coordinate} m (is the plan's scale in metres?)`, `${far}`);
+    checkLevel(entry, levels, what, fault);
+    const length = dist(entry.from, entry.to);
+    if (length < limits.least_flight) fault(`${what} at least ${limits.least_flight} m long, with a width`, `${length.toFixed(2)} and ${entry.width.toFixed(2)} m`);
+    return { ...entry, id, length, rooms: joinedRooms(entry, levels, rooms, limits) };
+  });
+}
+
+function joinedRooms(flight, levels, rooms, limits) {
+  const way = unit(sub(flight.to, flight.from)), at = levels.findIndex((level) => level.id === flight.level);
+  const find = (end, sign, level) => {
+    for (const off of [limits.step_off, -0.05]) {
+      const spot = add(end, times(way, sign * off)), room = rooms.find((one) => one.level === level && inside(one.rings, spot));
+      if (room) return room.id;
+    }
+    return null;
+  };
+  const above = at >= 0 ? levels[at + 1] : undefined;
+  return [find(flight.from, -1, flight.level), above ? find(flight.to, 1, above.id) : null];
+}
+
+/** Floors without stairs, stairs that lead nowhere or are too steep, ceilings above a floor. */
+export function storeyOddities(stairs, levels, rooms, limits, warn) {
+  const at = (id) => levels.findIndex((level) => level.id === id);
+  for (const flight of stairs) {
+    const [lower, upper] = flight.rooms, above = at(flight.level) >= 0 ? levels[at(flight.level) + 1] : undefined, what = `stairs ${flight.id}`;
+    if (lower === null) warn(`${what} from a room of their level`, "none at their foot");
+    if (!above) warn(`a level above ${what}`, "none; they end at the ceiling", lower ?? "");
+    else if (upper === null) warn(`a room of level ${above.id} at the head of ${what}`, "none", lower ?? "");
+    const rise = above || lower === null ? riseOf(flight, levels, limits) : rooms.find((room) => room.id === lower).height;
+    const tread = flight.length / stepCount(rise, limits);
+    if (tread < limits.tread) warn(`steps of ${what} at least ${limits.tread} m deep`, `${tread.toFixed(2)} m (${flight.length.toFixed(2)} m for a rise of ${rise.toFixed(2)} m)`, lower ?? "");
+  }
+  levels.slice(0, -1).forEach((level, k) => {
+    if (!stairs.some((flight) => flight.level === level.id && !flight.rooms.includes(null))) warn(`stairs from level ${level.id} up to level ${levels[k + 1].id}`, "none");
+  });
+  for (const room of rooms) {
+    const above = at(room.level) >= 0 ? levels[at(room.level) + 1] : undefined;
+    const limit = above && above.elevation - levels[at(room.level)].elevation;
+    if (above && room.height > limit + 1e-6) warn(`a ceiling below level ${above.id}, ${short(limit)} m up`, `${room.height} m`, room.id);
+  }
+}
+
+/** A number as Python's :g writes it. */
+const short = (value) => `${Number(value.toPrecision(6))}`;
