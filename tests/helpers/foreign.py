@@ -70,7 +70,8 @@ def own_plans() -> list[bytes]:
         "version": 1,
         "rooms": [{"id": "a", "types": ["Bedroom"], "polygon": [[0, 0], [4, 0], [4, 3], [0, 3]]}],
     }
-    return [EXAMPLE.read_bytes(), json.dumps(small).encode()]
+    storeys = EXAMPLE.parent / "two_storeys" / "plan.json"
+    return [EXAMPLE.read_bytes(), json.dumps(small).encode(), storeys.read_bytes()]
 
 
 def scenes() -> list[bytes]:

@@ -57,6 +57,13 @@ def ring_house():
     return House("ring", (room,), walls_of(room))
 
 
+@pytest.fixture(scope="session")
+def storey_house():
+    """The example of two storeys."""
+    examples = Path(__file__).parents[2] / "resources" / "examples"
+    return read_plan(examples / "two_storeys" / "plan.json", "two")
+
+
 @pytest.fixture
 def shared_house():
     """Two rooms that touch along one wall with a door in it."""

@@ -29,11 +29,14 @@ class Export:
         What it writes, folders as ``name/``.
     purpose : str
         For whom, in a few words.
+    storey_files : tuple of str
+        What it writes for each level above the lowest, ``{level}`` for its id.
     """
 
     writer: Callable[[], Write]
     files: tuple[str, ...]
     purpose: str
+    storey_files: tuple[str, ...] = ()
 
 
 def _usd() -> Write:
@@ -83,7 +86,12 @@ EXPORTS: Mapping[str, Export] = {
         "simulators: collision, semantics, Habitat, MuJoCo",
     ),
     "ifc": Export(_ifc, ("house.ifc",), "IFC4: spaces, slabs, walls, doors, windows"),
-    "map": Export(_map, ("map.pgm", "map.yaml"), "occupancy map for ROS, 5 cm"),
+    "map": Export(
+        _map,
+        ("map.pgm", "map.yaml"),
+        "occupancy map for ROS, 5 cm",
+        ("map_{level}.pgm", "map_{level}.yaml"),
+    ),
     "obj": Export(
         _obj, ("house.obj", "house.mtl", "house_textures/"), "Wavefront OBJ with textures"
     ),
@@ -127,4 +135,6 @@ def export_house(
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     EXPORTS[name].writer()(house, textures, target)
-    return [target / file for file in EXPORTS[name].files]
+    export = EXPORTS[name]
+    own = [f.format(level=level.id) for level in house.levels[1:] for f in export.storey_files]
+    return [target / file for file in (*export.files, *own)]

@@ -60,12 +60,14 @@ def check_object_boxes(
 def add_object_boxes(house: House, path: str | Path) -> tuple[House, list[str]]:
     """Return the house with the boxes of a file as its icons, and warnings.
 
-    A plan's own icons are kept before those of the file. A file that can't be read is a warning:
-    textures don't need it.
+    A plan's own icons are kept before those of the file, which are on the lowest level. A file
+    that can't be read is a warning: textures don't need it.
     """
     try:
         boxes = read_object_boxes(path, house.id)
     except InputError as error:
         return house, [str(error)]
     warnings = check_object_boxes(house, boxes, file=path)
-    return replace(house, icons=tuple(dict.fromkeys((*house.icons, *boxes)))), warnings
+    level = house.levels[0].id if house.levels else ""
+    found = (replace(box, level=level) for box in boxes)
+    return replace(house, icons=tuple(dict.fromkeys((*house.icons, *found)))), warnings

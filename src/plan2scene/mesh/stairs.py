@@ -16,7 +16,7 @@ from plan2scene.mesh.frames import Frame
 from plan2scene.mesh.objects import WOOD
 from plan2scene.mesh.parts import MeshPart, PartBuilder
 from plan2scene.mesh.railings import add_railing
-from plan2scene.mesh.walls import REVEAL_COLOUR
+from plan2scene.mesh.walls import LIFT, REVEAL_COLOUR
 
 #: Metres below a step's foot that its body goes down.
 WAIST = 0.1
@@ -75,7 +75,7 @@ def _lining(stairs: Stairs, low: float, high: float) -> MeshPart:
         length = frame.length
         corners = np.array([[0, low], [length, low], [length, high], [0, high]])
         inward = Frame(frame.plan(length), -frame.right, -frame.normal, length)
-        builder.quad(inward.world(corners), REVEAL_COLOUR)
+        builder.quad(inward.moved(LIFT).world(corners), REVEAL_COLOUR)
     extras = {"kind": "structure", "stairs_id": stairs.id}
     return builder.build(f"structure/well/{stairs.id}", extras=extras)
 

@@ -1,7 +1,5 @@
 """Several storeys in other programs' forms: bodies, maps, a ball on every floor, IFC storeys."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import yaml
@@ -10,15 +8,14 @@ from PIL import Image
 from plan2scene.exports.ifc import write_ifc
 from plan2scene.exports.mjcf import mjcf_text
 from plan2scene.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M, write_map
+from plan2scene.exports.registry import export_house
 from plan2scene.exports.solids import house_solids
-from plan2scene.floorplans import read_plan
-
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
+from plan2scene.floorplans import write_scene_json
 
 
 @pytest.fixture(scope="module")
-def house():
-    return read_plan(EXAMPLE, "two")
+def house(storey_house):
+    return storey_house
 
 
 @pytest.fixture(scope="module")
@@ -88,3 +85,30 @@ def test_ifc_has_both_storeys(house, tmp_path):
     assert stairs.ContainedInStructure[0].RelatingStructure == storeys["ground"]
     ids = [entity.GlobalId for entity in model.by_type("IfcRoot")]
     assert len(ids) == len(set(ids))
+
+
+def test_usd_is_valid(house, paint, tmp_path):
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdGeom, UsdValidation
+
+    from plan2scene.exports.usd import write_usd
+
+    write_usd(house, paint(house), tmp_path)
+    stage = Usd.Stage.Open(str(tmp_path / "house.usdc"))
+    registry = UsdValidation.ValidationRegistry()
+    context = UsdValidation.ValidationContext(registry.GetOrLoadAllValidators())
+    assert [error.GetMessage() for error in context.Validate(stage)] == []
+    cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default"])
+    box = cache.ComputeWorldBound(stage.GetDefaultPrim()).ComputeAlignedRange()
+    assert box.GetMax()[1] == pytest.approx(2.8 + 2.535)
+
+
+def test_the_registry_names_the_maps_of_all_levels(house, tmp_path):
+    write_scene_json(house, tmp_path / "scene.json")
+    (tmp_path / "textures.json").write_text('{"surfaces": {}}')
+    given = (tmp_path / "scene.json", tmp_path, tmp_path / "out", "map")
+    written = export_house(*given, house_id="two")
+    assert sorted(path.name for path in written) == sorted(
+        path.name for path in (tmp_path / "out").iterdir()
+    )
+    assert len(written) == 4

@@ -14,7 +14,7 @@ from plan2scene.floorplans.plan_json import house_of_plan
 from plan2scene.floorplans.r2v import house_of_r2v
 from plan2scene.floorplans.scene_json import house_of_scene
 
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
+EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 
 
 def damaged(document, generator):
@@ -32,13 +32,14 @@ def damaged(document, generator):
 
 
 @pytest.mark.parametrize("form", ["scene", "plan"])
-def test_damaged_json(form):
-    document, read = json.loads(EXAMPLE.read_text()), house_of_plan
+@pytest.mark.parametrize("example", ["plan.json", "two_storeys/plan.json"])
+def test_damaged_json(form, example):
+    document, read = json.loads((EXAMPLES / example).read_text()), house_of_plan
     if form == "scene":
         document, read = house_to_scene(house_of_plan(document, "h1")), house_of_scene
     generator = random.Random(0)
     outcomes = {"house": 0, "fault": 0}
-    for _ in range(300):
+    for _ in range(300 if example == "plan.json" else 150):
         try:
             house = read(damaged(document, generator), "h1")
             validate_house(house)

@@ -38,10 +38,10 @@ def validate(*files):
 
 @pytest.mark.parametrize("textured", [True, False])
 def test_houses_made_by_hand(
-    l_house, ring_house, shared_house, gap_house, paint, tmp_path, textured
+    l_house, ring_house, shared_house, gap_house, storey_house, paint, tmp_path, textured
 ):
     files = []
-    for house in (l_house, ring_house, shared_house, gap_house):
+    for house in (l_house, ring_house, shared_house, gap_house, storey_house):
         files.append(tmp_path / f"{house.id}.glb")
         write_glb(house, paint(house) if textured else {}, files[-1])
     for report in validate(*files):

@@ -1,25 +1,22 @@
 """Storeys as meshes: where floors lie, what is open over the stairs, how far these reach."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 
-from plan2scene.floorplans import read_plan
 from plan2scene.mesh import build_parts, write_glb
 from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.stairs import WAIST
 
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
 WELL = 0.9 * 3.6
 
 
 @pytest.fixture(scope="module")
-def house():
-    return read_plan(EXAMPLE, "two")
+def house(storey_house):
+    return storey_house
 
 
 @pytest.fixture(scope="module")
@@ -106,8 +103,7 @@ def test_a_storey_keeps_its_floors_at_0(house):
     assert all(part.mesh.bounds[1, 1] == 0.0 for part in floors)
 
 
-def test_a_flight_over_another_leaves_it_headroom():
-    house = read_plan(EXAMPLE, "two")
+def test_a_flight_over_another_leaves_it_headroom(house):
     steps = next(p for p in build_parts(house) if p.extras["kind"] == "stairs")
     last = steps.mesh.vertices.reshape(-1, 24, 3)[-1]
     assert last[:, 1].min() == pytest.approx(2.8 * 14 / 15 - WAIST, abs=1e-4)

@@ -1,23 +1,18 @@
 """Photos of a house of two levels: a room's own level alone is looked through and drawn."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from plan2scene.floorplans import read_plan
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.contact_sheet.place import OWN_ROOM, plan_panel
 from plan2scene.photos.locate.plan_view import look, room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_to_json
 from plan2scene.viewer.facts import _camera
 
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
-
 
 @pytest.fixture(scope="module")
-def house():
-    return read_plan(EXAMPLE, "two")
+def house(storey_house):
+    return storey_house
 
 
 def pose(room):
