@@ -1,11 +1,13 @@
 """Many small houses, plan and photo to GLB, on a SLURM of this machine, without a hand.
 
-    python benchmarks/slurm_houses.py --houses 200 --batch 20
+    python benchmarks/slurm_houses.py --houses 200 --batch 40 --keep slurm_houses.log
+    python benchmarks/slurm_houses.py --summary slurm_houses.log
 
 Each house is the example plan with one photo of the demo under a name of its own (links). Every
-batch is one `snakemake --profile profiles/slurm` with the houses of it in `dataset.houses`. Printed
-are what was submitted, how it ended and what a submission costs beside its jobs. Wants root and
-Debian's slurm-wlm.
+batch is one `snakemake --profile profiles/slurm` with the houses of it in `dataset.houses`. Kept
+are, a line of JSON every minute, how many houses there are and how each submission ended; a row of
+the table is what such a line says: what was submitted, tried again and how long a submission takes
+beside its jobs. Wants root and Debian's slurm-wlm.
 """
 
 from __future__ import annotations
@@ -18,7 +20,9 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
+from collections import Counter
 from pathlib import Path
 
 import yaml
@@ -30,7 +34,20 @@ from cluster import Cluster, cluster  # noqa: E402
 
 PLAN = ROOT / "resources" / "examples" / "plan.json"
 PHOTO = ROOT / "resources" / "demo" / "photos" / "flat_test_002_00.jpg"
-HEAD = ("houses", "GLBs", "submissions", "not COMPLETED", "wall s", "s a submission", "of it jobs")
+#: Columns of the table: `state` gives the first, the rest are worked out of it.
+HEAD = (
+    "houses",
+    "GLBs",
+    "submissions",
+    "ended",
+    "tried again",
+    "requeued",
+    "jobs",
+    "wall s",
+    "s a submission",
+    "of it jobs",
+    "beside each job, s",
+)
 
 
 def make_data_set(root: Path, names: list[str]) -> None:
@@ -47,22 +64,16 @@ def make_data_set(root: Path, names: list[str]) -> None:
     (root / "houses.tsv").write_text("\n".join(rows) + "\n")
 
 
-def run_batch(folder: Path, names: list[str], made: Cluster) -> float:
-    """Make the houses of a batch; return the seconds it took."""
+def run_batch(folder: Path, names: list[str], made: Cluster) -> None:
+    """Make the houses of a batch."""
     config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
     config["dataset"] |= {"name": "small", "root": "data", "houses": names}
     (folder / "config.yaml").write_text(yaml.safe_dump(config))
+    profile = ROOT / "workflow" / "profiles" / "slurm"
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")]
     command += ["--directory", str(folder), "--configfile", str(folder / "config.yaml")]
-    command += [
-        "--profile",
-        str(ROOT / "workflow" / "profiles" / "slurm"),
-        "--quiet",
-        "rules",
-        "--",
-    ]
+    command += ["--profile", str(profile), "--quiet", "rules", "--"]
     command += [f"results/small/houses/{name}/house.glb" for name in names]
-    began = time.perf_counter()
     with (folder / "snakemake.log").open("a") as log:
         environment = made.environment | {"OMP_NUM_THREADS": "1"}
         done = subprocess.run(
@@ -70,7 +81,6 @@ def run_batch(folder: Path, names: list[str], made: Cluster) -> float:
         )
     if done.returncode != 0:
         print(f"exit code {done.returncode}: {(folder / 'snakemake.log').read_text()[-2000:]}")
-    return time.perf_counter() - began
 
 
 def seconds(job: dict[str, str]) -> float:
@@ -79,45 +89,86 @@ def seconds(job: dict[str, str]) -> float:
     return (end - start).total_seconds()
 
 
-def job_seconds(folder: Path) -> float:
-    """Return the wall seconds of all jobs of the workflow."""
-    files = (folder / "logs").glob("*/benchmarks/**/*.tsv")
-    return sum(float(path.read_text().splitlines()[1].split("\t")[0]) for path in files)
+def state(folder: Path, houses: int, ended: list[dict[str, str]], wall: float) -> dict[str, float]:
+    """Return what became of the houses and submissions until now."""
+    files = list((folder / "logs").glob("*/benchmarks/**/*.tsv"))
+    took = [float(path.read_text().splitlines()[1].split("\t")[0]) for path in files]
+    path = folder / "snakemake.log"
+    log = path.read_text() if path.exists() else ""
+    return {
+        "houses": houses,
+        "GLBs": len(list((folder / "results" / "small" / "houses").glob("*/house.glb"))),
+        "submissions": log.count("submitted with SLURM jobid"),
+        "ended": dict(Counter(job["JobState"] for job in ended)),
+        "tried again": log.count("Trying to restart job"),
+        "requeued": len(ended) - len({job["JobId"] for job in ended}),
+        "jobs": len(took),
+        "wall": wall,
+        "submission seconds": sum(map(seconds, ended)),
+        "job seconds": sum(took),
+    }
 
 
-def row(folder: Path, houses: int, ended: list[dict[str, str]], wall: float) -> str:
-    """Return the row of the table after some batches."""
-    glbs = len(list((folder / "results" / "small" / "houses").glob("*/house.glb")))
-    bad = sum(job["JobState"] != "COMPLETED" for job in ended)
-    whole = sum(seconds(job) for job in ended)
-    cells = [houses, glbs, len(ended), bad, f"{wall:.0f}", f"{whole / max(len(ended), 1):.1f}"]
-    cells.append(f"{100 * job_seconds(folder) / max(whole, 1):.0f} %")
+def row(found: dict) -> str:
+    """Return the row of the table of a state."""
+    whole, inside = found["submission seconds"], found["job seconds"]
+    n_ended = sum(found["ended"].values())
+    states = ", ".join(f"{number} {name}" for name, number in found["ended"].items())
+    cells = [found["houses"], found["GLBs"], found["submissions"], states]
+    cells += [found[key] for key in ("tried again", "requeued", "jobs")]
+    cells += [f"{found['wall']:.0f}", f"{whole / max(n_ended, 1):.1f}"]
+    cells += [f"{100 * inside / max(whole, 1):.0f} %"]
+    cells += [f"{max(whole - inside, 0) / max(found['jobs'], 1):.1f}"]
     return f"| {' | '.join(map(str, cells))} |"
+
+
+def summary(kept: Path) -> str:
+    """Return the table of a kept log: a row each time that a batch was done, and the last."""
+    lines = [json.loads(line) for line in kept.read_text().splitlines()]
+    wanted = [line for line in lines if line.get("batch done")] or []
+    if lines and (not wanted or lines[-1] is not wanted[-1]):
+        wanted.append(lines[-1])
+    head = [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
+    return "\n".join([*head, *map(row, wanted)])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--houses", type=int, default=200)
-    parser.add_argument("--batch", type=int, default=50)
+    parser.add_argument("--batch", type=int, default=40)
     parser.add_argument("--minutes", type=float, default=1e9, help="start no batch after these")
-    parser.add_argument("--memory", type=int, default=6000, help="MB that the node claims to have")
-    parser.add_argument("--keep", type=Path, help="where the submissions' list is kept")
+    parser.add_argument("--memory", type=int, default=12000, help="MB that the node claims to have")
+    parser.add_argument("--keep", type=Path, default=Path("slurm_houses.log"))
+    parser.add_argument("--summary", type=Path, help="only the table of what was kept")
     options = parser.parse_args()
+    if options.summary:
+        print(summary(options.summary))
+        return
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     names = [f"home_{number:04d}" for number in range(options.houses)]
-    print("|", " | ".join(HEAD), "|\n|", "---|" * len(HEAD), sep="", flush=True)
     with tempfile.TemporaryDirectory() as made_in, cluster(memory=options.memory) as made:
-        folder = Path(made_in)
+        folder, begun, began = Path(made_in), 0, time.perf_counter()
         make_data_set(folder / "data", names)
-        wall = 0.0
-        for first in range(0, len(names), options.batch):
-            if wall > 60 * options.minutes:
-                break
-            batch = names[first : first + options.batch]
-            wall += run_batch(folder, batch, made)
-            print(row(folder, first + len(batch), made.finished(), wall), flush=True)
-            if options.keep:
-                options.keep.write_text(json.dumps(made.finished(), indent=0))
+
+        def keep(**further: bool) -> None:
+            found = state(folder, begun, made.finished(), time.perf_counter() - began)
+            with options.keep.open("a") as log:
+                log.write(json.dumps(found | further) + "\n")
+
+        over = threading.Event()
+
+        def look() -> None:
+            while not over.wait(60):
+                keep()
+
+        threading.Thread(target=look, daemon=True).start()
+        while begun < len(names) and time.perf_counter() - began < 60 * options.minutes:
+            batch = names[begun : begun + options.batch]
+            begun += len(batch)
+            run_batch(folder, batch, made)
+            keep(**{"batch done": True})
+        over.set()
+    print(summary(options.keep))
 
 
 if __name__ == "__main__":

@@ -86,6 +86,8 @@ wildcard_constraints:
 
 
 onstart:
+    gc.freeze()
+    gc.enable()
     # A SLURM whose jobs' end nobody would see is told before the first of them is submitted.
     if hasattr(workflow.executor_settings, "status_command"):
         try:
@@ -94,10 +96,20 @@ onstart:
             sys.exit(f"plan2scene: {error}")
 
 
-def plan_of(wildcards):
-    """Return the plan of a house; empty when it is missing (the job then says so)."""
+def plan_files(wildcards):
+    """Return those files of a house's plan that there are; of a missing plan the job tells."""
     path = DATA_ROOT / ALL_HOUSES[wildcards.house].plan
-    return read_plan_of(wildcards) if path.is_file() else []
+    boxes = HAS_BOXES and object_boxes_of(wildcards)
+    plan = read_plan_of(wildcards) if path.is_file() else None
+    return given(plan=plan, assignment=assignment_of(wildcards), object_boxes=boxes)
+
+
+def named_files(wildcards):
+    """Return the plan and the photo table that the house table names, there or not."""
+    return {
+        "plan": read_plan_of(wildcards),
+        "assignment": named_assignment_of(wildcards),
+    }
 
 
 def read_plan_of(wildcards):
@@ -261,11 +273,18 @@ def texture_params(method):
     return {"models": models, "hashes": hashes(models), "seam_correction": corrected}
 
 
-def shows_maps(wildcards):
-    """Return whether these textures are those of the 3D house, and it shows surface maps."""
+def textures_of(wildcards):
+    """Return what a house's textures depend on: hidden photos, the method's models, and more.
+
+    Those of the 3D house alone are maps of whole surfaces.
+    """
     house = config["house"]
     shown = (wildcards.drop, wildcards.method) == ("0.0", house["method"])
-    return shown and house["surfaces"] == "maps"
+    return texture_params(wildcards.method) | {
+        "hidden": hidden_at(wildcards.drop, wildcards),
+        "maps": shown and house["surfaces"] == "maps",
+        "walls": walls_of(wildcards),
+    }
 
 
 def walls_of(wildcards):

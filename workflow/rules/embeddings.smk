@@ -8,13 +8,11 @@ rule embeddings:
     # hidden; and what is expected of the surfaces that no photo shows. All drops in one job: its
     # start (torch and torch-geometric) takes longer than its work.
     input:
+        **made(EMBEDDING_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
         light=f"{RESULTS}/houses/{{house}}/light.json",
-        texture_model=model_of("texture"),
-        naive_model=model_of("naivesynth"),
-        propagation_model=model_of("propagation"),
     output:
         embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
         surfaces=[f"{RESULTS}/drop_{drop}/{{house}}/surfaces.parquet" for drop in DROPS],
@@ -34,6 +32,8 @@ rule embeddings:
     resources:
         mem_mb=2000,
     params:
+        models=EMBEDDING_MODELS,
+        hashes=hashes(EMBEDDING_MODELS),
         hidden=hidden_at_drops(DROPS),
         dataset=DATASET,
         seed=config["seed"],

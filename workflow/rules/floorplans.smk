@@ -1,9 +1,7 @@
 rule floorplan:
     # Any supported plan, normalised and validated.
     input:
-        **given(object_boxes=HAS_BOXES and object_boxes_of),
-        plan=plan_of,
-        assignment=assignment_of,
+        unpack(plan_files),
     output:
         f"{RESULTS}/houses/{{house}}/scene.json",
     log:
@@ -17,8 +15,7 @@ rule floorplan:
         mem_mb=500,
     params:
         # What the house table names: of a file that is missing the job says which.
-        plan=read_plan_of,
-        assignment=named_assignment_of,
+        named=named_files,
         photos=str(LAYOUT.photos),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         dxf_layers=config["floorplans"]["dxf_layers"],

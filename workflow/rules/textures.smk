@@ -64,12 +64,9 @@ rule textures:
     resources:
         mem_mb=1500,
     params:
-        hidden=lambda wildcards: hidden_at(wildcards.drop, wildcards),
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
-        method=lambda wildcards: texture_params(wildcards.method),
-        maps=shows_maps,
-        walls=walls_of,
+        textures=textures_of,
         code=code_hash("textures.stage"),
     script:
         "../scripts/textures.py"

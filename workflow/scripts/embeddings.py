@@ -11,12 +11,13 @@ from plan2scene.textures.selection import select_surfaces
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
     found, made, params = snakemake.input, snakemake.output, snakemake.params
+    models = params.models
     names = {"house": snakemake.wildcards.house, "dataset": params.dataset}
     make_embeddings(
         found.crops,
         made.embeddings,
-        found.texture_model,
-        found.naive_model,
+        models["texture"],
+        models["naivesynth"],
         seed=params.seed,
         **names,
     )
@@ -32,8 +33,8 @@ with job(snakemake.log[0]):
             found.scene,
             surfaces,
             propagated,
-            propagation_model=found.propagation_model,
-            texture_model=found.texture_model,
+            propagation_model=models["propagation"],
+            texture_model=models["texture"],
             predictor=params.predictor,
             materials=materials,
             colours=found.colours,

@@ -5,10 +5,10 @@ from plan2scene.jobs import job
 
 with job(snakemake.log[0]):
     import_plan(
-        snakemake.params.plan,
+        snakemake.params.named["plan"],
         snakemake.output[0],
         house_id=snakemake.wildcards.house,
-        assignment=snakemake.params.assignment,
+        assignment=snakemake.params.named["assignment"],
         photos_dir=snakemake.params.photos,
         object_boxes=snakemake.input.get("object_boxes") or None,
         metres_per_pixel=snakemake.params.metres_per_pixel,

@@ -8,16 +8,17 @@ from plan2scene.textures.stage import make_textures
 
 with job(snakemake.log[0]):
     found, params = snakemake.input, snakemake.params
+    asked = params.textures
     files = HouseFiles.of(found, snakemake.wildcards.house)
     inputs = HouseData(files).at(
-        Visible(Path(found.propagated), params.hidden),
-        {name: Path(path) for name, path in params.method["models"].items()},
-        TextureSettings(params.seed, params.size_px, params.method["seam_correction"]),
+        Visible(Path(found.propagated), asked["hidden"]),
+        {name: Path(path) for name, path in asked["models"].items()},
+        TextureSettings(params.seed, params.size_px, asked["seam_correction"]),
     )
     make_textures(
         snakemake.wildcards.method,
         inputs,
         snakemake.output[0],
-        maps=params.maps,
-        walls=params.walls,
+        maps=asked["maps"],
+        walls=asked["walls"],
     )
