@@ -4,7 +4,13 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene.textures.exemplar.grain import grain, one_way, quarter_turns
+from plan2scene.textures.exemplar.grain import (
+    faintness,
+    grain,
+    grains_of,
+    one_way,
+    quarter_turns,
+)
 from plan2scene.textures.exemplar.make import (
     ExemplarCrop,
     blur_octaves,
@@ -56,13 +62,15 @@ def test_masked_pixels_have_no_say() -> None:
     ],
 )
 def test_the_fewer_are_turned_where_most_have_a_direction(grains, turned) -> None:
-    assert quarter_turns(grains).tolist() == turned
+    assert quarter_turns(np.array(grains)).tolist() == turned
 
 
 def test_an_exemplar_of_planks_seen_from_two_sides_runs_one_way() -> None:
     images = [planks(k) for k in range(5)] + [np.rot90(planks(k)) for k in (7, 9)]
     flat = np.stack(images) / 255.0
-    straight, masks, _ = one_way(flat, np.zeros(flat.shape[:3], bool))
+    masks = np.zeros(flat.shape[:3], bool)
+    grains = grains_of(np.stack([luma(255 * image) for image in flat]), masks)
+    straight, masks, _ = one_way(flat, masks, grains)
     assert all(grain(luma(255 * image), NOTHING) < -0.4 for image in straight)
     assert masks.shape == flat.shape[:3]
     made = make_exemplar([ExemplarCrop(i, 0.8, 1.0) for i in images], size_px=128)
@@ -79,3 +87,21 @@ def test_far_blurrier_crops_are_left_out_where_others_are_sharp() -> None:
     unknown = ExemplarCrop(planks(5), float("nan"), float("nan"))
     assert sharper([*sharp, unknown]) == [*sharp, unknown]
     assert blur_octaves([unknown, unknown]).tolist() == [0, 0]
+
+
+def faded(image: np.ndarray, share: float) -> np.ndarray:
+    """An image with that share of its contrast, as under a gleam."""
+    middle = np.median(image.reshape(-1, 3), axis=0)
+    return np.clip(middle + share * (image - middle), 0, 255).astype(np.uint8)
+
+
+def test_planks_that_hardly_show_under_a_gleam_are_the_last_to_be_used() -> None:
+    clear = [planks(k) for k in range(5)]
+    images = [*clear, *(faded(planks(k), 0.25) for k in range(5, 8))]
+    lumas = np.stack([luma(image) for image in images])
+    masks = np.zeros(lumas.shape, bool)
+    faint = faintness(lumas, masks, grains_of(lumas, masks))
+    assert faint[5:].min() > 1.0 > 0.3 > faint[:5].max()
+    made = make_exemplar([ExemplarCrop(i, 0.5, 1.0) for i in images[::-1]], size_px=128)
+    assert made is not None and set(made.crops) >= {3, 4, 5, 6, 7}
+    assert not faintness(lumas, masks, np.zeros(len(images))).any()  # no direction: things

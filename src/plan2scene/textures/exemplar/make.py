@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from plan2scene.colour import as_uint8, clipped_share, delta_e_2000, median_colour, rgb_to_lab
-from plan2scene.textures.exemplar.grain import one_way
+from plan2scene.textures.exemplar.grain import faintness, grains_of, one_way
 from plan2scene.textures.exemplar.lattice import CropLattice
-from plan2scene.textures.exemplar.light import flatten, highlights
+from plan2scene.textures.exemplar.light import flatten, highlights, log_luma
 from plan2scene.textures.exemplar.quilt import Source, quilt
 from plan2scene.textures.exemplar.straighten import Cut, find_pattern, straightened
 from plan2scene.textures.exemplar.tone import consensus, enlarged, toned
@@ -32,6 +32,7 @@ _MOST_SPOILED = 0.5  # share of burned-out or masked pixels from which a crop is
 _ALIKE_DE = 20.0  # CIEDE2000 beyond which crops are of different things; light gives less
 _SMALLEST_PX = 32  # crops that fill less of the tile only make seams
 _BLUR = 0.1  # what an octave fewer photo pixels a metre weighs, in log repair of the light
+_FAINT = 0.2  # what a pattern e times fainter than the better ones weighs
 _FEW_OCTAVES = 1.0  # crops blurred by more than this against the better ones are left out
 _ENOUGH = 3  # where so many are sharper
 
@@ -197,11 +198,15 @@ def find_surface(
         return None
     good = sharper(alike(good, tone))
     work = work_size(size_px, len(good))
-    flat, masks, colour, order = _evened(good)
-    flat, masks, turned = one_way(flat, masks)
+    flat, masks, colour, faults = _evened(good)
+    luma = log_luma(flat)
+    grains = grains_of(luma, masks)
+    faults = faults + _FAINT * faintness(luma, masks, grains)
+    flat, masks, turned = one_way(flat, masks, grains)
     sides, size_m = tile_scale(good, work / WORK_PX)
     known = np.isfinite([crop.size_m for crop in good]).all()
     lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
+    order = [int(k) for k in np.argsort(faults, kind="stable")]
     large = [k for k in order if fits[k] and sides[k] * work >= _SMALLEST_PX]
     order = large or [int(sides.argmax())]
     return Pattern(good, flat, masks, turned, colour, order, sides, size_m, lattices, cut), work
@@ -245,19 +250,18 @@ def make_exemplar(
 
 def _evened(
     crops: Sequence[ExemplarCrop],
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[int]]:
-    """Return crops of one colour under even light, spoiled pixels, the colour, the best first."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return crops of one colour under even light, spoiled pixels, the colour, faults (n,)."""
     images = np.stack([crop.image for crop in crops]).astype(np.float64) / 255.0
     masks = highlights(images)
     flat = flatten(images, masks)
     tones = np.stack([np.median(i[~m], axis=0) for i, m in zip(flat, masks, strict=True)])
-    # Those that needed the least repair of their light come first, and say how bright it is.
+    # Those that needed the least repair of their light are the best, and say how bright it is.
     repair = np.log((images.mean(axis=3) + 0.02) / (flat.mean(axis=3) + 0.02)).std(axis=(1, 2))
     tone = consensus(tones, repair)
     flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
     spoiled = masks.mean(axis=(1, 2))
-    order = np.argsort(2.0 * spoiled + repair + _BLUR * blur_octaves(crops), kind="stable")
-    return flat, masks, tone, [int(k) for k in order]
+    return flat, masks, tone, 2.0 * spoiled + repair + _BLUR * blur_octaves(crops)
 
 
 def work_size(size_px: int, crops: int) -> int:
