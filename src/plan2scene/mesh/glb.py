@@ -21,6 +21,7 @@ from plan2scene import __version__
 from plan2scene.colour import srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_path
+from plan2scene.mesh.glb_lights import add_lights
 from plan2scene.mesh.house_mesh import build_parts
 from plan2scene.mesh.occlusion import bake_occlusion
 from plan2scene.mesh.parts import MeshPart
@@ -50,7 +51,8 @@ def write_glb(
     """Write a house as GLB: metres, y up, UV = metres / tile size with repeat wrapping.
 
     PBR metallic 0, roughness by substance; ambient occlusion of textured surfaces on TEXCOORD_1;
-    surfaces without a texture get a plain colour. The same input gives the same bytes.
+    a lamp in each room and a sun. Surfaces without a texture get a plain colour. The same input
+    gives the same bytes.
 
     Parameters
     ----------
@@ -61,7 +63,7 @@ def write_glb(
     parts : sequence of MeshPart, optional
         What :func:`~plan2scene.mesh.build_parts` returned, when at hand.
     unlit : bool
-        Whether colours are shown as they are (KHR_materials_unlit), without occlusion.
+        Whether colours are shown as they are (KHR_materials_unlit), without occlusion and lamps.
     """
     scene = trimesh.Scene(base_frame=_WORLD, metadata=_facts(house))
     scene.graph.update(frame_from=_WORLD, frame_to=house.id)
@@ -94,7 +96,7 @@ def write_glb(
     data = export_glb(
         scene,
         include_normals=True,
-        tree_postprocessor=lambda tree: _finish(tree, house.id, factors, unlit=unlit),
+        tree_postprocessor=lambda tree: _finish(tree, house, factors, unlit=unlit),
     )
     with atomic_path(path) as temporary:
         temporary.write_bytes(data)
@@ -194,11 +196,11 @@ def _extras(part: MeshPart, tile: TileTexture | None) -> dict[str, Any]:
 
 
 def _finish(
-    tree: dict[str, Any], house_id: str, factors: Mapping[str, list[float]], *, unlit: bool
+    tree: dict[str, Any], house: House, factors: Mapping[str, list[float]], *, unlit: bool
 ) -> None:
     """Complete trimesh's glTF header in place; `factors` are base colours by material name."""
     tree["asset"]["generator"] = f"plan2scene {__version__}, trimesh {trimesh.__version__}"
-    tree["scenes"][0]["name"] = house_id
+    tree["scenes"][0]["name"] = house.id
     for mesh in tree["meshes"]:
         del mesh["extras"]
         primitive = mesh["primitives"][0]
@@ -215,6 +217,8 @@ def _finish(
         for material in tree["materials"]:
             material["extensions"] = {"KHR_materials_unlit": {}}
         tree["extensionsUsed"] = ["KHR_materials_unlit"]
+    else:
+        add_lights(tree, house)
 
 
 def _join_images(tree: dict[str, Any], factors: Mapping[str, list[float]]) -> None:

@@ -4,7 +4,7 @@
 const $ = (id) => document.getElementById(id);
 const facts = JSON.parse($("facts").textContent); // {surfaces: {"room/surface": ...}, photos: [...]}
 const parts = []; // one a mesh: {mesh, name, extras, glass, unlit}
-const lamps = []; // lamps of the file: {position, color}
+const lamps = []; // where the file's lamps hang
 let rooms = [], levels = []; // levels: [{id, name, elevation}], lowest first
 
 async function houseBytes() {
@@ -42,15 +42,18 @@ async function readHouse() {
   loader.register(embeddedImages);
   const gltf = await loader.parseAsync(await houseBytes(), "");
   gltf.scene.updateMatrixWorld(true);
+  const lights = [];
   gltf.scene.traverse((node) => {
     if (node.isMesh) {
       const { name, ...extras } = node.userData;
       const { material } = node;
       parts.push({ mesh: node, name: name || node.name, extras, glass: material.transparent, unlit: material.isMeshBasicMaterial });
-    } else if (node.isPointLight) {
-      lamps.push({ position: node.getWorldPosition(new THREE.Vector3()), color: node.color });
+    } else if (node.isPointLight || node.isSpotLight) {
+      lamps.push(node.getWorldPosition(new THREE.Vector3()));
     }
+    if (node.isLight) lights.push(node);
   });
+  for (const light of lights) light.removeFromParent(); // the page has light of its own
   listOf(gltf.scene.userData);
   return gltf.scene;
 }

@@ -62,8 +62,8 @@ function paint(part, sharpness) {
 function hangLamps() {
   // Each room's lamp: the file's where it has one over this floor, else one in the middle.
   const middle = new Map(rooms.map((room) => {
-    const own = lamps.find(({ position }) => position.y > room.inside.y && position.y < room.inside.y + room.height && over(room, position));
-    const place = own ? own.position : room.inside.clone().setY(room.inside.y + room.height - LAMP_BELOW_CEILING);
+    const own = lamps.find((lamp) => lamp.y > room.inside.y && lamp.y < room.inside.y + room.height && over(room, lamp));
+    const place = own || room.inside.clone().setY(room.inside.y + room.height - LAMP_BELOW_CEILING);
     return [room.id, new THREE.Vector4(place.x, place.y, place.z, LAMP)];
   }));
   for (const part of parts) part.uniforms.lamp.value = middle.get(part.extras.room_id) || DARK;

@@ -1,25 +1,15 @@
 """GLB and OBJ files, read again by trimesh."""
 
-import json
-import struct
-
 import numpy as np
 import pytest
 import trimesh
+from glb_file import chunks
 from PIL import Image
 
 from plan2scene.house import SurfaceKey
 from plan2scene.mesh import build_parts, write_glb
 from plan2scene.mesh.glb import ROUGHNESS
 from plan2scene.mesh.obj import write_obj
-
-
-def chunks(path):
-    data = path.read_bytes()
-    magic, version, size = struct.unpack_from("<4sII", data)
-    assert (magic, version, size) == (b"glTF", 2, len(data))
-    length = struct.unpack_from("<I", data, 12)[0]
-    return json.loads(data[20 : 20 + length]), data[20 + length + 8 :]
 
 
 @pytest.mark.parametrize("name", ["ring_house", "gap_house"])

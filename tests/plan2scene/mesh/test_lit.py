@@ -1,10 +1,10 @@
 """house_lit.glb: one unlit image a surface, its texture under the light, doors as bright."""
 
 import io
-import json
 
 import numpy as np
 import pytest
+from glb_file import chunks
 from PIL import Image
 
 from plan2scene.house import SurfaceKey
@@ -46,8 +46,7 @@ def test_the_file_is_unlit(lit, gap_house, tmp_path):
     parts, light, textures = lit
     file = tmp_path / "lit.glb"
     write_glb(gap_house, textures, file, [lit_part(part, light) for part in parts], unlit=True)
-    data = file.read_bytes()
-    tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    tree, _ = chunks(file)
     assert tree["extensionsUsed"] == ["KHR_materials_unlit"]
     assert all("KHR_materials_unlit" in m["extensions"] for m in tree["materials"])
     assert all("occlusionTexture" not in m for m in tree["materials"])
