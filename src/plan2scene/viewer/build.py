@@ -14,7 +14,7 @@ from plan2scene.io import atomic_path
 
 _FOLDER = Path(__file__).parent
 #: The program's files, in the order in which they go into the page.
-PROGRAM = ("house.js", "light.js", "eye.js", "walk.js", "tools.js", "viewer.js")
+PROGRAM = ("house.js", "light.js", "eye.js", "sight.js", "walk.js", "tools.js", "viewer.js")
 #: What the page says of a house of which only the GLB is known.
 NO_FACTS: Mapping[str, Any] = {"surfaces": {}, "photos": []}
 

@@ -3,7 +3,7 @@
 
 const $ = (id) => document.getElementById(id);
 const facts = JSON.parse($("facts").textContent); // {surfaces: {"room/surface": ...}, photos: [...]}
-const parts = []; // one a mesh: {mesh, name, extras, glass, unlit}
+const parts = []; // one a mesh: {mesh, name, extras, glass, unlit, box}
 const lamps = []; // where the file's lamps hang
 let rooms = [], levels = []; // levels: [{id, name, elevation}], lowest first
 
@@ -47,7 +47,8 @@ async function readHouse() {
     if (node.isMesh) {
       const { name, ...extras } = node.userData;
       const { material } = node;
-      parts.push({ mesh: node, name: name || node.name, extras, glass: material.transparent, unlit: material.isMeshBasicMaterial });
+      node.part = { mesh: node, name: name || node.name, extras, glass: material.transparent, unlit: material.isMeshBasicMaterial, box: new THREE.Box3().setFromObject(node) };
+      parts.push(node.part);
     } else if (node.isPointLight || node.isSpotLight) {
       lamps.push(node.getWorldPosition(new THREE.Vector3()));
     }
@@ -106,6 +107,6 @@ function insideOf(floor) {
 
 function boxOf(list) {
   const box = new THREE.Box3();
-  for (const part of list) box.expandByObject(part.mesh);
+  for (const part of list) box.union(part.box);
   return box;
 }

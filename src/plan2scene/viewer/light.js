@@ -1,24 +1,35 @@
 "use strict";
 // How surfaces look: plain (their colours alone), day (sky, sun, ambient occlusion), lit (a lamp in
-// each room, which no wall lets through). One small shader, quick on machines without a GPU.
+// each room, which no wall lets through). One small shader, quick on machines without a GPU: it
+// takes squares of sRGB values for light, so that a surface in full light has its very colour.
 
 const LOOKS = { plain: 0, day: 1, lit: 2 };
-const shared = { look: { value: LOOKS.day } };
 const LAMP_BELOW_CEILING = 0.35; // metres
 const LAMP = 1.9; // of a floor right below, as bright as a sheet of paper by day
 const DARK = new THREE.Vector4(0, 0, 0, 0);
 
+// Vertices have the light of the sky; a lamp's is worked out for each pixel.
+const SKY = `
+float skyLight(vec3 n) {
+  return n.y < -0.5 ? 0.88 : mix(0.62, 0.84, 0.5 + 0.5 * n.y) + 0.26 * max(dot(n, vec3(-0.45, 0.78, 0.43)), 0.0);
+}`;
 const LIGHT = `
-uniform int look; uniform vec4 lamp; uniform float glow; varying vec3 place, out_;
-vec3 lightOn(vec3 n) {
-  if (look == 0) return vec3(1.0);
-  if (look == 1) {
-    if (n.y < -0.5) return vec3(0.88);
-    return vec3(mix(0.62, 0.84, 0.5 + 0.5 * n.y) + 0.26 * max(dot(n, vec3(-0.45, 0.78, 0.43)), 0.0));
-  }
-  vec3 way = lamp.xyz - place;
-  float far = dot(way, way);
-  return vec3(1.0, 0.94, 0.86) * (0.42 + lamp.w * max(dot(n, way) * inversesqrt(far), 0.0) / (1.0 + 0.3 * far));
+uniform vec4 lamp; uniform float glow;
+#if LOOK == 1
+varying float sky;
+#elif LOOK == 2
+varying vec3 place, out_;
+#endif
+vec3 lit(vec3 colour) {
+  #if LOOK == 0
+  return colour;
+  #elif LOOK == 1
+  return sky * (colour + 0.04);
+  #else
+  vec3 way = lamp.xyz - place, n = gl_FrontFacing ? out_ : -out_;
+  float far = dot(way, way), share = max(dot(n, way) * inversesqrt(far), 0.0) / (1.0 + 0.3 * far);
+  return vec3(1.0, 0.94, 0.86) * (0.42 + lamp.w * share) * (colour + 0.04);
+  #endif
 }`;
 
 function patch(shader) {
@@ -28,22 +39,31 @@ function patch(shader) {
     if (!text.includes(from)) throw new Error(`three.js has no ${from}`);
     return text.replace(from, to);
   };
-  shader.vertexShader = swap(`varying vec3 place, out_;\n${shader.vertexShader}`, "#include <begin_vertex>",
-    `#include <begin_vertex>
-    place = (modelMatrix * vec4(transformed, 1.0)).xyz; out_ = mat3(modelMatrix) * normal;`);
+  const vertex = `#if LOOK == 1\n${SKY}\nvarying float sky;\n#elif LOOK == 2\nvarying vec3 place, out_;\n#endif\n${shader.vertexShader}`;
+  shader.vertexShader = swap(vertex, "#include <begin_vertex>", `#include <begin_vertex>
+    #if LOOK == 1
+    sky = skyLight(mat3(modelMatrix) * normal);
+    #elif LOOK == 2
+    place = (modelMatrix * vec4(transformed, 1.0)).xyz; out_ = mat3(modelMatrix) * normal;
+    #endif`);
   let text = swap(shader.fragmentShader, "void main() {", `${LIGHT}\nvoid main() {`);
   text = swap(text, "reflectedLight.indirectDiffuse *= diffuseColor.rgb;",
-    `reflectedLight.indirectDiffuse *= lightOn(normalize(gl_FrontFacing ? out_ : -out_))
-      * (diffuseColor.rgb + (look == 0 ? 0.0 : 0.04));
+    `reflectedLight.indirectDiffuse *= lit(diffuseColor.rgb);
     reflectedLight.indirectDiffuse = mix(reflectedLight.indirectDiffuse, vec3(0.95, 0.55, 0.25), glow);`);
-  // Once a pixel, not once for each of the texels that it mixes: several times as quick without a GPU.
   text = swap(text, "#include <map_fragment>", `#ifdef USE_MAP
-    diffuseColor *= sRGBTransferEOTF(texture2D(map, vMapUv));
+    vec4 texel = texture2D(map, vMapUv);
+    diffuseColor *= vec4(texel.rgb * texel.rgb, texel.a);
     #endif`);
+  text = swap(text, "#include <colorspace_fragment>", "gl_FragColor.rgb = sqrt(gl_FragColor.rgb);");
   shader.fragmentShader = swap(text, "#include <tonemapping_fragment>",
-    `#if defined(TONE_MAPPING)
-    if (look != 0) gl_FragColor.rgb = toneMapping(gl_FragColor.rgb);
+    `#if defined(TONE_MAPPING) && LOOK != 0
+    gl_FragColor.rgb = toneMapping(gl_FragColor.rgb);
     #endif`);
+}
+
+function squared(linear) {
+  // The square of the sRGB value of a linear one.
+  return (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055) ** 2;
 }
 
 function paint(part, sharpness) {
@@ -51,10 +71,15 @@ function paint(part, sharpness) {
   const { mesh } = part;
   const { map, aoMap, color, opacity, vertexColors, transparent } = mesh.material;
   const sides = part.glass || part.extras.kind === "ceiling" ? THREE.DoubleSide : THREE.FrontSide;
-  const material = new THREE.MeshBasicMaterial({ map, aoMap, color, opacity, vertexColors, transparent, side: sides, depthWrite: !transparent });
-  if (map) Object.assign(map, { anisotropy: sharpness, colorSpace: THREE.NoColorSpace }); // see patch
+  const tint = color.clone().setRGB(...color.toArray().map(squared)); // others have the same material
+  if (vertexColors) mesh.geometry.setAttribute("color", new THREE.Float32BufferAttribute(Array.from(mesh.geometry.attributes.color.array, squared), mesh.geometry.attributes.color.itemSize));
+  const material = new THREE.MeshBasicMaterial({ map, aoMap, color: tint, opacity, vertexColors, transparent, side: sides, depthWrite: !transparent });
+  if (map) {
+    Object.assign(map, { anisotropy: sharpness, colorSpace: THREE.NoColorSpace }); // see patch
+    if (sharpness === 1) map.minFilter = THREE.LinearMipmapNearestFilter;
+  }
   part.uniforms = { glow: { value: 0 }, lamp: { value: DARK } };
-  material.onBeforeCompile = (shader) => { Object.assign(shader.uniforms, shared, part.uniforms); patch(shader); };
+  material.onBeforeCompile = (shader) => { Object.assign(shader.uniforms, part.uniforms); patch(shader); };
   material.customProgramCacheKey = () => "house";
   mesh.material = material;
 }
@@ -77,8 +102,9 @@ function over(room, { x, z }) {
 }
 
 function setLook(name) {
-  shared.look.value = LOOKS[name];
-  for (const part of parts) part.mesh.material.aoMapIntensity = name === "plain" ? 0 : 1;
+  for (const { mesh: { material } } of parts) {
+    Object.assign(material, { aoMapIntensity: name === "plain" ? 0 : 1, defines: { LOOK: LOOKS[name] }, needsUpdate: true });
+  }
   for (const other of Object.keys(LOOKS)) $(other).setAttribute("aria-pressed", String(other === name));
   refresh();
 }

@@ -54,6 +54,7 @@ function draw(ratio) {
     part.uniforms.glow.value = part === chosen ? 0.3 * Math.max(0, 1 - (performance.now() - chosenAt) / FLASH) : 0;
   }
   aim(canvas);
+  if (eye.mode === "walk" && seen.ceilings) hideUnseen();
   renderer.render(scene, camera);
   label(canvas);
 }
@@ -203,6 +204,7 @@ function startRenderer() {
   }
   renderer.toneMapping = THREE.NeutralToneMapping;
   renderer.setClearColor(0xf7f6f3, 1);
+  renderer.setOpaqueSort(nearestFirst);
   const gl = renderer.getContext(), names = gl.getExtension("WEBGL_debug_renderer_info");
   const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
   // Without a GPU, looking at floors aslant would take most of a picture's time.

@@ -288,6 +288,11 @@ def test_doors_inside_are_passed_and_stairs_climbed(browser, gap_house, tmp_path
     write_glb(gap_house, textures, tmp_path / "house.glb")
     build_viewer(tmp_path / "house.glb", tmp_path / "viewer.html", house_id="gap")
     browser.open(tmp_path / "viewer.html")
+    # Who looks at the door sees the next room through it; who turns away draws nothing of it.
+    look = """setMode("walk"); eye.feet.set(1.5, 0, 1.4); eye.pitch = 0; eye.yaw = {yaw}; draw(1);
+      ["a/floor", "b/floor"].map((name) => parts.find((p) => p.name === name).mesh.visible)"""
+    assert browser.run(look.format(yaw="Math.PI / 2")) == [True, True]
+    assert browser.run(look.format(yaw="-Math.PI / 2")) == [True, False]
     walk = "eye.feet.set(1.5, 0, {z}); walkBy(3, 0); [eye.feet.x, eye.room]"
     x, room = browser.run(walk.format(z=1.4))
     assert x == pytest.approx(4.5, abs=0.05) and room == "b"

@@ -8,6 +8,7 @@ export {
   Line3,
   LineBasicMaterial,
   LineSegments,
+  LinearMipmapNearestFilter,
   Matrix3,
   Matrix4,
   Mesh,
