@@ -30,18 +30,19 @@ function outlineOf(floor) {
 }
 
 function frameOf(box) {
-  // The part of the picture that a box may cover; all of it where the box reaches behind the eye.
+  // The part of the picture that a box may cover: all where it reaches behind the eye, none behind.
   const frame = [Infinity, Infinity, -Infinity, -Infinity], corner = new THREE.Vector4();
   const { min, max } = box;
+  let behind = 0;
   for (let k = 0; k < 8; k++) {
     corner.set(k & 1 ? min.x : max.x, k & 2 ? min.y : max.y, k & 4 ? min.z : max.z, 1);
     corner.applyMatrix4(camera.matrixWorldInverse).applyMatrix4(camera.projectionMatrix);
-    if (corner.w <= camera.near) return WHOLE;
+    if (corner.w <= camera.near) { behind += 1; continue; }
     const x = corner.x / corner.w, y = corner.y / corner.w;
     frame[0] = Math.min(frame[0], x); frame[2] = Math.max(frame[2], x);
     frame[1] = Math.min(frame[1], y); frame[3] = Math.max(frame[3], y);
   }
-  return frame;
+  return behind % 8 ? WHOLE : frame;
 }
 
 const meet = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
