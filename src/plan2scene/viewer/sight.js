@@ -1,7 +1,7 @@
 "use strict";
 // What can be in sight: who stands in a room sees that room, and others through its openings alone.
 
-const OPENINGS = new Set(["door", "passage", "window"]);
+const OPENINGS = new Set(["door", "passage", "window", "stairs"]); // stairs fill their well
 const WHOLE = [-1, -1, 1, 1]; // of the picture: left, bottom, right, top
 let shut = null; // rooms that walls close all around: id to the parts of its openings
 
