@@ -59,6 +59,7 @@ def build_parts(house: House) -> list[MeshPart]:
 def assemble(house: House) -> Assembly:
     """Return the storeys of a house with their parts, see :func:`build_parts`."""
     storeys = []
+    below: BaseGeometry | None = None
     well: BaseGeometry = Polygon()
     arriving: list[Stairs] = []
     for level, rooms in house.storeys():
@@ -69,11 +70,12 @@ def assemble(house: House) -> Assembly:
             own = [room_polygon(room) for room in house.rooms if room.level == higher.id]
             shaft = unary_union([flight_area(flight) for flight in stairs])
             above = Above(higher.elevation - level.elevation, unary_union(own), shaft)
-        storey = build_storey(level, rooms, well, above)
+        storey = build_storey(level, rooms, below, well, above)
         storey.parts.extend(stair_parts(house, stairs))
         storey.parts.extend(well_railings(rooms, arriving, stairs))
         storeys.append(storey)
         arriving = stairs if above is not None else []
+        below = unary_union([room_polygon(room) for room in rooms.rooms])
         well = Polygon() if above is None else above.well
     names = iter(numbered(part.name for storey in storeys for part in storey.parts))
     for storey in storeys:

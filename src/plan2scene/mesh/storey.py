@@ -19,6 +19,7 @@ from plan2scene.mesh.walls import (
     Above,
     Body,
     flat_parts,
+    soffit,
     structure_part,
     threshold,
     wall_bodies,
@@ -43,8 +44,17 @@ class Storey:
     above: Above | None
 
 
-def build_storey(level: Level, house: House, well: BaseGeometry, above: Above | None) -> Storey:
-    """Return the storey of a house without levels; names of parts may repeat."""
+def build_storey(
+    level: Level,
+    house: House,
+    below: BaseGeometry | None,
+    well: BaseGeometry,
+    above: Above | None,
+) -> Storey:
+    """Return the storey of a house without levels; names of parts may repeat.
+
+    `below` is the plan area of the rooms that it stands on, None for the lowest level.
+    """
     polygons = {room.id: room_polygon(room) for room in house.rooms}
     together = unary_union(list(polygons.values()))
     sides = room_sides(house, polygons)
@@ -73,6 +83,8 @@ def build_storey(level: Level, house: House, well: BaseGeometry, above: Above | 
         strip = threshold(portal)
         parts.extend(([strip] if strip is not None else []) + fixtures(portal))
     parts.extend(objects(house, sides, polygons))
+    if below is not None:
+        parts.extend(soffit(level, together, bodies, below))
     return Storey(level, house, parts, bodies, portals, well, above)
 
 

@@ -17,7 +17,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from plan2scene.house import Room, SurfaceKey
+from plan2scene.house import Level, Room, SurfaceKey
 from plan2scene.mesh.frames import Frame, arc_offset, frame_between, reveal_quads
 from plan2scene.mesh.openings import Openings, Portal, Side
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
@@ -256,6 +256,23 @@ def threshold(portal: Portal) -> MeshPart | None:
     extras = {"kind": "threshold", "room_id": room, "opening_id": portal.hole.opening.id}
     name = f"{room}/threshold/{portal.hole.opening.id}"
     return builder.build(name, "surface", SurfaceKey(room, "floor"), extras)
+
+
+def soffit(
+    level: Level, rooms: BaseGeometry, bodies: list[Body], below: BaseGeometry
+) -> list[MeshPart]:
+    """Return the part ``structure/soffit/{level}``: the underside of what juts out over a level.
+
+    `rooms` and `bodies` are the level's, `below` the plan area of the rooms under it.
+    """
+    reach = max((body.side.wall.depth for body in bodies), default=0.0)
+    walls = unary_union([body.area for body in bodies])
+    out = unary_union([rooms, walls]).difference(below.buffer(reach + TOUCH, join_style="mitre"))
+    builder = PartBuilder()
+    builder.level(_solid(out), -LIFT, up=False, colour=OUTER_COLOUR)
+    if not builder:
+        return []
+    return [builder.build(f"structure/soffit/{level.id}", extras={"kind": "structure"})]
 
 
 def flat_parts(

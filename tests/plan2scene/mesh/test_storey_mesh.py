@@ -1,11 +1,13 @@
 """Storeys as meshes: where floors lie, what is open over the stairs, how far these reach."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import trimesh
 
+from plan2scene.floorplans.geometry import walls_of_rooms
 from plan2scene.mesh import build_parts, write_glb
 from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.rays import Rays
@@ -107,3 +109,15 @@ def test_a_flight_over_another_leaves_it_headroom(house):
     steps = next(p for p in build_parts(house) if p.extras["kind"] == "stairs")
     last = steps.mesh.vertices.reshape(-1, 24, 3)[-1]
     assert last[:, 1].min() == pytest.approx(2.8 * 14 / 15 - WAIST, abs=1e-4)
+
+
+def test_what_juts_out_has_an_underside(house, parts):
+    assert not any("soffit" in name for name in parts)  # the storeys of the example are congruent
+    wide = replace(house.room("study"), rings=(((4.6, 3.4), (9.5, 3.4), (9.5, 6.0), (4.6, 6.0)),))
+    rooms = tuple(wide if room.id == "study" else room for room in house.rooms)
+    walls = [wall for wall in house.walls if "study" not in wall.room_ids]
+    walls += walls_of_rooms([wide], depth=0.12)
+    made = {p.name: p for p in build_parts(replace(house, rooms=rooms, walls=tuple(walls)))}
+    under = made["structure/soffit/upper"].mesh
+    assert (under.face_normals[:, 1] < -0.99).all()
+    assert under.area == pytest.approx(1.5 * 2.6 + 1.5 * 2 * 0.12, rel=0.01)
