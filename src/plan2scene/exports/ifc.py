@@ -24,11 +24,11 @@ from plan2scene.mesh.fixtures import LEAF_THICKNESS
 from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.labels import room_title
 from plan2scene.mesh.openings import Portal
+from plan2scene.mesh.plates import open_plate
 from plan2scene.mesh.polygons import polygons_of
 from plan2scene.mesh.stairs import step_areas
 from plan2scene.mesh.storey import Storey
 from plan2scene.mesh.textures import TileTexture
-from plan2scene.mesh.walls import open_plate
 
 #: Ids of all things derive from the house's id and their names: the same house, the same file.
 _NAMESPACE = uuid.UUID("6f2a2f0e-7a52-4b7c-9f2b-6d1d6c0f3a11")

@@ -21,9 +21,10 @@ from plan2scene.mesh.fixtures import FRAME_WIDTH, LEAF_THICKNESS, TWO_LEAVES
 from plan2scene.mesh.house_mesh import Assembly, assemble
 from plan2scene.mesh.openings import Portal
 from plan2scene.mesh.parts import MeshPart, numbered
+from plan2scene.mesh.plates import open_plate
 from plan2scene.mesh.polygons import polygons_of, triangulate
 from plan2scene.mesh.storey import Storey
-from plan2scene.mesh.walls import Body, open_plate
+from plan2scene.mesh.walls import Body
 
 #: Floors and ceilings are so thick, metres.
 SLAB = 0.1

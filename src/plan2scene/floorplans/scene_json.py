@@ -82,16 +82,7 @@ def _read_rooms(
 
     Outlines are the floors' (else the ceilings'), heights come from the ceilings.
     """
-    plates: dict[str, dict[str, dict[str, Any]]] = {"Floor": {}, "Ceiling": {}}
-    for element in elements:
-        kind = str(element.get("type"))
-        if kind not in (*plates, "Wall", "Ground"):
-            source.warn("elements of type Floor, Ceiling, Wall or Ground", f"{kind!r}, left out")
-        if kind in plates:
-            for room_id in room_ids_of(source, element):
-                if room_id in plates[kind]:
-                    raise source.fault(f"one {kind} element", "two", room_id)
-                plates[kind][room_id] = element
+    plates = _read_plates(source, elements)
     types = _room_types(source, arch, list(plates["Floor"] or plates["Ceiling"]))
     for room_id in [*plates["Floor"], *plates["Ceiling"]]:
         if room_id not in types:
@@ -118,6 +109,23 @@ def _read_rooms(
         height = _room_height(source, room_id, base, ceiling, elements)
         rooms[room_id] = Room(room_id, names, rings, height, level.id)
     return rooms, levels
+
+
+def _read_plates(
+    source: Source, elements: list[dict[str, Any]]
+) -> dict[str, dict[str, dict[str, Any]]]:
+    """Return the Floor and the Ceiling elements, by room."""
+    plates: dict[str, dict[str, dict[str, Any]]] = {"Floor": {}, "Ceiling": {}}
+    for element in elements:
+        kind = str(element.get("type"))
+        if kind not in (*plates, "Wall", "Ground"):
+            source.warn("elements of type Floor, Ceiling, Wall or Ground", f"{kind!r}, left out")
+        if kind in plates:
+            for room_id in room_ids_of(source, element):
+                if room_id in plates[kind]:
+                    raise source.fault(f"one {kind} element", "two", room_id)
+                plates[kind][room_id] = element
+    return plates
 
 
 def _elevation(source: Source, plate: Mapping[str, Any], room: str) -> float:

@@ -13,13 +13,12 @@ from plan2scene.mesh.fixtures import fixtures
 from plan2scene.mesh.objects import objects
 from plan2scene.mesh.openings import Portal, find_openings, room_sides
 from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.plates import flat_parts, soffit
 from plan2scene.mesh.railings import railing, railing_sides
 from plan2scene.mesh.skirting import skirting
 from plan2scene.mesh.walls import (
     Above,
     Body,
-    flat_parts,
-    soffit,
     structure_part,
     threshold,
     wall_bodies,

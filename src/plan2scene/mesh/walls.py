@@ -17,7 +17,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from plan2scene.house import Level, Room, SurfaceKey
+from plan2scene.house import Room, SurfaceKey
 from plan2scene.mesh.frames import Frame, arc_offset, frame_between, reveal_quads
 from plan2scene.mesh.openings import Openings, Portal, Side
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
@@ -116,18 +116,18 @@ def wall_bodies(sides: list[Side], rooms: BaseGeometry) -> list[Body]:
         ends = np.array([-depth, frame.length + depth])
         band = Polygon([*frame.plan(ends), *frame.plan(ends[::-1], -depth)])
         outside = shapely.difference(band, rooms, grid_size=GRID)
-        area = _solid(shapely.difference(outside, taken, grid_size=GRID))
+        area = solid_area(shapely.difference(outside, taken, grid_size=GRID))
         inner = ends + [depth / 2, -depth / 2]
         strip = Polygon([*frame.plan(inner, depth / 2), *frame.plan(inner[::-1], -depth / 2)])
         thin = outside.area < 0.6 * frame.length * depth
         cap = unary_union([area, strip]) if thin else area
-        cap = _solid(shapely.difference(cap, caps, grid_size=GRID))
+        cap = solid_area(shapely.difference(cap, caps, grid_size=GRID))
         taken, caps = unary_union([taken, area]), unary_union([caps, cap])
         bodies.append(Body(side, area, cap))
     return bodies
 
 
-def _solid(geometry: BaseGeometry) -> BaseGeometry:
+def solid_area(geometry: BaseGeometry) -> BaseGeometry:
     """Return a geometry's polygons without those thinner than twice `SLIVER`."""
     return unary_union([p for p in polygons_of(geometry) if not p.buffer(-SLIVER).is_empty])
 
@@ -256,52 +256,3 @@ def threshold(portal: Portal) -> MeshPart | None:
     extras = {"kind": "threshold", "room_id": room, "opening_id": portal.hole.opening.id}
     name = f"{room}/threshold/{portal.hole.opening.id}"
     return builder.build(name, "surface", SurfaceKey(room, "floor"), extras)
-
-
-def soffit(
-    level: Level, rooms: BaseGeometry, bodies: list[Body], below: BaseGeometry
-) -> list[MeshPart]:
-    """Return the part ``structure/soffit/{level}``: the underside of what juts out over a level.
-
-    `rooms` and `bodies` are the level's, `below` the plan area of the rooms under it.
-    """
-    reach = max((body.side.wall.depth for body in bodies), default=0.0)
-    walls = unary_union([body.area for body in bodies])
-    out = unary_union([rooms, walls]).difference(below.buffer(reach + TOUCH, join_style="mitre"))
-    builder = PartBuilder()
-    builder.level(_solid(out), -LIFT, up=False, colour=OUTER_COLOUR)
-    if not builder:
-        return []
-    return [builder.build(f"structure/soffit/{level.id}", extras={"kind": "structure"})]
-
-
-def flat_parts(
-    room: Room, polygon: BaseGeometry, well: BaseGeometry, above: Above | None
-) -> list[MeshPart]:
-    """Return a room's floor (facing up, y = 0) and ceiling (facing down, y = height).
-
-    The floor is open where stairs come up (`well`), the ceiling where they go on; a room in the
-    open air has no ceiling. UV in metres: columns along +x, rows along +z.
-    """
-    parts = []
-    for surface, y in (("floor", 0.0), ("ceiling", room.height)):
-        if surface == "ceiling" and room.open_air:
-            continue
-        builder = PartBuilder()
-        builder.level(open_plate(polygon, surface, well, above), y, up=surface == "floor")
-        if not builder:
-            continue
-        extras = {"kind": surface, "room_id": room.id, "surface": surface}
-        key = SurfaceKey(room.id, surface)
-        parts.append(builder.build(f"{room.id}/{surface}", "surface", key, extras))
-    return parts
-
-
-def open_plate(
-    polygon: BaseGeometry, surface: str, well: BaseGeometry, above: Above | None
-) -> BaseGeometry:
-    """Return a room's plan area less the stairs that go through its floor or ceiling."""
-    shaft = well if surface == "floor" or above is None else above.well
-    if surface == "ceiling" and above is None:
-        return polygon
-    return polygon if shaft.is_empty else polygon.difference(shaft)
