@@ -1,6 +1,6 @@
 """Traces drawn plans in styles that no training saw, for docs/measurements/trace.md.
 
-python benchmarks/trace.py [--plans 60] [--pictures FOLDER]
+python benchmarks/trace.py [--plans 60] [--opened 0.4] [--pictures FOLDER]
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ class Truth:
     areas: list[float]  #: m2
 
 
-def test_picture(number: int, wear: str) -> tuple[np.ndarray, Truth]:
+def test_picture(number: int, wear: str, opened: float = 0.0) -> tuple[np.ndarray, Truth]:
     """Return picture `number` and its truth."""
     rng = generator(7, "trace benchmark", number)
     ppm = float(np.exp(rng.uniform(np.log(35), np.log(90))))
-    drawn = other_drawing(1000 + number, 7, ppm, held_out=True, finer=1)
+    drawn = other_drawing(1000 + number, 7, ppm, held_out=True, finer=1, opened=opened)
     h, w = drawn.labels.shape
     turn = 0.0 if wear == "as drawn" else float(rng.normal(0, 1.5))
     keystone = 0.02 if wear == "photographed" else 0.0
@@ -143,14 +143,17 @@ def opening_f1(plan: TracedPlan, pixels, truth: Truth) -> float:
 
 
 def measure(
-    count: int, model: Path | None, pictures: Path | None
+    count: int, model: Path | None, pictures: Path | None, opened: float = 0.0
 ) -> dict[str, list[dict[str, float]]]:
-    """Return the figures of every picture by wear; one that is refused has found nothing."""
+    """Return the figures of every picture by wear; one that is refused has found nothing.
+
+    Inner doors are open passages with the chance `opened`.
+    """
     results: dict[str, list[dict[str, float]]] = {wear: [] for wear in WEARS}
     with tempfile.TemporaryDirectory() as folder:
         for number in range(count):
             wear = WEARS[number % len(WEARS)]
-            image, truth = test_picture(number, wear)
+            image, truth = test_picture(number, wear, opened)
             path = Path(folder) / "plan.png"
             write_png(path, image)
             try:
@@ -193,12 +196,13 @@ def main() -> None:
     """Print the table; with --pictures write overlays whose names begin with their figures."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--plans", type=int, default=60)
+    parser.add_argument("--opened", type=float, default=0.0)
     parser.add_argument("--model", type=Path)
     parser.add_argument("--pictures", type=Path)
     given = parser.parse_args()
     if given.pictures is not None:
         given.pictures.mkdir(parents=True, exist_ok=True)
-    print_table(measure(given.plans, given.model, given.pictures))
+    print_table(measure(given.plans, given.model, given.pictures, given.opened))
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import yaml
 
 from plan2scene.datasets.table import read_house_table
 from plan2scene.metrics.features import load_features_network
+from plan2scene.tracing.segmenter import load_plan_segmenter
 
 ROOT = Path(__file__).parents[2]
 TINY = {
@@ -25,6 +26,15 @@ TINY = {
     "training": {
         "materials": {"procedural": 8, "held_out": 4},
         "features": {"steps": 2, "batch": 4, "held_out_crops": 8},
+        "plans": {
+            "drawings": 2,
+            "batch": 1,
+            "side": 64,
+            "steps": 2,
+            "evaluate_every": 2,
+            "held_out": 1,
+            "figures": 1,
+        },
     },
 }
 MODELS = "results/training/models"
@@ -54,12 +64,14 @@ def run(tmp_path):
     return snakemake
 
 
-def test_data_and_a_model_are_made(run, tmp_path):
+def test_data_and_models_are_made(run, tmp_path):
     pytest.importorskip("mitsuba")
-    run("data", f"{MODELS}/features.safetensors")
+    run("data", *(f"{MODELS}/{name}.safetensors" for name in ("features", "plans")))
     rows = read_house_table(tmp_path / "data" / "tiny" / "houses.tsv")
     assert len(rows) == 1
     load_features_network(tmp_path / MODELS / "features.safetensors")
+    load_plan_segmenter(tmp_path / MODELS / "plans.safetensors")
+    assert "`steps` 2," in (tmp_path / MODELS / "plans.md").read_text()
     card = (tmp_path / MODELS / "features.md").read_text()
     assert "- 8 procedural materials." in card
     assert "`steps` 2" in card

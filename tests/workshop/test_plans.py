@@ -71,6 +71,22 @@ def test_styles_held_out_are_not_trained_on():
     assert draw_style(rng, held_out=True).wall in HELD_OUT["wall"]
 
 
+def test_inner_doors_become_passages_of_their_walls(house):
+    depths = {"inner_depth": 0.1, "outer_depth": 0.3, "rail_depth": 0.05, "cut_corners": 0.0}
+    plain = structure_of(house, generator(1, "passages"), **depths)
+    opened = structure_of(house, generator(1, "passages"), **depths, opened=1.0)
+    kinds = [[gap.kind for gap in plan.gaps] for plan in (plain, opened)]
+    assert kinds[1].count("passage") > kinds[0].count("passage")
+    assert kinds[1].count("window") == kinds[0].count("window")
+    assert [g for g in opened.gaps if g.kind == "door" and g.outer] != []
+    gaps = [shapely.LineString([g.start, g.end]) for g in opened.gaps if g.kind == "passage"]
+    walls = shapely.union_all([room.exterior for room in opened.rooms]).buffer(0.01)
+    assert all(walls.contains(line) and 0.7 < line.length <= 3.5 for line in gaps)
+    assert (
+        shapely.union_all([opened.inner, opened.outer]).area < plain.inner.area + plain.outer.area
+    )
+
+
 def test_cut_corners_keep_the_floor(house):
     rng = generator(1, "corners")
     depths = {"inner_depth": 0.1, "outer_depth": 0.3, "rail_depth": 0.05}

@@ -10,6 +10,7 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from plan2scene.tracing.frame import Frame, first_scale, main_direction, straightened, whole
+from plan2scene.tracing.gaps import with_passages
 from plan2scene.tracing.labels import MODEL, ROOM
 from plan2scene.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene.tracing.openings import TracedOpening, find_openings
@@ -99,7 +100,8 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter) -> tuple[Frame, np.ndarra
     frame = straightened(image, first, structure, main_direction(1 - rough[ROOM:].sum(0)))
     probabilities = segmenter.probabilities(frame.image, views=VIEWS)
     structure = structure_of(probabilities)
-    return frame, probabilities, find_regions(structure, first_scale(structure))
+    ppm = first_scale(structure)
+    return frame, probabilities, find_regions(with_passages(structure, ppm), ppm)
 
 
 def _in_frame(lines: Sequence[TextLine], frame: Frame) -> list[TextLine]:

@@ -21,8 +21,6 @@ from plan2scene_workshop.plans.training import (
 )
 from plan2scene_workshop.training.card import Card, table, write_card
 
-#: Drawings that the card's figures are of.
-_FIGURE_DRAWINGS = 40
 _WHAT = """
 Labels every pixel of a picture of a floorplan as outside, wall, door, window, passage or room, and
 rooms by what stands in them. `plan2scene.photos.labels.network.SegmentationNet`, {:.2f} M
@@ -69,7 +67,7 @@ def train_plans(
     shipped = filled(lambda: SegmentationNet(**architecture), state, MODEL, model_path)
     with torch.no_grad():
         matrix, kinds = structure_confusion(
-            shipped, other_views(_FIGURE_DRAWINGS, seed, held_out=True)
+            shipped, other_views(settings.figures, seed, held_out=True)
         )
     found = ious(matrix)
     rows = {name: [float(value)] for name, value in zip(STRUCTURE, found, strict=True)}
@@ -81,7 +79,7 @@ def train_plans(
         _seen(settings),
         settings,
         seed,
-        _FIGURES.format(_FIGURE_DRAWINGS) + table(["label", "IoU"], rows),
+        _FIGURES.format(settings.figures) + table(["label", "IoU"], rows),
     )
     write_card(card_path, card, trained, model_path)
     return float(found.mean())

@@ -11,6 +11,7 @@ from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 from plan2scene.floorplans.geometry import point_along, ring_edges, room_polygon
 from plan2scene.house import House
 from plan2scene_workshop.homes.openings import OPEN_AIR
+from plan2scene_workshop.plans.passages import opened_doors
 
 #: Metres of a wall's end that a cut corner leaves free.
 _FREE = 0.15
@@ -70,16 +71,20 @@ def structure_of(
     outer_depth: float,
     rail_depth: float,
     cut_corners: float,
+    opened: float = 0.0,
 ) -> Structure:
     """Return what a drawing shows of a house.
 
     Outer walls lie outside the line of the rooms' outlines but for half of an inner wall's
-    thickness. Corners of rooms are cut off with the chance `cut_corners` each.
+    thickness. Corners of rooms are cut off with the chance `cut_corners` each, inner doors become
+    passages with the chance `opened`.
     """
     rooms = [room_polygon(room) for room in house.rooms]
     types = tuple(room.types for room in house.rooms)
     spans = _spans(house)
     rooms = _cut_corners(rooms, [span for *_, span in spans], rng, cut_corners)
+    if opened:
+        spans = opened_doors(spans, rooms, types, rng, opened)
     indoor = shapely.union_all([r for r, t in zip(rooms, types, strict=True) if _inside(t)])
     half = inner_depth / 2
     lines = shapely.union_all([r.exterior for r, t in zip(rooms, types, strict=True) if _inside(t)])

@@ -57,6 +57,9 @@ HELD_OUT: dict[str, dict[str, float]] = {
     "font": {"serif": 1.0},
 }
 
+#: Chances that inner doors are open passages; homes have few of their own.
+OPENED = (0.0, 0.2, 0.5)
+
 
 @dataclass(frozen=True)
 class PlanStyle:
@@ -77,6 +80,7 @@ class PlanStyle:
     outer_depth: float
     rail_depth: float
     cut_corners: float
+    opened: float  #: chance that an inner door is a passage
     paper: Colour
     ink: Colour  #: of walls
     pen: Colour  #: of thin lines
@@ -141,6 +145,7 @@ def draw_style(rng: np.random.Generator, *, held_out: bool = False) -> PlanStyle
         weight=int(rng.integers(1, 4)),
         thin=1 if rng.random() < 0.75 else 2,
         text_height=float(rng.uniform(0.16, 0.36)),
+        opened=0.0 if held_out else float(rng.choice(OPENED)),
         hand=hand,
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -35,11 +36,16 @@ class Drawings:
 
 
 def other_drawing(
-    number: int, seed: int, ppm: float, *, held_out: bool, finer: int = 2
+    number: int, seed: int, ppm: float, *, held_out: bool, finer: int = 2, opened: float = 0.0
 ) -> DrawnPlan:
-    """Return a drawing of a home that no training sees, `held_out`: in a style that none sees."""
+    """Return a drawing of a home that no training sees, `held_out`: in a style that none sees.
+
+    Inner doors are open passages with the chance `opened`, beside what the style opens.
+    """
     rng = generator(seed, "other plan drawing", held_out, number)
     style = draw_style(rng, held_out=held_out)
+    if opened:
+        style = replace(style, opened=opened)
     return draw_plan(generate_house(f"test_{number}", seed + 1), style, ppm, rng, finer=finer)
 
 
