@@ -72,32 +72,16 @@ def train_network(
     whole = GeometryHead(network)
     whole.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
+    steps = min(settings.steps, settings.stop or settings.steps)
+
     def draw(step: int) -> Batch:
         long = settings.small if step < settings.steps * 2 / 3 else settings.long_side
         return draw_batch(photos, settings, long, generator(seed, "segmentation batch", step))
 
-    steps = min(settings.steps, settings.stop or settings.steps)
     ahead = Ahead(draw, steps, workers=8 if device == "cuda" else 1)
 
     def loss(step: int, _: np.random.Generator) -> dict[str, torch.Tensor]:
-        batch = ahead.batch(step).to(device)
-        logits, geometry = whole(batch.images, batch.elevations)
-        parts = {
-            "labels": segmentation_loss(
-                logits.float(),
-                batch.labels,
-                settings.dice,
-                settings.label_smoothing,
-                batch.openings,
-            )
-        }
-        if told:
-            true = batch.geometry
-            parts["geometry"] = logits.new_zeros(())
-            if true is not None:
-                found = geometry_loss(geometry.float(), true[:, :3], true[:, 3])
-                parts["geometry"] = settings.geometry * found
-        return parts
+        return _losses(whole, ahead.batch(step).to(device), settings, told=told)
 
     options = TrainerOptions(
         "segmentation",
@@ -125,6 +109,22 @@ def train_network(
     trainer.resume(checkpoint)
     trained = trainer.fit(checkpoint)
     return Trained(trained.network.network, trained.step, trained.score, trained.seconds)
+
+
+def _losses(
+    whole: GeometryHead, batch: Batch, settings: SegmentationSettings, *, told: bool
+) -> dict[str, torch.Tensor]:
+    """Return the parts of a batch's loss; that of normals and depth where any photo has them."""
+    logits, geometry = whole(batch.images, batch.elevations)
+    labels = segmentation_loss(
+        logits.float(), batch.labels, settings.dice, settings.label_smoothing, batch.openings
+    )
+    if not told:
+        return {"labels": labels}
+    true, found = batch.geometry, logits.new_zeros(())
+    if true is not None:
+        found = settings.geometry * geometry_loss(geometry.float(), true[:, :3], true[:, 3])
+    return {"labels": labels, "geometry": found}
 
 
 class Ahead(Generic[_Drawn]):
