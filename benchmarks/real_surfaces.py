@@ -7,7 +7,9 @@ WORK holds what `real_house.py` made. All figures are CIEDE2000 to the median co
 true crop, as they are. "true mask": the usual colour of the photos' pixels on the true labels of
 the room's own photos, which is what no labels could better. "own mask": the same on the labels and
 places that were used. "together": when all surfaces are solved for together. "tile": what
-came of it. "crops", "best crop": mean colour of the kept crops, and the nearest one of them.
+came of it. "crops", "best crop": mean colour of the kept crops, and the nearest one of them. "best
+photo": the usual colour of what one photo shows, the nearest one; what a choice among photos could
+reach that knew the answer.
 """
 
 from __future__ import annotations
@@ -25,10 +27,14 @@ from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.images import image_from_bytes, read_image
 from plan2scene.io import read_parquet
 from plan2scene.photos.crops.colours import equal_shares
-from plan2scene.propagation.house_colours import shown_colours, usual_colour
+from plan2scene.propagation.house_colours import (
+    shown_colours,
+    usual_colour,
+    visible_colours,
+)
 
 MIN_SHARE = 0.002  # of a photo, of what the true labels show of a surface
-COLUMNS = ("true mask", "own mask", "together", "tile", "crops", "best crop")
+COLUMNS = ("true mask", "own mask", "best photo", "together", "tile", "crops", "best crop")
 
 
 def of_true_masks(truth: Truth) -> dict[tuple[str, str], np.ndarray]:
@@ -50,6 +56,18 @@ def of_true_masks(truth: Truth) -> dict[tuple[str, str], np.ndarray]:
     }
 
 
+def of_photos(colours: Path) -> dict[tuple[str, str], list[np.ndarray]]:
+    """Return the usual sRGB (3,) that each photo shows of each surface."""
+    seen, _ = visible_colours(colours, ())
+    found: dict[tuple[str, str], list[np.ndarray]] = {}
+    for key, planes in seen.items():
+        for photo in sorted({photo for photo, *_ in planes}):
+            parts = [(shares, weight) for name, weight, shares in planes if name == photo]
+            usual = usual_colour([s for s, _ in parts], [w for _, w in parts])
+            found.setdefault((key.room_id, key.surface), []).append(linear_to_srgb(usual))
+    return found
+
+
 def surfaces_of(truth: Truth, results: Path) -> list[dict[str, Any]]:
     """Return a row for each surface with a true crop."""
     folder = results / "houses" / truth.house
@@ -57,7 +75,7 @@ def surfaces_of(truth: Truth, results: Path) -> list[dict[str, Any]]:
     expected, _ = read_parquet(results / "drop_0.0" / truth.house / "propagated.parquet")
     rooms = sorted(set(expected["room_id"]))
     shown = shown_colours(folder / "colours.parquet", (), rooms, {})
-    best = of_true_masks(truth)
+    best, photos = of_true_masks(truth), of_photos(folder / "colours.parquet")
     tiles = compared(truth, results, "0.0").set_index(["room_id", "surface"])
     together = {(r.room_id, r.surface): r.colour for r in expected.itertuples()}
     rows = []
@@ -74,6 +92,8 @@ def surfaces_of(truth: Truth, results: Path) -> list[dict[str, Any]]:
             "crops": np.mean(colours, axis=0) if colours else None,
         }
         errors = {n: np.nan if c is None else difference(c, true) for n, c in known.items()}
+        seen = [difference(c, true) for c in photos.get(key, ())]
+        errors["best photo"] = min(seen, default=np.nan)
         errors["best crop"] = min((difference(c, true) for c in colours), default=np.nan)
         row = {"house": truth.house, "room": key[0], "surface": key[1], "crops kept": len(colours)}
         rows.append(row | errors | {"tile": tiles.loc[key, "as_is"]})
