@@ -384,6 +384,22 @@ def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
     assert surfaces["bath/floor"]["source"].startswith("exemplar of ")
 
 
+@pytest.mark.parametrize("level", [200, 20])
+def test_crops_of_another_thing_make_no_exemplar_of_a_surface(files, level):
+    """All pixels say how bright the hall's floor is; its crop, of 200, is of it or is not."""
+    table = pd.read_parquet(files / "propagated.parquet")
+    colours = {("bed1", "floor"): 100, ("hall", "floor"): level}
+    table["colour"] = [
+        np.full(3, colours.get((row.room_id, row.surface), 128) / 255) for row in table.itertuples()
+    ]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    folder, surfaces = _make(files, "exemplar")
+    own = "exemplar of 1 crops" if level == 200 else "exemplar of bed1, "
+    assert surfaces["hall/floor"]["source"].startswith(own)
+    median = np.median(read_image(folder / "hall_floor.png"))
+    assert median == pytest.approx(level, abs=3)
+
+
 def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):
     table = pd.read_parquet(files / "propagated.parquet")
     keys = [(row.room_id, row.surface) for row in table.itertuples()]

@@ -1,10 +1,11 @@
 """Exemplar textures of a whole house.
 
 Observed surfaces get a tile of their own crops; those that share a material of the house get one
-pattern of all its crops, each in its own colour. An unobserved one gets the exemplar of the house
-that is nearest to what is predicted for it (same kind of surface, the predicted substance if any
-has it, nearest embedding), since a house repeats its materials, in the predicted colour. Only
-where the house shows none of the kind the predicted embedding is decoded.
+pattern of all its crops, each in its own colour. An unobserved one, and one whose crops do not have
+the colour that all of its pixels tell, gets the exemplar of the house that is nearest to what is
+predicted for it (same kind of surface, the predicted substance if any has it, nearest embedding),
+since a house repeats its materials, in its own colour. Only where the house shows none of the kind
+the predicted embedding is decoded.
 Each tile's source says which way it went.
 """
 
@@ -24,6 +25,9 @@ from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemp
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import NoTile, Tile
 
+#: CIEDE2000 from a surface's colour beyond which its crops show something else.
+_OTHER_DE = 25.0
+
 
 def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     """Return the exemplars, and for surfaces without one why there is none.
@@ -40,6 +44,8 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     shared = _shared_crops(surfaces, groups)
     for key, group in groups.items():
         surface = surfaces[key]
+        if not surface.material and _of_another_thing(group, surface.colour):
+            continue
         made = exemplar_of(inputs, group, surface.tone, shared.get(surface.material, ()))
         if made is None:
             tiles[key] = NoTile(f"none of {len(group)} crops is sharp enough")
@@ -64,6 +70,14 @@ def _shared_crops(
             known = shared.setdefault(surfaces[key].material, {})
             known.update({crop.crop_id: crop for crop in group})
     return {name: list(crops.values()) for name, crops in shared.items()}
+
+
+def _of_another_thing(crops: Sequence[Crop], colour: np.ndarray | None) -> bool:
+    """Return whether no crop has the colour (3,) that all pixels of its surface have."""
+    if colour is None:
+        return False
+    tone = np.clip(colour, 0.0, 1.0)
+    return all(colour_difference(crop.image(), tone) > _OTHER_DE for crop in crops)
 
 
 def exemplar_of(
@@ -114,7 +128,7 @@ def _nearest(
     surfaces: Mapping[SurfaceKey, KnownSurface],
     own: Mapping[SurfaceKey, Tile],
 ) -> Tile | NoTile:
-    """Return the exemplar nearest to an unobserved surface, or why there is none."""
+    """Return the exemplar nearest to a surface without one, or why there is none."""
     kind = surface.key.surface
     pool = [key for key in own if key.surface == kind]
     if not pool:
@@ -123,7 +137,8 @@ def _nearest(
     wanted = _code(surface)
     distances = [np.abs(_code(surfaces[key]) - wanted).mean() for key in pool]
     nearest = pool[int(np.argmin(distances))]
-    made, tone = own[nearest], np.clip(wanted[-3:], 0.0, 1.0)
+    made = own[nearest]
+    tone = np.clip(wanted[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
     away = colour_difference(made.image, tone)
     source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 to the predicted colour"
     return replace(made, image=recoloured(made.image, tone), source=source)
