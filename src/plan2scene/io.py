@@ -168,7 +168,7 @@ def read_parquet(path: str | os.PathLike[str]) -> tuple[pd.DataFrame, dict[str, 
     """Return a table and the metadata that :func:`write_parquet` gave it."""
     import pyarrow.parquet as pq
 
-    table = pq.read_table(path)
+    table = pq.ParquetFile(path).read()
     raw = (table.schema.metadata or {}).get(b"plan2scene")
     if raw is None:
         raise InputError("a Parquet file of this program", "no plan2scene metadata", file=path)

@@ -25,6 +25,7 @@ def _workflow_folder() -> Path:
 WORKFLOW = _workflow_folder()
 
 
+@cache
 def _module_file(module: str, packages: tuple[Path, ...]) -> Path | None:
     """Return the source file of ``plan2scene.x.y`` (a package gives its ``__init__.py``)."""
     top, *parts = module.split(".")

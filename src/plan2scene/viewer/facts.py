@@ -47,9 +47,9 @@ def read_facts(
     import pyarrow.parquet as pq
 
     columns = ["room_id", "surface", "observed", "source", "confidence"]
-    rows = pq.read_table(propagated, columns=columns).to_pylist()
+    rows = pq.ParquetFile(propagated).read(columns).to_pylist()
     shown = {row["source"] for row in rows if row["observed"]}
-    pictures = pq.read_table(crops, columns=["crop_id", "photo", "png"])
+    pictures = pq.ParquetFile(crops).read(["crop_id", "photo", "png"])
     by_id = {row["crop_id"]: row for row in pictures.to_pylist() if row["crop_id"] in shown}
     taken = {} if cameras is None else read_json(cameras)
     names = sorted(taken.keys() | set(pictures.column("photo").to_pylist()))

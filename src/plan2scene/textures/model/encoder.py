@@ -99,9 +99,11 @@ class StatisticsEncoder(nn.Module):
     def __init__(self, width: int, code_dim: int, control_dim: int) -> None:
         super().__init__()
         self.dropout = 0.0
-        self.filters = FilterBankStatistics()
-        self.spectrum = SpectrumStatistics()
-        with torch.no_grad():
+        # In memory also where a network is built without ("meta"): to compute there, torch loads
+        # its compiler, which takes as long as torch itself.
+        with torch.device("cpu"), torch.no_grad():
+            self.filters = FilterBankStatistics()
+            self.spectrum = SpectrumStatistics()
             count = self.features(torch.zeros(1, 3, 128, 128)).shape[1]
         self.centre: torch.Tensor
         self.scale: torch.Tensor
