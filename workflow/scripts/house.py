@@ -16,6 +16,7 @@ with job(snakemake.log[0]):
         made.rooms,
         house_id=house_id,
         objects=snakemake.params.objects,
+        traced=snakemake.params.traced,
     )
     house = read_scene_json(given.scene, house_id)
     facts = read_facts(given.propagated, given.crops, given.get("cameras"), house)

@@ -34,6 +34,7 @@ def build_house(
     *,
     house_id: str,
     objects: bool = True,
+    traced: bool = False,
 ) -> None:
     """Write a house as GLB, as scene.json with textures in the official form, and as pictures.
 
@@ -50,6 +51,8 @@ def build_house(
     house_id : str
     objects : bool
         Whether the plan's fixed objects are shown (:mod:`plan2scene.mesh.objects`).
+    traced : bool
+        Whether rooms are drawn by path tracing, where Mitsuba is installed.
     """
     house, textures = _load(scene_json, textures_dir, house_id)
     shown = house if objects else replace(house, icons=())
@@ -58,7 +61,7 @@ def build_house(
     plain = {key: (tile.png, tile.size_m) for key, tile in textures.items()}
     write_scene_json(house, textured_scene_json, plain)
     write_png(preview, render_preview(shown, textures, assembly))
-    pictures = render_rooms(shown, textures, assembly.parts)
+    pictures = render_rooms(shown, textures, assembly.parts, traced=traced)
     with atomic_path(rooms) as temporary:
         temporary.write_bytes(jpeg_bytes(pictures, quality=90))
     logging.getLogger("plan2scene").info(

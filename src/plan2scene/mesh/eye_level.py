@@ -18,6 +18,7 @@ from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.raster import Camera, Soup, look_at, sample, soup_of, texels_per_metre
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.textures import TileTexture
+from plan2scene.mesh.traced import TracedScene, load_mitsuba
 
 #: Metres above the floor; horizontal field of view, degrees; distance kept from walls, metres.
 EYE_M, FOV_DEG, CLEAR_M = 1.5, 78.0, 0.35
@@ -29,23 +30,38 @@ _STANDPOINTS = 10  # of the longest lines across a room, compared by what is see
 _LOOK_DOWN = 0.22  # how far below the eye one looks at 1 m
 _SKY, _HORIZON = np.array([0.55, 0.70, 0.95]), np.array([0.90, 0.93, 0.97])
 _BRIGHT = 0.42  # mean linear value that a picture is exposed to, within these factors
-_EXPOSURE = (0.5, 1.5)
+_EXPOSURE, _ADAPTED = (0.5, 1.5), (0.2, 8.0)
 _KNEE = 0.75  # linear value from which highlights are compressed
 
 
 def render_rooms(
-    house: House, textures: Mapping[SurfaceKey, TileTexture], parts: Sequence[MeshPart]
+    house: House,
+    textures: Mapping[SurfaceKey, TileTexture],
+    parts: Sequence[MeshPart],
+    *,
+    traced: bool = False,
 ) -> np.ndarray:
-    """Return a sheet of a picture of each room, (h, w, 3) uint8 sRGB; grey without a ray tracer."""
-    colours = mean_colours(textures)
-    light = bake_light(house, parts, colours, _TEXEL_M)
-    rays = None if light is None else Rays.of(parts)
-    if light is None or rays is None:
+    """Return a sheet of a picture of each room, (h, w, 3) uint8 sRGB; grey without a ray tracer.
+
+    With `traced` by path tracing (:mod:`plan2scene.mesh.traced`) where Mitsuba is installed, else
+    by baked light.
+    """
+    names = [room.id for room in house.rooms]
+    rays = Rays.of(parts)
+    if rays is None:
         blank = np.full((*SIZE, 3), 200, np.uint8)
         return _sheet([blank], ["no ray tracer on this machine"])
-    scene = _Scene(rays, textures, light)
-    pictures = [scene.draw(camera_in(house, room.id, rays)) for room in house.rooms]
-    return _sheet(pictures, [room.id for room in house.rooms])
+    cameras = [camera_in(house, name, rays) for name in names]
+    mi = load_mitsuba() if traced else None
+    if mi is not None:
+        scene = TracedScene(mi, house, parts, textures)
+        pictures = [_developed(scene.draw(camera), _ADAPTED) for camera in cameras]
+        return _sheet(pictures, names)
+    light = bake_light(house, parts, mean_colours(textures), _TEXEL_M)
+    if light is None:
+        return _sheet([np.full((*SIZE, 3), 200, np.uint8)], ["no surface with a texture"])
+    baked = _Scene(rays, textures, light)
+    return _sheet([_developed(baked.draw(camera), _EXPOSURE) for camera in cameras], names)
 
 
 def camera_in(house: House, room_id: str, rays: Rays) -> Camera:
@@ -130,14 +146,14 @@ class _Scene:
         self.plain, self.light_uv = np.concatenate(lights), np.concatenate(uv)
 
     def draw(self, camera: Camera) -> np.ndarray:
-        """Return a picture, (h, w, 3) uint8 sRGB."""
+        """Return a picture, (h, w, 3) float32 linear RGB, not exposed."""
         height, width = camera.size
         eyes, ways = _from(camera, directions(camera))
         hit = self.rays.hits(eyes, ways)
         image = _HORIZON + (_SKY - _HORIZON) * np.clip(ways[:, 1:2], 0, 1)
         seen = np.flatnonzero(hit >= 0)
         image[seen] = self._colours(hit[seen], eyes[seen], ways[seen], camera.scale)
-        return _developed(image.reshape(height, width, 3).astype(np.float32))
+        return np.asarray(image.reshape(height, width, 3), dtype=np.float32)
 
     def _colours(
         self, t: np.ndarray, eyes: np.ndarray, ways: np.ndarray, focal: float
@@ -172,10 +188,13 @@ def _barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.stack([1 - second - third, second, third], axis=1)
 
 
-def _developed(image: np.ndarray) -> np.ndarray:
-    """Return a linear picture exposed, its highlights compressed, at `SIZE`, uint8 sRGB."""
+def _developed(image: np.ndarray, exposures: tuple[float, float]) -> np.ndarray:
+    """Return a linear picture exposed, its highlights compressed, at `SIZE`, uint8 sRGB.
+
+    Its mean becomes `_BRIGHT`, within the least and the greatest exposure.
+    """
     image = cv2.resize(image, SIZE[::-1], interpolation=cv2.INTER_AREA)
-    image = image * np.clip(_BRIGHT / max(float(image.mean()), 1e-6), *_EXPOSURE)
+    image = image * np.clip(_BRIGHT / max(float(image.mean()), 1e-6), *exposures)
     over = np.maximum(image - _KNEE, 0.0)
     image = np.minimum(image, _KNEE) + (1 - _KNEE) * over / (over + 1 - _KNEE)
     return np.asarray(np.round(linear_to_srgb(image.clip(0, 1)) * 255).astype(np.uint8))

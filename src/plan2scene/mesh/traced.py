@@ -1,0 +1,208 @@
+"""Pictures of rooms by path tracing (Mitsuba 3, the extra `render`): lamps, sky in the windows.
+
+Every part is a mesh with its texture or vertex colours, diffuse; windows shine with the sky, and a
+small globe hangs where a room's lamp is. Light is averaged over few paths and smoothed apart from
+what surfaces look like, which every pixel keeps sharp.
+"""
+
+from __future__ import annotations
+
+import importlib
+import logging
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import cv2
+import numpy as np
+
+from plan2scene.colour import srgb_to_linear
+from plan2scene.house import House, SurfaceKey
+from plan2scene.images import image_from_bytes
+from plan2scene.mesh.light import LAMP, SKY, lamp_position
+from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.raster import Camera
+from plan2scene.mesh.textures import UNTEXTURED, TileTexture
+
+#: Mitsuba's variants in order of preference: the second needs nothing but Mitsuba, and is slower.
+VARIANTS = ("llvm_ad_rgb", "scalar_rgb")
+#: Paths a pixel, surfaces that one meets at most, and where chance begins to end it.
+SAMPLES, DEPTH, ROULETTE = 24, 7, 4
+#: Radius of a lamp's globe, metres; its radiance and the sky's, in multiples of white.
+LAMP_RADIUS_M, LAMP_RADIANCE, SKY_RADIANCE = 0.09, 28.0, 2.2
+#: Albedo below which a pixel's colour is not divided out (lamps, sky).
+_LEAST_ALBEDO = 0.02
+#: Steps of the filter, pixels; what normals and metres (times the distance) count as one surface.
+_STEPS, _SAME_NORMAL, _SAME_PLACE = (1, 2, 4, 8), 0.1, 0.02
+_KERNEL = (3 / 8, 1 / 4, 1 / 16)
+
+
+def load_mitsuba() -> Any | None:
+    """Return Mitsuba with a variant that works here; None, with a warning, without any."""
+    try:
+        mi = importlib.import_module("mitsuba")
+    except ImportError:
+        logging.getLogger("plan2scene").warning(
+            "no Mitsuba here (pip install 'plan2scene[render]'): rooms are drawn by baked light"
+        )
+        return None
+    for name in VARIANTS:
+        try:
+            mi.set_variant(name)
+            if name.startswith("llvm"):  # wants LLVM's library
+                drjit = importlib.import_module("drjit")
+                drjit.eval(drjit.llvm.Float(1.0) + drjit.llvm.Float([1.0, 2.0]))
+        except (ImportError, RuntimeError, AttributeError):
+            continue
+        return mi
+    logging.getLogger("plan2scene").warning("no variant of Mitsuba works: rooms by baked light")
+    return None
+
+
+class TracedScene:
+    """A house in Mitsuba, drawn by any number of cameras."""
+
+    def __init__(
+        self,
+        mi: Any,
+        house: House,
+        parts: Sequence[MeshPart],
+        textures: Mapping[SurfaceKey, TileTexture],
+    ) -> None:
+        self._mi = mi
+        scene: dict[str, Any] = {"type": "scene"}
+        for number, part in enumerate(parts):
+            scene[f"part{number}"] = self._mesh(f"part{number}", part, textures)
+        for number, room in enumerate(house.rooms):
+            if not room.open_air:
+                scene[f"lamp{number}"] = self._lamp(lamp_position(house, room.id))
+        scene["sky"] = {"type": "constant", "radiance": self._rgb(SKY_RADIANCE * SKY / SKY.max())}
+        self._scene = mi.load_dict(scene, parallel=False)
+        path = {"type": "path", "max_depth": DEPTH, "rr_depth": ROULETTE}
+        aovs = "al:albedo,no:sh_normal,po:position"
+        self._integrator = mi.load_dict({"type": "aov", "aovs": aovs, "img": path})
+
+    def draw(self, camera: Camera) -> np.ndarray:
+        """Return a picture, (h, w, 3) float32 linear RGB, not exposed. Deterministic."""
+        image = self._mi.render(
+            self._scene,
+            sensor=self._sensor(camera),
+            integrator=self._integrator,
+            spp=SAMPLES,
+            seed=0,
+        )
+        data = np.nan_to_num(np.asarray(image, dtype=np.float32))
+        radiance, albedo, normal, place = (data[..., k : k + 3] for k in (0, 3, 6, 9))
+        return smoothed(radiance, albedo, normal, place)
+
+    def _rgb(self, colour: np.ndarray) -> dict[str, Any]:
+        return {"type": "rgb", "value": [float(value) for value in colour]}
+
+    def _lamp(self, place: np.ndarray) -> dict[str, Any]:
+        radiance = self._rgb(LAMP_RADIANCE * LAMP)
+        return {
+            "type": "sphere",
+            "center": [float(value) for value in place],
+            "radius": LAMP_RADIUS_M,
+            "emitter": {"type": "area", "radiance": radiance},
+        }
+
+    def _mesh(self, name: str, part: MeshPart, textures: Mapping[SurfaceKey, TileTexture]) -> Any:
+        """Return a part as a mesh of Mitsuba; a pane shines inwards with the sky."""
+        mi = self._mi
+        tile = None if part.surface is None else textures.get(part.surface)
+        properties = mi.Properties()
+        look: dict[str, Any]
+        if part.material == "glass":
+            look = self._rgb(np.zeros(3))
+            sky = {"type": "area", "radiance": self._rgb(SKY_RADIANCE * SKY / SKY.max())}
+            properties["mesh_emitter"] = mi.load_dict(sky)
+        elif tile is not None and part.uv is not None:
+            data = srgb_to_linear(image_from_bytes(tile.image)).astype(np.float32)
+            look = {"type": "bitmap", "bitmap": mi.Bitmap(data), "raw": True}
+        elif part.colours is not None:
+            look = {"type": "mesh_attribute", "name": "vertex_color"}
+        else:
+            surface = "wall" if part.surface is None else part.surface.surface
+            look = self._rgb(srgb_to_linear(np.array(UNTEXTURED[surface], np.uint8)))
+        bsdf = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": look}}
+        properties["mesh_bsdf"] = mi.load_dict(bsdf)
+        vertices, faces = part.mesh.vertices, part.mesh.faces
+        mesh = mi.Mesh(name, len(vertices), len(faces), has_vertex_texcoords=True, props=properties)
+        values = mi.traverse(mesh)
+        values["vertex_positions"] = np.ascontiguousarray(vertices, np.float32).ravel()
+        values["faces"] = np.ascontiguousarray(faces, np.uint32).ravel()
+        uv = np.zeros((len(vertices), 2))
+        if tile is not None and part.uv is not None:
+            uv = tile.turns(part.uv)
+        values["vertex_texcoords"] = uv.astype(np.float32).ravel()
+        values.update()
+        if part.colours is not None:
+            linear = srgb_to_linear(part.colours).astype(np.float32)
+            mesh.add_attribute("vertex_color", 3, linear.ravel())
+        return mesh
+
+    def _sensor(self, camera: Camera) -> Any:
+        """Return a pinhole where a camera is."""
+        height, width = camera.size
+        to_world = np.eye(4)
+        right, down, ahead = camera.rotation
+        to_world[:3, :3] = np.stack([-right, -down, ahead], axis=1)
+        to_world[:3, 3] = camera.position
+        film = {"type": "hdrfilm", "height": height, "width": width, "pixel_format": "rgb"}
+        return self._mi.load_dict(
+            {
+                "type": "perspective",
+                "fov": float(np.degrees(2 * np.arctan(width / 2 / camera.scale))),
+                "fov_axis": "x",
+                "near_clip": 0.02,
+                "far_clip": 200.0,
+                "to_world": self._mi.ScalarTransform4f(to_world.tolist()),
+                "film": {**film, "rfilter": {"type": "box"}, "component_format": "float32"},
+                "sampler": {"type": "independent", "sample_count": SAMPLES},
+            }
+        )
+
+
+def smoothed(
+    radiance: np.ndarray, albedo: np.ndarray, normal: np.ndarray, place: np.ndarray
+) -> np.ndarray:
+    """Return a picture (h, w, 3) whose light is smooth within surfaces, their colours as sharp.
+
+    Radiance over albedo is filtered by an edge-avoiding wavelet (Dammertz et al. 2010).
+
+    Parameters
+    ----------
+    radiance, albedo : (h, w, 3) float32
+        Linear RGB.
+    normal, place : (h, w, 3) float32
+        Of what a pixel shows, in the world; metres.
+    """
+    lit = albedo.max(axis=2) > _LEAST_ALBEDO
+    shade = np.where(lit[..., None], albedo, 1.0)
+    light = np.minimum(radiance / shade, 8.0)
+    near = _SAME_PLACE * np.maximum(np.linalg.norm(place - place[lit].mean(axis=0), axis=2), 1.0)
+    for step in _STEPS:
+        total, weights = light * _KERNEL[0] ** 2, np.full(lit.shape, _KERNEL[0] ** 2, np.float32)
+        for dy in range(-2, 3):
+            for dx in range(-2, 3):
+                if dx or dy:
+                    there = [_shifted(a, step * dy, step * dx) for a in (light, normal, place, lit)]
+                    weight = _KERNEL[abs(dy)] * _KERNEL[abs(dx)] * (there[3] == lit)
+                    turned = ((there[1] - normal) ** 2).sum(axis=2)
+                    off = np.abs(((there[2] - place) * normal).sum(axis=2)) / near
+                    weight = weight * np.exp(-turned / _SAME_NORMAL - off)
+                    total, weights = total + weight[..., None] * there[0], weights + weight
+        light = total / weights[..., None]
+    return np.asarray(light * shade, dtype=np.float32)
+
+
+def _shifted(image: np.ndarray, dy: int, dx: int) -> np.ndarray:
+    """Return an image moved by whole pixels, its border repeated."""
+    matrix = np.array([[1, 0, -dx], [0, 1, -dy]], np.float32)
+    size = image.shape[1::-1]
+    values = image.astype(np.float32)
+    return np.asarray(
+        cv2.warpAffine(
+            values, matrix, size, flags=cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE
+        )
+    )

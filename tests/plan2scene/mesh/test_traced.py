@@ -1,0 +1,52 @@
+"""Rooms by path tracing: light where lamp and window are, surfaces in their colours, same bytes."""
+
+import numpy as np
+import pytest
+
+from plan2scene.house import SurfaceKey
+from plan2scene.images import png_bytes
+from plan2scene.mesh import TileTexture, build_parts, traced
+from plan2scene.mesh.eye_level import camera_in
+from plan2scene.mesh.rays import Rays
+
+pytest.importorskip("embreex")
+
+
+def test_smoothing_keeps_colours_and_edges_and_takes_noise():
+    rng = np.random.default_rng(0)
+    albedo = np.full((40, 60, 3), 0.2, np.float32)
+    albedo[:, ::2] = 0.6  # as fine as it gets
+    normal = np.zeros_like(albedo)
+    normal[:, :30, 2], normal[:, 30:, 0] = 1, 1
+    light = np.where(np.arange(60) < 30, 0.3, 1.0)[None, :, None]
+    noisy = albedo * light * rng.uniform(0.5, 1.5, albedo.shape)
+    place = np.zeros_like(albedo)
+    made = traced.smoothed(noisy.astype(np.float32), albedo, normal, place) / albedo
+    assert made[:, 4:28].std() < 0.15 * 0.3
+    assert made[:, 4:28].mean() == pytest.approx(0.3, rel=0.05)
+    assert made[:, 32:56].mean() == pytest.approx(1.0, rel=0.05)
+    assert made[:, 29].mean() < 0.4 and made[:, 30].mean() > 0.85
+
+
+def test_a_room_is_lit_and_shows_its_floor(gap_house, monkeypatch):
+    pytest.importorskip("mitsuba")
+    monkeypatch.setattr(traced, "VARIANTS", ("scalar_rgb",))
+    monkeypatch.setattr(traced, "SAMPLES", 4)
+    mi = traced.load_mitsuba()
+    red = TileTexture(png_bytes(np.full((4, 4, 3), (220, 30, 30), np.uint8)), 1.0)
+    parts = build_parts(gap_house)
+    scene = traced.TracedScene(mi, gap_house, parts, {SurfaceKey("b", "floor"): red})
+    camera = camera_in(gap_house, "b", Rays.of(parts))
+    small = type(camera)(camera.rotation, camera.position, camera.scale / 6, (58, 87), True)
+    picture = scene.draw(small)
+    assert picture.shape == (58, 87, 3) and np.isfinite(picture).all()
+    low = picture[-12:].reshape(-1, 3).mean(axis=0)
+    assert low[0] > 4 * low[1]  # the floor
+    assert picture.mean() > 0.02
+    np.testing.assert_array_equal(picture, scene.draw(small))
+
+
+def test_without_mitsuba_a_line_says_so(monkeypatch, caplog):
+    monkeypatch.setitem(__import__("sys").modules, "mitsuba", None)
+    assert traced.load_mitsuba() is None
+    assert "plan2scene[render]" in caplog.text
