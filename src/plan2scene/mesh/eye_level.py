@@ -41,27 +41,40 @@ def render_rooms(
     *,
     traced: bool = False,
 ) -> np.ndarray:
-    """Return a sheet of a picture of each room, (h, w, 3) uint8 sRGB; grey without a ray tracer.
+    """Return a sheet of a picture of each room, (h, w, 3) uint8 sRGB, see :func:`draw_rooms`."""
+    names = [room.id for room in house.rooms]
+    pictures = draw_rooms(house, textures, parts, names, traced=traced)
+    if not pictures:
+        return _sheet([np.full((*SIZE, 3), 200, np.uint8)], ["no ray tracer, or no texture"])
+    return _sheet(pictures, names)
+
+
+def draw_rooms(
+    house: House,
+    textures: Mapping[SurfaceKey, TileTexture],
+    parts: Sequence[MeshPart],
+    names: Sequence[str],
+    *,
+    traced: bool = False,
+) -> list[np.ndarray]:
+    """Return a picture of each named room, `SIZE` uint8 sRGB; none where nothing can be lit.
 
     With `traced` by path tracing (:mod:`plan2scene.mesh.traced`) where Mitsuba is installed, else
     by baked light.
     """
-    names = [room.id for room in house.rooms]
     rays = Rays.of(parts)
     if rays is None:
-        blank = np.full((*SIZE, 3), 200, np.uint8)
-        return _sheet([blank], ["no ray tracer on this machine"])
+        return []
     cameras = [camera_in(house, name, rays) for name in names]
     mi = load_mitsuba() if traced else None
     if mi is not None:
         scene = TracedScene(mi, house, parts, textures)
-        pictures = [_developed(scene.draw(camera), _ADAPTED) for camera in cameras]
-        return _sheet(pictures, names)
+        return [_developed(scene.draw(camera), _ADAPTED) for camera in cameras]
     light = bake_light(house, parts, mean_colours(textures), _TEXEL_M)
     if light is None:
-        return _sheet([np.full((*SIZE, 3), 200, np.uint8)], ["no surface with a texture"])
+        return []
     baked = _Scene(rays, textures, light)
-    return _sheet([_developed(baked.draw(camera), _EXPOSURE) for camera in cameras], names)
+    return [_developed(baked.draw(camera), _EXPOSURE) for camera in cameras]
 
 
 def camera_in(house: House, room_id: str, rays: Rays) -> Camera:
