@@ -17,7 +17,7 @@ with job(snakemake.log[0]):
     )
     if params.snapshots is None:
         options = ResidenceOptions(**params.options)
-        write_residence(root, house, split, params.seed, options=options, textures=sources.textures)
+        write_residence(root, house, split, params.seed, options=options, sources=sources)
     else:
         shared = {key: params.options[key] for key in ("jpeg_quality", "variant")}
         options = SnapshotOptions(**params.snapshots, **shared)

@@ -27,11 +27,13 @@ from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import accent_walls, assign_materials
 from plan2scene_workshop.rendering import encode_jpeg, plan_views, render_house
+from plan2scene_workshop.rendering.decor import listing_decor
 from plan2scene_workshop.rendering.randomised import (
     draw_random_rooms,
     randomise_materials,
     randomise_view,
 )
+from plan2scene_workshop.rendering.sources import Sources
 
 _LOGGER = logging.getLogger("plan2scene")
 
@@ -84,20 +86,21 @@ def write_residence(
     seed: int,
     *,
     options: ResidenceOptions | None = None,
-    textures: Sequence[Material] = (),
+    sources: Sources | None = None,
 ) -> House:
     """Write one synthetic house: plan, photo table, photos, truth; return the house.
 
     Only files of this house are written, so that houses can be made at the same time. The same
-    seed, options, textures and Mitsuba variant give the same bytes.
+    seed, options, sources and Mitsuba variant give the same bytes.
 
     `root` is the data set's folder and `seed` its seed, of which each house derives its own; the
-    style model mixes the real `textures` in. InputError when Mitsuba or its variant does not work.
+    style model mixes the real textures of `sources` in, and their models furnish the rooms.
+    InputError when Mitsuba or its variant does not work.
     """
-    options = options or ResidenceOptions()
+    options, sources = options or ResidenceOptions(), sources or Sources()
     root = Path(root)
     house = generate_house(house_id, derive_seed(seed, "house"))
-    materials = assign_materials(house, derive_seed(seed, "style"), textures)
+    materials = assign_materials(house, derive_seed(seed, "style"), sources.textures)
     random_rooms = draw_random_rooms(house, options.random_room_share, seed)
     materials = randomise_materials(materials, random_rooms, derive_seed(seed, "random", house_id))
     accents = accent_walls(house, derive_seed(seed, "accents"))
@@ -122,6 +125,9 @@ def write_residence(
         samples_per_pixel=options.samples_per_pixel,
         variant=options.variant,
         random_rooms=random_rooms,
+        decor=listing_decor(sources, derive_seed(seed, "decor", house_id))
+        if sources.models
+        else None,
     )
     assignment: list[tuple[str, str]] = []
     cameras: dict[str, Any] = {}

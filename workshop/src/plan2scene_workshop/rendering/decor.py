@@ -1,4 +1,4 @@
-"""How one scene of training photos looks: materials, textiles, pictures, light, clutter.
+"""How one scene looks: materials, textiles, pictures, light, clutter.
 
 Half of the scenes are like real rooms, half are randomised (domain randomisation, Tobin et al.
 2017): any texture at any scale on anything, light of any colour.
@@ -38,6 +38,7 @@ class Decor:
     palette: Palette
     style: RoomStyle
     shop: ModelShop
+    listing: bool = False  #: light as photographers of listings want it
 
     def finishes(self) -> dict[str, Finish]:
         """Return the finishes of textiles, pictures, skins, lit lamps and plain model parts."""
@@ -80,6 +81,8 @@ class Decor:
         """Return the light of the photographed room (areas in square metres)."""
         rng = generator(self.seed, "light")
         plan = draw_light(rng, floor, windows)
+        if self.listing:
+            return plan
         kelvin = float(rng.uniform(2000, 6500))
         night = rng.random() < 0.35
         sky = plan.sky * float(np.exp(rng.normal(0, 0.5)))
@@ -165,6 +168,22 @@ def draw_decor(sources: Sources, seed: int, *, randomised: bool) -> Decor:
     )
     palette = draw_palette(generator(seed, "palette"))
     return Decor(seed, sources, randomised, palette, style, ModelShop(sources.models))
+
+
+def listing_decor(sources: Sources, seed: int) -> Decor:
+    """Draw the look of a home that was tidied up for its photos."""
+    rng = generator(seed, "listing")
+    style = RoomStyle(
+        crowd=float(rng.uniform(0.9, 1.4)),
+        clutter=float(rng.uniform(0.4, 1.0)),
+        kind=None,
+        skins=(),
+        fabrics=(*FABRICS, *_RUGS),
+        pictures=_PICTURES,
+        lit=float(rng.choice([0.0, 0.5])),
+    )
+    palette = draw_palette(generator(seed, "palette"))
+    return Decor(seed, sources, False, palette, style, ModelShop(sources.models), listing=True)
 
 
 def _tinted(tile: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.uint8]:

@@ -1,10 +1,12 @@
 """Rooms as people live in them: full of models and procedural pieces, clutter, rugs, pictures.
 
-Furniture for training photos (:mod:`.snapshots`); the homes of listings keep :mod:`.furniture`.
+Furniture for training photos (:mod:`.snapshots`), and for listings' where there are models;
+else listings have :mod:`.furniture`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,12 +60,20 @@ class Furnisher:
         self.shop, self.palette, self.style = shop, palette, style
 
     def furnish(
-        self, geometry: Geometry, room: Room, faces: tuple[WallFace, ...], rng: np.random.Generator
+        self,
+        geometry: Geometry,
+        room: Room,
+        faces: tuple[WallFace, ...],
+        rng: np.random.Generator,
+        cameras: Sequence[shapely.Point] = (),
     ) -> None:
-        """Add furniture, clutter, rugs and pictures; nothing stands in a wall or a doorway."""
+        """Add furniture, clutter, rugs and pictures; nothing stands in a wall, a doorway or a lens.
+
+        `cameras` as of :class:`.furniture.Layout`.
+        """
         if not faces:
             return
-        layout = Layout(room, faces, ())
+        layout = Layout(room, faces, cameras)
         kind = LIKE.get(room.types[0], room.types[0]) if room.types else "Bedroom"
         kind = self.style.kind or kind
         scale = min((room_polygon(room).area / TYPICAL_AREA) ** 0.8, 2.2)

@@ -16,6 +16,7 @@ from plan2scene.materials import Material
 from plan2scene.photos.labels.palette import without_openings
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.rendering.camera_effects import develop, draw_style, merge_exposures
+from plan2scene_workshop.rendering.decor import Decor
 from plan2scene_workshop.rendering.denoise import (
     MIN_ALBEDO,
     clamp_fireflies,
@@ -56,6 +57,7 @@ def render_house(
     samples_per_pixel: int = 12,
     variant: str | None = None,
     random_rooms: Collection[str] = (),
+    decor: Decor | None = None,
 ) -> Iterator[RenderedPhoto]:
     """Yield a photo per view, in order; consecutive views of a room share its scene.
 
@@ -71,6 +73,8 @@ def render_house(
         Mitsuba variant; the same seed and variant give the same bytes.
     random_rooms : collection of str
         Ids of rooms with random textiles and clutter (see :mod:`.randomised`).
+    decor : Decor, optional
+        Furniture, textiles, light and view outside; by default those of :mod:`.furniture`.
 
     InputError when Mitsuba is missing, or a surface in sight has no material.
     """
@@ -79,7 +83,7 @@ def render_house(
         shots = list(group)
         random_room = room_id in random_rooms
         scene = build_room_scene(
-            house, room_id, materials, accents, shots, seed, randomised=random_room
+            house, room_id, materials, accents, shots, seed, randomised=random_room, decor=decor
         )
         tracer = Tracer(scene.geometry, scene.finishes, mi)
         for view in shots:

@@ -91,8 +91,8 @@ def build_room_scene(
 
     Doors, furniture and colours depend on the house and the seed, not on the views, except
     where a view has to be kept clear. A `randomised` room and all beyond its doors are of the
-    textiles and clutter of :mod:`.randomised`. With a `decor` the rooms are those of training
-    photos: its textiles, furniture, light and view outside.
+    textiles and clutter of :mod:`.randomised`. With a `decor` the rooms have its textiles,
+    furniture, light and view outside.
 
     InputError when a surface of a room in sight has no material.
     """
@@ -211,10 +211,10 @@ class _Builder:
         self._light(room, hops, sum((h.right - h.left) * (h.top - h.bottom) for h in panes))
         if hops < REACH:
             rng = generator(self.seed, self.house.id, room.id, "furniture")
-            if self.decor:
-                self.decor.furnisher().furnish(self.geometry, room, faces, rng)
-                return
             cameras = [shapely.Point(v.position[0], v.position[2]) for v in self.views]
+            if self.decor:
+                self.decor.furnisher().furnish(self.geometry, room, faces, rng, cameras)
+                return
             furnish_room(
                 self.geometry, room, faces, self.palette, rng, cameras, random_room=self.randomised
             )
