@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from model_folder import HEADER, model_folder
 
 from plan2scene.errors import InputError
 from plan2scene_workshop.rendering.models import (
@@ -16,22 +17,6 @@ from plan2scene_workshop.rendering.models import (
     read_model_index,
     thinned,
 )
-
-HEADER = "file,class,width,depth,height,mount\n"
-
-
-def model_folder(folder: Path, count: int = 16) -> Path:
-    """Write `count` boxes of 0.6 x 0.5 x 0.8 m in a folder: chairs, and every third a table."""
-    rows = []
-    for k in range(count):
-        box = trimesh.creation.box((0.6, 0.8, 0.5))
-        box.apply_translation((0, 0.4, 0))
-        colour = trimesh.visual.material.PBRMaterial(baseColorFactor=[200, 40, 40, 255])
-        box.visual = trimesh.visual.TextureVisuals(uv=box.vertices[:, :2], material=colour)
-        box.export(folder / f"m{k}.glb")
-        rows.append(f"m{k}.glb,{'table' if k % 3 == 0 else 'chair'},0.6,0.5,0.8,floor\n")
-    (folder / "index.csv").write_text(HEADER + "".join(rows))
-    return folder
 
 
 def test_every_eighth_model_is_held_out(tmp_path: Path) -> None:

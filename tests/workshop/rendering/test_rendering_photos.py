@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from model_folder import model_folder
 
 from plan2scene.errors import InputError
 from plan2scene.house import Door, House, Opening, Room, SurfaceKey, Wall
 from plan2scene.materials import Material
 from plan2scene_workshop.rendering import RenderedPhoto, plan_views, render_house
+from plan2scene_workshop.rendering.decor import Decor, listing_decor
+from plan2scene_workshop.rendering.furniture import CAMERA_CLEARANCE
+from plan2scene_workshop.rendering.models import read_model_index
 from plan2scene_workshop.rendering.photos import light_at
 from plan2scene_workshop.rendering.scene import build_room_scene
+from plan2scene_workshop.rendering.sources import Sources
 from plan2scene_workshop.rendering.tracer import Buffers, Tracer, Truth, load_mitsuba
 
 pytest.importorskip("mitsuba", exc_type=ImportError)
@@ -59,7 +66,7 @@ def photos() -> list[RenderedPhoto]:
     return _render(house, views)
 
 
-def _render(house: House, views) -> list[RenderedPhoto]:
+def _render(house: House, views, decor: Decor | None = None) -> list[RenderedPhoto]:
     return list(
         render_house(
             house,
@@ -71,6 +78,7 @@ def _render(house: House, views) -> list[RenderedPhoto]:
             width=SIZE[1],
             samples_per_pixel=4,
             variant=VARIANT,
+            decor=decor,
         )
     )
 
@@ -155,6 +163,22 @@ def test_tiles_keep_their_metric_size() -> None:
     clear = np.minimum(np.abs(down - 0.5), np.minimum(down, 1 - down)) > 0.08
     assert (wall & clear).sum() > 100
     assert np.mean((albedo > 0.5)[wall & clear] == (down < 0.5)[wall & clear]) > 0.98
+
+
+def test_models_furnish_listings_and_keep_clear_of_cameras(tmp_path: Path) -> None:
+    house = _house()
+    models = read_model_index(model_folder(tmp_path), train=True)
+    decor = listing_decor(Sources(models=models), 3)
+    views = plan_views(house, ["a"], 3, 11)
+    scene = build_room_scene(house, "a", _materials(), {}, views, 5, decor=decor)
+    things = scene.geometry.joined()["model"].solid.vertices
+    assert len(things) >= 8 and scene.finishes["model"].two_sided
+    for view in views:
+        away = np.hypot(things[:, 0] - view.position[0], things[:, 2] - view.position[2])
+        assert away.min() > CAMERA_CLEARANCE[0] - 0.05
+    photo = _render(house, views[:1], decor=decor)[0]
+    assert photo.image.mean() > 40
+    assert not np.array_equal(photo.labels, _render(house, views[:1])[0].labels)
 
 
 def test_missing_material_is_one_line() -> None:

@@ -6,7 +6,7 @@ Layout and schemas: ``docs/conventions.md`` (Rent3D++ layout plus ``truth/``).
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import accent_walls, assign_materials
-from plan2scene_workshop.rendering import encode_jpeg, plan_views, render_house
+from plan2scene_workshop.rendering import RenderedPhoto, encode_jpeg, plan_views, render_house
 from plan2scene_workshop.rendering.decor import listing_decor
 from plan2scene_workshop.rendering.randomised import (
     draw_random_rooms,
@@ -103,32 +103,8 @@ def write_residence(
     materials = assign_materials(house, derive_seed(seed, "style"), sources.textures)
     random_rooms = draw_random_rooms(house, options.random_room_share, seed)
     materials = randomise_materials(materials, random_rooms, derive_seed(seed, "random", house_id))
-    accents = accent_walls(house, derive_seed(seed, "accents"))
     rng = generator(seed, "photos", house_id)
-    rooms = photographed_rooms(house, options.hidden_room_share, rng)
-    low, high = options.photos
-    count = max(int(rng.integers(low, high + 1)), min(len(rooms), high))
-    views = [
-        randomise_view(view, generator(view.seed, "snapshot"))
-        if view.room_id in random_rooms
-        else view
-        for view in plan_views(house, rooms, count, derive_seed(seed, "views"))
-    ]
-    photos = render_house(
-        house,
-        materials,
-        accents,
-        views,
-        derive_seed(seed, "render"),
-        height=options.height,
-        width=options.width,
-        samples_per_pixel=options.samples_per_pixel,
-        variant=options.variant,
-        random_rooms=random_rooms,
-        decor=listing_decor(sources, derive_seed(seed, "decor", house_id))
-        if sources.models
-        else None,
-    )
+    photos = _photographed(house, materials, random_rooms, options, sources, seed, rng)
     assignment: list[tuple[str, str]] = []
     cameras: dict[str, Any] = {}
     clear_photos(root, house_id)
@@ -140,12 +116,48 @@ def write_residence(
             write_png(truth / "planes" / f"{Path(name).stem}.png", photo.planes)
             cameras[name] = photo.camera
             assignment.append((photo.view.room_id, name))
-            _LOGGER.info("%s: photo %d of %d, %s", house_id, k + 1, count, photo.view.room_id)
+            _LOGGER.info("%s: photo %d, %s", house_id, k + 1, photo.view.room_id)
         write_json(truth / "cameras.json", cameras)
         _write_materials(truth, materials, options.tile_px)
     write_scene_json(house, root / "archs_no_objects" / split / f"{house_id}.scene.json")
     write_assignment(root / "photo_assignments" / split / f"{house_id}.photoroom.csv", assignment)
     return house
+
+
+def _photographed(
+    house: House,
+    materials: Mapping[SurfaceKey, Material],
+    random_rooms: Collection[str],
+    options: ResidenceOptions,
+    sources: Sources,
+    seed: int,
+    rng: np.random.Generator,
+) -> Iterator[RenderedPhoto]:
+    """Yield the photos of a house; `seed` is the data set's."""
+    accents = accent_walls(house, derive_seed(seed, "accents"))
+    rooms = photographed_rooms(house, options.hidden_room_share, rng)
+    low, high = options.photos
+    count = max(int(rng.integers(low, high + 1)), min(len(rooms), high))
+    views = [
+        randomise_view(view, generator(view.seed, "snapshot"))
+        if view.room_id in random_rooms
+        else view
+        for view in plan_views(house, rooms, count, derive_seed(seed, "views"))
+    ]
+    furnished = listing_decor(sources, derive_seed(seed, "decor", house.id))
+    yield from render_house(
+        house,
+        materials,
+        accents,
+        views,
+        derive_seed(seed, "render"),
+        height=options.height,
+        width=options.width,
+        samples_per_pixel=options.samples_per_pixel,
+        variant=options.variant,
+        random_rooms=random_rooms,
+        decor=furnished if sources.models else None,
+    )
 
 
 def clear_photos(root: Path, house_id: str) -> None:

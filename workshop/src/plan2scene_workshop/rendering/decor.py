@@ -44,7 +44,7 @@ class Decor:
         """Return the finishes of textiles, pictures, skins, lit lamps and plain model parts."""
         rng = generator(self.seed, "finishes")
         made = {
-            "model": Finish(roughness=0.6),
+            "model": Finish(two_sided=True),
             GLOW: Finish(emission=float(rng.uniform(5, 40)), light=self._lamp_colour(rng)),
         }
         for name in (*FABRICS, *_RUGS):

@@ -214,7 +214,7 @@ class ModelShop:
                 piece.parts.append(("model", solid, part.colour))
             else:
                 name = f"model {entry.name} {k}"
-                self.finishes[name] = Finish(part.tile, 1.0, 0.7)
+                self.finishes[name] = Finish(part.tile, two_sided=True)
                 piece.parts.append((name, solid, part.colour))
         return piece
 

@@ -30,6 +30,7 @@ class Finish:
     size_m: float = 1.0  #: metres that one tile covers
     roughness: float = 0.6  #: in [0, 1]; at 1 the finish is plain diffuse
     metallic: bool = False  #: metal and mirrors
+    two_sided: bool = False  #: plain diffuse from both sides: normals of models may be wrong
     #: Radiance of an emitter, coloured by `light` (linear RGB) alone: a textured emitter would be
     #: sampled by its texture, which fails for metric coordinates.
     emission: float | None = None
@@ -221,6 +222,11 @@ def _texture(mi: Any, finish: Finish) -> dict[str, Any]:
 def _bsdf(mi: Any, finish: Finish) -> dict[str, Any]:
     if finish.emission is not None:
         return {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}}
+    if finish.two_sided:
+        return {
+            "type": "twosided",
+            "bsdf": {"type": "diffuse", "reflectance": _texture(mi, finish)},
+        }
     if finish.roughness >= 1.0 and not finish.metallic:
         return {"type": "diffuse", "reflectance": _texture(mi, finish)}
     return {

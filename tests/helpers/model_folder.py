@@ -1,0 +1,23 @@
+"""A folder of furniture models: coloured boxes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import trimesh
+
+HEADER = "file,class,width,depth,height,mount\n"
+
+
+def model_folder(folder: Path, count: int = 16) -> Path:
+    """Write `count` boxes of 0.6 x 0.5 x 0.8 m in a folder: chairs, and every third a table."""
+    rows = []
+    for k in range(count):
+        box = trimesh.creation.box((0.6, 0.8, 0.5))
+        box.apply_translation((0, 0.4, 0))
+        colour = trimesh.visual.material.PBRMaterial(baseColorFactor=[200, 40, 40, 255])
+        box.visual = trimesh.visual.TextureVisuals(uv=box.vertices[:, :2], material=colour)
+        box.export(folder / f"m{k}.glb")
+        rows.append(f"m{k}.glb,{'table' if k % 3 == 0 else 'chair'},0.6,0.5,0.8,floor\n")
+    (folder / "index.csv").write_text(HEADER + "".join(rows))
+    return folder
