@@ -121,7 +121,9 @@ def check(
     else:
         house, problems = check_plan(target, _house_id(target, None), metres_per_pixel, layers)
         if house is not None:
-            print(f"{len(house.rooms)} rooms, {len(house.walls)} walls, {len(house.doors)} doors")
+            levels = f"{len(house.levels)} levels, " if house.levels else ""
+            counts = f"{len(house.rooms)} rooms, {len(house.walls)} walls, {len(house.doors)} doors"
+            print(f"{levels}{counts}")
     for problem in problems:
         print(problem)
     print(f"{len(problems)} problems" if problems else "no problems")

@@ -9,8 +9,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from shapely.geometry import LineString, Polygon
 from shapely.geometry import Point as ShapelyPoint
-from shapely.geometry import Polygon
 
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.floorplans.parse import Source
@@ -20,6 +20,8 @@ from plan2scene.house import House, Level, Room, Stairs
 STEP_OFF = 0.3
 #: A step is at most so high and at least so deep, metres.
 RISER, TREAD = 0.19, 0.15
+#: Walls may reach so far (metres) into a flight.
+MARGIN = 0.1
 #: Levels are at least so far apart, metres.
 LEAST_RISE = 0.5
 #: A flight is at least so long in plan, metres.
@@ -113,6 +115,19 @@ def _room_at(stairs: Stairs, rooms: Sequence[Room], level: str, *, foot: bool) -
     return None
 
 
+def _across(house: House, stairs: Stairs) -> Iterator[str]:
+    """Yield the ids of the walls, of the level below and above, that go through a flight."""
+    above = house.level_above(stairs.level)
+    levels = {stairs.level, stairs.level if above is None else above.id}
+    level_by_room = {room.id: room.level for room in house.rooms}
+    area = flight_area(stairs).buffer(-MARGIN)
+    for wall in house.walls:
+        if level_by_room[wall.room_ids[0]] not in levels:
+            continue
+        if LineString([wall.start, wall.end]).intersection(area).length > MARGIN:
+            yield wall.id
+
+
 def storey_oddities(house: House) -> Iterator[tuple[str, str, str]]:
     """Yield (expected, found, room) of levels without stairs and stairs that lead nowhere."""
     elevations = {level.id: level.elevation for level in house.levels}
@@ -130,6 +145,8 @@ def storey_oddities(house: House) -> Iterator[tuple[str, str, str]]:
         if (tread := stairs.length / step_count(rise)) < TREAD:
             found = f"{tread:.2f} m ({stairs.length:.2f} m for a rise of {rise:.2f} m)"
             yield f"steps of stairs {stairs.id} at least {TREAD:g} m deep", found, lower or ""
+        for wall in _across(house, stairs):
+            yield f"stairs {stairs.id} clear of walls", f"wall {wall} across them", lower or ""
     for level in house.levels[:-1]:
         above = house.level_above(level.id)
         if above is not None and not any(

@@ -178,6 +178,20 @@ def test_an_opening_between_levels_is_listed_and_left_out(plan):
     )
 
 
+def test_a_wall_across_the_stairs_is_listed(plan):
+    entry(plan, "rooms", "landing")["polygon"] = [[0, 0], [2.4, 0], [2.4, 3.2], [0, 3.2]]
+    store = {
+        "id": "store",
+        "types": ["Closet"],
+        "polygon": [[0, 3.2], [2.4, 3.2], [2.4, 6], [0, 6]],
+    }
+    plan["rooms"].append({**store, "level": "upper"})
+    plan["openings"] = [e for e in plan["openings"] if not e["id"].startswith("landing_")]
+    assert oddity(plan).endswith(
+        "room hall: expected stairs stairs clear of walls, found wall landing_wall_2 across them"
+    )
+
+
 def test_a_level_without_rooms_is_left_out(plan):
     plan["levels"].append({"id": "roof", "elevation": 6})
     assert oddity(plan).endswith("expected rooms on level roof, found none; left out")
