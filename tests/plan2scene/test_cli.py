@@ -202,7 +202,7 @@ def test_dxf_layers_by_the_command_line(strange_layers, tmp_path):
     call("import", strange_layers, *layer, "--out", out)
     assert len(read_plan(out, "flat").rooms) == 1
     call("edit", strange_layers, *layer, "--out", tmp_path / "editor.html")
-    assert '"polygon": [[0.0, 0.0]' in (tmp_path / "editor.html").read_text()
+    assert '"polygon":[[0.0,0.0]' in (tmp_path / "editor.html").read_text()
     for wrong in ("roofs=^poly", "rooms", "rooms=(", "rooms="):
         with pytest.raises(InputError) as caught:
             call("import", strange_layers, "--dxf-layer", wrong, "--out", out)
