@@ -124,7 +124,7 @@ def _touched(
         a, b = points[2 * k], points[2 * k + 1]
         across = b - a
         turn = direction[0] * across[1] - direction[1] * across[0]
-        if abs(turn) < 0.17 * float(np.linalg.norm(across)):
+        if abs(turn) <= 0.17 * float(np.linalg.norm(across)):
             continue
         offset = a - here
         step = (offset[0] * across[1] - offset[1] * across[0]) / turn

@@ -56,17 +56,23 @@ def house_of_ifc(path: Path, house_id: str) -> House:
     """
     source = Source(str(path), house_id)
     model = _Model(source, path)
-    storeys = model.storeys()
-    if not any(
-        item.is_a("IfcSpace") or item.is_a("IfcWall") for s in storeys.values() for item in s
-    ):
+    found = {
+        name: items for name, items in model.storeys().items() if _has(items, "IfcSpace", "IfcWall")
+    }
+    if not found:
         raise source.fault("IfcSpace or IfcWall in the model", "none")
-    drawn = (
-        model.storey(name, items)
-        for name, items in storeys.items()
-        if any(item.is_a("IfcSpace") or item.is_a("IfcWall") for item in items)
-    )
-    return house_of_storeys(source, drawn)
+    # Walls alone close foundations and attics, too.
+    lived_in = [n for n, items in found.items() if _has(items, "IfcSpace", "IfcDoor", "IfcWindow")]
+    for name in found if lived_in else ():
+        if name not in lived_in:
+            source.warn(f"spaces, doors or windows on storey {name}", "walls alone, left out")
+    storeys = (model.storey(name, found[name]) for name in lived_in or found)
+    return house_of_storeys(source, storeys)
+
+
+def _has(items: list[Any], *kinds: str) -> bool:
+    """Return whether any product is of one of these kinds."""
+    return any(item.is_a(kind) for item in items for kind in kinds)
 
 
 class _Model:

@@ -1,5 +1,6 @@
 """IFC: a model of ours is read back, storeys, models without spaces, faults."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -127,6 +128,17 @@ def test_two_storeys_come_back(tmp_path):
     for plan, (_, storey) in zip(plans, found.storeys(), strict=True):
         assert_found(plan, storey)
     assert list(house_faults(found)) == []
+
+
+def test_foundations_are_no_storey(tmp_path):
+    plan, writer = drawn_flat(2), Writer()
+    writer.storey(replace(plan, holes=[]), "T/FDN", base=-1.2, spaces=False)
+    writer.storey(plan, "Ground")
+    found = read_plan(writer.saved(tmp_path), "h1")
+    assert_found(plan, found)
+    assert found.levels == ()
+    (line,) = [line for line in found.warnings if "T/FDN" in line]
+    assert line.endswith("found walls alone, left out")
 
 
 def test_our_own_export_comes_back_with_its_stairs(tmp_path):
