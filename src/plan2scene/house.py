@@ -231,9 +231,9 @@ class House:
     def rise_of(self, stairs: Stairs) -> float:
         """Return how far a flight climbs, metres: to the next level, else its room's ceiling."""
         above = self.level_above(stairs.level)
-        for level in self.levels:
-            if above is not None and level.id == stairs.level:
-                return above.elevation - level.elevation
+        if above is not None:
+            elevations = {level.id: level.elevation for level in self.levels}
+            return above.elevation - elevations[stairs.level]
         lower = stairs.room_ids[0]
         return DEFAULT_HEIGHT if lower is None else self.room(lower).height
 

@@ -26,7 +26,7 @@ export function problemsOf(plan, rules) {
   for (const storey of storeys) overlaps(storey, rules, warn);
   holesApart(walls, rooms, rules, warn);
   oddities(rooms, storeys, walls, rules, warn);
-  storeyOddities(stairs, levels, rooms, limits, warn);
+  storeyOddities(stairs, levels, rooms, walls, limits, warn);
   return found;
 }
 

@@ -59,5 +59,6 @@ def page_rules() -> dict[str, Any]:
             "step_off": storeys.STEP_OFF,
             "riser": storeys.RISER,
             "tread": storeys.TREAD,
+            "flight_margin": storeys.MARGIN,
         },
     }

@@ -1,6 +1,6 @@
 // What the reader says of floors and stairs (floorplans/storeys.py), in its words.
 
-import { dist, inside, unit, sub, add, times } from "./geometry.js";
+import { dist, dot, inside, unit, sub, add, times } from "./geometry.js";
 import { levelsOf, riseOf, stepCount } from "./storeys.js";
 import { matchOf } from "./walls.js";
 
@@ -67,8 +67,21 @@ function joinedRooms(flight, levels, rooms, limits) {
   return [find(flight.from, -1, flight.level), above ? find(flight.to, 1, above.id) : null];
 }
 
-/** Floors without stairs, stairs that lead nowhere or are too steep, ceilings above a floor. */
-export function storeyOddities(stairs, levels, rooms, limits, warn) {
+/** Metres of a wall that lie in a flight's strip, which is smaller by a margin. */
+function metresAcross(wall, flight, margin) {
+  const way = unit(sub(flight.to, flight.from)), side = [-way[1], way[0]], half = flight.width / 2 - margin;
+  const [a, b] = [wall.start, wall.end].map((point) => { const off = sub(point, flight.from); return [dot(off, way), dot(off, side)]; });
+  let [low, high] = [0, 1];
+  for (const [axis, least, most] of [[0, margin, flight.length - margin], [1, -half, half]]) {
+    const step = b[axis] - a[axis], ends = [(least - a[axis]) / step, (most - a[axis]) / step].sort((p, q) => p - q);
+    if (least >= most || (Math.abs(step) < 1e-9 && (a[axis] < least || a[axis] > most))) return 0;
+    if (Math.abs(step) >= 1e-9) [low, high] = [Math.max(low, ends[0]), Math.min(high, ends[1])];
+  }
+  return Math.max(high - low, 0) * dist(wall.start, wall.end);
+}
+
+/** Floors without stairs, stairs that lead nowhere, are too steep or in a wall, ceilings above a floor. */
+export function storeyOddities(stairs, levels, rooms, walls, limits, warn) {
   const at = (id) => levels.findIndex((level) => level.id === id);
   for (const flight of stairs) {
     const [lower, upper] = flight.rooms, above = at(flight.level) >= 0 ? levels[at(flight.level) + 1] : undefined, what = `stairs ${flight.id}`;
@@ -78,6 +91,8 @@ export function storeyOddities(stairs, levels, rooms, limits, warn) {
     const rise = above || lower === null ? riseOf(flight, levels, limits) : rooms.find((room) => room.id === lower).height;
     const tread = flight.length / stepCount(rise, limits);
     if (tread < limits.tread) warn(`steps of ${what} at least ${limits.tread} m deep`, `${tread.toFixed(2)} m (${flight.length.toFixed(2)} m for a rise of ${rise.toFixed(2)} m)`, lower ?? "");
+    const near = walls.filter((wall) => [flight.level, above?.id].includes(rooms[wall.rooms[0]].level));
+    for (const wall of near) if (metresAcross(wall, flight, limits.flight_margin) > limits.flight_margin) warn(`${what} clear of walls`, "a wall across them", lower ?? "");
   }
   levels.slice(0, -1).forEach((level, k) => {
     if (!stairs.some((flight) => flight.level === level.id && !flight.rooms.includes(null))) warn(`stairs from level ${level.id} up to level ${levels[k + 1].id}`, "none");

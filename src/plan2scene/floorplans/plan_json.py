@@ -102,9 +102,13 @@ def _with_openings(
         by_level.setdefault(level_by_room[wall.room_ids[0]], []).append(wall)
     placed = []
     for level, own in by_level.items():
-        others = [wall for other, walls in by_level.items() if other != level for wall in walls]
-        kept = [s for s in segments.get(level, []) if _on_level(source, s, level, own, others)]
-        placed += place_openings(source, own, kept, tolerance=SNAP_TOLERANCE)
+        mine = segments.get(level, [])
+        try:
+            placed += place_openings(source, own, mine, tolerance=SNAP_TOLERANCE)
+        except InputError:
+            others = [wall for name, walls in by_level.items() if name != level for wall in walls]
+            mine = [s for s in mine if _on_level(source, s, level, own, others)]
+            placed += place_openings(source, own, mine, tolerance=SNAP_TOLERANCE)
     return placed
 
 

@@ -69,6 +69,8 @@ STOREY_CHANGES = {
     "stairs on top": (["stairs", 0, "level"], "upper"),
     "stairs beside the house": (["stairs", 0, "from"], [-3, 4.6]),
     "stairs into a wall": (["stairs", 0, "to"], [0.45, -1]),
+    "stairs along a wall": (["stairs", 0, "to"], [0.05, 1]),
+    "stairs through a wall": (["stairs", 0, "to"], [3.5, 3]),
     "steep stairs": (["stairs", 0, "to"], [0.45, 3.4]),
     "short stairs": (["stairs", 0, "to"], [0.45, 4.3]),
     "wide stairs": (["stairs", 0, "width"], 20),
