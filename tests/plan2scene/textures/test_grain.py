@@ -11,12 +11,14 @@ from plan2scene.textures.exemplar.grain import (
     one_way,
     quarter_turns,
 )
+from plan2scene.textures.exemplar.light import flatten
 from plan2scene.textures.exemplar.make import (
     ExemplarCrop,
     blur_octaves,
     make_exemplar,
     sharper,
 )
+from plan2scene.textures.exemplar.things import oddness
 
 
 def planks(seed: int, width: int = 32) -> np.ndarray:
@@ -105,3 +107,32 @@ def test_planks_that_hardly_show_under_a_gleam_are_the_last_to_be_used() -> None
     made = make_exemplar([ExemplarCrop(i, 0.5, 1.0) for i in images[::-1]], size_px=128)
     assert made is not None and set(made.crops) >= {3, 4, 5, 6, 7}
     assert not faintness(lumas, masks, np.zeros(len(images))).any()  # no direction: things
+
+
+def plaster(seed: int, *, switch: bool = False) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    values = np.full((128, 128, 3), 170.0) + rng.normal(0, 2, (128, 128, 1))
+    if switch:
+        values[60:64, 60:64] = 90
+    return np.clip(values, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize(("shown", "odd"), [(3, True), (8, False)])
+def test_crops_that_show_a_switch_are_odd_unless_all_do(shown, odd) -> None:
+    images = [plaster(k, switch=k < shown) for k in range(8)]
+    lumas = np.stack([luma(image) for image in images])
+    found = oddness(lumas, np.zeros(lumas.shape, bool))
+    assert (found[:shown] > 0.3).all() == odd and not found[shown:].any()
+    made = make_exemplar([ExemplarCrop(i, 0.5, 1.0) for i in images], size_px=128)
+    assert made is not None
+    assert (int(made.image.min()) > 130) == odd
+
+
+def test_lamp_and_daylight_on_one_wall_are_evened_out() -> None:
+    walls = np.stack([plaster(k) for k in range(3)]) / 255.0
+    ramp = np.linspace(-0.15, 0.15, 128)
+    lit = walls * np.exp(np.stack([ramp, 0 * ramp, -ramp], axis=1))[None, None]
+    flat = flatten(np.clip(lit, 0, 1), np.zeros(lit.shape[:3], bool))
+    before, after = (np.ptp(np.log(i[..., 0] / i[..., 2]).mean(axis=1)) for i in (lit, flat))
+    assert after < 0.25 * before
+    np.testing.assert_allclose(np.median(flat, axis=(1, 2)), np.median(lit, axis=(1, 2)), atol=0.01)

@@ -26,7 +26,7 @@ def grain(luma: np.ndarray, mask: np.ndarray) -> float:
     mask : (s, s) bool
         Pixels to leave out.
     """
-    band = _band(luma)
+    band = pattern_band(luma)
     used = cv2.dilate(mask.astype(np.uint8), np.ones((9, 9), np.uint8)) == 0
     across, down = (cv2.Sobel(band, cv2.CV_64F, dx, 1 - dx)[used] for dx in (1, 0))
     energy = float((across**2).sum() + (down**2).sum())
@@ -59,12 +59,12 @@ def faintness(luma: np.ndarray, masks: np.ndarray, grains: np.ndarray) -> np.nda
     """
     if not directed(grains):
         return np.zeros(len(grains))
-    band = [_band(one)[~mask].std() for one, mask in zip(luma, masks, strict=True)]
+    band = [pattern_band(one)[~mask].std() for one, mask in zip(luma, masks, strict=True)]
     contrast = np.maximum(np.nan_to_num(band), 1e-4)
     return np.maximum(np.log(np.percentile(contrast, 75) / contrast), 0.0)
 
 
-def _band(luma: np.ndarray) -> np.ndarray:
+def pattern_band(luma: np.ndarray) -> np.ndarray:
     """Return the scales of log grey values (s, s) between which a pattern lies."""
     values = luma.astype(np.float64)
     return cv2.GaussianBlur(values, (0, 0), _FINE) - cv2.GaussianBlur(values, (0, 0), _SLOW)

@@ -62,7 +62,10 @@ def highlights(images: np.ndarray) -> np.ndarray:
 
 
 def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
-    """Return the images under even light, each with its own median brightness.
+    """Return the images under even light, each with its own median brightness and colour.
+
+    What is done to log brightness is done to the logs of red and blue over green, too: daylight
+    and lamps mix on a wall.
 
     Parameters
     ----------
@@ -71,16 +74,26 @@ def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
     masks : (n, s, s) bool
         Highlights: they neither count nor get any better.
     """
-    luma = np.stack([_filled(*pair) for pair in zip(log_luma(images), masks, strict=True)])
-    terms = dctn(luma, axes=(1, 2), norm="ortho")
-    index = np.arange(luma.shape[1])
+    logs = np.log(images + _BLACK)
+    red, blue = (_slow(logs[..., k] - logs[..., 1], masks) for k in (0, 2))
+    green = -(0.299 * red + 0.114 * blue)  # colour alone leaves the grey value
+    field = _slow(log_luma(images), masks)[..., None] + np.stack(
+        [green + red, green, green + blue], axis=-1
+    )
+    return np.clip(images * np.exp(-field), 0.0, 1.0)
+
+
+def _slow(values: np.ndarray, masks: np.ndarray) -> np.ndarray:
+    """Return the share of log values (n, s, s) that is light, 0 in the median of each crop."""
+    filled = np.stack([_filled(*pair) for pair in zip(values, masks, strict=True)])
+    terms = dctn(filled, axes=(1, 2), norm="ortho")
+    index = np.arange(filled.shape[1])
     radius = np.hypot(index[:, None], index[None, :])
     light = np.zeros_like(terms)
     for ring, share in _shares(terms, radius):
         light[:, ring] = terms[:, ring] * share[:, None]
     field = idctn(light, axes=(1, 2), norm="ortho")
-    field -= np.median(field, axis=(1, 2), keepdims=True)
-    return np.clip(images * np.exp(-field)[..., None], 0.0, 1.0)
+    return np.asarray(field - np.median(field, axis=(1, 2), keepdims=True))
 
 
 def _filled(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:

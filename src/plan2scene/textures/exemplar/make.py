@@ -19,6 +19,7 @@ from plan2scene.textures.exemplar.lattice import CropLattice
 from plan2scene.textures.exemplar.light import flatten, highlights, log_luma
 from plan2scene.textures.exemplar.quilt import Source, quilt
 from plan2scene.textures.exemplar.straighten import Cut, find_pattern, straightened
+from plan2scene.textures.exemplar.things import oddness
 from plan2scene.textures.exemplar.tone import consensus, enlarged, toned
 from plan2scene.textures.seams import with_calm_border
 
@@ -33,6 +34,7 @@ _ALIKE_DE = 20.0  # CIEDE2000 beyond which crops are of different things; light 
 _SMALLEST_PX = 32  # crops that fill less of the tile only make seams
 _BLUR = 0.1  # what an octave fewer photo pixels a metre weighs, in log repair of the light
 _FAINT = 0.2  # what a pattern e times fainter than the better ones weighs
+_ODD = 0.5  # what things e times stronger than a plain surface's pattern weigh
 _FEW_OCTAVES = 1.0  # crops blurred by more than this against the better ones are left out
 _ENOUGH = 3  # where so many are sharper
 
@@ -201,7 +203,7 @@ def find_surface(
     flat, masks, colour, faults = _evened(good)
     luma = log_luma(flat)
     grains = grains_of(luma, masks)
-    faults = faults + _FAINT * faintness(luma, masks, grains)
+    faults = faults + _FAINT * faintness(luma, masks, grains) + _ODD * oddness(luma, masks)
     flat, masks, turned = one_way(flat, masks, grains)
     sides, size_m = tile_scale(good, work / WORK_PX)
     known = np.isfinite([crop.size_m for crop in good]).all()
