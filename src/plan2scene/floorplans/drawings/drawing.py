@@ -81,6 +81,11 @@ class Drawing:
         """Return the area of the rooms in square metres."""
         return sum(Polygon(room.rings[0]).area for room in self.rooms)
 
+    def size(self) -> float:
+        """Return the floor area in square metres, and a little for each metre of wall."""
+        lengths = (math.dist(axis.start, axis.end) for axis in self.axes)
+        return self.floor() + 1e-3 * sum(lengths)
+
     def shows(self, start: Point, end: Point, kind: str | None = None) -> bool:
         """Return whether an opening (of that kind, if given) is where this segment is."""
         middle = np.add(start, end) / 2

@@ -32,10 +32,10 @@ class DrawnStorey:
 def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
     """Return the house of drawings one above the other; one drawing is a house without levels.
 
-    Storeys on which nothing is a room are left out with a warning, and those at the elevation of
-    one that has been read, too. Raises InputError where none has rooms.
+    Of storeys at nearly one elevation the largest is read; the others, and storeys on which
+    nothing is a room, are left out with a warning. Raises InputError where none has rooms.
     """
-    given = sorted(storeys, key=lambda storey: storey.elevation)
+    given = _apart(source, sorted(storeys, key=lambda storey: storey.elevation))
     if len(given) == 1:
         return house_of_drawing(source, given[0].drawing)
     found: list[tuple[Level, House]] = []
@@ -45,23 +45,33 @@ def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
     fault: InputError | None = None
     base = given[0].elevation if given and abs(given[0].elevation) > FAR else 0.0
     for storey in given:
-        elevation = storey.elevation - base
-        if found and elevation - found[-1][0].elevation < LEAST_RISE:
-            expected = f"levels at least {LEAST_RISE:g} m apart"
-            source.warn(expected, f"{storey.name} beside {found[-1][0].name}; left out")
-            continue
         try:
             house = house_of_drawing(source, storey.drawing, taken)
         except InputError as error:
             fault = error
             source.warnings.append(f"{error} on level {storey.name}; left out")
             continue
-        level = Level(free_id(storey.name, names), storey.name, elevation, storey.drawing.height)
+        height = storey.drawing.height
+        level = Level(free_id(storey.name, names), storey.name, storey.elevation - base, height)
         found.append((level, house))
         stairs += [replace(flight, level=level.id) for flight in storey.drawing.stairs]
     if not found:
         raise fault or source.fault("storeys with rooms", "none")
     return _joined(source, found, stairs)
+
+
+def _apart(source: Source, storeys: Sequence[DrawnStorey]) -> list[DrawnStorey]:
+    """Return storeys, which come by elevation, without those beside a larger one."""
+    kept: list[DrawnStorey] = []
+    for storey in storeys:
+        if not kept or storey.elevation - kept[-1].elevation >= LEAST_RISE:
+            kept.append(storey)
+            continue
+        small, large = sorted((kept[-1], storey), key=lambda one: one.drawing.size())
+        kept[-1] = large
+        expected = f"levels at least {LEAST_RISE:g} m apart"
+        source.warn(expected, f"{small.name} beside {large.name}; left out")
+    return kept
 
 
 def _joined(

@@ -12,8 +12,6 @@ from itertools import pairwise
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from shapely.geometry import Polygon
-
 from plan2scene.floorplans.drawings.axes import MAX_AXES, WallAxis
 from plan2scene.floorplans.drawings.containers import attribute, parse_xml, zip_entry, zip_names
 from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom
@@ -66,29 +64,17 @@ class _Home:
         self.levels = {level.get("id", ""): level for level in root.findall("level")}
 
     def shown(self) -> list[str]:
-        """Return the ids of the levels on which anything is drawn; "" for a home without any.
+        """Return the ids of the levels on which anything is drawn; "" for a home without any."""
+        drawn = {
+            self._level(element.get("level", ""))
+            for tag in ("room", "wall")
+            for element in self.root.findall(tag)
+        }
+        return [name for name in self.levels if name in drawn] or [self._level("")]
 
-        Of levels at one elevation, which are layers of a drawing, that with the most floor.
-        """
-        drawn = {e.get("level", "") for tag in ("room", "wall") for e in self.root.findall(tag)}
-        kept: dict[float, str] = {}
-        sizes = self._sizes()
-        for name in self.levels:
-            place = round(self._elevation(name), 2)
-            if name in drawn and sizes[name] > sizes.get(kept.get(place, ""), -1.0):
-                kept[place] = name
-        return list(kept.values()) or [next(iter(self.levels), "")]
-
-    def _sizes(self) -> dict[str, float]:
-        """Return the floor of each level in square metres, and a little for each metre of wall."""
-        sizes = dict.fromkeys(self.levels, 0.0)
-        for room in self.root.findall("room"):
-            if room.get("level") in sizes:
-                sizes[room.get("level", "")] += Polygon(self._ring(room)).area
-        for wall in self.root.findall("wall"):
-            if wall.get("level") in sizes:
-                sizes[wall.get("level", "")] += 1e-3 * math.dist(*self._ends(wall))
-        return sizes
+    def _level(self, named: str) -> str:
+        """Return the level that an element is on: the first where it names none of the file."""
+        return named if named in self.levels else next(iter(self.levels), "")
 
     def _elevation(self, level: str) -> float:
         element = self.levels.get(level)
@@ -128,15 +114,11 @@ class _Home:
         return found
 
     def _on_level(self, tags: tuple[str, ...], level: str) -> Iterator[Element]:
-        """Yield the visible elements of these tags on a level, out of groups too.
-
-        What names no level of the file is on the first.
-        """
-        first = next(iter(self.levels), "")
+        """Yield the visible elements of these tags on a level, out of groups too."""
         queue = [(element, element.get("level", "")) for element in reversed(self.root)]
         while queue:
             element, own = queue.pop()
-            if (own if own in self.levels else first) != level:
+            if self._level(own) != level:
                 continue
             if element.tag == "furnitureGroup":
                 queue += [(child, child.get("level", own)) for child in reversed(element)]
