@@ -53,6 +53,7 @@ rule house:
         mem_mb=1500,
     params:
         objects=config["house"]["objects"],
+        relief=config["house"]["relief"],
         traced=config["house"]["pictures"] == "traced",
         code=code_hash("mesh.build", "viewer"),
     script:

@@ -16,6 +16,7 @@ with job(snakemake.log[0]):
         made.rooms,
         house_id=house_id,
         objects=snakemake.params.objects,
+        relief=snakemake.params.relief,
         traced=snakemake.params.traced,
     )
     house = read_scene_json(given.scene, house_id)

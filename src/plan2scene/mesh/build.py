@@ -34,6 +34,7 @@ def build_house(
     *,
     house_id: str,
     objects: bool = True,
+    relief: bool = True,
     traced: bool = False,
 ) -> None:
     """Write a house as GLB, as scene.json with textures in the official form, and as pictures.
@@ -51,13 +52,15 @@ def build_house(
     house_id : str
     objects : bool
         Whether the plan's fixed objects are shown (:mod:`plan2scene.mesh.objects`).
+    relief : bool
+        Whether surfaces of the GLB have normal maps (:mod:`plan2scene.mesh.relief`).
     traced : bool
         Whether rooms are drawn by path tracing, where Mitsuba is installed.
     """
     house, textures = _load(scene_json, textures_dir, house_id)
     shown = house if objects else replace(house, icons=())
     assembly = assemble(shown)
-    write_glb(shown, textures, glb, assembly.parts)
+    write_glb(shown, textures, glb, assembly.parts, relief=relief)
     plain = {key: (tile.png, tile.size_m) for key, tile in textures.items()}
     write_scene_json(house, textured_scene_json, plain)
     write_png(preview, render_preview(shown, textures, assembly))

@@ -30,7 +30,7 @@ _STANDPOINTS = 10  # of the longest lines across a room, compared by what is see
 _LOOK_DOWN = 0.22  # how far below the eye one looks at 1 m
 _SKY, _HORIZON = np.array([0.55, 0.70, 0.95]), np.array([0.90, 0.93, 0.97])
 _BRIGHT = 0.42  # mean linear value that a picture is exposed to, within these factors
-_EXPOSURE, _ADAPTED = (0.5, 1.5), (0.2, 8.0)
+_EXPOSURE = (0.5, 1.5)
 _KNEE = 0.75  # linear value from which highlights are compressed
 
 
@@ -69,7 +69,7 @@ def draw_rooms(
     mi = load_mitsuba() if traced else None
     if mi is not None:
         scene = TracedScene(mi, house, parts, textures)
-        return [_developed(scene.draw(camera), _ADAPTED) for camera in cameras]
+        return [_developed(scene.draw(camera), (1.0, 1.0)) for camera in cameras]
     light = bake_light(house, parts, mean_colours(textures), _TEXEL_M)
     if light is None:
         return []

@@ -25,6 +25,7 @@ from plan2scene.mesh.glb_lights import add_lights
 from plan2scene.mesh.house_mesh import build_parts
 from plan2scene.mesh.occlusion import bake_occlusion
 from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.relief import normal_map
 from plan2scene.mesh.textures import UNTEXTURED, MapTexture, TileTexture
 
 #: Linear base colour and opacity of window glass.
@@ -47,6 +48,7 @@ def write_glb(
     parts: Sequence[MeshPart] | None = None,
     *,
     unlit: bool = False,
+    relief: bool = False,
 ) -> None:
     """Write a house as GLB: metres, y up, UV = metres / tile size with repeat wrapping.
 
@@ -64,6 +66,8 @@ def write_glb(
         What :func:`~plan2scene.mesh.build_parts` returned, when at hand.
     unlit : bool
         Whether colours are shown as they are (KHR_materials_unlit), without occlusion and lamps.
+    relief : bool
+        Whether surfaces have normal maps where relief shows (:mod:`plan2scene.mesh.relief`).
     """
     scene = trimesh.Scene(base_frame=_WORLD, metadata=_facts(house))
     scene.graph.update(frame_from=_WORLD, frame_to=house.id)
@@ -79,7 +83,7 @@ def write_glb(
         tile = None if part.surface is None else textures.get(part.surface)
         key = part.surface or part.material
         if key not in materials:
-            materials[key] = _material(part, tile, shade)
+            materials[key] = _material(part, tile, shade, relief=relief and not unlit)
         second = None if tile is None or occlusion is None else occlusion.uv[part.name]
         scene.add_geometry(
             _textured(part, tile, materials[key], second),
@@ -140,9 +144,12 @@ def roughness(part: MeshPart, tile: TileTexture | None) -> float:
     return 1.0 if tile is None else ROUGHNESS.get(tile.substance or "", 1.0)
 
 
-def _material(part: MeshPart, tile: TileTexture | None, shade: _File | None) -> PBRMaterial:
+def _material(
+    part: MeshPart, tile: TileTexture | None, shade: _File | None, *, relief: bool
+) -> PBRMaterial:
     """Return a part's material; `_finish` sets its plain colour."""
     glass = part.material == "glass"
+    normals = None if tile is None or not relief else normal_map(tile)
     return PBRMaterial(
         name=part.material if part.surface is None else part.surface.filename,
         metallicFactor=0.0,
@@ -151,6 +158,7 @@ def _material(part: MeshPart, tile: TileTexture | None, shade: _File | None) -> 
         doubleSided=glass,
         baseColorTexture=None if tile is None else _File(tile.image),
         occlusionTexture=None if tile is None else shade,
+        normalTexture=None if normals is None else _File(normals),
     )
 
 
@@ -240,6 +248,8 @@ def _join_images(tree: dict[str, Any], factors: Mapping[str, list[float]]) -> No
             pbr["baseColorFactor"] = factors[material["name"]]
         if "baseColorTexture" in pbr:
             use(pbr["baseColorTexture"], material["name"], 0)
+        if "normalTexture" in material:
+            use(material["normalTexture"], f"{material['name']}_normal", 0)
         if "occlusionTexture" in material:
             use(material["occlusionTexture"], "occlusion", 1)
             material["occlusionTexture"]["texCoord"] = 1

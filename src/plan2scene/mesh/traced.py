@@ -29,10 +29,14 @@ VARIANTS = ("llvm_ad_rgb", "scalar_rgb")
 SAMPLES, DEPTH, ROULETTE = 24, 7, 4
 #: Radius of a lamp's globe, metres; its radiance and the sky's, in multiples of white.
 LAMP_RADIUS_M, LAMP_RADIANCE, SKY_RADIANCE = 0.09, 28.0, 2.2
+#: What half of a picture is darker than: lamps and windows do not count more than walls do.
+MIDDLE = 0.36
 #: Albedo below which a pixel's colour is not divided out (lamps, sky).
 _LEAST_ALBEDO = 0.02
 #: Steps of the filter, pixels; what normals and metres (times the distance) count as one surface.
 _STEPS, _SAME_NORMAL, _SAME_PLACE = (1, 2, 4, 8), 0.1, 0.02
+#: Rare paths that find a lamp by chance count no more than so many times what is around.
+_GLARE = 3.0
 _KERNEL = (3 / 8, 1 / 4, 1 / 16)
 
 
@@ -82,7 +86,7 @@ class TracedScene:
         self._integrator = mi.load_dict({"type": "aov", "aovs": aovs, "img": path})
 
     def draw(self, camera: Camera) -> np.ndarray:
-        """Return a picture, (h, w, 3) float32 linear RGB, not exposed. Deterministic."""
+        """Return a picture, (h, w, 3) float32 linear RGB, exposed to `MIDDLE`. Deterministic."""
         image = self._mi.render(
             self._scene,
             sensor=self._sensor(camera),
@@ -92,7 +96,8 @@ class TracedScene:
         )
         data = np.nan_to_num(np.asarray(image, dtype=np.float32))
         radiance, albedo, normal, place = (data[..., k : k + 3] for k in (0, 3, 6, 9))
-        return smoothed(radiance, albedo, normal, place)
+        image = smoothed(radiance, albedo, normal, place)
+        return image * (MIDDLE / max(float(np.median(image)), 1e-6))
 
     def _rgb(self, colour: np.ndarray) -> dict[str, Any]:
         return {"type": "rgb", "value": [float(value) for value in colour]}
@@ -122,7 +127,7 @@ class TracedScene:
         elif part.colours is not None:
             look = {"type": "mesh_attribute", "name": "vertex_color"}
         else:
-            surface = "wall" if part.surface is None else part.surface.surface
+            surface = "wall" if part.surface is None else part.surface.kind
             look = self._rgb(srgb_to_linear(np.array(UNTEXTURED[surface], np.uint8)))
         bsdf = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": look}}
         properties["mesh_bsdf"] = mi.load_dict(bsdf)
@@ -179,7 +184,12 @@ def smoothed(
     """
     lit = albedo.max(axis=2) > _LEAST_ALBEDO
     shade = np.where(lit[..., None], albedo, 1.0)
-    light = np.minimum(radiance / shade, 8.0)
+    light = np.minimum(radiance / shade, 8.0).astype(np.float32)
+    grey = light.mean(axis=2)
+    most = _GLARE * cv2.medianBlur(np.where(lit, grey, 0).astype(np.float32), 5) + _LEAST_ALBEDO
+    light = np.where(
+        lit[..., None], light * np.minimum(1, most / np.maximum(grey, 1e-6))[..., None], light
+    )
     near = _SAME_PLACE * np.maximum(np.linalg.norm(place - place[lit].mean(axis=0), axis=2), 1.0)
     for step in _STEPS:
         total, weights = light * _KERNEL[0] ** 2, np.full(lit.shape, _KERNEL[0] ** 2, np.float32)

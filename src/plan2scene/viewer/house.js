@@ -18,7 +18,9 @@ async function houseBytes() {
 
 function embeddedImages(parser) {
   // Decodes the file's images without a request: the page's content policy forbids every one.
+  // Normal maps are left alone: the page's light does not show them.
   const made = new Map();
+  for (const material of parser.json.materials || []) delete material.normalTexture;
   parser.loadImageSource = (index) => {
     if (!made.has(index)) {
       made.set(index, (async () => {

@@ -50,14 +50,14 @@ def test_houses_made_by_hand(
 
 
 def test_maps_as_jpeg_and_unlit_houses(gap_house, paint, tmp_path):
-    data = jpeg_bytes(np.full((40, 60, 3), 120, np.uint8), quality=90)
+    data = jpeg_bytes(np.tile(np.uint8([[[90], [160]]]), (40, 30, 3)), quality=90)
     maps = {
         key: MapTexture(tile.png, tile.size_m, True, "wood", jpeg=data, extent_m=(9.0, 6.0))
         for key, tile in paint(gap_house).items()
     }
     files = [tmp_path / "maps.glb", tmp_path / "unlit.glb"]
     for file, unlit in zip(files, (False, True), strict=True):
-        write_glb(gap_house, maps, file, unlit=unlit)
+        write_glb(gap_house, maps, file, unlit=unlit, relief=True)
     for report in validate(*files):
         assert report["numErrors"] == 0, report["messages"]
         assert report["numWarnings"] == 0, report["messages"]

@@ -1,0 +1,72 @@
+"""Normal maps of surfaces whose texture shows relief: joints, boards, pile.
+
+What is darker than its surroundings counts as deeper, as gaps and the shade between fibres are; of
+tiles what is narrow, light or dark: their joints. How steep it gets depends on the substance and
+on how much the texture varies; the printed colours of a pattern can't be told from relief, so
+slopes stay small.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from plan2scene.images import image_from_bytes, jpeg_bytes
+from plan2scene.mesh.textures import TileTexture
+
+#: Slope of a texture of much contrast, root mean square, by substance.
+SLOPES = {"tile": 0.10, "wood": 0.07, "carpet": 0.14, "plaster": 0.06}
+#: Pixels per metre of a normal map, at most.
+PX_PER_M = 128.0
+#: Contrast (root mean square of fine luma in [0, 1]) below which nothing shows, and from which
+#: slopes are whole.
+LEAST_CONTRAST, WHOLE_CONTRAST = 0.012, 0.05
+#: Fine is what lies between these, sigmas in metres.
+_FINE_M, _COARSE_M = 0.006, 0.06
+#: Steepest slope, so that no pixel glints.
+_STEEPEST = 0.5
+_QUALITY = 85
+
+
+def normal_map(tile: TileTexture) -> bytes | None:
+    """Return a texture's normal map as JPEG; None where no relief shows.
+
+    It covers what the texture covers. Tangent space of glTF: x along the image's rows to the
+    right, y up the image, z off the surface.
+    """
+    strength = SLOPES.get(tile.substance or "", 0.0)
+    if not strength:
+        return None
+    image = image_from_bytes(tile.image)
+    scale = min(1.0, PX_PER_M * tile.sides_m[0] / image.shape[1])
+    size = [max(4, round(side * scale)) for side in image.shape[1::-1]]
+    small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    fine = _fine(small @ np.array([0.2126, 0.7152, 0.0722]) / 255.0, size[0] / tile.sides_m[0])
+    contrast = float(fine.std())
+    if contrast < LEAST_CONTRAST:
+        return None
+    if tile.substance == "tile" and (fine**3).mean() > 0:  # joints are lighter than tiles, here
+        fine = -fine
+    down, right = ((np.roll(fine, -1, axis) - np.roll(fine, 1, axis)) / 2 for axis in (0, 1))
+    steep = float(np.sqrt((down**2 + right**2).mean()))
+    share = min(contrast / WHOLE_CONTRAST, 1.0)
+    slopes = np.stack([-right, down], axis=-1) * (strength * share / max(steep, 1e-9))
+    slopes = np.clip(slopes, -_STEEPEST, _STEEPEST)
+    normals = np.dstack([slopes, np.ones(fine.shape)])
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    coded = np.round(127.5 + 127.5 * normals).astype(np.uint8)
+    return jpeg_bytes(coded, quality=_QUALITY, full_colour=True)
+
+
+def _fine(luma: np.ndarray, px_per_m: float) -> np.ndarray:
+    """Return what of a repeating luma (h, w) varies at the scales of joints and grain."""
+    grown = cv2.copyMakeBorder(luma, *[_BORDER] * 4, borderType=cv2.BORDER_WRAP)
+    bands = (
+        cv2.GaussianBlur(grown, (0, 0), max(sigma * px_per_m, 0.5))
+        for sigma in (_FINE_M, _COARSE_M)
+    )
+    near, far = bands
+    return np.asarray((near - far)[_BORDER:-_BORDER, _BORDER:-_BORDER])
+
+
+_BORDER = 24  # pixels around, so that the map repeats where its texture does
