@@ -60,7 +60,7 @@ def normal_map(tile: TileTexture) -> bytes | None:
 
 def _fine(luma: np.ndarray, px_per_m: float) -> np.ndarray:
     """Return what of a repeating luma (h, w) varies at the scales of joints and grain."""
-    grown = cv2.copyMakeBorder(luma, *[_BORDER] * 4, borderType=cv2.BORDER_WRAP)
+    grown = np.pad(luma, _BORDER, mode="wrap")
     bands = (
         cv2.GaussianBlur(grown, (0, 0), max(sigma * px_per_m, 0.5))
         for sigma in (_FINE_M, _COARSE_M)

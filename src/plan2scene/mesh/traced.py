@@ -190,7 +190,7 @@ def smoothed(
     light = np.where(
         lit[..., None], light * np.minimum(1, most / np.maximum(grey, 1e-6))[..., None], light
     )
-    near = _SAME_PLACE * np.maximum(np.linalg.norm(place - place[lit].mean(axis=0), axis=2), 1.0)
+    near = _SAME_PLACE * np.maximum(np.linalg.norm(place - place.mean(axis=(0, 1)), axis=2), 1.0)
     for step in _STEPS:
         total, weights = light * _KERNEL[0] ** 2, np.full(lit.shape, _KERNEL[0] ** 2, np.float32)
         for dy in range(-2, 3):
@@ -202,7 +202,7 @@ def smoothed(
                     off = np.abs(((there[2] - place) * normal).sum(axis=2)) / near
                     weight = weight * np.exp(-turned / _SAME_NORMAL - off)
                     total, weights = total + weight[..., None] * there[0], weights + weight
-        light = total / weights[..., None]
+        light = np.asarray(total / weights[..., None], dtype=np.float32)
     return np.asarray(light * shade, dtype=np.float32)
 
 
