@@ -12,6 +12,7 @@ report: "workflow/report/workflow.rst"
 
 include: "workflow/rules/planning.smk"
 include: "workflow/rules/common.smk"
+include: "workflow/rules/texture_inputs.smk"
 include: "workflow/rules/checkpoints.smk"
 include: "workflow/rules/floorplans.smk"
 include: "workflow/rules/photos.smk"

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from plan2scene.cli_parts import known_method, method_names, parts
-from plan2scene.errors import InputError, WorkflowError, system_fault
+from plan2scene.errors import InputError, WorkflowError, told_in_a_line
 from plan2scene.exports.registry import EXPORTS, export_house
 from plan2scene.tracing.command import trace_plan
 
@@ -218,13 +218,8 @@ def main() -> None:
     """Entry point: a fault of the input is one line on stderr and exit code 1."""
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(message)s")
     try:
-        app()
+        with told_in_a_line():
+            app()
     except (InputError, WorkflowError) as error:
         print(f"ERROR {error}", file=sys.stderr)
-        raise SystemExit(1) from None
-    except OSError as error:
-        fault = system_fault(error)
-        if fault is None:
-            raise
-        print(f"ERROR {fault}", file=sys.stderr)
         raise SystemExit(1) from None

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import errno
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 #: What the system refuses through no fault of the program, and what would be needed.
@@ -66,6 +68,18 @@ def system_fault(error: OSError) -> InputError | None:
     name = error.filename if isinstance(error.filename, str | Path) else ""
     path = Path(name).parent if Path(name).name.startswith(".tmp_") else name
     return InputError(expected, error.strerror or "an error", file=path)
+
+
+@contextmanager
+def told_in_a_line() -> Iterator[None]:
+    """Turn what the system refuses within into an InputError: a full disk, no permission."""
+    try:
+        yield
+    except OSError as error:
+        fault = system_fault(error)
+        if fault is None:
+            raise
+        raise fault from None
 
 
 class WorkflowError(RuntimeError):

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from plan2scene.errors import InputError, system_fault
+from plan2scene.errors import InputError, told_in_a_line
 
 #: Parameters of glibc's mallopt(3).
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
@@ -48,16 +48,10 @@ def job(log: str | Path | None = None) -> Iterator[logging.Logger]:
         handler.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
         logger.addHandler(handler)
     try:
-        yield logger
+        with told_in_a_line():
+            yield logger
     except InputError as error:
         logger.error("%s", error)
-        raise SystemExit(1) from None
-    except OSError as error:
-        fault = system_fault(error)
-        if fault is None:
-            logger.exception("unexpected failure")
-            raise
-        logger.error("%s", fault)
         raise SystemExit(1) from None
     except Exception:
         logger.exception("unexpected failure")

@@ -7,20 +7,12 @@ from typing import Any
 
 
 def first_of_each(check: Callable[[Any, Any], None], kind: Callable[[Any], Hashable]) -> Any:
-    """Return a method that checks the first job of each kind alone, in place of `check`.
-
-    >>> seen = []
-    >>> look = first_of_each(lambda self, job: seen.append(job), kind=len)
-    >>> for job in ("a", "bc", "d"):
-    ...     look(None, job)
-    >>> seen
-    ['a', 'bc']
-    """
+    """Return a method that checks the first job of each kind alone, in place of `check`."""
     known: set[Hashable] = set()
 
     def check_first(self: Any, job: Any) -> None:
         if kind(job) not in known:
-            known.add(kind(job))
             check(self, job)
+            known.add(kind(job))
 
     return check_first

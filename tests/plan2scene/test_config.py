@@ -9,6 +9,7 @@ from snakemake.utils import update_config
 
 from plan2scene.config import check_config, config_schema
 from plan2scene.errors import InputError
+from plan2scene.run import TEXTURE_SIZES
 
 ROOT = Path(__file__).parents[2]
 
@@ -23,6 +24,11 @@ def merged(name: str) -> dict:
 @pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda p: p.name)
 def test_every_config_file_is_valid(path):
     check_config(merged(path.name))
+
+
+def test_the_sizes_of_a_tile_are_those_of_the_command_line():
+    sizes = config_schema()["properties"]["textures"]["properties"]["size_px"]["enum"]
+    assert tuple(sizes) == TEXTURE_SIZES
 
 
 @pytest.mark.parametrize("section", ["photos", "textures", "dataset", "crops"])

@@ -250,60 +250,6 @@ def ready_crops_of(wildcards):
     return [path for stem in stems for path in ready_crops().get(stem, [])]
 
 
-def seam_correction(*methods):
-    """Return whether seams are corrected by method: as configured, else as registered."""
-    chosen = config["textures"]["seam_correction"]
-    return {
-        name: chosen.get(name, TEXTURE_METHODS[name].seam_correction)
-        for name in methods
-    }
-
-
-def decoder(method):
-    """Return the texture model of a method by its name; none where nothing is decoded."""
-    name = TEXTURE_METHODS[method].weights
-    return {name: model_of(name)} if name else {}
-
-
-@functools.cache
-def texture_params(method):
-    """Return what a method's tiles depend on beside a house."""
-    models = decoder(method)
-    corrected = seam_correction(method)
-    return {"models": models, "hashes": hashes(models), "seam_correction": corrected}
-
-
-def textures_of(wildcards):
-    """Return what a house's textures depend on: hidden photos, the method's models, and more.
-
-    Those of the 3D house alone are maps of whole surfaces.
-    """
-    house = config["house"]
-    shown = (wildcards.drop, wildcards.method) == ("0.0", house["method"])
-    return texture_params(wildcards.method) | {
-        "hidden": hidden_at(wildcards.drop, wildcards),
-        "maps": shown and house["surfaces"] == "maps",
-        "walls": walls_of(wildcards),
-    }
-
-
-def walls_of(wildcards):
-    """Return which walls share a texture: accent walls have their own in the 3D house alone."""
-    house = config["house"]
-    shown = (wildcards.drop, wildcards.method) == ("0.0", house["method"])
-    return house["walls"] if shown else "room"
-
-
-def texture_inputs(wildcards):
-    """Return what a method takes from elsewhere: tiles, crops of other houses, made weights."""
-    method = TEXTURE_METHODS[wildcards.method]
-    library = method.library and f"{RESULTS}/texture_library.parquet"
-    pool = method.crop_pool and POOL
-    colours = walls_of(wildcards) == "wall" and f"{RESULTS}/houses/{{house}}/colours.parquet"
-    weights = made(decoder(wildcards.method))
-    return given(library=library, pool=pool, colours=colours, **weights)
-
-
 def metric_model(network):
     """Return the weights of a metric's network: the configured one's, else the embedded."""
     if config["metrics"][network]:
