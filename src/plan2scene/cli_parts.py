@@ -88,7 +88,7 @@ def make_texture(
 
 
 @parts.command("methods")
-def listknown_methods() -> None:
+def list_methods() -> None:
     """List the texture methods as a Markdown table."""
     print(methods_table(), end="")
 

@@ -8,8 +8,11 @@ from pathlib import Path
 
 from plan2scene.temporary import remove
 
+#: Paths of a job: what it reads, and what it makes.
+_Job = tuple[Sequence[str], Sequence[str]]
 
-def remove_outdated(jobs: Iterable[tuple[Sequence[str], Sequence[str]]]) -> list[str]:
+
+def remove_outdated(jobs: Iterable[_Job]) -> list[str]:
     """Remove what jobs that did not run made once from inputs that are gone; return the paths.
 
     Parameters
@@ -22,10 +25,13 @@ def remove_outdated(jobs: Iterable[tuple[Sequence[str], Sequence[str]]]) -> list
     made = {path for _, outputs in waiting for path in outputs}
     removed: list[str] = []
     while True:
-        lost = [job for job in waiting if any(_is_gone(path, made) for path in job[0])]
+        lost: list[_Job] = []
+        kept: list[_Job] = []
+        for job in waiting:
+            (lost if any(_is_gone(path, made) for path in job[0]) else kept).append(job)
         if not lost:
             return removed
-        waiting = [job for job in waiting if job not in lost]
+        waiting = kept
         for path in (path for _, outputs in lost for path in outputs):
             if os.path.lexists(path):
                 remove(Path(path))
