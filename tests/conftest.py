@@ -11,3 +11,31 @@ def _own_cache(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(VARIABLE, str(tmp_path_factory.mktemp("cache")))
         yield
+
+
+#: Files that take a minute each, first: begun last, they would leave the other worker without work.
+#: Those on a SLURM mostly wait and begin beside the one that takes both cores.
+LONGEST = (
+    "test_profile",
+    "test_all",
+    "test_bad_input",
+    "test_kills",
+    "test_rent3dpp",
+    "test_propagation_training",
+    "test_evaluation",
+    "test_odd_photos",
+    "test_wheel",
+    "test_workshop",
+)
+
+
+def pytest_configure(config):
+    """Keep pytest-xdist from its own order, by which files of few tests come last."""
+    if hasattr(config.option, "loadscopereorder"):
+        config.option.loadscopereorder = False
+
+
+def pytest_collection_modifyitems(items):
+    """Put the tests of the longest files first."""
+    place = {name: k for k, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: place.get(item.path.stem, len(LONGEST)))
