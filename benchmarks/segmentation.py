@@ -1,6 +1,7 @@
 """Scores of the embedded segmentation network on sets of photos with true labels, and its time.
 
-    python benchmarks/segmentation.py --sets sets.csv [--model FILE] [--every N] [--photos]
+    python benchmarks/segmentation.py --sets sets.csv [--model FILE] [--every N [--first K]]
+        [--photos] [--temperature T] [--wall LOGIT]
 
 The table of sets has the columns name, layout and path; without ``--sets`` the environment variable
 ``PLAN2SCENE_SEGMENTATION_SETS`` names it, and without that the demo's photos are scored. Layouts:
@@ -23,7 +24,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from plan2scene.photos.labels.palette import LABELS
+from plan2scene.photos.labels.palette import LABELS, WALL
 from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter
 from plan2scene.weights import MODELS
 from plan2scene_workshop.segmentation.evaluation import (
@@ -57,17 +58,30 @@ def main() -> None:
     parser.add_argument("--model", type=Path, default=MODELS / "segmentation.safetensors")
     parser.add_argument("--sets", type=Path, default=os.environ.get(VARIABLE))
     parser.add_argument("--every", type=int, default=1, help="of the photos of each set")
+    parser.add_argument("--first", type=int, default=0, help="photo of each set to begin with")
+    parser.add_argument("--temperature", type=float, help="instead of the weights' own")
+    parser.add_argument(
+        "--wall", type=float, help="added to its logit, instead of the weights' own"
+    )
     parser.add_argument("--photos", action="store_true", help="a line for each photo, too")
     parser.add_argument("--threads", type=int, default=2)
     given = parser.parse_args()
     torch.set_num_threads(given.threads)
     segmenter = load_segmenter(given.model)
+    constants = segmenter.network.architecture
+    if given.temperature is not None:
+        constants["temperature"] = given.temperature
+    if given.wall is not None:
+        constants["logit_adjustment"][WALL] = given.wall
     print(f"| {' | '.join(HEAD)} |")
     print("|---" * len(HEAD) + "|")
     real: list[Measured] = []
     means: list[float] = []
     for name, (layout, path) in (read_sets(given.sets) if given.sets else DEMO).items():
-        found = [measure(segmenter, photo) for photo in list(LAYOUTS[layout](path))[:: given.every]]
+        found = [
+            measure(segmenter, photo)
+            for photo in list(LAYOUTS[layout](path))[given.first :: given.every]
+        ]
         for photo in found if given.photos else ():
             print_row(photo.name, [photo])
         print_row(f"**{name}**", found)

@@ -73,7 +73,7 @@ def test_what_may_be_a_door_a_window_or_a_thing_is_other() -> None:
     assert (labels_of(logits, (8, 8), openings=True) == WALL).all()
 
 
-def test_temperature_changes_confidence_alone() -> None:
+def test_temperature_of_four_labels_changes_confidence_alone() -> None:
     network = _tiny()
     sharp = Segmenter(network).logits(_photo(48, 64), None)
     network.architecture["temperature"] = 2.0
