@@ -38,7 +38,8 @@ def to_small_srgb(image: Image.Image, side: int) -> np.ndarray:
     """Return :func:`to_srgb` of an image reduced to a longer side between `side` and thrice it.
 
     JPEG is decoded at an eighth, a quarter or half of its size; others are averaged over squares
-    of pixels before anything else is made of them. ValueError for modes that are rare in photos.
+    of pixels, scans in black and white or by a palette as greys and colours, before anything else
+    is made of them. ValueError for other modes.
     """
     orientation = _orientation(image)
     longer = max(image.size)
@@ -48,14 +49,19 @@ def to_small_srgb(image: Image.Image, side: int) -> np.ndarray:
     if factor == 1:
         return _srgb(image, orientation)
     check_reducible(image)
+    info = dict(image.info)
+    if image.mode in ("1", "P"):
+        to = "L" if image.mode == "1" else "RGBA" if "transparency" in info else "RGB"
+        image = image.convert(to)
+        info.pop("transparency", None)
     small = image.reduce(factor)
-    small.info = image.info
+    small.info = info
     return _srgb(small, orientation)
 
 
 def check_reducible(image: Image.Image) -> None:
     """Raise ValueError for an opened image of a mode that is not reduced while it is decoded."""
-    if image.mode not in ("RGB", "RGBA", "L", "LA", "CMYK"):
+    if image.mode not in ("RGB", "RGBA", "L", "LA", "CMYK", "1", "P"):
         raise ValueError(f"mode {image.mode} of so many pixels")
 
 

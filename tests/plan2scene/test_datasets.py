@@ -326,11 +326,12 @@ def test_photo_problem(tmp_path):
         (tmp_path / name).write_bytes(data)
         with pytest.raises(InputError, match=f"{name}, house h1: expected"):
             photo_problem(tmp_path / name, house_id="h1")
-    Image.new("1", (8000, 7000)).save(tmp_path / "bits.png")
-    with pytest.raises(InputError, match="decodes, found ValueError: mode 1 of so many pixels"):
-        photo_problem(tmp_path / "bits.png", house_id="h1")
-    Image.new("L", (8000, 7000)).save(tmp_path / "large.png")
-    photo_problem(tmp_path / "large.png", house_id="h1")  # it is reduced while it is decoded
+    Image.new("I;16", (8000, 7000)).save(tmp_path / "deep.png")
+    with pytest.raises(InputError, match="decodes, found ValueError: mode I;16 of so many pixels"):
+        photo_problem(tmp_path / "deep.png", house_id="h1")
+    for mode in ("L", "1", "P"):
+        Image.new(mode, (8000, 7000)).save(tmp_path / "large.png")
+        photo_problem(tmp_path / "large.png", house_id="h1")  # it is reduced while it is decoded
     Image.new("1", (16000, 10000)).save(tmp_path / "huge.png")
     with pytest.raises(InputError, match="150000000 pixels, found 16000x10000"):
         photo_problem(tmp_path / "huge.png", house_id="h1")

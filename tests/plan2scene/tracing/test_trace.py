@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from flat_picture import PPM, flat_picture
+from PIL import Image, ImageDraw
 from typer.testing import CliRunner
 
 from plan2scene.cli import app
@@ -15,6 +16,7 @@ from plan2scene.images import write_png
 from plan2scene.tracing import trace
 from plan2scene.tracing.lettering import TextLine, read_lines
 from plan2scene.tracing.output import traced_files, write_trace
+from plan2scene.tracing.picture import read_plan_picture
 
 
 @pytest.fixture
@@ -135,3 +137,13 @@ def test_command_line(picture, texts, tmp_path):
 def test_the_picture_is_not_overwritten(picture, texts):
     done = CliRunner().invoke(app, ["trace", str(picture), "--out", str(picture)])
     assert isinstance(done.exception, InputError)
+
+
+def test_a_picture_of_12000_x_9000_pixels_is_worked_on_at_a_sixth(tmp_path):
+    page = Image.new("1", (12_000, 9_000), 1)
+    ImageDraw.Draw(page).rectangle((1200, 1200, 9600, 7800), outline=0, width=120)
+    page.save(tmp_path / "large.png")
+    found = read_plan_picture(tmp_path / "large.png")
+    assert found.image.shape == (1500, 2000, 3)
+    assert found.shrunk == 6
+    assert found.image[500, 205].max() < 60 < 200 < found.image[500, 500].min()
