@@ -55,7 +55,7 @@ rule ablation:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=1000,
+        mem_mb=GATHERED_MEMORY,
     params:
         dataset=DATASET,
         houses=HOUSES,

@@ -62,7 +62,7 @@ rule sweep:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=1000,
+        mem_mb=GATHERED_MEMORY,
     params:
         dataset=DATASET,
         houses=HOUSES,
