@@ -256,11 +256,12 @@ def _read_icons(
 ) -> tuple[IconBox, ...]:
     """Return the icon boxes that :func:`write_scene_json` keeps under `arch.icons`."""
     icons = (source.mapping(entry, "an icon") for entry in source.items(arch.get("icons"), "icons"))
+    lowest = levels[0].id if levels else ""
     return tuple(
         IconBox(
             str(icon.get("type", "")),
             *source.box(icon, "an icon"),
-            level_of(source, icon, levels, "an icon") if levels else "",
+            level_of(source, icon, levels, "an icon") if "level" in icon else lowest,
         )
         for icon in icons
     )

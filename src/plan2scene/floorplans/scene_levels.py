@@ -80,7 +80,8 @@ def read_stairs(source: Source, arch: Mapping[str, Any], levels: Sequence[Level]
         name = source.identifier(item.get("id"), "an id of stairs")
         start, end = (source.point(item.get(key), f"stairs {name}") for key in ("from", "to"))
         width = source.number(item.get("width"), f"the width of stairs {name}")
-        level = level_of(source, item, levels, f"stairs {name}") if levels else ""
+        lowest = levels[0].id if levels else ""
+        level = level_of(source, item, levels, f"stairs {name}") if "level" in item else lowest
         flight = Stairs(name, level, (start[0], start[2]), (end[0], end[2]), width)
         flights.append(sound_flight(source, flight))
     return flights

@@ -13,7 +13,7 @@ from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.floorplans.storeys import flight_area
 from plan2scene.house import House, Level, Stairs
 from plan2scene.mesh.parts import GRID_DECIMALS, MeshPart, numbered
-from plan2scene.mesh.stairs import stair_parts, well_railings
+from plan2scene.mesh.stairs import handrails, stair_parts, well_railings
 from plan2scene.mesh.storey import Storey, build_storey
 from plan2scene.mesh.walls import Above
 
@@ -72,6 +72,7 @@ def assemble(house: House) -> Assembly:
             above = Above(higher.elevation - level.elevation, unary_union(own), shaft)
         storey = build_storey(level, rooms, below, well, above)
         storey.parts.extend(stair_parts(house, stairs))
+        storey.parts.extend(handrails(house, rooms, stairs))
         storey.parts.extend(well_railings(rooms, arriving, stairs))
         storeys.append(storey)
         arriving = stairs if above is not None else []

@@ -1,4 +1,4 @@
-"""Stairs between levels: flights of steps, the sides of their well, railings around it upstairs."""
+"""Stairs between levels: steps, handrails, the sides of their well, railings around it upstairs."""
 
 from __future__ import annotations
 
@@ -15,11 +15,13 @@ from plan2scene.house import House, Stairs
 from plan2scene.mesh.frames import Frame
 from plan2scene.mesh.objects import WOOD
 from plan2scene.mesh.parts import MeshPart, PartBuilder
-from plan2scene.mesh.railings import add_railing
+from plan2scene.mesh.railings import BAR, COLOUR, POST, RAIL, add_railing
 from plan2scene.mesh.walls import LIFT, REVEAL_COLOUR
 
 #: Metres below a step's foot that its body goes down.
 WAIST = 0.1
+#: Metres: a handrail above the edges of the steps, and from the side of the flight.
+HANDRAIL, IN = 0.9, 0.075
 #: An edge of a well this near to a wall needs no railing, metres; nor does a shorter piece.
 AT_WALL, LEAST_RAILING = 0.1, 0.2
 
@@ -66,6 +68,60 @@ def _steps(stairs: Stairs, rise: float) -> MeshPart:
     if leads_to is not None:
         extras["leads_to"] = leads_to
     return builder.build(f"{room or 'structure'}/stairs/{stairs.id}", extras=extras)
+
+
+def handrails(house: House, storey: House, stairs: Iterable[Stairs]) -> list[MeshPart]:
+    """Return the parts ``{room}/handrail/{id}`` on the sides of flights that no wall is along.
+
+    `storey` has the rooms of the flights' level alone.
+    """
+    free = unary_union([room_polygon(room).buffer(-AT_WALL) for room in storey.rooms])
+    parts = []
+    for flight in stairs:
+        builder = PartBuilder()
+        for side in _edges(flight)[1:3]:
+            if _line(side).intersection(free).length >= 0.5 * side.length:
+                _add_handrail(builder, flight, house.rise_of(flight), side)
+        room = flight.room_ids[0]
+        if builder and room is not None:
+            extras = {"kind": "railing", "room_id": room, "stairs_id": flight.id}
+            parts.append(builder.build(f"{room}/handrail/{flight.id}", extras=extras))
+    return parts
+
+
+def _add_handrail(builder: PartBuilder, stairs: Stairs, rise: float, side: Frame) -> None:
+    """Add posts at both ends, two bars a step and the rail, `HANDRAIL` above the steps' edges."""
+    count, length = step_count(rise), stairs.length
+    deep, riser = length / count, rise / count
+    start, way = np.array(stairs.start), np.subtract(stairs.end, stairs.start) / length
+    across = -side.normal  # from the side's edge over the steps
+    foot = start + side.normal * (stairs.width / 2)
+    axes = np.array([[way[0], 0.0, way[1]], [0, 1, 0], np.zeros(3), [foot[0], 0.0, foot[1]]])
+    axes[2] = np.cross(axes[0], axes[1])
+    inward = float(np.sign(axes[2, [0, 2]] @ across))
+
+    def bar(s: float, size: float) -> None:
+        step = min(int(s / deep), count - 1)
+        top = riser + s * rise / length + HANDRAIL
+        near, far = sorted((inward * (IN - size / 2), inward * (IN + size / 2)))
+        builder.box(
+            axes, (s - size / 2, (step + 1) * riser, near), (s + size / 2, top, far), COLOUR
+        )
+
+    ends = (0.5 * deep, length - 0.5 * deep)
+    for s in ends:
+        bar(s, POST)
+    for k in range(2 * count):
+        if ends[0] + POST < (s := (k + 0.5) * deep / 2) < ends[1] - POST:
+            bar(s, BAR)
+    slope = np.array([length, rise]) / float(np.hypot(length, rise))
+    tilted = axes.copy()
+    tilted[0] = slope[0] * axes[0] + slope[1] * axes[1]
+    tilted[1] = slope[0] * axes[1] - slope[1] * axes[0]
+    tilted[3] = axes[3] + [0.0, riser + HANDRAIL, 0.0]
+    near, far = sorted((inward * (IN - RAIL / 2), inward * (IN + RAIL / 2)))
+    low, high = (s / slope[0] for s in (ends[0] - POST / 2, ends[1] + POST / 2))
+    builder.box(tilted, (low, -RAIL, near), (high, 0.0, far), COLOUR)
 
 
 def _lining(stairs: Stairs, low: float, high: float) -> MeshPart:

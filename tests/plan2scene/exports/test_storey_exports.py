@@ -7,7 +7,7 @@ from PIL import Image
 
 from plan2scene.exports.ifc import write_ifc
 from plan2scene.exports.mjcf import mjcf_text
-from plan2scene.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M, write_map
+from plan2scene.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M
 from plan2scene.exports.registry import export_house
 from plan2scene.exports.solids import house_solids
 from plan2scene.floorplans import write_scene_json
@@ -34,13 +34,17 @@ def test_bodies_are_closed_and_at_their_level(solids):
 
 
 def test_each_level_has_its_map(house, tmp_path):
-    write_map(house, {}, tmp_path)
-    names = sorted(path.name for path in tmp_path.iterdir())
+    write_scene_json(house, tmp_path / "scene.json")
+    (tmp_path / "textures.json").write_text('{"surfaces": {}}')
+    out = tmp_path / "out"
+    written = export_house(tmp_path / "scene.json", tmp_path, out, "map", house_id="two")
+    names = sorted(path.name for path in out.iterdir())
     assert names == ["map.pgm", "map.yaml", "map_upper.pgm", "map_upper.yaml"]
+    assert sorted(path.name for path in written) == names
 
     def at(name, x, z):
-        facts = yaml.safe_load((tmp_path / f"{name}.yaml").read_text())
-        grid = np.asarray(Image.open(tmp_path / facts["image"]))
+        facts = yaml.safe_load((out / f"{name}.yaml").read_text())
+        grid = np.asarray(Image.open(out / facts["image"]))
         column = int((x - facts["origin"][0]) / RESOLUTION_M)
         return grid[grid.shape[0] - 1 - int((-z - facts["origin"][1]) / RESOLUTION_M), column]
 
@@ -101,14 +105,3 @@ def test_usd_is_valid(house, paint, tmp_path):
     cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default"])
     box = cache.ComputeWorldBound(stage.GetDefaultPrim()).ComputeAlignedRange()
     assert box.GetMax()[1] == pytest.approx(2.8 + 2.535)
-
-
-def test_the_registry_names_the_maps_of_all_levels(house, tmp_path):
-    write_scene_json(house, tmp_path / "scene.json")
-    (tmp_path / "textures.json").write_text('{"surfaces": {}}')
-    given = (tmp_path / "scene.json", tmp_path, tmp_path / "out", "map")
-    written = export_house(*given, house_id="two")
-    assert sorted(path.name for path in written) == sorted(
-        path.name for path in (tmp_path / "out").iterdir()
-    )
-    assert len(written) == 4

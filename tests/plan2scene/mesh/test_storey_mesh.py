@@ -72,6 +72,18 @@ def test_a_railing_stands_around_the_well_but_at_its_head_and_the_wall(parts):
     assert not at_head.any() and not at_wall.any()
 
 
+def test_a_handrail_goes_up_along_the_side_without_a_wall(parts):
+    boxes = parts["hall/handrail/stairs"].mesh.vertices.reshape(-1, 24, 3)
+    assert 0.75 < boxes[..., 0].min() and boxes[..., 0].max() < 0.9  # the wall is at x = 0
+    *uprights, rail = boxes
+    for upright in uprights:  # from its step to the rail, which climbs with the steps
+        low, high = upright.min(axis=0), upright.max(axis=0)
+        middle = (4.6 - (low[2] + high[2]) / 2) / 3.6 * 2.8 + 2.8 / 15
+        assert high[1] - middle == pytest.approx(0.9, abs=1e-3)
+        assert low[1] == pytest.approx(np.round(low[1] * 15 / 2.8) * 2.8 / 15, abs=1e-3)
+    assert rail[:, 1].max() == pytest.approx(2.8 + 0.9 + 0.5 * 2.8 / 15, abs=0.05)
+
+
 def test_walls_below_rooms_go_on_to_their_floor(parts):
     outer = parts["structure/wall/living_wall_0"]
     assert outer.mesh.bounds[1, 1] == pytest.approx(2.8)
