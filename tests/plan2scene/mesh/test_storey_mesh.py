@@ -74,7 +74,7 @@ def test_a_railing_stands_around_the_well_but_at_its_head_and_the_wall(parts):
 
 def test_a_handrail_goes_up_along_the_side_without_a_wall(parts):
     boxes = parts["hall/handrail/stairs"].mesh.vertices.reshape(-1, 24, 3)
-    assert 0.75 < boxes[..., 0].min() and boxes[..., 0].max() < 0.9  # the wall is at x = 0
+    assert boxes[..., 0].min() > 0.75 and boxes[..., 0].max() < 0.9  # the wall is at x = 0
     *uprights, rail = boxes
     for upright in uprights:  # from its step to the rail, which climbs with the steps
         low, high = upright.min(axis=0), upright.max(axis=0)
