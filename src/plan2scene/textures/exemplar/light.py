@@ -19,6 +19,7 @@ _BLACK = 4.0 / 255.0  # keeps logarithms finite
 _SLOW = 14  # cosine terms up to this index (half waves per crop) may hold light
 _CHI_SQUARE_MEDIAN = 0.455  # of one degree of freedom, over its mean
 _CERTAIN = 3  # up to this index nearly all is light
+_MATERIAL_HUE = 0.03  # spread of slow log colour ratios that materials have; mixed light: to 0.1
 _HIGHLIGHT = 0.2  # log excess over the crop's median that only a highlight has
 _ADDED_WHITE = 0.06  # linear share of white that a highlight adds at least
 _NEARLY_WHITE = 0.35  # the same where the surface itself is too bright for a log excess
@@ -64,8 +65,8 @@ def highlights(images: np.ndarray) -> np.ndarray:
 def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
     """Return the images under even light, each with its own median brightness and colour.
 
-    What is done to log brightness is done to the logs of red and blue over green, too: daylight
-    and lamps mix on a wall.
+    What is done to log brightness is done to the logs of red and blue over green, too, where
+    they vary more than most materials do: daylight and lamps mix on a wall.
 
     Parameters
     ----------
@@ -75,12 +76,18 @@ def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
         Highlights: they neither count nor get any better.
     """
     logs = np.log(images + _BLACK)
-    red, blue = (_slow(logs[..., k] - logs[..., 1], masks) for k in (0, 2))
+    red, blue = (_beyond_material(_slow(logs[..., k] - logs[..., 1], masks)) for k in (0, 2))
     green = -(0.299 * red + 0.114 * blue)  # colour alone leaves the grey value
     field = _slow(log_luma(images), masks)[..., None] + np.stack(
         [green + red, green, green + blue], axis=-1
     )
     return np.clip(images * np.exp(-field), 0.0, 1.0)
+
+
+def _beyond_material(field: np.ndarray) -> np.ndarray:
+    """Return slow colour fields (n, s, s) without what materials have of it (a Wiener filter)."""
+    power = (field**2).mean(axis=(1, 2), keepdims=True)
+    return field * np.maximum(1.0 - _MATERIAL_HUE**2 / np.maximum(power, 1e-12), 0.0)
 
 
 def _slow(values: np.ndarray, masks: np.ndarray) -> np.ndarray:
