@@ -10,7 +10,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from plan2scene.floorplans.geometry import room_polygon
-from plan2scene.floorplans.storeys import flight_area
+from plan2scene.floorplans.storeys import flight_area, step_count
 from plan2scene.house import House, Level, Stairs
 from plan2scene.mesh.parts import GRID_DECIMALS, MeshPart, numbered
 from plan2scene.mesh.stairs import handrails, stair_parts, well_railings
@@ -74,6 +74,8 @@ def assemble(house: House) -> Assembly:
         storey.parts.extend(stair_parts(house, stairs))
         storey.parts.extend(handrails(house, rooms, stairs))
         storey.parts.extend(well_railings(rooms, arriving, stairs))
+        flights = [(flight, step_count(house.rise_of(flight))) for flight in (*arriving, *stairs)]
+        storey.flights.extend(flights)
         storeys.append(storey)
         arriving = stairs if above is not None else []
         below = unary_union([room_polygon(room) for room in rooms.rooms])

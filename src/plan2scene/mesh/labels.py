@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -12,10 +12,12 @@ from shapely.geometry import Polygon
 from shapely.ops import polylabel
 
 from plan2scene.floorplans.geometry import room_polygon
-from plan2scene.house import House, Room
+from plan2scene.floorplans.storeys import flight_area
+from plan2scene.house import House, Room, Stairs
 from plan2scene.mesh.parts import Colour
 
 SECTION_COLOUR: Colour = (52, 50, 48)
+STEP_COLOUR: Colour = (96, 88, 80)
 
 
 def room_title(room: Room) -> str:
@@ -61,6 +63,35 @@ def annotate(
     draw.rectangle([x0, y0, x0 + scale, y0 + 5], fill=SECTION_COLOUR)
     draw.text((x0 + scale + 8, y0 + 2), "1 m", fill=SECTION_COLOUR, font=_font(14), anchor="lm")
     draw.text((24, 24), title, fill=SECTION_COLOUR, font=_font(18))
+    return np.asarray(picture)
+
+
+def draw_flights(
+    image: np.ndarray,
+    flights: Iterable[tuple[Stairs, int]],
+    project: Callable[[tuple[float, float]], tuple[float, float]],
+) -> np.ndarray:
+    """Return a plan view (h, w, 3) uint8 with stairs as plans draw them: steps, an arrow upwards.
+
+    `flights` come with their number of steps, `project` is as of :func:`annotate`.
+    """
+    picture = Image.fromarray(image)
+    draw = ImageDraw.Draw(picture)
+    for stairs, count in flights:
+        a, b, c, d = (np.array(p) for p in flight_area(stairs).exterior.coords[:4])
+        for k in range(count + 1):
+            share = k / count
+            ends = (a + share * (b - a), d + share * (c - d))
+            draw.line([project((p[0], p[1])) for p in ends], STEP_COLOUR, 1)
+        for near, far in ((a, b), (d, c)):
+            draw.line([project((p[0], p[1])) for p in (near, far)], STEP_COLOUR, 1)
+        foot, head = np.array(project(stairs.start)), np.array(project(stairs.end))
+        back = 9 * (foot - head) / max(float(np.linalg.norm(foot - head)), 1e-9)
+        side = np.array([-back[1], back[0]]) * 0.5
+        draw.line([tuple(foot), tuple(head)], SECTION_COLOUR, 2)
+        draw.line(
+            [tuple(head + back + side), tuple(head), tuple(head + back - side)], SECTION_COLOUR, 2
+        )
     return np.asarray(picture)
 
 

@@ -14,7 +14,7 @@ from shapely.ops import unary_union
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.mesh.house_mesh import Assembly, assemble
-from plan2scene.mesh.labels import SECTION_COLOUR, annotate
+from plan2scene.mesh.labels import SECTION_COLOUR, annotate, draw_flights
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.mesh.raster import (
     Camera,
@@ -116,7 +116,9 @@ def _plan_view(
     scale = 0.86 * min(size[1] / (high[0] - low[0]), size[0] / (high[1] - low[1]))
     target = np.array([centre[0], 0.0, centre[1]])
     camera = look_at(target + [0, 50.0, 0], target, scale, size, perspective=False)
-    parts = [p for p in storey.parts if not p.name.endswith("/ceiling")] + _section(storey)
+    left_out = ("/ceiling", "/handrail/")
+    parts = [p for p in storey.parts if not any(word in p.name for word in left_out)]
+    parts += _section(storey)
     soup = soup_of(parts, textures)
     below = soup.corners[..., 1].min(axis=1) <= CUT + 2e-3
     small = _draw(soup, camera, below & ~soup.glass, house)
@@ -126,6 +128,7 @@ def _plan_view(
         x, y = camera.project(np.array([point[0], 0.0, point[1]]))[:2] / SUPERSAMPLING
         return float(x), float(y)
 
+    small = draw_flights(small, storey.flights, project)
     return annotate(small, house, captions or {}, project, scale, storey.level.name)
 
 

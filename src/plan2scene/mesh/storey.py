@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from plan2scene.floorplans.geometry import room_polygon
-from plan2scene.house import House, Level
+from plan2scene.house import House, Level, Stairs
 from plan2scene.mesh.fixtures import fixtures
 from plan2scene.mesh.objects import objects
 from plan2scene.mesh.openings import Portal, find_openings, room_sides
@@ -31,7 +31,8 @@ class Storey:
     """A level's parts, and the plan areas that drawings and bodies of it need.
 
     `house` has the level's rooms alone. `well` is where stairs come up, open in the floors;
-    `above` what is on top, with the stairs that its ceilings are open over.
+    `above` what is on top, with the stairs that its ceilings are open over. `flights` are the
+    stairs that start or arrive here, with their number of steps.
     """
 
     level: Level
@@ -41,6 +42,7 @@ class Storey:
     portals: list[Portal]
     well: BaseGeometry
     above: Above | None
+    flights: list[tuple[Stairs, int]] = field(default_factory=list)
 
 
 def build_storey(

@@ -10,6 +10,7 @@ import trimesh
 from plan2scene.floorplans.geometry import walls_of_rooms
 from plan2scene.mesh import build_parts, write_glb
 from plan2scene.mesh.house_mesh import assemble
+from plan2scene.mesh.preview import render_plan
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.stairs import WAIST
 
@@ -133,3 +134,16 @@ def test_what_juts_out_has_an_underside(house, parts):
     under = made["structure/soffit/upper"].mesh
     assert (under.face_normals[:, 1] < -0.99).all()
     assert under.area == pytest.approx(1.5 * 2.6 + 1.5 * 2 * 0.12, rel=0.01)
+
+
+def test_plans_of_all_levels_lie_one_below_the_other_with_their_stairs(house):
+    side = 200
+    plan = render_plan(house, {}, side)
+    assert plan.shape == (2 * side, side, 3)
+    bare = render_plan(replace(house, stairs=()), {}, side)
+    different = (plan != bare).any(axis=-1)
+    for level in (different[:side], different[side:]):  # on both, in the strip at the west wall
+        rows, columns = np.nonzero(level)
+        assert len(rows) > 100
+        assert columns.max() < 0.2 * side
+        assert rows.min() > 0.25 * side and rows.max() < 0.8 * side
