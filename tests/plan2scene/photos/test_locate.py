@@ -17,6 +17,7 @@ from plan2scene.photos.labels.palette import (
     write_label_png,
     write_probability_png,
 )
+from plan2scene.photos.locate.confidence import Evidence, probability
 from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.likelihood import N_CLASSES, log_table
 from plan2scene.photos.locate.plan_view import dominant_direction, look, room_shapes
@@ -78,6 +79,14 @@ def test_a_photo_of_two_rooms_stands_in_one():
     photo, _ = shot(house, 230.0, (0.6, 1.5, 2.9))
     both = Shot(photo.camera, photo.labels, ("store", "room"))
     assert locate_shots(house, {"a.jpg": both})["a.jpg"].room_id == "room"
+
+
+def test_a_lead_is_worth_less_the_more_rooms_are_possible():
+    known, few, many = (probability(Evidence(0.05, 0.05, "all", rooms)) for rooms in (1, 3, 9))
+    assert known == probability(Evidence(0.05, 0.05, "all"))
+    assert known > few > many > 0
+    odds = [p / (1 - p) for p in (known, few, many)]
+    assert odds[0] / odds[1] == pytest.approx(odds[1] / odds[2])
 
 
 def test_through_the_door_the_room_behind_is_seen():

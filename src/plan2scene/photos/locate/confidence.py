@@ -14,6 +14,9 @@ WEIGHTS = (5.0, 2.4, 0.5)
 #: What masks take off that tell fewer openings (`likelihood.TOLD`): those make rooms differ that
 #: look alike; chosen on the same flats.
 LESS = {"all": 0.0, "windows": 1.0, "nothing": 1.2}
+#: What each e times as many rooms take off where several are possible: more of them look like the
+#: right one; chosen on the same flats.
+ROOMS = 0.55
 
 
 @dataclass(frozen=True)
@@ -25,11 +28,13 @@ class Evidence:
     elsewhere: float
     #: Which openings the masks tell, of `likelihood.TOLD`.
     told: str
+    #: How many rooms it may have been taken in.
+    rooms: int = 1
 
 
 def probability(evidence: Evidence) -> float:
     """Return the probability that heading and position are right."""
     leads = np.maximum([evidence.heading, evidence.elsewhere], 0.0)
     logit = WEIGHTS[0] + float(np.log10(leads + FLOOR) @ np.array(WEIGHTS[1:]))
-    logit -= LESS[evidence.told]
+    logit -= LESS[evidence.told] + ROOMS * float(np.log(evidence.rooms))
     return float(1.0 / (1.0 + np.exp(-logit)))

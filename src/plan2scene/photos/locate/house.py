@@ -110,5 +110,5 @@ def _best(searches: Sequence[RoomSearch], prior: HeightPrior) -> list[Found]:
 def _pose(shot: Shot, poses: Sequence[Found], told: str) -> Pose:
     """Return the best of the poses and its probability."""
     best, (heading, elsewhere) = poses[0], margins(poses)
-    located = probability(Evidence(heading, elsewhere, told))
+    located = probability(Evidence(heading, elsewhere, told, len(shot.rooms)))
     return Pose(best.room_id, best.position, turned(shot.camera, best.turn), located)
