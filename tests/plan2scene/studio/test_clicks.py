@@ -94,6 +94,19 @@ def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
     assert (home / "photos.csv").read_text() == "room_id,photo\nroom_2,bed.jpg\n"
 
 
+def test_floors_are_kept(drawing, studio):
+    two_rooms(drawing)
+    drawing.page.get_by_role("button", name="Copy to the top", exact=True).click()
+    drawing.page.wait_for_function("() => !house.host.pending")
+    plan = drawing.page.evaluate("editor.store.state.plan")
+    house = read_plan(home_of(studio, drawing) / "plan.json", "home")
+    assert [len(storey.rooms) for _, storey in house.storeys()] == [2, 2]
+    drawing.page.reload()
+    drawing.page.wait_for_selector("body[data-ready]")
+    assert drawing.page.evaluate("editor.store.state.plan") == plan
+    assert drawing.page.evaluate("editor.store.level") == "ground"
+
+
 def test_two_tabs_and_a_reload_lose_nothing(drawing, studio, context):
     two_rooms(drawing)
     other = Drawing(context.new_page())
