@@ -136,6 +136,7 @@ class _Drawing:
         lines: dict[str, list[LineString]] = {key: [] for key in LAYERS}
         marks: list[_Mark] = []
         texts: list[tuple[str, Point]] = []
+        pieces = 0
         for entity in self._entities():
             kind = self._kind(entity)
             if entity.dxftype() == "INSERT":
@@ -145,7 +146,12 @@ class _Drawing:
                 texts += self._text(entity)
             elif kind and entity.dxftype() in CURVES:
                 line = self.curves.line(entity)
-                lines[kind] += [] if line is None else [line]
+                if line is None or line.length == 0:
+                    continue
+                lines[kind].append(line)
+                pieces += (len(line.coords) - 1) * (kind == "walls")
+                if pieces > 2 * MAX_AXES:
+                    raise self.source.fault(f"at most {2 * MAX_AXES} lines of walls", "more")
         shift = _shift([*lines["rooms"], *lines["walls"]])
         moved = {key: [_move(line, shift) for line in found] for key, found in lines.items()}
         texts = [(text, _move(point, shift)) for text, point in texts]
@@ -165,11 +171,7 @@ class _Drawing:
             found.rooms.append(self._room([list(line.coords)[:-1]], texts))
             if len(found.rooms) > MAX_ROOMS:
                 raise self.source.fault(f"at most {MAX_ROOMS} rooms", "more")
-        walls = [line for line in lines["walls"] if line.length > 0]
-        pieces = sum(len(line.coords) - 1 for line in walls)
-        if pieces > 2 * MAX_AXES:
-            raise self.source.fault(f"at most {2 * MAX_AXES} lines of walls", pieces)
-        loose = []
+        walls, loose = lines["walls"], []
         for line in walls:
             axis = _body_axis(line)
             found.axes += [axis] if axis else []
