@@ -18,7 +18,7 @@ from plan2scene.colour import LUMINANCE, srgb_to_linear
 from plan2scene.io import write_parquet
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.candidates import ShownPlane
-from plan2scene.photos.crops.filter import CLIPPED_LEVELS, inner_mask
+from plan2scene.photos.crops.filter import inner_mask, unclipped
 from plan2scene.photos.planes.planes import Plane
 
 #: Colours that tell what a plane's pixels look like, each of an equal share of them.
@@ -86,9 +86,7 @@ def plane_colours(
 
     `image` (h, w, 3) uint8 sRGB. Clipped pixels and the plane's border are left aside.
     """
-    low, high = CLIPPED_LEVELS
-    usable = (image.max(axis=2) > low) & (image.max(axis=2) < high)
-    rows, columns = np.nonzero(inner_mask(plane.mask, image) & usable)
+    rows, columns = np.nonzero(inner_mask(plane.mask, image) & unclipped(image))
     if len(rows) < MIN_PIXELS:
         return None
     share = len(rows) / plane.mask.size

@@ -28,7 +28,7 @@ from plan2scene.colour import (
     log_axes,
     srgb_to_linear,
 )
-from plan2scene.photos.crops.filter import CLIPPED_LEVELS, inner_mask
+from plan2scene.photos.crops.filter import CLIPPED_LEVELS, inner_mask, unclipped
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
 
 #: Surfaces smaller than this share of the photo tell nothing.
@@ -85,8 +85,7 @@ def surface_colours(
     `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8 (0 other, 1 floor, 2 wall, 3 ceiling);
     clipped pixels and borders are left aside.
     """
-    low, high = CLIPPED_LEVELS
-    usable = (image.max(axis=2) > low) & (image.max(axis=2) < high)
+    usable = unclipped(image)
     found = []
     for surface, label in _LABELS.items():
         mask = labels == label

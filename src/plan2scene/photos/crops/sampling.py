@@ -17,7 +17,7 @@ from plan2scene.images import jpeg_bytes
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.verdict import Verdict
 from plan2scene.photos.planes.planes import Plane
-from plan2scene.photos.planes.rectification import RectifiedPlane, rectify
+from plan2scene.photos.planes.rectification import RectifiedPlane, plane_pixels, rectify
 
 CROP_PX = 128
 CROPS_PER_MASK = 10
@@ -102,10 +102,11 @@ def sample_candidates(
     """
     drawn: list[Candidate] = []
     wanted = per_mask if judge is None else DRAWS_PER_CROP * per_mask
+    pixels = plane_pixels(camera, plane)
     for upsampling in (MAX_UPSAMPLING, LAST_UPSAMPLING):
         for size_m in sizes_m:
             density = CROP_PX / size_m / upsampling
-            rectified = rectify(image, camera, plane, min_density=density)
+            rectified = rectify(image, camera, plane, min_density=density, pixels=pixels)
             if rectified is None:
                 continue
             good = 0

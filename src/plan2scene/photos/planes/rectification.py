@@ -86,14 +86,24 @@ def plane_axes(plane: Plane) -> np.ndarray:
     return np.stack([right, down, normal * plane.offset])
 
 
-def usable_pixels(
-    camera: Camera, plane: Plane, min_density: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the pixels of a plane that are worth rectifying as a mask (h, w) bool.
+@dataclass(frozen=True)
+class PlanePixels:
+    """The pixels of a plane, whatever density is asked for."""
 
-    With their plane coordinates (n, 2) float64 (right, down), metres, and photo pixels per metre
-    (n,) float64 (geometric mean of both directions on the plane), at least `min_density`.
-    """
+    #: (h, w) bool: The plane's mask without its border.
+    mask: np.ndarray
+    #: (n,), (n,) int64: Rows and columns of its pixels.
+    places: tuple[np.ndarray, np.ndarray]
+    #: (n, 2) float64: Plane coordinates (right, down), metres.
+    points: np.ndarray
+    #: (n,) float64: Photo pixels per metre, geometric mean of both directions on the plane.
+    density: np.ndarray
+    #: (n,) bool: Seen neither too flat nor as skirting board.
+    good: np.ndarray
+
+
+def plane_pixels(camera: Camera, plane: Plane) -> PlanePixels:
+    """Return the pixels of a plane with what decides whether they are worth rectifying."""
     border = max(1, round(BORDER_SHARE * camera.width))
     kernel = np.ones((2 * border + 1, 2 * border + 1), np.uint8)
     mask = cv2.erode(plane.mask.astype(np.uint8), kernel) > 0
@@ -102,16 +112,20 @@ def usable_pixels(
     facing = -(rays @ np.array(plane.normal))
     reach = -plane.offset / np.maximum(facing, 1e-6)
     density = camera.focal_px / reach * np.sqrt(np.maximum(facing, 0.0))
-    good = (facing >= np.sin(np.radians(MIN_GRAZING_DEG))) & (density >= min_density)
+    good = facing >= np.sin(np.radians(MIN_GRAZING_DEG))
     points = (rays * reach[:, None]) @ plane_axes(plane)[:2].T
     if plane.surface == "wall":
         good &= points[:, 1] < plane.camera_height_m - SKIRTING_M
-    mask[rows[~good], columns[~good]] = False
-    return mask, points[good], density[good]
+    return PlanePixels(mask, (rows, columns), points, density, good)
 
 
 def rectify(
-    image: np.ndarray, camera: Camera, plane: Plane, *, min_density: float = 0.0
+    image: np.ndarray,
+    camera: Camera,
+    plane: Plane,
+    *,
+    min_density: float = 0.0,
+    pixels: PlanePixels | None = None,
 ) -> RectifiedPlane | None:
     """Return a plane of a photo seen straight on, or None when none of it is usable.
 
@@ -121,6 +135,8 @@ def rectify(
         The photo, sRGB, of the camera's size.
     min_density : float
         Least photo pixels per metre of what is kept.
+    pixels : PlanePixels, optional
+        The plane's, where it is rectified more than once.
 
     Notes
     -----
@@ -128,9 +144,13 @@ def rectify(
     so that nothing is thrown away there and warping hardly aliases; the far part is upsampled
     at most by that over `min_density`.
     """
-    mask, points, density = usable_pixels(camera, plane, min_density)
+    pixels = pixels or plane_pixels(camera, plane)
+    good = pixels.good & (pixels.density >= min_density)
+    points, density = pixels.points[good], pixels.density[good]
     if len(points) < 16:
         return None
+    mask = pixels.mask.copy()
+    mask[pixels.places[0][~good], pixels.places[1][~good]] = False
     low, high = points.min(axis=0), points.max(axis=0)
     extent = float(max((high - low).max(), 1e-3))
     resolution = float(np.clip(np.percentile(density, 90), *RESOLUTION_RANGE))
