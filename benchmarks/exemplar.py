@@ -33,7 +33,8 @@ from plan2scene.metrics.freq import freq_distance
 from plan2scene.metrics.tile import tile_score
 from plan2scene.seeds import derive_seed
 from plan2scene.textures.baselines.retrieval import generated_library
-from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+from plan2scene.textures.exemplar.choice import ExemplarCrop
+from plan2scene.textures.exemplar.make import make_exemplar
 from plan2scene.textures.seams import make_seamless, with_calm_border, wrap_ratio
 from plan2scene.textures.single import CROP_PX, LIBRARY_TILES
 from plan2scene_workshop.texture.degradation import DegradedCrop, degrade, window

@@ -18,7 +18,8 @@ import torch
 from plan2scene.jobs import keep_freed_memory
 from plan2scene.materials import random_material
 from plan2scene.textures.constrained import match_statistics
-from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+from plan2scene.textures.exemplar.choice import ExemplarCrop
+from plan2scene.textures.exemplar.make import make_exemplar
 from plan2scene.textures.model.decoder import low_precision_is_fast
 from plan2scene.textures.model.embedding import embed_crops
 from plan2scene.textures.model.network import load_texture_model

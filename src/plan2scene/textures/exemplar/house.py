@@ -21,7 +21,8 @@ from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab, srgb_to_l
 from plan2scene.house import SurfaceKey
 from plan2scene.photos.crops.light import relight
 from plan2scene.textures.baselines.nearest import Crop
-from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
+from plan2scene.textures.exemplar.choice import ExemplarCrop
+from plan2scene.textures.exemplar.make import Exemplar, make_exemplar
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import NoTile, Tile
 
@@ -98,6 +99,8 @@ def exemplar_of(
     exemplar, names = made
     image = exemplar.image if tone is None else recoloured(exemplar.image, tone)
     source = f"exemplar of {len(names)} crops"
+    if exemplar.pattern.completed is not None:
+        source = "exemplar of 1 crop, its squares completed: no crop shows them whole"
     return Tile(image, exemplar.size_m, source, True, crops=names, pattern=exemplar.pattern)
 
 

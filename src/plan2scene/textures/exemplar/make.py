@@ -9,13 +9,16 @@ tile of 256 px or more covers twice as many metres with the same detail and repe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 
-from plan2scene.colour import as_uint8, clipped_share, delta_e_2000, median_colour, rgb_to_lab
+from plan2scene.colour import as_uint8
+from plan2scene.textures.exemplar.choice import ExemplarCrop, alike, blur_octaves, sharper, usable
+from plan2scene.textures.exemplar.corner import SQUARES, as_detail, completed
 from plan2scene.textures.exemplar.grain import faintness, grains_of, one_way
-from plan2scene.textures.exemplar.lattice import CropLattice
+from plan2scene.textures.exemplar.lattice import CropLattice, whole_periods
 from plan2scene.textures.exemplar.light import flatten, highlights, log_luma
 from plan2scene.textures.exemplar.quilt import Source, quilt
 from plan2scene.textures.exemplar.straighten import Cut, find_pattern, straightened
@@ -28,43 +31,10 @@ WORK_PX = 128
 #: Crops that take part, the best first.
 MAX_CROPS = 10
 _LARGEST = 2.0  # side of the tile over the side of a crop
-_LEAST_SHARP = 0.2  # photo pixels per crop pixel under which a crop shows no texture
-_MOST_SPOILED = 0.5  # share of burned-out or masked pixels from which a crop is useless
-_ALIKE_DE = 20.0  # CIEDE2000 beyond which crops are of different things; light gives less
 _SMALLEST_PX = 32  # crops that fill less of the tile only make seams
 _BLUR = 0.1  # what an octave fewer photo pixels a metre weighs, in log repair of the light
 _FAINT = 0.2  # what a pattern e times fainter than the better ones weighs
 _ODD = 0.5  # what things e times stronger than a plain surface's pattern weigh
-_FEW_OCTAVES = 1.0  # crops blurred by more than this against the better ones are left out
-_ENOUGH = 3  # where so many are sharper
-
-
-@dataclass(frozen=True, eq=False)
-class ExemplarCrop:
-    """A crop to learn a surface from.
-
-    Attributes
-    ----------
-    image : (128, 128, 3) uint8
-        sRGB.
-    size_m : float
-        Side of the square that it covers; NaN when unknown.
-    sharpness : float
-        Photo pixels per crop pixel; NaN when unknown.
-    detail : bytes
-        JPEG at the photo's own resolution; empty where the crop holds as much.
-    plane : str
-        Name of the photo's plane that it was cut from; empty when unknown.
-    centre : (float, float)
-        Its middle on that plane, metres (right, down).
-    """
-
-    image: np.ndarray
-    size_m: float
-    sharpness: float
-    detail: bytes = b""
-    plane: str = ""
-    centre: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,47 +66,6 @@ class Exemplar:
     pattern: Pattern
 
 
-def usable(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
-    """Return the crops that show a texture: neither burned out nor enlarged beyond use."""
-    return [
-        crop
-        for crop in crops
-        if not crop.sharpness < _LEAST_SHARP and clipped_share(crop.image) < _MOST_SPOILED
-    ]
-
-
-def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list[ExemplarCrop]:
-    """Return the crops whose colour is near that of the one nearest to `tone`.
-
-    Where masks err, or the walls of a room are of two paints, crops of one surface show different
-    things; patches of a rug in a floor are worse than fewer crops. Without a tone (3,), sRGB in
-    [0, 1], the crop most like all others decides.
-    """
-    labs = np.stack([rgb_to_lab(median_colour(crop.image)) for crop in crops])
-    apart = delta_e_2000(labs[:, None], labs[None])
-    far = apart.sum(axis=1) if tone is None else delta_e_2000(labs, rgb_to_lab(tone)[None])
-    middle = int(far.argmin())
-    return [crop for crop, far in zip(crops, apart[middle], strict=True) if far <= _ALIKE_DE]
-
-
-def blur_octaves(crops: Sequence[ExemplarCrop]) -> np.ndarray:
-    """Return by how many octaves crops have fewer photo pixels a metre than the best, (n,)."""
-    detail = np.array([crop.sharpness / crop.size_m for crop in crops], dtype=np.float64)
-    detail = np.where(np.isfinite(detail) & (detail > 0), detail, np.nan)
-    if np.isnan(detail).all():
-        return np.zeros(len(crops))
-    return np.nan_to_num(np.log2(np.nanmax(detail) / detail))
-
-
-def sharper(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
-    """Return the crops without those far blurrier than the `_ENOUGH` best: near ones show more."""
-    behind = blur_octaves(crops)
-    if len(crops) <= _ENOUGH:
-        return list(crops)
-    limit = float(np.sort(behind)[_ENOUGH - 1]) + _FEW_OCTAVES
-    return [crop for crop, octaves in zip(crops, behind, strict=True) if octaves <= limit]
-
-
 @dataclass(frozen=True, eq=False)
 class Pattern:
     """Crops of one surface brought to one light, colour, direction and lattice.
@@ -159,6 +88,8 @@ class Pattern:
         NaN when no crop knows its scale.
     lattices : list of CropLattice
     cut : Cut
+    completed : ExemplarCrop, optional
+        The crop that the only one of the pattern was made of: it showed no whole period.
     """
 
     crops: list[ExemplarCrop]
@@ -171,6 +102,7 @@ class Pattern:
     size_m: float
     lattices: list[CropLattice]
     cut: Cut
+    completed: ExemplarCrop | None = None
 
     @property
     def used(self) -> list[ExemplarCrop]:
@@ -199,6 +131,26 @@ def find_surface(
     if not good:
         return None
     good = sharper(alike(good, tone))
+    pattern, work = _pattern(good, size_px)
+    turned = zip(pattern.crops, pattern.turned, strict=True)
+    images = [np.rot90(crop.image) if turn else crop.image for crop, turn in turned]
+    corner = completed(images, pattern.flat, pattern.lattices, pattern.order, pattern.sides)
+    if corner is None or not np.isfinite(pattern.size_m):
+        return pattern, work
+    own = pattern.crops[corner.crop]
+    size_m = corner.side * pattern.size_m
+    image = cv2.resize(corner.image, own.image.shape[1::-1], interpolation=cv2.INTER_AREA)
+    sharpness = own.sharpness * size_m / own.size_m
+    whole = ExemplarCrop(image, size_m, sharpness, as_detail(corner.image))
+    pattern, work = _pattern([whole], size_px)
+    period = 2.0 / SQUARES
+    lattice = CropLattice(0.0, True, (period * image.shape[1],) * 2, (1.0, 1.0))
+    cut = Cut(*whole_periods((period * float(pattern.sides[0]),) * 2))
+    return replace(pattern, completed=own, lattices=[lattice], cut=cut), work
+
+
+def _pattern(good: Sequence[ExemplarCrop], size_px: int) -> tuple[Pattern, int]:
+    """Return the pattern of good crops, and the side of its torus in pixels."""
     work = work_size(size_px, len(good))
     flat, masks, colour, faults = _evened(good)
     luma = log_luma(flat)
@@ -211,7 +163,9 @@ def find_surface(
     order = [int(k) for k in np.argsort(faults, kind="stable")]
     large = [k for k in order if fits[k] and sides[k] * work >= _SMALLEST_PX]
     order = large or [int(sides.argmax())]
-    return Pattern(good, flat, masks, turned, colour, order, sides, size_m, lattices, cut), work
+    return Pattern(
+        list(good), flat, masks, turned, colour, order, sides, size_m, lattices, cut
+    ), work
 
 
 def make_exemplar(
@@ -235,12 +189,13 @@ def make_exemplar(
         return None
     pattern, work = found
     cut, size_m = pattern.cut, pattern.size_m
+    used = pattern.used if pattern.completed is None else [pattern.completed]
     canvas = quilt([pattern.source(k, work) for k in pattern.order[:MAX_CROPS]], work)
     image = with_calm_border(as_uint8(toned(canvas.solve(), pattern.colour)))
     return Exemplar(
         as_uint8(enlarged(image / 255.0, size_px)),
         pattern.covered_m,
-        tuple(i for i, crop in enumerate(crops) if any(crop is own for own in pattern.used)),
+        tuple(i for i, crop in enumerate(crops) if any(crop is own for own in used)),
         (cut.columns, cut.rows),
         (
             size_m * cut.wide / cut.columns if cut.columns else float("nan"),

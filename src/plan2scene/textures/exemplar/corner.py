@@ -1,0 +1,161 @@
+"""Large tiles of which no crop shows a whole period: completed from the corner where four meet.
+
+Such crops have one straight joint each way and no period. The squares beside the joints are known
+to their middles; beyond, each is its own mirror image, which keeps joints straight and squares of
+two colours in turn. Their side is what lies between two joints where a crop shows two, else the
+longest way from a joint to a crop's border: they are at least so large.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from plan2scene.images import jpeg_bytes
+from plan2scene.textures.exemplar.lattice import CropLattice
+from plan2scene.textures.exemplar.light import log_luma
+
+#: How much straighter than the rest a joint is both ways, in the median of the crops. (Of the
+#: demo's surfaces without a period large tiles have 3.1 to 4.3 and all others less than 2.0.)
+STRAIGHT = 2.5
+#: A second joint is so straight, and so far from the first, in sides of a crop.
+_SECOND, _APART = 2.2, 0.3
+_RIM = 10  # pixels at a crop's border where no joint is looked for
+_BANDS = 8
+_MOST_TURN_DEG = 12.0
+#: The completed crop shows so many squares each way, and has so many pixels at most.
+SQUARES, MOST_PX = 4, 512
+
+
+@dataclass(frozen=True, eq=False)
+class Corner:
+    """A crop completed.
+
+    Attributes
+    ----------
+    crop : int
+        Which of the crops it was made of.
+    image : (n, n, 3) uint8
+        sRGB, `SQUARES` x `SQUARES` squares.
+    side : float
+        Side of what it shows, in the tile's sides.
+    """
+
+    crop: int
+    image: np.ndarray
+    side: float
+
+
+def completed(
+    images: Sequence[np.ndarray],
+    flat: np.ndarray,
+    lattices: Sequence[CropLattice],
+    order: Sequence[int],
+    sides: np.ndarray,
+) -> Corner | None:
+    """Return the crop whose corner shows most of its four squares, completed; None for others.
+
+    Parameters
+    ----------
+    images : sequence of (s, s, 3) uint8
+        Crops, sRGB: they have the squares' colours, which even light takes for light.
+    flat : (n, s, s, 3) float
+        The same under even light, sRGB in [0, 1].
+    lattices : sequence of CropLattice
+        Of all crops.
+    order : sequence of int
+        Those that take part, the best first.
+    sides : (n,) float
+        Sides of the crops in sides of the tile.
+    """
+    if any(np.isfinite(lattices[k].periods).any() for k in order):
+        return None
+    if not all(lattices[k].clear for k in order):
+        return None
+    upright = {k: _upright(flat[k], lattices[k].angle_deg) for k in order}
+    joints = {k: [_joints(upright[k], axis) for axis in (0, 1)] for k in order}
+    straight = np.median([[found[0][1] for found in joints[k]] for k in order], axis=0)
+    if straight.min() < STRAIGHT:
+        return None
+    size = flat.shape[1]
+    square = _square(joints, sides, size)
+    if not square:
+        return None
+
+    def shown(k: int) -> float:
+        places = np.array([found[0][0] for found in joints[k]])
+        return float(np.minimum(places, size - places).min() * sides[k])
+
+    best = max(order, key=shown)
+    at = [found[0][0] for found in joints[best]]
+    own = _upright(images[best] / 255.0, lattices[best].angle_deg)
+    image = _folded(own, at, square / sides[best] * size)
+    return Corner(best, image, SQUARES * square)
+
+
+def _upright(image: np.ndarray, angle_deg: float) -> np.ndarray:
+    """Return a crop with its joints along its sides."""
+    if abs(angle_deg) > _MOST_TURN_DEG:
+        return image
+    middle = ((image.shape[1] - 1) / 2,) * 2
+    matrix = cv2.getRotationMatrix2D(middle, angle_deg, 1.0)
+    size = image.shape[1::-1]
+    return cv2.warpAffine(
+        image.astype(np.float32),
+        matrix,
+        size,
+        flags=cv2.INTER_CUBIC,
+        borderMode=cv2.BORDER_REFLECT_101,
+    )
+
+
+def _joints(image: np.ndarray, axis: int) -> list[tuple[float, float]]:
+    """Return joints across an axis (0: level ones), (place, straightness), the straightest first.
+
+    Of bands along the joint the mean slopes count, whatever their sign: colours change in turn.
+    """
+    luma = cv2.GaussianBlur(log_luma(image).astype(np.float64), (0, 0), 1.5)
+    slope = np.diff(luma if axis == 1 else luma.T, axis=1)[_RIM:-_RIM]
+    slope[:, :_RIM] = slope[:, -_RIM:] = 0.0
+    bands = np.stack([band.mean(axis=0) for band in np.array_split(slope, _BANDS)])
+    straight = np.abs(bands).mean(axis=0) / max(float(np.sqrt((slope**2).mean())), 1e-9)
+    found: list[tuple[float, float]] = []
+    reach = round(_APART * image.shape[0])
+    while len(found) < 2:
+        place = int(straight.argmax())
+        found.append((place + 0.5, float(straight[place])))
+        straight[max(0, place - reach) : place + reach + 1] = 0.0
+    return found
+
+
+def _square(
+    joints: dict[int, list[list[tuple[float, float]]]], sides: np.ndarray, size: int
+) -> float:
+    """Return the side of a square in the tile's sides."""
+    between, reach = [], 0.0
+    for k, both in joints.items():
+        for (first, _), (second, straight) in both:
+            if straight > _SECOND:
+                between.append(abs(second - first) / size * sides[k])
+            reach = max(reach, max(first, size - first) / size * float(sides[k]))
+    return float(np.median(between)) if between else reach
+
+
+def _folded(image: np.ndarray, at: Sequence[float], square: float) -> np.ndarray:
+    """Return `SQUARES` squares each way of `square` px around the corner at (row, column)."""
+    count = min(MOST_PX, round(SQUARES * square))
+    steps = (np.arange(count) + 0.5) / count * SQUARES * square
+    inside = np.mod(steps, 2 * square) - square  # a joint at 0 and at both ends
+    fold = np.sign(inside) * np.minimum(np.abs(inside), square - np.abs(inside))
+    y, x = (np.clip(place + fold, 1, image.shape[0] - 2).astype(np.float32) for place in at)
+    columns, rows = np.meshgrid(x, y)
+    made = cv2.remap(image.astype(np.float32), columns, rows, cv2.INTER_CUBIC)
+    return np.round(255 * made.clip(0, 1)).astype(np.uint8)
+
+
+def as_detail(image: np.ndarray) -> bytes:
+    """Return an image as the detail of a crop."""
+    return jpeg_bytes(image, quality=95)

@@ -1,0 +1,61 @@
+"""Large squares of which no crop shows a whole period are completed; nothing else is."""
+
+import numpy as np
+import pytest
+
+from plan2scene.textures.exemplar.choice import ExemplarCrop
+from plan2scene.textures.exemplar.make import find_surface, make_exemplar
+
+SIDE_M, CROP_M = 0.4, 0.5
+
+
+def crop(x_m, y_m, *, square_m=SIDE_M, dark=(150, 140, 120), light=(200, 195, 185)):
+    """Return a crop of a checkerboard with joints, its corner at (x, y) metres."""
+    rng = np.random.default_rng(round(1000 * (x_m + 7 * y_m)))
+    metres = (np.arange(128) + 0.5) / 128 * CROP_M
+    columns, rows = np.meshgrid((metres + x_m) / square_m, (metres + y_m) / square_m)
+    odd = (np.floor(columns) + np.floor(rows)) % 2 == 1
+    image = np.where(odd[..., None], dark, light) + rng.normal(0, 1.5, (128, 128, 1))
+    at_joint = [np.abs(v - np.round(v)) * square_m < 0.008 for v in (columns, rows)]
+    image[at_joint[0] | at_joint[1]] -= 25
+    return ExemplarCrop(image.clip(0, 255).astype(np.uint8), CROP_M, 1.0)
+
+
+def places(count=6):
+    """Return corners of crops that show one joint each way."""
+    rng = np.random.default_rng(0)
+    return rng.uniform(0.12, 0.28, (count, 2))
+
+
+def test_a_checkerboard_larger_than_its_crops_is_completed():
+    crops = [crop(*place) for place in places()]
+    made = make_exemplar(crops, size_px=128)
+    assert made.pattern.completed in crops
+    assert made.crops == (crops.index(made.pattern.completed),)
+    # At least as large as what a crop shows from a joint to its border, at most what is true.
+    for period in made.period_m:
+        assert 2 * 0.3 < period < 2 * SIDE_M * 1.03
+    cells = np.array(made.periods)
+    assert (cells >= 1).all() and made.size_m == pytest.approx(
+        cells[0] * made.period_m[0], rel=0.02
+    )
+    grey = made.image.mean(axis=2)
+    # Half dark and half light, as sharply apart as in the crops.
+    dark, light = np.percentile(grey, (20, 80))
+    assert light - dark == pytest.approx(193 - 137, abs=16)
+    assert abs(np.median(grey) - grey.mean()) < 25
+
+
+def test_two_joints_in_a_crop_tell_the_side():
+    crops = [crop(*place, square_m=0.31) for place in [(0.25, 0.25), (0.23, 0.24), (0.26, 0.22)]]
+    made = make_exemplar(crops, size_px=128)
+    assert made.pattern.completed is not None
+    assert made.period_m == pytest.approx((0.62, 0.62), rel=0.05)
+
+
+def test_small_squares_and_plain_surfaces_stay():
+    checks = [crop(*place, square_m=0.12) for place in places()]
+    plain = [crop(*place, square_m=50.0) for place in places() + 5]
+    for crops in (checks, plain):
+        pattern, _ = find_surface(crops, size_px=128)
+        assert pattern.completed is None
