@@ -22,6 +22,8 @@ from plan2scene.mesh.walls import LIFT, REVEAL_COLOUR
 WAIST = 0.1
 #: Metres: a handrail above the edges of the steps, and from the side of the flight.
 HANDRAIL, IN = 0.9, 0.075
+#: Metres: a railing stands out of its well, clear of the sides of a flight that goes on up.
+PROUD = 0.002
 #: An edge of a well this near to a wall needs no railing, metres; nor does a shorter piece.
 AT_WALL, LEAST_RAILING = 0.1, 0.2
 
@@ -178,7 +180,7 @@ def well_railings(
             inside = room_polygon(room).buffer(-AT_WALL).difference(unary_union([gaps, wells]))
             for frame in _edges(flight)[:3]:
                 for piece in _pieces(frame, inside):
-                    add_railing(builder, piece)
+                    add_railing(builder, piece.moved(PROUD))
                     owner = owner or room.id
         if builder:
             extras = {"kind": "railing", "room_id": owner, "stairs_id": flight.id}
