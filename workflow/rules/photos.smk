@@ -14,7 +14,8 @@ rule masks:
         f"logs/{DATASET}/benchmarks/masks/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: 4
+    # Beside other houses on a core each: the start of a job has no use for more.
+    threads: max(1, 4 // len(HOUSES))
     resources:
         mem_mb=3000,
     params:

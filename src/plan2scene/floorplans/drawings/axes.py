@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 from shapely import unary_union
 from shapely.geometry import LineString, Polygon
 from shapely.ops import polygonize
@@ -81,6 +80,8 @@ def is_floor(face: Polygon) -> bool:
 
 def _joined(axes: Sequence[WallAxis]) -> list[WallAxis]:
     """Return the axes with near ends made one, and loose ends drawn to the wall they touch."""
+    from scipy.spatial import cKDTree  # a third of a second that no other format needs
+
     points = np.array([end for axis in axes for end in (axis.start, axis.end)], dtype=np.float64)
     nodes = np.arange(len(points))
     for i, j in sorted(cKDTree(points).query_pairs(JOIN)):
