@@ -159,6 +159,8 @@ def _window(portal: Portal) -> list[MeshPart]:
     pane = np.array([[x0, y0, 0], [x1, y0, 0], [x1, y1, 0], [x0, y1, 0]])
     glass.quad(pane @ frame[:3] + frame[3], (255, 255, 255))
     extras = {"kind": "window", "room_id": room, "opening_id": opening.id}
+    if portal.other is not None:
+        extras["leads_to"] = portal.other
     name = f"{room}/window/{opening.id}"
     return [
         builder.build(name, extras=extras),

@@ -196,3 +196,17 @@ def test_walls_without_thickness(l_house):
 def test_house_without_walls(l_house):
     names = set(by_name(dataclasses.replace(l_house, walls=(), doors=())))
     assert names == {"hall/floor", "hall/ceiling"}
+
+
+def test_a_window_between_two_rooms_says_where_it_leads(gap_house):
+    def glazed(wall):
+        openings = tuple(dataclasses.replace(o, kind="window", bottom=1.0) for o in wall.openings)
+        return dataclasses.replace(wall, openings=openings)
+
+    walls = tuple(glazed(wall) for wall in gap_house.walls)
+    parts = build_parts(dataclasses.replace(gap_house, walls=walls, doors=()))
+    found = [part.extras for part in parts if part.extras["kind"] in ("window", "glass")]
+    assert [(e["kind"], {e["room_id"], e["leads_to"]}) for e in found] == [
+        ("window", {"a", "b"}),
+        ("glass", {"a", "b"}),
+    ]
