@@ -16,7 +16,7 @@ WEIGHTS = (5.0, 2.4, 0.5)
 LESS = {"all": 0.0, "windows": 1.0, "nothing": 1.2}
 #: What each e times as many rooms take off where several are possible: more of them look like the
 #: right one; chosen on the same flats.
-ROOMS = 0.55
+ROOMS = 0.2
 
 
 @dataclass(frozen=True)
