@@ -5,6 +5,8 @@ import pytest
 
 from plan2scene.textures.exemplar.choice import ExemplarCrop
 from plan2scene.textures.exemplar.make import find_surface, make_exemplar
+from plan2scene.textures.maps.detail import detail_of_pattern
+from plan2scene.textures.maps.patches import cut_patches
 
 SIDE_M, CROP_M = 0.4, 0.5
 
@@ -44,6 +46,17 @@ def test_a_checkerboard_larger_than_its_crops_is_completed():
     dark, light = np.percentile(grey, (20, 80))
     assert light - dark == pytest.approx(193 - 137, abs=16)
     assert abs(np.median(grey) - grey.mean()) < 25
+
+
+@pytest.mark.parametrize("start", [0.13, 0.2, 0.27])
+def test_maps_keep_the_lattice(start):
+    pattern, _ = find_surface([crop(start, start)] * 3, size_px=128)
+    assert pattern.completed is not None
+    detail = detail_of_pattern(pattern, pattern.covered_m)
+    patches = cut_patches(detail, np.random.default_rng(0))
+    assert patches is not None
+    period = pattern.covered_m / pattern.cut.columns * detail.px_per_m
+    assert patches.down.period == pytest.approx(period, rel=0.02)
 
 
 def test_two_joints_in_a_crop_tell_the_side():

@@ -27,7 +27,7 @@ _RIM = 10  # pixels at a crop's border where no joint is looked for
 _BANDS = 8
 _MOST_TURN_DEG = 12.0
 #: The completed crop shows so many squares each way, and has so many pixels at most.
-SQUARES, MOST_PX = 4, 512
+SQUARES, MOST_PX = 6, 768
 
 
 @dataclass(frozen=True, eq=False)
