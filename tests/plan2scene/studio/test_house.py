@@ -11,7 +11,7 @@ from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.images import write_png
 
 #: Seconds that the workflow has on a busy machine.
-LONGEST = 300
+LONGEST = 600
 
 
 @pytest.fixture(scope="module")
