@@ -27,6 +27,13 @@ class Colours(StrEnum):
     CORRECTED = "corrected"
 
 
+class Walls(StrEnum):
+    """Which walls of a house share a texture."""
+
+    ROOM = "room"
+    WALL = "wall"
+
+
 _HouseId = Annotated[str | None, typer.Option(help="House id; default: the plan's name.")]
 _Layers = Annotated[
     list[str] | None,
@@ -77,6 +84,9 @@ def run_house(
     colours: Annotated[
         Colours, typer.Option(help="As the photos show them, or under one light for the house.")
     ] = Colours.PHOTO,
+    walls: Annotated[
+        Walls, typer.Option(help="All of a room alike, or accent walls in their own paint.")
+    ] = Walls.ROOM,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="All that Snakemake says.")
@@ -97,6 +107,7 @@ def run_house(
         seed=seed,
         texture_size=texture_size,
         colours=colours.value,
+        walls=walls.value,
         dxf_layers=_layers(dxf_layer),
     )
     for name, path in run(request, out, cores=cores, shown=shown).items():

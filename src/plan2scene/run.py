@@ -60,6 +60,7 @@ class SingleHouse:
     seed: int
     texture_size: int
     colours: str = "photo"
+    walls: str = "room"
     dxf_layers: Mapping[str, str] | None = None
 
 
@@ -157,7 +158,8 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     }
     config["seed"] = request.seed
     config["drops"] = [0.0]
-    config["house"] |= {"method": request.method, "colours": request.colours}
+    shown = {"method": request.method, "colours": request.colours, "walls": request.walls}
+    config["house"] |= shown
     config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
     config["floorplans"]["dxf_layers"] = dict(request.dxf_layers or {}) or None
     config["textures"]["size_px"] = request.texture_size

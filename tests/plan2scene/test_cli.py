@@ -223,6 +223,27 @@ def test_dxf_layers_reach_the_workflow(strange_layers, tmp_path):
     assert config["floorplans"]["dxf_layers"] == {"rooms": "^poly"}
 
 
+def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
+    import yaml
+
+    from plan2scene import run as runs
+    from plan2scene.config import check_config
+
+    asked = []
+    monkeypatch.setattr(runs, "run", lambda request, *_, **__: asked.append(request) or {})
+    options = (("--walls", "wall", "--colours", "corrected"), ())
+    for given in options:
+        assert call("run", "--plan", PLAN, "--out", tmp_path / "out", *given)[0] == 0
+    shown = []
+    for k, request in enumerate(asked):
+        config = yaml.safe_load(runs.prepare(request, [], tmp_path / str(k)).read_text())
+        check_config(config)
+        shown.append((config["house"]["walls"], config["house"]["colours"]))
+    assert shown == [("wall", "corrected"), ("room", "photo")]
+    assert call("run", "--plan", PLAN, "--out", tmp_path / "out", "--walls", "accent")[0] == 2
+    assert len(asked) == 2
+
+
 def test_check_tells_of_a_picture_that_it_is_traced(tmp_path):
     Image.fromarray(np.full((200, 300, 3), 180, np.uint8)).save(tmp_path / "plan.png")
     code, output = call("check", tmp_path / "plan.png")
