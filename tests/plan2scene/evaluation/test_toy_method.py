@@ -74,16 +74,15 @@ def test_the_configuration_may_name_it(toy):
     ("key", "value"),
     [
         ("methods", ["magic"]),
-        (
-            "house",
-            {"method": "magic", "surfaces": "maps", "colours": "photo", "objects": True},
-        ),
-        ("study", {"houses": 1, "pairs": [["magic", "crop"]], "answers": None}),
+        ("house", {"method": "magic"}),
+        ("study", {"pairs": [["magic", "crop"]]}),
     ],
 )
 def test_a_name_that_nobody_registered_is_refused_in_one_line(key, value):
+    config = _config("synth")
+    config[key] = config[key] | value if isinstance(value, dict) else value
     with pytest.raises(InputError, match=rf"{key}.*'magic' is not one of") as error:
-        check_config(_config("synth") | {key: value})
+        check_config(config)
     assert "\n" not in str(error.value)
 
 
