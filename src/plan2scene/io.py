@@ -169,11 +169,25 @@ def read_parquet(path: str | os.PathLike[str]) -> tuple[pd.DataFrame, dict[str, 
     import pyarrow.parquet as pq
 
     table = pq.ParquetFile(path).read()
-    raw = (table.schema.metadata or {}).get(b"plan2scene")
+    return table.to_pandas(), _own_metadata(table.schema.metadata, path)
+
+
+def read_parquet_metadata(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Return the metadata that :func:`write_parquet` gave a table, without its rows."""
+    import pyarrow.parquet as pq
+
+    return _own_metadata(pq.read_schema(path).metadata, path)
+
+
+def _own_metadata(
+    found: Mapping[bytes, bytes] | None, path: str | os.PathLike[str]
+) -> dict[str, Any]:
+    """Return this program's part of a file's metadata; InputError where it has none."""
+    raw = (found or {}).get(b"plan2scene")
     if raw is None:
         raise InputError("a Parquet file of this program", "no plan2scene metadata", file=path)
-    metadata = json.loads(raw)
-    found = metadata.get("schema_version")
-    if found != SCHEMA_VERSION:
-        raise InputError(f"schema version {SCHEMA_VERSION}", str(found), file=path)
-    return table.to_pandas(), metadata
+    metadata: dict[str, Any] = json.loads(raw)
+    version = metadata.get("schema_version")
+    if version != SCHEMA_VERSION:
+        raise InputError(f"schema version {SCHEMA_VERSION}", str(version), file=path)
+    return metadata

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.aggregate import TableRequest, metric_title, tidy_table, wide_table
-from plan2scene.evaluation.gather import read_metrics, read_references
+from plan2scene.evaluation.gather import Measurements
 from plan2scene.evaluation.houses import (
     EvaluatedHouse,
     measured_at,
@@ -115,14 +115,14 @@ def ablation_table(
     Observed surfaces at drop 0.0, unobserved and all at `drop`, as in the paper's table 1. Rows
     that would need other weights are named beside the table.
     """
-    metrics, networks = read_metrics(ablations)
     request = TableRequest(dataset, houses, [variant.name for variant in VARIANTS], drop, seed)
-    tidy = tidy_table(metrics, read_references(references), networks, request)
+    tidy = tidy_table(Measurements(ablations, references), request)
     wide = wide_table(tidy).rename(columns={"method": "variant"})
     described = {variant.name: variant.description for variant in VARIANTS}
     wide.insert(1, "description", wide["variant"].map(described))
     write_csv(output_csv, wide)
     missing = [f"{name}: not measured, {why}" for name, why in MISSING.items()]
+    networks = dict(zip(tidy["metric"], tidy["features"], strict=True))
     shown = [metric_title(name, networks[name]) for name in METRICS]
     write_text(output_markdown, _markdown(wide, shown))
     write_text(output_latex, latex_table(tidy, missing))

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import plan2scene
-from plan2scene.evaluation.distances import feature_distances
+from plan2scene.evaluation.cells import Cell, summed
+from plan2scene.evaluation.gather import Measurements
 from plan2scene.evaluation.published import TABLE_COLUMNS, comparable, published_value
 from plan2scene.provenance import package_versions
 
@@ -44,74 +45,56 @@ class TableRequest:
         return self.drops or ["0.0" if column == "observed" else self.drop]
 
 
-def tidy_table(
-    metrics: pd.DataFrame,
-    references: pd.DataFrame,
-    networks: Mapping[str, str],
-    request: TableRequest,
-) -> pd.DataFrame:
+def tidy_table(measured: Measurements, request: TableRequest) -> pd.DataFrame:
     """Return a row per method, column, drop and metric.
 
     ``n`` surfaces, ``images`` of them for FID and KID, ``houses`` counted and ``missing``, the
     metric's network (``features``), ``value`` (NaN where no surface falls into the column), the
-    ``published`` figure, and ours minus it where both are of one network. `metrics`, `references`
-    and `networks` are those of :mod:`plan2scene.evaluation.gather`.
+    ``published`` figure, and ours minus it where both are of one network.
     """
     import pandas as pd
 
-    wanted = metrics[metrics["house"].isin(list(request.houses))]
-    packages = package_versions(*_PACKAGES)
+    networks = measured.networks()
+    cells = [
+        Cell(method, column, drop, bytearray(len(request.houses)))
+        for method in request.methods
+        for column in TABLE_COLUMNS
+        for drop in request.drops_of(column)
+    ]
+    summed(cells, {house: place for place, house in enumerate(request.houses)}, measured)
+    last = {
+        "seed": request.seed,
+        "version": plan2scene.__version__,
+        "packages": package_versions(*_PACKAGES),
+    }
     rows: list[dict[str, object]] = []
-    for method in request.methods:
-        for column in TABLE_COLUMNS:
-            for drop in request.drops_of(column):
-                part = wanted[(wanted["method"] == method) & (wanted["drop"] == drop)]
-                missing = sorted(set(request.houses) - set(part["house"]))
-                if column != "all":
-                    part = part[part["observed"].astype(bool) == (column == "observed")]
-                common = {
-                    "dataset": request.dataset,
-                    "method": method,
-                    "column": column,
-                    "drop": drop,
-                    "n": len(part),
-                    "images": _image_count(part),
-                    "houses": int(part["house"].nunique()),
-                    "missing": " ".join(missing) or "none",
-                    "seed": request.seed,
-                    "version": plan2scene.__version__,
-                    "packages": packages,
-                }
-                cells = _cells(part, references, networks, method, column)
-                rows += [{**common, **cell} for cell in cells]
+    for cell in cells:
+        pairs = zip(request.houses, cell.present, strict=True)
+        missing = sorted({house for house, present in pairs if not present})
+        common = {
+            "dataset": request.dataset,
+            "method": cell.method,
+            "column": cell.column,
+            "drop": cell.drop,
+            "n": cell.n,
+            "images": cell.images,
+            "houses": cell.present.count(2),
+            "missing": " ".join(missing) or "none",
+            **last,
+        }
+        rows += [common | figures for figures in _metric_rows(cell, networks)]
     return pd.DataFrame(rows)
 
 
-def _cells(
-    part: pd.DataFrame,
-    references: pd.DataFrame,
-    networks: Mapping[str, str],
-    method: str,
-    column: str,
-) -> list[dict[str, object]]:
-    """Return what a row says of each metric over the surfaces of `part`; NaN without any."""
-    sets = feature_distances(part, references) if len(part) else {}
-    cells: list[dict[str, object]] = []
+def _metric_rows(cell: Cell, networks: Mapping[str, str]) -> list[dict[str, object]]:
+    """Return what a row says of each metric; NaN without any surface."""
+    values, figures = cell.values(), []
     for name, network in networks.items():
-        value = float("nan") if part.empty else sets.get(name)
-        if value is None:
-            value = float(part[name.lower()].mean())
-        published = published_value(method, column, name)
+        value, published = values[name], published_value(cell.method, cell.column, name)
         difference = value - published if comparable(name, network) else float("nan")
-        cell = {"metric": name, "features": network, "value": value}
-        cells.append({**cell, "published": published, "difference": difference})
-    return cells
-
-
-def _image_count(part: pd.DataFrame) -> int:
-    """Return how many images of its surfaces FID and KID look at."""
-    pairs = zip(part["features"], part["further_features"], strict=True)
-    return sum(1 + len(more) // len(first) for first, more in pairs)
+        figure = {"metric": name, "features": network, "value": value}
+        figures.append({**figure, "published": published, "difference": difference})
+    return figures
 
 
 def wide_table(

@@ -1,52 +1,91 @@
-"""The measurements of all houses in one table each: metrics, and features of the references."""
+"""The measurements of all houses, one house at a time: metrics, and features of the references."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from plan2scene.errors import InputError
-from plan2scene.evaluation.distances import SURFACE
-from plan2scene.io import read_parquet
+from plan2scene.io import read_parquet, read_parquet_metadata
 from plan2scene.metrics.registry import METRICS
 
 if TYPE_CHECKING:
     import pandas as pd
 
+#: What names a surface of a house.
+_SURFACE = ["room_id", "surface"]
 #: Metadata that all houses must share.
 _NETWORK_METADATA = ("features", "model", "substances", "substance_model")
 
 
-def read_metrics(files: Iterable[str | Path]) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Return all houses' metrics, and the name of each metric's network (``none`` without).
+@dataclass(frozen=True)
+class MeasuredHouse:
+    """A house's rows of ``metrics.parquet``, and the features (n, d) of each surface's crops."""
 
-    Raises InputError where the files were measured with different networks.
-    """
-    import pandas as pd
+    name: str
+    rows: pd.DataFrame
+    crops: Mapping[tuple[str, str], np.ndarray]
 
-    frames, found = [], set()
-    for file in files:
-        frame, metadata = read_parquet(file)
-        found.add(tuple(str(metadata.get(name)) for name in _NETWORK_METADATA))
-        frames.append(frame)
-    if len(found) != 1:
-        raise InputError("metrics of one features network", str(sorted(found)))
-    known = dict(zip(_NETWORK_METADATA, found.pop(), strict=True))
-    networks = {name: known.get(metric.network, "none") for name, metric in METRICS.items()}
-    filled = [frame for frame in frames if len(frame)] or frames[:1]
-    return pd.concat(filled, ignore_index=True), networks
+    @cached_property
+    def surfaces(self) -> list[tuple[str, str]]:
+        """Return the surface of each row."""
+        return list(zip(*(self.rows[name] for name in _SURFACE), strict=True))
+
+    @cached_property
+    def images(self) -> list[np.ndarray]:
+        """Return the features (k, d) of each row's images: its tile and the further ones."""
+        pairs = zip(self.rows["features"], self.rows["further_features"], strict=True)
+        return [np.concatenate(pair).reshape(-1, len(pair[0])) for pair in pairs]
+
+    @cached_property
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return the other columns as arrays by name: many cells select of them."""
+        left_out = ("features", "further_features")
+        return {name: self.rows[name].to_numpy() for name in self.rows if name not in left_out}
 
 
-def read_references(files: Iterable[str | Path]) -> pd.DataFrame:
-    """Return the features of all crops of all houses, with a column ``house``."""
-    import pandas as pd
+class Measurements:
+    """The files of all houses; only the file names and a house at a time are held."""
 
-    frames = []
-    for file in files:
-        frame, metadata = read_parquet(file)
-        frames.append(frame.assign(house=metadata["house"]))
-    filled = [frame for frame in frames if len(frame)]
-    if not filled:
-        return pd.DataFrame(columns=[*SURFACE, "features"])
-    return pd.concat(filled, ignore_index=True)
+    def __init__(self, metrics: Iterable[str | Path], references: Iterable[str | Path]) -> None:
+        self._metrics = [str(path) for path in metrics]
+        self._references: dict[str, list[str]] = {}
+        for path in references:
+            house = read_parquet_metadata(path)["house"]
+            self._references.setdefault(house, []).append(str(path))
+
+    def networks(self) -> dict[str, str]:
+        """Return the name of each metric's network (``none`` without).
+
+        Raises InputError where the files were measured with different networks.
+        """
+        found = set()
+        for file in self._metrics:
+            metadata = read_parquet_metadata(file)
+            found.add(tuple(str(metadata.get(name)) for name in _NETWORK_METADATA))
+        if len(found) != 1:
+            raise InputError("metrics of one features network", str(sorted(found)))
+        known = dict(zip(_NETWORK_METADATA, found.pop(), strict=True))
+        return {name: known.get(metric.network, "none") for name, metric in METRICS.items()}
+
+    def houses(self) -> Iterator[MeasuredHouse]:
+        """Yield the houses that have rows, in the order of their files."""
+        for file in self._metrics:
+            frame, _ = read_parquet(file)
+            for name, rows in frame.groupby("house", sort=False):
+                yield MeasuredHouse(str(name), rows, self._crops(str(name)))
+
+    def _crops(self, house: str) -> dict[tuple[str, str], np.ndarray]:
+        """Return the features of a house's crops by surface; none where it has no file."""
+        groups: dict[tuple[str, str], list[np.ndarray]] = {}
+        for path in self._references.get(house, []):
+            frame, _ = read_parquet(path)
+            keys = zip(*(frame[name] for name in _SURFACE), strict=True)
+            for key, features in zip(keys, frame["features"], strict=True):
+                groups.setdefault(key, []).append(features)
+        return {key: np.stack(features) for key, features in groups.items()}

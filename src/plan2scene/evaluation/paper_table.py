@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.aggregate import TableRequest, tidy_table, wide_table
-from plan2scene.evaluation.gather import read_metrics, read_references
+from plan2scene.evaluation.gather import Measurements
 from plan2scene.evaluation.latex import latex_table
 from plan2scene.evaluation.plot import plot_table
 from plan2scene.io import write_csv, write_parquet, write_text
@@ -39,8 +39,7 @@ def paper_table(
     From ``metrics.parquet`` of all houses, methods and drops, and ``reference_features.parquet``
     of the houses.
     """
-    metrics, networks = read_metrics(metrics_files)
-    tidy = tidy_table(metrics, read_references(reference_files), networks, request)
+    tidy = tidy_table(Measurements(metrics_files, reference_files), request)
     empty = tidy.loc[tidy["n"] == 0, ["method", "column"]].drop_duplicates()
     for method, column in empty.itertuples(index=False, name=None):
         _LOGGER.warning("no surface counts for method %s, column %s", method, column)

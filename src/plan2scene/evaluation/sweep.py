@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.aggregate import TableRequest, tidy_table, wide_table
-from plan2scene.evaluation.gather import read_metrics, read_references
+from plan2scene.evaluation.gather import Measurements
 from plan2scene.evaluation.houses import (
     EvaluatedHouse,
     measured_at,
@@ -74,7 +74,6 @@ def sweep_table(
     A row per method, drop and column (observed, unobserved, all); ``n=0`` where a column has no
     surface, as observed at 1.0.
     """
-    metrics, networks = read_metrics(sweeps)
-    tidy = tidy_table(metrics, read_references(references), networks, request)
+    tidy = tidy_table(Measurements(sweeps, references), request)
     write_csv(output_csv, wide_table(tidy))
     plot_sweep(tidy, output_plot)

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from plan2scene.metrics.running import RunningGaussian, gaussian_distance
+
 _ROWS = 1024  # of the kernel matrix at once: bounds the memory
 _DEGREE = 3
 
@@ -36,13 +38,10 @@ def frechet_distance(
         What a sample belongs to. None: each sample is a unit.
     """
     a, b = _features(features_a, features_b)
-    mean_a, root_a = _moments(a, _units(a, units_a)[1])
-    mean_b, root_b = _moments(b, _units(b, units_b)[1])
-    # With A = P'P and B = Q'Q the root's trace is the sum of the singular values of PQ': no
-    # covariance is ever made, so that one which is singular (n <= d) is no special case.
-    overlap = np.linalg.svd(root_a @ root_b.T, compute_uv=False).sum()
-    distance = ((mean_a - mean_b) ** 2).sum() + (root_a**2).sum() + (root_b**2).sum()
-    return float(max(distance - 2.0 * overlap, 0.0))  # rounding may leave -1e-12
+    gaussians = RunningGaussian(), RunningGaussian()
+    for gaussian, features, units in zip(gaussians, (a, b), (units_a, units_b), strict=True):
+        gaussian.add(features, unit_weights(features, units)[1])
+    return gaussian_distance(*gaussians)
 
 
 def kernel_distance(
@@ -59,7 +58,7 @@ def kernel_distance(
     than two units in a set it is NaN. Parameters and errors as for :func:`frechet_distance`.
     """
     a, b = _features(features_a, features_b)
-    (codes_a, weights_a), (codes_b, weights_b) = _units(a, units_a), _units(b, units_b)
+    (codes_a, weights_a), (codes_b, weights_b) = unit_weights(a, units_a), unit_weights(b, units_b)
     count_a, count_b = codes_a.max() + 1, codes_b.max() + 1
     if min(count_a, count_b) < 2:
         return float("nan")
@@ -77,7 +76,7 @@ def _features(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return a, b
 
 
-def _units(features: np.ndarray, units: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+def unit_weights(features: np.ndarray, units: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     """Return the unit of each sample as 0, 1, ... and weights that sum to 1 in each unit."""
     if units is None:
         return np.arange(len(features)), np.ones(len(features))
@@ -85,16 +84,6 @@ def _units(features: np.ndarray, units: np.ndarray | None) -> tuple[np.ndarray, 
         raise ValueError(f"expected {len(features)} units, found {len(units)}")
     _, codes, sizes = np.unique(np.asarray(units), return_inverse=True, return_counts=True)
     return codes, 1.0 / sizes[codes]
-
-
-def _moments(features: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean (d,) and a root (min(n, d), d) P of the covariance P'P of (n, d) features."""
-    count, dimension = features.shape
-    share = weights / weights.sum()
-    mean = share @ features
-    unbiased = count / (count - 1) if count > 1 else 0.0
-    root = (features - mean) * np.sqrt(share * unbiased)[:, None]
-    return mean, np.asarray(np.linalg.qr(root, mode="r")) if count > dimension else root
 
 
 def _kernel_sum(

@@ -1,24 +1,129 @@
-"""Houses' measurements are put together, those of different networks refused."""
+"""Tables house by house: the figures of all houses at once, memory that does not grow."""
 
+import tracemalloc
+
+import numpy as np
 import pandas as pd
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.evaluation.gather import read_metrics, read_references
-from plan2scene.io import write_parquet
+from plan2scene.evaluation import cells, distances
+from plan2scene.evaluation.aggregate import TableRequest, tidy_table
+from plan2scene.evaluation.gather import Measurements
+from plan2scene.io import read_parquet, write_parquet
+from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 
 NETWORKS = {"features": "embedded", "model": "a", "substances": "vgg16", "substance_model": "b"}
+METHODS = ("synth", "crop")
+COLUMNS = ["room_id", "surface"]
 
 
-def test_metrics_of_all_houses_with_each_metric_s_network(tmp_path):
-    for house in ("h1", "h2"):
-        frame = pd.DataFrame({"house": [house], "color": [0.5]})
-        write_parquet(tmp_path / f"{house}.parquet", frame, NETWORKS)
-    write_parquet(tmp_path / "none.parquet", frame[:0], NETWORKS)
-    found, networks = read_metrics(sorted(tmp_path.iterdir()))
-    assert found["house"].tolist() == ["h1", "h2"]
+def _features(rng, dimension):
+    return rng.normal(0.3, 1.0, dimension).astype(np.float32)
+
+
+def _house(folder, name, seed, dimension, surfaces=3, crops=5):
+    """Write the two tables of a house of random measurements; return their paths."""
+    rng = np.random.default_rng(seed)
+    keys = [(f"r{i}", "floor" if i % 2 else "wall") for i in range(surfaces)]
+    rows = [
+        {
+            **{"house": name, "room_id": key[0], "surface": key[1], "observed": i != 1},
+            **{"method": method, "drop": drop, "color": rng.random(), "freq": rng.random()},
+            **{"tile": np.nan if i == 0 else rng.random(), "subs": int(rng.integers(2))},
+            "features": _features(rng, dimension),
+            "further_features": _features(rng, (i % 2) * dimension),
+        }
+        for method in METHODS
+        for drop in ("0.0", "0.6")
+        for i, key in enumerate(keys)
+    ]
+    shown = [
+        {"room_id": key[0], "surface": key[1], "features": _features(rng, dimension)}
+        for key in keys[:-1]  # the last surface has no crop
+        for _ in range(crops)
+    ]
+    paths = folder / f"{name}.metrics", folder / f"{name}.references"
+    write_parquet(paths[0], pd.DataFrame(rows), NETWORKS)
+    write_parquet(paths[1], pd.DataFrame(shown), {"house": name})
+    return paths
+
+
+def _files(folder, count, dimension=4, **more):
+    folder.mkdir(exist_ok=True)
+    pairs = [_house(folder, f"h{i}", i, dimension, **more) for i in range(count)]
+    return [list(paths) for paths in zip(*pairs, strict=True)]
+
+
+def _request(count):
+    return TableRequest("d", [f"h{i}" for i in range(count)], METHODS, "0.6", 0)
+
+
+def _loaded(files, method, column, drop):
+    """Return a cell's figures with all houses held at once."""
+    metrics = pd.concat([read_parquet(path)[0] for path in files[0]], ignore_index=True)
+    parts = [read_parquet(path) for path in files[1]]
+    references = pd.concat([frame.assign(house=meta["house"]) for frame, meta in parts])
+    part = metrics[(metrics["method"] == method) & (metrics["drop"] == drop)]
+    if column != "all":
+        part = part[part["observed"] == (column == "observed")]
+    dimension = len(part["features"].iloc[0])
+    pairs = zip(part["features"], part["further_features"], strict=True)
+    images = [np.concatenate(pair).reshape(-1, dimension) for pair in pairs]
+    owners = np.repeat(np.arange(len(images)), [len(own) for own in images])
+    crops = references.merge(part[["house", *COLUMNS]], on=["house", *COLUMNS])
+    codes = crops.groupby(["house", *COLUMNS]).ngroup().to_numpy()
+    sets = (np.concatenate(images), np.stack(list(crops["features"])), owners, codes)
+    figures = {name: part[name.lower()].mean() for name in ("COLOR", "FREQ", "TILE", "SUBS")}
+    return figures | {"FID": frechet_distance(*sets), "KID": kernel_distance(*sets)}
+
+
+def _values(tidy):
+    return tidy.set_index(["method", "column", "drop", "metric"])["value"]
+
+
+@pytest.mark.parametrize("dimension", [4, 200])
+def test_house_by_house_is_all_houses_at_once(tmp_path, dimension):
+    files = _files(tmp_path, 7, dimension)
+    tidy = tidy_table(Measurements(*files), _request(7))
+    found = _values(tidy)
+    for (method, column, drop), _ in tidy.groupby(["method", "column", "drop"]):
+        for name, value in _loaded(files, method, column, drop).items():
+            assert found[method, column, drop, name] == pytest.approx(value, rel=1e-9), name
+    assert set(tidy["houses"]) == {7}
+    networks = dict(zip(tidy["metric"], tidy["features"], strict=True))
     assert networks["SUBS"] == "vgg16" and networks["FID"] == networks["KID"] == "embedded"
     assert networks["COLOR"] == "none"
+
+
+def test_files_read_again_for_other_cells_say_the_same(tmp_path, monkeypatch):
+    measured = Measurements(*_files(tmp_path, 3))
+    once = tidy_table(measured, _request(3))
+    monkeypatch.setattr(cells, "_AT_ONCE", 4)
+    pd.testing.assert_frame_equal(tidy_table(measured, _request(3)), once)
+
+
+def test_kid_of_many_dimensions_is_the_mean_over_blocks(tmp_path, monkeypatch):
+    monkeypatch.setattr(distances, "BLOCK_SURFACES", 6)  # two houses of three surfaces each
+    files = _files(tmp_path, 5, 200)
+    found = _values(tidy_table(Measurements(*files), _request(5)))
+    blocks = [(0, 2, 6), (2, 4, 6), (4, 5, 3)]
+    halves = [[own[a:b] for own in files] for a, b, _ in blocks]
+    kids = [_loaded(half, "synth", "all", "0.6")["KID"] for half in halves]
+    expected = np.average(kids, weights=[count for *_, count in blocks])
+    assert found["synth", "all", "0.6", "KID"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_memory_does_not_grow_with_the_houses(tmp_path):
+    files = _files(tmp_path, 30, 16, crops=100)
+    tidy_table(Measurements(*([paths[:2] for paths in files])), _request(2))
+    peaks = []
+    for count in (10, 30):
+        tracemalloc.start()
+        tidy_table(Measurements(*([paths[:count] for paths in files])), _request(count))
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] - peaks[0] < 60 * 1024  # the crops of the 20 houses alone are 250 KiB
 
 
 def test_another_network_is_refused(tmp_path):
@@ -26,13 +131,19 @@ def test_another_network_is_refused(tmp_path):
     for k, model in enumerate("xy"):
         write_parquet(tmp_path / f"{k}.parquet", frame, NETWORKS | {"model": model})
     with pytest.raises(InputError, match="one features network"):
-        read_metrics(sorted(tmp_path.iterdir()))
+        Measurements(sorted(tmp_path.iterdir()), []).networks()
 
 
-def test_references_know_their_house_and_none_is_a_table_too(tmp_path):
-    frame = pd.DataFrame({"room_id": ["r"], "surface": ["wall"], "features": [[1.0]]})
-    write_parquet(tmp_path / "a.parquet", frame, {"house": "h7"})
-    assert read_references([tmp_path / "a.parquet"])["house"].tolist() == ["h7"]
-    write_parquet(tmp_path / "b.parquet", frame[:0], {"house": "h8"})
-    empty = read_references([tmp_path / "b.parquet"])
-    assert empty.empty and "features" in empty.columns
+def test_measured_surfaces_without_any_reference_are_refused(tmp_path):
+    metrics, _ = _files(tmp_path, 1)
+    with pytest.raises(InputError, match="reference features"):
+        tidy_table(Measurements(metrics, []), _request(1))
+
+
+def test_a_house_without_rows_is_missing(tmp_path):
+    files = _files(tmp_path, 2)
+    frame, metadata = read_parquet(files[0][1])
+    write_parquet(files[0][1], frame[:0], metadata)
+    tidy = tidy_table(Measurements(*files), _request(2))
+    assert set(tidy["missing"]) == {"h1"}
+    assert set(tidy["houses"]) == {1}

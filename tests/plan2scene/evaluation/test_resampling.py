@@ -3,11 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 import torch
 
-from plan2scene.evaluation.distances import feature_distances
+from plan2scene.evaluation.distances import SurfaceDistances
 from plan2scene.house import SurfaceKey
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 from plan2scene.textures.decoding import further_images
@@ -82,20 +81,14 @@ def test_no_further_image_or_no_surface_is_nothing(inputs):
 
 def test_each_surface_counts_once_however_many_images_it_has():
     rng = np.random.default_rng(3)
-    surfaces = [("h", f"r{i}", "floor") for i in range(5)]
-    columns = ["house", "room_id", "surface"]
-    part = pd.DataFrame(surfaces, columns=columns)
     images = [rng.normal(size=(1 + i, 4)) for i in range(5)]
-    part["features"] = [group[0] for group in images]
-    part["further_features"] = [group[1:].ravel() for group in images]
-    crops = [(*surface, rng.normal(0.5, 1, 4)) for surface in surfaces for _ in range(2)]
-    crops += [(*surfaces[0], rng.normal(0.5, 1, 4)), ("h", "r9", "wall", np.full(4, 99.0))]
-    references = pd.DataFrame(crops, columns=[*columns, "features"])
-    found = feature_distances(part, references)
-    predicted = np.concatenate(images)
-    wanted = np.stack(references["features"][:-1])
+    crops = [rng.normal(0.5, 1, (2 + (i == 0), 4)) for i in range(5)]
+    distances = SurfaceDistances()
+    for house in (slice(0, 2), slice(2, 3), slice(3, 5)):
+        distances.add(images[house], crops[house])
     owners = np.repeat(np.arange(5), [1, 2, 3, 4, 5])
-    crop_owners = np.array([0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 0])
-    for name, distance in (("FID", frechet_distance), ("KID", kernel_distance)):
-        expected = distance(predicted, wanted, owners, crop_owners)
-        assert found[name] == pytest.approx(expected, rel=1e-12)
+    crop_owners = np.repeat(np.arange(5), [3, 2, 2, 2, 2])
+    sets = (np.concatenate(images), np.concatenate(crops), owners, crop_owners)
+    found = distances.values()
+    assert found["FID"] == pytest.approx(frechet_distance(*sets), rel=1e-12)
+    assert found["KID"] == pytest.approx(kernel_distance(*sets), rel=1e-12)
