@@ -58,7 +58,7 @@ def _house_id(plan: Path, given: str | None) -> str:
 
 def _layers(pairs: list[str] | None) -> dict[str, str]:
     """Return the patterns of DXF layers by kind."""
-    from plan2scene.floorplans.drawings.dxf import layers_of
+    from plan2scene.floorplans.drawings.dxf_layers import layers_of
 
     return layers_of(pairs or ())
 

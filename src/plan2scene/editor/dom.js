@@ -43,8 +43,8 @@ export function download(name, text, type) {
 }
 
 export const readFile = (file) => file.text();
-/** Whether a file is a picture of pixels; a drawing (SVG) is a plan. */
-export const isPicture = (file) => file.type.startsWith("image/") && !file.type.startsWith("image/svg");
+/** Whether a file is a picture of pixels; a drawing (SVG, image/vnd.dxf) is a plan. */
+export const isPicture = (file) => /^image\/(?!svg|vnd)/.test(file.type);
 
 /** A picture file as {url (data), width, height}, its longer side at most `side` pixels. */
 export async function readPicture(file, side, type = "image/jpeg") {

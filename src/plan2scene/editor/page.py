@@ -74,7 +74,11 @@ def opened(
     *,
     trace: bool = True,
 ) -> dict[str, Any]:
-    """Return what the page starts with: ``plan``, ``picture``, ``notes`` (warnings, doubts)."""
+    """Return what the page starts with: ``plan``, ``picture``, ``notes`` (warnings, doubts).
+
+    Of a picture that was traced also ``scale``: the plan's ``size`` in the file's pixels (width,
+    depth), and the ``doubt`` where its scale is a guess.
+    """
     if not source.is_file():
         raise InputError("a plan or a picture of one", "no such file", file=source)
     if not PlanFile(source, house_id).is_picture:
@@ -95,6 +99,7 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
 
     read_plan_picture(source)  # an empty page is told before torch is imported
     from plan2scene.tracing.output import doubts, plan_document, plan_origin
+    from plan2scene.tracing.scale import SURE
     from plan2scene.tracing.trace import trace_picture
 
     found = trace_picture(source, metres_per_pixel=metres_per_pixel)
@@ -109,12 +114,23 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
         borderValue=(255, 255, 255),
     )
     x, z = -plan_origin(found) * found.metres
+    lines = [line.replace("give --metres-per-pixel", _BY_HAND) for line in doubts(found)]
     place = {"x": float(x), "z": float(z), "metres_per_pixel": found.metres / zoom}
     return {
-        "plan": plan_document(found),
+        "plan": (plan := plan_document(found)),
         "picture": _page_picture(pixels) | place,
-        "notes": [line.replace("give --metres-per-pixel", _BY_HAND) for line in doubts(found)],
+        "notes": lines,
+        "scale": {
+            "size": _size(plan, found.file_metres),
+            "doubt": lines[0] if found.scale.confidence < SURE else "",
+        },
     }
+
+
+def _size(plan: Mapping[str, Any], metres: float) -> list[float]:
+    """Return width and depth of a plan's rooms in pixels that are so many metres."""
+    points = np.concatenate([np.asarray(room["polygon"]) for room in plan["rooms"]])
+    return [float(side) / metres for side in np.ptp(points, axis=0)]
 
 
 def _picture(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:

@@ -44,7 +44,8 @@ function houseSection(app) {
     plan.rooms.length ? null : el("p", { className: "soft" }, "Draw a room: press R and drag, or W and click corner by corner. Or drop a picture of a plan here and draw over it."),
     plan.rooms.length ? el("ul", { className: "list", id: "rooms" }, rooms) : null,
     plan.rooms.length ? el("p", { className: "soft" }, `${plan.rooms.length} rooms, ${areaText(total, feet)}`) : null,
-    pictureRow(app, picture));
+    pictureRow(app, picture),
+    app.host.planTools?.() ?? null);
 }
 
 function pictureRow(app, picture) {

@@ -24,6 +24,7 @@ from plan2scene.floorplans.plan_json import FORMAT, house_of_plan
 from plan2scene.floorplans.r2v import house_of_r2v
 from plan2scene.floorplans.r2v_text import is_r2v
 from plan2scene.floorplans.scene_json import house_of_scene
+from plan2scene.floorplans.unscaled import Unscaled, unscaled_dxf, unscaled_r2v, unscaled_svg
 from plan2scene.house import House
 from plan2scene.io import read_text
 
@@ -105,13 +106,15 @@ class PlanFormat:
 
     `sniff` tells by its content whether a file is of this format; the first that says yes reads
     it: `read` gives the house, or InputError for a fault that can't be repaired. A format that
-    `needs_scale` is drawn in pixels: `metres_per_pixel` must be given.
+    `needs_scale` is drawn in pixels: `metres_per_pixel` must be given. Of a format whose scale may
+    be given, `look` tells how large it is drawn, and the layers of DXF.
     """
 
     name: str
     sniff: Callable[[PlanFile], bool]
     read: Callable[[PlanFile], House]
     needs_scale: bool = False
+    look: Callable[[PlanFile], Unscaled] | None = None
 
 
 def _is_plan_json(plan: PlanFile) -> bool:
@@ -146,6 +149,7 @@ FORMATS: tuple[PlanFormat, ...] = (
         "DXF",
         lambda plan: is_dxf(plan.head),
         lambda plan: house_of_dxf(plan.path, plan.house_id, plan.metres_per_pixel, plan.dxf_layers),
+        look=lambda plan: unscaled_dxf(plan.path, plan.house_id, plan.dxf_layers),
     ),
     PlanFormat(
         "plan2scene-plan JSON",
@@ -163,20 +167,37 @@ FORMATS: tuple[PlanFormat, ...] = (
         lambda plan: house_of_zind(
             plan.document, plan.house_id, plan.metres_per_pixel, file=str(plan.path)
         ),
+        look=lambda _: Unscaled("unit"),
     ),
     PlanFormat(
         "scene.json",
         lambda plan: plan.document is not None,
         lambda plan: house_of_scene(plan.document, plan.house_id, file=str(plan.path)),
     ),
-    PlanFormat("raster-to-vector text", lambda plan: is_r2v(plan.text), _read_r2v, True),
-    PlanFormat("CubiCasa SVG", _is_svg, _read_svg),
+    PlanFormat(
+        "raster-to-vector text",
+        lambda plan: is_r2v(plan.text),
+        _read_r2v,
+        needs_scale=True,
+        look=lambda plan: unscaled_r2v(plan.text, plan.house_id),
+    ),
+    PlanFormat(
+        "CubiCasa SVG",
+        _is_svg,
+        _read_svg,
+        look=lambda plan: unscaled_svg(plan.text.encode(), plan.house_id),
+    ),
     PlanFormat(
         "Sweet Home 3D",
         lambda plan: plan.binary.startswith("a ZIP") and is_sweet_home(plan.path),
         lambda plan: house_of_sweet_home(plan.path, plan.house_id),
     ),
 )
+
+
+def format_of(plan: PlanFile) -> PlanFormat | None:
+    """Return the format of a file by its content; None for none of them."""
+    return next((entry for entry in FORMATS if entry.sniff(plan)), None)
 
 
 def read_plan(
@@ -194,7 +215,7 @@ def read_plan(
         raise plan.fault("a plan", "no such file")
     if not plan.binary and not plan.text.strip():
         raise plan.fault("a plan", "an empty file")
-    found = next((entry for entry in FORMATS if entry.sniff(plan)), None)
+    found = format_of(plan)
     if found is None:
         names = ", ".join(entry.name for entry in FORMATS)
         start = plan.binary + (" (plan2scene trace makes a plan of it)" * plan.is_picture)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
@@ -13,13 +12,12 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response
 from starlette.routing import Mount, Route
 
-from plan2scene.editor.page import opened, picture_bytes
 from plan2scene.errors import InputError, system_fault
 from plan2scene.floorplans.parse import parse_json
-from plan2scene.io import atomic_path
-from plan2scene.studio import results, runs
+from plan2scene.studio import plan_source, results, runs
 from plan2scene.studio.guard import Guard, TooLarge, body
 from plan2scene.studio.page import home_page, project_page
+from plan2scene.studio.plan_source import UnreadPlanError
 from plan2scene.studio.projects import PICTURE, Conflict, Project, Projects
 
 #: Most bytes of an uploaded photo, plan and of the editor's state.
@@ -42,6 +40,8 @@ def studio_app(root: Path, token: str, port: int, cores: int) -> Guard:
         Route("/state", _told(studio.state), methods=["GET"]),
         Route("/state", _told(studio.save), methods=["PUT"]),
         Route("/plan", _told(studio.open_plan), methods=["POST"]),
+        Route("/plan/reading", _told(studio.reading), methods=["GET"]),
+        Route("/plan/reading", _told(studio.read_again), methods=["POST"]),
         Route("/picture", _told(studio.picture), methods=["GET"]),
         Route("/photos/{photo}", _told(studio.thumb), methods=["GET"]),
         Route("/photos/{photo}", _told(studio.add_photo), methods=["PUT"]),
@@ -66,6 +66,8 @@ def _told(answer: _Answer) -> _Answer:
     async def told(request: Request) -> Response:
         try:
             return await answer(request)
+        except UnreadPlanError as error:
+            return JSONResponse({"error": str(error), "reading": error.reading}, 400)
         except InputError as error:
             return JSONResponse({"error": str(error)}, 400)
         except Conflict:
@@ -111,7 +113,11 @@ class _Studio:
     async def project(self, request: Request) -> Response:
         """Show one project: the editor, and the house."""
         project = self._of(request)
-        return _page(*project_page({"house": project.name, **project.state()}))
+        return _page(
+            *project_page(
+                {"house": project.name, "source": plan_source.is_kept(project), **project.state()}
+            )
+        )
 
     async def state(self, request: Request) -> Response:
         """Give plan, photos and place of the picture; nothing new for the revision asked with."""
@@ -128,7 +134,17 @@ class _Studio:
     async def open_plan(self, request: Request) -> Response:
         """Convert an uploaded plan of any format, or keep a picture of one."""
         project, content = self._of(request), await body(request, MAX_PLAN)
-        return JSONResponse(await run_in_threadpool(_opened, project, content))
+        return JSONResponse(await run_in_threadpool(plan_source.read_upload, project, content))
+
+    async def reading(self, request: Request) -> Response:
+        """Give how the uploaded plan is read, and what may be given for it."""
+        found = await run_in_threadpool(plan_source.reading_of, self._of(request))
+        return JSONResponse(found)
+
+    async def read_again(self, request: Request) -> Response:
+        """Read the uploaded plan with a scale or layers."""
+        project, given = self._of(request), _object(await body(request, 10_000))
+        return JSONResponse(await run_in_threadpool(plan_source.read_again, project, given))
 
     async def picture(self, request: Request) -> Response:
         """Give the picture that lies under the plan."""
@@ -188,22 +204,6 @@ class _Studio:
         form = request.path_params["form"]
         found = await run_in_threadpool(results.exported, self._of(request), form)
         return _download(*found)
-
-
-def _opened(project: Project, content: bytes) -> dict[str, Any]:
-    """Return what the editor makes of an uploaded file; a picture is kept in the project."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "plan"
-        file.write_bytes(content)
-        try:
-            found = opened(file, project.name)
-        except InputError as error:
-            raise InputError(error.expected, error.found) from None
-    if "picture" in found:
-        picture = found["picture"]
-        with atomic_path(project.path / PICTURE) as temporary:
-            temporary.write_bytes(picture_bytes(picture))
-    return found
 
 
 def _object(content: bytes) -> dict[str, Any]:

@@ -2,7 +2,8 @@
 
 import { completed } from "./app.js";
 import { newPlan } from "./document.js";
-import { ask, el } from "./dom.js";
+import { ask, button, el } from "./dom.js";
+import { askReading } from "./reading.js";
 
 const DELAY = 400; // milliseconds from a change to its saving
 
@@ -12,9 +13,9 @@ export async function asked(path, options = {}) {
   try { answer = await fetch(path, options); } catch { throw new Error("the studio does not answer: is it still running?"); }
   if (answer.ok) return answer.json();
   const text = await answer.text();
-  let line = text.trim();
-  try { line = JSON.parse(text).error; } catch { /* plain text */ }
-  throw Object.assign(new Error(line), { status: answer.status });
+  let line = text.trim(), reading;
+  try { ({ error: line, reading } = JSON.parse(text)); } catch { /* plain text */ }
+  throw Object.assign(new Error(line), { status: answer.status, reading });
 }
 
 export const photoUrl = (name) => `photos/${encodeURIComponent(name)}`;
@@ -27,7 +28,7 @@ export function editorState(found, rules) {
 export class Server {
   #timer = 0; #kept = null; #saving = false;
 
-  constructor(revision) { this.revision = revision; }
+  constructor(revision, source) { Object.assign(this, { revision, source }); }
 
   /** Called at every change of the document. */
   changed(app) {
@@ -86,16 +87,61 @@ export class Server {
   async photo(file) {
     await asked(photoUrl(file.name), { method: "PUT", body: file });
   }
-  /** The picture as the server keeps it, with the plan that it traced. */
+  /** The picture as the server keeps it, with the plan that it traced; a scale in doubt is asked for then. */
   async picture(file) {
-    const found = await asked("plan", { method: "POST", body: file });
+    const found = await this.read(file);
     if (!found.picture) throw new Error("a plan, not a picture");
+    if (found.scale?.doubt && !this.app.store.plan.rooms.length) setTimeout(() => this.readAgain(), 0);
     return found;
   }
   /** A plan of another format: the server reads it. */
   async openOther(file) {
-    const { plan, notes } = await asked("plan", { method: "POST", body: file });
-    this.app.notes = notes;
-    await this.app.openPlan(plan, file);
+    await this.show(await this.read(file), file);
+  }
+  /** Let the server read a file; what it can't tell without the user is asked for. */
+  async read(file) {
+    let found;
+    try { found = await asked("plan", { method: "POST", body: file }); } catch (error) {
+      if (!error.reading) throw error;
+      this.source = true;
+      found = await this.askUntilRead(error.reading, error.message);
+      if (!found) throw error;
+    }
+    this.source = true;
+    return found;
+  }
+  /** Read the file that was opened with other values. */
+  async readAgain() {
+    try {
+      const reading = await asked("plan/reading"), found = await this.askUntilRead(reading, reading.doubt);
+      if (found) await this.show(found);
+    } catch (error) { this.app.say(error.message); }
+  }
+  /** Ask for scale and layers until the server can read the plan; null where the user gives up. */
+  async askUntilRead(reading, line) {
+    let typed = null;
+    for (;;) {
+      const answer = await askReading(reading, typed, line, this.app.feet);
+      if (!answer) return null;
+      typed = answer.data;
+      try { return await asked("plan/reading", { method: "POST", body: JSON.stringify(answer.given) }); } catch (error) {
+        if (error.status !== 400) throw error;
+        line = error.message;
+        reading = error.reading ?? reading;
+      }
+    }
+  }
+  /** Show what was read in place of the plan; undo brings that back. */
+  async show({ plan, picture, notes }, file) {
+    const { app } = this;
+    app.notes = notes ?? [];
+    if (!picture) { await app.openPlan(plan, file); return; }
+    app.picture = picture;
+    app.store.changeWhole({ picture: app.placed(picture), ...(plan ? { plan: completed(plan, app.rules) } : {}) });
+    app.fit();
+  }
+  /** What the panel has below the house: the way back to the plan file's scale and layers. */
+  planTools() {
+    return this.source ? button("How the plan file is read\u2026", () => this.readAgain(), { className: "wide" }) : null;
   }
 }

@@ -5,7 +5,7 @@ import { editorState, photoUrl, Server } from "./server.js";
 import { startEditor } from "./start.js";
 
 const parsed = (id) => JSON.parse(document.getElementById(id).textContent);
-const found = parsed("start"), host = new Server(found.revision);
+const found = parsed("start"), host = new Server(found.revision, found.source);
 const state = editorState(found, parsed("rules"));
 const app = startEditor({ house: found.house, plan: state.plan, photos: state.photos }, host);
 for (const { name } of found.photos) app.thumbs.set(name, photoUrl(name));

@@ -72,7 +72,7 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
     """Yield a line for everything that is a guess or unlikely."""
     scale = plan.scale
     if scale.confidence < SURE:
-        centimetres = 100 * plan.metres * plan.frame.zoom / plan.shrunk
+        centimetres = 100 * plan.file_metres
         yield (
             f"the scale is {scale.source} ({centimetres:.3g} cm a pixel, {scale.confidence:.0%} "
             "sure): give --metres-per-pixel"

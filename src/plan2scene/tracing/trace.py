@@ -49,6 +49,11 @@ class TracedPlan:
         """Metres of a pixel of the frame."""
         return self.scale.metres_per_pixel
 
+    @property
+    def file_metres(self) -> float:
+        """Metres of a pixel of the file."""
+        return self.metres * self.frame.zoom / self.shrunk
+
 
 def trace_picture(
     path: str | Path, *, metres_per_pixel: float | None = None, model: str | Path | None = None

@@ -5,6 +5,7 @@ import sys
 import pytest
 from browser import Drawing, chromium
 from PIL import Image
+from unscaled_drawings import dxf
 
 from plan2scene.floorplans import read_plan
 from plan2scene.studio import runs
@@ -92,6 +93,37 @@ def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
     page.get_by_text("Only what depends on the change").wait_for()
     page.wait_for_function("() => !house.host.pending")
     assert (home / "photos.csv").read_text() == "room_id,photo\nroom_2,bed.jpg\n"
+
+
+def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, tmp_path):
+    pytest.importorskip("ezdxf")
+    page, file = drawing.page, tmp_path / "flat.dxf"
+    file.write_bytes(dxf())
+    page.click("#open")
+    page.set_input_files("#file-input", file)
+    dialog = page.locator("dialog[open]")
+    assert "$INSUNITS" in dialog.get_by_role("alert").inner_text()
+    dialog.get_by_label("walls").focus()
+    dialog.get_by_role("button", name="W1").click()
+    assert dialog.get_by_label("walls").input_value() == "^W1$"
+    dialog.get_by_label("Metres a unit").fill("12 inches")
+    dialog.get_by_role("button", name="Read again").click()
+    dialog.get_by_text("found '12 inches'").wait_for()
+    dialog.get_by_label("Metres a unit").fill("0,001")
+    dialog.get_by_role("button", name="Read again").click()
+    page.wait_for_function("() => editor.store.plan.rooms.length === 2 && !house.host.pending")
+    home = home_of(studio, drawing)
+    assert len(read_plan(home / "plan.json", "home").rooms) == 2
+    # Another width, by the panel's button, after a reload.
+    page.reload()
+    page.wait_for_selector("body[data-ready]")
+    page.get_by_role("button", name="How the plan file is read").click()
+    dialog.get_by_label("or its width").fill("12 m")
+    dialog.get_by_role("button", name="Read again").click()
+    far = "(r) => r.polygon.some(([x]) => Math.abs(x) > 11)"
+    page.wait_for_function(f"() => editor.store.plan.rooms.some({far}) && !house.host.pending")
+    assert all("400" in line for line in drawing.faults)  # how a browser tells a refusal
+    drawing.faults.clear()
 
 
 def test_floors_are_kept(drawing, studio):

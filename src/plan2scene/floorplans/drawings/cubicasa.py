@@ -68,16 +68,31 @@ def house_of_cubicasa(
     """
     source = Source(file, house_id)
     root = parse_xml(source, content, doctype=True)
-    storeys = _read(source, root)
-    sizes = [(storey.name, storey.floor()) for storey in storeys]
-    storey = storeys[largest_storey(source, sizes)]
-    if not any(True for _ in storey.of("Space", "Wall")):
-        raise source.fault("SVG groups of class Space or Wall, as CubiCasa has them", "none")
+    storey = _storey(source, root)
     m = metres_per_pixel or _page_scale(root) or _written_scale(source, storey)
     if m is None or not SCALES[0] < m <= SCALES[1]:
         expected = f"metres_per_pixel up to {SCALES[1]:g}, or areas in m2 written in the rooms"
         raise source.fault(expected, str(m))
     return house_of_drawing(source, _drawing(source, storey, m))
+
+
+def size_of_cubicasa(content: bytes, house_id: str, *, file: str = "") -> tuple[float, float]:
+    """Return width and depth in pixels of what :func:`house_of_cubicasa` reads."""
+    source = Source(file, house_id)
+    storey = _storey(source, parse_xml(source, content, doctype=True))
+    bounds = np.array([area.bounds for _, area, _ in storey.of("Space", "Wall")])
+    width, depth = bounds[:, 2:].max(axis=0) - bounds[:, :2].min(axis=0)
+    return float(width), float(depth)
+
+
+def _storey(source: Source, root: Element) -> _Storey:
+    """Return the storey with the most floor."""
+    storeys = _read(source, root)
+    sizes = [(storey.name, storey.floor()) for storey in storeys]
+    storey = storeys[largest_storey(source, sizes)]
+    if not any(True for _ in storey.of("Space", "Wall")):
+        raise source.fault("SVG groups of class Space or Wall, as CubiCasa has them", "none")
+    return storey
 
 
 def _drawing(source: Source, storey: _Storey, m: float) -> Drawing:

@@ -16,11 +16,11 @@ import numpy as np
 from shapely.affinity import affine_transform
 from shapely.geometry import LineString, Point, Polygon
 
-from plan2scene.errors import InputError
 from plan2scene.floorplans.drawings.areas import NearestAxis, axis_of_area
 from plan2scene.floorplans.drawings.axes import MAX_AXES, WallAxis
 from plan2scene.floorplans.drawings.drawing import Drawing, DrawnRoom, house_of_drawing
 from plan2scene.floorplans.drawings.dxf_curves import CURVES, MAX_ENTITIES, Curves
+from plan2scene.floorplans.drawings.dxf_layers import LAYERS, LayerKinds
 from plan2scene.floorplans.drawings.lines import (
     axes_of_lines,
     bridges,
@@ -30,13 +30,6 @@ from plan2scene.floorplans.drawings.lines import (
 from plan2scene.floorplans.parse import MAX_ROOMS, Source
 from plan2scene.house import House
 
-#: Regular expressions of layer and block names; a name may match anywhere, in any case.
-LAYERS = {
-    "rooms": r"room|raum|r[aä]ume|space|area(?!l)|zone|fl[aä]che|pi[eè]ce|locale|habitac|ruimte",
-    "doors": r"door|t[uü]r|tuer|porte|puerta|porta|deur",
-    "windows": r"window|fenster|fen[eê]tre|ventana|finestra|raam|glaz",
-    "walls": r"wall|wand|w[aä]nde|mauer|\bmur|muro|parete|muur",
-}
 #: Most bytes of a drawing.
 MAX_BYTES = 100_000_000
 #: Openings are this wide (metres).
@@ -44,18 +37,6 @@ WIDTHS = (0.4, 6.0)
 #: A closed outline that fills less of the rectangle around it is no wall's body.
 RECTANGLE = 0.85
 _HEAD = re.compile(rb"\s*(?:999\s*\r?\n[^\n]*\n\s*)*0\s*\r?\n\s*SECTION\b")
-
-
-def layers_of(pairs: Sequence[str]) -> dict[str, str]:
-    """Return the patterns of ``KIND=PATTERN`` lines, as `house_of_dxf` takes them."""
-    found: dict[str, str] = {}
-    for pair in pairs:
-        kind, _, pattern = pair.partition("=")
-        if kind not in LAYERS or not pattern:
-            expected = f"a DXF layer as KIND=PATTERN, KIND one of {', '.join(LAYERS)}"
-            raise InputError(expected, repr(pair))
-        found[kind] = pattern
-    return found
 
 
 def is_dxf(head: bytes) -> bool:
@@ -72,16 +53,16 @@ def house_of_dxf(
     """Return the house of a DXF drawing.
 
     `metres_per_unit` goes before the unit of the header; `layers` holds regular expressions in
-    place of those of `LAYERS`. Raises InputError where neither tells the unit, and where ezdxf is
-    not installed.
+    place of `dxf_layers.LAYERS`. Raises InputError where neither tells the unit, and where ezdxf
+    is not installed.
     """
     source = Source(str(path), house_id)
-    document = _load(source, path)
+    document = load_dxf(source, path)
     drawing = _Drawing(source, document, metres_per_unit or _unit(source, document), layers or {})
     return house_of_drawing(source, drawing.read())
 
 
-def _load(source: Source, path: Path) -> Any:
+def load_dxf(source: Source, path: Path) -> Any:
     """Return the parsed document."""
     try:
         import ezdxf
@@ -111,6 +92,14 @@ def _unit(source: Source, document: Any) -> float:
     return metres
 
 
+def entities_of(source: Source, document: Any) -> Iterator[Any]:
+    """Yield the entities of the model space."""
+    for count, entity in enumerate(document.modelspace()):
+        if count >= MAX_ENTITIES:
+            raise source.fault(f"at most {MAX_ENTITIES} entities", "more")
+        yield entity
+
+
 #: A door's or window's layer, its area, its insertion point where it is a block.
 _Mark = tuple[str, Polygon, Point | None]
 
@@ -122,13 +111,7 @@ class _Drawing:
         self, source: Source, document: Any, metres: float, layers: Mapping[str, str]
     ) -> None:
         self.source, self.document, self.metres = source, document, metres
-        try:
-            self.patterns = {
-                key: re.compile(layers.get(key) or pattern, re.IGNORECASE)
-                for key, pattern in LAYERS.items()
-            }
-        except re.error as error:
-            raise source.fault("regular expressions in dxf_layers", error) from None
+        self.kinds = LayerKinds(source, layers)
         self.curves = Curves(source, document, metres)
 
     def read(self) -> Drawing:
@@ -137,8 +120,8 @@ class _Drawing:
         marks: list[_Mark] = []
         texts: list[tuple[str, Point]] = []
         pieces = 0
-        for entity in self._entities():
-            kind = self._kind(entity)
+        for entity in entities_of(self.source, self.document):
+            kind = self.kinds.of(entity)
             if entity.dxftype() == "INSERT":
                 area = self.curves.block_area(entity) if kind in ("doors", "windows") else None
                 marks += [] if area is None else [(kind, area, self._place(entity))]
@@ -214,25 +197,6 @@ class _Drawing:
             else:
                 expected = f"doors and windows {WIDTHS[0]:g} to {WIDTHS[1]:g} m wide"
                 self.source.warn(expected, f"{width:.2f} m, left out")
-
-    def _entities(self) -> Iterator[Any]:
-        """Yield the entities of the model space."""
-        for count, entity in enumerate(self.document.modelspace()):
-            if count >= MAX_ENTITIES:
-                raise self.source.fault(f"at most {MAX_ENTITIES} entities", "more")
-            yield entity
-
-    def _kind(self, entity: Any) -> str:
-        """Return which of `LAYERS` an entity is of, by its layer, else by its block's name."""
-        names = [str(entity.dxf.get("layer", ""))]
-        if entity.dxftype() == "INSERT":
-            names.append(str(entity.dxf.get("name", "")))
-            names.reverse()
-        for name in names:
-            for key in ("doors", "windows", "rooms", "walls"):
-                if self.patterns[key].search(name):
-                    return key
-        return ""
 
     def _text(self, entity: Any) -> list[tuple[str, Point]]:
         """Return a text's words and place; nothing for measures."""
