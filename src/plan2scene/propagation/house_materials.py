@@ -3,14 +3,15 @@
 A floor that runs on, walls of one paint, ceilings alike. Told by the surfaces' codes, their colour
 after light and by doors: rooms that no doors join are not compared. Floors are told by their
 pattern more than by their colour, which lamps change from room to room; plain walls and ceilings
-by their colour alone. Surfaces are joined while the evidence of all their pairs is for it (average
+by their colour alone. A mean of few crops is in doubt: what chance alone makes two means differ by
+is no difference. Surfaces are joined while the evidence of all their pairs is for it (average
 linkage), so one that is in doubt stays alone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,17 +32,23 @@ EVIDENCE = 0.85
 WEIGHTS = {"floor": (1.0, 0.5), "wall": (0.5, 4.0), "ceiling": (0.5, 4.0)}
 #: Evidence that makes one material e times likelier.
 EVIDENCE_SCALE = 0.15
+#: Numbers of a code.
+_CODE = 8
 _COLUMNS = ["room_id", "surface", "material", "confidence", "colour", "rooms"]
 
 
 @dataclass(frozen=True, eq=False)
 class SeenSurface:
-    """An observed surface: its room, code (8,), sRGB colour (3,) after light, number of crops."""
+    """An observed surface: its room, code (8,), sRGB colour (3,) after light, number of crops.
+
+    `doubt` (8,) is the variance of the code, as far as it is a mean of crops that differ.
+    """
 
     room_id: str
     code: np.ndarray
     colour: np.ndarray
     crops: int
+    doubt: np.ndarray = field(default_factory=lambda: np.zeros(_CODE))
 
 
 def find_materials(
@@ -72,8 +79,9 @@ def find_materials(
     rows = []
     for kind in SURFACES:
         of_kind = crops[crops["surface"] == kind]
+        spread = _spread_within(of_kind)
         seen = [
-            _seen_surface(row, of_kind[of_kind["room_id"] == row.room_id], lit)
+            _seen_surface(row, of_kind[of_kind["room_id"] == row.room_id], lit, spread)
             for row in table[table["surface"] == kind].itertuples()
         ]
         index = [place[item.room_id] for item in seen]
@@ -84,19 +92,36 @@ def find_materials(
     write_parquet(output, pd.DataFrame(rows, columns=_COLUMNS), metadata)
 
 
-def _seen_surface(row: Any, crops: pd.DataFrame, light: Mapping[str, Any]) -> SeenSurface:
+def _codes(crops: pd.DataFrame) -> np.ndarray:
+    """Return the codes (n, 8) of crops."""
+    return np.stack(list(crops["embedding"])).astype(np.float64)[:, :-3]
+
+
+def _spread_within(crops: pd.DataFrame) -> np.ndarray:
+    """Return the variance (8,) of the codes of one room's crops, pooled over rooms; 0 unknown."""
+    of_rooms = [_codes(of_room) for _, of_room in crops.groupby("room_id")]
+    free = sum(len(codes) - 1 for codes in of_rooms)
+    if not free:
+        return np.zeros(_CODE)
+    squares = [((codes - codes.mean(axis=0)) ** 2).sum(axis=0) for codes in of_rooms]
+    return np.asarray(np.sum(squares, axis=0) / free)
+
+
+def _seen_surface(
+    row: Any, crops: pd.DataFrame, light: Mapping[str, Any], spread: np.ndarray
+) -> SeenSurface:
     """Return a row of surfaces.parquet with the facts of its visible crops.
 
-    A pattern is known from all crops; of plain walls and ceilings the plainest crop, which the row
-    is about, has the least of other things.
+    A pattern is known from all crops, whose codes differ by a variance of `spread` (8,); of plain
+    walls and ceilings the plainest crop, which the row is about, has the least of other things.
     """
     values = np.asarray(row.embedding, dtype=np.float64)
-    code = values[:-3]
+    code, doubt = values[:-3], np.zeros(_CODE)
     if row.surface == "floor" and len(crops):
-        code = np.stack(list(crops["embedding"])).astype(np.float64)[:, :-3].mean(axis=0)
+        code, doubt = _codes(crops).mean(axis=0), spread / len(crops)
     linear = srgb_to_linear(np.clip(values[-3:], 0.0, 1.0)) * _gain(light, crops["photo"])
     after = linear_to_srgb(np.minimum(linear, 1.0))
-    return SeenSurface(row.room_id, code, after, int(row.n_crops))
+    return SeenSurface(row.room_id, code, after, int(row.n_crops), doubt)
 
 
 def _rows_of(
@@ -127,14 +152,17 @@ def _gain(light: Mapping[str, Any], photos: Iterable[str]) -> np.ndarray:
 def pair_evidence(seen: Sequence[SeenSurface], kind: str, joined: np.ndarray) -> np.ndarray:
     """Return the evidence (n, n) that surfaces of a kind are one material; above 0 for it.
 
-    `joined` (n, n) bool tells which rooms doors join.
+    `joined` (n, n) bool tells which rooms doors join. The squared difference of two means is by
+    the sum of their variances larger than that of what they are means of, on average.
     """
     by_code, by_colour = WEIGHTS[kind]
     codes = np.array([item.code for item in seen])
     colours = np.array([item.colour for item in seen])
     if not len(seen):
         return np.zeros((0, 0))
-    apart = by_code * np.abs(codes[:, None] - codes[None]).mean(axis=2)
+    doubts = np.array([item.doubt for item in seen])
+    squares = (codes[:, None] - codes[None]) ** 2 - doubts[:, None] - doubts[None]
+    apart = by_code * np.sqrt(np.maximum(squares, 0.0)).mean(axis=2)
     apart += by_colour * np.linalg.norm(colours[:, None] - colours[None], axis=2)
     return np.where(joined, EVIDENCE - apart, -np.inf)
 

@@ -1,5 +1,7 @@
 """Surfaces of different rooms that are one material."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,6 +10,7 @@ from plan2scene.floorplans.scene_writer import write_scene_json
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet, write_json, write_parquet
 from plan2scene.propagation.house_materials import (
+    EVIDENCE,
     SeenSurface,
     find_materials,
     grouped,
@@ -33,6 +36,39 @@ def test_floors_go_by_their_code_and_walls_by_their_colour():
     apart[0, 1] = apart[1, 0] = False
     assert pair_evidence(lamps, "floor", apart)[0, 1] == -np.inf
     assert pair_evidence([], "floor", np.zeros((0, 0), bool)).shape == (0, 0)
+
+
+def test_chance_in_a_mean_of_few_crops_is_no_difference():
+    joined = np.ones((2, 2), bool)
+    sure = [seen("a", 0.0, 0.4, 40), seen("b", 1.0, 0.4, 3)]
+    few = [sure[0], replace(sure[1], doubt=np.full(8, 0.75))]
+    assert pair_evidence(sure, "floor", joined)[0, 1] == pytest.approx(EVIDENCE - 1.0)
+    assert pair_evidence(few, "floor", joined)[0, 1] == pytest.approx(EVIDENCE - 0.5)
+    # No more than as if they were alike.
+    none = [sure[0], replace(sure[1], doubt=np.full(8, 9.0))]
+    assert pair_evidence(none, "floor", joined)[0, 1] == pytest.approx(EVIDENCE)
+
+
+@pytest.mark.parametrize(("crops", "materials"), [(3, ["floor-1"] * 2), (30, [])])
+def test_crops_that_differ_make_few_of_them_doubtful(shared_house, tmp_path, crops, materials):
+    """Means 0 and 1 of crops that lie 1.5 around them: three can do that, thirty can't."""
+    rooms = [room.id for room in shared_house.rooms]
+    write_scene_json(shared_house, tmp_path / "scene.json")
+    around = np.linspace(-1.5, 1.5, crops)
+    rows = [
+        {"room_id": room, "surface": "floor", "n_crops": crops, "photo": "a.png"}
+        | {"embedding": np.r_[np.full(8, mean + off), [0.4] * 3].astype(np.float32)}
+        for mean, room in enumerate(rooms)
+        for off in around
+    ]
+    table = pd.DataFrame(rows)
+    write_parquet(tmp_path / "embeddings.parquet", table, {})
+    write_parquet(tmp_path / "surfaces.parquet", table.drop_duplicates("room_id"), {})
+    write_json(tmp_path / "light.json", {"colours": "photo", "filter": True, "gains": {}})
+    names = ("scene.json", "surfaces.parquet", "embeddings.parquet", "light.json")
+    output = tmp_path / "materials.parquet"
+    find_materials(*(tmp_path / n for n in names), (), output, house="h1", dataset="d")
+    assert read_parquet(output)[0]["material"].tolist() == materials
 
 
 def test_groups_are_joined_by_the_mean_of_their_pairs():
