@@ -75,7 +75,8 @@ def propagate_house(
             row = _observed_row(observed[key])
         else:
             _, naive = means.predict(graph.types[place[0]])
-            row = _unobserved_row(graph, predicted, place)
+            in_part = shown is not None and predicted.seen is not None and shown.photos[place] > 0
+            row = _unobserved_row(graph, predicted, place, bool(in_part))
             row |= {"naive_embedding": naive[place[1]], "substance": substances[place]}
         row |= {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)}
         row |= {"embedding": embeddings[place], "colour": colour[place]}
@@ -130,14 +131,17 @@ def _all_surfaces(
 
 
 def _unobserved_row(
-    graph: HouseGraph, predicted: Prediction, place: tuple[int, int]
+    graph: HouseGraph, predicted: Prediction, place: tuple[int, int], in_part: bool
 ) -> dict[str, Any]:
-    """Return what was predicted for a surface that no crop shows, but for its embedding."""
+    """Return what was predicted for a surface that no crop shows, but for its embedding.
+
+    Photos may show it `in_part`, which tells its colour and nothing else.
+    """
     alike = int(predicted.alike[place])
     like = f", like {graph.room_ids[alike]}" if alike >= 0 else ""
     return {
         "observed": False,
-        "source": f"propagated{like}",
+        "source": f"propagated{like}{', its colour seen in part' if in_part else ''}",
         "confidence": float(predicted.confidence[place]),
     }
 
