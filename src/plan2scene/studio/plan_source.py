@@ -107,10 +107,26 @@ def _file(project: Project) -> Path:
 
 
 def _kept(project: Project) -> dict[str, Any]:
-    """Return the values on disk, which other programs may have changed."""
+    """Return the values on disk, checked: other programs may have changed them."""
     file = project.path / READING
     found = read_json(file) if file.is_file() else {}
-    return _NOTHING | (found if isinstance(found, dict) else {})
+    try:
+        if not isinstance(found, dict):
+            raise InputError("a JSON object", "other JSON")
+        scale, picture = found.get("metres_per_pixel"), found.get("picture")
+        if picture is not None:
+            size = picture.get("size") if isinstance(picture, dict) else None
+            if not isinstance(size, list) or len(size) != 2:
+                raise InputError("size and doubt of the picture", repr(picture)[:60])
+            sides = [_number(side, "pixels of the plan", (0.0, 1e6)) for side in size]
+            picture = {"size": sides, "doubt": str(picture.get("doubt", ""))}
+        return {
+            "metres_per_pixel": None if scale is None else _number(scale, "the scale", SCALES),
+            "dxf_layers": _layers(found.get("dxf_layers") or {}),
+            "picture": picture,
+        }
+    except InputError as error:
+        raise InputError(error.expected, error.found, file=READING) from None
 
 
 def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unscaled]:

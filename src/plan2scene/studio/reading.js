@@ -16,7 +16,7 @@ export async function askReading(reading, typed, line, feet) {
   const text = (name, first) => typed?.get(name) ?? first;
   const input = (label, name, value, more) => field(label, `reading ${name}`, value, () => {}, { name, ...more });
   const scale = input(`Metres a ${unit}`, "scale", text("scale", now === null ? "" : String(now)), { inputMode: "decimal" });
-  const width = input("or its width", "width", text("width", ""), { inputMode: "decimal", placeholder: feet ? "32' 6\"" : "9.8 m" });
+  const width = input("or its whole width", "width", text("width", ""), { inputMode: "decimal", placeholder: feet ? "32' 6\"" : "9.8 m" });
   const parts = [line ? el("p", { className: "fault", role: "alert" }, line) : null, scale,
     size || reading.names.length ? width : null, size ? el("p", { className: "soft" }, `It is drawn ${sizeText(size[0])} x ${sizeText(size[1])} ${unit}s. Its width: from left to right.`) : null,
     ...layerFields(reading, text, input)];

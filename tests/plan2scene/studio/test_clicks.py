@@ -118,7 +118,7 @@ def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, t
     page.reload()
     page.wait_for_selector("body[data-ready]")
     page.get_by_role("button", name="How the plan file is read").click()
-    dialog.get_by_label("or its width").fill("12 m")
+    dialog.get_by_label("or its whole width").fill("12 m")
     dialog.get_by_role("button", name="Read again").click()
     far = "(r) => r.polygon.some(([x]) => Math.abs(x) > 11)"
     page.wait_for_function(f"() => editor.store.plan.rooms.some({far}) && !house.host.pending")

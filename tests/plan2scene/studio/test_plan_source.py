@@ -104,6 +104,27 @@ def test_values_are_checked_before_anything_is_kept(project, given, expected):
     assert (project.path / "plan_source.json").read_bytes() == before
 
 
+@pytest.mark.parametrize(
+    "broken",
+    [
+        "[]",
+        "{",
+        '{"dxf_layers": ["W"]}',
+        '{"metres_per_pixel": "wide"}',
+        '{"picture": 3}',
+        '{"picture": {"size": [1, "x"]}}',
+    ],
+)
+def test_values_that_others_broke_are_one_line_until_the_next_upload(project, broken):
+    asked(project, svg())
+    (project.path / "plan_source.json").write_text(broken)
+    for ask in (reading_of, lambda p: read_again(p, {"width": 10})):
+        with pytest.raises(InputError, match=r"plan_source\.json: expected"):
+            ask(project)
+    asked(project, svg())
+    assert reading_of(project)["size"] == (800, 400)
+
+
 def test_a_picture_is_as_large_as_it_was_traced(project, monkeypatch):
     calls = []
 
