@@ -21,6 +21,10 @@ AZIMUTH_STEP = np.radians(1.5)
 ELEVATION_STEP = np.radians(0.75)
 #: Elevations beyond this are left out, radians.
 MAX_ELEVATION = np.radians(75.0)
+#: Power of the labels' probabilities: each pixel's are calibrated, but neighbours err together.
+SOFTENED = 0.82
+#: No label is less likely than what an 8-bit file rounds to nothing.
+LEAST = 0.5 / 255
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,8 @@ def label_counts(
     """Return (labels, a, rows) counts by direction, azimuths (a,) and the lowest elevation.
 
     `labels` (h, w) uint8; values that are no label count nowhere. With `probabilities`
-    (l, h', w') of the same view each pixel counts for every label, by how likely that is.
+    (l, h', w') of the same view each pixel counts for every label, by how likely that is,
+    softened by `SOFTENED`.
     """
     step = max(1.0, camera.width / SAMPLED_COLUMNS)
     columns = np.arange(step / 2, camera.width, step)
@@ -102,8 +107,10 @@ def label_counts(
                 pixels[kept].T[::-1], probabilities.shape[1:], labels.shape, strict=True
             )
         )
-        for label, likely in enumerate(probabilities):
-            np.add.at(counts[label], (a, e), likely[row, column])
+        likely = np.maximum(probabilities[:, row, column], LEAST) ** SOFTENED
+        likely /= likely.sum(axis=0)
+        for label, weights in enumerate(likely):
+            np.add.at(counts[label], (a, e), weights)
     counts /= kept.sum()
     middles = (first + 0.5 + np.arange(shape[1])) * AZIMUTH_STEP
     return counts, middles, float(lowest * ELEVATION_STEP)
