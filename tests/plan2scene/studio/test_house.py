@@ -88,14 +88,15 @@ def test_a_picture_is_traced_mended_and_made(drawing, studio, tmp_path):
     page.click("#open")
     page.set_input_files("#file-input", tmp_path / "flat.png")
     page.wait_for_function("() => editor.store.plan.rooms.length === 2", timeout=100_000)
-    # The scale was a guess: the flat is 8.1 m wide from wall to wall.
-    low, high = bounds(drawing.plan)
-    drawing.press("s")
-    drawing.click(*low)
-    drawing.click(high[0], low[1])
-    page.locator("dialog input").first.fill("8.1")
-    page.get_by_role("button", name="Set the scale").click()
-    page.wait_for_function("() => editor.tool.name === 'select'")
+    # The scale was a guess, so the studio asks: the flat is 8.1 m wide from wall to wall.
+    page.get_by_label("or its whole width").fill("8.1")
+    page.get_by_role("button", name="Read again").click()
+    page.wait_for_function(
+        "() => { const rooms = editor.store.plan.rooms;"
+        " const x = rooms.flatMap((room) => room.polygon.map((p) => p[0]));"
+        " return Math.abs(Math.max(...x) - Math.min(...x) - 8.1) < 0.05; }",
+        timeout=100_000,
+    )
     low, high = bounds(drawing.plan)
     assert high - low == pytest.approx([8.1, 5.1], abs=0.15)
     # The wall between the rooms is half a metre further to the right, and there is one more door.
