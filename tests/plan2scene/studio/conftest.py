@@ -1,5 +1,6 @@
 """A running studio, asked as a browser asks it."""
 
+import contextlib
 import http.client
 import json
 import socket
@@ -7,6 +8,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from browser import Drawing, chromium
 
 TOKEN = "a-token-of-the-tests"
 
@@ -53,3 +55,30 @@ def studio(tmp_path_factory):
     found = Studio(tmp_path_factory.mktemp("homes"))
     yield found
     found.stop()
+
+
+@pytest.fixture(scope="module")
+def context():
+    """Yield a browser's context, its window 1280x800."""
+    with chromium() as browser:
+        yield browser.new_context(viewport={"width": 1280, "height": 800})
+
+
+@pytest.fixture
+def open_home(context, studio):
+    """Yield a context manager: a new home of that name opened; a program's fault fails the test."""
+
+    @contextlib.contextmanager
+    def opened(name):
+        page = context.new_page()
+        page.goto(studio.url)
+        page.fill("#new input", name)
+        page.click("#new button")
+        page.wait_for_url("**/p/*/")
+        drawing = Drawing(page)
+        page.wait_for_selector("body[data-ready]")
+        yield drawing
+        page.close()
+        assert drawing.faults == []
+
+    return opened

@@ -3,7 +3,7 @@
 import sys
 
 import pytest
-from browser import Drawing, chromium
+from browser import Drawing
 from PIL import Image
 from unscaled_drawings import dxf
 
@@ -31,26 +31,12 @@ record = json.loads((home / "run.json").read_text())
 """
 
 
-@pytest.fixture(scope="module")
-def context():
-    with chromium() as browser:
-        yield browser.new_context(viewport={"width": 1280, "height": 800})
-
-
 @pytest.fixture
-def drawing(context, studio, monkeypatch):
-    """Yield a new home opened in the studio; a fault of its program fails the test."""
+def drawing(open_home, studio, monkeypatch):
+    """Yield a new home opened in the studio, whose job is `JOB`."""
     monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", JOB))
-    page = context.new_page()
-    page.goto(studio.url)
-    page.fill("#new input", f"My home {len(list(studio.root.iterdir()))}")
-    page.click("#new button")
-    page.wait_for_url("**/p/My_home_*/")
-    found = Drawing(page)
-    page.wait_for_selector("body[data-ready]")
-    yield found
-    page.close()
-    assert found.faults == []
+    with open_home(f"My home {len(list(studio.root.iterdir()))}") as found:
+        yield found
 
 
 def home_of(studio, drawing):

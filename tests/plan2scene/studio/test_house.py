@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import trimesh
-from browser import Drawing, chromium
 from flat_picture import flat_picture
 
 from plan2scene.floorplans import read_plan
@@ -14,25 +13,11 @@ from plan2scene.images import write_png
 LONGEST = 600
 
 
-@pytest.fixture(scope="module")
-def context():
-    with chromium() as browser:
-        yield browser.new_context(viewport={"width": 1280, "height": 800})
-
-
 @pytest.fixture
-def drawing(context, studio, request):
-    """Yield a new home opened in the studio; a fault of its program fails the test."""
-    page = context.new_page()
-    page.goto(studio.url)
-    page.fill("#new input", request.node.name)
-    page.click("#new button")
-    page.wait_for_url("**/p/*/")
-    found = Drawing(page)
-    page.wait_for_selector("body[data-ready]")
-    yield found
-    page.close()
-    assert found.faults == []
+def drawing(open_home, request):
+    """Yield a new home opened in the studio."""
+    with open_home(request.node.name) as found:
+        yield found
 
 
 def made_house(drawing, folder):
