@@ -4,7 +4,8 @@ A floor that runs on, walls of one paint, ceilings alike. Told by the surfaces' 
 after light and by doors: rooms that no doors join are not compared. Floors are told by their
 pattern more than by their colour, which lamps change from room to room; plain walls and ceilings
 by their colour alone. A mean of few crops is in doubt: what chance alone makes two means differ by
-is no difference. Surfaces are joined while the evidence of all their pairs is for it (average
+is no difference. Walls are of many paints, and what one photo shows of one has one light: that two
+look alike in a photo each may be chance, so few photos take from the evidence. Surfaces are joined while the evidence of all their pairs is for it (average
 linkage), so one that is in doubt stays alone.
 """
 
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
 EVIDENCE = 0.85
 #: What a difference of codes (mean over the code) and of colours (Euclidean, sRGB) takes from it.
 WEIGHTS = {"floor": (1.0, 0.5), "wall": (0.5, 4.0), "ceiling": (0.5, 4.0)}
+#: What it takes from it that one photo alone shows each of the two; half of it with two photos
+#: each. Ceilings are white in most homes, floors are told by their pattern.
+ONE_PHOTO = {"floor": 0.0, "wall": 0.12, "ceiling": 0.0}
 #: Evidence that makes one material e times likelier.
 EVIDENCE_SCALE = 0.15
 #: Numbers of a code.
@@ -41,7 +45,8 @@ _COLUMNS = ["room_id", "surface", "material", "confidence", "colour", "rooms"]
 class SeenSurface:
     """An observed surface: its room, code (8,), sRGB colour (3,) after light, number of crops.
 
-    `doubt` (8,) is the variance of the code, as far as it is a mean of crops that differ.
+    `doubt` (8,) is the variance of the code, as far as it is a mean of crops that differ; `photos`
+    is how many the crops are of.
     """
 
     room_id: str
@@ -49,6 +54,7 @@ class SeenSurface:
     colour: np.ndarray
     crops: int
     doubt: np.ndarray = field(default_factory=lambda: np.zeros(_CODE))
+    photos: int = 1
 
 
 def find_materials(
@@ -121,7 +127,8 @@ def _seen_surface(
         code, doubt = _codes(crops).mean(axis=0), spread / len(crops)
     linear = srgb_to_linear(np.clip(values[-3:], 0.0, 1.0)) * _gain(light, crops["photo"])
     after = linear_to_srgb(np.minimum(linear, 1.0))
-    return SeenSurface(row.room_id, code, after, int(row.n_crops), doubt)
+    photos = max(1, crops["photo"].nunique())
+    return SeenSurface(row.room_id, code, after, int(row.n_crops), doubt, photos)
 
 
 def _rows_of(
@@ -164,6 +171,8 @@ def pair_evidence(seen: Sequence[SeenSurface], kind: str, joined: np.ndarray) ->
     squares = (codes[:, None] - codes[None]) ** 2 - doubts[:, None] - doubts[None]
     apart = by_code * np.sqrt(np.maximum(squares, 0.0)).mean(axis=2)
     apart += by_colour * np.linalg.norm(colours[:, None] - colours[None], axis=2)
+    chance = 1.0 / np.array([item.photos for item in seen])
+    apart += ONE_PHOTO[kind] * (chance[:, None] + chance[None]) / 2.0
     return np.where(joined, EVIDENCE - apart, -np.inf)
 
 

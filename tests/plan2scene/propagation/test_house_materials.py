@@ -49,6 +49,16 @@ def test_chance_in_a_mean_of_few_crops_is_no_difference():
     assert pair_evidence(none, "floor", joined)[0, 1] == pytest.approx(EVIDENCE)
 
 
+def test_walls_that_are_alike_in_a_photo_each_may_be_so_by_chance():
+    joined = np.ones((2, 2), bool)
+    paint = [seen("a", 0.0, 0.6, 10), seen("b", 0.6, 0.67, 10)]
+    more = [replace(item, photos=3) for item in paint]
+    assert pair_evidence(more, "wall", joined)[0, 1] > 0 > pair_evidence(paint, "wall", joined)[0, 1]
+    for kind in ("floor", "ceiling"):
+        same = [pair_evidence(walls, kind, joined)[0, 1] for walls in (paint, more)]
+        assert same[0] == same[1] > 0
+
+
 @pytest.mark.parametrize(("crops", "materials"), [(3, ["floor-1"] * 2), (30, [])])
 def test_crops_that_differ_make_few_of_them_doubtful(shared_house, tmp_path, crops, materials):
     """Means 0 and 1 of crops that lie 1.5 around them: three can do that, thirty can't."""
