@@ -7,7 +7,6 @@ that light does not make.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from plan2scene.colour import linear_to_srgb, rgb_to_lab
+from plan2scene.floorplans.parse import ID_PATTERN
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import read_parquet
 from plan2scene.propagation.house_colours import usual_colour
@@ -29,7 +29,6 @@ APART = 20.0
 #: Photos that have to show it, each with the least weight (``colours.parquet``) of both sides.
 PHOTOS, LEAST = 2, 0.02
 _LIGHTNESS = np.array([0.5, 1.0, 1.0])
-_NAME = re.compile(r"[\w-]+")
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +61,7 @@ def find_accents(colours: str | Path, hidden_photos: Collection[str] = ()) -> li
             rest = of_room[of_room["walls"] != walls]
             names = str(walls).split("|")
             # The paint of most of what is seen is the room's.
-            if mine["weight"].sum() >= rest["weight"].sum() or not all(map(_plain, names)):
+            if mine["weight"].sum() >= rest["weight"].sum() or not all(map(_can_name, names)):
                 continue
             if _apart(mine, rest) >= APART:
                 keys = tuple(SurfaceKey(str(room_id), f"wall.{name}") for name in names)
@@ -73,9 +72,9 @@ def find_accents(colours: str | Path, hidden_photos: Collection[str] = ()) -> li
     return found
 
 
-def _plain(name: str) -> bool:
-    """Return whether a wall's id can be part of a file's name."""
-    return _NAME.fullmatch(name) is not None
+def _can_name(wall: str) -> bool:
+    """Return whether a wall's id can be part of a file's name, as those of read plans can."""
+    return ID_PATTERN.fullmatch(wall) is not None
 
 
 def _apart(mine: pd.DataFrame, rest: pd.DataFrame) -> float:

@@ -1,5 +1,7 @@
 """Walls of another paint than their room's: found by the photos' colours, textured on their own."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -62,6 +64,13 @@ def test_a_wall_of_another_paint_in_two_photos_is_an_accent(tmp_path):
 )
 def test_light_and_little_evidence_make_no_accent(tmp_path, rows):
     assert accents(tmp_path, rows) == []
+
+
+@pytest.fixture
+def gap_house(gap_house):
+    """The house with dots in its walls' ids, as plans may have them."""
+    walls = tuple(replace(wall, id=f"{wall.id}.1.a") for wall in gap_house.walls)
+    return replace(gap_house, walls=walls)
 
 
 @pytest.fixture
