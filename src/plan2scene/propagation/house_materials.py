@@ -2,11 +2,12 @@
 
 A floor that runs on, walls of one paint, ceilings alike. Told by the surfaces' codes, their colour
 after light and by doors: rooms that no doors join are not compared. Floors are told by their
-pattern more than by their colour, which lamps change from room to room; plain walls and ceilings
-by their colour alone. A mean of few crops is in doubt: what chance alone makes two means differ by
-is no difference. Walls are of many paints, and what one photo shows of one has one light: that two
-look alike in a photo each may be chance, so few photos take from the evidence. Surfaces are joined while the evidence of all their pairs is for it (average
-linkage), so one that is in doubt stays alone.
+pattern more than by their colour, which lamps change from room to room; plain walls and ceilings by
+their colour alone. A mean of few crops is in doubt: what chance alone makes two means differ by is
+no difference. Walls are of many paints, and what one photo shows of one has one light: that two
+look alike in a photo each may be chance, so few photos take from the evidence. Surfaces are joined
+while the evidence of all their pairs is for it (average linkage), so one that is in doubt stays
+alone.
 """
 
 from __future__ import annotations

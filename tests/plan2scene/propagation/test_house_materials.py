@@ -53,7 +53,8 @@ def test_walls_that_are_alike_in_a_photo_each_may_be_so_by_chance():
     joined = np.ones((2, 2), bool)
     paint = [seen("a", 0.0, 0.6, 10), seen("b", 0.6, 0.67, 10)]
     more = [replace(item, photos=3) for item in paint]
-    assert pair_evidence(more, "wall", joined)[0, 1] > 0 > pair_evidence(paint, "wall", joined)[0, 1]
+    few, many = (pair_evidence(walls, "wall", joined)[0, 1] for walls in (paint, more))
+    assert many > 0 > few
     for kind in ("floor", "ceiling"):
         same = [pair_evidence(walls, kind, joined)[0, 1] for walls in (paint, more)]
         assert same[0] == same[1] > 0
