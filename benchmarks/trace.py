@@ -1,6 +1,6 @@
 """Traces drawn plans in styles that no training saw, for docs/measurements/trace.md.
 
-python benchmarks/trace.py [--plans 60] [--opened 0.4] [--pictures FOLDER]
+python benchmarks/trace.py [--plans 60] [--opened 0.4] [--dark] [--pictures FOLDER]
 """
 
 from __future__ import annotations
@@ -42,8 +42,10 @@ class Truth:
     areas: list[float]  #: m2
 
 
-def test_picture(number: int, wear: str, opened: float = 0.0) -> tuple[np.ndarray, Truth]:
-    """Return picture `number` and its truth."""
+def test_picture(
+    number: int, wear: str, opened: float = 0.0, *, dark: bool = False
+) -> tuple[np.ndarray, Truth]:
+    """Return picture `number` and its truth; `dark`: its negative on dark coloured paper."""
     rng = generator(7, "trace benchmark", number)
     ppm = float(np.exp(rng.uniform(np.log(35), np.log(90))))
     drawn = other_drawing(1000 + number, 7, ppm, held_out=True, finer=1, opened=opened)
@@ -52,6 +54,9 @@ def test_picture(number: int, wear: str, opened: float = 0.0) -> tuple[np.ndarra
     keystone = 0.02 if wear == "photographed" else 0.0
     move = homography((h, w), rng, turn=turn, keystone=keystone)
     image = drawn.image
+    if dark:
+        paper = generator(7, "dark paper", number).integers(10, 110, 3)
+        image = (paper + (255 - image) / 255 * (255 - paper)).astype(np.uint8)
     if wear != "as drawn":
         edge = tuple(int(v) for v in image[0, 0])
         image, _ = bend(image, drawn.labels, move, (h, w), rng, beyond=edge)
@@ -143,17 +148,22 @@ def opening_f1(plan: TracedPlan, pixels, truth: Truth) -> float:
 
 
 def measure(
-    count: int, model: Path | None, pictures: Path | None, opened: float = 0.0
+    count: int,
+    model: Path | None,
+    pictures: Path | None,
+    opened: float = 0.0,
+    *,
+    dark: bool = False,
 ) -> dict[str, list[dict[str, float]]]:
     """Return the figures of every picture by wear; one that is refused has found nothing.
 
-    Inner doors are open passages with the chance `opened`.
+    Inner doors are open passages with the chance `opened`; `dark` pictures are light on dark.
     """
     results: dict[str, list[dict[str, float]]] = {wear: [] for wear in WEARS}
     with tempfile.TemporaryDirectory() as folder:
         for number in range(count):
             wear = WEARS[number % len(WEARS)]
-            image, truth = test_picture(number, wear, opened)
+            image, truth = test_picture(number, wear, opened, dark=dark)
             path = Path(folder) / "plan.png"
             write_png(path, image)
             try:
@@ -197,12 +207,14 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--plans", type=int, default=60)
     parser.add_argument("--opened", type=float, default=0.0)
+    parser.add_argument("--dark", action="store_true")
     parser.add_argument("--model", type=Path)
     parser.add_argument("--pictures", type=Path)
     given = parser.parse_args()
     if given.pictures is not None:
         given.pictures.mkdir(parents=True, exist_ok=True)
-    print_table(measure(given.plans, given.model, given.pictures, given.opened))
+    found = measure(given.plans, given.model, given.pictures, given.opened, dark=given.dark)
+    print_table(found)
 
 
 if __name__ == "__main__":

@@ -147,7 +147,9 @@ def overlay(plan: TracedPlan) -> np.ndarray:
         size = 0.4 * thick**0.5
         at = (int(x) - 30 * thick, int(y))
         text = f"{room.id} {area:.1f} m2"
-        cv2.putText(image, text, at, cv2.FONT_HERSHEY_SIMPLEX, size, (120, 0, 120), 1, cv2.LINE_AA)
+        for colour, weight in (((255, 255, 255), 3), ((120, 0, 120), 1)):
+            font = cv2.FONT_HERSHEY_SIMPLEX
+            cv2.putText(image, text, at, font, size, colour, weight, cv2.LINE_AA)
     return image
 
 

@@ -15,7 +15,12 @@ from plan2scene.tracing.labels import MODEL, ROOM
 from plan2scene.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene.tracing.openings import TracedOpening, find_openings
 from plan2scene.tracing.outlines import room_polygons
-from plan2scene.tracing.picture import how_sure, read_plan_picture, refuse_other_pictures
+from plan2scene.tracing.picture import (
+    dark_on_light,
+    how_sure,
+    read_plan_picture,
+    refuse_other_pictures,
+)
 from plan2scene.tracing.regions import Regions, find_regions, structure_of
 from plan2scene.tracing.rooms import TracedRoom, describe_rooms, without_inner_windows
 from plan2scene.tracing.scale import RoomSize, Scale, chain_evidence, find_scale, room_evidence
@@ -65,9 +70,10 @@ def trace_picture(
     """
     picture = read_plan_picture(path)
     segmenter = load_plan_segmenter(model or MODELS / f"{MODEL}.safetensors")
+    page = dark_on_light(picture.image)
     read = reader_installed()
-    texts = read_lines(picture.image) if read else []
-    frame, probabilities, regions = _seen(without_text(picture.image, texts), segmenter)
+    texts = read_lines(page) if read else []
+    frame, probabilities, regions = _seen(without_text(page, texts), segmenter)
     polygons = room_polygons(regions) if regions.count else {}
     openings = find_openings(regions, polygons, probabilities)
     sure = how_sure(probabilities, regions)

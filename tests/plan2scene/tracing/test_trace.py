@@ -16,7 +16,7 @@ from plan2scene.images import write_png
 from plan2scene.tracing import trace
 from plan2scene.tracing.lettering import TextLine, read_lines
 from plan2scene.tracing.output import traced_files, write_trace
-from plan2scene.tracing.picture import read_plan_picture
+from plan2scene.tracing.picture import dark_on_light, read_plan_picture
 
 
 @pytest.fixture
@@ -54,6 +54,26 @@ def test_a_drawing_becomes_a_plan(picture, texts, tmp_path):
     joined = [door for door in house.doors if door.room_b is not None]
     assert len(joined) == 1
     assert all(path.is_file() for path in traced_files(out))
+
+
+def test_light_lines_on_dark_paper_are_read_as_dark_ones(texts, tmp_path):
+    paper = np.array([20, 40, 90])  # a blueprint's
+    picture = (paper + (255 - flat_picture()) / 255 * (255 - paper)).astype(np.uint8)
+    write_png(tmp_path / "flat.png", picture)
+    plan, _ = write_trace(tmp_path / "flat.png", tmp_path / "plan.json")
+    areas = {room.id: room.polygon.area * plan.metres**2 for room in plan.rooms}
+    assert set(areas) == {"wohnzimmer", "kuche"}
+    assert areas["wohnzimmer"] == pytest.approx(4.06 * 5.12, rel=0.05)
+    assert sum(opening.kind == "door" for opening in plan.openings) >= 1
+    np.testing.assert_array_equal(plan.picture, picture)  # shown as it is
+
+
+def test_dark_pictures_that_are_not_light_on_dark_stay():
+    dim = (flat_picture() * 0.35).astype(np.uint8)  # a sheet in a dim room
+    assert dark_on_light(dim) is dim
+    room = (_noise() * 0.4).astype(np.uint8)
+    room[:40, :200] = 255  # a window
+    assert dark_on_light(room) is room
 
 
 def test_the_same_picture_gives_the_same_bytes(picture, texts, tmp_path):
