@@ -40,7 +40,7 @@ _Layers = Annotated[
     typer.Option(
         "--dxf-layer",
         metavar="KIND=PATTERN",
-        help="Layers of a DXF drawing: a regular expression for rooms, walls, doors or windows.",
+        help="Layers of a DXF drawing that are rooms, walls, doors or windows: A-WALL*,I-WALL*.",
     ),
 ]
 _Scale = Annotated[float | None, typer.Option(min=1e-6, help="Metres of a pixel or drawing unit.")]

@@ -5,7 +5,7 @@ import { readLength } from "./units.js";
 
 const number = (text) => (Number.isNaN(Number(text.replace(",", "."))) ? text : Number(text.replace(",", ".")));
 const sizeText = (value) => String(Number(value.toPrecision(4)));
-const exact = (name) => `^${name.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}$`;
+const exact = (name) => name.replace(/[[*?]/g, "[$&]").replaceAll(",", "?");
 
 /** Show the reader's line and ask; resolves to {metres_per_pixel, width, dxf_layers}, null when closed.
  *
@@ -42,8 +42,8 @@ function layerFields({ names, patterns, dxf_layers: layers }, text, input) {
   const fields = kinds.map((kind) => input(kind, kind, text(kind, layers[kind] ?? ""), { placeholder: patterns[kind] }));
   let used = fields[0].querySelector("input");
   for (const node of fields) node.addEventListener("focusin", (event) => { used = event.target; });
-  const take = (name) => { used.value = [used.value, exact(name)].filter(Boolean).join("|"); used.focus(); };
+  const take = (name) => { used.value = [used.value, exact(name)].filter(Boolean).join(","); used.focus(); };
   const lines = names.map(({ name, block, count, kind }) => el("li", {}, button([el("span", {}, block ? `block ${name}` : name), el("span", { className: "soft" }, `${count}, ${kind || "not read"}`)], () => take(name), { className: "line" })));
-  return [el("p", { className: "soft" }, "Patterns of the layers' and blocks' names (regular expressions); empty: the usual words. A click on a name takes it into the field used last."),
+  return [el("p", { className: "soft" }, "Patterns of the layers' and blocks' names, parted by commas (* stands for any letters); empty: the usual words. A click on a name takes it into the field used last."),
     ...fields, el("ul", { className: "list names", "aria-label": "Layers and blocks in the file" }, lines)];
 }

@@ -19,9 +19,9 @@ from plan2scene.tracing.regions import Regions
 LONG_SIDE, LEAST_SIDE = 2000, 120
 #: Grey values that a page must span to have something drawn on it.
 CONTRAST = 25
-#: A page darker than this, in the middle of its grey values, may have light lines on dark paper, ...
+#: A page darker than this in the middle of its grey values may be light lines on dark paper, ...
 DARK_PAGE = 128
-#: ... and has, when its lightest marks are this many times further from it than its darkest.
+#: ... and has when its lightest marks are so many times further from it than its darkest.
 LIGHT_LINES = 1.5
 #: Drawings are flat (:func:`flat_share`) at least to this share; most photos of dark rooms are not.
 DRAWN_FLAT = 0.42

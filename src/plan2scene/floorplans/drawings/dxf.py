@@ -52,7 +52,7 @@ def house_of_dxf(
 ) -> House:
     """Return the house of a DXF drawing.
 
-    `metres_per_unit` goes before the unit of the header; `layers` holds regular expressions in
+    `metres_per_unit` goes before the unit of the header; `layers` holds patterns in
     place of `dxf_layers.LAYERS`. Raises InputError where neither tells the unit, and where ezdxf
     is not installed.
     """

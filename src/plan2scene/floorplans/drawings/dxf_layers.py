@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
 from typing import Any
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans.parse import Source
 
-#: Regular expressions of layer and block names; a name may match anywhere, in any case.
+#: Patterns of layer and block names, as CAD programs have them: parted by commas, of the whole
+#: name in any case; ``*`` any letters, ``?`` one, ``[aä]`` one of these, ``[!a-z]`` none of these.
 LAYERS = {
-    "rooms": r"room|raum|r[aä]ume|space|area(?!l)|zone|fl[aä]che|pi[eè]ce|locale|habitac|ruimte",
-    "doors": r"door|t[uü]r|tuer|porte|puerta|porta|deur",
-    "windows": r"window|fenster|fen[eê]tre|ventana|finestra|raam|glaz",
-    "walls": r"wall|wand|w[aä]nde|mauer|\bmur|muro|parete|muur",
+    "rooms": "*room*,*raum*,*r[aä]ume*,*space*,*area,*area[!l]*,*zone*,*fl[aä]che*,*pi[eè]ce*,"
+    "*locale*,*habitac*,*ruimte*",
+    "doors": "*door*,*t[uü]r*,*tuer*,*porte,*porte[!u]*,*puerta*,*porta*,*deur*",
+    "windows": "*window*,*fenster*,*fen[eê]tre*,*ventana*,*finestra*,*raam*,*glaz*",
+    "walls": "*wall*,*wand*,*w[aä]nde*,*mauer*,mur*,*[!a-z]mur*,*muro*,*parete*,*muur*",
 }
+#: Longest pattern.
+MAX_PATTERN = 300
 
 
 def layers_of(pairs: Sequence[str]) -> dict[str, str]:
@@ -42,17 +46,26 @@ class LayerKinds:
     """Tells of which of `LAYERS` names are; `layers` holds patterns in place of its own."""
 
     def __init__(self, source: Source, layers: Mapping[str, str]) -> None:
-        try:
-            self.patterns = {
-                kind: re.compile(layers.get(kind) or LAYERS[kind], re.IGNORECASE)
-                for kind in ("doors", "windows", "rooms", "walls")
-            }
-        except re.error as error:
-            raise source.fault("regular expressions in dxf_layers", error) from None
+        self.patterns: dict[str, list[str]] = {}
+        self._known: dict[str, str] = {}
+        for kind in ("doors", "windows", "rooms", "walls"):
+            text = layers.get(kind) or LAYERS[kind]
+            if len(text) > MAX_PATTERN:
+                expected = f"at most {MAX_PATTERN} letters of {kind} in dxf_layers"
+                raise source.fault(expected, len(text))
+            self.patterns[kind] = [part.strip().casefold() for part in text.split(",")]
 
     def of_name(self, name: str) -> str:
         """Return the kind of a layer or block; empty for none."""
-        return next((kind for kind, pattern in self.patterns.items() if pattern.search(name)), "")
+        if name not in self._known:  # many entities, few names
+            folded = name.casefold()
+            found = (
+                kind
+                for kind, patterns in self.patterns.items()
+                if any(fnmatchcase(folded, pattern) for pattern in patterns)
+            )
+            self._known[name] = next(found, "")
+        return self._known[name]
 
     def of(self, entity: Any) -> str:
         """Return the kind of an entity by its block's name, else by its layer; empty for none."""

@@ -1,5 +1,6 @@
 """DXF: rooms as outlines, walls as bodies, axes and pairs of faces; units, layers, faults."""
 
+import time
 from itertools import pairwise
 from math import atan2, degrees
 
@@ -12,7 +13,9 @@ from plan2scene.errors import InputError
 from plan2scene.floorplans import read_plan
 from plan2scene.floorplans.drawings import dxf
 from plan2scene.floorplans.drawings.dxf import house_of_dxf
+from plan2scene.floorplans.drawings.dxf_layers import LayerKinds
 from plan2scene.floorplans.geometry import room_polygon
+from plan2scene.floorplans.parse import Source
 
 ezdxf = pytest.importorskip("ezdxf")
 MILLIMETRES = 4
@@ -138,12 +141,41 @@ def test_units_layers_and_names(tmp_path):
     path = saved(doc, tmp_path)
     with pytest.raises(InputError, match="expected rooms, or walls that close some, found none"):
         read_plan(path, "h1")
-    house = house_of_dxf(path, "h1", layers={"rooms": "^X"})
+    house = house_of_dxf(path, "h1", layers={"rooms": "X?"})
     assert [room.id for room in house.rooms] == ["room", "wohnzimmer"]
     assert house.rooms[1].types == ("Reception",)
     assert room_polygon(house.rooms[0]).area == pytest.approx(1.96 * 2.54**2, rel=1e-6)
-    halved = house_of_dxf(path, "h1", 0.01, {"rooms": "^X"})
+    halved = house_of_dxf(path, "h1", 0.01, {"rooms": "X?"})
     assert room_polygon(halved.rooms[0]).area == pytest.approx(1.96)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("A-WALL-INT", "walls"),
+        ("Innenwände", "walls"),
+        ("mur porteur", "walls"),
+        ("A_MUR", "walls"),
+        ("AREA", "rooms"),
+        ("A-AREA-IDEN", "rooms"),
+        ("areal", ""),
+        ("WALL-DOOR", "doors"),
+        ("FENÊTRES", "windows"),
+        ("0", ""),
+    ],
+)
+def test_usual_layers(name, kind):
+    assert LayerKinds(Source("a.dxf", "h1"), {}).of_name(name) == kind
+
+
+def test_no_pattern_takes_long():
+    kinds = LayerKinds(Source("a.dxf", "h1"), {"walls": 140 * "*a" + "b,[", "rooms": "[[]x],a?c"})
+    start = time.perf_counter()
+    assert kinds.of_name(255 * "a") == ""
+    assert time.perf_counter() - start < 1
+    assert kinds.of_name("[x]") == kinds.of_name("ABC") == "rooms"
+    with pytest.raises(InputError, match="at most 300 letters of walls in dxf_layers"):
+        LayerKinds(Source("a.dxf", "h1"), {"walls": 301 * "a"})
 
 
 def test_no_unit(tmp_path):
