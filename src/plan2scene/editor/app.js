@@ -24,6 +24,7 @@ export class App {
     Object.assign(this, { rules, host, page, house: start.house, notes: start.notes ?? [] });
     const plan = start.plan ?? newPlan(rules);
     this.picture = start.picture ?? null;
+    this.doubt = start.scale?.doubt ?? "";
     this.store = new Store({ plan: completed(plan, rules), photos: start.photos ?? [], picture: this.picture ? this.placed(this.picture) : null });
     this.view = new View(page.svg);
     this.tools = [new SelectTool(this), new RoomTool(this), new WallTool(this), new OpeningTool(this, "door", "d", "Door"),
@@ -141,7 +142,7 @@ export class App {
     const changes = {};
     if (picture) {
       const [x, z] = go([picture.x, picture.z]);
-      changes.picture = { ...picture, x, z, metres_per_pixel: picture.metres_per_pixel * share };
+      changes.picture = { ...picture, x, z, metres_per_pixel: picture.metres_per_pixel * share, measured: true };
     }
     if (rooms && (!picture || data.get("both"))) changes.plan = { ...plan,
       rooms: plan.rooms.map((r) => ({ ...r, polygon: r.polygon.map(far), ...(r.holes ? { holes: r.holes.map((h) => h.map(far)) } : {}) })),
@@ -160,6 +161,7 @@ export class App {
     const traced = found.plan && !this.store.plan.rooms.length;
     this.picture = found.picture;
     this.notes = found.notes ?? [];
+    this.doubt = found.scale?.doubt ?? "";
     this.store.change({ picture: this.placed(this.picture), ...(traced ? { plan: completed(found.plan, this.rules) } : {}) });
     this.fit();
     this.setTool(traced ? "select" : "scale");

@@ -76,8 +76,8 @@ def opened(
 ) -> dict[str, Any]:
     """Return what the page starts with: ``plan``, ``picture``, ``notes`` (warnings, doubts).
 
-    Of a picture that was traced also ``scale``: the plan's ``size`` in the file's pixels (width,
-    depth), and the ``doubt`` where its scale is a guess.
+    Of a picture also ``scale``: the traced plan's ``size`` in the file's pixels (width, depth),
+    the ``doubt`` where its scale is a guess, and ``shown``, pixels of the file for one shown.
     """
     if not source.is_file():
         raise InputError("a plan or a picture of one", "no such file", file=source)
@@ -89,8 +89,8 @@ def opened(
             return _traced(source, metres_per_pixel)
         except InputError as error:
             note = f"not traced: expected {error.expected}, found {error.found}"
-            return {"picture": _picture(source, metres_per_pixel), "notes": [note]}
-    return {"picture": _picture(source, metres_per_pixel)}
+            return _untraced(source, metres_per_pixel) | {"notes": [note]}
+    return _untraced(source, metres_per_pixel)
 
 
 def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
@@ -123,6 +123,7 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
         "scale": {
             "size": _size(plan, found.file_metres),
             "doubt": lines[0] if found.scale.confidence < SURE else "",
+            "shown": place["metres_per_pixel"] / found.file_metres,
         },
     }
 
@@ -133,8 +134,8 @@ def _size(plan: Mapping[str, Any], metres: float) -> list[float]:
     return [float(side) / metres for side in np.ptp(points, axis=0)]
 
 
-def _picture(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
-    """Return a picture as the page holds it: data URL, size in pixels, scale where known."""
+def _untraced(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
+    """Return a picture alone, as :func:`opened` does."""
     sizes: list[int] = []
 
     def reduced(image: Any) -> Any:
@@ -142,9 +143,12 @@ def _picture(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
         return to_small_srgb(image, PICTURE_SIDE)
 
     pixels = decode_image(path, reduced)
-    share = max(pixels.shape[:2]) / sizes[0]
-    scale = {"metres_per_pixel": metres_per_pixel / share} if metres_per_pixel else {}
-    return _page_picture(pixels) | scale
+    shown = sizes[0] / max(pixels.shape[:2])
+    scale = {"metres_per_pixel": metres_per_pixel * shown} if metres_per_pixel else {}
+    return {
+        "picture": _page_picture(pixels) | scale,
+        "scale": {"size": None, "doubt": "", "shown": shown},
+    }
 
 
 def _page_picture(pixels: np.ndarray) -> dict[str, Any]:

@@ -130,7 +130,8 @@ function problemSection(app) {
   const lines = app.problems.map((problem) => el("li", { className: problem.level },
     button([el("b", {}, `${problem.room || problem.opening || problem.photo || "Plan"}: `), `expected ${problem.expected}, found ${problem.found}`], () => app.showProblem(problem), { className: "line" })));
   const drop = (line) => { app.notes = app.notes.filter((other) => other !== line); app.renderPanel(); };
-  for (const line of app.notes) lines.push(el("li", { className: "note" }, button(line, () => drop(line), { className: "line", title: "Click: seen" })));
+  const told = app.store.state.picture?.measured ? app.doubt : ""; // two points have answered it
+  for (const line of app.notes.filter((note) => note !== told)) lines.push(el("li", { className: "note" }, button(line, () => drop(line), { className: "line", title: "Click: seen" })));
   const text = lines.length ? "Problems" : "No problems";
   return el("section", { id: "problems", "aria-live": "polite" }, el("h2", {}, text, lines.length ? el("span", { className: "count" }, String(lines.length)) : null),
     lines.length ? el("ul", { className: "list" }, lines) : null);

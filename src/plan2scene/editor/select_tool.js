@@ -162,6 +162,7 @@ export class ScaleTool {
     return p;
   }
   down(p, event) {
+    if (this.points.length === 1 && dist(this.points[0], p) * this.app.view.scale < 4) return;
     this.points = this.points.length > 1 ? [p] : [...this.points, this.at(p, event)];
     if (this.points.length === 2) this.app.askScale(...this.points);
     this.app.refresh();

@@ -128,8 +128,10 @@ class _Studio:
 
     async def save(self, request: Request) -> Response:
         """Keep what the editor holds."""
-        project = self._of(request)
-        return JSONResponse({"revision": project.save(_object(await body(request, MAX_STATE)))})
+        project, state = self._of(request), _object(await body(request, MAX_STATE))
+        revision = project.save(state)
+        plan_source.keep_two_points(project)
+        return JSONResponse({"revision": revision})
 
     async def open_plan(self, request: Request) -> Response:
         """Convert an uploaded plan of any format, or keep a picture of one."""

@@ -1,8 +1,9 @@
 """The plan file that was uploaded to a project, and how it is read: its scale, layers of DXF.
 
 ``plan_source`` is the file, ``plan_source.json`` the values that were given for it, under the
-names of the configuration's ``floorplans``. What is read goes to the page, which keeps it as
-``plan.json`` in metres.
+names of the configuration's ``floorplans``; ``two_points`` is the scale that two points in the
+editor told of a picture afterwards, and goes before ``metres_per_pixel``. What is read goes to the
+page, which keeps it as ``plan.json`` in metres.
 """
 
 from __future__ import annotations
@@ -27,7 +28,12 @@ SOURCE, READING = "plan_source", "plan_source.json"
 #: Scales (metres of a pixel or unit) and widths of a house (metres) that may be given.
 SCALES, WIDTHS = (1e-6, 1000.0), (1.0, 500.0)
 #: What is given of a file that was just uploaded.
-_NOTHING: dict[str, Any] = {"metres_per_pixel": None, "dxf_layers": {}, "picture": None}
+_NOTHING: dict[str, Any] = {
+    "metres_per_pixel": None,
+    "two_points": None,
+    "dxf_layers": {},
+    "picture": None,
+}
 
 
 class UnreadPlanError(InputError):
@@ -62,6 +68,24 @@ def read_again(project: Project, given: Mapping[str, Any]) -> dict[str, Any]:
     found = _opened(project, file, values)
     write_json(project.path / READING, values | {"picture": found.get("scale")})
     return found
+
+
+def keep_two_points(project: Project) -> None:
+    """Keep the scale that two points in the editor gave the picture as it lies now, or its undoing.
+
+    Values that others broke stay as they are; whoever asks for them is told.
+    """
+    try:
+        values = _kept(project)
+    except InputError:
+        return
+    if not is_kept(project) or values["picture"] is None:
+        return
+    place = project.state()["place"] or {}
+    shown = values["picture"]["shown"]
+    told = place["metres_per_pixel"] / shown if place.get("measured") else None
+    if told != values["two_points"]:
+        write_json(project.path / READING, values | {"two_points": told})
 
 
 def is_kept(project: Project) -> bool:
@@ -110,20 +134,28 @@ def _kept(project: Project) -> dict[str, Any]:
     try:
         if not isinstance(found, dict):
             raise InputError("a JSON object", "other JSON")
-        scale, picture = found.get("metres_per_pixel"), found.get("picture")
-        if picture is not None:
-            size = picture.get("size") if isinstance(picture, dict) else None
-            if not isinstance(size, list) or len(size) != 2:
-                raise InputError("size and doubt of the picture", repr(picture)[:60])
-            sides = [_number(side, "pixels of the plan", (0.0, 1e6)) for side in size]
-            picture = {"size": sides, "doubt": str(picture.get("doubt", ""))}
+        scales = {key: found.get(key) for key in ("metres_per_pixel", "two_points")}
         return {
-            "metres_per_pixel": None if scale is None else _number(scale, "the scale", SCALES),
+            **{
+                k: None if s is None else _number(s, "the scale", SCALES) for k, s in scales.items()
+            },
             "dxf_layers": _layers(found.get("dxf_layers") or {}),
-            "picture": picture,
+            "picture": _picture(found.get("picture")),
         }
     except InputError as error:
         raise InputError(error.expected, error.found, file=READING) from None
+
+
+def _picture(found: Any) -> dict[str, Any] | None:
+    """Return how the picture was read, checked."""
+    if found is None:
+        return None
+    size = found.get("size") if isinstance(found, dict) else ()
+    if size is not None and not (isinstance(size, list) and len(size) == 2):
+        raise InputError("size, doubt and shown of the picture", repr(found)[:60])
+    sides = [_number(side, "pixels of the plan", (0.0, 1e6)) for side in size or ()]
+    shown = _number(found.get("shown"), "pixels of the file for one shown", (1e-3, 1e3))
+    return {"size": sides or None, "doubt": str(found.get("doubt", "")), "shown": shown}
 
 
 def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unscaled]:
@@ -147,9 +179,9 @@ def _reading(file: Path, house: str, values: Mapping[str, Any]) -> dict[str, Any
         "size": look.size,
         "names": [asdict(entry) for entry in look.names],
         "patterns": LAYERS if name == "DXF" else {},
-        "metres_per_pixel": values["metres_per_pixel"],
+        "metres_per_pixel": values["two_points"] or values["metres_per_pixel"],
         "dxf_layers": values["dxf_layers"],
-        "doubt": (values["picture"] or {}).get("doubt", ""),
+        "doubt": "" if values["two_points"] else (values["picture"] or {}).get("doubt", ""),
     }
 
 
@@ -174,7 +206,7 @@ def _values(project: Project, given: Mapping[str, Any]) -> dict[str, Any]:
         if not 0.999 * WIDTHS[0] <= longest <= 1.001 * WIDTHS[1]:
             expected = f"a scale that makes the house {WIDTHS[0]:g} to {WIDTHS[1]:g} m long"
             raise InputError(expected, f"{longest:.4g} m")
-    return values | {"metres_per_pixel": scale}
+    return values | {"metres_per_pixel": scale, "two_points": None}
 
 
 def _number(value: Any, what: str, limits: tuple[float, float]) -> float:

@@ -193,11 +193,12 @@ def _rows(photos: Any) -> dict[str, list[str]]:
 
 
 def _place(place: Any) -> dict[str, Any] | None:
-    """Return where the picture lies, as plain numbers."""
+    """Return where the picture lies, as plain numbers, and whether two points gave its scale."""
     if not isinstance(place, dict):
         return None
     try:
         found = {key: float(place[key]) for key in ("x", "z", "metres_per_pixel", "opacity")}
     except (KeyError, TypeError, ValueError):
         raise InputError("the place of the picture", "another") from None
-    return found | {"visible": bool(place.get("visible"))}
+    found["visible"] = bool(place.get("visible"))
+    return found | ({"measured": True} if place.get("measured") is True else {})

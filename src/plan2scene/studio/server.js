@@ -132,9 +132,9 @@ export class Server {
     }
   }
   /** Show what was read in place of the plan; undo brings that back. */
-  async show({ plan, picture, notes }, file) {
+  async show({ plan, picture, notes, scale }, file) {
     const { app } = this;
-    app.notes = notes ?? [];
+    Object.assign(app, { notes: notes ?? [], doubt: scale?.doubt ?? "" });
     if (!picture) { await app.openPlan(plan, file); return; }
     app.picture = picture;
     app.store.changeWhole({ picture: app.placed(picture), ...(plan ? { plan: completed(plan, app.rules) } : {}) });

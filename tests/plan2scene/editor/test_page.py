@@ -83,7 +83,9 @@ def test_a_picture_lies_underneath(given, tmp_path):
     Image.new("L", (6000, 3000), 255).save(tmp_path / "plan.png")
     out = tmp_path / "editor.html"
     write_editor(tmp_path / "plan.png", out, house_id="home", metres_per_pixel=given, trace=False)
-    picture = block(out.read_text(encoding="utf-8"), "start")["picture"]
+    start = block(out.read_text(encoding="utf-8"), "start")
+    picture = start["picture"]
+    assert start["scale"]["shown"] * picture["width"] == pytest.approx(6000)
     assert picture["url"].startswith("data:image/png;base64,")
     assert picture["width"] == 2 * picture["height"] <= 6000
     if given:
@@ -117,7 +119,10 @@ def test_a_traced_plan_lies_on_its_picture(tmp_path, monkeypatch):
     )
     monkeypatch.setattr("plan2scene.tracing.trace.trace_picture", lambda *_, **__: plan)
     found = opened(tmp_path / "plan.png", "home")
-    place = found["picture"]
+    place, scale = found["picture"], found["scale"]
+    assert scale["doubt"] == ""
+    assert place["metres_per_pixel"] / scale["shown"] == pytest.approx(0.01)  # of the file's pixels
+    assert scale["size"] == pytest.approx([310, 215], abs=1)  # the room stands askew
     shown = np.asarray(Image.open(io.BytesIO(picture_bytes(place))).convert("L"))
     corners = np.array(found["plan"]["rooms"][0]["polygon"])
     middle = corners.mean(0)

@@ -1,5 +1,6 @@
 """The studio by clicks: from an empty home to a GLB, a photo moved, two tabs."""
 
+import json
 import sys
 
 import pytest
@@ -110,6 +111,27 @@ def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, t
     page.wait_for_function(f"() => editor.store.plan.rooms.some({far}) && !house.host.pending")
     assert all("400" in line for line in drawing.faults)  # how a browser tells a refusal
     drawing.faults.clear()
+
+
+def test_two_points_on_a_picture_are_kept_as_its_scale(drawing, studio, tmp_path):
+    page, home = drawing.page, home_of(studio, drawing)
+    Image.new("RGB", (400, 300), "white").save(tmp_path / "plan.png")
+    page.click("#open")
+    page.set_input_files("#file-input", tmp_path / "plan.png")
+    page.wait_for_function("() => editor.picture !== null && editor.tool.name === 'scale'")
+    metres = page.evaluate("editor.store.state.picture.metres_per_pixel")
+    drawing.click(0, 1)
+    drawing.click(0, 1)  # twice on one point says nothing
+    assert page.locator("dialog[open]").count() == 0
+    drawing.click(200 * metres, 1)
+    page.locator("dialog input").first.fill("5 m")
+    page.get_by_role("button", name="Set the scale").click()
+    page.wait_for_function("() => editor.tool.name === 'room' && !house.host.pending")
+    kept = json.loads((home / "plan_source.json").read_text())
+    assert kept["two_points"] == pytest.approx(5 / 200, rel=0.01)
+    drawing.press("Control+z")
+    page.wait_for_function("() => !house.host.pending")
+    assert json.loads((home / "plan_source.json").read_text())["two_points"] is None
 
 
 def test_floors_are_kept(drawing, studio):

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from PIL import Image
 from unscaled_drawings import dxf, svg
 
 from plan2scene.errors import InputError
@@ -16,6 +17,9 @@ from plan2scene.studio.projects import Projects
 @pytest.fixture
 def project(tmp_path):
     return Projects(tmp_path).make("home")
+
+
+SCALE = {"size": [500.0, 250.0], "doubt": "", "shown": 2.0}
 
 
 def asked(project, content):
@@ -112,6 +116,8 @@ def test_values_are_checked_before_anything_is_kept(project, given, expected):
         '{"metres_per_pixel": "wide"}',
         '{"picture": 3}',
         '{"picture": {"size": [1, "x"]}}',
+        '{"picture": {"size": null, "shown": 0}}',
+        '{"two_points": -1}',
     ],
 )
 def test_values_that_others_broke_are_one_line_until_the_next_upload(project, broken):
@@ -130,7 +136,7 @@ def test_a_picture_is_as_large_as_it_was_traced(project, monkeypatch):
     def opened(file, house, scale, layers):
         calls.append(scale)
         doubt = "" if scale else "the scale is a guess"
-        return {"plan": {"rooms": []}, "scale": {"size": [500.0, 250.0], "doubt": doubt}}
+        return {"plan": {"rooms": []}, "scale": SCALE | {"doubt": doubt}}
 
     monkeypatch.setattr(plan_source, "opened", opened)
     assert read_upload(project, b"\x89PNG\r\n")["scale"]["doubt"]
@@ -140,6 +146,36 @@ def test_a_picture_is_as_large_as_it_was_traced(project, monkeypatch):
     read_again(project, {"width": 10})
     assert calls == [None, 10 / 500]
     assert reading_of(project)["doubt"] == ""
+
+
+def test_two_points_in_the_editor_are_kept_as_the_scale(project, monkeypatch):
+    found = {"plan": {"rooms": []}, "scale": SCALE | {"doubt": "the scale is a guess"}}
+    monkeypatch.setattr(plan_source, "opened", lambda *_: found)
+    read_upload(project, b"\x89PNG\r\n")
+    Image.new("L", (8, 8)).save(project.path / "plan_picture.png")
+
+    def saved(**place):
+        place |= {"x": 0, "z": 0, "opacity": 0.6, "visible": True}
+        plan, revision = {"format": "plan2scene-plan"}, project.revision()
+        project.save({"plan": plan, "photos": [], "place": place, "revision": revision})
+        plan_source.keep_two_points(project)
+        return json.loads((project.path / "plan_source.json").read_text())
+
+    # The picture is moved about: its scale stays a guess.
+    assert saved(metres_per_pixel=0.03)["two_points"] is None
+    kept = saved(metres_per_pixel=0.05, measured=True)
+    assert (kept["two_points"], kept["metres_per_pixel"]) == (0.025, None)
+    reading = reading_of(project)
+    assert (reading["metres_per_pixel"], reading["doubt"]) == (0.025, "")
+    assert saved(metres_per_pixel=0.03)["two_points"] is None  # taken back
+    assert reading_of(project)["doubt"] == "the scale is a guess"
+    saved(metres_per_pixel=0.05, measured=True)
+    read_again(project, {"metres_per_pixel": 0.02})
+    kept = json.loads((project.path / "plan_source.json").read_text())
+    assert (kept["two_points"], kept["metres_per_pixel"]) == (None, 0.02)
+    # What others broke stays, and the editor's state is saved all the same.
+    (project.path / "plan_source.json").write_text("[]")
+    assert saved(metres_per_pixel=0.05, measured=True) == []
 
 
 def test_what_is_no_plan_is_not_kept(project):
