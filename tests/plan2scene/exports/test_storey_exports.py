@@ -1,7 +1,8 @@
-"""Several storeys in other programs' forms: bodies, maps, a ball on every floor, IFC storeys."""
+"""Several storeys in other programs' forms: all of them have both levels."""
 
 import numpy as np
 import pytest
+import trimesh
 import yaml
 from PIL import Image
 
@@ -9,8 +10,11 @@ from plan2scene.exports.ifc import write_ifc
 from plan2scene.exports.mjcf import mjcf_text
 from plan2scene.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M
 from plan2scene.exports.registry import export_house
+from plan2scene.exports.simulator import write_simulator
 from plan2scene.exports.solids import house_solids
 from plan2scene.floorplans import write_scene_json
+from plan2scene.mesh import build_parts
+from plan2scene.mesh.obj import write_obj
 
 
 @pytest.fixture(scope="module")
@@ -105,3 +109,25 @@ def test_usd_is_valid(house, paint, tmp_path):
     cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default"])
     box = cache.ComputeWorldBound(stage.GetDefaultPrim()).ComputeAlignedRange()
     assert box.GetMax()[1] == pytest.approx(2.8 + 2.535)
+
+
+def test_the_simulator_pack_has_every_level(house, paint, tmp_path):
+    write_simulator(house, paint(house), tmp_path)
+    for name in ("house.glb", "collision.glb", "semantic.glb"):
+        scene = trimesh.load(tmp_path / name)
+        assert scene.bounds[1, 1] == pytest.approx(2.8 + 2.535, abs=0.07), name
+    rows = (tmp_path / "semantic.txt").read_text().splitlines()[1:]
+    regions = {row.split(",")[3] for row in rows}
+    assert regions == {str(k) for k in range(-1, len(house.rooms))}
+    assert any('"stairs"' in row for row in rows)
+
+
+def test_obj_has_every_level(house, paint, tmp_path):
+    write_obj(house, paint(house), tmp_path / "house.obj")
+    lines = (tmp_path / "house.obj").read_text().splitlines()
+    names = {line[2:] for line in lines if line.startswith("o ")}
+    assert {part.name for part in build_parts(house)} <= names
+    heights = [float(line.split()[2]) for line in lines if line.startswith("v ")]
+    assert (min(heights), max(heights)) == pytest.approx((0.0, 2.8 + 2.535))
+    images = {path.name for path in (tmp_path / "house_textures").iterdir()}
+    assert images == {f"{key.filename}.png" for key in house.surface_keys()}

@@ -1,6 +1,7 @@
 """house_lit.glb: one unlit image a surface, its texture under the light, doors as bright."""
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -61,6 +62,25 @@ def test_doors_have_the_light_of_their_room(lit):
     assert not np.array_equal(made.colours, door.colours)
     floor = next(part for part in parts if part.name == "a/floor")
     assert lit_part(floor, light) is floor
+
+
+def test_every_storey_has_light_of_its_own(storey_house, paint, tmp_path):
+    parts, textures = build_parts(storey_house), paint(storey_house)
+    light = bake_light(storey_house, parts, mean_colours(textures), 0.7)
+    assert set(light.rooms) == {room.id for room in storey_house.rooms}
+    assert all(0.3 < value.mean() < 2.0 for value in light.rooms.values())
+    lit = lit_textures(storey_house, parts, textures, light)
+    assert set(lit) == set(storey_house.surface_keys())
+    file = tmp_path / "lit.glb"
+    write_glb(storey_house, lit, file, [lit_part(part, light) for part in parts], unlit=True)
+    tree, _ = chunks(file)
+    assert {"level:ground", "level:upper"} <= {node["name"] for node in tree["nodes"]}
+    dark = replace(storey_house, rooms=storey_house.rooms[:4])  # no lamps upstairs
+    below = bake_light(dark, parts, mean_colours(textures), 0.7)
+    gains = {room: (light.rooms[room] / below.rooms[room]).mean() for room in light.rooms}
+    assert min(gains[room.id] for room in storey_house.rooms[4:]) > max(
+        gains[room.id] for room in storey_house.rooms[:4]
+    )
 
 
 def test_highlights_are_compressed_in_order():
