@@ -96,6 +96,23 @@ def test_noise_has_no_period() -> None:
     assert np.isnan(find_lattice(noise, np.zeros((128, 128), bool)).periods).all()
 
 
+def corner(at):
+    """A crop of 1.5 square tiles each way, a dark joint at `at` of its side, right and down."""
+    steps = [(np.arange(128) / 128 - place) * 1.5 for place in at]
+    right, down = (np.abs(step - np.round(step)) < 0.018 for step in steps)
+    tone = np.where((right[None] | down[:, None])[..., None], 70.0, 150.0)
+    noise = np.random.default_rng(0).normal(0.0, 5.0, (128, 128, 1))
+    return np.clip((tone + noise).repeat(3, axis=2), 0, 255).astype(np.uint8)
+
+
+def test_a_joint_alone_repeats_along_itself_and_is_no_period() -> None:
+    """Two level joints and an upright one: what lies along the level ones is alike at any lag."""
+    luma = log_luma(corner((0.5, 0.1)) / 255.0)
+    across, down = find_lattice(luma, np.zeros((128, 128), bool)).periods
+    assert np.isnan(across)
+    assert down == pytest.approx(128 / 1.5, rel=0.02)
+
+
 def test_whole_periods_fill_a_nearly_square_cut() -> None:
     columns, rows, wide, high = whole_periods((0.21, 0.33))
     assert (columns, rows) == (5, 3)
@@ -148,6 +165,17 @@ def test_quilt_of_a_periodic_source_is_the_source() -> None:
     np.testing.assert_allclose(result, np.roll(result, 16, axis=0), atol=1e-3)
     np.testing.assert_allclose(result, np.roll(result, 16, axis=1), atol=1e-3)
     assert result.std() == pytest.approx(image.std(), rel=0.01)
+
+
+def test_quilted_joints_keep_the_step_that_the_periods_tell() -> None:
+    """A patch shows one joint each way: nothing that it covers tells where the next one is."""
+    image = np.random.default_rng(0).normal(0.6, 0.02, (38, 38, 3)).astype(np.float32)
+    image[18:20] = image[:, 18:20] = 0.1
+    made = quilt([Source(image, np.ones((38, 38), bool))], 64, (2, 2)).solve()
+    for axis in (0, 1):
+        line = made.mean(axis=(axis, 2))
+        (dark,) = np.nonzero(line < line.mean() - 0.2)
+        assert len(dark) == 4 and set(np.diff(dark)) == {1, 31}
 
 
 def test_tile_is_as_large_as_the_photo_s_pixels_allow() -> None:

@@ -18,6 +18,7 @@ _SPECTRUM = 256  # side of the padded spectrum
 _BANDS = (8, 90)  # radii of it that hold patterns
 _LEAST_PEAK = 0.25  # autocorrelation that a period needs, over the root of the overlap's share
 _LEAST_RISE = 0.15  # and its rise over the valley before it
+_ACROSS = 0.1  # autocorrelation that is left of a period without the lines along its direction
 _SHARE_OF_BEST = 0.8  # the smallest lag this near to the best one is the period
 _DIAGONAL = 0.85  # share of the upright pattern's peaks that a diagonal one needs
 _SQUARE = 0.08  # log ratio of the sides of square tiles
@@ -93,8 +94,10 @@ def agreed_periods(
             apart = np.abs(np.log(known[:, None] / known[None, :]))
             closeness = np.exp(-((apart / tolerance) ** 2)).sum(axis=1)
             near = known[apart[int(closeness.argmax())] < tolerance]
-            # Crops that are too small for a period have no say on it.
-            voters = int((_LONGEST * sides > np.median(near)).sum())
+            # Crops that are too small for a period have no say on it; those that are not two
+            # periods large show a joint twice by chance.
+            large = sides[_LONGEST * sides > np.median(near)]
+            voters = float(np.minimum(large / np.median(near) - 1.0, 1.0).sum())
             if len(near) >= max(voters, 2 if len(periods) > 2 else 1) / 2:
                 period = float(np.median(near))
         agreed.append(period)
@@ -174,7 +177,37 @@ def _turned(values: np.ndarray, weight: np.ndarray, angle: float) -> tuple[np.nd
 def _periods(
     values: np.ndarray, weight: np.ndarray
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the periods in pixels along x and y (NaN for none) and their autocorrelations."""
+    """Return the periods in pixels along x and y (NaN for none) and their autocorrelations.
+
+    A line along a direction is like itself at every lag of it: what repeats there without such
+    lines, too, is a period.
+    """
+    score, overlap = _autocorrelation(values, weight)
+    least = _LEAST_PEAK / np.sqrt(np.maximum(overlap / weight.sum(), 0.01))
+    found = []
+    for axis in (1, 0):
+        period, peak = _first_period(_along(score, axis), _along(least, axis, width=1))
+        if np.isfinite(period):
+            share = np.maximum(weight.sum(axis=axis, keepdims=True), 1.0)
+            lines = (values * weight).sum(axis=axis, keepdims=True) / share
+            without, _ = _autocorrelation(values - lines, weight)
+            lag = round(period)
+            if _along(without, axis)[lag - 1 : lag + 2].max() < _ACROSS:
+                period, peak = float("nan"), 0.0
+        found.append((period, peak))
+    (x, at_x), (y, at_y) = found
+    return (x, y), (at_x, at_y)
+
+
+def _along(score: np.ndarray, axis: int, width: int = 3) -> np.ndarray:
+    """Return a curve over lags 0.. along an axis (1: x), the best of `width` lags across it."""
+    near = np.r_[0, 1, -1][:width]
+    longest = int(_LONGEST * len(score) / 2)
+    return np.asarray(np.take(score, near, axis=1 - axis).max(axis=1 - axis))[: longest + 1]
+
+
+def _autocorrelation(values: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the normalised autocorrelation at all lags (2 s, 2 s), and each lag's overlap."""
     side = values.shape[0]
     shape = (2 * side, 2 * side)
     f_weight = np.fft.rfft2(weight, shape)
@@ -184,17 +217,8 @@ def _periods(
     product = np.fft.irfft2(np.abs(f_values) ** 2, shape)
     energy = np.fft.irfft2(f_square.conj() * f_weight, shape)
     there, back = energy, np.roll(energy[::-1, ::-1], (1, 1), (0, 1))
-    score = np.where(
-        overlap > 0.08 * side**2, product / np.sqrt(np.maximum(there * back, 1e-9)), -1.0
-    )
-    longest = int(_LONGEST * side)
-    near = np.r_[0, 1, 2 * side - 1]
-    along_x = score[near, : longest + 1].max(axis=0)
-    along_y = score[: longest + 1, near].max(axis=1)
-    least = _LEAST_PEAK / np.sqrt(np.maximum(overlap / weight.sum(), 0.01))
-    x = _first_period(along_x, least[0, : longest + 1])
-    y = _first_period(along_y, least[: longest + 1, 0])
-    return (x[0], y[0]), (x[1], y[1])
+    score = product / np.sqrt(np.maximum(there * back, 1e-9))
+    return np.where(overlap > 0.08 * side**2, score, -1.0), overlap
 
 
 def _first_period(curve: np.ndarray, least: np.ndarray) -> tuple[float, float]:

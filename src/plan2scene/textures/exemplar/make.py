@@ -190,7 +190,8 @@ def make_exemplar(
     pattern, work = found
     cut, size_m = pattern.cut, pattern.size_m
     used = pattern.used if pattern.completed is None else [pattern.completed]
-    canvas = quilt([pattern.source(k, work) for k in pattern.order[:MAX_CROPS]], work)
+    sources = [pattern.source(k, work) for k in pattern.order[:MAX_CROPS]]
+    canvas = quilt(sources, work, (cut.columns, cut.rows))
     image = with_calm_border(as_uint8(toned(canvas.solve(), pattern.colour)))
     return Exemplar(
         as_uint8(enlarged(image / 255.0, size_px)),

@@ -16,6 +16,7 @@ import numpy as np
 from plan2scene.textures.exemplar.cut import minimum_cut
 
 _FIRST = 0.82  # side of the first patch over the torus's, at most: the rest joins its borders
+_EXPECTED = 0.5  # what a pixel counts that the pattern's periods tell, over one that is there
 _RIM = 2  # pixels next to a patch's border that it never takes from what is there
 
 
@@ -105,9 +106,11 @@ class Canvas:
         return np.fft.ifft2(spectrum, axes=(0, 1)).real
 
 
-def quilt(sources: Sequence[Source], size: int) -> Canvas:
+def quilt(sources: Sequence[Source], size: int, periods: tuple[int, int] = (0, 0)) -> Canvas:
     """Return a filled torus of `size` px; `sources` the best first, none larger than it.
 
+    `periods` is how often the pattern repeats in it along x and y, 0 where it has no period: a
+    patch has to fit what is there one period on, too, so joints that a patch shows alone keep step.
     ValueError without a source that has valid pixels.
     """
     if not any(source.valid.any() for source in sources):
@@ -116,7 +119,7 @@ def quilt(sources: Sequence[Source], size: int) -> Canvas:
     canvas.lay(_middle(sources[0], round(_FIRST * size)), (0, 0))
     spectra = [_spectra(source, size) for source in sources]
     while not canvas.filled.all():
-        index, offset = _best_offset(canvas, spectra) or _anywhere(canvas, sources)
+        index, offset = _best_offset(canvas, spectra, periods) or _anywhere(canvas, sources)
         canvas.lay(sources[index], offset)
     return canvas
 
@@ -155,25 +158,26 @@ def _spectra(source: Source, size: int) -> tuple[np.ndarray, np.ndarray, np.ndar
 
 
 def _best_offset(
-    canvas: Canvas, spectra: Sequence[tuple[np.ndarray, ...]]
+    canvas: Canvas, spectra: Sequence[tuple[np.ndarray, ...]], periods: tuple[int, int]
 ) -> tuple[int, tuple[int, int]] | None:
     """Return the source and its offset that fits best for the area it fills; None if none does."""
-    filled = canvas.filled.astype(np.float64)
-    known = canvas.image * canvas.filled[..., None]
+    known, weight = _expected(canvas, periods)
     shape = canvas.filled.shape
-    f_filled = np.fft.rfft2(filled)
-    f_known = np.fft.rfft2(known, axes=(0, 1))
-    f_square = np.fft.rfft2((known**2).sum(axis=2))
+    f_filled = np.fft.rfft2(canvas.filled.astype(np.float64))
+    f_weight = np.fft.rfft2(weight)
+    f_known = np.fft.rfft2(known * weight[..., None], axes=(0, 1))
+    f_square = np.fft.rfft2((known**2).sum(axis=2) * weight)
     best = (np.inf, 0, (0, 0))
     empty = float((~canvas.filled).sum())
     for index, (valid, image, square) in enumerate(spectra):
         overlap = np.fft.irfft2(f_filled * valid, s=shape)
+        weighed = np.fft.irfft2(f_weight * valid, s=shape)
         error = np.fft.irfft2(
-            f_square * valid - 2.0 * (f_known * image).sum(axis=2) + f_filled * square, s=shape
+            f_square * valid - 2.0 * (f_known * image).sum(axis=2) + f_weight * square, s=shape
         )
         area = float(valid[0, 0].real)
         gain = (area - overlap) / min(area, empty)
-        misfit = np.sqrt(np.maximum(error, 0.0) / np.maximum(overlap, 1.0))
+        misfit = np.sqrt(np.maximum(error, 0.0) / np.maximum(weighed, 1.0))
         score = np.where(
             (overlap > 0.15 * area) & (gain > 0.02),
             misfit / np.clip(gain, 0.02, 1.0) ** 0.5,
@@ -183,3 +187,20 @@ def _best_offset(
         if score.flat[at] < best[0]:
             best = (float(score.flat[at]), index, (at // shape[1], at % shape[1]))
     return (best[1], best[2]) if np.isfinite(best[0]) else None
+
+
+def _expected(canvas: Canvas, periods: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Return what a torus shows or is to show by its periods, (s, s, 3), and its weight (s, s)."""
+    filled = canvas.filled.astype(np.float64)
+    columns, rows = (max(1, count) for count in periods)
+    total, times = np.zeros(canvas.image.shape), np.zeros_like(filled)
+    for row in range(rows):
+        for column in range(columns):
+            by = round(row * canvas.size / rows), round(column * canvas.size / columns)
+            share = np.roll(filled, by, (0, 1))
+            total += np.roll(canvas.image, by, (0, 1)) * share[..., None]
+            times += share
+    known = np.where(
+        canvas.filled[..., None], canvas.image, total / np.maximum(times, 1)[..., None]
+    )
+    return known, np.where(canvas.filled, 1.0, _EXPECTED * (times > 0))

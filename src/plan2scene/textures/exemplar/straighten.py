@@ -71,7 +71,10 @@ def find_pattern(
             for p, period in zip(lattice.periods, periods, strict=True)
         ]
         fits[k] = all(
-            not np.isfinite(period) or p == lattice.periods[axis]
+            not np.isfinite(period)
+            or p == lattice.periods[axis]
+            # one that is not two periods large shows a joint twice by chance only
+            or (not np.isfinite(lattice.periods[axis]) and known and sides[k] < 2.0 * period)
             for axis, (p, period) in enumerate(zip(own, periods, strict=True))
         )
         checked.append(replace(lattice, periods=(own[0], own[1])))
