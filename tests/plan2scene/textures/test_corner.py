@@ -1,12 +1,20 @@
 """Large squares of which no crop shows a whole period are completed; nothing else is."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from plan2scene.house import SurfaceKey
+from plan2scene.images import png_bytes
+from plan2scene.textures.baselines.nearest import Crop
 from plan2scene.textures.exemplar.choice import ExemplarCrop
+from plan2scene.textures.exemplar.house import exemplar_tiles
 from plan2scene.textures.exemplar.make import find_surface, make_exemplar
+from plan2scene.textures.inputs import KnownSurface, TextureInputs, TextureSettings
 from plan2scene.textures.maps.detail import detail_of_pattern
 from plan2scene.textures.maps.patches import cut_patches
+from plan2scene.textures.tiles import NoTile
 
 SIDE_M, CROP_M = 0.4, 0.5
 
@@ -72,3 +80,24 @@ def test_small_squares_and_plain_surfaces_stay():
     for crops in (checks, plain):
         pattern, _ = find_surface(crops, size_px=128)
         assert pattern.completed is None
+
+
+def test_completed_squares_go_on_tiled_surfaces_alone():
+    """The bathroom's wall passes for plaster by its crops; no other wall of the house is seen."""
+    bath = SurfaceKey("bath", "wall")
+    crops = [
+        Crop(f"wall/p_0_crop{k}", bath, png_bytes(crop(*place).image), CROP_M, 1.0)
+        for k, place in enumerate(places())
+    ]
+    facts = {"size_m": 0.5, "source": "", "confidence": 1.0, "naive_embedding": None}
+    facts["embedding"] = np.r_[np.zeros(8), [0.7, 0.65, 0.6]]
+    kinds = {"bath": "plaster", "bed": "plaster", "shower": "tile"}
+    surfaces = tuple(
+        KnownSurface(SurfaceKey(room, "wall"), room == "bath", substance=substance, **facts)
+        for room, substance in kinds.items()
+    )
+    data, settings = SimpleNamespace(exemplars={}), TextureSettings(seed=0, size_px=128)
+    made = exemplar_tiles(TextureInputs(data, surfaces, tuple(crops), {}, settings))
+    assert made[bath].pattern.completed is not None
+    assert isinstance(made[SurfaceKey("bed", "wall")], NoTile)
+    assert made[SurfaceKey("shower", "wall")].source.startswith("exemplar of bath, ")

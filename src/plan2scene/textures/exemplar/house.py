@@ -4,8 +4,9 @@ Observed surfaces get a tile of their own crops; those that share a material of 
 pattern of all its crops, each in its own colour. An unobserved one, and one whose crops do not have
 the colour that all of its pixels tell, gets the exemplar of the house that is nearest to what is
 predicted for it (same kind of surface, the predicted substance if any has it, nearest embedding),
-since a house repeats its materials, in its own colour. Only where the house shows none of the kind
-the predicted embedding is decoded.
+since a house repeats its materials, in its own colour. Large squares that one crop was completed to
+go on tiled surfaces alone. Only where the house shows none of the kind the predicted embedding is
+decoded.
 Each tile's source says which way it went.
 """
 
@@ -136,7 +137,10 @@ def _nearest(
     pool = [key for key in own if key.surface == kind]
     if not pool:
         return NoTile(f"no exemplar of a {kind} in the house")
-    pool = [key for key in pool if surfaces[key].substance == surface.substance] or pool
+    alike = [key for key in pool if _substance(surfaces[key], own[key]) == surface.substance]
+    pool = alike or [key for key in pool if not _guessed(own[key])]
+    if not pool:
+        return NoTile(f"no exemplar of a {kind} in the house but completed squares")
     wanted = _code(surface)
     distances = [np.abs(_code(surfaces[key]) - wanted).mean() for key in pool]
     nearest = pool[int(np.argmin(distances))]
@@ -145,6 +149,16 @@ def _nearest(
     away = colour_difference(made.image, tone)
     source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 to the predicted colour"
     return replace(made, image=recoloured(made.image, tone), source=source)
+
+
+def _guessed(tile: Tile) -> bool:
+    """Return whether a tile's squares were completed: a guess of the surface that it is of."""
+    return tile.pattern is not None and tile.pattern.completed is not None
+
+
+def _substance(surface: KnownSurface, tile: Tile) -> str:
+    """Return the substance of an observed surface: what has large squares is tiled."""
+    return "tile" if _guessed(tile) else surface.substance
 
 
 def _code(surface: KnownSurface) -> np.ndarray:
