@@ -168,13 +168,11 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     return path
 
 
-def run(
-    request: SingleHouse, out: Path, *, cores: int, shown: str = "lines", sheet: bool = False
-) -> dict[str, Path]:
+def run(request: SingleHouse, out: Path, *, cores: int, shown: str = "lines") -> dict[str, Path]:
     """Make one house with Snakemake under `out`; return the files a user wants, by name.
 
     A run that was killed goes on by the same call. `shown` says what is printed of its progress, a
-    key of :data:`SHOWN`; with `sheet` the contact sheet of the photos is one of the files. Raises
+    key of :data:`SHOWN`. Raises
     InputError for faults of the input, WorkflowError when the workflow fails.
     """
     if not (WORKFLOW / "Snakefile").is_file():
@@ -184,7 +182,7 @@ def run(
     given = (request.plan, request.photo_table, request.photos_dir)
     inputs = [path for path in given if path is not None]
     names = read_input(request)
-    wanted = (*DELIVERED, CONTACT_SHEET) if sheet and names else DELIVERED
+    wanted = (*DELIVERED, CONTACT_SHEET) if names else DELIVERED
     wanted += TRACED if is_picture(request) else ()
     with claimed_folder(out, (*wanted, "textures"), inputs) as folder:
         config = prepare(request, names, folder.work)

@@ -15,6 +15,12 @@ METRIC_MEMORY = 3000 if FEATURE_MODEL != SUBSTANCE_MODEL else 1000
 TABLE_DROPS = sorted({"0.0", TABLE_DROP})
 # Tiles by {drop}/{method}.
 COMPARED = f"{RESULTS}/houses/{{house}}/comparison"
+# The 3D house's textures are those of its method in the table, but for accent walls.
+SHOWN = (
+    CHOSEN_TEXTURES
+    if config["house"]["method"] in METHODS and config["house"]["walls"] == "room"
+    else None
+)
 
 
 rule comparison:
@@ -22,7 +28,7 @@ rule comparison:
     # any crop shows, the features of the crops that FID compares them with, and a sheet of both to
     # look at: one job a house, for as jobs of their own they would mostly start.
     input:
-        **given(pool=POOL),
+        **given(pool=POOL, shown=SHOWN),
         **made(EVALUATION_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
@@ -56,6 +62,7 @@ rule comparison:
         models=EVALUATION_MODELS,
         hashes=hashes(EVALUATION_MODELS),
         methods=METHODS,
+        shown=("0.0", config["house"]["method"]),
         hidden=hidden_at_drops(TABLE_DROPS),
         images=config["metrics"]["fid_seeds"],
         seed=config["seed"],

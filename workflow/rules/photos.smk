@@ -36,8 +36,8 @@ rule masks:
 
 
 rule crops:
-    # Where in the plan each photo was taken, and rectified 128x128 crops of each floor, wall and
-    # ceiling that it shows.
+    # Where in the plan each photo was taken, rectified 128x128 crops of each floor, wall and ceiling
+    # that it shows, and a sheet of both to look at.
     input:
         # Photos come by way of their masks.
         **(
@@ -53,6 +53,13 @@ rule crops:
         candidates=f"{RESULTS}/houses/{{house}}/candidates.parquet",
         colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
         light=f"{RESULTS}/houses/{{house}}/light.json",
+        sheet=report(
+            f"{RESULTS}/houses/{{house}}/contact_sheet.png",
+            caption="../report/contact_sheet.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "photos to crops"},
+        ),
     log:
         f"logs/{DATASET}/crops/{{house}}.log",
     benchmark:
@@ -63,20 +70,24 @@ rule crops:
     resources:
         mem_mb=1000,
     params:
+        names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
         dataset=DATASET,
         source=config["crops"]["source"],
         folder=config["crops"]["folder"],
-        metres=config["crops"]["metres"],
-        per_mask=config["crops"]["per_mask"],
-        tries=config["crops"]["tries"],
-        filter=config["crops"]["filter"],
-        colours=config["house"]["colours"],
-        camera_height_m=config["photos"]["camera_height_m"],
+        settings=dict(
+            sizes_m=tuple(config["crops"]["metres"]),
+            per_mask=config["crops"]["per_mask"],
+            tries=config["crops"]["tries"],
+            filter=config["crops"]["filter"],
+            colours=config["house"]["colours"],
+            camera_height_m=config["photos"]["camera_height_m"],
+        ),
         seed=config["seed"],
         code=code_hash(
             "photos.crops.stage",
             "photos.locate.stage",
+            "photos.contact_sheet.sheet",
             "floorplans.scene_json",
             "datasets.assignments",
         ),

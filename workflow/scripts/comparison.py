@@ -22,6 +22,7 @@ with job(snakemake.log[0]):
         made.textures,
         made.metrics,
         images=params.images,
+        ready={params.shown: found.shown} if found.get("shown") else None,
     )
     names = {"dataset": params.dataset, "house": house_id}
     reference_features(found.crops, params.models["features"], made.references, **names)

@@ -1,41 +1,39 @@
-"""Rule crops: photos and masks of a house (or ready crops) -> cameras.json, crops.parquet."""
+"""Rule crops: photos and masks of a house (or ready crops) -> places, crops, contact sheet."""
 
 from pathlib import Path
 
 from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.jobs import job
+from plan2scene.photos.contact_sheet.sheet import write_contact_sheet
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.stage import CropFiles, load_crops, make_crops
 from plan2scene.photos.locate.stage import locate_photos, with_found_rooms
 
 with job(snakemake.log[0]):
-    name, params = snakemake.wildcards.house, snakemake.params
+    name, params, output = snakemake.wildcards.house, snakemake.params, snakemake.output
+    masks, cameras = snakemake.input.get("masks"), output.get("cameras")
     house = read_scene_json(snakemake.input.scene, name)
-    rooms_of_photo = rooms_of_photos(snakemake.input.assignment or None, house)
-    output = snakemake.output
+    listed = rooms_of_photos(snakemake.input.assignment or None, house)
+    if masks:
+        locate_photos(house, listed, masks, cameras)
+    rooms = with_found_rooms(house, listed, cameras)
     files = CropFiles(output.crops, output.candidates, output.colours, output.light)
-    if params.source == "precomputed":
-        rooms_of_photo = with_found_rooms(house, rooms_of_photo, None)
-        load_crops(house, rooms_of_photo, params.folder, files, dataset=params.dataset)
+    folder, settings = Path(params.photo_folder), CropSettings(**params.settings)
+    if masks:
+        photos = {photo: folder / photo for photo in rooms}
+        made = {"dataset": params.dataset, "seed": params.seed, "settings": settings}
+        make_crops(house, rooms, photos, masks, files, cameras=cameras, **made)
     else:
-        locate_photos(house, rooms_of_photo, snakemake.input.masks, output.cameras)
-        rooms_of_photo = with_found_rooms(house, rooms_of_photo, output.cameras)
-        make_crops(
-            house,
-            rooms_of_photo,
-            {photo: Path(params.photo_folder) / photo for photo in rooms_of_photo},
-            snakemake.input.masks,
-            files,
-            dataset=params.dataset,
-            seed=params.seed,
-            cameras=output.cameras,
-            settings=CropSettings(
-                sizes_m=tuple(params.metres),
-                per_mask=params.per_mask,
-                tries=params.tries,
-                camera_height_m=params.camera_height_m,
-                filter=params.filter,
-                colours=params.colours,
-            ),
-        )
+        load_crops(house, rooms, params.folder, files, dataset=params.dataset)
+    write_contact_sheet(
+        output.sheet,
+        {photo: folder / photo for photo in params.names},
+        listed,
+        house=house,
+        masks_dir=masks,
+        cameras=cameras,
+        crops=output.crops,
+        candidates=output.candidates,
+        camera_height_m=settings.camera_height_m,
+    )

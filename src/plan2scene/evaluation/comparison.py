@@ -10,7 +10,7 @@ from plan2scene.evaluation.measure import reference_images
 from plan2scene.io import atomic_directory
 from plan2scene.textures.inputs import HouseData, Visible
 from plan2scene.textures.stage import house_tiles
-from plan2scene.textures.tiles import write_tiles
+from plan2scene.textures.tiles import read_tiles, write_tiles
 
 
 def compare_house(
@@ -21,11 +21,13 @@ def compare_house(
     metrics: str | Path,
     *,
     images: int = 1,
+    ready: Mapping[tuple[str, str], str | Path] | None = None,
 ) -> None:
     """Write ``{drop}/{method}/`` of tiles to `textures`, and ``metrics.parquet`` of all of them.
 
     `drops` maps a drop fraction (``"0.6"``) to what the house shows at it; `images` are those of
-    each surface for FID and KID, by methods that draw noise.
+    each surface for FID and KID, by methods that draw noise. `ready` maps a drop and a method to a
+    folder of the texture stage whose tiles are taken instead of made.
     """
     data = HouseData(house.files)
     frames = []
@@ -34,7 +36,8 @@ def compare_house(
             inputs = data.at(visible, house.models.decoders, house.settings)
             references = reference_images(data.crops, visible.hidden_photos)
             for method in methods:
-                tiles = house_tiles(method, inputs)
+                made = (ready or {}).get((drop, method))
+                tiles = read_tiles(made) if made else house_tiles(method, inputs)
                 write_tiles(folder / drop / method, method, inputs.surfaces, tiles)
                 frames.append(
                     measured(house, method, inputs, tiles, references, drop=drop, images=images)

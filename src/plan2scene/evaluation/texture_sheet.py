@@ -77,7 +77,7 @@ def write_texture_sheet(
     rows = list(sheet_rows(textures, crops).values())
     page = draw_sheet(f"{house}: tiles, each twice in both directions", rows)
     with atomic_path(output) as temporary:
-        page.save(temporary, format="PNG")
+        page.save(temporary, format="PNG", compress_level=4)
 
 
 def draw_sheet(title: str, rows: Sequence[SheetRow]) -> Image.Image:

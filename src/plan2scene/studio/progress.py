@@ -14,7 +14,6 @@ STAGES = {
     "embeddings": "Materials of all rooms",
     "textures": "Textures",
     "house": "The house in 3D",
-    "contact_sheet": "Contact sheet of the photos",
 }
 _STATS = re.compile(r"^(\w+) +(\d+)\s*$")
 _STARTED = re.compile(r"^(?:local)?(?:rule|checkpoint) (\w+):")

@@ -34,7 +34,7 @@ def make_house(project: Project, settings: dict[str, Any]) -> None:
     )
     record = read_json(project.path / RECORD)
     try:
-        run(request, project.house, cores=settings["cores"], shown="verbose", sheet=True)
+        run(request, project.house, cores=settings["cores"], shown="verbose")
         ended = {"state": "done"}
     except (InputError, WorkflowError) as error:
         print(f"ERROR {error}", file=sys.stderr)  # noqa: T201 - its log

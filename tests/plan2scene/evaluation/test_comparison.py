@@ -1,5 +1,6 @@
 """A house by all methods in one job: tiles and figures are those of the stages on their own."""
 
+import shutil
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -60,6 +61,23 @@ def test_tiles_and_figures_are_those_of_the_stages(compared, tmp_path, method, d
     columns = ["room_id", "surface", "observed", "color", "freq", "tile", "subs"]
     assert mine[columns].values.tolist() == again[columns].values.tolist()
     assert np.array_equal(np.stack(mine["features"]), np.stack(again["features"]))
+
+
+def test_tiles_that_are_ready_are_taken(compared, tmp_path):
+    house, drops, folder, _ = compared
+    ready = {("0.0", "exemplar"): tmp_path / "shown"}
+    shutil.copytree(folder / "0.0" / "exemplar", tmp_path / "shown")
+    crop = next((folder / "0.0" / "crop").glob("*.png"))
+    (tmp_path / "shown" / crop.name).write_bytes(crop.read_bytes())
+    methods, tiles = ("crop", "exemplar"), tmp_path / "tiles"
+    only = {"0.0": drops["0.0"]}
+    compare_house(house, only, methods, tiles, tmp_path / "metrics.parquet", images=3, ready=ready)
+    for method in methods:
+        found = {path.name: path.read_bytes() for path in (tiles / "0.0" / method).iterdir()}
+        wanted = {path.name: path.read_bytes() for path in (folder / "0.0" / method).iterdir()}
+        changed = {name for name in wanted if found[name] != wanted[name]}
+        assert found.keys() == wanted.keys()
+        assert changed == ({crop.name} if method == "exemplar" else set())
 
 
 def test_only_methods_that_draw_noise_get_more_images(compared):

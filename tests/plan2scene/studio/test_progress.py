@@ -7,11 +7,10 @@ Building DAG of jobs...
 Job stats:
 job              count
 -------------  -------
-contact_sheet        1
 crops                1
 floorplan            1
 masks                1
-total                4
+total                3
 
 Select jobs to execute...
 [Sun Nov 22 06:34:31 2026]
@@ -22,7 +21,7 @@ rule masks:
     input: dataset/photos/a.jpg
 WARNING file plan.json, house home: expected rooms that don't overlap, found 1.20 m2
 Finished jobid: 4 (Rule: floorplan)
-1 of 4 steps (25%) done
+1 of 3 steps (33%) done
 """
 FAULT = """\
 ERROR file photos/a.jpg, house home: expected a JPEG, found text
@@ -38,12 +37,11 @@ def states(lines):
 
 def test_stages_are_those_of_this_run_in_the_order_of_the_work():
     found = states(START.splitlines())
-    assert list(found) == ["floorplan", "masks", "crops", "contact_sheet"]
+    assert list(found) == ["floorplan", "masks", "crops"]
     assert found == {
         "floorplan": "done",
         "masks": "running",
         "crops": "waiting",
-        "contact_sheet": "waiting",
     }
 
 
