@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from functools import cache
 from typing import Any
+from weakref import WeakKeyDictionary
 
 
 def first_of_each(check: Callable[[Any, Any], None], kind: Callable[[Any], Hashable]) -> Any:
@@ -41,3 +42,49 @@ def one_of_each() -> Any:
         return object.__new__(cls)
 
     return staticmethod(shared)
+
+
+def answer_of_each(ask: Callable[..., Any], kind: Callable[[Any], Hashable]) -> Any:
+    """Return a method that asks the first object of each kind alone, in place of `ask`."""
+    known: dict[Hashable, Any] = {}
+
+    def answer(self: Any, *asked: Hashable) -> Any:
+        own = (kind(self), *asked)
+        if own not in known:
+            known[own] = ask(self, *asked)
+        return known[own]
+
+    return answer
+
+
+def parameters_of_each(read: Callable[[Any], Mapping[str, Any]]) -> Any:
+    """Return a function that reads a function's parameters once, in place of `read`.
+
+    Those of a method are read once for all objects of its class. They are forgotten with it.
+    """
+    known: WeakKeyDictionary[Any, Mapping[str, Any]] = WeakKeyDictionary()
+    bound: WeakKeyDictionary[Any, Mapping[str, Any]] = WeakKeyDictionary()
+
+    def parameters(function: Any) -> Mapping[str, Any]:
+        method = getattr(function, "__func__", None)
+        table, key = (known, function) if method is None else (bound, method)
+        try:
+            return table[key]
+        except KeyError:
+            table[key] = found = read(function)
+            return found
+        except TypeError:  # no key of a table
+            return read(function)
+
+    return parameters
+
+
+def plain_as_it_is(form: Callable[..., str]) -> Any:
+    """Return a function that tells of a path without flags as it is, of others by `form`."""
+
+    def formed(path: Any, as_input: bool = False, as_output: bool = False) -> str:
+        if type(getattr(path, "_file", None)) is str:
+            return str(path)
+        return form(path, as_input=as_input, as_output=as_output)
+
+    return formed

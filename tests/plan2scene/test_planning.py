@@ -1,6 +1,15 @@
 """A plan looks at the first job of each kind alone, and holds no empty flags."""
 
-from plan2scene.planning import first_of_each, flags_of_flagged, one_of_each
+import inspect
+
+from plan2scene.planning import (
+    answer_of_each,
+    first_of_each,
+    flags_of_flagged,
+    one_of_each,
+    parameters_of_each,
+    plain_as_it_is,
+)
 
 
 def test_the_first_of_each_kind_is_checked():
@@ -51,3 +60,47 @@ def test_equal_arguments_make_one_object():
     Guard.__new__ = one_of_each()
     assert Guard("sort") is Guard("sort")
     assert (Guard("sort").name, Guard("index").name) == ("sort", "index")
+
+
+def test_each_kind_answers_once_for_each_question():
+    asked = []
+    answer = answer_of_each(lambda *question: asked.append(question) or len(asked), kind=len)
+    assert [answer("a"), answer("b"), answer("cd"), answer("e", "x"), answer("f", "x")] == [
+        *(1, 1, 2, 3, 3)
+    ]
+    assert asked == [("a",), ("cd",), ("e", "x")]
+
+
+def test_parameters_are_read_once_for_a_function_and_for_a_method():
+    class Resource:
+        def evaluate(self, wildcards, attempt):
+            """Take what a rule's function may ask for."""
+
+    read = []
+
+    def names(function):
+        read.append(function)
+        return inspect.signature(function).parameters
+
+    parameters = parameters_of_each(names)
+    for _ in range(2):
+        assert list(parameters(Resource().evaluate)) == ["wildcards", "attempt"]
+        assert list(parameters(Resource.evaluate)) == ["self", "wildcards", "attempt"]
+        assert list(parameters(len)) == ["obj"]
+    assert read[1:] == [Resource.evaluate, len]
+
+
+def test_paths_with_flags_are_formed():
+    class Path(str):
+        __slots__ = ("_file",)
+
+    class Flagged(str):
+        __slots__ = ()
+
+    plain, flagged = Path("a.png"), Path("b")
+    plain._file, flagged._file = "a.png", Flagged("b")
+    form = plain_as_it_is(lambda path, **how: f"{path} {sorted(how.items())}")
+    assert form(plain, as_output=True) == "a.png"
+    assert type(form(plain)) is str
+    assert form(flagged, as_input=True) == "b [('as_input', True), ('as_output', False)]"
+    assert form("c") == "c [('as_input', False), ('as_output', False)]"
