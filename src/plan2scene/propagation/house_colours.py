@@ -7,7 +7,8 @@ expected to have is a linear function of all that is seen (best linear unbiased 
 1991, DOI 10.1214/ss/1177011926; kriging). A surface that is well seen keeps its colour; one of
 which few pixels are seen, or none, follows its kind in the house and its room's light. Under one
 light (`house.colours: corrected`) the terms of light are left out again, but for the house's
-brightness, and surfaces of one material are one.
+brightness, and surfaces of one material are one. Walls keep their room's light: paint and light
+both differ from room to room, so what of a wall's colour is which nothing in its room tells.
 
 Axes of log colours: brightness, red, blue (:func:`plan2scene.colour.log_axes`).
 """
@@ -54,7 +55,7 @@ class Shown:
     materials : (n, 3) int64, optional
         Surfaces of one number are of one material; all differ without.
     one_light : bool
-        Whether colours under one white light are wanted, not under that of each room.
+        Whether colours under one white light are wanted, not under that of each room (but walls).
     """
 
     colours: np.ndarray
@@ -179,10 +180,11 @@ def expected_colours(shown: Shown, usual: np.ndarray, *, as_if_unseen: bool = Fa
         own = np.array([of_kind[axis] for of_kind in OWN])[kind]
         of_kind = np.array([of_kind[axis] for of_kind in KIND])[kind]
         paint = (kind[:, None] == kind) * of_kind**2 + one * own**2
-        light = HOUSE[axis] ** 2 + (room[:, None] == room) * ROOM[axis] ** 2
-        covariance = paint + light
+        of_room = (room[:, None] == room) * ROOM[axis] ** 2
+        covariance = paint + HOUSE[axis] ** 2 + of_room
         if shown.one_light:  # white: of the house's light only the brightness is left
-            wanted = paint + HOUSE[axis] ** 2 * (axis == 0)
+            on_walls = (kind == SURFACES.index("wall"))[:, None] * of_room
+            wanted = paint + HOUSE[axis] ** 2 * (axis == 0) + on_walls
         else:
             wanted = covariance
         noise = np.diag(SEEN[axis] ** 2 / photos[seen])
