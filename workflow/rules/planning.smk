@@ -49,9 +49,9 @@ if hasattr(snakemake_jobs.Job, "conda_env_spec"):
         answer_of_each(asked, lambda job: job.rule)
     )
 if hasattr(snakemake_jobs.Job, "_path_to_source_file"):
-    script = snakemake_jobs.Job._path_to_source_file
+    sourced = snakemake_jobs.Job._path_to_source_file
     snakemake_jobs.Job._path_to_source_file = answer_of_each(
-        script, lambda job: job.rule
+        sourced, lambda job: job.rule
     )
 
 
