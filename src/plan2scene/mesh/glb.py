@@ -25,7 +25,7 @@ from plan2scene.mesh.glb_lights import add_lights
 from plan2scene.mesh.house_mesh import build_parts
 from plan2scene.mesh.occlusion import bake_occlusion
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.relief import normal_map
+from plan2scene.mesh.relief import normal_map, tangents
 from plan2scene.mesh.textures import UNTEXTURED, MapTexture, TileTexture
 
 #: Linear base colour and opacity of window glass.
@@ -177,6 +177,8 @@ def _textured(
         own["_COLOR_0"] = srgb_to_linear(part.colours).astype(np.float32)
     if second is not None:
         own["_TEXCOORD_1"] = second.astype(np.float32)
+    if material.normalTexture is not None:
+        own["_TANGENT"] = tangents(part)
     return trimesh.Trimesh(
         part.mesh.vertices,
         part.mesh.faces,
@@ -213,8 +215,8 @@ def _finish(
         del mesh["extras"]
         primitive = mesh["primitives"][0]
         attributes = primitive["attributes"]
-        # trimesh's own colours are bytes, too coarse when linear, and it knows one set of UV.
-        for name in attributes.keys() & {"_COLOR_0", "_TEXCOORD_1"}:
+        # trimesh's own colours are bytes, too coarse when linear; it knows one set of UV, no tangents.
+        for name in sorted(attributes.keys() & {"_COLOR_0", "_TANGENT", "_TEXCOORD_1"}):
             attributes[name[1:]] = attributes.pop(name)
         for target, used in (_VERTICES, attributes.values()), (_INDICES, [primitive["indices"]]):
             for accessor in used:

@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
 from shapely.geometry import Point
 
 from plan2scene.colour import srgb_to_linear
@@ -128,7 +127,7 @@ def bake_light(
         values[inside] = light[start : start + count]
         if not count:  # a strip between the texels' middles
             values[:] = np.median(light, axis=0)
-        chart.paste(image, _smooth(values, inside) if count else values, inside)
+        chart.paste(image, *_continued(_smooth(values, inside), inside))
         start += count
     return Light(image, {chart.part.name: chart for chart in charts}, rooms)
 
@@ -249,7 +248,31 @@ def lamp_position(house: House, room_id: str) -> np.ndarray:
 
 
 def _smooth(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Return values (h, w, 3) averaged over the texels beside, on the part alone."""
-    weight = ndimage.uniform_filter(inside.astype(np.float64), 3, mode="constant")
-    mean = ndimage.uniform_filter(values, (3, 3, 1), mode="constant")
-    return np.asarray(np.where(inside[..., None], mean / np.maximum(weight, 1e-6)[..., None], 0.0))
+    """Return values (h, w, 3) averaged along rows and columns over the texels at both sides.
+
+    A texel at an edge of the part keeps its value: a mean of one side alone would shift it.
+    """
+    for axis in (0, 1):
+        sides = [np.roll(inside, step, axis) for step in (1, -1)]
+        both = (inside & sides[0] & sides[1])[..., None]
+        mean = (np.roll(values, 1, axis) + values + np.roll(values, -1, axis)) / 3
+        values = np.where(both, mean, values)
+    return values
+
+
+def _continued(values: np.ndarray, inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return values (h, w, 3) and where they are known, with a texel more beyond each edge.
+
+    They go on as they fall or rise there, so that light runs on from part to part of one plane.
+    """
+    total, count = np.zeros_like(values), np.zeros(inside.shape)
+    for axis in (0, 1):
+        for step in (1, -1):
+            near, far = (np.roll(inside, n * step, axis) for n in (1, 2))
+            usable = ~inside & near & far
+            one, two = (np.roll(values, n * step, axis) for n in (1, 2))
+            total[usable] += np.clip(2 * one - two, 0.5 * one, 2 * one)[usable]
+            count += usable
+    beyond = count > 0
+    values = np.where(beyond[..., None], total / np.maximum(count, 1)[..., None], values)
+    return values, inside | beyond

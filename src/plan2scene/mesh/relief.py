@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 
 from plan2scene.images import image_from_bytes, jpeg_bytes
+from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.textures import TileTexture
 
 #: Slope of a texture of much contrast, root mean square, by substance.
@@ -56,6 +57,23 @@ def normal_map(tile: TileTexture) -> bytes | None:
     normals /= np.linalg.norm(normals, axis=2, keepdims=True)
     coded = np.round(127.5 + 127.5 * normals).astype(np.uint8)
     return jpeg_bytes(coded, quality=_QUALITY, full_colour=True)
+
+
+def tangents(part: MeshPart) -> np.ndarray:
+    """Return the tangents (n, 4) float32 of a flat part with texture coordinates, as glTF's.
+
+    The first three point along the image's rows; cross(normal, tangent) times the last (1 or -1)
+    points up the image.
+    """
+    uv = np.asarray(part.uv)
+    to_world, *_ = np.linalg.lstsq(
+        np.column_stack([uv, np.ones(len(uv))]), part.mesh.vertices, rcond=None
+    )
+    normals = part.mesh.vertex_normals
+    along = to_world[0] - normals * (normals @ to_world[0])[:, None]
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    up = np.sign(np.cross(normals, along) @ -to_world[1])
+    return np.column_stack([along, up]).astype(np.float32)
 
 
 def _fine(luma: np.ndarray, px_per_m: float) -> np.ndarray:

@@ -17,6 +17,7 @@ from plan2scene.mesh.plates import flat_parts, soffit
 from plan2scene.mesh.railings import railing, railing_sides
 from plan2scene.mesh.skirting import skirting
 from plan2scene.mesh.walls import (
+    OVERLAP,
     Above,
     Body,
     structure_part,
@@ -75,8 +76,9 @@ def build_storey(
         boards = skirting(room, own, openings)
         parts.extend(part for part in (*faces, boards) if part is not None)
     bodies = wall_bodies(walled, together)
+    low = 0.0 if below is None else -2 * OVERLAP
     for body in bodies:
-        part = structure_part(body, bodies, together, openings.portals, above)
+        part = structure_part(body, bodies, together, openings.portals, above, low=low)
         if part is not None:
             parts.append(part)
     portals = _largest(openings.portals)

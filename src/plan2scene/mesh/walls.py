@@ -34,6 +34,9 @@ TOUCH = 5e-6
 #: Wall faces stand this far inside their room, metres: a partition of the rooms behind, which ends
 #: on the face's line, would otherwise shine through at its edge.
 LIFT = 2e-4
+#: Outer faces of two storeys overlap by twice this, metres, and caps below walls lie so far under
+#: them: the caps' dark colour does not shine through at the edge.
+OVERLAP = 2e-3
 #: Bodies lie on this grid, metres: bands that end on one line do so exactly.
 GRID = 1e-6
 
@@ -138,10 +141,12 @@ def structure_part(
     rooms: BaseGeometry,
     portals: list[Portal],
     above: Above | None = None,
+    *,
+    low: float = 0.0,
 ) -> MeshPart | None:
     """Return the part ``structure/wall/{wall}``: outer faces, cap, reveals of the wall's holes.
 
-    Below another level's rooms it goes on up to their floors.
+    Outer faces begin at height `low`. Below another level's rooms it goes on up to their floors.
     """
     wall = body.side.wall
     others = unary_union(
@@ -150,14 +155,15 @@ def structure_part(
     builder = PartBuilder()
     hidden = unary_union([rooms.buffer(TOUCH), others.buffer(TOUCH)])
     for frame in _free_edges(body.area, hidden):
-        _outer_face(builder, frame, wall.height, portals)
+        _outer_face(builder, frame, (low, wall.height), portals)
     top = wall.height + max(wall.extra_height, 0.0)
     # The body's begins a little below the ceiling line, behind the lifted faces: no crack there.
     area = body.area
     if above is not None and above.rise > wall.height:
         under = above.rooms.buffer(wall.depth + TOUCH, join_style="mitre")
         band = area.intersection(under)
-        _prism(builder, band, wall.height - 10 * LIFT, above.rise, above.rooms, OUTER_COLOUR)
+        high = above.rise - OVERLAP
+        _prism(builder, band, wall.height - 10 * LIFT, high, above.rooms, OUTER_COLOUR)
         area, top = area.difference(under), min(top, above.rise - LIFT)
     _prism(builder, area, wall.height - 10 * LIFT, top)
     _prism(builder, body.cap.difference(body.area), wall.height, top)
@@ -201,9 +207,11 @@ def _free_edges(area: BaseGeometry, hidden: BaseGeometry) -> list[Frame]:
     return frames
 
 
-def _outer_face(builder: PartBuilder, frame: Frame, height: float, portals: list[Portal]) -> None:
-    """Add an outer face from the floor to `height`, less the portals that go through it."""
-    face: BaseGeometry = box(0.0, 0.0, frame.length, height)
+def _outer_face(
+    builder: PartBuilder, frame: Frame, heights: tuple[float, float], portals: list[Portal]
+) -> None:
+    """Add an outer face between two heights, less the portals that go through it."""
+    face: BaseGeometry = box(0.0, heights[0], frame.length, heights[1])
     for portal in portals:
         inner = portal.side.frame
         behind = float((inner.left - frame.left) @ inner.normal)

@@ -11,6 +11,7 @@ from plan2scene.house import Opening
 from plan2scene.mesh import build_parts
 from plan2scene.mesh.eye_level import EYE_M, SIZE, camera_in, render_rooms, standpoints
 from plan2scene.mesh.light import bake_light, lamp_position
+from plan2scene.mesh.raster import sample
 from plan2scene.mesh.rays import Rays, hemisphere
 
 pytest.importorskip("embreex")
@@ -59,6 +60,21 @@ def test_a_lamp_is_brightest_below_itself(gap_house):
     assert Point(lamp[0], lamp[2]).within(room_polygon(gap_house.room("b")))
     below = at(light, parts["b/floor"], (lamp[0], 0, lamp[2])).mean()
     assert below > 1.2 * at(light, parts["b/floor"], (3.3, 0, 0.2)).mean()
+
+
+def test_light_runs_on_where_a_wall_of_one_plane_goes_on(storey_house):
+    parts = {part.name: part for part in build_parts(storey_house)}
+    colours = {key: np.full(3, 0.6) for key in storey_house.surface_keys()}
+    light = bake_light(storey_house, list(parts.values()), colours, 0.25)
+    before, behind = (  # the hall's wall along two rooms that meet at z = 3.4, nearest to its lamp
+        sample([light.image], light.uv(part)[end], np.ones(len(end))).mean(axis=1)
+        for part, end in (
+            (part, np.flatnonzero(np.abs(part.mesh.vertices[:, 2] - 3.4) < 1e-3))
+            for part in (parts["hall/wall/hall_wall_1"], parts["hall/wall/hall_wall_2"])
+        )
+    )
+    assert before.max() > 0.5
+    np.testing.assert_allclose(np.sort(before), np.sort(behind), rtol=0.08)
 
 
 def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):

@@ -8,8 +8,8 @@ from glb_file import chunks
 from PIL import Image
 
 from plan2scene.images import png_bytes
-from plan2scene.mesh import TileTexture, write_glb
-from plan2scene.mesh.relief import SLOPES, normal_map
+from plan2scene.mesh import TileTexture, build_parts, write_glb
+from plan2scene.mesh.relief import SLOPES, normal_map, tangents
 
 
 def joints(contrast=90, size_px=64, size_m=0.5):
@@ -63,3 +63,21 @@ def test_files_have_them_on_demand_and_valid(gap_house, tmp_path):
     images = {made["textures"][use["index"]]["source"] for use in named.values()}
     assert len(images) == 1  # equal ones once
     assert made["images"][images.pop()]["mimeType"] == "image/jpeg"
+
+
+def test_tangents_run_along_the_image_s_rows_and_up_it(gap_house, tmp_path):
+    by_name = {part.name: part for part in build_parts(gap_house)}
+    along = {"a/floor": (1, 0, 0), "a/ceiling": (1, 0, 0), "a/wall/a_w0": (1, 0, 0)}
+    up = {"a/floor": (0, 0, -1), "a/ceiling": (0, 0, -1), "a/wall/a_w0": (0, 1, 0)}
+    for name, expected in along.items():
+        made = tangents(by_name[name])
+        assert np.allclose(made[:, :3], expected, atol=1e-5)
+        turned = np.cross(by_name[name].mesh.vertex_normals, made[:, :3]) * made[:, 3:]
+        assert np.allclose(turned, up[name], atol=1e-5)
+    textures = dict.fromkeys(gap_house.surface_keys(), joints())
+    write_glb(gap_house, textures, tmp_path / "relief.glb", relief=True)
+    tree = chunks(tmp_path / "relief.glb")[0]
+    primitives = [mesh["primitives"][0] for mesh in tree["meshes"]]
+    mapped = ["normalTexture" in tree["materials"][entry["material"]] for entry in primitives]
+    assert ["TANGENT" in entry["attributes"] for entry in primitives] == mapped
+    assert any(mapped) and not all(mapped)
