@@ -128,8 +128,23 @@ def _across(house: House, stairs: Stairs) -> Iterator[str]:
             yield wall.id
 
 
+def _doors_into_the_air(house: House) -> Iterator[tuple[str, str, str]]:
+    """Yield (expected, found, room) of doors of the higher levels that no room is behind."""
+    higher = {level.id for level in house.levels[1:]}
+    level_by_room = {room.id: room.level for room in house.rooms}
+    outer = {(door.room_a, door.opening_id) for door in house.doors if door.room_b is None}
+    for wall in house.walls:
+        room = wall.room_ids[0]
+        for opening in wall.openings:
+            drawn = (room, opening.id) in outer and opening.kind == "door"
+            if drawn and opening.bottom < RISER and level_by_room[room] in higher:
+                where = f"door {opening.id} of level {level_by_room[room]}"
+                yield f"a room or balcony behind {where}", "none", room
+
+
 def storey_oddities(house: House) -> Iterator[tuple[str, str, str]]:
-    """Yield (expected, found, room) of levels without stairs and stairs that lead nowhere."""
+    """Yield (expected, found, room) of levels without stairs, stairs and doors to nowhere."""
+    yield from _doors_into_the_air(house)
     elevations = {level.id: level.elevation for level in house.levels}
     for stairs in house.stairs:
         lower, upper = stairs.room_ids

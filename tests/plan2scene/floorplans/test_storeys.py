@@ -168,6 +168,18 @@ def test_stairs_that_lead_nowhere_are_listed(plan):
     assert "expected a room of level upper at the head of stairs stairs" in validate_house(house)[0]
 
 
+def test_a_door_that_leads_into_the_air_is_listed(plan):
+    window = entry(plan, "openings", "bedroom_east")
+    window.update({"kind": "door", "bottom": 0})
+    assert oddity(plan) == (
+        "house two, room bedroom: expected a room or balcony behind door bedroom_east of level "
+        "upper, found none"
+    )
+    balcony = {"id": "balcony", "types": ["Balcony"], "level": "upper"}
+    plan["rooms"].append({**balcony, "polygon": [[8, 0.5], [9, 0.5], [9, 3], [8, 3]]})
+    assert validate_house(house_of_plan(plan, "two")) == []
+
+
 def test_an_opening_between_levels_is_listed_and_left_out(plan):
     door = {"id": "d", "kind": "door", "from": [4, 4], "to": [4, 4.8], "bottom": 0, "top": 2}
     plan["openings"].append({**door, "level": "upper"})
