@@ -1,8 +1,12 @@
-"""Rooms at eye level before and after: repeated tiles on the left, surface maps on the right.
+"""Rooms at eye level before and after, in pairs from the same place.
 
     python benchmarks/room_pairs.py results/demo docs/pictures/rooms.jpg HOUSE/ROOM...
+    python benchmarks/room_pairs.py results/demo docs/pictures/surfaces.jpg --lit HOUSE/ROOM...
 
-The tiles are those that the metrics read, with the same light, camera and exposure.
+After, on the right, is what `rooms.jpg` shows. Before, on the left, is the first version's house:
+the tiles that the metrics read repeated, no light, nothing but floors, walls, ceilings, doors and
+windows. With `--lit` it differs by the tiles alone. OUT of `plan2scene run` goes, too, as one house:
+`python benchmarks/room_pairs.py OUT pairs.jpg ROOM...`.
 """
 
 from __future__ import annotations
@@ -18,31 +22,49 @@ from plan2scene.floorplans import read_scene_json
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh import build_parts, load_textures
 from plan2scene.mesh.eye_level import draw_rooms
+from plan2scene.mesh.light import even_light
 
 METHOD = "exemplar"
 GAP = 8
+#: Kinds of parts that the first version did not have.
+LATER = frozenset({"skirting", "object", "railing", "stairs"})
 
 
-def pair(results: Path, house_id: str, room_id: str) -> np.ndarray:
+def files(results: Path, house_id: str) -> tuple[Path, Path]:
+    """Return a house's scene.json and its textures, of a data set or of one house."""
+    if not house_id:
+        return results / "house.scene.json", results / "textures"
+    textures = results / "drop_0.0" / METHOD / house_id / "textures"
+    return results / "houses" / house_id / "scene.json", textures
+
+
+def pair(results: Path, house_id: str, room_id: str, *, lit: bool) -> np.ndarray:
     """Return one room twice, (h, 2 w + gap, 3) uint8 sRGB."""
-    house = read_scene_json(results / "houses" / house_id / "scene.json", house_id)
+    scene, folder = files(results, house_id)
+    house = read_scene_json(scene, house_id or "house")
     parts = build_parts(house)
-    folder = results / "drop_0.0" / METHOD / house_id / "textures"
     with tempfile.TemporaryDirectory() as name:
         tiles = Path(name) / "tiles"
         shutil.copytree(folder, tiles, ignore=shutil.ignore_patterns("maps.json"))
-        shown = [load_textures(place, house) for place in (tiles, folder)]
-    pictures = [draw_rooms(house, textures, parts, [room_id])[0] for textures in shown]
-    return np.hstack([pictures[0], np.full((len(pictures[0]), GAP, 3), 255, np.uint8), pictures[1]])
+        repeated, whole = (load_textures(place, house) for place in (tiles, folder))
+    (after,) = draw_rooms(house, whole, parts, [room_id])
+    if lit:
+        (before,) = draw_rooms(house, repeated, parts, [room_id])
+    else:
+        first = [part for part in parts if part.extras["kind"] not in LATER]
+        (before,) = draw_rooms(house, repeated, first, [room_id], light=even_light(house))
+    return np.hstack([before, np.full((len(before), GAP, 3), 255, np.uint8), after])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("results", type=Path, help="results/{dataset}")
+    parser.add_argument("results", type=Path, help="results/{dataset}, or OUT of plan2scene run")
     parser.add_argument("output", type=Path)
-    parser.add_argument("rooms", nargs="+", help="HOUSE/ROOM")
+    parser.add_argument("rooms", nargs="+", help="HOUSE/ROOM, or ROOM of one house")
+    parser.add_argument("--lit", action="store_true", help="the same light and things before")
     given = parser.parse_args()
-    rows = [pair(given.results, *room.split("/")) for room in given.rooms]
+    names = [("/" + name).rsplit("/", 1) for name in given.rooms]
+    rows = [pair(given.results, house.strip("/"), room, lit=given.lit) for house, room in names]
     between = np.full((GAP, rows[0].shape[1], 3), 255, np.uint8)
     sheet = np.vstack([piece for row in rows for piece in (row, between)][:-1])
     given.output.write_bytes(jpeg_bytes(sheet, quality=88))

@@ -56,11 +56,12 @@ def draw_rooms(
     names: Sequence[str],
     *,
     traced: bool = False,
+    light: Light | None = None,
 ) -> list[np.ndarray]:
     """Return a picture of each named room, `SIZE` uint8 sRGB; none where nothing can be lit.
 
     With `traced` by path tracing (:mod:`plan2scene.mesh.traced`) where Mitsuba is installed, else
-    by baked light.
+    by `light`, which is baked where it is not given.
     """
     rays = Rays.of(parts)
     if rays is None:
@@ -70,7 +71,7 @@ def draw_rooms(
     if mi is not None:
         scene = TracedScene(mi, house, parts, textures)
         return [_developed(scene.draw(camera), (1.0, 1.0)) for camera in cameras]
-    light = bake_light(house, parts, mean_colours(textures), _TEXEL_M)
+    light = light or bake_light(house, parts, mean_colours(textures), _TEXEL_M)
     if light is None:
         return []
     baked = _Scene(rays, textures, light)

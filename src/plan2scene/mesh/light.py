@@ -132,6 +132,11 @@ def bake_light(
     return Light(image, {chart.part.name: chart for chart in charts}, rooms)
 
 
+def even_light(house: House) -> Light:
+    """Return the light of a house without any: what looks up is a little brighter."""
+    return Light(np.ones((1, 1, 3), np.float32), {}, {room.id: np.ones(3) for room in house.rooms})
+
+
 def mean_colours(textures: Mapping[SurfaceKey, TileTexture]) -> dict[SurfaceKey, np.ndarray]:
     """Return the mean linear RGB (3,) of each surface's tile."""
     made: dict[bytes, np.ndarray] = {}

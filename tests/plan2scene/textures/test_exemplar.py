@@ -91,6 +91,19 @@ def test_lattice_of_a_turned_grid(angle) -> None:
     assert found.periods == pytest.approx((step / 6, step / 4), rel=0.02)
 
 
+@pytest.mark.parametrize(("side", "angle"), [(30.0, 0.0), (27.0, 5.0)])
+def test_lattice_of_a_checkerboard(side, angle) -> None:
+    turn = np.radians(angle)
+    rows, columns = np.mgrid[:128, :128] + 7.3
+    x = columns * np.cos(turn) + rows * np.sin(turn)
+    y = rows * np.cos(turn) - columns * np.sin(turn)
+    noise = np.random.default_rng(0).normal(0, 0.05, (128, 128))
+    found = find_lattice(((x // side + y // side) % 2) + noise, np.zeros((128, 128), bool))
+    assert found.clear
+    assert found.angle_deg == pytest.approx(angle, abs=0.6)
+    assert found.periods == pytest.approx((2 * side, 2 * side), rel=0.02)
+
+
 def test_noise_has_no_period() -> None:
     noise = np.random.default_rng(0).normal(0, 1, (128, 128))
     assert np.isnan(find_lattice(noise, np.zeros((128, 128), bool)).periods).all()

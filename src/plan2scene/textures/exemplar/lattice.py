@@ -16,6 +16,7 @@ import numpy as np
 _STEP_DEG = 0.25
 _SPECTRUM = 256  # side of the padded spectrum
 _BANDS = (8, 90)  # radii of it that hold patterns
+_COARSE = 5  # least radius for a checkerboard, whose first frequencies are low
 _LEAST_PEAK = 0.25  # autocorrelation that a period needs, over the root of the overlap's share
 _LEAST_RISE = 0.15  # and its rise over the valley before it
 _ACROSS = 0.1  # autocorrelation that is left of a period without the lines along its direction
@@ -60,7 +61,18 @@ def find_lattice(luma: np.ndarray, mask: np.ndarray) -> CropLattice:
     """
     weight = (~mask).astype(np.float64)
     values = _band(luma, weight)
-    angle, clear = _orientation(values, weight)
+    found = _lattice(values, weight, _BANDS[0])
+    if not found.clear:
+        # Without its first frequencies a checkerboard of two colours seems to lie at atan(1/3).
+        coarse = _lattice(values, weight, _COARSE)
+        if coarse.clear and np.isfinite(coarse.periods).all():
+            return coarse
+    return found
+
+
+def _lattice(values: np.ndarray, weight: np.ndarray, least: int) -> CropLattice:
+    """Return the lattice by the spectrum from the radius `least` on."""
+    angle, clear = _orientation(values, weight, least)
     periods, peaks = _periods(*_turned(values, weight, angle))
     if abs(angle) > 22.5 and abs(np.log(periods[0] / periods[1])) < _SQUARE:  # False for NaN
         # Square tiles laid diagonally repeat along the crop's axes, too: they stay so.
@@ -141,13 +153,16 @@ def _band(luma: np.ndarray, weight: np.ndarray) -> np.ndarray:
     return np.clip(values / max(spread, 1e-6), -4.0, 4.0)
 
 
-def _orientation(values: np.ndarray, weight: np.ndarray) -> tuple[float, bool]:
-    """Return the angle in degrees of the lines that hold the spectrum, and whether it is clear."""
+def _orientation(values: np.ndarray, weight: np.ndarray, least: int) -> tuple[float, bool]:
+    """Return the angle in degrees of the lines that hold the spectrum, and whether it is clear.
+
+    `least` is the smallest radius of the spectrum that counts.
+    """
     window = np.hanning(values.shape[0] + 2)[1:-1]
     spectrum = np.fft.fft2(values * weight * np.outer(window, window), (_SPECTRUM, _SPECTRUM))
     power = np.fft.fftshift(np.abs(spectrum)).astype(np.float32)
     angles = np.arange(-45.0, 135.0, _STEP_DEG)
-    radii = np.arange(*_BANDS, dtype=np.float64)
+    radii = np.arange(least, _BANDS[1], dtype=np.float64)
     radians = np.radians(angles)[:, None]
     x = (_SPECTRUM // 2 + radii * np.cos(radians)).astype(np.float32)
     y = (_SPECTRUM // 2 + radii * np.sin(radians)).astype(np.float32)
