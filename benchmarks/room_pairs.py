@@ -5,7 +5,7 @@
 
 After, on the right, is what `rooms.jpg` shows. Before, on the left, is the first version's house:
 the tiles that the metrics read repeated, no light, nothing but floors, walls, ceilings, doors and
-windows. With `--lit` it differs by the tiles alone. OUT of `plan2scene run` goes, too, as one house:
+windows. With `--lit` it differs by the tiles alone. OUT of `plan2scene run` goes, too:
 `python benchmarks/room_pairs.py OUT pairs.jpg ROOM...`.
 """
 
