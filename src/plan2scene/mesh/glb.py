@@ -215,7 +215,7 @@ def _finish(
         del mesh["extras"]
         primitive = mesh["primitives"][0]
         attributes = primitive["attributes"]
-        # trimesh's own colours are bytes, too coarse when linear; it knows no second UV, no tangents.
+        # trimesh's own colours are bytes, too coarse when linear; it knows one UV, no tangents.
         for name in sorted(attributes.keys() & {"_COLOR_0", "_TANGENT", "_TEXCOORD_1"}):
             attributes[name[1:]] = attributes.pop(name)
         for target, used in (_VERTICES, attributes.values()), (_INDICES, [primitive["indices"]]):
