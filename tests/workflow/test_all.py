@@ -111,6 +111,26 @@ def test_touching_a_photo_reruns_its_house_alone(made):
     assert {name for _, name in jobs} == {house, ""}
 
 
+def test_another_room_of_a_photo_makes_what_depends_on_it_alone(made):
+    table = load_houses(made.root / "data" / "houses.tsv", splits=["test"])
+    house = next(name for name in made.houses() if table[name].photos)
+    file = made.root / "data" / table[house].assignment
+    text, before = file.read_text(), file.stat()
+    header, first, *rest = text.splitlines()
+    room, name = first.split(",", 1)
+    other = next(line.split(",")[0] for line in rest if line.split(",")[0] != room)
+    file.write_text("\n".join([header, f"{other},{name}", *rest]) + "\n")
+    try:
+        jobs = made.jobs("all")
+    finally:
+        file.write_text(text)
+        os.utime(file, ns=(before.st_atime_ns, before.st_mtime_ns))
+    rules = {rule for rule, _ in jobs}
+    assert {"crops", "textures", "house"} <= rules
+    assert "masks" not in rules  # what the photo shows, whatever its room
+    assert {name for _, name in jobs} == {house, ""}
+
+
 def test_editing_the_seam_module_reruns_what_depends_on_it(made):
     module = made.root / "src/plan2scene/textures/seams.py"
     text = module.read_text()

@@ -64,6 +64,9 @@ def test_two_rooms_from_nothing_to_a_glb(drawing, tmp_path):
     drawing.page.get_by_label("Height").fill("250 cm")
     drawing.page.keyboard.press("Enter")
     drop_file(drawing, (4, 2), "bed.png")
+    drawing.click(4, 2)
+    thumb = drawing.page.locator("#panel .photo img")
+    assert thumb.evaluate("(image) => image.decode().then(() => image.naturalWidth)") == 40
     downloads = []
     drawing.page.on("download", lambda download: downloads.append(download))
     drawing.press("v", "Control+s")

@@ -1,19 +1,16 @@
 """A running studio, asked as a browser asks it."""
 
 import contextlib
-import http.client
-import json
 import socket
 import threading
 from pathlib import Path
 
 import pytest
 from browser import Drawing, chromium
+from studio_client import TOKEN, StudioClient
 
-TOKEN = "a-token-of-the-tests"
 
-
-class Studio:
+class Studio(StudioClient):
     """A server in a thread and the folder of its homes."""
 
     def __init__(self, root: Path):
@@ -33,19 +30,6 @@ class Studio:
     def stop(self):
         self.server.should_exit = True
         self.thread.join(timeout=20)
-
-    def ask(self, method, path, body=None, *, token=TOKEN, **headers):
-        """Return the status and the body of an answer (parsed where it is JSON)."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=90)
-        sent = json.dumps(body).encode() if isinstance(body, dict) else body
-        named = {name.replace("_", "-"): value for name, value in headers.items()}
-        connection.request(method, f"/{token}/{path}", body=sent, headers=named)
-        answer = connection.getresponse()
-        content = answer.read()
-        self.headers = dict(answer.getheaders())
-        connection.close()
-        kind = answer.getheader("content-type") or ""
-        return answer.status, json.loads(content) if "json" in kind else content
 
 
 @pytest.fixture(scope="module")

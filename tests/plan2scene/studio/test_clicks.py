@@ -113,6 +113,44 @@ def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, t
     drawing.faults.clear()
 
 
+#: Stands for a workflow whose first stage never ends, and for one whose first stage fails.
+STUCK = """
+import time
+print("Job stats:\\nfloorplan  1\\nhouse  1\\ntotal  2\\nrule floorplan:", flush=True)
+time.sleep(60)
+"""
+FAILING = """
+import json, sys
+from pathlib import Path
+print("Job stats:\\nmasks  1\\ntotal  1\\nrule masks:")
+print("ERROR file photos/a.jpg, house home: expected a JPEG, found text")
+print("Error in rule masks:\\n    message: None", flush=True)
+record = Path(sys.argv[1]) / "run.json"
+record.write_text(json.dumps(json.loads(record.read_text()) | {"state": "failed"}))
+"""
+
+
+def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
+    page, job = drawing.page, runs.JOB
+    two_rooms(drawing)
+    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", STUCK))
+    page.click("#make")
+    page.locator(".stages .running", has_text="Plan").wait_for()
+    assert page.locator("#badge").inner_text() == "0/2"
+    page.click("#cancel")
+    page.get_by_text("What is made stays; a run goes on from there.").wait_for()
+    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", FAILING))
+    page.locator("#start-run", has_text="Go on").click()
+    line = page.locator("#run .fault")
+    line.wait_for()
+    assert line.inner_text() == "file photos/a.jpg, house home: expected a JPEG, found text"
+    assert page.locator(".stages .failed").all_inner_texts() == ["What the photos show"]
+    monkeypatch.setattr(runs, "JOB", job)
+    page.locator("#start-run", has_text="Try again").click()
+    page.wait_for_function("() => house.run.state === 'done'")
+    assert page.locator(".stages .done").all_inner_texts() == ["Plan", "The house in 3D"]
+
+
 def test_two_points_on_a_picture_are_kept_as_its_scale(drawing, studio, tmp_path):
     page, home = drawing.page, home_of(studio, drawing)
     Image.new("RGB", (400, 300), "white").save(tmp_path / "plan.png")

@@ -3,6 +3,7 @@
 import io
 import json
 import zipfile
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -109,6 +110,12 @@ def test_results_are_given_and_zipped(studio, home):
     assert status == 200, content
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         assert set(archive.namelist()) == {"home/map.pgm", "home/map.yaml"}
+    if find_spec("pxr"):
+        status, content = studio.ask("GET", f"{home}/export/usd")
+        assert status == 200, content
+        assert 'filename="home.usdz"' in studio.headers["content-disposition"]
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            assert archive.namelist()[0].endswith(".usdc")
     assert studio.ask("GET", f"{home}/export/..%2fplan")[0] in (400, 404)
     (house / "house.scene.json").unlink()
     (house / "house.glb").write_bytes(b"glTF")

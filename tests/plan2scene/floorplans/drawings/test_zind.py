@@ -96,6 +96,19 @@ def test_the_scale_may_be_given(tmp_path):
     assert_found(plan, read_plan(path, "h1", UNIT), heights=False)
 
 
+def test_the_storey_with_most_floor_is_read(tmp_path):
+    """Each floor lies in coordinates of its own: nothing tells how one is above the other."""
+    large, small = drawn_flat(2), drawn_flat(0)
+    path = tmp_path / "zind_data.json"
+    floors = {"floor_01": redraw(small), "floor_02": redraw(large)}
+    scales = dict.fromkeys(floors, UNIT)
+    path.write_text(json.dumps({"redraw": floors, "scale_meters_per_coordinate": scales}))
+    found = read_plan(path, "h1")
+    assert_found(large, found, heights=False)
+    assert found.levels == ()
+    assert any("2; floor_02 read, left out floor_01" in line for line in found.warnings)
+
+
 @pytest.mark.parametrize(
     ("room", "line"),
     [
