@@ -96,6 +96,12 @@ class _Model:
         self.settings = ifcopenshell.geom.settings()
         self.settings.set("use-world-coords", True)
         self.settings.set("disable-opening-subtractions", True)
+        # Spaces should be parts of a storey; some programs say that it contains them.
+        self.contained = {
+            item.id(): relation.RelatingStructure
+            for relation in self.file.by_type("IfcRelContainedInSpatialStructure")
+            for item in relation.RelatedElements
+        }
 
     def storeys(self) -> dict[str, list[Any]]:
         """Return spaces, walls, doors, windows and stairs by the name of their storey."""
@@ -123,7 +129,11 @@ class _Model:
         """Return the storey that holds a product, however deep."""
         above = product
         for _ in range(20):
-            above = self.element.get_aggregate(above) or self.element.get_container(above)
+            above = (
+                self.element.get_aggregate(above)
+                or self.element.get_container(above)
+                or self.contained.get(above.id())
+            )
             if above is None or above.is_a("IfcBuildingStorey"):
                 return above
         return None

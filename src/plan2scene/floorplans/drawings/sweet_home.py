@@ -7,7 +7,7 @@ serialised Java object and models are of no use here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -53,7 +53,27 @@ def house_of_sweet_home(path: Path, house_id: str) -> House:
     if root.tag != "home":
         raise source.fault("<home> in Home.xml", f"<{root.tag}>")
     home = _Home(source, root)
-    return house_of_storeys(source, [home.storey(level) for level in home.shown()])
+    return house_of_storeys(source, _with_layers(home.storey(level) for level in home.shown()))
+
+
+def _with_layers(storeys: Iterable[DrawnStorey]) -> list[DrawnStorey]:
+    """Return storeys, a layer of rooms alone and one of walls at its elevation as one."""
+    found: list[DrawnStorey] = []
+    for storey in storeys:
+        for k, other in enumerate(found):
+            pair = sorted((storey, other), key=lambda one: not one.drawing.rooms)
+            rooms, walls = pair[0].drawing, pair[1].drawing
+            level = abs(storey.elevation - other.elevation) < CM
+            if level and rooms.rooms and walls.axes and not (rooms.axes or walls.rooms):
+                rooms.axes += walls.axes
+                rooms.openings += walls.openings
+                rooms.icons += walls.icons
+                rooms.height = walls.height
+                found[k] = pair[0]
+                break
+        else:
+            found.append(storey)
+    return found
 
 
 class _Home:
@@ -101,6 +121,9 @@ class _Home:
             if len(found.axes) > MAX_AXES:
                 raise self.source.fault(f"at most {MAX_AXES} walls", "more")
         for element in self._on_level(("room",), level):
+            if len(element.findall("point")) < 3:
+                self.source.warn("rooms of at least 3 points", "one of fewer, left out")
+                continue
             ring = self._ring(element)
             found.rooms.append(DrawnRoom(element.get("name", "").strip(), (ring,)))
         for number, element in enumerate(self._on_level(("doorOrWindow",), level)):

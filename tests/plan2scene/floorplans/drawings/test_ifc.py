@@ -53,7 +53,7 @@ class Writer:
         shapes = f.createIfcProductDefinitionShape(None, None, [shape])
         return self.root(kind, ObjectPlacement=self.place, Representation=shapes, **facts)
 
-    def storey(self, plan, name, base=0.0, spaces=True, walls=True):
+    def storey(self, plan, name, base=0.0, spaces=True, walls=True, contained=False):
         storey = self.root("IfcBuildingStorey", Name=name)
         self.root("IfcRelAggregates", RelatingObject=self.project, RelatedObjects=[storey])
         rooms = (
@@ -64,9 +64,9 @@ class Writer:
             if spaces
             else []
         )
-        if rooms:
+        if rooms and not contained:
             self.root("IfcRelAggregates", RelatingObject=storey, RelatedObjects=rooms)
-        elements = []
+        elements = list(rooms) if contained else []
         bodies = []
         for ends in plan.axes if walls else ():
             area = LineString(ends).buffer(plan.thickness / 2, cap_style="square")
@@ -108,6 +108,15 @@ def test_round_trip(tmp_path, number):
     found = read_plan(writer.saved(tmp_path), "h1")
     assert_found(plan, found)
     assert {round(wall.depth, 4) for wall in found.walls} == {plan.thickness}
+
+
+def test_spaces_that_a_storey_contains(tmp_path):
+    """Against the standard, and done: the relation is of walls and doors."""
+    plan, writer = drawn_flat(2), Writer()
+    writer.storey(plan, "ground", contained=True)
+    found = read_plan(writer.saved(tmp_path), "h1")
+    assert_found(plan, found)
+    assert found.levels == () and not found.warnings
 
 
 def test_a_model_without_spaces(tmp_path):

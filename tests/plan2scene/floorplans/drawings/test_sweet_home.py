@@ -141,6 +141,21 @@ def test_a_staircase_joins_two_levels_and_a_layer_is_no_level(tmp_path):
     assert found.adjacency() == (("room", "room_2"),)
 
 
+def test_rooms_and_walls_of_two_layers_are_one_floor(tmp_path):
+    levels = [element("level", id=i, name=n, elevation=0, height=250) for i, n, _ in LEVELS]
+    corners = [(20, 20), (380, 20), (380, 280), (20, 280)]
+    points = [element("point", x=a, y=b) for a, b in corners]
+    drawn = element("room", points, name="Kitchen", level="l0")
+    point = element("room", points[:2], name="Nothing", level="l0")
+    squares = [wall(*ends, level="l1") for ends in ENDS]
+    door = {"x": 100, "y": 0, "width": 90, "depth": 20, "height": 210}
+    piece = element("doorOrWindow", name="Door", level="l1", **door)
+    found = read_plan(home(tmp_path, *levels, drawn, point, *squares, piece), "h1")
+    assert (found.levels, [room.id for room in found.rooms]) == ((), ["kitchen"])
+    assert [o.kind for w in found.walls for o in w.openings] == ["door"]
+    assert sum("at least 3 points, found one of fewer" in line for line in found.warnings) == 1
+
+
 def test_rooms_side_by_side_without_a_wall_are_open(tmp_path):
     def room(x, name):
         corners = [(x, 0), (x + 300, 0), (x + 300, 300), (x, 300)]
