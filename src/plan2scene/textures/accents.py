@@ -57,19 +57,27 @@ def find_accents(colours: str | Path, hidden_photos: Collection[str] = ()) -> li
     seen = seen[~seen["photo"].isin(set(hidden_photos))]
     found = []
     for room_id, of_room in seen.groupby("room_id", sort=True):
-        for walls, mine in of_room.groupby("walls", sort=True):
-            rest = of_room[of_room["walls"] != walls]
-            names = str(walls).split("|")
-            # The paint of most of what is seen is the room's.
-            if mine["weight"].sum() >= rest["weight"].sum() or not all(map(_can_name, names)):
-                continue
-            if _apart(mine, rest) >= APART:
-                keys = tuple(SurfaceKey(str(room_id), f"wall.{name}") for name in names)
-                planes = frozenset(
-                    f"wall/{Path(r.photo).stem}_{r.plane}" for r in mine.itertuples()
-                )
-                found.append(Accent(keys, linear_to_srgb(_usual(mine)), planes))
+        while (walls := _most_apart(of_room)) is not None:
+            mine = of_room[of_room["walls"] == walls]
+            # The others are compared without it: beside a red wall a white one is as far apart.
+            of_room = of_room[of_room["walls"] != walls]
+            keys = tuple(SurfaceKey(str(room_id), f"wall.{name}") for name in walls.split("|"))
+            planes = frozenset(f"wall/{Path(r.photo).stem}_{r.plane}" for r in mine.itertuples())
+            found.append(Accent(keys, linear_to_srgb(_usual(mine)), planes))
     return found
+
+
+def _most_apart(of_room: pd.DataFrame) -> str | None:
+    """Return the accent walls of a room whose colour is farthest from the others', None without."""
+    far: dict[str, float] = {}
+    for walls, mine in of_room.groupby("walls", sort=True):
+        rest = of_room[of_room["walls"] != walls]
+        # The paint of most of what is seen is the room's.
+        if mine["weight"].sum() < rest["weight"].sum() and _apart(mine, rest) >= APART:
+            lab, other = (rgb_to_lab(linear_to_srgb(_usual(part))) for part in (mine, rest))
+            far[str(walls)] = float(np.linalg.norm((lab - other) * _LIGHTNESS))
+    named = [walls for walls in far if all(map(_can_name, walls.split("|")))]
+    return max(named, key=lambda walls: far[walls]) if named else None
 
 
 def _can_name(wall: str) -> bool:
@@ -80,7 +88,8 @@ def _can_name(wall: str) -> bool:
 def _apart(mine: pd.DataFrame, rest: pd.DataFrame) -> float:
     """Return how far a wall is from the others of the photos that show both, on the whole.
 
-    0 where too few photos do. Differences of photos that do not agree cancel out.
+    0 where too few photos do, or show half of it at least. Differences of photos that do not agree
+    cancel out.
     """
     away = []
     for photo, own in mine.groupby("photo"):
@@ -88,7 +97,12 @@ def _apart(mine: pd.DataFrame, rest: pd.DataFrame) -> float:
         if min(own["weight"].sum(), others["weight"].sum()) >= LEAST:
             lab, other = (rgb_to_lab(linear_to_srgb(_usual(part))) for part in (own, others))
             away.append((lab - other) * _LIGHTNESS)
-    return float(np.linalg.norm(np.mean(away, axis=0))) if len(away) >= PHOTOS else 0.0
+    if len(away) < PHOTOS:
+        return 0.0
+    mean = np.mean(away, axis=0)
+    apart = float(np.linalg.norm(mean))
+    agree = np.array(away) @ mean >= 0.5 * apart**2
+    return apart if agree.sum() >= PHOTOS else 0.0
 
 
 def _usual(rows: pd.DataFrame) -> np.ndarray:
