@@ -22,7 +22,7 @@ from plan2scene.mesh.walls import Above
 class Assembly:
     """A house's storeys, the lowest first."""
 
-    storeys: list[Storey]
+    storeys: tuple[Storey, ...]
 
     @property
     def parts(self) -> list[MeshPart]:
@@ -71,16 +71,17 @@ def assemble(house: House) -> Assembly:
             shaft = unary_union([flight_area(flight) for flight in stairs])
             above = Above(higher.elevation - level.elevation, unary_union(own), shaft)
         storey = build_storey(level, rooms, below, well, above)
-        storey.parts.extend(stair_parts(house, stairs))
-        storey.parts.extend(handrails(house, rooms, stairs))
-        storey.parts.extend(well_railings(rooms, arriving, stairs))
         flights = [(flight, step_count(house.rise_of(flight))) for flight in (*arriving, *stairs)]
-        storey.flights.extend(flights)
-        storeys.append(storey)
+        ways = stair_parts(house, stairs) + handrails(house, rooms, stairs)
+        ways += well_railings(rooms, arriving, stairs)
+        storeys.append(replace(storey, parts=(*storey.parts, *ways), flights=tuple(flights)))
         arriving = stairs if above is not None else []
         below = unary_union([room_polygon(room) for room in rooms.rooms])
         well = Polygon() if above is None else above.well
     names = iter(numbered(part.name for storey in storeys for part in storey.parts))
-    for storey in storeys:
-        storey.parts[:] = [replace(part, name=next(names)) for part in storey.parts]
-    return Assembly(storeys)
+    return Assembly(
+        tuple(
+            replace(storey, parts=tuple(replace(part, name=next(names)) for part in storey.parts))
+            for storey in storeys
+        )
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
@@ -36,9 +37,9 @@ def open_plate(
     polygon: BaseGeometry, surface: str, well: BaseGeometry, above: Above | None
 ) -> BaseGeometry:
     """Return a room's plan area less the stairs that go through its floor or ceiling."""
-    shaft = well if surface == "floor" or above is None else above.well
-    if surface == "ceiling" and above is None:
-        return polygon
+    shaft = well
+    if surface == "ceiling":
+        shaft = Polygon() if above is None else above.well
     return polygon if shaft.is_empty else polygon.difference(shaft)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
@@ -38,12 +38,12 @@ class Storey:
 
     level: Level
     house: House
-    parts: list[MeshPart]
-    bodies: list[Body]
-    portals: list[Portal]
+    parts: tuple[MeshPart, ...]
+    bodies: tuple[Body, ...]
+    portals: tuple[Portal, ...]
     well: BaseGeometry
     above: Above | None
-    flights: list[tuple[Stairs, int]] = field(default_factory=list)
+    flights: tuple[tuple[Stairs, int], ...] = ()
 
 
 def build_storey(
@@ -53,7 +53,7 @@ def build_storey(
     well: BaseGeometry,
     above: Above | None,
 ) -> Storey:
-    """Return the storey of a house without levels; names of parts may repeat.
+    """Return the storey of a house without levels and stairs; names of parts may repeat.
 
     `below` is the plan area of the rooms that it stands on, None for the lowest level.
     """
@@ -88,7 +88,7 @@ def build_storey(
     parts.extend(objects(house, sides, polygons))
     if below is not None:
         parts.extend(soffit(level, together, bodies, below))
-    return Storey(level, house, parts, bodies, portals, well, above)
+    return Storey(level, house, tuple(parts), tuple(bodies), tuple(portals), well, above)
 
 
 def _largest(portals: list[Portal]) -> list[Portal]:
