@@ -15,8 +15,9 @@ from plan2scene.mesh.parts import MeshPart
 
 #: Texels around each part that continue its edge, so that filtering takes nothing of others.
 GUTTER = 1
-#: Points stand so far in front of a face, metres, when rays start there.
-LIFT = 2e-3
+#: Points stand so far in front of a face, metres, when rays start there: before the walls of rooms
+#: that a plan draws a little into each other.
+LIFT = 0.015
 
 
 @dataclass(frozen=True)

@@ -77,6 +77,25 @@ def test_light_runs_on_where_a_wall_of_one_plane_goes_on(storey_house):
     np.testing.assert_allclose(np.sort(before), np.sort(behind), rtol=0.08)
 
 
+def test_rooms_drawn_a_little_into_each_other_have_no_dark_wall(gap_house):
+    def moved(point):
+        return (2.993, point[1]) if point[0] == 3.1 else point
+
+    rooms = tuple(
+        replace(room, rings=(tuple(map(moved, room.rings[0])),)) for room in gap_house.rooms
+    )
+    walls = tuple(
+        replace(wall, start=moved(wall.start), end=moved(wall.end)) for wall in gap_house.walls
+    )
+    house = replace(gap_house, rooms=rooms, walls=walls)
+    light = light_of(house)
+    for name in ("a/wall/a_w1", "b/wall/b_w3"):
+        chart = light.charts[name]
+        place = (chart.row, chart.column)
+        rows, columns = (slice(n, n + m) for n, m in zip(place, chart.size, strict=True))
+        assert light.image[rows, columns].mean(axis=2).min() > 0.15
+
+
 def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
     for house in (l_house, ring_house):
         room = house.rooms[0]
