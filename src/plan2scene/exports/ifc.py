@@ -189,9 +189,11 @@ class _Model:
                     ObjectPlacement=self._placement(self._place),
                     Representation=self._shape(polygon, 0.0, room.height),
                     CompositionType="ELEMENT",
-                    PredefinedType="INTERNAL",
+                    PredefinedType="EXTERNAL" if room.open_air else "INTERNAL",
                 )
             )
+            if floor.is_empty:  # all of it is the well of stairs
+                continue
             slabs.append(
                 self._root(
                     "IfcSlab",

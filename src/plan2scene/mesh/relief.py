@@ -8,12 +8,14 @@ slopes stay small.
 
 from __future__ import annotations
 
+from typing import Literal
+
 import cv2
 import numpy as np
 
 from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.textures import TileTexture
+from plan2scene.mesh.textures import MapTexture, TileTexture
 
 #: Slope of a texture of much contrast, root mean square, by substance.
 SLOPES = {"tile": 0.10, "wood": 0.07, "carpet": 0.14, "plaster": 0.06}
@@ -27,6 +29,9 @@ _FINE_M, _COARSE_M = 0.006, 0.06
 #: Steepest slope, so that no pixel glints.
 _STEEPEST = 0.5
 _QUALITY = 85
+#: Pixels around, at most, and what is in them: a normal map repeats where its texture does.
+_BORDER = 24
+_Border = Literal["wrap", "reflect"]
 
 
 def normal_map(tile: TileTexture) -> bytes | None:
@@ -42,13 +47,17 @@ def normal_map(tile: TileTexture) -> bytes | None:
     scale = min(1.0, PX_PER_M * tile.sides_m[0] / image.shape[1])
     size = [max(4, round(side * scale)) for side in image.shape[1::-1]]
     small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
-    fine = _fine(small @ np.array([0.2126, 0.7152, 0.0722]) / 255.0, size[0] / tile.sides_m[0])
+    mode: _Border = "reflect" if isinstance(tile, MapTexture) else "wrap"
+    luma = small @ np.array([0.2126, 0.7152, 0.0722]) / 255.0
+    fine = _fine(luma, size[0] / tile.sides_m[0], mode)
     contrast = float(fine.std())
     if contrast < LEAST_CONTRAST:
         return None
     if tile.substance == "tile" and (fine**3).mean() > 0:  # joints are lighter than tiles, here
         fine = -fine
-    down, right = ((np.roll(fine, -1, axis) - np.roll(fine, 1, axis)) / 2 for axis in (0, 1))
+    beyond = np.pad(fine, 1, mode=mode)
+    down = (beyond[2:, 1:-1] - beyond[:-2, 1:-1]) / 2
+    right = (beyond[1:-1, 2:] - beyond[1:-1, :-2]) / 2
     steep = float(np.sqrt((down**2 + right**2).mean()))
     share = min(contrast / WHOLE_CONTRAST, 1.0)
     slopes = np.stack([-right, down], axis=-1) * (strength * share / max(steep, 1e-9))
@@ -76,15 +85,13 @@ def tangents(part: MeshPart) -> np.ndarray:
     return np.column_stack([along, up]).astype(np.float32)
 
 
-def _fine(luma: np.ndarray, px_per_m: float) -> np.ndarray:
-    """Return what of a repeating luma (h, w) varies at the scales of joints and grain."""
-    grown = np.pad(luma, _BORDER, mode="wrap")
+def _fine(luma: np.ndarray, px_per_m: float, mode: _Border) -> np.ndarray:
+    """Return what of a luma (h, w) varies at the scales of joints and grain."""
+    border = min(_BORDER, *(side - 1 for side in luma.shape))
+    grown = np.pad(luma, border, mode=mode)
     bands = (
         cv2.GaussianBlur(grown, (0, 0), max(sigma * px_per_m, 0.5))
         for sigma in (_FINE_M, _COARSE_M)
     )
     near, far = bands
-    return np.asarray((near - far)[_BORDER:-_BORDER, _BORDER:-_BORDER])
-
-
-_BORDER = 24  # pixels around, so that the map repeats where its texture does
+    return np.asarray((near - far)[border:-border, border:-border])

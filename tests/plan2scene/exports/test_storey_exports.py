@@ -1,5 +1,7 @@
 """Several storeys in other programs' forms: all of them have both levels."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -13,6 +15,7 @@ from plan2scene.exports.registry import export_house
 from plan2scene.exports.simulator import write_simulator
 from plan2scene.exports.solids import house_solids
 from plan2scene.floorplans import write_scene_json
+from plan2scene.floorplans.storeys import flight_area
 from plan2scene.mesh import build_parts
 from plan2scene.mesh.obj import write_obj
 
@@ -93,6 +96,26 @@ def test_ifc_has_both_storeys(house, tmp_path):
     assert stairs.ContainedInStructure[0].RelatingStructure == storeys["ground"]
     ids = [entity.GlobalId for entity in model.by_type("IfcRoot")]
     assert len(ids) == len(set(ids))
+
+
+def test_ifc_of_a_room_that_is_all_well_is_valid(house, tmp_path):
+    ifcopenshell = pytest.importorskip("ifcopenshell")
+    from ifcopenshell import validate
+
+    (flight,) = house.stairs
+    strip = tuple(flight_area(flight).exterior.coords)[:-1]
+    rooms = [replace(r, rings=(strip,)) if r.id == "landing" else r for r in house.rooms]
+    walls = [w for w in house.walls if "landing" not in w.room_ids]
+    terrace = replace(house.room("study"), types=("Terrace",))
+    rooms = [terrace if room.id == "study" else room for room in rooms]
+    write_ifc(replace(house, rooms=tuple(rooms), walls=tuple(walls)), {}, tmp_path)
+    model = ifcopenshell.open(str(tmp_path / "house.ifc"))
+    logger = validate.json_logger()
+    validate.validate(model, logger)
+    assert logger.statements == []
+    assert "landing/floor" not in {slab.Name for slab in model.by_type("IfcSlab")}
+    kinds = {space.Name: space.PredefinedType for space in model.by_type("IfcSpace")}
+    assert (kinds["study"], kinds["bedroom"]) == ("EXTERNAL", "INTERNAL")
 
 
 def test_usd_is_valid(house, paint, tmp_path):

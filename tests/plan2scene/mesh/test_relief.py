@@ -7,9 +7,10 @@ import pytest
 from glb_file import chunks
 from PIL import Image
 
-from plan2scene.images import png_bytes
+from plan2scene.images import jpeg_bytes, png_bytes
 from plan2scene.mesh import TileTexture, build_parts, write_glb
 from plan2scene.mesh.relief import SLOPES, normal_map, tangents
+from plan2scene.mesh.textures import MapTexture
 
 
 def joints(contrast=90, size_px=64, size_m=0.5):
@@ -50,6 +51,20 @@ def test_nothing_where_no_relief_shows(substance):
     if substance is None:
         tile = joints()
         assert normal_map(TileTexture(tile.png, tile.size_m)) is None
+
+
+def test_a_map_has_no_relief_at_its_edges_from_the_other_side():
+    image = np.full((64, 64, 3), 130, np.uint8)
+    image[::8] = 60
+    image[:, 40:] //= 2  # right and left differ: only a tile's edge is between them
+    tile = TileTexture(png_bytes(image), 0.5, True, "plaster")
+    whole = MapTexture(
+        tile.png, 0.5, True, "plaster", jpeg=jpeg_bytes(image, quality=95), extent_m=(0.5, 0.5)
+    )
+    edges = [
+        np.abs(slopes(normal_map(texture))[0][4:-4, [0, -1]]).max() for texture in (tile, whole)
+    ]
+    assert edges[1] < 0.3 * edges[0]
 
 
 def test_files_have_them_on_demand_and_valid(gap_house, tmp_path):
