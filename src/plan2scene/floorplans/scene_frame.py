@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from plan2scene.floorplans.drawings.names import room_types
 from plan2scene.floorplans.parse import Source
 
 _UP = [0.0, 1.0, 0.0]
@@ -17,6 +18,7 @@ def upright(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return (scene, arch) with y up and in metres; `regions` are read as `rooms`.
 
+    Their types may be any names; ids may have `|`, as "wall|room|0", which becomes `_`.
     The axis that an arch or scene names as `up` becomes y by a rotation, z up as (x, z, -y).
     An arch without one has that of its scene, a scene without one is y up.
     """
@@ -27,7 +29,8 @@ def upright(
     if scale <= 0:
         raise source.fault("scaleToMeters above 0", scale)
     if arch.get("rooms") is None and isinstance(arch.get("regions"), list):
-        arch = {**arch, "rooms": arch["regions"]}
+        arch = {**arch, "rooms": [_region(region) for region in arch["regions"]]}
+    arch = _plain_ids(arch)
     if inner != _UP or scale != 1:
         matrix = _rotation(inner)
         elements = [
@@ -43,6 +46,27 @@ def upright(
         ]
         scene = {**scene, "object": objects}
     return scene, arch
+
+
+def _region(value: Any) -> Any:
+    """Return a region whose types are those that its names mean, `other` for none."""
+    if not isinstance(value, Mapping):
+        return value
+    names = value.get("types", value.get("type"))
+    given = names if isinstance(names, list) else [names]
+    read = [room_types(name) or ("other",) for name in given if isinstance(name, str)]
+    return {**value, "types": [name for found in read for name in found]}
+
+
+def _plain_ids(value: Any, key: str = "") -> Any:
+    """Return an arch whose ids of rooms, elements and holes have `_` for `|`."""
+    if isinstance(value, str) and key in ("id", "roomId", "room_id"):
+        return value.replace("|", "_")
+    if isinstance(value, list) and key in ("elements", "rooms", "holes", "roomId", "room_id"):
+        return [_plain_ids(item, key if key.startswith("room") else "") for item in value]
+    if isinstance(value, dict):
+        return {name: _plain_ids(item, name) for name, item in value.items()}
+    return value
 
 
 def _axis(source: Source, value: Any, default: list[float]) -> list[float]:

@@ -25,9 +25,9 @@ def trace_plan(
     plan, lines = write_trace(picture, out, metres_per_pixel=metres_per_pixel, model=model)
     for line in lines:
         typer.echo(f"doubt: {line}")
-    centimetres = 100 * plan.metres * plan.frame.zoom / plan.shrunk
     typer.echo(
-        f"{len(plan.rooms)} rooms, {len(plan.openings)} openings; {centimetres:.3g} cm a pixel "
+        f"{len(plan.rooms)} rooms, {len(plan.openings)} openings; "
+        f"{100 * plan.file_metres:.3g} cm a pixel "
         f"({plan.scale.source}, {plan.scale.confidence:.0%} sure); {len(lines)} doubts"
     )
     for path in traced_files(out):

@@ -8,6 +8,7 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans import house_to_scene, read_plan
+from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.floorplans.scene_json import house_of_scene
 
 AXES = ([0, 1, 0], [0, 0, 1], [1, 0, 0], [0, -1, 0], [0, 0, -1], [-1, 0, 0])
@@ -68,6 +69,37 @@ def test_points_of_two_numbers_lie_in_the_plan():
             element["points"] = [point[:2] for point in element["points"]]
     found = house_of_scene(json.loads(json.dumps(document)), "h1")
     assert np.allclose([w.start for w in found.walls], [w.start for w in flat().walls])
+
+
+def test_a_scene_as_other_programs_fill_it():
+    """Ids with bars, regions of any type, no ceilings, materials of each wall."""
+    corners = [[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]]
+    elements = [
+        {
+            "id": f"wall|bed|{k}",
+            "type": "Wall",
+            "roomId": "room|bed",
+            "height": 2.7,
+            "points": [corners[k], corners[(k + 1) % 4]],
+            "holes": [],
+            "materials": [{"name": "Walldrywall4Tiled", "diffuse": "#888899"}],
+        }
+        for k in range(4)
+    ]
+    box = {"min": [1.5, 0], "max": [2.4, 2.1]}
+    elements[0]["holes"] = [{"id": "door|0", "type": "Door", "box": box}]
+    elements.append(
+        {"id": "floor|bed", "type": "Floor", "roomId": ["room|bed"], "points": [corners]}
+    )
+    region = {"id": "room|bed", "type": "Other", "walls": []}
+    arch = {"version": "arch@1.0.2", "up": [0, 0, 1], "elements": elements, "regions": [region]}
+    document = {"format": "sceneState", "scene": {"arch": arch, "up": [0, 0, 1], "object": []}}
+    house = house_of_scene(document, "h1")
+    assert [(room.id, room.types) for room in house.rooms] == [("room_bed", ("Unknown",))]
+    assert room_polygon(house.rooms[0]).area == pytest.approx(12)
+    assert [(o.id, o.kind) for w in house.walls for o in w.openings] == [("door_0", "door")]
+    region["type"] = "living room"
+    assert house_of_scene(document, "h1").rooms[0].types == ("Reception",)
 
 
 @pytest.mark.parametrize("up", [[0, 1, 1], [0, 0.5, 0], "y", [0, 1], ["a", 0, 1], {"x": 1}])
