@@ -76,7 +76,7 @@ def build_storey(
         boards = skirting(room, own, openings)
         parts.extend(part for part in (*faces, boards) if part is not None)
     bodies = wall_bodies(walled, together)
-    low = 0.0 if below is None else -2 * OVERLAP
+    low = 0.0 if below is None else -OVERLAP
     for body in bodies:
         part = structure_part(body, bodies, together, openings.portals, above, low=low)
         if part is not None:

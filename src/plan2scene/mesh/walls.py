@@ -34,9 +34,9 @@ TOUCH = 5e-6
 #: Wall faces stand this far inside their room, metres: a partition of the rooms behind, which ends
 #: on the face's line, would otherwise shine through at its edge.
 LIFT = 2e-4
-#: Outer faces of two storeys overlap by twice this, metres, and caps below walls lie so far under
-#: them: the caps' dark colour does not shine through at the edge.
-OVERLAP = 2e-3
+#: Outer faces of a storey begin so far below its floor, metres, and caps of the walls below them
+#: end so far behind: their dark colour does not shine through where depths are coarse.
+OVERLAP = 0.02
 #: Bodies lie on this grid, metres: bands that end on one line do so exactly.
 GRID = 1e-6
 
@@ -162,8 +162,9 @@ def structure_part(
     if above is not None and above.rise > wall.height:
         under = above.rooms.buffer(wall.depth + TOUCH, join_style="mitre")
         band = area.intersection(under)
-        high = above.rise - OVERLAP
-        _prism(builder, band, wall.height - 10 * LIFT, high, above.rooms, OUTER_COLOUR)
+        inner = above.rooms.buffer(wall.depth - OVERLAP, join_style="mitre")
+        cap = band.intersection(inner).difference(above.rooms)
+        _prism(builder, band, wall.height - 10 * LIFT, above.rise - OVERLAP / 2, cap, OUTER_COLOUR)
         area, top = area.difference(under), min(top, above.rise - LIFT)
     _prism(builder, area, wall.height - 10 * LIFT, top)
     _prism(builder, body.cap.difference(body.area), wall.height, top)
@@ -228,12 +229,11 @@ def _prism(
     area: BaseGeometry,
     low: float,
     high: float,
-    covered: BaseGeometry | None = None,
+    top: BaseGeometry | None = None,
     colour: Colour = CAP_COLOUR,
 ) -> None:
-    """Add the sides of an upright prism in a colour, and its top where nothing covers it."""
-    top = area if covered is None else area.difference(covered)
-    builder.level(top, high, colour=CAP_COLOUR)
+    """Add the sides of an upright prism in a colour, and its top, all of it where not given."""
+    builder.level(area if top is None else top, high, colour=CAP_COLOUR)
     if high - low < 1e-6:
         return
     for start, end, normal in _edges(area):
