@@ -17,7 +17,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from plan2scene.house import Room, SurfaceKey
+from plan2scene.house import Room, SurfaceKey, Wall
 from plan2scene.mesh.frames import Frame, arc_offset, frame_between, reveal_quads
 from plan2scene.mesh.openings import Openings, Portal, Side
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
@@ -160,12 +160,8 @@ def structure_part(
     # The body's begins a little below the ceiling line, behind the lifted faces: no crack there.
     area = body.area
     if above is not None and above.rise > wall.height:
-        under = above.rooms.buffer(wall.depth + TOUCH, join_style="mitre")
-        band = area.intersection(under)
-        inner = above.rooms.buffer(wall.depth - OVERLAP, join_style="mitre")
-        cap = band.intersection(inner).difference(above.rooms)
-        _prism(builder, band, wall.height - 10 * LIFT, above.rise - OVERLAP / 2, cap, OUTER_COLOUR)
-        area, top = area.difference(under), min(top, above.rise - LIFT)
+        area = _up_to(builder, above, area, wall)
+        top = min(top, above.rise - LIFT)
     _prism(builder, area, wall.height - 10 * LIFT, top)
     _prism(builder, body.cap.difference(body.area), wall.height, top)
     for portal in portals:
@@ -175,6 +171,18 @@ def structure_part(
         return None
     extras = {"kind": "structure", "wall_id": wall.id}
     return builder.build(f"structure/wall/{wall.id}", extras=extras)
+
+
+def _up_to(builder: PartBuilder, above: Above, area: BaseGeometry, wall: Wall) -> BaseGeometry:
+    """Add what of a body goes on up to the next level's floor; return the plan area that is left."""
+    under = above.rooms.buffer(wall.depth + TOUCH, join_style="mitre")
+    inner = above.rooms.buffer(wall.depth - OVERLAP, join_style="mitre")
+    band, high = area.intersection(under), above.rise - OVERLAP / 2
+    bare = band.difference(above.rooms)
+    cap = bare.intersection(inner)
+    _prism(builder, band, wall.height - 10 * LIFT, high, cap, OUTER_COLOUR)
+    builder.level(bare.difference(inner), high, colour=OUTER_COLOUR)
+    return area.difference(under)
 
 
 def _edges(geometry: BaseGeometry) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
