@@ -174,7 +174,7 @@ def structure_part(
 
 
 def _up_to(builder: PartBuilder, above: Above, area: BaseGeometry, wall: Wall) -> BaseGeometry:
-    """Add what of a body goes on up to the next level's floor; return the plan area that is left."""
+    """Add what of a body goes on up to the next level; return the plan area that is left."""
     under = above.rooms.buffer(wall.depth + TOUCH, join_style="mitre")
     inner = above.rooms.buffer(wall.depth - OVERLAP, join_style="mitre")
     band, high = area.intersection(under), above.rise - OVERLAP / 2
