@@ -189,6 +189,10 @@ def given(**inputs):
     return {name: value for name, value in inputs.items() if value}
 
 
+# Of a job on one house. Beside other houses a core each: the start of a job has no use for more.
+HOUSE_THREADS = max(1, 4 // max(1, len(HOUSES)))
+
+
 # A table of all houses reads one at a time; the sums of InceptionV3's 2048 features are large, and
 # Snakemake's own start names all the files.
 GATHERED_MEMORY = (2000 if config["metrics"]["inception"] else 1000) + len(HOUSES) // 50

@@ -28,7 +28,7 @@ rule embeddings:
         f"logs/{DATASET}/benchmarks/embeddings/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: 1
+    threads: HOUSE_THREADS
     resources:
         mem_mb=2000,
     params:

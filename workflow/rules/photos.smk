@@ -14,8 +14,7 @@ rule masks:
         f"logs/{DATASET}/benchmarks/masks/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    # Beside other houses on a core each: the start of a job has no use for more.
-    threads: max(1, 4 // len(HOUSES))
+    threads: HOUSE_THREADS
     resources:
         mem_mb=3000,
     params:
@@ -66,7 +65,7 @@ rule crops:
         f"logs/{DATASET}/benchmarks/crops/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: 1
+    threads: HOUSE_THREADS
     resources:
         mem_mb=1000,
     params:

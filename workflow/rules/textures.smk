@@ -60,7 +60,7 @@ rule textures:
         f"logs/{DATASET}/benchmarks/textures/{{drop}}/{{method}}/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: 1
+    threads: HOUSE_THREADS
     resources:
         mem_mb=1500,
     params:

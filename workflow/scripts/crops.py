@@ -16,14 +16,15 @@ with job(snakemake.log[0]):
     house = read_scene_json(snakemake.input.scene, name)
     listed = rooms_of_photos(snakemake.input.assignment or None, house)
     if masks:
-        locate_photos(house, listed, masks, cameras)
+        locate_photos(house, listed, masks, cameras, threads=snakemake.threads)
     rooms = with_found_rooms(house, listed, cameras)
     files = CropFiles(output.crops, output.candidates, output.colours, output.light)
     folder, settings = Path(params.photo_folder), CropSettings(**params.settings)
     if masks:
         photos = {photo: folder / photo for photo in rooms}
         made = {"dataset": params.dataset, "seed": params.seed, "settings": settings}
-        make_crops(house, rooms, photos, masks, files, cameras=cameras, **made)
+        made |= {"cameras": cameras, "threads": snakemake.threads}
+        make_crops(house, rooms, photos, masks, files, **made)
     else:
         load_crops(house, rooms, params.folder, files, dataset=params.dataset)
     write_contact_sheet(

@@ -9,7 +9,7 @@ from plan2scene.textures.model.embedding import make_embeddings
 from plan2scene.textures.selection import select_surfaces
 
 with job(snakemake.log[0]):
-    torch.set_num_threads(snakemake.threads)
+    torch.set_num_threads(1)  # crops are worked on beside each other
     found, made, params = snakemake.input, snakemake.output, snakemake.params
     models = params.models
     names = {"house": snakemake.wildcards.house, "dataset": params.dataset}
@@ -19,6 +19,7 @@ with job(snakemake.log[0]):
         models["texture"],
         models["naivesynth"],
         seed=params.seed,
+        threads=snakemake.threads,
         **names,
     )
     tables = (made.surfaces, made.materials, made.propagated)

@@ -13,7 +13,7 @@ with job(snakemake.log[0]):
     inputs = HouseData(files).at(
         Visible(Path(found.propagated), asked["hidden"]),
         {name: Path(path) for name, path in asked["models"].items()},
-        TextureSettings(params.seed, params.size_px, asked["seam_correction"]),
+        TextureSettings(params.seed, params.size_px, asked["seam_correction"], snakemake.threads),
     )
     make_textures(
         snakemake.wildcards.method,

@@ -28,9 +28,10 @@ def training_surfaces(
     """
     with TemporaryDirectory() as name:
         embeddings, surfaces = Path(name) / "embeddings.parquet", Path(name) / "surfaces.parquet"
-        names = {"house": house, "dataset": ""}
-        make_embeddings(crops, embeddings, texture_model, naive_model, seed=seed, **names)
-        return select_surfaces(embeddings, crops, (), surfaces, **names)
+        make_embeddings(
+            crops, embeddings, texture_model, naive_model, house=house, dataset="", seed=seed
+        )
+        return select_surfaces(embeddings, crops, (), surfaces, house=house, dataset="")
 
 
 def training_means(houses: Iterable[tuple[House, pd.DataFrame]]) -> TypeMeans:

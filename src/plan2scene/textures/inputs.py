@@ -63,14 +63,16 @@ class Visible:
 
 @dataclass(frozen=True)
 class TextureSettings:
-    """Global seed, pixels of a tile's side, whether seams are corrected by method.
+    """Global seed, pixels of a tile's side, whether seams are corrected by method, threads.
 
-    A method that `seam_correction` leaves out is treated as the registry says.
+    A method that `seam_correction` leaves out is treated as the registry says. So many materials
+    as `threads` are worked on at a time; tiles do not depend on it.
     """
 
     seed: int
     size_px: int
     seam_correction: Mapping[str, bool] = field(default_factory=dict)
+    threads: int = 1
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,7 @@
 """Crop sampling and the crops stage on drawn rooms of known scale."""
 
+import shutil
+
 import cv2
 import numpy as np
 import pandas as pd
@@ -10,7 +12,7 @@ from views import camera_looking
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.images import image_from_bytes, write_png
-from plan2scene.io import read_parquet, write_json
+from plan2scene.io import read_json, read_parquet, write_json
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.sampling import draw_windows, medoid_index, sample_candidates
 from plan2scene.photos.crops.stage import CropFiles, load_crops, make_crops
@@ -160,6 +162,23 @@ def test_stage_rows_and_round_trip(house, inputs):
     assert first.window[2] - first.window[0] == pytest.approx(first.metres)
     images = [image_from_bytes(png) for png in frame[frame.room_id == "room1"].png]
     assert frame[frame.room_id == "room1"].medoid.to_numpy().argmax() == medoid_index(images)
+
+
+def test_threads_change_nothing(house, inputs):
+    masks = inputs / "masks"
+    cameras = read_json(masks / "cameras.json")
+    for other in ("b", "c"):
+        shutil.copy(inputs / "a.png", inputs / f"{other}.png")
+        shutil.copy(masks / "a.png", masks / f"{other}.png")
+        cameras[f"{other}.png"] = cameras["a.png"]
+    write_json(masks / "cameras.json", cameras)
+    rooms = {f"{name}.png": ["room1"] for name in "abc"}
+    made = []
+    for threads in (1, 3):
+        run(house, inputs, rooms, threads=threads)
+        names = ("crops.parquet", "candidates.parquet", "colours.parquet", "light.json")
+        made.append([(inputs / name).read_bytes() for name in names])
+    assert made[0] == made[1]
 
 
 def test_candidates_have_corners_on_the_photo(house, inputs):

@@ -73,6 +73,14 @@ def test_each_crop_is_embedded_on_its_own(model) -> None:
     np.testing.assert_allclose(together.textureness[1], alone.textureness[0], rtol=0.02)
 
 
+def test_threads_change_nothing(model) -> None:
+    images = np.concatenate([crops(3)] * 12)
+    one, two = embed_crops(model, images, seed=4), embed_crops(model, images, seed=4, threads=2)
+    assert one.codes.tobytes() == two.codes.tobytes()
+    assert one.substance_probabilities.tobytes() == two.substance_probabilities.tobytes()
+    assert one.textureness.tobytes() == two.textureness.tobytes()
+
+
 def test_textureness_prefers_what_the_model_can_draw(model) -> None:
     tile = decode_textures(model, np.full((1, 11), 0.4, np.float32), [7])[0]
     split = tile.copy()

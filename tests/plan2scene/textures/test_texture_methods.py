@@ -182,7 +182,9 @@ def files(tmp_path):
     return tmp_path
 
 
-def _inputs(files, *, size_px=128, seam_correction=None, hidden_photos=(), crop_pool=None):
+def _inputs(
+    files, *, size_px=128, seam_correction=None, hidden_photos=(), crop_pool=None, threads=1
+):
     house = HouseFiles(
         "h1", files / "scene.json", files / "crops.parquet", files / "library.parquet", crop_pool
     )
@@ -191,7 +193,7 @@ def _inputs(files, *, size_px=128, seam_correction=None, hidden_photos=(), crop_
         "naivesynth": files / "naivesynth.safetensors",
     }
     corrected = {} if seam_correction is None else dict.fromkeys(METHODS, seam_correction)
-    settings = TextureSettings(0, size_px, corrected)
+    settings = TextureSettings(0, size_px, corrected, threads)
     return HouseData(house).at(
         Visible(files / "propagated.parquet", hidden_photos), models, settings
     )
@@ -208,7 +210,7 @@ def _make(files, method, out="out", **changes):
 def test_every_surface_gets_a_tile_the_same_again(files, method):
     folder, surfaces = _make(files, method, size_px=48)
     assert set(surfaces) == {f"{k.room_id}/{k.surface}" for k in PLAN.surface_keys()}
-    again, _ = _make(files, method, out="again", size_px=48)
+    again, _ = _make(files, method, out="again", size_px=48, threads=2)
     side = 48 if method in DECODED else SIZE
     for key in PLAN.surface_keys():
         path = folder / f"{key.filename}.png"

@@ -5,9 +5,11 @@ from __future__ import annotations
 import logging
 import re
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -37,7 +39,8 @@ from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop
 from plan2scene.photos.crops.tables import PhotoCandidate, write_tables
 from plan2scene.photos.crops.verdict import Verdict
 from plan2scene.photos.labels.palette import read_label_png
-from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.plan_view import RoomShape, room_shapes
+from plan2scene.photos.locate.pose import Pose
 from plan2scene.photos.locate.stage import read_poses
 from plan2scene.photos.photo_files import read_photo
 
@@ -80,6 +83,7 @@ def make_crops(
     seed: int,
     settings: CropSettings | None = None,
     cameras: str | Path | None = None,
+    threads: int = 1,
 ) -> pd.DataFrame:
     """Sample the crops of every photo of a house and write the stage's files.
 
@@ -105,6 +109,8 @@ def make_crops(
         How windows are drawn and corrected.
     cameras : path, optional
         ``cameras.json`` of the locate stage: located photos give each room in sight its own.
+    threads : int
+        Photos worked on at a time; the result does not depend on it.
 
     Returns
     -------
@@ -113,7 +119,14 @@ def make_crops(
     """
     chosen = CropSettings() if settings is None else settings
     drawn = draw_candidates(
-        house, rooms_of_photo, photos, masks_dir, seed=seed, settings=chosen, cameras=cameras
+        house,
+        rooms_of_photo,
+        photos,
+        masks_dir,
+        seed=seed,
+        settings=chosen,
+        cameras=cameras,
+        threads=threads,
     )
     candidates, colours = drawn.candidates, drawn.colours
     if chosen.colours == "corrected":
@@ -135,39 +148,69 @@ def draw_candidates(
     seed: int,
     settings: CropSettings,
     cameras: str | Path | None = None,
+    threads: int = 1,
 ) -> Drawn:
     """Return what all photos of a house show. Parameters as in :func:`make_crops`."""
-    folder = Path(masks_dir)
-    known = read_json(folder / "cameras.json")
-    poses = {} if cameras is None else read_poses(cameras)
-    shapes = room_shapes(house)
+    known = read_json(Path(masks_dir) / "cameras.json")
+    shown = []
+    for photo in sorted(rooms_of_photo):
+        if photo in known:
+            shown.append(photo)
+        else:
+            _log.info("photo %s of house %s has no mask: skipped", photo, house.id)
+    one = partial(
+        _of_photo,
+        house=house,
+        masks_dir=Path(masks_dir),
+        known=known,
+        poses={} if cameras is None else read_poses(cameras),
+        shapes=room_shapes(house),
+        seed=seed,
+        settings=settings,
+    )
     drawn: list[PhotoCandidate] = []
     seen: list[SeenColours] = []
     colours: list[SurfaceColour] = []
-    for photo in sorted(rooms_of_photo):
-        if photo not in known:
-            _log.info("photo %s of house %s has no mask: skipped", photo, house.id)
-            continue
-        camera = Camera.from_json(known[photo], file=folder / "cameras.json")
-        labels = read_label_png(folder / f"{Path(photo).stem}.png", house_id=house.id)
-        image = read_photo(photos[photo], house_id=house.id)
-        _check_sizes(image, labels, camera, photos[photo], house.id)
-        names = Naming(seed, house.id, photo)
-        rooms = list(dict.fromkeys(rooms_of_photo[photo]))
-        planes = planes_of_located(labels, poses[photo], shapes) if photo in poses else []
-        if planes:
-            camera = poses[photo].camera
-        else:
-            sizes = rooms_by_size(house, rooms)
-            planes = planes_of_photo(image, labels, camera, sizes, settings)
-        of_photo = candidates_of_photo(image, camera, planes, settings, names)
-        seen += colours_of_photo(image, camera, planes, photo)
-        colours += surface_colours(image, labels, photo, rooms)
-        _log.info("%s: %d candidates, camera %s", photo, len(of_photo), camera.focal_source)
-        drawn += of_photo
+    with ThreadPoolExecutor(threads) as pool:
+        found = pool.map(lambda photo: one(photo, photos[photo], rooms_of_photo[photo]), shown)
+        for of_photo, seen_here, of_surfaces in found:
+            drawn += of_photo
+            seen += seen_here
+            colours += of_surfaces
     lights = estimate_light(colours)
     gains = house_gains(lights, colours)
     return Drawn(agreeing(drawn, lights) if settings.filter else drawn, seen, gains)
+
+
+def _of_photo(
+    photo: str,
+    path: Path,
+    rooms: Sequence[str],
+    *,
+    house: House,
+    masks_dir: Path,
+    known: Mapping[str, Any],
+    poses: Mapping[str, Pose],
+    shapes: Mapping[str, RoomShape],
+    seed: int,
+    settings: CropSettings,
+) -> tuple[list[PhotoCandidate], list[SeenColours], list[SurfaceColour]]:
+    """Return what one photo shows."""
+    camera = Camera.from_json(known[photo], file=masks_dir / "cameras.json")
+    labels = read_label_png(masks_dir / f"{Path(photo).stem}.png", house_id=house.id)
+    image = read_photo(path, house_id=house.id)
+    _check_sizes(image, labels, camera, path, house.id)
+    names = Naming(seed, house.id, photo)
+    rooms = list(dict.fromkeys(rooms))
+    planes = planes_of_located(labels, poses[photo], shapes) if photo in poses else []
+    if planes:
+        camera = poses[photo].camera
+    else:
+        planes = planes_of_photo(image, labels, camera, rooms_by_size(house, rooms), settings)
+    drawn = candidates_of_photo(image, camera, planes, settings, names)
+    _log.info("%s: %d candidates, camera %s", photo, len(drawn), camera.focal_source)
+    seen = colours_of_photo(image, camera, planes, photo)
+    return drawn, seen, surface_colours(image, labels, photo, rooms)
 
 
 def corrected(

@@ -14,7 +14,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -44,15 +46,27 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
         if crop.key in surfaces:
             groups.setdefault(crop.key, []).append(crop)
     shared = _shared_crops(surfaces, groups)
-    for key, group in groups.items():
-        surface = surfaces[key]
-        if not surface.material and _of_another_thing(group, surface.colour):
-            continue
-        made = exemplar_of(inputs, group, surface.tone, shared.get(surface.material, ()))
-        if made is None:
-            tiles[key] = NoTile(f"none of {len(group)} crops is sharp enough")
-        else:
-            own[key] = made
+
+    def of_one_material(keys: list[SurfaceKey]) -> list[tuple[SurfaceKey, Tile | NoTile]]:
+        found: list[tuple[SurfaceKey, Tile | NoTile]] = []
+        for key in keys:
+            surface, group = surfaces[key], groups[key]
+            if not surface.material and _of_another_thing(group, surface.colour):
+                continue
+            made = exemplar_of(inputs, group, surface.tone, shared.get(surface.material, ()))
+            found.append((key, made or NoTile(f"none of {len(group)} crops is sharp enough")))
+        return found
+
+    materials: dict[str, list[SurfaceKey]] = {}  # what shares a pattern makes it once
+    for key in groups:
+        materials.setdefault(surfaces[key].material or f"alone/{key.filename}", []).append(key)
+    with ThreadPoolExecutor(inputs.settings.threads) as pool:
+        for key, tile in chain.from_iterable(pool.map(of_one_material, materials.values())):
+            if isinstance(tile, NoTile):
+                tiles[key] = tile
+            else:
+                own[key] = tile
+    own = {key: own[key] for key in groups if key in own}
     for key, surface in surfaces.items():
         if key not in tiles:
             tile = own[key] if key in own else _nearest(surface, surfaces, own)

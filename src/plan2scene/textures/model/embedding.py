@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -61,6 +62,7 @@ def embed_crops(
     *,
     seed: int = 0,
     textureness: bool = True,
+    threads: int = 1,
 ) -> Embeddings:
     """Return the embeddings of crops.
 
@@ -72,25 +74,32 @@ def embed_crops(
         their scores compare.
     textureness : bool
         Decode each crop and score it; leave it out where only embeddings are needed.
+    threads : int
+        Batches worked on at a time; the result does not depend on it.
     """
     statistics = FilterBankStatistics(_LEVELS)
     noise = noise_seeds([seed])
-    codes, probabilities, scores = [], [], []
-    with torch.inference_mode(), fast_decoding(model):
-        for start in range(0, len(crops), _BATCH):
-            part = torch.from_numpy(crops[start : start + _BATCH])
-            rgb = part.permute(0, 3, 1, 2).float() / 255.0
+
+    def embed(part: np.ndarray) -> tuple[np.ndarray | None, ...]:
+        rgb = torch.from_numpy(part).permute(0, 3, 1, 2).float() / 255.0
+        with torch.inference_mode():
             encoding = model.encode(rgb)
-            codes.append(encoding.embedding.numpy())
-            if encoding.logits is not None:
-                probabilities.append(encoding.logits.softmax(1).numpy())
-            if textureness:
-                tiles = model.decode(
-                    encoding.embedding,
-                    noise.expand(len(rgb), -1, -1),
-                    window=(_SCORED, _SCORED),
-                )
-                scores.append(statistics.distance(tiles, rgb).numpy())
+            odds = None if encoding.logits is None else encoding.logits.softmax(1).numpy()
+            if not textureness:
+                return encoding.embedding.numpy(), odds, None
+            tiles = model.decode(
+                encoding.embedding, noise.expand(len(rgb), -1, -1), window=(_SCORED, _SCORED)
+            )
+            return encoding.embedding.numpy(), odds, statistics.distance(tiles, rgb).numpy()
+
+    batches = [crops[start : start + _BATCH] for start in range(0, len(crops), _BATCH)]
+    with fast_decoding(model), ThreadPoolExecutor(threads) as pool:
+        found = list(pool.map(embed, batches))
+    codes, probabilities, scores = (
+        ([part for part in parts if part is not None] for parts in zip(*found, strict=True))
+        if found
+        else ([], [], [])
+    )
     return Embeddings(
         _stack(codes, (0, model.embedding_dim)),
         _stack(probabilities, (len(crops), 0) if len(crops) else (0, len(SUBSTANCES))),
@@ -124,6 +133,7 @@ def make_embeddings(
     house: str,
     dataset: str,
     seed: int,
+    threads: int = 1,
 ) -> None:
     """Write ``embeddings.parquet`` of a house (docs/conventions.md): a row per row of crops.
 
@@ -136,9 +146,12 @@ def make_embeddings(
     images = [image_from_bytes(data) for data in distinct["png"]]
     crops = np.stack(images) if images else np.zeros((0, 128, 128, 3), dtype=np.uint8)
     found = embed_crops(
-        load_texture_model(texture_model), crops, seed=derive_seed(seed, "textureness")
+        load_texture_model(texture_model),
+        crops,
+        seed=derive_seed(seed, "textureness"),
+        threads=threads,
     )
-    naive = embed_crops(load_texture_model(naive_model), crops, textureness=False)
+    naive = embed_crops(load_texture_model(naive_model), crops, textureness=False, threads=threads)
     row_of = {crop_id: row for row, crop_id in enumerate(distinct["crop_id"])}
     rows = [row_of[crop_id] for crop_id in table["crop_id"]]
     substances = on_surfaces(found.substance_probabilities[rows], list(table["surface"]))
