@@ -184,16 +184,6 @@ def test_the_stage_writes_every_camera(tmp_path):
     assert found["a.jpg"].located > alone.located
 
 
-def test_threads_change_nothing():
-    house = box_house()
-    shots = {f"{k}.jpg": shot(house, 230.0, (0.6 + k / 10, 1.5, 2.9))[0] for k in range(3)}
-    one, two = locate_shots(house, shots), locate_shots(house, shots, threads=2)
-    assert list(one) == list(two) == list(shots)
-    for name, pose in one.items():
-        assert pose.camera.matrix.tobytes() == two[name].camera.matrix.tobytes()
-        assert pose.located == two[name].located
-
-
 def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     house = box_house()
     photo, true = shot(house, 230.0, (0.6, 1.5, 2.9))

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -43,34 +41,27 @@ class Shot:
     probabilities: np.ndarray | None = None
 
 
-def locate_shots(house: House, shots: Mapping[str, Shot], *, threads: int = 1) -> dict[str, Pose]:
-    """Return the best pose of each photo that has a frame and a room, with its probability.
-
-    So many photos as `threads` are worked on at a time; the result does not depend on it.
-    """
+def locate_shots(house: House, shots: Mapping[str, Shot]) -> dict[str, Pose]:
+    """Return the best pose of each photo that has a frame and a room, with its probability."""
     shapes = room_shapes(house)
     told = openings_told(shots.values())
     table = log_table(told)
-
-    def search(shot: Shot) -> list[RoomSearch]:
+    searches: dict[str, list[RoomSearch]] = {}
+    for name, shot in shots.items():
+        if shot.camera.fallback or not shot.rooms:
+            continue
         coarse, fine = (
             make_profile(shot.labels, shot.camera, table, blur, shot.probabilities)
             for blur in (COARSE_BLUR, FINE_BLUR)
         )
-        return [
+        searches[name] = [
             RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), coarse, fine)
             for room_id in shot.rooms
         ]
-
-    names = [name for name, shot in shots.items() if shot.rooms and not shot.camera.fallback]
-    with ThreadPoolExecutor(threads) as pool:
-        searches = list(pool.map(search, [shots[name] for name in names]))
-        best = partial(_best, prior=HeightPrior())
-        found = dict(zip(names, pool.map(best, searches), strict=True))
-        prior = shared_height([poses for poses in found.values() if poses])
-        if prior is not None:
-            best = partial(_best, prior=prior)
-            found = dict(zip(names, pool.map(best, searches), strict=True))
+    found = {name: _best(rooms, HeightPrior()) for name, rooms in searches.items()}
+    prior = shared_height([poses for poses in found.values() if poses])
+    if prior is not None:
+        found = {name: _best(rooms, prior) for name, rooms in searches.items()}
     return {name: _pose(shots[name], poses, told) for name, poses in found.items() if poses}
 
 
