@@ -118,16 +118,8 @@ def make_crops(
         The crops that were written.
     """
     chosen = CropSettings() if settings is None else settings
-    drawn = draw_candidates(
-        house,
-        rooms_of_photo,
-        photos,
-        masks_dir,
-        seed=seed,
-        settings=chosen,
-        cameras=cameras,
-        threads=threads,
-    )
+    shown = (house, rooms_of_photo, photos, masks_dir)
+    drawn = draw_candidates(*shown, seed=seed, settings=chosen, cameras=cameras, threads=threads)
     candidates, colours = drawn.candidates, drawn.colours
     if chosen.colours == "corrected":
         candidates, colours = corrected(candidates, drawn.gains), relit(colours, drawn.gains)
