@@ -83,6 +83,7 @@ function metresAcross(wall, flight, margin) {
 /** Floors without stairs, stairs that lead nowhere, are too steep or in a wall, ceilings above a floor. */
 export function storeyOddities(stairs, levels, rooms, walls, limits, warn) {
   const at = (id) => levels.findIndex((level) => level.id === id);
+  doorsIntoTheAir(at, rooms, walls, limits, warn);
   for (const flight of stairs) {
     const [lower, upper] = flight.rooms, above = at(flight.level) >= 0 ? levels[at(flight.level) + 1] : undefined, what = `stairs ${flight.id}`;
     if (lower === null) warn(`${what} from a room of their level`, "none at their foot");
@@ -101,6 +102,17 @@ export function storeyOddities(stairs, levels, rooms, walls, limits, warn) {
     const above = at(room.level) >= 0 ? levels[at(room.level) + 1] : undefined;
     const limit = above && above.elevation - levels[at(room.level)].elevation;
     if (above && room.height > limit + 1e-6) warn(`a ceiling below level ${above.id}, ${short(limit)} m up`, `${room.height} m`, room.id);
+  }
+}
+
+/** Tell of doors of the higher levels that no room is behind. */
+function doorsIntoTheAir(at, rooms, walls, limits, warn) {
+  const beside = new Map();
+  for (const wall of walls) for (const { opening } of wall.openings) beside.set(opening, [...(beside.get(opening) ?? []), ...wall.rooms]);
+  for (const [opening, around] of beside) {
+    const room = rooms[around[0]], leads = new Set(around).size > 1;
+    if (!leads && opening.kind === "door" && opening.bottom < limits.riser && at(room.level) > 0)
+      warn(`a room or balcony behind door ${opening.id} of level ${room.level}`, "none", room.id);
   }
 }
 
