@@ -15,11 +15,12 @@ from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
+from plan2scene.textures.model.encoder import StatisticsEncoder
 from plan2scene.textures.model.network import TextureModel, fast_decoding, load_texture_model
-from plan2scene.textures.model.statistics import FilterBankStatistics
+from plan2scene.textures.model.statistics import FilterBankStatistics, gram_distance, grams_of
 from plan2scene.textures.model.synthesis import noise_seeds
 
-_BATCH = 16
+_BATCH = 4
 #: Side of the part of a texture that is drawn for its score: a quarter of the work, and enough
 #: because a texture is everywhere alike.
 _SCORED = slice(0, 64)
@@ -49,11 +50,14 @@ class Embeddings:
     textureness : (n,) float32
         Distance between the texture statistics of the crop and of its decoded embedding (paper
         section 5.3); the lower, the better the crop stands for its surface. Empty when not asked.
+    naive_codes : (n, 8) float32
+        Of the second model; empty when there is none.
     """
 
     codes: np.ndarray
     substance_probabilities: np.ndarray
     textureness: np.ndarray
+    naive_codes: np.ndarray
 
 
 def embed_crops(
@@ -62,6 +66,7 @@ def embed_crops(
     *,
     seed: int = 0,
     textureness: bool = True,
+    naive: TextureModel | None = None,
     threads: int = 1,
 ) -> Embeddings:
     """Return the embeddings of crops.
@@ -74,37 +79,56 @@ def embed_crops(
         their scores compare.
     textureness : bool
         Decode each crop and score it; leave it out where only embeddings are needed.
+    naive : TextureModel, optional
+        A second model whose codes are wanted.
     threads : int
         Batches worked on at a time; the result does not depend on it.
     """
-    statistics = FilterBankStatistics(_LEVELS)
+    models = [model] if naive is None else [model, naive]
+    filters, scored = FilterBankStatistics(), FilterBankStatistics(_LEVELS)
     noise = noise_seeds([seed])
 
     def embed(part: np.ndarray) -> tuple[np.ndarray | None, ...]:
         rgb = torch.from_numpy(part).permute(0, 3, 1, 2).float() / 255.0
         with torch.inference_mode():
-            encoding = model.encode(rgb)
+            # Both models and the score see the crops through the same filters.
+            responses = list(filters.responses(rgb))
+            features = _features(models, rgb, responses)
+            encoding, *others = (each.encode(rgb, features) for each in models)
             odds = None if encoding.logits is None else encoding.logits.softmax(1).numpy()
-            if not textureness:
-                return encoding.embedding.numpy(), odds, None
-            tiles = model.decode(
-                encoding.embedding, noise.expand(len(rgb), -1, -1), window=(_SCORED, _SCORED)
-            )
-            return encoding.embedding.numpy(), odds, statistics.distance(tiles, rgb).numpy()
+            score = None
+            if textureness:
+                tiles = model.decode(
+                    encoding.embedding, noise.expand(len(rgb), -1, -1), window=(_SCORED, _SCORED)
+                )
+                score = gram_distance(scored.grams(tiles), grams_of(responses[:_LEVELS])).numpy()
+        plain = others[0].embedding.numpy() if others else None
+        return encoding.embedding.numpy(), odds, score, plain
 
     batches = [crops[start : start + _BATCH] for start in range(0, len(crops), _BATCH)]
     with fast_decoding(model), ThreadPoolExecutor(threads) as pool:
         found = list(pool.map(embed, batches))
-    codes, probabilities, scores = (
+    codes, probabilities, scores, plain = (
         ([part for part in parts if part is not None] for parts in zip(*found, strict=True))
         if found
-        else ([], [], [])
+        else ([], [], [], [])
     )
     return Embeddings(
         _stack(codes, (0, model.embedding_dim)),
         _stack(probabilities, (len(crops), 0) if len(crops) else (0, len(SUBSTANCES))),
         _stack(scores, (0,)),
+        _stack(plain, (0, 0 if naive is None else naive.embedding_dim)),
     )
+
+
+def _features(
+    models: Sequence[TextureModel], rgb: torch.Tensor, responses: Sequence[torch.Tensor]
+) -> torch.Tensor | None:
+    """Return what every statistics encoder makes of crops; None where no model has one."""
+    for model in models:
+        if isinstance(model.encoder, StatisticsEncoder):
+            return model.encoder.features(rgb, responses)
+    return None
 
 
 def on_surfaces(probabilities: np.ndarray, surfaces: Sequence[str]) -> np.ndarray:
@@ -149,9 +173,9 @@ def make_embeddings(
         load_texture_model(texture_model),
         crops,
         seed=derive_seed(seed, "textureness"),
+        naive=load_texture_model(naive_model),
         threads=threads,
     )
-    naive = embed_crops(load_texture_model(naive_model), crops, textureness=False, threads=threads)
     row_of = {crop_id: row for row, crop_id in enumerate(distinct["crop_id"])}
     rows = [row_of[crop_id] for crop_id in table["crop_id"]]
     substances = on_surfaces(found.substance_probabilities[rows], list(table["surface"]))
@@ -160,7 +184,7 @@ def make_embeddings(
         {
             **{name: table[name] for name in ("crop_id", "photo", "room_id", "surface")},
             "embedding": pd.Series([found.codes[i] for i in rows], dtype=object),
-            "naive_embedding": pd.Series([naive.codes[i] for i in rows], dtype=object),
+            "naive_embedding": pd.Series([found.naive_codes[i] for i in rows], dtype=object),
             "substance": pd.Series([SUBSTANCES[i] for i in best], dtype=object),
             "substance_probabilities": pd.Series(list(substances), dtype=object),
             "textureness": np.array([found.textureness[i] for i in rows], dtype=np.float64),

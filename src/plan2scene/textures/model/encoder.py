@@ -8,6 +8,8 @@ orders of magnitude more steps.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import torch
 from torch import nn
 from torch.nn import functional
@@ -16,6 +18,7 @@ from plan2scene.textures.model.statistics import (
     FilterBankStatistics,
     SpectrumStatistics,
     colour_quantiles,
+    moments_of,
 )
 
 
@@ -113,10 +116,17 @@ class StatisticsEncoder(nn.Module):
         self.fc_bottleneck = nn.Linear(width, code_dim)
         self.fc_final = nn.Linear(code_dim, control_dim)
 
-    def features(self, rgb: torch.Tensor) -> torch.Tensor:
-        """Return the statistics (n, k) of crops (n, 3, 128, 128), RGB in [0, 1]."""
+    def features(
+        self, rgb: torch.Tensor, responses: Sequence[torch.Tensor] | None = None
+    ) -> torch.Tensor:
+        """Return the statistics (n, k) of crops (n, 3, 128, 128), RGB in [0, 1].
+
+        They are the same of all encoders of this kind; `responses` are those of `filters` to the
+        crops, where they are known.
+        """
+        moments = moments_of(self.filters.responses(rgb) if responses is None else responses)
         luminance, chroma = self.spectrum.log_power(rgb)
-        parts = [self.filters.moments(rgb), luminance, chroma.flatten(1), colour_quantiles(rgb)]
+        parts = [moments, luminance, chroma.flatten(1), colour_quantiles(rgb)]
         return torch.cat(parts, dim=1)
 
     def standardise(self, features: torch.Tensor) -> None:

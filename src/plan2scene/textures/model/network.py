@@ -86,11 +86,15 @@ class TextureModel(nn.Module):
         """Length of an embedding: the code, and the median colour where colour is separate."""
         return self.architecture.code_dim + (3 if self.architecture.delta_hsv else 0)
 
-    def encode(self, rgb: torch.Tensor) -> Encoding:
-        """Return the embeddings and substance logits of crops (n, 3, h, w)."""
+    def encode(self, rgb: torch.Tensor, features: torch.Tensor | None = None) -> Encoding:
+        """Return the embeddings and substance logits of crops (n, 3, h, w).
+
+        `features` are what a statistics encoder makes of the crops, where that is known.
+        """
         if isinstance(self.encoder, StatisticsEncoder):
             median = colour_torch.median_colour(rgb) if self.architecture.delta_hsv else None
-            return self.embed(self.encoder.code(rgb), median)
+            known = self.encoder.features(rgb) if features is None else features
+            return self.embed(self.encoder.code_of_features(known), median)
         if self.architecture.delta_hsv:
             exact = self.architecture.periodic
             return self.encode_hsv(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import torch
 from torch import nn
@@ -84,27 +84,14 @@ class FilterBankStatistics(nn.Module):
         self.register_buffer("bank", _filter_bank(), persistent=False)
 
     def grams(self, rgb: torch.Tensor) -> list[torch.Tensor]:
-        """Return one Gram matrix (n, 2 k, 2 k) per level: responses split by sign."""
-        split = ([r.relu(), (-r).relu()] for r in self._responses(rgb))
-        return [gram(torch.cat(signs, dim=1)) for signs in split]
+        """Return :func:`grams_of` the images' responses."""
+        return grams_of(self.responses(rgb))
 
     def moments(self, rgb: torch.Tensor) -> torch.Tensor:
-        """Return (n, levels * (k + 2 m)) moments of the responses at each level.
+        """Return :func:`moments_of` the images' responses."""
+        return moments_of(self.responses(rgb))
 
-        The log mean square of all k filters, then skewness and log kurtosis of the m that are no
-        random mixtures: joints between tiles make both large, weave and grain neither.
-        """
-        parts = []
-        for responses in self._responses(rgb):
-            energy = responses.square().mean(dim=(2, 3)) + 1e-5
-            shaped = responses[:, :-_RANDOM_FILTERS]
-            power = energy[:, :-_RANDOM_FILTERS]
-            skewness = (shaped**3).mean(dim=(2, 3)) / power**1.5
-            kurtosis = (shaped**4).mean(dim=(2, 3)) / power**2
-            parts += [energy.log(), skewness, (kurtosis + 0.1).log()]
-        return torch.cat(parts, dim=1)
-
-    def _responses(self, rgb: torch.Tensor) -> Iterator[torch.Tensor]:
+    def responses(self, rgb: torch.Tensor) -> Iterator[torch.Tensor]:
         """Yield the filters' responses (n, k, h, w) level by level."""
         image = opponent(rgb)
         for level in range(self.levels):
@@ -117,17 +104,43 @@ class FilterBankStatistics(nn.Module):
             yield functional.conv2d(padded, self.bank)
 
     def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
-        """Return (n,): the relative error of the Gram matrices, averaged over levels.
+        """Return the :func:`gram_distance` (n,) of images to targets."""
+        return gram_distance(self.grams(images), self.grams(targets))
 
-        The norm of the difference over the norm of the target's, hence the square root of the
-        relative squared error: coarse levels and faint textures weigh as much as loud ones.
-        """
-        total = images.new_zeros(len(images))
-        levels = list(zip(self.grams(images), self.grams(targets), strict=True))
-        for mine, theirs in levels:
-            gap = (mine - theirs).flatten(1).square().sum(1)
-            total = total + (gap + 1e-12).sqrt() / (theirs.flatten(1).norm(dim=1) + _FLAT)
-        return total / len(levels)
+
+def grams_of(responses: Iterable[torch.Tensor]) -> list[torch.Tensor]:
+    """Return one Gram matrix (n, 2 k, 2 k) per level: responses (n, k, h, w) split by sign."""
+    return [gram(torch.cat([level.relu(), (-level).relu()], dim=1)) for level in responses]
+
+
+def moments_of(responses: Iterable[torch.Tensor]) -> torch.Tensor:
+    """Return (n, levels * (k + 2 m)) moments of the responses (n, k, h, w) at each level.
+
+    The log mean square of all k filters, then skewness and log kurtosis of the m that are no
+    random mixtures: joints between tiles make both large, weave and grain neither.
+    """
+    parts = []
+    for level in responses:
+        energy = level.square().mean(dim=(2, 3)) + 1e-5
+        shaped = level[:, :-_RANDOM_FILTERS]
+        power = energy[:, :-_RANDOM_FILTERS]
+        skewness = (shaped**3).mean(dim=(2, 3)) / power**1.5
+        kurtosis = (shaped**4).mean(dim=(2, 3)) / power**2
+        parts += [energy.log(), skewness, (kurtosis + 0.1).log()]
+    return torch.cat(parts, dim=1)
+
+
+def gram_distance(images: Sequence[torch.Tensor], targets: Sequence[torch.Tensor]) -> torch.Tensor:
+    """Return (n,): the relative error of the Gram matrices, averaged over levels.
+
+    The norm of the difference over the norm of the target's, hence the square root of the
+    relative squared error: coarse levels and faint textures weigh as much as loud ones.
+    """
+    total = images[0].new_zeros(len(images[0]))
+    for mine, theirs in zip(images, targets, strict=True):
+        gap = (mine - theirs).flatten(1).square().sum(1)
+        total = total + (gap + 1e-12).sqrt() / (theirs.flatten(1).norm(dim=1) + _FLAT)
+    return total / len(targets)
 
 
 def _sectors(size: int, orientations: int) -> torch.Tensor:
