@@ -38,7 +38,8 @@ class CropLattice:
     clear : bool
         Whether the angle stands out.
     periods : (float, float)
-        Along its x and y axes, in crop pixels; NaN where there is none.
+        Along its x and y axes, in crop pixels; NaN where there is none, and where no angle stands
+        out.
     peaks : (float, float)
         Autocorrelation at the periods, 0 where there is none.
     """
@@ -61,18 +62,21 @@ def find_lattice(luma: np.ndarray, mask: np.ndarray) -> CropLattice:
     """
     weight = (~mask).astype(np.float64)
     values = _band(luma, weight)
-    found = _lattice(values, weight, _BANDS[0])
-    if not found.clear:
-        # Without its first frequencies a checkerboard of two colours seems to lie at atan(1/3).
-        coarse = _lattice(values, weight, _COARSE)
-        if coarse.clear and np.isfinite(coarse.periods).all():
+    power = _spectrum(values, weight)
+    angle, clear = _orientation(power, _BANDS[0])
+    if clear:
+        return _lattice(values, weight, angle)
+    # Without its first frequencies a checkerboard of two colours seems to lie at atan(1/3).
+    other, clear = _orientation(power, _COARSE)
+    if clear:
+        coarse = _lattice(values, weight, other)
+        if np.isfinite(coarse.periods).all():
             return coarse
-    return found
+    return CropLattice(angle, False, (float("nan"), float("nan")), (0.0, 0.0))
 
 
-def _lattice(values: np.ndarray, weight: np.ndarray, least: int) -> CropLattice:
-    """Return the lattice by the spectrum from the radius `least` on."""
-    angle, clear = _orientation(values, weight, least)
+def _lattice(values: np.ndarray, weight: np.ndarray, angle: float) -> CropLattice:
+    """Return the lattice of a pattern whose axes are clearly turned by `angle` degrees."""
     periods, peaks = _periods(*_turned(values, weight, angle))
     if abs(angle) > 22.5 and abs(np.log(periods[0] / periods[1])) < _SQUARE:  # False for NaN
         # Square tiles laid diagonally repeat along the crop's axes, too: they stay so.
@@ -80,7 +84,7 @@ def _lattice(values: np.ndarray, weight: np.ndarray, least: int) -> CropLattice:
         others, heights = _periods(*_turned(values, weight, less))
         if max(others) < 1.6 * max(periods) and sum(heights) >= _DIAGONAL * sum(peaks):
             angle, periods, peaks = less, others, heights
-    return CropLattice(angle, clear, periods, peaks)
+    return CropLattice(angle, True, periods, peaks)
 
 
 def agreed_periods(
@@ -153,14 +157,18 @@ def _band(luma: np.ndarray, weight: np.ndarray) -> np.ndarray:
     return np.clip(values / max(spread, 1e-6), -4.0, 4.0)
 
 
-def _orientation(values: np.ndarray, weight: np.ndarray, least: int) -> tuple[float, bool]:
+def _spectrum(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return the amplitudes (_SPECTRUM, _SPECTRUM) float32 of the windowed values, 0 amid them."""
+    window = np.hanning(values.shape[0] + 2)[1:-1]
+    spectrum = np.fft.fft2(values * weight * np.outer(window, window), (_SPECTRUM, _SPECTRUM))
+    return np.fft.fftshift(np.abs(spectrum)).astype(np.float32)
+
+
+def _orientation(power: np.ndarray, least: int) -> tuple[float, bool]:
     """Return the angle in degrees of the lines that hold the spectrum, and whether it is clear.
 
     `least` is the smallest radius of the spectrum that counts.
     """
-    window = np.hanning(values.shape[0] + 2)[1:-1]
-    spectrum = np.fft.fft2(values * weight * np.outer(window, window), (_SPECTRUM, _SPECTRUM))
-    power = np.fft.fftshift(np.abs(spectrum)).astype(np.float32)
     angles = np.arange(-45.0, 135.0, _STEP_DEG)
     radii = np.arange(least, _BANDS[1], dtype=np.float64)
     radians = np.radians(angles)[:, None]
@@ -197,7 +205,8 @@ def _periods(
     A line along a direction is like itself at every lag of it: what repeats there without such
     lines, too, is a period.
     """
-    score, overlap = _autocorrelation(values, weight)
+    spectrum, overlap = _overlap(weight)
+    score = _autocorrelation(values, weight, spectrum, overlap)
     least = _LEAST_PEAK / np.sqrt(np.maximum(overlap / weight.sum(), 0.01))
     found = []
     for axis in (1, 0):
@@ -205,7 +214,7 @@ def _periods(
         if np.isfinite(period):
             share = np.maximum(weight.sum(axis=axis, keepdims=True), 1.0)
             lines = (values * weight).sum(axis=axis, keepdims=True) / share
-            without, _ = _autocorrelation(values - lines, weight)
+            without = _autocorrelation(values - lines, weight, spectrum, overlap)
             lag = round(period)
             if _along(without, axis)[lag - 1 : lag + 2].max() < _ACROSS:
                 period, peak = float("nan"), 0.0
@@ -221,19 +230,29 @@ def _along(score: np.ndarray, axis: int, width: int = 3) -> np.ndarray:
     return np.asarray(np.take(score, near, axis=1 - axis).max(axis=1 - axis))[: longest + 1]
 
 
-def _autocorrelation(values: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the normalised autocorrelation at all lags (2 s, 2 s), and each lag's overlap."""
+def _overlap(weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the spectrum of weights (s, s), and their overlap at each lag (2 s, 2 s)."""
+    shape = (2 * weight.shape[0],) * 2
+    spectrum = np.fft.rfft2(weight, shape)
+    return spectrum, np.fft.irfft2(np.abs(spectrum) ** 2, shape)
+
+
+def _autocorrelation(
+    values: np.ndarray, weight: np.ndarray, spectrum: np.ndarray, overlap: np.ndarray
+) -> np.ndarray:
+    """Return the normalised autocorrelation at all lags (2 s, 2 s) of values (s, s).
+
+    `spectrum` and `overlap` are the weights' of :func:`_overlap`.
+    """
     side = values.shape[0]
     shape = (2 * side, 2 * side)
-    f_weight = np.fft.rfft2(weight, shape)
     f_values = np.fft.rfft2(values * weight, shape)
     f_square = np.fft.rfft2(values**2 * weight, shape)
-    overlap = np.fft.irfft2(np.abs(f_weight) ** 2, shape)
     product = np.fft.irfft2(np.abs(f_values) ** 2, shape)
-    energy = np.fft.irfft2(f_square.conj() * f_weight, shape)
+    energy = np.fft.irfft2(f_square.conj() * spectrum, shape)
     there, back = energy, np.roll(energy[::-1, ::-1], (1, 1), (0, 1))
     score = product / np.sqrt(np.maximum(there * back, 1e-9))
-    return np.where(overlap > 0.08 * side**2, score, -1.0), overlap
+    return np.where(overlap > 0.08 * side**2, score, -1.0)
 
 
 def _first_period(curve: np.ndarray, least: np.ndarray) -> tuple[float, float]:
