@@ -30,7 +30,12 @@ from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.candidates import rooms_by_size
-from plan2scene.photos.crops.filter import inner_mask, judge_of, with_reason
+from plan2scene.photos.crops.filter import (
+    inner_mask,
+    judge_of,
+    strong_edges,
+    with_reason,
+)
 from plan2scene.photos.crops.sampling import (
     CROP_PX,
     LAST_UPSAMPLING,
@@ -142,7 +147,10 @@ def _reasons(
         side = window_pixels(rectified, size_m)
         crop = cut_window(rectified, camera, 0, *place, size_m)
         mask = rectify(
-            image, camera, replace(plane, mask=inner_mask(plane.mask, image)), min_density=density
+            image,
+            camera,
+            replace(plane, mask=inner_mask(plane.mask, strong_edges(image))),
+            min_density=density,
         )
         inside = mask is not None and _place(mask, points.mean(axis=0), size_m) is not None
         rectified.mask[place[0] : place[0] + side, place[1] : place[1] + side] = True

@@ -39,7 +39,10 @@ def clipped_share(image: np.ndarray, levels: tuple[int, int] = (2, 250)) -> floa
     Those whose greatest channel is at or below, or whose least is at or above these `levels`.
     """
     low, high = levels
-    return float(((image.min(axis=2) >= high) | (image.max(axis=2) <= low)).mean())
+    red, green, blue = image[..., 0], image[..., 1], image[..., 2]
+    brightest = np.maximum(np.maximum(red, green), blue)  # far faster than max(axis=2)
+    least = np.minimum(np.minimum(red, green), blue)
+    return float(((least >= high) | (brightest <= low)).mean())
 
 
 def srgb_to_linear(rgb: np.ndarray) -> np.ndarray:

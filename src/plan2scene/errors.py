@@ -53,6 +53,17 @@ class InputError(ValueError):
         head = ", ".join(where) + ": " if where else ""
         super().__init__(f"{head}expected {_one_line(expected)}, found {_one_line(found)}")
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle the message as it is: a worker's error is read in its parent process."""
+        return _as_raised, (type(self), str(self), self.expected, self.found)
+
+
+def _as_raised(kind: type[InputError], message: str, expected: str, found: str) -> InputError:
+    """Return the error whose message, and parts of it, are known."""
+    error = kind.__new__(kind, message)
+    error.expected, error.found = expected, found
+    return error
+
 
 def _one_line(value: object) -> str:
     """Return `value` as text without line breaks or control characters, at most 300 characters."""

@@ -48,7 +48,7 @@ rule house:
         f"logs/{DATASET}/benchmarks/house/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: 1
+    threads: HOUSE_THREADS
     resources:
         mem_mb=1500,
     params:

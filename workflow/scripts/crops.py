@@ -16,7 +16,7 @@ with job(snakemake.log[0]):
     house = read_scene_json(snakemake.input.scene, name)
     listed = rooms_of_photos(snakemake.input.assignment or None, house)
     if masks:
-        locate_photos(house, listed, masks, cameras)
+        locate_photos(house, listed, masks, cameras, threads=snakemake.threads)
     rooms = with_found_rooms(house, listed, cameras)
     files = CropFiles(output.crops, output.candidates, output.colours, output.light)
     folder, settings = Path(params.photo_folder), CropSettings(**params.settings)
@@ -37,4 +37,5 @@ with job(snakemake.log[0]):
         crops=output.crops,
         candidates=output.candidates,
         camera_height_m=settings.camera_height_m,
+        threads=snakemake.threads,
     )

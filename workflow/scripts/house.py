@@ -18,6 +18,7 @@ with job(snakemake.log[0]):
         objects=snakemake.params.objects,
         relief=snakemake.params.relief,
         traced=snakemake.params.traced,
+        threads=snakemake.threads,
     )
     house = read_scene_json(given.scene, house_id)
     facts = read_facts(given.propagated, given.crops, given.get("cameras"), house)

@@ -15,6 +15,7 @@ from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.preview import render_preview
 from plan2scene.mesh.textures import TileTexture, textured
+from plan2scene.parallel import each
 
 
 def _load(
@@ -36,6 +37,7 @@ def build_house(
     objects: bool = True,
     relief: bool = True,
     traced: bool = False,
+    threads: int = 1,
 ) -> None:
     """Write a house as GLB, as scene.json with textures in the official form, and as pictures.
 
@@ -56,17 +58,28 @@ def build_house(
         Whether surfaces of the GLB have normal maps (:mod:`plan2scene.mesh.relief`).
     traced : bool
         Whether rooms are drawn by path tracing, where Mitsuba is installed.
+    threads : int
+        Of model and pictures, how many are made at a time.
     """
     house, textures = _load(scene_json, textures_dir, house_id)
     shown = house if objects else replace(house, icons=())
     assembly = assemble(shown)
-    write_glb(shown, textures, glb, assembly.parts, relief=relief)
-    plain = {key: (tile.png, tile.size_m) for key, tile in textures.items()}
-    write_scene_json(house, textured_scene_json, plain)
-    write_png(preview, render_preview(shown, textures, assembly))
-    pictures = render_rooms(shown, textures, assembly.parts, traced=traced)
-    with atomic_path(rooms) as temporary:
-        temporary.write_bytes(jpeg_bytes(pictures, quality=90))
+
+    def write_model() -> None:
+        write_glb(shown, textures, glb, assembly.parts, relief=relief)
+        plain = {key: (tile.png, tile.size_m) for key, tile in textures.items()}
+        write_scene_json(house, textured_scene_json, plain)
+
+    def write_preview() -> None:
+        write_png(preview, render_preview(shown, textures, assembly))
+
+    def write_rooms() -> None:
+        pictures = render_rooms(shown, textures, assembly.parts, traced=traced)
+        with atomic_path(rooms) as temporary:
+            temporary.write_bytes(jpeg_bytes(pictures, quality=90))
+
+    for _ in each(lambda write: write(), (write_model, write_preview, write_rooms), threads):
+        pass
     logging.getLogger("plan2scene").info(
         "house %s: %d rooms, %d parts, %d triangles, %d textures",
         house_id,

@@ -41,14 +41,17 @@ def test_steep_views_count_more_and_lamps_not_at_all():
     mask[70:] = True
     image = np.full((*SIZE, 3), 90, np.uint8)
     image[70:85] = 255
-    (seen,) = colours_of_photo(image, camera, [ShownPlane(("a", "b"), floor_plane(mask))], "p.jpg")
+    (seen,) = colours_of_photo(
+        image, camera, [ShownPlane(("a", "b"), floor_plane(mask))], "p.jpg", [mask]
+    )
     assert seen.rooms == ("a", "b") and seen.colours.max() < 0.12
     flat = camera_looking(SIZE, heading_deg=0.0, pitch_deg=5.0, focal=110.0)
-    (far,) = colours_of_photo(image, flat, [ShownPlane(("a",), floor_plane(mask))], "p.jpg")
+    (far,) = colours_of_photo(image, flat, [ShownPlane(("a",), floor_plane(mask))], "p.jpg", [mask])
     assert far.weight < 2 * seen.weight  # one room has all of it
     speck = np.zeros(SIZE, bool)
     speck[:5, :5] = True
-    assert colours_of_photo(image, camera, [ShownPlane(("a",), floor_plane(speck))], "p.jpg") == []
+    shown = [ShownPlane(("a",), floor_plane(speck))]
+    assert colours_of_photo(image, camera, shown, "p.jpg", [speck]) == []
 
 
 def test_colours_of_hidden_photos_are_not_read(tmp_path):
@@ -57,7 +60,11 @@ def test_colours_of_hidden_photos_are_not_read(tmp_path):
     mask[60:] = True
     image = np.full((*SIZE, 3), 128, np.uint8)
     shown = [ShownPlane(("a", "b"), floor_plane(mask))]
-    seen = [item for p in ("p.jpg", "q.jpg") for item in colours_of_photo(image, camera, shown, p)]
+    seen = [
+        item
+        for photo in ("p.jpg", "q.jpg")
+        for item in colours_of_photo(image, camera, shown, photo, [mask])
+    ]
     half = relit(seen, {"q.jpg": np.array([0.5, 1.0, 9.0])})
     write_colours(
         tmp_path / "colours.parquet", half, dataset="d", house_id="h", colours="corrected"

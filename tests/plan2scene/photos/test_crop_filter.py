@@ -13,6 +13,7 @@ from plan2scene.photos.crops.filter import (
     outvoted,
     smooth_field,
     step_of,
+    strong_edges,
     with_reason,
 )
 from plan2scene.photos.crops.sampling import Candidate, Crop
@@ -98,11 +99,11 @@ def test_masks_shrink_more_where_the_photo_shows_no_edge():
     image = np.full((240, 320, 3), 200, np.uint8)
     mask = np.zeros((240, 320), bool)
     mask[:, 100:] = True
-    blind = inner_mask(mask, image)
+    blind = inner_mask(mask, strong_edges(image))
     assert not blind[:, :107].any()
     assert blind[:, 109:].all()  # the frame of the photo is no border
     image[:, :100] = 80
-    seen = inner_mask(mask, image)
+    seen = inner_mask(mask, strong_edges(image))
     assert not seen[:, :103].any()
     assert seen[:, 105:].all()
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from plan2scene.colour import delta_e_2000, rgb_to_lab, srgb_to_linear
-from plan2scene.photos.crops.filter import CLIPPED_LEVELS
+from plan2scene.photos.crops.filter import CLIPPED_LEVELS, strong_edges
 from plan2scene.photos.crops.light import (
     KNEE,
     SurfaceColour,
@@ -102,7 +102,7 @@ def test_surface_colours_leave_lamps_and_specks_aside():
     image[:120] = (180, 170, 160)
     image[20:60, 20:60] = 255
     labels[200:204, 10:14] = 1
-    found = surface_colours(image, labels, "a.png", ["r1", "r2"])
+    found = surface_colours(image, labels, "a.png", ["r1", "r2"], strong_edges(image))
     assert {(item.room_id, item.surface) for item in found} == {
         ("r1", "ceiling"),
         ("r2", "ceiling"),

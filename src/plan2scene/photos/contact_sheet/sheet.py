@@ -19,6 +19,7 @@ from PIL import Image, ImageDraw
 from plan2scene.drawing import INK, PAPER, font
 from plan2scene.house import House
 from plan2scene.images import write_png
+from plan2scene.parallel import each
 from plan2scene.photos.contact_sheet.rows import PANEL, SheetPhoto, row_panels, sheet_photo
 from plan2scene.photos.contact_sheet.windows import (
     KINDS,
@@ -59,6 +60,7 @@ def write_contact_sheet(
     candidates: str | Path,
     camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M,
     cameras: str | Path | None = None,
+    threads: int = 1,
 ) -> dict[str, int]:
     """Write the sheet as a PNG and return how many windows are of each kind.
 
@@ -78,6 +80,8 @@ def write_contact_sheet(
         As the crops were made with, metres.
     cameras : path, optional
         ``cameras.json`` of the locate stage.
+    threads : int
+        Rows drawn at a time; the sheet does not depend on it.
 
     Returns
     -------
@@ -95,7 +99,8 @@ def write_contact_sheet(
     everything = [window for name in names for window in windows.get(name, ())]
     counts = count_windows(everything)
     _header(draw, house.id, len(names), len(shown), counts, everything)
-    for row, name in enumerate(shown):
+
+    def row_of(name: str) -> np.ndarray:
         rooms = tuple(rooms_of_photo.get(name, ()))
         if not rooms and name in poses:
             rooms = (poses[name].room_id,)
@@ -109,8 +114,12 @@ def write_contact_sheet(
             poses.get(name),
         )
         room_size = RoomSize.of(house.room(rooms[0])) if rooms else None
-        found = row_panels(photo, room_size, camera_height_m, shapes)
-        _draw_row(sheet, HEADER + row * ROW, photo, found)
+        row = Image.new("RGB", (WIDTH, ROW), PAPER)
+        _draw_row(row, photo, row_panels(photo, room_size, camera_height_m, shapes))
+        return np.asarray(row)
+
+    for k, pixels in enumerate(each(row_of, shown, threads)):
+        sheet.paste(Image.fromarray(pixels), (0, HEADER + k * ROW))
     write_png(output, np.asarray(sheet))
     return {"photos": len(shown), **counts}
 
@@ -137,15 +146,13 @@ def _header(
         x += 14 + round(draw.textlength(text, font=font(12))) + 18
 
 
-def _draw_row(
-    sheet: Any, top: int, photo: SheetPhoto, found: Sequence[tuple[np.ndarray, str]]
-) -> None:
-    """Draw one photo's row at `top`, `found` being its panels with their captions."""
+def _draw_row(sheet: Any, photo: SheetPhoto, found: Sequence[tuple[np.ndarray, str]]) -> None:
+    """Draw one photo's row, `found` being its panels with their captions."""
     draw = ImageDraw.Draw(sheet)
-    draw.line((0, top, WIDTH, top), fill=(200, 200, 200))
+    draw.line((0, 0, WIDTH, 0), fill=(200, 200, 200))
     rooms = ", ".join(photo.rooms) or "no room"
-    draw.text((GAP, top + 4), f"{photo.name}  ({rooms})", font=font(13), fill=INK)
-    top += TITLE + 2
+    draw.text((GAP, 4), f"{photo.name}  ({rooms})", font=font(13), fill=INK)
+    top = TITLE + 2
     for k, (picture, caption) in enumerate(found):
         left = GAP + k * (PANEL[1] + GAP)
         sheet.paste(Image.fromarray(picture), (left, top))

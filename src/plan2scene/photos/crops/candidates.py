@@ -11,7 +11,7 @@ import numpy as np
 from plan2scene.house import House
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops import sampling
-from plan2scene.photos.crops.filter import inner_mask, judge_of, with_reason
+from plan2scene.photos.crops.filter import judge_of, with_reason
 from plan2scene.photos.crops.sampling import Candidate, sample_candidates
 from plan2scene.photos.crops.tables import WORST_RESORT, PhotoCandidate
 from plan2scene.photos.crops.verdict import Reason
@@ -117,19 +117,21 @@ def candidates_of_photo(
     planes: Sequence[ShownPlane],
     settings: CropSettings,
     names: Naming,
+    inner: Sequence[np.ndarray],
 ) -> list[PhotoCandidate]:
     """Return the windows drawn on the planes of one photo.
 
-    `image` (h, w, 3) uint8 sRGB; `camera` in whose frame the planes are. Candidates are numbered
+    `image` (h, w, 3) uint8 sRGB; `camera` in whose frame the planes are; `inner` the pixels (h, w)
+    bool of each plane that lie off its border. Candidates are numbered
     on from one plane to another of the same number, so that crops of different images have
     different names. Of rooms behind a door only good ones: what is seen from afar is no last
     resort.
     """
     found: list[PhotoCandidate] = []
     count: dict[tuple[str, int], int] = {}
-    for shown in planes:
+    for shown, pixels in zip(planes, inner, strict=True):
         plane = shown.plane
-        drawn = candidates_of_plane(image, camera, plane, settings, names.rng(plane))
+        drawn = candidates_of_plane(image, camera, plane, settings, names.rng(plane), pixels)
         first = count.get((plane.surface, plane.index), 0)
         count[plane.surface, plane.index] = first + len(drawn)
         for candidate in drawn:
@@ -151,14 +153,15 @@ def candidates_of_plane(
     plane: Plane,
     settings: CropSettings,
     rng: np.random.Generator,
+    inside: np.ndarray,
 ) -> list[Candidate]:
-    """Return the windows drawn on a plane; near its border only when none inside is good."""
+    """Return the windows drawn on a plane; near its border only when none `inside` is good."""
     sample = partial(
         sample_candidates, image, camera, rng=rng, sizes_m=settings.sizes_m, tries=settings.tries
     )
     if not settings.filter:
         return sample(plane, per_mask=settings.per_mask)
-    inner = replace(plane, mask=inner_mask(plane.mask, image))
+    inner = replace(plane, mask=inside)
     drawn = sample(inner, per_mask=settings.per_mask, judge=judge_of(plane.surface, inside=True))
     if not any(candidate.verdict.good for candidate in drawn):
         few = min(WORST_RESORT, settings.per_mask)

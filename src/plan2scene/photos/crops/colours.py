@@ -18,7 +18,7 @@ from plan2scene.colour import LUMINANCE, srgb_to_linear
 from plan2scene.io import write_parquet
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.candidates import ShownPlane
-from plan2scene.photos.crops.filter import inner_mask, unclipped
+from plan2scene.photos.crops.filter import unclipped
 from plan2scene.photos.planes.planes import Plane
 
 #: Colours that tell what a plane's pixels look like, each of an equal share of them.
@@ -64,13 +64,20 @@ class SeenColours:
 
 
 def colours_of_photo(
-    image: np.ndarray, camera: Camera, planes: Sequence[ShownPlane], photo: str
+    image: np.ndarray,
+    camera: Camera,
+    planes: Sequence[ShownPlane],
+    photo: str,
+    inner: Sequence[np.ndarray],
 ) -> list[SeenColours]:
-    """Return what a photo, image (h, w, 3) uint8 sRGB, shows of each of its planes."""
+    """Return what a photo, image (h, w, 3) uint8 sRGB, shows of each of its planes.
+
+    `inner` are the pixels (h, w) bool of each plane that lie off its border.
+    """
     count = len({room for shown in planes if shown.own for room in shown.rooms})
     found = []
-    for shown in planes:
-        plane, seen = shown.plane, plane_colours(image, camera, shown.plane)
+    for shown, pixels in zip(planes, inner, strict=True):
+        plane, seen = shown.plane, plane_colours(image, camera, shown.plane, pixels)
         if seen is not None:
             # Where the place is not known any of the table's rooms may be meant.
             weight = seen[0] / (count if shown.own else 1)
@@ -80,13 +87,13 @@ def colours_of_photo(
 
 
 def plane_colours(
-    image: np.ndarray, camera: Camera, plane: Plane
+    image: np.ndarray, camera: Camera, plane: Plane, inner: np.ndarray
 ) -> tuple[float, np.ndarray] | None:
     """Return weight and colours of a plane as of :class:`SeenColours`; None of too few pixels.
 
-    `image` (h, w, 3) uint8 sRGB. Clipped pixels and the plane's border are left aside.
+    `image` (h, w, 3) uint8 sRGB; of the pixels `inner` (h, w) bool clipped ones are left aside.
     """
-    rows, columns = np.nonzero(inner_mask(plane.mask, image) & unclipped(image))
+    rows, columns = np.nonzero(inner & unclipped(image))
     if len(rows) < MIN_PIXELS:
         return None
     share = len(rows) / plane.mask.size

@@ -74,21 +74,28 @@ def unclipped(image: np.ndarray) -> np.ndarray:
     return np.asarray((brightest > low) & (brightest < high))
 
 
-def inner_mask(mask: np.ndarray, image: np.ndarray) -> np.ndarray:
-    """Return the pixels (h, w) bool of a mask far enough from its border.
+def strong_edges(image: np.ndarray) -> np.ndarray:
+    """Return which pixels (h, w) bool of a photo (h, w, 3) uint8 sRGB lie by an edge.
 
-    The margin is less where `image` (h, w, 3) uint8 sRGB shows an edge at the border. The photo's
-    frame is no border.
+    As near as the border of a mask may be to the edge that it follows.
     """
-    width = image.shape[1]
-    margin, blind_margin = MARGIN_SHARE * width, BLIND_MARGIN_SHARE * width
-    padded = cv2.copyMakeBorder(mask.astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_REPLICATE)
-    border = (cv2.erode(padded, np.ones((3, 3), np.uint8)) == 0)[1:-1, 1:-1] & mask
     grey = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (0, 0), 1.0)
     slope = [cv2.Sobel(grey, cv2.CV_32F, dx, 1 - dx, scale=0.125) for dx in (1, 0)]
-    reach = 2 * round(margin / 2) + 1
-    edge = cv2.dilate(np.hypot(*slope), np.ones((reach, reach), np.uint8)) >= EDGE_GRADIENT
-    blind = border & ~edge
+    reach = 2 * round(MARGIN_SHARE * image.shape[1] / 2) + 1
+    near = cv2.dilate(np.hypot(*slope), np.ones((reach, reach), np.uint8))
+    return np.asarray(near >= EDGE_GRADIENT)
+
+
+def inner_mask(mask: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Return the pixels (h, w) bool of a mask far enough from its border.
+
+    The margin is less where `edges`, the photo's :func:`strong_edges`, are at the border. The
+    photo's frame is no border.
+    """
+    margin, blind_margin = (share * mask.shape[1] for share in (MARGIN_SHARE, BLIND_MARGIN_SHARE))
+    padded = cv2.copyMakeBorder(mask.astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_REPLICATE)
+    border = (cv2.erode(padded, np.ones((3, 3), np.uint8)) == 0)[1:-1, 1:-1] & mask
+    blind = border & ~edges
     distance = cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1]
     inner = mask & (distance > margin)
     if blind.any():

@@ -78,18 +78,19 @@ class SurfaceColour:
 
 
 def surface_colours(
-    image: np.ndarray, labels: np.ndarray, photo: str, rooms: Sequence[str]
+    image: np.ndarray, labels: np.ndarray, photo: str, rooms: Sequence[str], edges: np.ndarray
 ) -> list[SurfaceColour]:
     """Return the colours of the surfaces of a photo, for each room that it shows.
 
-    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8 (0 other, 1 floor, 2 wall, 3 ceiling);
-    clipped pixels and borders are left aside.
+    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8 (0 other, 1 floor, 2 wall, 3 ceiling),
+    `edges` (h, w) bool as of :func:`plan2scene.photos.crops.filter.strong_edges`; clipped pixels
+    and borders are left aside.
     """
     usable = unclipped(image)
     found = []
     for surface, label in _LABELS.items():
         mask = labels == label
-        inner = inner_mask(mask, image) & usable
+        inner = inner_mask(mask, edges) & usable
         if inner.sum() < MIN_SHARE * labels.size or inner.sum() < 0.2 * mask.sum():
             continue
         red, green, blue = (float(v) for v in np.median(srgb_to_linear(image[inner]), axis=0))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import re
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -17,6 +16,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
 from plan2scene.images import image_from_bytes, jpeg_bytes, read_image
 from plan2scene.io import read_json, write_json
+from plan2scene.parallel import each
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.candidates import (
     CropSettings,
@@ -27,6 +27,7 @@ from plan2scene.photos.crops.candidates import (
     rooms_by_size,
 )
 from plan2scene.photos.crops.colours import SeenColours, colours_of_photo, relit, write_colours
+from plan2scene.photos.crops.filter import inner_mask, strong_edges
 from plan2scene.photos.crops.house import agreeing
 from plan2scene.photos.crops.light import (
     SurfaceColour,
@@ -163,12 +164,11 @@ def draw_candidates(
     drawn: list[PhotoCandidate] = []
     seen: list[SeenColours] = []
     colours: list[SurfaceColour] = []
-    with ThreadPoolExecutor(threads) as pool:
-        found = pool.map(lambda photo: one(photo, photos[photo], rooms_of_photo[photo]), shown)
-        for of_photo, seen_here, of_surfaces in found:
-            drawn += of_photo
-            seen += seen_here
-            colours += of_surfaces
+    found = each(lambda photo: one(photo, photos[photo], rooms_of_photo[photo]), shown, threads)
+    for of_photo, seen_here, of_surfaces in found:
+        drawn += of_photo
+        seen += seen_here
+        colours += of_surfaces
     lights = estimate_light(colours)
     gains = house_gains(lights, colours)
     return Drawn(agreeing(drawn, lights) if settings.filter else drawn, seen, gains)
@@ -199,10 +199,12 @@ def _of_photo(
         camera = poses[photo].camera
     else:
         planes = planes_of_photo(image, labels, camera, rooms_by_size(house, rooms), settings)
-    drawn = candidates_of_photo(image, camera, planes, settings, names)
+    edges = strong_edges(image)
+    inner = [inner_mask(shown.plane.mask, edges) for shown in planes]
+    drawn = candidates_of_photo(image, camera, planes, settings, names, inner)
     _log.info("%s: %d candidates, camera %s", photo, len(drawn), camera.focal_source)
-    seen = colours_of_photo(image, camera, planes, photo)
-    return drawn, seen, surface_colours(image, labels, photo, rooms)
+    seen = colours_of_photo(image, camera, planes, photo, inner)
+    return drawn, seen, surface_colours(image, labels, photo, rooms, edges)
 
 
 def corrected(

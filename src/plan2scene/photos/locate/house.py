@@ -9,6 +9,7 @@ import numpy as np
 
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House
+from plan2scene.parallel import each
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels.palette import DOOR
 from plan2scene.photos.locate.confidence import Evidence, probability
@@ -41,28 +42,37 @@ class Shot:
     probabilities: np.ndarray | None = None
 
 
-def locate_shots(house: House, shots: Mapping[str, Shot]) -> dict[str, Pose]:
-    """Return the best pose of each photo that has a frame and a room, with its probability."""
+def locate_shots(house: House, shots: Mapping[str, Shot], threads: int = 1) -> dict[str, Pose]:
+    """Return the best pose of each photo that has a frame and a room, with its probability.
+
+    `threads` photos are searched at a time; the result does not depend on it.
+    """
     shapes = room_shapes(house)
     told = openings_told(shots.values())
     table = log_table(told)
-    searches: dict[str, list[RoomSearch]] = {}
-    for name, shot in shots.items():
-        if shot.camera.fallback or not shot.rooms:
-            continue
+
+    def search(shot: Shot) -> tuple[list[RoomSearch], list[Found]]:
         coarse, fine = (
             make_profile(shot.labels, shot.camera, table, blur, shot.probabilities)
             for blur in (COARSE_BLUR, FINE_BLUR)
         )
-        searches[name] = [
+        rooms = [
             RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), coarse, fine)
             for room_id in shot.rooms
         ]
-    found = {name: _best(rooms, HeightPrior()) for name, rooms in searches.items()}
-    prior = shared_height([poses for poses in found.values() if poses])
+        return rooms, _best(rooms, HeightPrior())
+
+    names = [name for name, shot in shots.items() if shot.rooms and not shot.camera.fallback]
+    searched = list(each(search, [shots[name] for name in names], threads))
+    found = [poses for _, poses in searched]
+    prior = shared_height([poses for poses in found if poses])
     if prior is not None:
-        found = {name: _best(rooms, prior) for name, rooms in searches.items()}
-    return {name: _pose(shots[name], poses, told) for name, poses in found.items() if poses}
+        found = list(each(lambda rooms: _best(rooms, prior), (s for s, _ in searched), threads))
+    return {
+        name: _pose(shots[name], poses, told)
+        for name, poses in zip(names, found, strict=True)
+        if poses
+    }
 
 
 def openings_told(shots: Iterable[Shot]) -> str:

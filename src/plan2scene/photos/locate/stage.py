@@ -28,6 +28,8 @@ def locate_photos(
     rooms_of_photo: Mapping[str, Sequence[str]],
     masks_dir: str | Path,
     output: str | Path,
+    *,
+    threads: int = 1,
 ) -> dict[str, Pose]:
     """Write a house's cameras.json and return the best pose of each photo that has one.
 
@@ -42,6 +44,8 @@ def locate_photos(
         Output of the masks stage.
     output : path
         The cameras of the masks stage with their places (``docs/conventions.md``).
+    threads : int
+        Photos searched at a time; the result does not depend on it.
     """
     folder = Path(masks_dir)
     file = folder / "cameras.json"
@@ -57,7 +61,7 @@ def locate_photos(
         for name, camera in sorted(cameras.items())
         if name in rooms_of_photo
     }
-    poses = locate_shots(house, shots)
+    poses = locate_shots(house, shots, threads)
     entries = {name: pose_to_json(cameras[name], poses.get(name)) for name in sorted(cameras)}
     write_json(output, entries)
     count = sum(pose.believed for pose in poses.values())

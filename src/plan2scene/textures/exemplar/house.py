@@ -13,15 +13,15 @@ Each tile's source says which way it went.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain
+from typing import Any
 
 import numpy as np
 
 from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab, srgb_to_linear
 from plan2scene.house import SurfaceKey
+from plan2scene.parallel import each
 from plan2scene.photos.crops.light import relight
 from plan2scene.textures.baselines.nearest import Crop
 from plan2scene.textures.exemplar.choice import ExemplarCrop
@@ -31,6 +31,7 @@ from plan2scene.textures.tiles import NoTile, Tile
 
 #: CIEDE2000 from a surface's colour beyond which its crops show something else.
 _OTHER_DE = 25.0
+_Found = tuple[SurfaceKey, Tile | NoTile]
 
 
 def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
@@ -47,21 +48,24 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
             groups.setdefault(crop.key, []).append(crop)
     shared = _shared_crops(surfaces, groups)
 
-    def of_one_material(keys: list[SurfaceKey]) -> list[tuple[SurfaceKey, Tile | NoTile]]:
-        found: list[tuple[SurfaceKey, Tile | NoTile]] = []
+    def of_one_material(keys: list[SurfaceKey]) -> tuple[list[_Found], dict[Hashable, Any]]:
+        known = set(inputs.data.exemplars)
+        found: list[_Found] = []
         for key in keys:
             surface, group = surfaces[key], groups[key]
             if not surface.material and _of_another_thing(group, surface.colour):
                 continue
             made = exemplar_of(inputs, group, surface.tone, shared.get(surface.material, ()))
             found.append((key, made or NoTile(f"none of {len(group)} crops is sharp enough")))
-        return found
+        return found, {k: made for k, made in inputs.data.exemplars.items() if k not in known}
 
     materials: dict[str, list[SurfaceKey]] = {}  # what shares a pattern makes it once
     for key in groups:
         materials.setdefault(surfaces[key].material or f"alone/{key.filename}", []).append(key)
-    with ThreadPoolExecutor(inputs.settings.threads) as pool:
-        for key, tile in chain.from_iterable(pool.map(of_one_material, materials.values())):
+    longest_first = sorted(materials.values(), key=lambda m: -sum(len(groups[key]) for key in m))
+    for found, exemplars in each(of_one_material, longest_first, inputs.settings.threads):
+        inputs.data.exemplars.update(exemplars)
+        for key, tile in found:
             if isinstance(tile, NoTile):
                 tiles[key] = tile
             else:

@@ -1,0 +1,79 @@
+"""A stage's items on several cores, each worked on in a process of its own."""
+
+from __future__ import annotations
+
+import ctypes
+import multiprocessing
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from typing import Any, TypeVar
+
+import cv2
+from threadpoolctl import threadpool_limits
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+#: Of prctl(2): the signal that a process gets when its parent dies.
+_SET_PARENT_DEATH_SIGNAL = 1
+#: What this process works at, where it is a worker: the function and its items.
+_function: Callable[[Any], Any] | None = None
+_items: Sequence[Any] = ()
+
+
+def each(
+    function: Callable[[Item], Result], items: Iterable[Item], workers: int
+) -> Iterator[Result]:
+    """Yield what a function returns of each item, in order, `workers` items at a time.
+
+    Many small numpy calls hold Python's lock, so threads hardly help them. The workers are forked
+    from this process: they know what it knows and nothing is sent to them; what they return, or
+    raise, is pickled. Numeric libraries use one thread meanwhile. Where forking is not safe
+    (systems but Linux, a process that has threads) the items are worked on in threads. The
+    results do not depend on `workers`.
+    """
+    given = list(items)
+    count = min(workers, len(given))
+    if count < 2:
+        yield from map(function, given)
+        return
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)  # ends OpenCV's threads, which would be missing in the workers
+    try:
+        with threadpool_limits(1):
+            if sys.platform == "linux" and threading.active_count() == 1:
+                yield from _forked(function, given, count)
+            else:
+                with ThreadPoolExecutor(count) as pool:
+                    yield from pool.map(function, given)
+    finally:
+        cv2.setNumThreads(threads)
+
+
+def _forked(
+    function: Callable[[Item], Result], items: Sequence[Item], count: int
+) -> Iterator[Result]:
+    """Yield the results in order, of forked workers."""
+    fork = multiprocessing.get_context("fork")
+    with ProcessPoolExecutor(count, fork, _begin, (function, items)) as pool:
+        try:
+            yield from pool.map(_result, range(len(items)))
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _begin(function: Callable[[Any], Any], items: Sequence[Any]) -> None:
+    """Make this process a worker, which ends when its parent does, however that ends."""
+    global _function, _items
+    ctypes.CDLL(None).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
+    _function, _items = function, items
+
+
+def _result(index: int) -> Any:
+    """Return the result of an item, in a worker."""
+    if _function is None:
+        raise RuntimeError("no worker")
+    return _function(_items[index])
