@@ -28,6 +28,19 @@ def test_tables_cover_all_room_types_and_sum_to_one(table: dict[str, dict[str, f
     assert set(table) == set(ROOM_TYPES)
     for shares in [*table.values(), *style.CEILING.values(), style.MAIN_FLOOR]:
         assert sum(shares.values()) == pytest.approx(1.0)
+    for plain in (style.PLAIN.floor, style.PLAIN.wall, style.PLAIN.ceiling):
+        assert "" in plain and set(plain) <= {"", *ROOM_TYPES}
+        assert all(sum(shares.values()) == pytest.approx(1.0) for shares in plain.values())
+
+
+def test_plain_homes_have_one_floor_and_one_paint() -> None:
+    for surface, least in (("floor", 0.55), ("wall", 0.75), ("ceiling", 0.75)):
+        shares = []
+        for house in HOUSES[:8]:
+            made = style.assign_materials(house, 2, size_px=32, style=style.PLAIN)
+            names = [made[SurfaceKey(room.id, surface)].name for room in house.rooms]
+            shares.append(Counter(names).most_common(1)[0][1] / len(names))
+        assert np.mean(shares) > least
 
 
 def test_correlations_of_homes() -> None:

@@ -6,6 +6,7 @@ The tables below are the whole model (docs/workshop.md).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -77,11 +78,48 @@ ROUGH_WALL = 0.25
 MAIN_ACCENT = 0.06
 
 
+@dataclass(frozen=True)
+class Style:
+    """How homes are done up: materials of a surface by the room's first type, "" for the others."""
+
+    floor: Mapping[str, Mapping[str, float]]
+    wall: Mapping[str, Mapping[str, float]]
+    ceiling: Mapping[str, Mapping[str, float]]
+    main_accent: float  #: chance that the main walls have a strong colour
+
+
+VARIED = Style(FLOOR, WALL, CEILING, MAIN_ACCENT)
+_OUTSIDE = ("Balcony", "Terrace", "Outdoor")
+#: Most homes as they are let and sold: one floor through nearly all rooms, one pale paint.
+PLAIN = Style(
+    {
+        **{name: FLOOR[name] for name in _OUTSIDE},
+        "Bedroom": {"main": 0.8, "bedroom": 0.2},
+        "Kitchen": {"main": 0.65, "wet": 0.15, "tile": 0.2},
+        "Bathroom": {"wet": 0.7, "tile": 0.2, "main": 0.1},
+        "Closet": {"neighbour": 0.85, "plaster": 0.1, "carpet": 0.05},
+        "": {"main": 0.94, "tile": 0.06},
+    },
+    {
+        **{name: WALL[name] for name in _OUTSIDE},
+        "Bathroom": {"main": 0.6, "wet": 0.3, "tile": 0.1},
+        "": {"main": 0.97, "tint": 0.03},
+    },
+    {**{name: CEILING[name] for name in _OUTSIDE}, "": {"main": 0.85, "wall": 0.15}},
+    0.0,
+)
+
+
 class _Stock:
     """The materials of one home: drawn when first asked for, the same ever after."""
 
     def __init__(
-        self, house_id: str, seed: int, textures: Sequence[Material], size_px: int
+        self,
+        house_id: str,
+        seed: int,
+        textures: Sequence[Material],
+        size_px: int,
+        main_accent: float,
     ) -> None:
         self._size_px = size_px
         self._seed = derive_seed(seed, "style", house_id)
@@ -92,7 +130,7 @@ class _Stock:
             "bedroom floor": self._bedroom_floor,
             "wet floor": lambda n: self._draw("tile", n),
             "wet wall": self._wet_wall,
-            "main wall": lambda n: self._wall(n, MAIN_ACCENT),
+            "main wall": lambda n: self._wall(n, main_accent),
             "main ceiling": self.white,
             "facade": lambda n: self._draw("plaster", n, kind="plaster"),
         }
@@ -177,7 +215,12 @@ def pick(rng: np.random.Generator, table: Mapping[str, float]) -> str:
 
 
 def assign_materials(
-    house: House, seed: int, textures: Sequence[Material] = (), *, size_px: int = 256
+    house: House,
+    seed: int,
+    textures: Sequence[Material] = (),
+    *,
+    size_px: int = 256,
+    style: Style = VARIED,
 ) -> dict[SurfaceKey, Material]:
     """Return the material of every surface of a house; the same seed gives the same.
 
@@ -185,13 +228,13 @@ def assign_materials(
     of their substance with the probability `TEXTURE_SHARE`; procedural tiles have `size_px` pixels
     a side.
     """
-    stock = _Stock(house.id, seed, textures, size_px)
+    stock = _Stock(house.id, seed, textures, size_px, style.main_accent)
     chosen: dict[SurfaceKey, Material] = {}
     followers: list[tuple[SurfaceKey, str]] = []
     for room in house.rooms:
         for surface in SURFACES:
             key = SurfaceKey(room.id, surface)
-            what = pick(stock.rng(room.id, surface, "what"), _table(room, surface))
+            what = pick(stock.rng(room.id, surface, "what"), _table(style, room, surface))
             if what in ("neighbour", "wall"):
                 followers.append((key, what))
             else:
@@ -205,11 +248,10 @@ def assign_materials(
     return {key: chosen[key] for key in house.surface_keys()}
 
 
-def _table(room: Room, surface: str) -> Mapping[str, float]:
+def _table(style: Style, room: Room, surface: str) -> Mapping[str, float]:
     """Return the probabilities of a surface by the room's first type."""
-    if surface == "ceiling":
-        return CEILING.get(room.types[0], CEILING[""])
-    return (FLOOR if surface == "floor" else WALL)[room.types[0]]
+    tables = {"floor": style.floor, "wall": style.wall, "ceiling": style.ceiling}[surface]
+    return tables[room.types[0] if room.types[0] in tables else ""]
 
 
 def _material(stock: _Stock, key: SurfaceKey, what: str) -> Material:

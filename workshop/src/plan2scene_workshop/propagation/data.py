@@ -1,42 +1,45 @@
 """Training houses of the propagation network: plans, styles and crops, without any rendering.
 
-A photo's crop of a surface is imitated by a metric window of its clean tile, as soft as crops of
-photos are, under what the light corrections leave of the light of its room (one gain and tint for
-a room, as one photo would have): that is what the embeddings of photographed surfaces vary by.
+A photo's crop of a surface is imitated by a metric window of its clean tile: as soft as crops of
+good photos are in some homes, spoiled as crops of bad ones in the others. Half of the homes are
+plain. The light of a room is not in the crops: embeddings are lit when they are used
+(:mod:`plan2scene_workshop.propagation.light`).
 """
 
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from plan2scene.house import ROOM_TYPES, SUBSTANCES, SURFACES, House, SurfaceKey
+from plan2scene.house import ROOM_TYPES, SURFACES, House, SurfaceKey
 from plan2scene.io import atomic_path
 from plan2scene.propagation.graph import house_graph
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.homes.floorplans import generate_house
-from plan2scene_workshop.homes.style import assign_materials
-from plan2scene_workshop.texture.degradation import CROP_PX, window
+from plan2scene_workshop.homes.style import PLAIN, VARIED, Style, assign_materials
+from plan2scene_workshop.texture.degradation import CROP_PX, ROOM_PHOTO, photograph, window
 
 #: Sides of the metric windows that crops are cut at (the crop stage's usual sizes).
 WINDOW_METRES = (0.5, 0.75, 1.0)
-#: Standard deviations of what white balance and exposure leave of the light (measured on rendered
-#: photos of the validation split: median dE2000 3.7, of it 1.6 in colour).
-EXPOSURE, TINT = 0.055, 0.012
+#: Shares of the homes that are plain, and whose crops are those of bad photos.
+PLAIN_SHARE, BAD_SHARE = 0.5, 0.5
+#: Those: light and colour of a whole crop are not of this table's making.
+BAD = replace(ROOM_PHOTO, white_balance=0.0, exposure=0.0)
 #: Share of a crop's pixels along a side that the photo had (the crop table's sharpness).
 SHARPNESS = (0.4, 1.0)
 _LOG = logging.getLogger("plan2scene")
 
 
-def lit(crop: np.ndarray, rng: np.random.Generator, tint: np.ndarray) -> np.ndarray:
-    """Return a crop under a room's light: per-channel gain `tint` and a smooth falloff."""
+def uneven(crop: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return a (128, 128, 3) uint8 crop under a smooth falloff of light."""
     slope = rng.normal(0.0, 0.06, 2)
     ramp = np.linspace(-1.0, 1.0, CROP_PX)
     field = 1.0 + slope[0] * ramp[:, None] + slope[1] * ramp[None]
-    return np.clip(crop * field[..., None] * tint, 0, 255).astype(np.uint8)
+    return np.clip(crop * field[..., None], 0, 255).astype(np.uint8)
 
 
 def softened(crop: np.ndarray, sharpness: float) -> np.ndarray:
@@ -46,22 +49,20 @@ def softened(crop: np.ndarray, sharpness: float) -> np.ndarray:
     return cv2.resize(small, (CROP_PX, CROP_PX), interpolation=cv2.INTER_CUBIC)
 
 
-def _house_crops(house: House, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return crops (n, 3, 128, 128, 3) uint8 and substances (n, 3) int of a house's surfaces."""
-    materials = assign_materials(house, derive_seed(seed, house.id, "style"))
+def _house_crops(house: House, seed: int, style: Style) -> np.ndarray:
+    """Return crops (n, 3, 128, 128, 3) uint8 of a house's surfaces."""
+    materials = assign_materials(house, derive_seed(seed, house.id, "style"), style=style)
     crops = np.zeros((len(house.rooms), len(SURFACES), CROP_PX, CROP_PX, 3), dtype=np.uint8)
-    substances = np.zeros(crops.shape[:2], dtype=np.int64)
+    bad = generator(seed, house.id, "camera").random() < BAD_SHARE
     for i, room in enumerate(house.rooms):
-        rng = generator(seed, house.id, room.id, "light")
-        tint = rng.normal(1.0, EXPOSURE) * (1.0 + rng.normal(0.0, TINT, 3))
+        rng = generator(seed, house.id, room.id, "crops")
         for j, surface in enumerate(SURFACES):
             material = materials[SurfaceKey(room.id, surface)]
             share = rng.choice(WINDOW_METRES) / material.size_m
             view = window(material.albedo, rng.random(2), share, 0.0)
             soft = softened(view, float(rng.uniform(*SHARPNESS)))
-            crops[i, j] = lit(soft, rng, tint)
-            substances[i, j] = SUBSTANCES.index(material.substance)
-    return crops, substances
+            crops[i, j] = photograph(soft, rng, BAD) if bad else uneven(soft, rng)
+    return crops
 
 
 def write_training_houses(output: str | Path, *, count: int, seed: int) -> None:
@@ -69,19 +70,19 @@ def write_training_houses(output: str | Path, *, count: int, seed: int) -> None:
 
     Arrays, rooms of all houses one after the other: ``house`` (n,) int, ``types`` (n, 12)
     float32, ``edges`` (2, m) int64 over global room rows, ``crops`` (n, 3, 128, 128, 3) uint8
-    (surfaces in the order of ``SURFACES``), ``substances`` (n, 3) int64.
+    (surfaces in the order of ``SURFACES``), ``plain`` (n,) bool.
     """
-    owners, types, edges, crops, substances = [], [], [], [], []
+    owners, types, edges, crops, plain = [], [], [], [], []
     rooms = 0
     for k in range(count):
         house = generate_house(f"train_{k:05d}", derive_seed(seed, "propagation", k))
         graph = house_graph(house, {})
-        house_crops, house_substances = _house_crops(house, seed)
+        is_plain = bool(generator(seed, house.id, "style").random() < PLAIN_SHARE)
         owners.append(np.full(len(house.rooms), k))
         types.append(graph.types)
         edges.append(graph.edges + rooms)
-        crops.append(house_crops)
-        substances.append(house_substances)
+        crops.append(_house_crops(house, seed, PLAIN if is_plain else VARIED))
+        plain.append(np.full(len(house.rooms), is_plain))
         rooms += len(house.rooms)
         if (k + 1) % 50 == 0:
             _LOG.info("%d of %d houses, %d rooms", k + 1, count, rooms)
@@ -92,5 +93,5 @@ def write_training_houses(output: str | Path, *, count: int, seed: int) -> None:
             types=np.concatenate(types).reshape(-1, len(ROOM_TYPES)),
             edges=np.concatenate(edges, axis=1),
             crops=np.concatenate(crops),
-            substances=np.concatenate(substances),
+            plain=np.concatenate(plain),
         )

@@ -15,6 +15,7 @@ from plan2scene.propagation.model import Network
 from plan2scene.propagation.predict import predict
 from plan2scene.propagation.prior import RULES, TypeMeans
 from plan2scene.seeds import generator
+from plan2scene_workshop.propagation.light import Light, lit
 from plan2scene_workshop.training.card import table
 
 #: Share of rooms hidden, as of photos in the paper's Unobserved column.
@@ -51,18 +52,24 @@ def predictors(networks: Mapping[str, Network], means: TypeMeans) -> dict[str, P
 
 
 def hidden_errors(
-    predictors: Mapping[str, Predictor], graphs: Sequence[HouseGraph], seed: int, repeats: int = 3
+    predictors: Mapping[str, Predictor],
+    homes: Sequence[tuple[HouseGraph, np.ndarray]],
+    seed: int,
 ) -> dict[str, HiddenErrors]:
-    """Return the errors of predictors on the same hidden rooms of fully known houses."""
+    """Return the errors of predictors on the same hidden rooms.
+
+    `homes` are what photos tell of fully photographed houses, and what their surfaces look like,
+    (n, 3, 11).
+    """
     rng = generator(seed, "hidden rooms")
     found: dict[str, list[tuple[np.ndarray, ...]]] = {name: [] for name in predictors}
-    for graph in [*graphs] * repeats:
+    for graph, embeddings in homes:
         hidden = rng.random(len(graph.room_ids)) < HIDDEN
         if not hidden.any():
             continue
         kept = graph.observed & ~hidden[:, None]
         shown = replace(graph, observed=kept, embeddings=graph.embeddings * kept[..., None])
-        truth = graph.embeddings[hidden].reshape(-1, graph.embeddings.shape[2])
+        truth = embeddings[hidden].reshape(-1, embeddings.shape[2])
         for name, run in predictors.items():
             values, confidence = run(shown)
             values = values[hidden].reshape(truth.shape)
@@ -73,6 +80,18 @@ def hidden_errors(
         name: HiddenErrors(*(np.concatenate(column) for column in zip(*rows, strict=True)))
         for name, rows in found.items()
     }
+
+
+def lit_homes(
+    graphs: Sequence[HouseGraph], light: Light, seed: int, repeats: int = 3
+) -> list[tuple[HouseGraph, np.ndarray]]:
+    """Return houses as photos of a light tell of them, each several times."""
+    rng = generator(seed, "held-out light")
+    homes = []
+    for graph in [*graphs] * repeats:
+        told, truth = lit(graph, rng, light)
+        homes.append((replace(graph, embeddings=told), truth))
+    return homes
 
 
 def _lab(embeddings: np.ndarray) -> np.ndarray:

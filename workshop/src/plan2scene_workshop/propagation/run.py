@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,11 +16,14 @@ from plan2scene.propagation.prior import TypeMeans, mean_by_type
 from plan2scene.provenance import file_hash
 from plan2scene.textures.model.embedding import embed_crops
 from plan2scene.textures.model.network import load_texture_model
+from plan2scene_workshop.propagation.light import CORRECTED, PHOTOS
 from plan2scene_workshop.propagation.measure import (
     HIDDEN,
+    Predictor,
     confidence_table,
     error_table,
     hidden_errors,
+    lit_homes,
     predictors,
 )
 from plan2scene_workshop.propagation.settings import PropagationSettings
@@ -37,15 +40,25 @@ Embeddings of surfaces that no photo shows, from the room-door-room graph (paper
 holds the mean embedding by room type and surface that NaiveSynth uses.
 """
 _FIGURES = """
-Held-out houses, {:.0%} of the rooms hidden, {} surfaces: mean absolute error of the embedding and
-CIEDE2000 of the median colours; gains over the mean of the room type.
+Held-out houses, {:.0%} of the rooms hidden: mean absolute error of the embedding and CIEDE2000 of
+the median colours; gains over the mean of the room type.
+"""
+_HOMES = """
+{}, {} surfaces:
 
 {}
 """
 _CONFIDENCE = """
-What a confidence is worth (same surfaces):
+What a confidence is worth (the last surfaces):
 
 """
+#: Held-out homes of the card: plain ones or varied, in which light.
+_HELD_OUT = {
+    "Varied homes, corrected light": (False, CORRECTED),
+    "Varied homes, photos' light": (False, PHOTOS),
+    "Plain homes, corrected light": (True, CORRECTED),
+    "Plain homes, photos' light": (True, PHOTOS),
+}
 _LIMITS = """
 It knows what the style model of the synthetic homes makes alike, and nothing of real homes.
 """
@@ -78,6 +91,8 @@ def train_propagation(
     graphs = split_graphs(data["house"], data["types"], data["edges"], codes)
     count = max(1, round(len(graphs) * settings.held_out_share))
     held_out, graphs = graphs[:count], graphs[count:]
+    first = np.unique(data["house"], return_index=True)[1]
+    plain = data["plain"][first]
     rows = slice(sum(len(graph.room_ids) for graph in held_out) * len(SURFACES), None)
     types = np.repeat(data["types"], len(SURFACES), axis=0)[rows]
     surface = np.tile(np.arange(len(SURFACES)), len(data["types"]))[rows]
@@ -90,19 +105,38 @@ def train_propagation(
         variant = replace(settings, **change)
         if variant != settings:
             networks[name] = train_network(graphs, held_out, variant, seed).network
-    errors = hidden_errors(predictors(networks, means), held_out, seed)
-    own = errors[settings.network]
-    figures = _FIGURES.format(HIDDEN, len(own.colour), error_table(errors))
-    if not np.isnan(own.confidence).all():
-        figures += _CONFIDENCE + confidence_table(own)
+    tried = predictors(networks, means)
+    figures = _figures(tried, settings.network, held_out, plain[:count], seed)
     seen = [
-        f"{len(graphs)} synthetic houses, {count} more held out: plans, styles and lit crops of "
-        "procedural materials. No photo is rendered and no real house is in it.",
+        f"{len(graphs)} synthetic houses ({plain[count:].mean():.0%} plain), {count} more held "
+        "out: plans, styles and crops of procedural materials, lit in training. No photo is "
+        "rendered and no real house is in it.",
         f"Embeddings of the texture models {file_hash(texture_model)}, {file_hash(naive_model)}.",
     ]
     write_card(
         card, Card("propagation", _WHAT, seen, settings, seed, figures, _LIMITS), trained, output
     )
+
+
+def _figures(
+    tried: Mapping[str, Predictor],
+    name: str,
+    held_out: Sequence[HouseGraph],
+    plain: np.ndarray,
+    seed: int,
+) -> str:
+    """Return the card's figures; `name` is the trained network's of those `tried`."""
+    figures = _FIGURES.format(HIDDEN)
+    for title, (is_plain, light) in _HELD_OUT.items():
+        homes = [graph for graph, it in zip(held_out, plain, strict=True) if it == is_plain]
+        if not homes:
+            continue
+        errors = hidden_errors(tried, lit_homes(homes, light, seed), seed)
+        own = errors[name]
+        figures += _HOMES.format(title, len(own.colour), error_table(errors))
+    if not np.isnan(own.confidence).all():
+        figures += _CONFIDENCE + confidence_table(own)
+    return figures
 
 
 def split_graphs(

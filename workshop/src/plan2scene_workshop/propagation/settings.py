@@ -17,6 +17,8 @@ class PropagationSettings:
     batch: int = 32  #: houses in a step (paper: 32)
     room_drop_share: float = 0.6  #: of the samples, those that hide whole rooms
 
+    photo_light_share: float = 0.6  #: of the samples, those in photos' own light
+
     # Optimiser: AdamW, a cosine to 0.
     steps: int = 3000
     learning_rate: float = 2e-3
