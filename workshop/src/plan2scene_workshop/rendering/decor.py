@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from plan2scene.house import SurfaceKey
 from plan2scene.materials import Material
 from plan2scene.seeds import derive_seed, generator
-from plan2scene_workshop.rendering.interiors import GLOW, Furnisher, RoomStyle
+from plan2scene_workshop.rendering.interiors import BULK, GLOW, Furnisher, RoomStyle
 from plan2scene_workshop.rendering.lights import LightPlan, black_body, draw_light, view_outside
+from plan2scene_workshop.rendering.linings import granite, grid_ceiling, panels
 from plan2scene_workshop.rendering.models import ModelShop
 from plan2scene_workshop.rendering.palette import FABRICS, Palette, draw_palette, pattern
 from plan2scene_workshop.rendering.randomised import random_surface
@@ -26,6 +27,11 @@ from plan2scene_workshop.rendering.tracer import Finish
 _PICTURES = tuple(f"poster{k}" for k in range(6))
 _RUGS = tuple(f"textile{k}" for k in range(6))
 _SKINS = tuple(f"skin{k}" for k in range(5))
+_TOPS = tuple(f"top{k}" for k in range(3))
+#: How often rooms are filled by each of `BULK`.
+_BULK_SHARES = (0.2, 0.22, 0.2, 0.1, 0.08)
+#: The material of boards on walls, and of beams.
+PANELLING = "panelling"
 
 
 @dataclass(frozen=True)
@@ -55,12 +61,36 @@ class Decor:
             material = self._any(rng)
             size = material.size_m * float(np.exp(rng.uniform(-1.2, 0.3)))
             made[name] = Finish(material.albedo, size, material.roughness)
+        if not self.listing:
+            more = generator(self.seed, "tops")
+            for name in _TOPS:
+                made[name] = self._top(more)
+            made[PANELLING] = self._panelling(more)
         return made
+
+    def _top(self, rng: np.random.Generator) -> Finish:
+        """Return what worktops and tables are covered by: stone or wood, mostly polished."""
+        rough = float(rng.uniform(0.05, 0.6))
+        real = [m for m in self.sources.textures if m.substance in ("wood", "tile")]
+        if real and rng.random() < 0.6:
+            material = real[int(rng.integers(len(real)))]
+            size = material.size_m * float(np.exp(rng.uniform(-0.7, 0.3)))
+            return Finish(_tinted(material.albedo, rng), size, rough)
+        return Finish(granite(rng), float(np.exp(rng.uniform(-1.2, 0.2))), rough)
+
+    def _panelling(self, rng: np.random.Generator) -> Finish:
+        """Return boards side by side."""
+        real = [m for m in self.sources.textures if m.substance == "wood"]
+        wood = real[int(rng.integers(len(real)))].albedo if real and rng.random() < 0.6 else None
+        size = float(np.exp(rng.uniform(-0.7, 0.4)))
+        return Finish(panels(rng, wood), size, float(rng.uniform(0.2, 0.8)))
 
     def materials(self, materials: Mapping[SurfaceKey, Material]) -> dict[SurfaceKey, Material]:
         """Return the materials of the rooms' surfaces: as they are, or randomised."""
-        if not self.randomised:
+        if self.listing:
             return dict(materials)
+        if not self.randomised:
+            return {key: self._plausible(key, found) for key, found in materials.items()}
         made = {}
         for key in materials:
             rng = generator(self.seed, "surface", *key)
@@ -72,6 +102,25 @@ class Decor:
             else:
                 made[key] = random_surface(key, derive_seed(self.seed, "surface", *key))
         return made
+
+    def _plausible(self, key: SurfaceKey, material: Material) -> Material:
+        """Return a surface's material, at times one that listings' homes hardly have."""
+        rng = generator(self.seed, "plausible", *key)
+        other = rng.random()
+        if key.surface == "ceiling" and other < 0.25:
+            return grid_ceiling(rng)
+        if key.surface == "ceiling" and other < 0.4:
+            return self._real(rng, ("wood", "plaster")) or random_surface(key, self.seed)
+        if key.surface == "wall" and other < 0.2:
+            return self._real(rng, ("tile", "wood", "plaster")) or material
+        if key.surface == "wall" and other < 0.35:
+            return random_surface(key, derive_seed(self.seed, "plausible", *key))
+        return material
+
+    def _real(self, rng: np.random.Generator, substances: tuple[str, ...]) -> Material | None:
+        wanted = str(rng.choice(substances))
+        real = [m for m in self.sources.textures if m.substance == wanted]
+        return real[int(rng.integers(len(real)))] if real else None
 
     def furnisher(self) -> Furnisher:
         """Return what fills the scene's rooms."""
@@ -153,7 +202,7 @@ class Decor:
 def draw_decor(sources: Sources, seed: int, *, randomised: bool) -> Decor:
     """Draw the look of one scene."""
     rng = generator(seed, "decor")
-    kind = "Office" if rng.random() < 0.15 else None
+    kind = "Office" if rng.random() < 0.2 else None
     if randomised and rng.random() < 0.3:
         kind = str(rng.choice(["Reception", "Bedroom", "Kitchen", "Office", "Bathroom"]))
     dense = rng.random() < 0.7
@@ -165,6 +214,8 @@ def draw_decor(sources: Sources, seed: int, *, randomised: bool) -> Decor:
         fabrics=(*FABRICS, *_RUGS),
         pictures=_PICTURES,
         lit=float(rng.choice([0.0, 0.5, 1.0])),
+        tops=_TOPS,
+        bulk=str(rng.choice(["", *BULK], p=[0.2, *_BULK_SHARES])),
     )
     palette = draw_palette(generator(seed, "palette"))
     return Decor(seed, sources, randomised, palette, style, ModelShop(sources.models))

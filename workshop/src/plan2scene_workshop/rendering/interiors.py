@@ -14,7 +14,7 @@ import shapely
 
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Room
-from plan2scene_workshop.rendering import living, pieces
+from plan2scene_workshop.rendering import goods, living, pieces
 from plan2scene_workshop.rendering.furniture import (
     LIKE,
     TRIES,
@@ -37,6 +37,8 @@ from plan2scene_workshop.rendering.shell import WallFace
 GLOW = "glow"
 #: Chance that a class is drawn from the models where both are there.
 _MODEL_SHARE = 0.75
+#: What some rooms are full of: racks of goods, worktops, tables, rows of seats, cupboards.
+BULK = ("racks", "counters", "tables", "rows", "cupboards")
 _TOPS = {"table", "desk", "cabinet", "nightstand", "coffee table"}
 
 
@@ -51,6 +53,8 @@ class RoomStyle:
     fabrics: tuple[str, ...]
     pictures: tuple[str, ...]
     lit: float  #: share of standing lamps that shine
+    tops: tuple[str, ...] = ()  #: of worktops and tables; none: there are none of :mod:`.goods`
+    bulk: str = ""  #: one of :data:`BULK`, or nothing
 
 
 class Furnisher:
@@ -78,6 +82,8 @@ class Furnisher:
         kind = self.style.kind or kind
         scale = min((room_polygon(room).area / TYPICAL_AREA) ** 0.8, 2.2)
         self._height = room.height
+        if self.style.tops:
+            self._fill(geometry, layout, rng, scale)
         for name, mean in ALONG_WALLS.get(kind, ()):
             for _ in range(draw_count(rng, mean * scale * self._factor(name))):
                 place_along_wall(geometry, layout, self.draw(rng, name), rng)
@@ -91,6 +97,39 @@ class Furnisher:
         self._hang_lamp(geometry, layout, room, rng)
         add_radiators(geometry, layout, rng)
 
+    def _fill(
+        self, geometry: Geometry, layout: Layout, rng: np.random.Generator, scale: float
+    ) -> None:
+        """Add what the room is full of, and boards on the walls."""
+        bulk = self.style.bulk
+        count = draw_count(rng, rng.uniform(1.5, 4.0) * scale) if bulk else 0
+        for _ in range(count):
+            piece = self._bulky(rng, bulk)
+            if bulk in ("tables", "rows") or (bulk == "counters" and rng.random() < 0.35):
+                place_free(geometry, layout, piece, rng)
+            else:
+                place_along_wall(geometry, layout, piece, rng)
+        for _ in range(draw_count(rng, 0.5)):
+            self._hang_up(geometry, layout, rng, goods.board(rng, self.palette), 1.0)
+
+    def _bulky(self, rng: np.random.Generator, bulk: str) -> Piece:
+        """Return a piece of one of :data:`BULK`."""
+        top = (str(rng.choice(list(self.style.tops))), pick(rng, self.palette.furniture))
+        top = top if rng.random() < 0.75 else pieces.hard(rng, self.palette)
+        height = self._height - 0.03
+        tall = height if rng.random() < 0.6 else float(rng.uniform(1.2, height))
+        if bulk == "racks":
+            return goods.rack(rng, self.palette, tall)
+        if bulk == "cupboards":
+            return goods.cupboard_wall(rng, self.palette, max(tall, 2.15))
+        if bulk == "counters":
+            return goods.counter(rng, self.palette, top)
+        if bulk == "tables":
+            return goods.long_table(rng, self.palette, top)
+        seat = self.shop.piece(rng, "chair", mounts=("floor",)) or pieces.chair(rng, self.palette)
+        desk = goods.long_table(rng, self.palette, top) if rng.random() < 0.5 else None
+        return goods.seat_rows(rng, desk, seat)
+
     def _factor(self, name: str) -> float:
         small = name in ("small", "heap", "toys", "papers", "carton")
         return self.style.clutter if small else self.style.crowd
@@ -100,7 +139,7 @@ class Furnisher:
         if name == "tall unit":
             return self._tall_unit(rng)
         if name == "papers":
-            return papers(rng, self.palette)
+            return goods.papers(rng, self.palette)
         if name == "dining set" and self.shop.has("table") and rng.random() < _MODEL_SHARE:
             return self._dining_set(rng)
         kind = {"coffee table": "table"}.get(name, name)
@@ -200,6 +239,16 @@ class Furnisher:
     ) -> None:
         """Hang a picture, poster, clock, screen or cupboard on a free piece of wall."""
         piece, bottom = self._hanging(rng, kitchen=kitchen)
+        self._hang_up(geometry, layout, rng, piece, bottom)
+
+    def _hang_up(
+        self,
+        geometry: Geometry,
+        layout: Layout,
+        rng: np.random.Generator,
+        piece: Piece,
+        bottom: float,
+    ) -> None:
         for _ in range(TRIES // 2):
             index = int(rng.integers(len(layout.faces)))
             face, half = layout.faces[index], piece.width / 2
@@ -240,16 +289,3 @@ class Furnisher:
         x, z = rng.uniform(0.35, 0.65) * np.array([x1 - x0, z1 - z0]) + (x0, z0)
         turn = placement(x, z, rng.uniform(0, 6.3), room.height - lamp.height)
         add_piece(geometry, lamp, turn @ placement(0, -lamp.depth / 2, 0))
-
-
-def papers(rng: np.random.Generator, palette: Palette) -> Piece:
-    """Return sheets, magazines and cloths lying flat on the floor."""
-    piece = Piece(rng.uniform(0.4, 1.2), rng.uniform(0.4, 1.0), 0.03)
-    for _ in range(int(rng.integers(2, 10))):
-        x = rng.uniform(-0.4, 0.4) * piece.width
-        z = rng.uniform(0.1, 0.9) * piece.depth
-        half = rng.uniform(0.07, 0.16, 2)
-        sheet = box((-half[0], 0.001, -half[1]), (half[0], rng.uniform(0.003, 0.03), half[1]))
-        colour = (0.8, 0.8, 0.78) if rng.random() < 0.5 else pick(rng, palette.accents)
-        piece.add(("paint", colour), sheet.moved(placement(x, z, rng.uniform(0, np.pi))))
-    return piece

@@ -60,6 +60,7 @@ class QuickTracer:
         lit = [(n, g, finishes[n]) for n, g in joined.items() if finishes[n].emission is not None]
         rows = dull + lit
         self.names = [name for name, _, _ in rows]
+        self.finishes = [finish for _, _, finish in rows]
         self.faces = faces_of(rows)
         surfaces = merge([_in_tiles(group, finish) for _, group, finish in dull])
         self._load(merge([surfaces, *(_in_tiles(g, f) for _, g, f in lit)]), rows)
@@ -168,6 +169,18 @@ class QuickTracer:
         none = face_index < 0
         where[none], depth[none], facing[none] = 0, 0, 0
         return Hits(face_index, where, facing, depth)
+
+    def mirrored(self, view: View, hits: Hits) -> NDArray[np.int64]:
+        """Return the face (h, w) that a mirror at each hit would show, -1 for none."""
+        mi = self._mi
+        ray = hits.position - np.array(view.position, np.float32)
+        ray /= np.maximum(np.linalg.norm(ray, axis=-1, keepdims=True), 1e-9)
+        ray -= 2 * (ray * hits.normal).sum(-1, keepdims=True) * hits.normal
+        start = hits.position + 2e-3 * hits.normal
+        points = [np.ascontiguousarray(v.reshape(-1, 3).T, np.float32) for v in (start, ray)]
+        _, valid, face, _ = self._cast(mi.Ray3f(mi.Point3f(points[0]), mi.Vector3f(points[1])))
+        number = np.array(self._dr.select(valid, mi.Int32(face), -1)).astype(np.int64)
+        return np.where(hits.face >= 0, number.reshape(hits.face.shape), -1)
 
     def albedo(self, view: View, size: tuple[int, int]) -> Image:
         """Return linear albedo (h, w, 3), of 2 x 2 samples a pixel; zero of emitters."""

@@ -15,7 +15,7 @@ from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.materials import Material
 from plan2scene.mesh.frames import FaceOpening
 from plan2scene.seeds import generator
-from plan2scene_workshop.rendering.decor import Decor
+from plan2scene_workshop.rendering.decor import PANELLING, Decor
 from plan2scene_workshop.rendering.fixtures import (
     DoorState,
     add_casing,
@@ -26,6 +26,7 @@ from plan2scene_workshop.rendering.fixtures import (
 )
 from plan2scene_workshop.rendering.furniture import furnish_room
 from plan2scene_workshop.rendering.geometry import Geometry
+from plan2scene_workshop.rendering.interiors import GLOW
 from plan2scene_workshop.rendering.lights import (
     add_lamps,
     draw_light,
@@ -33,6 +34,7 @@ from plan2scene_workshop.rendering.lights import (
     sky_finish,
     view_outside,
 )
+from plan2scene_workshop.rendering.linings import line_room
 from plan2scene_workshop.rendering.palette import (
     FABRICS,
     WOODS,
@@ -209,6 +211,9 @@ class _Builder:
                 self._add_opening(face, hole, hops)
         panes = [h for face in faces for h in face.openings if _is_window(h)]
         self._light(room, hops, sum((h.right - h.left) * (h.top - h.bottom) for h in panes))
+        if self.decor and not self.decor.listing:
+            rng = generator(self.seed, self.house.id, room.id, "linings")
+            line_room(self.geometry, room, faces, rng, glow=GLOW, panelling=PANELLING)
         if hops < REACH:
             rng = generator(self.seed, self.house.id, room.id, "furniture")
             cameras = [shapely.Point(v.position[0], v.position[2]) for v in self.views]

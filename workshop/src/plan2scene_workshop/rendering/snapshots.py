@@ -31,6 +31,7 @@ from plan2scene_workshop.rendering.lights import look_outside
 from plan2scene_workshop.rendering.photos import camera_record
 from plan2scene_workshop.rendering.quick import Hits, QuickTracer
 from plan2scene_workshop.rendering.scene import SKY, build_room_scene
+from plan2scene_workshop.rendering.shine import draw_gloss, flash_light, lamp_light, reflections
 from plan2scene_workshop.rendering.views import View
 
 #: Light's size as a share of the photo's, and its paths per pixel.
@@ -71,12 +72,13 @@ def shoot_room(
         house, room_id, decor.materials(materials), accents, (), seed, decor=decor
     )
     tracer = QuickTracer(scene.geometry, scene.finishes, mi)
+    gloss = draw_gloss(tracer.names, tracer.finishes, generator(seed, room_id, "gloss"))
     rng = generator(seed, house.id, room_id, "snapshots")
     for index, (view, size) in enumerate(
         choose_views(tracer, house.room(room_id), count, long_side, rng)
     ):
         view = replace(view, seed=derive_seed(seed, house.id, room_id, "snapshot", index))
-        yield _shoot(tracer, scene.outside, view, size, randomised=decor.randomised)
+        yield _shoot(tracer, scene.outside, gloss, view, size, randomised=decor.randomised)
 
 
 def choose_views(
@@ -159,20 +161,24 @@ def _score(tracer: QuickTracer, view: View, size: tuple[int, int]) -> float | No
     seen = hits.face >= 0
     if seen.mean() < 0.97 or (hits.depth[seen] < 0.35).mean() > 0.04:
         return None
-    if np.median(hits.depth[seen]) < 0.9:
-        return None
     labels = tracer.faces.labels[hits.face]
+    level = (labels == OTHER) & (hits.normal[..., 1] > 0.9)
+    tops = float((level & (np.abs(hits.position[..., 1] - 0.8) < 0.45)).mean())
+    if np.median(hits.depth[seen]) < (0.7 if tops > 0.1 else 0.9):
+        return None
     share = [float((labels == label).mean()) for label in (FLOOR, WALL, CEILING, OTHER)]
     if share[3] > 0.9 or max(share[:3]) > 0.85:
         return None
     floor, wall, ceiling, other = share
     score = 0.9 * min(floor, 0.15) / 0.15 + 0.5 * min(wall, 0.25) / 0.25
+    score += 0.5 * min(tops, 0.25) / 0.25
     return score + 0.1 * min(ceiling, 0.1) / 0.1 + 1.8 * min(other, 0.65) / 0.65
 
 
 def _shoot(
     tracer: QuickTracer,
     outside: NDArray[np.float32],
+    gloss: NDArray[np.float32],
     view: View,
     size: tuple[int, int],
     *,
@@ -191,12 +197,13 @@ def _shoot(
     )
     hits = tracer.hits(view, size)
     light = upsample(light, (small.normal, small.position), (hits.normal, hits.position))
-    light = light + _flash(view, hits, light, rng)
+    light = light + flash_light(view, hits, light, rng) + lamp_light(tracer, hits, light, rng)
     albedo = tracer.albedo(view, size)
     style = _wild(draw_style(rng), rng) if randomised or rng.random() < 0.7 else draw_style(rng)
+    shine = reflections(tracer, gloss, view, small, hits, light)
     light = merge_exposures(light, albedo.max(-1) > 0.02, style.range_kept)
     emitted = _emitted(tracer, outside, view, hits)
-    image = develop(light * albedo + emitted, albedo, style, rng)
+    image = develop(light * albedo + shine + emitted, albedo, style, rng)
     return Snapshot(
         view,
         image,
@@ -205,21 +212,6 @@ def _shoot(
         np.clip(np.round(hits.depth * 1000), 0, 65535).astype(np.uint16),
         camera_record(view, size, max(size) / 2 / float(np.tan(view.fov / 2)), ()),
     )
-
-
-def _flash(
-    view: View, hits: Hits, light: NDArray[np.float32], rng: np.random.Generator
-) -> NDArray[np.float32]:
-    """Return the light of a flash beside the lens, in an eighth of the photos."""
-    if rng.random() > 0.12:
-        return np.zeros_like(light)
-    ray = hits.position - np.array(view.position, np.float32)
-    far = np.maximum(np.linalg.norm(ray, axis=-1), 0.2)
-    facing = np.maximum(-(ray * hits.normal).sum(-1) / far, 0)
-    strength = float(np.median(light)) * float(np.exp(rng.uniform(0.5, 2.5)))
-    colour = np.exp(rng.normal(0, 0.05, 3)).astype(np.float32)
-    fall = strength * facing / far**2 * 2.0
-    return (np.where(hits.face >= 0, fall, 0)[..., None] * colour).astype(np.float32)
 
 
 def _emitted(
@@ -245,7 +237,7 @@ def _wild(style: CameraStyle, rng: np.random.Generator) -> CameraStyle:
         balance=(red, green, blue),
         cast_left=float(rng.uniform(0.0, 0.9)),
         shoulder=float(rng.uniform(0.5, 0.85)),
-        contrast=float(rng.uniform(0.85, 1.8)),
+        contrast=float(rng.uniform(0.95, 2.1)),
         vignette=float(rng.uniform(0.0, 0.4)),
         blur_px=float(np.exp(rng.uniform(-1.2, 0.6))),
         noise=float(np.exp(rng.uniform(-5.5, -3.0))),
