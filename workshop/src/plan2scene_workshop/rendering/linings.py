@@ -127,7 +127,7 @@ def _slope(
     if not plain:
         return
     face, low = plain[int(rng.integers(len(plain)))], rng.uniform(1.1, room.height - 0.4)
-    reach = rng.uniform(0.7, 2.2)
+    reach = min(rng.uniform(0.7, 2.2), 0.7 * room_polygon(room).area / face.length)
     rise = face.height - low
     corners = [
         face.at(0, low, 0.002),
