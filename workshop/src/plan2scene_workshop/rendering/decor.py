@@ -105,19 +105,21 @@ class Decor:
 
     def _plausible(self, key: SurfaceKey, material: Material) -> Material:
         """Return a surface's material, at times one that listings' homes hardly have."""
-        rng = generator(self.seed, "plausible", *key)
+        seed = derive_seed(self.seed, "plausible", *key)
+        rng = generator(seed)
         other = rng.random()
         if key.surface == "ceiling" and other < 0.25:
             return grid_ceiling(rng)
         if key.surface == "ceiling" and other < 0.4:
-            return self._real(rng, ("wood", "plaster")) or random_surface(key, self.seed)
+            return self._real(rng, ("wood", "plaster")) or random_surface(key, seed)
         if key.surface == "wall" and other < 0.2:
             return self._real(rng, ("tile", "wood", "plaster")) or material
         if key.surface == "wall" and other < 0.35:
-            return random_surface(key, derive_seed(self.seed, "plausible", *key))
+            return random_surface(key, seed)
         return material
 
     def _real(self, rng: np.random.Generator, substances: tuple[str, ...]) -> Material | None:
+        """Return a real texture of one of the substances; None where there is none."""
         wanted = str(rng.choice(substances))
         real = [m for m in self.sources.textures if m.substance == wanted]
         return real[int(rng.integers(len(real)))] if real else None

@@ -121,7 +121,7 @@ class Furnisher:
         if bulk == "racks":
             return goods.rack(rng, self.palette, tall)
         if bulk == "cupboards":
-            return goods.cupboard_wall(rng, self.palette, max(tall, 2.15))
+            return goods.cupboard_wall(rng, self.palette, min(max(tall, 2.15), height))
         if bulk == "counters":
             return goods.counter(rng, self.palette, top)
         if bulk == "tables":
@@ -249,6 +249,7 @@ class Furnisher:
         piece: Piece,
         bottom: float,
     ) -> None:
+        """Hang a piece on a free piece of wall, its lower edge at `bottom`."""
         for _ in range(TRIES // 2):
             index = int(rng.integers(len(layout.faces)))
             face, half = layout.faces[index], piece.width / 2
