@@ -193,6 +193,11 @@ def given(**inputs):
 HOUSE_THREADS = max(1, 4 // max(1, len(HOUSES)))
 
 
+def worker_memory(alone, each):
+    """Return the megabytes of a house's job that forks a worker for each of its threads."""
+    return alone + each * HOUSE_THREADS if HOUSE_THREADS > 1 else alone
+
+
 # A table of all houses reads one at a time; the sums of InceptionV3's 2048 features are large, and
 # Snakemake's own start names all the files.
 GATHERED_MEMORY = (2000 if config["metrics"]["inception"] else 1000) + len(HOUSES) // 50

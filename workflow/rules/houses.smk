@@ -50,7 +50,7 @@ rule house:
         "../../envs/plan2scene.yaml"
     threads: HOUSE_THREADS
     resources:
-        mem_mb=1500,
+        mem_mb=worker_memory(1500, 300),
     params:
         objects=config["house"]["objects"],
         relief=config["house"]["relief"],

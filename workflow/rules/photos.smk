@@ -67,7 +67,7 @@ rule crops:
         "../../envs/plan2scene.yaml"
     threads: HOUSE_THREADS
     resources:
-        mem_mb=1000,
+        mem_mb=worker_memory(1000, 300),
     params:
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),

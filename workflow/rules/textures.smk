@@ -62,7 +62,7 @@ rule textures:
         "../../envs/plan2scene.yaml"
     threads: HOUSE_THREADS
     resources:
-        mem_mb=1500,
+        mem_mb=worker_memory(1500, 1500),
     params:
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
