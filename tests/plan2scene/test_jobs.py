@@ -1,3 +1,4 @@
+import gc
 import subprocess
 import sys
 
@@ -61,3 +62,11 @@ def test_a_full_disk_is_one_line(tmp_path, capfd):
     line = f"ERROR file {tmp_path}: expected free space on the disk, found No space left on device"
     assert (tmp_path / "log.txt").read_text().splitlines() == [line]
     assert capfd.readouterr().err.splitlines() == [line]
+
+
+def test_a_job_looks_for_circles_less_often_and_puts_it_back():
+    usual = gc.get_threshold()
+    with job():
+        assert gc.get_threshold()[0] > 10 * usual[0]
+        assert gc.isenabled()
+    assert gc.get_threshold() == usual
