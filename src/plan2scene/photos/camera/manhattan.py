@@ -37,7 +37,8 @@ REWEIGHTING = (5.0, 4.0, 3.0, 2.2, 1.5, 1.5, 1.5)
 COST_WIDTH = 1.5
 #: Ratio of focal lengths within which one counts as right.
 RIGHT_WITHIN = 1.15
-N_PARAMETERS = 5
+#: Rotation vector, log focal length, bend: the turns come first.
+N_PARAMETERS, N_TURNS = 5, 3
 DIFFERENCE = 1e-5
 #: Residuals, in noise of a segment, that count as agreement.
 AGREES = 2.5
@@ -130,11 +131,22 @@ def refine_rotation(segments: Segments, frame: Manhattan, focal: float) -> np.nd
     return _refine(segments, state, focal, moves).axes[0]
 
 
+def _rays(segments: Segments, state: _State) -> tuple[np.ndarray, np.ndarray]:
+    """Return normals and middles (k, s, 3) of the segments through the lens of a state."""
+    return segments.bent_rays(np.exp(state.log_focal), state.bend)
+
+
 def _scaled(
-    segments: Segments, state: _State, nearest: np.ndarray | None = None
+    segments: Segments,
+    state: _State,
+    nearest: np.ndarray | None = None,
+    rays: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return residuals (k, s) over their noise to the nearest axis, and that axis (k, s)."""
-    normal, middle = segments.bent_rays(np.exp(state.log_focal), state.bend)
+    """Return residuals (k, s) over their noise to the nearest axis, and that axis (k, s).
+
+    `rays` are the state's own of :func:`_rays`, where they are known.
+    """
+    normal, middle = _rays(segments, state) if rays is None else rays
     if nearest is None:
         off = residuals(normal, middle, state.axes)
         distance = np.abs(off)
@@ -180,9 +192,10 @@ def _refine(segments: Segments, state: _State, prior: float, moves: np.ndarray) 
     """
     held = np.eye(N_PARAMETERS)[None] * (1.0 - moves + 1e-6)[:, None]
     for width in REWEIGHTING:
-        scaled, nearest = _scaled(segments, state)
+        rays = _rays(segments, state)
+        scaled, nearest = _scaled(segments, state, rays=rays)
         believed = _priors(state, prior)
-        slope, belief_slope = _jacobian(segments, state, prior, nearest)
+        slope, belief_slope = _jacobian(segments, state, prior, nearest, rays)
         slope, belief_slope = slope * moves[:, None], belief_slope * moves[:, None]
         trust = segments.weight * np.exp(-0.5 * (scaled / width) ** 2) / CORRELATION
         belief = 1.0 / (1.0 + 0.25 * believed**2)
@@ -199,7 +212,11 @@ def _refine(segments: Segments, state: _State, prior: float, moves: np.ndarray) 
 
 
 def _jacobian(
-    segments: Segments, state: _State, prior: float, nearest: np.ndarray
+    segments: Segments,
+    state: _State,
+    prior: float,
+    nearest: np.ndarray,
+    rays: tuple[np.ndarray, np.ndarray],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return derivatives (k, s, 5) of residuals and (k, 4, 5) of the prior's terms."""
     columns, beliefs = [], []
@@ -207,7 +224,9 @@ def _jacobian(
         step = np.zeros(N_PARAMETERS)
         step[index] = DIFFERENCE
         ahead, behind = state.turned(step), state.turned(-step)
-        change = _scaled(segments, ahead, nearest)[0] - _scaled(segments, behind, nearest)[0]
+        same = rays if index < N_TURNS else None  # a turn leaves the lens as it is
+        change = _scaled(segments, ahead, nearest, same)[0]
+        change = change - _scaled(segments, behind, nearest, same)[0]
         columns.append(change / (2 * DIFFERENCE))
         beliefs.append((_priors(ahead, prior) - _priors(behind, prior)) / (2 * DIFFERENCE))
     return np.stack(columns, axis=-1), np.stack(beliefs, axis=-1)
