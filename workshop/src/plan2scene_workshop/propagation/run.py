@@ -60,7 +60,8 @@ _HELD_OUT = {
     "Plain homes, photos' light": (True, PHOTOS),
 }
 _LIMITS = """
-It knows what the style model of the synthetic homes makes alike, and nothing of real homes.
+It knows what the style model of the synthetic homes makes alike, and of real homes only how far
+their light spreads.
 """
 
 
