@@ -12,6 +12,7 @@ with job(snakemake.log[0]):
     torch.set_num_threads(1)  # crops are worked on beside each other
     found, made, params = snakemake.input, snakemake.output, snakemake.params
     models = params.models
+    threads = {"threads": snakemake.threads}
     names = {"house": snakemake.wildcards.house, "dataset": params.dataset}
     make_embeddings(
         found.crops,
@@ -19,14 +20,14 @@ with job(snakemake.log[0]):
         models["texture"],
         models["naivesynth"],
         seed=params.seed,
-        threads=snakemake.threads,
+        **threads,
         **names,
     )
     tables = (made.surfaces, made.materials, made.propagated)
     for hidden, surfaces, materials, propagated in zip(
         params.hidden.values(), *tables, strict=True
     ):
-        select_surfaces(made.embeddings, found.crops, hidden, surfaces, **names)
+        select_surfaces(made.embeddings, found.crops, hidden, surfaces, **threads, **names)
         find_materials(
             found.scene, surfaces, made.embeddings, found.light, hidden, materials, **names
         )

@@ -82,8 +82,10 @@ def propagated_at(
 ) -> tuple[Path, Path]:
     """Write ``surfaces.parquet`` and ``propagated.parquet`` to `folder`; return both paths."""
     surfaces, propagated = folder / "surfaces.parquet", folder / "propagated.parquet"
-    names = {"house": house.files.house_id, "dataset": house.dataset}
-    select_surfaces(embeddings, house.files.crops, hidden_photos, surfaces, **names)
+    crops, house_id = house.files.crops, house.files.house_id
+    select_surfaces(
+        embeddings, crops, hidden_photos, surfaces, house=house_id, dataset=house.dataset
+    )
     propagated_from(surfaces, propagated, house, hidden_photos)
     return surfaces, propagated
 

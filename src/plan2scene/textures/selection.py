@@ -13,6 +13,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.parallel import each
 from plan2scene.photos.crops.sampling import medoid_index
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ def select_surfaces(
     *,
     house: str,
     dataset: str,
+    threads: int = 1,
 ) -> pd.DataFrame:
     """Choose a crop for every surface that a visible photo shows; write ``surfaces.parquet``.
 
@@ -46,6 +48,8 @@ def select_surfaces(
     ----------
     hidden_photos : collection of str
         Photos of the house that count as not taken.
+    threads : int
+        Surfaces worked on at a time; the choice does not depend on it.
     """
     import pandas as pd
 
@@ -62,8 +66,11 @@ def select_surfaces(
     table = crops.join(embeddings[own])
     table = table[~table["photo"].isin(set(hidden_photos))]
     groups = table.groupby(["room_id", "surface"], sort=True)
+    shown = dict(iter(groups))
+    chosen = each(_choose, shown.values(), threads)
     rows = [
-        {"room_id": room, "surface": surface, **_choose(group)} for (room, surface), group in groups
+        {"room_id": room, "surface": surface, **row}
+        for (room, surface), row in zip(shown, chosen, strict=True)
     ]
     frame = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
     models = {str(k): v for k, v in metadata.items() if k in ("model", "naive_model")}

@@ -50,7 +50,7 @@ def files(tmp_path):
 
 def select(files, hidden=()):
     embeddings, crops, output = files
-    select_surfaces(embeddings, crops, hidden, output, house="h", dataset="d")
+    select_surfaces(embeddings, crops, hidden, output, house="h", dataset="d", threads=2)
     frame, metadata = read_parquet(output)
     return frame.set_index(["room_id", "surface"]), metadata
 
