@@ -2,9 +2,9 @@
 
     python benchmarks/one_house.py --rounds 3
 
-The demo's house with the most photos, and the same house with its photos again and again under
-other names, enlarged to what phones and cameras give (a stand-in for a home of 57 photos). A row
-is a house and a number of cores: median seconds by the clock and of processors.
+Seven photos of the demo's house that has the most, and the same house with its photos again and
+again under other names, enlarged to what phones and cameras give (a stand-in for a home of 57
+photos). A row is a house and a number of cores: median seconds by the clock and of processors.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
-    houses = ((len({photo for _, photo in demo_house()[1]}), None), (57, (1024, 768)))
+    houses = ((7, None), (57, (1024, 768)))
     print(HEAD, "|---" * 5 + "|", sep="\n")
     for n_photos, size in houses:
         with tempfile.TemporaryDirectory() as folder:
