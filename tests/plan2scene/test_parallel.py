@@ -66,11 +66,11 @@ def test_a_fault_of_the_user_reaches_the_caller_as_it_was_raised():
 
 @linux
 def test_who_asks_for_no_more_leaves_no_worker():
-    threads = cv2.getNumThreads()
+    threads, others = cv2.getNumThreads(), set(psutil.Process().children())
     found = each(lambda k: k, range(100), 2)
     assert list(islice(found, 3)) == [0, 1, 2]
     found.close()
-    assert psutil.Process().children() == []
+    assert set(psutil.Process().children()) <= others  # of other tests here
     assert cv2.getNumThreads() == threads
 
 
