@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import gc
 import logging
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -37,6 +38,8 @@ def keep_freed_memory() -> None:
 def job(log: str | Path | None = None) -> Iterator[logging.Logger]:
     """Log to file `log` (and warnings to stderr); an InputError becomes one line and exit code 1.
 
+    Control-C ends it without a word (130).
+
     >>> with job(snakemake.log[0]) as logger:  # doctest: +SKIP
     ...     logger.info("12 crops")
     """
@@ -59,6 +62,8 @@ def job(log: str | Path | None = None) -> Iterator[logging.Logger]:
     except InputError as error:
         logger.error("%s", error)
         raise SystemExit(1) from None
+    except KeyboardInterrupt:
+        raise SystemExit(128 + signal.SIGINT) from None
     except Exception:
         logger.exception("unexpected failure")
         raise

@@ -69,6 +69,7 @@ def _begin(function: Callable[[Any], Any], items: Sequence[Any]) -> None:
     """Make this process a worker, which ends when its parent does, however that ends."""
     global _function, _items
     ctypes.CDLL(None).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Control-C is the parent's to answer
     _function, _items = function, items
 
 

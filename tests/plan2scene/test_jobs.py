@@ -70,3 +70,11 @@ def test_a_job_looks_for_circles_less_often_and_puts_it_back():
         assert gc.get_threshold()[0] > 10 * usual[0]
         assert gc.isenabled()
     assert gc.get_threshold() == usual
+
+
+def test_control_c_ends_a_job_without_a_word(tmp_path, capsys):
+    log = tmp_path / "x.log"
+    with pytest.raises(SystemExit) as stop, job(log):
+        raise KeyboardInterrupt
+    assert stop.value.code == 130
+    assert (log.read_text(), capsys.readouterr().err) == ("", "")
