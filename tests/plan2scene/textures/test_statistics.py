@@ -64,11 +64,11 @@ def test_moments_tell_joints_from_weave() -> None:
     joints = torch.full((1, 3, 128, 128), 0.7)
     joints[:, :, ::32] = 0.3
     joints[:, :, :, ::32] = 0.3
-    both = filters.moments(torch.cat([joints, stripes(4, size=128)]))
+    both = st.moments_of(filters.responses(torch.cat([joints, stripes(4, size=128)])))
     named = filters.bank.shape[0] - st._RANDOM_FILTERS
     first = slice(filters.bank.shape[0] + named, filters.bank.shape[0] + 2 * named)
     assert float(both[0, first].max()) > float(both[1, first].max()) + 1.0  # log kurtosis
-    assert bool(torch.isfinite(filters.moments(torch.zeros(1, 3, 128, 128))).all())
+    assert bool(torch.isfinite(st.moments_of(filters.responses(torch.zeros(1, 3, 128, 128)))).all())
 
 
 def test_colour_quantiles_of_known_values() -> None:

@@ -20,6 +20,7 @@ from plan2scene.textures.model.network import TextureModel, fast_decoding, load_
 from plan2scene.textures.model.statistics import FilterBankStatistics, gram_distance, grams_of
 from plan2scene.textures.model.synthesis import noise_seeds
 
+#: Crops at a time: few, whose responses stay in the processor's cache.
 _BATCH = 4
 #: Side of the part of a texture that is drawn for its score: a quarter of the work, and enough
 #: because a texture is everywhere alike.

@@ -87,10 +87,6 @@ class FilterBankStatistics(nn.Module):
         """Return :func:`grams_of` the images' responses."""
         return grams_of(self.responses(rgb))
 
-    def moments(self, rgb: torch.Tensor) -> torch.Tensor:
-        """Return :func:`moments_of` the images' responses."""
-        return moments_of(self.responses(rgb))
-
     def responses(self, rgb: torch.Tensor) -> Iterator[torch.Tensor]:
         """Yield the filters' responses (n, k, h, w) level by level."""
         image = opponent(rgb)
