@@ -19,7 +19,7 @@ from plan2scene.floorplans.parse import ID_PATTERN
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import read_parquet
 from plan2scene.propagation.house_colours import usual_colour
-from plan2scene.textures.exemplar.house import exemplar_of, recoloured
+from plan2scene.textures.exemplar.house import PLAIN, exemplar_of, recoloured
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import Tile
 
@@ -127,7 +127,8 @@ def with_accents(
             for crop in inputs.crops
             if crop.key == room and crop.crop_id.rpartition("_crop")[0] in accent.planes
         ]
-        tile = exemplar_of(inputs, crops, accent.colour) if crops else None
+        plain = known[room].substance == PLAIN
+        tile = exemplar_of(inputs, crops, accent.colour, plain=plain) if crops else None
         if tile is None:
             image = recoloured(tiles[room].image, accent.colour)
             source = f"{tiles[room].source}, in the colour of an accent wall"

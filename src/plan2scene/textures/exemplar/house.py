@@ -31,6 +31,8 @@ from plan2scene.textures.tiles import NoTile, Tile
 
 #: CIEDE2000 from a surface's colour beyond which its crops show something else.
 _OTHER_DE = 25.0
+#: Substance without spots of its own.
+PLAIN = "plaster"
 _Found = tuple[SurfaceKey, Tile | NoTile]
 
 
@@ -55,7 +57,9 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
             surface, group = surfaces[key], groups[key]
             if not surface.material and _of_another_thing(group, surface.colour):
                 continue
-            made = exemplar_of(inputs, group, surface.tone, shared.get(surface.material, ()))
+            others = shared.get(surface.material, ())
+            plain = surface.substance == PLAIN
+            made = exemplar_of(inputs, group, surface.tone, others, plain=plain)
             found.append((key, made or NoTile(f"none of {len(group)} crops is sharp enough")))
         return found, {k: made for k, made in inputs.data.exemplars.items() if k not in known}
 
@@ -105,14 +109,19 @@ def exemplar_of(
     crops: Sequence[Crop],
     tone: np.ndarray | None,
     shared: Sequence[Crop] = (),
+    *,
+    plain: bool = False,
 ) -> Tile | None:
     """Return the exemplar of a surface's crops in its tone (3,) sRGB; None of too poor ones.
 
     Where it shares a material, the pattern is that of all the material's crops, made once. The tone
     is known from more than crops, and goes for all methods. Without one the crops' own is kept.
+    `plain` as of :func:`~plan2scene.textures.exemplar.make.make_exemplar`.
     """
-    made = _made(inputs, shared, None) if len(shared) > len(crops) and tone is not None else None
-    made = made or _made(inputs, crops, tone)
+    made = None
+    if len(shared) > len(crops) and tone is not None:
+        made = _made(inputs, shared, None, plain=plain)
+    made = made or _made(inputs, crops, tone, plain=plain)
     if made is None:
         return None
     exemplar, names = made
@@ -124,15 +133,16 @@ def exemplar_of(
 
 
 def _made(
-    inputs: TextureInputs, crops: Sequence[Crop], tone: np.ndarray | None
+    inputs: TextureInputs, crops: Sequence[Crop], tone: np.ndarray | None, *, plain: bool
 ) -> tuple[Exemplar, tuple[str, ...]] | None:
     """Return the exemplar of crops, made once, and those in it; None if they are too poor."""
     size_px = inputs.settings.size_px
     names = tuple(crop.crop_id for crop in crops)
-    made, key = inputs.data.exemplars, (names, size_px, None if tone is None else tuple(tone))
+    key = (names, size_px, None if tone is None else tuple(tone), plain)
+    made = inputs.data.exemplars
     if key not in made:
         known = [_known(crop) for crop in crops]
-        made[key] = make_exemplar(known, size_px=size_px, tone=tone)
+        made[key] = make_exemplar(known, size_px=size_px, tone=tone, plain=plain)
     exemplar: Exemplar | None = made[key]
     return None if exemplar is None else (exemplar, tuple(names[k] for k in exemplar.crops))
 

@@ -92,9 +92,9 @@ def _beyond_material(field: np.ndarray) -> np.ndarray:
 
 def _slow(values: np.ndarray, masks: np.ndarray) -> np.ndarray:
     """Return the share of log values (n, s, s) that is light, 0 in the median of each crop."""
-    filled = np.stack([_filled(*pair) for pair in zip(values, masks, strict=True)])
-    terms = dctn(filled, axes=(1, 2), norm="ortho")
-    index = np.arange(filled.shape[1])
+    even = np.stack([filled(*pair) for pair in zip(values, masks, strict=True)])
+    terms = dctn(even, axes=(1, 2), norm="ortho")
+    index = np.arange(even.shape[1])
     radius = np.hypot(index[:, None], index[None, :])
     light = np.zeros_like(terms)
     for ring, share in _shares(terms, radius):
@@ -103,7 +103,7 @@ def _slow(values: np.ndarray, masks: np.ndarray) -> np.ndarray:
     return np.asarray(field - np.median(field, axis=(1, 2), keepdims=True))
 
 
-def _filled(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
+def filled(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Return (s, s) log values with masked ones replaced by their surroundings' mean."""
     if not mask.any():
         return luma

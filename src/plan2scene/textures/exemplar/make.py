@@ -22,7 +22,7 @@ from plan2scene.textures.exemplar.lattice import CropLattice, whole_periods
 from plan2scene.textures.exemplar.light import flatten, highlights, log_luma
 from plan2scene.textures.exemplar.quilt import Source, quilt
 from plan2scene.textures.exemplar.straighten import Cut, find_pattern, straightened
-from plan2scene.textures.exemplar.things import oddness
+from plan2scene.textures.exemplar.things import oddness, things
 from plan2scene.textures.exemplar.tone import consensus, enlarged, toned
 from plan2scene.textures.seams import with_calm_border
 
@@ -121,7 +121,11 @@ class Pattern:
 
 
 def find_surface(
-    crops: Sequence[ExemplarCrop], *, size_px: int, tone: np.ndarray | None = None
+    crops: Sequence[ExemplarCrop],
+    *,
+    size_px: int,
+    tone: np.ndarray | None = None,
+    plain: bool = False,
 ) -> tuple[Pattern, int] | None:
     """Return the pattern of the surface that `crops` show, and the side of its torus in pixels.
 
@@ -131,7 +135,7 @@ def find_surface(
     if not good:
         return None
     good = sharper(alike(good, tone))
-    pattern, work = _pattern(good, size_px)
+    pattern, work = _pattern(good, size_px, plain=plain)
     turned = zip(pattern.crops, pattern.turned, strict=True)
     images = [np.rot90(crop.image) if turn else crop.image for crop, turn in turned]
     corner = completed(images, pattern.flat, pattern.lattices, pattern.order, pattern.sides)
@@ -149,7 +153,9 @@ def find_surface(
     return replace(pattern, completed=own, lattices=[lattice], cut=cut), work
 
 
-def _pattern(good: Sequence[ExemplarCrop], size_px: int) -> tuple[Pattern, int]:
+def _pattern(
+    good: Sequence[ExemplarCrop], size_px: int, *, plain: bool = False
+) -> tuple[Pattern, int]:
     """Return the pattern of good crops, and the side of its torus in pixels."""
     work = work_size(size_px, len(good))
     flat, masks, colour, faults = _evened(good)
@@ -160,6 +166,8 @@ def _pattern(good: Sequence[ExemplarCrop], size_px: int) -> tuple[Pattern, int]:
     sides, size_m = tile_scale(good, work / WORK_PX)
     known = np.isfinite([crop.size_m for crop in good]).all()
     lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
+    if plain and not (cut.columns or cut.rows):
+        masks = masks | things(log_luma(flat), masks)
     order = [int(k) for k in np.argsort(faults, kind="stable")]
     large = [k for k in order if fits[k] and sides[k] * work >= _SMALLEST_PX]
     order = large or [int(sides.argmax())]
@@ -169,7 +177,11 @@ def _pattern(good: Sequence[ExemplarCrop], size_px: int) -> tuple[Pattern, int]:
 
 
 def make_exemplar(
-    crops: Sequence[ExemplarCrop], *, size_px: int, tone: np.ndarray | None = None
+    crops: Sequence[ExemplarCrop],
+    *,
+    size_px: int,
+    tone: np.ndarray | None = None,
+    plain: bool = False,
 ) -> Exemplar | None:
     """Return a seamless tile of the surface that `crops` show; None when all are too poor.
 
@@ -183,8 +195,11 @@ def make_exemplar(
         Side of the tile in pixels.
     tone : (3,) float, optional
         Colour that the surface is known to have, sRGB in [0, 1]: says which crops are of it.
+    plain : bool
+        Whether the surface is known to have no spots of its own, as plaster: small things on it,
+        outlets and switches, are left out.
     """
-    found = find_surface(crops, size_px=size_px, tone=tone)
+    found = find_surface(crops, size_px=size_px, tone=tone, plain=plain)
     if found is None:
         return None
     pattern, work = found

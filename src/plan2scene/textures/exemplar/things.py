@@ -1,10 +1,12 @@
-"""Things on plain surfaces, outlets, switches, stickers, that other crops do not show."""
+"""Things on plain surfaces: outlets, switches, stickers, hooks, spots of light."""
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from plan2scene.textures.exemplar.grain import pattern_band
+from plan2scene.textures.exemplar.light import filled
 
 #: High percentile over the median of what a crop's pattern varies by: noise and plaster have 5 to
 #: 10, a thing on them more, as do joints of tiles (from 12 on).
@@ -13,6 +15,13 @@ PLAIN = 10.0
 _HIGH = 99.97
 #: Share of the crops that have to be plain for their surface to be so.
 _SOME = 0.25
+_FAINT = 0.5  # of what makes a thing its fainter parts have at least: a switch's plate
+_HALO = 0.4  # of a part's peak, under which it is a halo
+_AROUND = 9  # pixels over which a part spreads: the pattern's band is blurred
+_RIM = 4  # pixels about a thing's box that go with it
+_ROUNDS = 12  # parts of all things
+_FEW = 4  # things in a crop at most; a pattern has more
+_SMALL = 0.35  # side of a thing over the crop's, at most; joints are longer
 
 
 def oddness(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
@@ -20,11 +29,73 @@ def oddness(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
 
     `luma` (n, s, s) log grey values, `masks` (n, s, s) bool pixels to leave out.
     """
-    ratio = np.ones(len(luma))
-    for k, (one, mask) in enumerate(zip(luma, masks, strict=True)):
-        away = np.abs(pattern_band(one)[~mask])
-        if len(away):
-            ratio[k] = np.percentile(away, _HIGH) / max(float(np.median(away)), 1e-6)
+    ratio = np.array([_ratio(*pair) for pair in zip(luma, masks, strict=True)])
     if not len(ratio) or np.quantile(ratio, _SOME) > PLAIN:
         return np.zeros(len(ratio))
     return np.asarray(np.maximum(np.log(ratio / PLAIN), 0.0))
+
+
+def things(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
+    """Return the pixels of things (n, s, s) bool on crops that are plain without them.
+
+    A thing is small, and there are few: what is long, or there many times, is the pattern.
+    Parameters as of :func:`oddness`.
+    """
+    found = np.stack([_things(*pair) for pair in zip(luma, masks, strict=True)])
+    return np.asarray(found & ~masks)
+
+
+def _away(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Return how far a crop's pattern is from nothing (s, s), in its usual distance; 0 if masked.
+
+    Masked pixels do not count for what is beside them.
+    """
+    away = np.where(mask, 0.0, np.abs(pattern_band(filled(luma, mask))))
+    usual = float(np.median(away[~mask])) if not mask.all() else 1.0
+    return np.asarray(away / max(usual, 1e-6))
+
+
+def _ratio(luma: np.ndarray, mask: np.ndarray) -> float:
+    """Return the high percentile of how far a crop's pattern is away; 1 where all is masked."""
+    return float(np.percentile(_away(luma, mask)[~mask], _HIGH)) if not mask.all() else 1.0
+
+
+def _things(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Return the pixels of things (s, s) bool on one crop; none where it is not plain without.
+
+    The strongest part goes first: it throws a halo into the band that the next is found in.
+    """
+    found = np.zeros_like(mask)
+    for _ in range(_ROUNDS):
+        if _ratio(luma, mask | found) <= PLAIN:
+            return _boxed(found)
+        found |= _strongest(_away(luma, mask | found))
+        if not _few_and_small(found):
+            break
+    return np.zeros_like(mask)
+
+
+def _strongest(away: np.ndarray) -> np.ndarray:
+    """Return the pixels (s, s) bool of the part that is farthest away."""
+    peak = float(away.max())
+    parts = (away > max(_FAINT * PLAIN, _HALO * peak)).astype(np.uint8)
+    _, places = cv2.connectedComponents(parts, connectivity=8)
+    one = places == places[np.unravel_index(int(away.argmax()), away.shape)]
+    return cv2.dilate(one.astype(np.uint8), np.ones((_AROUND, _AROUND), np.uint8)) > 0
+
+
+def _boxed(found: np.ndarray) -> np.ndarray:
+    """Return the boxes about things (s, s) bool: a plate is fainter than what is on it."""
+    mask = np.zeros_like(found)
+    _, _, boxes, _ = cv2.connectedComponentsWithStats(found.astype(np.uint8), connectivity=8)
+    for left, top, width, height, _ in boxes[1:]:
+        rows = slice(max(0, top - _RIM), top + height + _RIM)
+        mask[rows, max(0, left - _RIM) : left + width + _RIM] = True
+    return mask
+
+
+def _few_and_small(found: np.ndarray) -> bool:
+    """Return whether pixels (s, s) bool are few things, none of them long."""
+    count, _, boxes, _ = cv2.connectedComponentsWithStats(found.astype(np.uint8), connectivity=8)
+    sides = boxes[1:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]]
+    return bool(count - 1 <= _FEW and (sides <= _SMALL * len(found)).all())

@@ -1,0 +1,71 @@
+"""Things on plain surfaces: outlets and switches go, patterns stay."""
+
+import cv2
+import numpy as np
+import pytest
+
+from plan2scene.textures.exemplar.choice import ExemplarCrop
+from plan2scene.textures.exemplar.light import log_luma
+from plan2scene.textures.exemplar.make import make_exemplar
+from plan2scene.textures.exemplar.things import oddness, things
+
+SIZE = 128
+NOTHING = np.zeros((1, SIZE, SIZE), bool)
+
+
+def plaster(seed: int) -> np.ndarray:
+    """Noise as of plaster, (128, 128, 3) uint8."""
+    rng = np.random.default_rng(seed)
+    grain = cv2.GaussianBlur(rng.normal(0, 1, (SIZE, SIZE)), (0, 0), 2.0)
+    return np.clip(190 + 12 * grain[..., None] * np.ones(3), 0, 255).astype(np.uint8)
+
+
+def with_switch(image: np.ndarray, corner: tuple[int, int] = (40, 50)) -> np.ndarray:
+    """A plate with a dark rim and a toggle on it, 14 x 20 px."""
+    shown = image.copy()
+    row, column = corner
+    cv2.rectangle(shown, (column, row), (column + 14, row + 20), (90, 90, 90), 2)
+    cv2.rectangle(shown, (column + 5, row + 7), (column + 9, row + 13), (40, 40, 40), -1)
+    return shown
+
+
+def found(image: np.ndarray) -> np.ndarray:
+    return things(log_luma(image[None] / 255.0), NOTHING)[0]
+
+
+def test_a_switch_is_found_and_little_else() -> None:
+    mask = found(with_switch(plaster(0)))
+    assert mask[40:61, 50:65].all()
+    assert mask.mean() < 0.08
+    assert not found(plaster(0)).any()
+
+
+@pytest.mark.parametrize("pattern", ["joint", "dots"])
+def test_what_is_long_or_there_many_times_is_the_pattern(pattern: str) -> None:
+    image = plaster(1)
+    if pattern == "joint":
+        image[60:64] = 60
+    else:
+        for row in range(10, SIZE, 24):
+            for column in range(10, SIZE, 24):
+                cv2.circle(image, (column, row), 4, (40, 40, 40), -1)
+    assert oddness(log_luma(image[None] / 255.0), NOTHING)[0] == 0.0
+    assert not found(image).any()
+
+
+def test_masked_pixels_are_no_things() -> None:
+    image, mask = with_switch(plaster(2)), NOTHING.copy()
+    mask[0, 30:75, 40:80] = True
+    luma = log_luma(image[None] / 255.0)
+    assert not things(luma, mask).any()
+    assert not things(luma, np.ones_like(mask)).any()
+
+
+def test_a_plain_surface_of_which_all_crops_show_a_switch_is_tiled_without_it() -> None:
+    crops = [ExemplarCrop(with_switch(plaster(k), (30 + 5 * k, 40)), 0.8, 1.0) for k in range(4)]
+    kept = make_exemplar(crops, size_px=SIZE)
+    plain = make_exemplar(crops, size_px=SIZE, plain=True)
+    assert kept is not None
+    assert plain is not None
+    assert kept.image.min() < 100
+    assert plain.image.min() > 140
