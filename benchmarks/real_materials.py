@@ -1,0 +1,69 @@
+"""Which surfaces of real flats are said to be one material, against what was seen.
+
+``python benchmarks/real_materials.py RESULTS FLAT... [--substances CSV]``
+
+RESULTS is a data set's folder of results, FLAT a folder named as its house. The CSV
+(``benchmarks/substances.csv``) has what each surface is of as seen by eye; in the flats it names
+surfaces of one kind and substance are one material, all walls of a flat one white paint in light
+that makes them 2 to 30 dE2000 apart. A pair is two rooms' surfaces of one kind, both with crops;
+it is joined when ``materials.parquet`` gives both one material.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections import Counter
+from itertools import combinations
+from pathlib import Path
+
+from real_house import markdown
+
+from plan2scene.house import SURFACES
+from plan2scene.io import read_parquet
+
+Surface = tuple[str, str]  # room, surface
+
+
+def pairs(results: Path, house: str, seen: dict[Surface, str]) -> Counter[tuple[str, bool, bool]]:
+    """Return how many pairs there are by kind, by whether they are one material, and joined."""
+    table, _ = read_parquet(results / "drop_0.0" / house / "materials.parquet")
+    joined = {(row.room_id, row.surface): row.material for row in table.itertuples()}
+    crops, _ = read_parquet(results / "houses" / house / "crops.parquet")
+    shown = set(zip(crops["room_id"], crops["surface"], strict=True))
+    found: Counter[tuple[str, bool, bool]] = Counter()
+    for kind in SURFACES:
+        surfaces = sorted(key for key in shown & set(seen) if key[1] == kind)
+        for a, b in combinations(surfaces, 2):
+            together = a in joined and joined[a] == joined.get(b)
+            found[kind, seen[a] == seen[b], together] += 1
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=Path)
+    parser.add_argument("flats", type=Path, nargs="+")
+    parser.add_argument(
+        "--substances", type=Path, default=Path(__file__).with_name("substances.csv")
+    )
+    given = parser.parse_args()
+    seen: dict[str, dict[Surface, str]] = {}
+    with given.substances.open(newline="") as file:
+        for row in csv.DictReader(file):
+            of_flat = seen.setdefault(row["flat"], {})
+            of_flat[row["room_id"], row["surface"]] = row["substance"]
+    rows = []
+    for flat in given.flats:
+        count = pairs(given.results, flat.name, seen[flat.name])
+        for kind in SURFACES:
+            row: dict[str, object] = {"house": flat.name, "kind": kind}
+            for one, name in ((True, "one"), (False, "two")):
+                row[f"pairs of {name}"] = count[kind, one, True] + count[kind, one, False]
+                row["joined" if one else "joined wrongly"] = count[kind, one, True]
+            rows.append(row)
+    print(markdown(rows))
+
+
+if __name__ == "__main__":
+    main()
