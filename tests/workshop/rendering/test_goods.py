@@ -10,7 +10,7 @@ import shapely
 
 from plan2scene.house import House, Opening, Room, Wall
 from plan2scene.photos.labels.palette import CEILING, OTHER, WALL
-from plan2scene_workshop.rendering import goods, linings, pieces
+from plan2scene_workshop.rendering import bedding, goods, linings, pieces
 from plan2scene_workshop.rendering.decor import draw_decor, listing_decor
 from plan2scene_workshop.rendering.furniture import Layout
 from plan2scene_workshop.rendering.geometry import Geometry, Solid, merge
@@ -26,6 +26,7 @@ _MAKERS = {
     "counter": lambda rng, palette: goods.counter(rng, palette, TOP),
     "cupboards": lambda rng, palette: goods.cupboard_wall(rng, palette, HEIGHT),
     "rack": lambda rng, palette: goods.rack(rng, palette, HEIGHT),
+    "bed": lambda rng, palette: bedding.covered_bed(rng, palette, TOP),
     "board": goods.board,
     "papers": goods.papers,
 }
@@ -63,6 +64,9 @@ def test_pieces_stand_in_their_footprint(name: str, seed: int) -> None:
     assert max(-low[0], high[0]) < piece.width / 2 + spare and high[2] < piece.depth + spare
     if name in ("rack", "cupboards"):
         assert high[1] == pytest.approx(HEIGHT, abs=0.05)
+    if name == "bed":
+        cover = np.concatenate([s.vertices for look, s, _ in piece.parts if look == TOP[0]])
+        assert np.ptp(cover, axis=0)[[0, 2]].min() > 0.85  # over all of it
     if name in ("table", "counter"):
         tops = [s for look, s, _ in piece.parts if look == TOP[0]]
         assert max(s.vertices[:, 1].max() for s in tops) == pytest.approx(piece.height)
@@ -150,7 +154,12 @@ def test_rectangles_make_up_their_region() -> None:
 
 def test_tiles_are_drawn_from_the_seed() -> None:
     made = [
-        (linings.grid_ceiling(rng).albedo, linings.granite(rng), linings.panels(rng, None))
+        (
+            linings.grid_ceiling(rng).albedo,
+            linings.granite(rng),
+            linings.panels(rng, None),
+            bedding.patchwork(rng),
+        )
         for rng in (np.random.default_rng(5), np.random.default_rng(5))
     ]
     for first, again in zip(*made, strict=True):
@@ -161,18 +170,21 @@ def test_tiles_are_drawn_from_the_seed() -> None:
 def test_listings_rooms_stay_plain() -> None:
     """Nothing of this is in the photos of listings."""
     listing, snapshot = listing_decor(Sources(), 3), draw_decor(Sources(), 3, randomised=False)
-    assert "top0" not in listing.finishes() and "top0" in snapshot.finishes()
+    for name in ("top0", "quilt0"):
+        assert name not in listing.finishes() and name in snapshot.finishes()
+    assert set(listing.style.bedding) <= set(listing.finishes())
     assert listing.style.tops == () and listing.style.bulk == ""
 
 
-def test_rooms_are_filled_with_their_bulk() -> None:
+@pytest.mark.parametrize(("bulk", "low"), [("racks", 1.2), ("beds", 0.35)])
+def test_rooms_are_filled_with_their_bulk(bulk: str, low: float) -> None:
     room, faces = _one_room()
     decor = draw_decor(Sources(), 1, randomised=False)
-    style = replace(decor.style, bulk="racks", crowd=0.0, clutter=0.0)
+    style = replace(decor.style, bulk=bulk, crowd=0.0, clutter=0.0)
     furnisher = replace(decor, style=style).furnisher()
     furnisher._height = HEIGHT
     layout, geometry = Layout(room, faces, ()), Geometry()
     furnisher._fill(geometry, layout, np.random.default_rng(0), 1.0)
-    assert len(layout.taken) >= 2  # a rack beside the door's clearance
+    assert len(layout.taken) >= 2  # a piece beside the door's clearance
     top = max(group.solid.vertices[:, 1].max() for group in geometry.joined().values())
-    assert 1.2 <= top <= HEIGHT
+    assert low <= top <= HEIGHT

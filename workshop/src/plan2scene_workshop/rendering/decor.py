@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from plan2scene.house import SurfaceKey
 from plan2scene.materials import Material
 from plan2scene.seeds import derive_seed, generator
+from plan2scene_workshop.rendering.bedding import patchwork
 from plan2scene_workshop.rendering.interiors import BULK, GLOW, Furnisher, RoomStyle
 from plan2scene_workshop.rendering.lights import LightPlan, black_body, draw_light, view_outside
 from plan2scene_workshop.rendering.linings import granite, grid_ceiling, panels
@@ -27,9 +28,10 @@ from plan2scene_workshop.rendering.tracer import Finish
 _PICTURES = tuple(f"poster{k}" for k in range(6))
 _RUGS = tuple(f"textile{k}" for k in range(6))
 _SKINS = tuple(f"skin{k}" for k in range(5))
+_QUILTS = tuple(f"quilt{k}" for k in range(3))
 _TOPS = tuple(f"top{k}" for k in range(3))
 #: How often rooms are filled by each of `BULK`.
-_BULK_SHARES = (0.2, 0.22, 0.2, 0.1, 0.08)
+_BULK_SHARES = (0.16, 0.18, 0.16, 0.08, 0.07, 0.15)
 #: The material of boards on walls, and of beams.
 PANELLING = "panelling"
 
@@ -66,6 +68,8 @@ class Decor:
             for name in _TOPS:
                 made[name] = self._top(more)
             made[PANELLING] = self._panelling(more)
+            for name in _QUILTS:
+                made[name] = Finish(patchwork(more), float(np.exp(more.uniform(-1.2, 0.7))), 1.0)
         return made
 
     def _top(self, rng: np.random.Generator) -> Finish:
@@ -213,6 +217,7 @@ def draw_decor(sources: Sources, seed: int, *, randomised: bool) -> Decor:
         clutter=float(rng.uniform(1.0, 3.2) if dense else rng.uniform(0.1, 0.9)),
         kind=kind,
         skins=_SKINS if randomised else (),
+        bedding=(*_QUILTS, *FABRICS, *_RUGS),
         fabrics=(*FABRICS, *_RUGS),
         pictures=_PICTURES,
         lit=float(rng.choice([0.0, 0.5, 1.0])),
@@ -231,6 +236,7 @@ def listing_decor(sources: Sources, seed: int) -> Decor:
         clutter=float(rng.uniform(0.4, 1.0)),
         kind=None,
         skins=(),
+        bedding=(*FABRICS, *_RUGS),
         fabrics=(*FABRICS, *_RUGS),
         pictures=_PICTURES,
         lit=float(rng.choice([0.0, 0.5])),

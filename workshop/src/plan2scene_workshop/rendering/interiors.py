@@ -15,6 +15,7 @@ import shapely
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Room
 from plan2scene_workshop.rendering import goods, living, pieces
+from plan2scene_workshop.rendering.bedding import covered_bed
 from plan2scene_workshop.rendering.furniture import (
     LIKE,
     TRIES,
@@ -37,8 +38,8 @@ from plan2scene_workshop.rendering.shell import WallFace
 GLOW = "glow"
 #: Chance that a class is drawn from the models where both are there.
 _MODEL_SHARE = 0.75
-#: What some rooms are full of: racks of goods, worktops, tables, rows of seats, cupboards.
-BULK = ("racks", "counters", "tables", "rows", "cupboards")
+#: What some rooms are full of: racks of goods, worktops, tables, rows of seats, cupboards, beds.
+BULK = ("racks", "counters", "tables", "rows", "cupboards", "beds")
 _TOPS = {"table", "desk", "cabinet", "nightstand", "coffee table"}
 
 
@@ -50,6 +51,7 @@ class RoomStyle:
     clutter: float  #: factor on small things and what hangs on the walls
     kind: str | None  #: instead of the room's type
     skins: tuple[str, ...]  #: textures laid over models; none: as they are
+    bedding: tuple[str, ...]
     fabrics: tuple[str, ...]
     pictures: tuple[str, ...]
     lit: float  #: share of standing lamps that shine
@@ -105,7 +107,8 @@ class Furnisher:
         count = draw_count(rng, rng.uniform(1.5, 4.0) * scale) if bulk else 0
         for _ in range(count):
             piece = self._bulky(rng, bulk)
-            if bulk in ("tables", "rows") or (bulk == "counters" and rng.random() < 0.35):
+            free = {"tables": 1.0, "rows": 1.0, "counters": 0.35, "beds": 0.3}.get(bulk, 0.0)
+            if rng.random() < free:
                 place_free(geometry, layout, piece, rng)
             else:
                 place_along_wall(geometry, layout, piece, rng)
@@ -118,6 +121,9 @@ class Furnisher:
         top = top if rng.random() < 0.75 else pieces.hard(rng, self.palette)
         height = self._height - 0.03
         tall = height if rng.random() < 0.6 else float(rng.uniform(1.2, height))
+        if bulk == "beds":
+            cover = str(rng.choice(list(self.style.bedding)))
+            return covered_bed(rng, self.palette, (cover, pick(rng, self.palette.fabrics)))
         if bulk == "racks":
             return goods.rack(rng, self.palette, tall)
         if bulk == "cupboards":
@@ -147,7 +153,7 @@ class Furnisher:
         if name not in MAKERS or rng.random() < _MODEL_SHARE:
             skins = self.style.skins if rng.random() < 0.6 else ()
             if name == "bed" and rng.random() < 0.5:
-                skins = self.style.fabrics  # patterned bedding
+                skins = self.style.bedding
             piece = self.shop.piece(rng, kind, mounts=("floor",), skins=skins)
         if piece is None:
             makers = MAKERS.get(name, MAKERS["small"])
