@@ -64,7 +64,7 @@ def whole_command(
     one = [group for flat in flats for group in groups.get(flat.name, ())]
     folders = [str(flat) for flat in flats]
     shared = ["real_house.py", str(work / masks), *folders, "--masks", masks]
-    shared += ["--one", *one] if one else []
+    shared += ["--brief", *(["--one", *one] if one else [])]
     corrected = configuration(work, "corrected", {"house": {"colours": "corrected"}})
     title = f"Whole command, {masks} masks"
     yield f"{title}, corrected colours", [*shared, "--configfile", str(corrected)]

@@ -1,7 +1,7 @@
 """Colours of real houses against true crops: light, what photos show and what they do not.
 
     python benchmarks/real_house.py WORK HOUSE_FOLDER... [--masks network|true]
-        [--configfile FILE ...] [--one FOLDER:floor:living,hall ...]
+        [--configfile FILE ...] [--one FOLDER:floor:living,hall ...] [--brief]
 
 A house folder holds ``scene/*.scene.json``, ``photo_assignments/*.photoroom.csv``, ``photos/``,
 ``unobserved_photos.json`` and under ``gt/`` label masks of the photos (1 floor, 2 wall, 3 ceiling,
@@ -207,6 +207,7 @@ def light_figures(truth: Truth, results: Path, table: pd.DataFrame) -> dict[str,
     ]
     every = np.array(list(light["gains"].values()) or [[1.0] * 3])
     ceilings = rgb_to_lab(np.stack(list(table[table.surface == "ceiling"]["tile"])))
+    chroma = np.hypot(ceilings[:, 1], ceilings[:, 2])
     return {
         "colours": light["colours"],
         "gains, median": " ".join(f"{g:.2f}" for g in np.median(every, axis=0)),
@@ -214,7 +215,7 @@ def light_figures(truth: Truth, results: Path, table: pd.DataFrame) -> dict[str,
         "spread raw": f"{spread['raw']:.2f}",
         "spread corrected": f"{spread['corrected']:.2f}",
         "burnt beyond the photos %": f"{100 * np.mean(excess):.2f}",
-        "ceilings' chroma": f"{np.hypot(ceilings[:, 1], ceilings[:, 2]).mean():.1f}",
+        "ceilings' C*, mean and most": f"{chroma.mean():.1f} {chroma.max():.1f}",
     }
 
 
@@ -225,15 +226,21 @@ def markdown(rows: list[dict[str, Any]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def colour_rows(name: str, table: pd.DataFrame, drop: str) -> list[dict[str, Any]]:
-    """Return the means of the surfaces by what photos show of them and by kind."""
+def colour_rows(
+    name: str, table: pd.DataFrame, drop: str, *, brief: bool = False
+) -> list[dict[str, Any]]:
+    """Return the means of the surfaces by what photos show of them and by kind.
+
+    In brief those of all surfaces by kind, and of the unseen ones where photos are hidden.
+    """
     rows = []
     columns = ("as_is", "one_gain", "color", "others", "crop", "house", "house_color")
     for seen, label in ((True, "observed"), (False, "unobserved"), (None, "all")):
         for kind in (*SURFACES, "all"):
             part = table if seen is None else table[table.observed == seen]
             part = part if kind == "all" else part[part.surface == kind]
-            if len(part) and not (drop != "0.0" and seen is not False):
+            shown = seen is False if drop != "0.0" else seen is None or not brief
+            if len(part) and shown and not (brief and drop != "0.0" and kind != "all"):
                 means = [f"{part[c].mean():.2f}" for c in columns]
                 row = {"house": name, "hidden": drop, "surfaces": f"{label} {kind}", "n": len(part)}
                 rows.append(row | dict(zip(HEADS, means, strict=True)))
@@ -259,6 +266,7 @@ def main() -> None:
     parser.add_argument("--configfile", type=Path, nargs="*", default=[])
     parser.add_argument("--one", nargs="*", default=[], metavar="HOUSE:SURFACE:ROOM,ROOM")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--brief", action="store_true", help="only the rows that sum up")
     parser.add_argument("--by-surface", action="store_true", help="print every surface too")
     given = parser.parse_args()
     given.work.mkdir(parents=True, exist_ok=True)
@@ -270,7 +278,7 @@ def main() -> None:
     for truth in houses:
         tables = {drop: compared(truth, results, drop) for drop in DROPS}
         for drop, table in tables.items():
-            colours += colour_rows(truth.house, table, drop)
+            colours += colour_rows(truth.house, table, drop, brief=given.brief)
             if given.by_surface:
                 print(table.drop(columns="tile").round(2).to_string())
         lights.append({"house": truth.house} | light_figures(truth, results, tables["0.0"]))
