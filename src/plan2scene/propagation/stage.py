@@ -11,11 +11,12 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.house import SUBSTANCES, SurfaceKey
+from plan2scene.house import SUBSTANCES, SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.propagation.graph import HouseGraph, house_graph
 from plan2scene.propagation.house_colours import Shown, shown_colours
 from plan2scene.provenance import file_hash
+from plan2scene.substances import on_surfaces
 from plan2scene.weights import fitting, read_model_arrays
 
 if TYPE_CHECKING:
@@ -167,9 +168,10 @@ def _metres(known: Mapping[SurfaceKey, float], key: SurfaceKey) -> float:
 
 
 def substances_of(embeddings: np.ndarray, texture_model: str | Path) -> np.ndarray:
-    """Return the likeliest substance of each embedding (..., 11) by a texture model's head.
+    """Return the likeliest substance of each embedding (rooms, 3, 11): floor, wall, ceiling.
 
-    The head is one linear layer: its two arrays are read, not the whole network.
+    A texture model's head says what it looks like. It is one linear layer: its two arrays are
+    read, not the whole network.
     """
     names = ("substance_layer.weight", "substance_layer.bias")
     arrays, _ = read_model_arrays(texture_model, names)
@@ -178,4 +180,6 @@ def substances_of(embeddings: np.ndarray, texture_model: str | Path) -> np.ndarr
     weight, bias = (arrays[name] for name in names)
     with fitting("a substance head", texture_model):
         scores = embeddings[..., : weight.shape[1]] @ weight.T + bias
-        return np.array(SUBSTANCES)[scores.argmax(-1)]
+    shares = np.exp(scores - scores.max(axis=-1, keepdims=True))
+    shares = on_surfaces(shares / shares.sum(axis=-1, keepdims=True), SURFACES)
+    return np.array(SUBSTANCES)[shares.argmax(-1)]

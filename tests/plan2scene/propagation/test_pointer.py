@@ -9,7 +9,7 @@ import torch
 from torch_geometric.data import Batch
 
 from plan2scene.errors import InputError
-from plan2scene.house import SUBSTANCES
+from plan2scene.house import SUBSTANCES, SURFACES
 from plan2scene.propagation.data import graph_data, room_pairs
 from plan2scene.propagation.graph import HouseGraph, doors_between
 from plan2scene.propagation.model import load_propagation, save_propagation
@@ -18,6 +18,7 @@ from plan2scene.propagation.pointer import Mixture, PointerNetwork
 from plan2scene.propagation.predict import mixture_components, predict, robust_centre
 from plan2scene.propagation.prior import TypeMeans
 from plan2scene.propagation.stage import substances_of
+from plan2scene.substances import on_surfaces
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
 
@@ -180,16 +181,17 @@ def test_weights_of_other_shapes_are_refused(tmp_path, name):
         load_propagation(tmp_path / "less")
 
 
-def test_substances_are_those_that_the_texture_model_names(tmp_path):
+def test_substances_are_what_the_texture_model_says_on_that_kind_of_surface(tmp_path):
     torch.manual_seed(5)
     model = TextureModel(Architecture(width=4))
     save_model_file(tmp_path / "m", model.state_dict(), architecture_header(model), half=False)
     embeddings = torch.randn(40, 3, 11)
     with torch.no_grad():
-        classes = model.substance_layer(embeddings[..., :8]).argmax(-1)
+        shares = torch.softmax(model.substance_layer(embeddings[..., :8]), dim=-1).numpy()
     named = substances_of(embeddings.numpy(), tmp_path / "m")
-    assert (named == np.array(SUBSTANCES)[classes.numpy()]).all()
-    assert len(set(named.ravel())) > 1
+    assert (named == np.array(SUBSTANCES)[on_surfaces(shares, SURFACES).argmax(-1)]).all()
+    assert len(set(named[:, 0])) > 1
+    assert set(named[:, 2]) == {"plaster"}
     bare = TextureModel(Architecture(width=4, substances=0))
     save_model_file(tmp_path / "b", bare.state_dict(), architecture_header(bare))
     with pytest.raises(InputError, match="substance head"):

@@ -9,7 +9,7 @@ from plan2scene.house import SUBSTANCES
 from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.provenance import file_hash
-from plan2scene.textures.model.embedding import embed_crops, make_embeddings, on_surfaces
+from plan2scene.textures.model.embedding import embed_crops, make_embeddings
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.textures.model.synthesis import decode_textures, noise_seeds
 from plan2scene.weights import save_model_file
@@ -129,12 +129,3 @@ def test_house_without_crops(models, tmp_path) -> None:
     frame, _ = read_parquet(output)
     assert len(frame) == 0
     assert "textureness" in frame.columns
-
-
-def test_the_surface_says_which_substances_are_likely() -> None:
-    woolly = np.tile(np.array([[0.02, 0.28, 0.68, 0.02]], np.float32), (3, 1))
-    found = on_surfaces(woolly, ["floor", "wall", "ceiling"])
-    assert [SUBSTANCES[k] for k in found.argmax(1)] == ["carpet", "plaster", "plaster"]
-    np.testing.assert_allclose(found.sum(1), 1.0, rtol=1e-5)
-    tiled = np.array([[0.001, 0.0001, 0.0001, 0.9988]], np.float32)
-    assert SUBSTANCES[int(on_surfaces(tiled, ["wall"]).argmax())] == "tile"

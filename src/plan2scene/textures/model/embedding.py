@@ -15,6 +15,7 @@ from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
+from plan2scene.substances import on_surfaces
 from plan2scene.textures.model.encoder import StatisticsEncoder
 from plan2scene.textures.model.network import TextureModel, fast_decoding, load_texture_model
 from plan2scene.textures.model.statistics import FilterBankStatistics, gram_distance, grams_of
@@ -27,15 +28,6 @@ _BATCH = 4
 _SCORED = slice(0, 64)
 #: Pyramid levels of the score, as many as that part has.
 _LEVELS = 3
-#: How often surfaces of homes are of each substance, in the order of ``house.SUBSTANCES``: no
-#: ceiling is carpet, however woolly the photo.
-SUBSTANCES_OF = {
-    "floor": (0.45, 0.03, 0.26, 0.26),
-    "wall": (0.02, 0.92, 0.002, 0.058),
-    "ceiling": (0.025, 0.965, 0.001, 0.009),
-}
-#: The head is surer than it is right on real photos: its logits count this many times less.
-TEMPERATURE = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,18 +122,6 @@ def _features(
         if isinstance(model.encoder, StatisticsEncoder):
             return model.encoder.features(rgb, responses)
     return None
-
-
-def on_surfaces(probabilities: np.ndarray, surfaces: Sequence[str]) -> np.ndarray:
-    """Return substances' probabilities (n, 4) of crops, knowing which kind of surface each shows.
-
-    Bayes' rule: the head's (n, 4), softened, times how often such surfaces are of each substance.
-    """
-    if not probabilities.size:
-        return probabilities
-    prior = np.array([SUBSTANCES_OF[surface] for surface in surfaces])
-    weighed = np.maximum(probabilities, 1e-12) ** (1.0 / TEMPERATURE) * prior
-    return np.asarray(weighed / weighed.sum(axis=1, keepdims=True), dtype=np.float32)
 
 
 def _stack(parts: list[np.ndarray], empty: tuple[int, ...]) -> np.ndarray:

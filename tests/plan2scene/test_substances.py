@@ -1,0 +1,23 @@
+"""What surfaces are of."""
+
+import numpy as np
+
+from plan2scene.house import SUBSTANCES, SURFACES
+from plan2scene.substances import on_surfaces
+
+
+def test_the_surface_says_which_substances_are_likely() -> None:
+    woolly = np.tile(np.array([[0.02, 0.28, 0.68, 0.02]], np.float32), (3, 1))
+    found = on_surfaces(woolly, ["floor", "wall", "ceiling"])
+    assert [SUBSTANCES[k] for k in found.argmax(1)] == ["carpet", "plaster", "plaster"]
+    np.testing.assert_allclose(found.sum(1), 1.0, rtol=1e-5)
+    tiled = np.array([[0.001, 0.0001, 0.0001, 0.9988]], np.float32)
+    assert SUBSTANCES[int(on_surfaces(tiled, ["wall"]).argmax())] == "tile"
+
+
+def test_many_rooms_at_once() -> None:
+    shares = np.random.default_rng(0).dirichlet(np.ones(4), (5, 3))
+    found = on_surfaces(shares, SURFACES)
+    assert found.shape == (5, 3, 4)
+    np.testing.assert_array_equal(found[2], on_surfaces(shares[2], SURFACES))
+    assert on_surfaces(np.zeros((0, 4)), []).shape == (0, 4)
