@@ -36,7 +36,11 @@ from plan2scene_workshop.segmentation.data import (
 from plan2scene_workshop.segmentation.losses import geometry_loss, segmentation_loss
 from plan2scene_workshop.segmentation.run import averaged_runs, start_from, train_segmentation
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
-from plan2scene_workshop.segmentation.training import told_elevation, train_network
+from plan2scene_workshop.segmentation.training import (
+    take_statistics,
+    told_elevation,
+    train_network,
+)
 
 
 def _striped(seed: int = 0, size: tuple[int, int] = (48, 64)) -> LabelledPhoto:
@@ -200,6 +204,26 @@ def test_runs_and_start_are_averaged_by_their_shares(tmp_path: Path) -> None:
     torch.testing.assert_close(same["head.weight"], wanted)
     assert not torch.equal(two["head.weight"], one["head.weight"])
     assert {file.name for file in tmp_path.iterdir()} == {"start", "checkpoint"}
+
+
+def test_statistics_are_those_of_the_last_weights() -> None:
+    photos = [_striped(k) for k in range(4)]
+    settings = SegmentationSettings(batch=2, small=32, long_side=64, statistics=3)
+    found = []
+    for _ in range(2):
+        torch.manual_seed(4)
+        network = SegmentationNet(elevation=True, labels=len(LABELS_AND_OPENINGS))
+        weights = network.head.weight.clone()
+        take_statistics(network, photos, settings, seed=1)
+        assert torch.equal(network.head.weight, weights) and not network.training
+        found.append(network.state_dict())
+    names = [name for name in found[0] if name.endswith("running_mean")]
+    assert names and all(torch.equal(found[0][name], found[1][name]) for name in names)
+    assert all(found[0][name].any() for name in names)
+    counts = {int(value) for name, value in found[0].items() if name.endswith("batches_tracked")}
+    assert counts == {3}
+    norms = [m for m in network.modules() if isinstance(m, torch.nn.BatchNorm2d)]
+    assert {norm.momentum for norm in norms} == {torch.nn.BatchNorm2d(1).momentum}
 
 
 def test_elevations_follow_the_horizon_and_are_sometimes_unknown() -> None:

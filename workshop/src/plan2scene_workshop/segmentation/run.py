@@ -26,7 +26,12 @@ from plan2scene_workshop.segmentation.data import (
     scores,
 )
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
-from plan2scene_workshop.segmentation.training import answers, estimated_cameras, train_network
+from plan2scene_workshop.segmentation.training import (
+    answers,
+    estimated_cameras,
+    take_statistics,
+    train_network,
+)
 from plan2scene_workshop.training.card import Card, table, write_card
 from plan2scene_workshop.training.loop import Trained
 
@@ -117,12 +122,14 @@ def averaged_runs(
     for file in files[1:]:
         if file:
             file.unlink(missing_ok=True)
-    alone = settings.runs == 1 and not settings.start_share
+    alone = settings.runs == 1 and not settings.start_share and not settings.statistics
     share = (1 - settings.start_share) / settings.runs
     states = [(settings.start_share, start.state_dict())]
     states += [(share, run.network.state_dict()) for run in runs]
     mean = runs[0].network
     mean.load_state_dict(mean_weights(states))
+    if settings.statistics:
+        take_statistics(mean, photos, settings, seed=seed)
     seconds = sum(run.seconds for run in runs)
     return Trained(mean, runs[0].step, runs[0].score if alone else math.nan, seconds)
 

@@ -17,6 +17,9 @@ class SegmentationSettings:
     #: Runs from the same start that differ in their seed; the mean of their weights is kept (model
     #: soups, https://arxiv.org/abs/2203.05482).
     runs: int = 1
+    #: Batches that the statistics of batch norm are taken anew from in the end: averaged weights
+    #: answer otherwise than each of their parts (https://arxiv.org/abs/1803.05407, section 3.2).
+    statistics: int = 0
     #: Roots of further data sets whose train and val splits count too, joined by ``:``.
     further: str | None = None
     attention: int = 2  #: blocks of attention at each of two resolutions

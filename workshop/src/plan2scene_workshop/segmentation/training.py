@@ -146,6 +146,35 @@ class Ahead(Generic[_Drawn]):
         return self.coming.pop(step).result()
 
 
+def take_statistics(
+    network: SegmentationNet,
+    photos: Sequence[LabelledPhoto],
+    settings: SegmentationSettings,
+    *,
+    seed: int,
+) -> None:
+    """Take the means and variances of batch norm anew, from views at both sizes and a larger one.
+
+    Those of `settings.statistics` batches count alike.
+    """
+    norms = [module for module in network.modules() if isinstance(module, nn.BatchNorm2d)]
+    kept = [norm.momentum for norm in norms]
+    device = next(network.parameters()).device
+    for norm in norms:
+        norm.reset_running_stats()
+        norm.momentum = None  # the plain mean
+    sizes = (settings.small, settings.long_side, round(settings.long_side * 1.5))
+    network.train()
+    with torch.no_grad():
+        for k in range(settings.statistics):
+            rng = generator(seed, "segmentation statistics", k)
+            batch = draw_batch(photos, settings, sizes[k % len(sizes)], rng).to(device)
+            network(batch.images, batch.elevations)
+    network.eval()
+    for norm, momentum in zip(norms, kept, strict=True):
+        norm.momentum = momentum
+
+
 def parameter_groups(network: nn.Module, decay: float) -> list[dict[str, Any]]:
     """Return optimiser groups: no weight decay on norms and biases."""
     decayed = [p for p in network.parameters() if p.ndim > 1]
