@@ -49,6 +49,7 @@ def settings_of(given: Any, cores: int) -> dict[str, Any]:
 
 def start(project: Project, settings: dict[str, Any]) -> None:
     """Start a run; InputError where one is under way."""
+    _let_end(project)
     if _process(project) is not None or _is_starting(project):
         raise InputError("no run under way in this project", "one")
     settings = settings | {"revision": project.revision()}
@@ -64,6 +65,13 @@ def start(project: Project, settings: dict[str, Any]) -> None:
     born = psutil.Process(child.pid).create_time()
     record = {"state": "running", "settings": settings, "pid": child.pid, "born": born}
     _record_start(project, record)
+
+
+def _let_end(project: Project) -> None:
+    """Wait for the process of a run that has recorded its end: it takes a moment to go."""
+    process = _process(project)
+    if process and read_json(project.path / RECORD).get("state") not in ("starting", "running"):
+        psutil.wait_procs([process], timeout=_GRACE)
 
 
 def _record_start(project: Project, record: dict[str, Any]) -> None:

@@ -23,6 +23,7 @@ while not (home / "finish").exists():
 print("Finished jobid: 1 (Rule: floorplan)", flush=True)
 record = json.loads((home / "run.json").read_text())
 (home / "run.json").write_text(json.dumps(record | {"state": "done"}))
+time.sleep(0.3)  # done, and not gone yet
 """
 #: A studio in a process of its own; its first line is its port.
 SERVER = """
@@ -88,7 +89,7 @@ def test_a_killed_server_and_a_killed_job_lose_nothing(servers, tmp_path):
     assert [s["state"] for s in state_when(ask, "done")["stages"]] == ["done"]
     # A job that is killed is interrupted, and the same button goes on with it.
     (tmp_path / "home" / "finish").unlink()
-    ask("POST", "p/home/run", {})
+    assert ask("POST", "p/home/run", {})[0] == 200
     state_when(ask, "running")
     pid = json.loads((tmp_path / "home" / "run.json").read_text())["pid"]
     subprocess.run(["kill", "-9", str(pid)], check=True)
