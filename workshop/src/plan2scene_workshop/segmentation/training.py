@@ -159,7 +159,7 @@ def take_statistics(
     """
     norms = [module for module in network.modules() if isinstance(module, nn.BatchNorm2d)]
     kept = [norm.momentum for norm in norms]
-    device = next(network.parameters()).device
+    device = str(next(network.parameters()).device)
     for norm in norms:
         norm.reset_running_stats()
         norm.momentum = None  # the plain mean
