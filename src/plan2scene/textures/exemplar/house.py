@@ -52,13 +52,13 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
 
     def of_one_material(keys: list[SurfaceKey]) -> tuple[list[_Found], dict[Hashable, Any]]:
         known = set(inputs.data.exemplars)
+        plain = all(surfaces[key].substance == PLAIN for key in keys)
         found: list[_Found] = []
         for key in keys:
             surface, group = surfaces[key], groups[key]
             if not surface.material and _of_another_thing(group, surface.colour):
                 continue
             others = shared.get(surface.material, ())
-            plain = surface.substance == PLAIN
             made = exemplar_of(inputs, group, surface.tone, others, plain=plain)
             found.append((key, made or NoTile(f"none of {len(group)} crops is sharp enough")))
         return found, {k: made for k, made in inputs.data.exemplars.items() if k not in known}
