@@ -20,6 +20,7 @@ from pathlib import Path
 
 import yaml
 from real_house import DATASET
+from substances import read_seen
 
 HERE = Path(__file__).parent
 SUBSTANCES, WINDOWS = HERE / "substances.csv", HERE / "windows.csv"
@@ -37,10 +38,9 @@ def one_floors() -> dict[str, list[str]]:
     In the flats of the table floors of one substance are one material.
     """
     rooms: dict[tuple[str, str], list[str]] = {}
-    with SUBSTANCES.open(newline="") as file:
-        for row in csv.DictReader(file):
-            if row["surface"] == "floor":
-                rooms.setdefault((row["flat"], row["substance"]), []).append(row["room_id"])
+    for (flat, room, surface), substance in read_seen(SUBSTANCES).items():
+        if surface == "floor":
+            rooms.setdefault((flat, substance), []).append(room)
     found: dict[str, list[str]] = {}
     for (flat, _), names in rooms.items():
         if len(names) > 1:

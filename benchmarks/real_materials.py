@@ -12,12 +12,12 @@ it is joined when ``materials.parquet`` gives both one material.
 from __future__ import annotations
 
 import argparse
-import csv
 from collections import Counter
 from itertools import combinations
 from pathlib import Path
 
 from real_house import markdown
+from substances import read_seen
 
 from plan2scene.house import SURFACES
 from plan2scene.io import read_parquet
@@ -48,14 +48,13 @@ def main() -> None:
         "--substances", type=Path, default=Path(__file__).with_name("substances.csv")
     )
     given = parser.parse_args()
-    seen: dict[str, dict[Surface, str]] = {}
-    with given.substances.open(newline="") as file:
-        for row in csv.DictReader(file):
-            of_flat = seen.setdefault(row["flat"], {})
-            of_flat[row["room_id"], row["surface"]] = row["substance"]
+    seen = read_seen(given.substances)
     rows = []
     for flat in given.flats:
-        count = pairs(given.results, flat.name, seen[flat.name])
+        of_flat = {
+            (room, kind): what for (name, room, kind), what in seen.items() if name == flat.name
+        }
+        count = pairs(given.results, flat.name, of_flat)
         for kind in SURFACES:
             row: dict[str, object] = {"house": flat.name, "kind": kind}
             for one, name in ((True, "one"), (False, "two")):

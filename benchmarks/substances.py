@@ -27,6 +27,15 @@ from plan2scene.weights import MODELS
 Row = tuple[str, str, str]  # flat, room, surface
 
 
+def read_seen(table: Path) -> dict[Row, str]:
+    """Return the substance of each surface of a CSV of what was seen."""
+    with table.open(newline="") as file:
+        return {
+            (row["flat"], row["room_id"], row["surface"]): row["substance"]
+            for row in csv.DictReader(file)
+        }
+
+
 def read_crops(flats: list[Path]) -> tuple[list[Row], np.ndarray]:
     """Return where each true crop is from, and the crops (n, 128, 128, 3) uint8."""
     rows, images = [], []
@@ -46,15 +55,11 @@ def main() -> None:
     parser.add_argument("flats", nargs="+", type=Path)
     parser.add_argument("--model", type=Path, default=MODELS / "texture.safetensors")
     options = parser.parse_args()
-    with options.labels.open(newline="") as file:
-        seen = {
-            (row["flat"], row["room_id"], row["surface"]): SUBSTANCES.index(row["substance"])
-            for row in csv.DictReader(file)
-        }
+    seen = read_seen(options.labels)
     rows, crops = read_crops(options.flats)
     model = load_texture_model(options.model)
     head = embed_crops(model, crops, textureness=False).substance_probabilities
-    truth = np.array([seen[row] for row in rows])
+    truth = np.array([SUBSTANCES.index(seen[row]) for row in rows])
     variants = {"head": head, "head, kind of surface": on_surfaces(head, [row[2] for row in rows])}
     present = [name for k, name in enumerate(SUBSTANCES) if (truth == k).any()]
     print(f"| by | crops | surfaces | {' | '.join(present)} |")

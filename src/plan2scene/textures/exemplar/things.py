@@ -29,7 +29,8 @@ def oddness(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
 
     `luma` (n, s, s) log grey values, `masks` (n, s, s) bool pixels to leave out.
     """
-    ratio = np.array([_ratio(*pair) for pair in zip(luma, masks, strict=True)])
+    pairs = zip(luma, masks, strict=True)
+    ratio = np.array([_most(_away(one, mask), mask) for one, mask in pairs])
     if not len(ratio) or np.quantile(ratio, _SOME) > PLAIN:
         return np.zeros(len(ratio))
     return np.asarray(np.maximum(np.log(ratio / PLAIN), 0.0))
@@ -55,9 +56,9 @@ def _away(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
     return np.asarray(away / max(usual, 1e-6))
 
 
-def _ratio(luma: np.ndarray, mask: np.ndarray) -> float:
-    """Return the high percentile of how far a crop's pattern is away; 1 where all is masked."""
-    return float(np.percentile(_away(luma, mask)[~mask], _HIGH)) if not mask.all() else 1.0
+def _most(away: np.ndarray, mask: np.ndarray) -> float:
+    """Return the high percentile of :func:`_away`; 1 where all is masked."""
+    return float(np.percentile(away[~mask], _HIGH)) if not mask.all() else 1.0
 
 
 def _things(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -67,9 +68,11 @@ def _things(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """
     found = np.zeros_like(mask)
     for _ in range(_ROUNDS):
-        if _ratio(luma, mask | found) <= PLAIN:
+        out = mask | found
+        away = _away(luma, out)
+        if _most(away, out) <= PLAIN:
             return _boxed(found)
-        found |= _strongest(_away(luma, mask | found))
+        found |= _strongest(away)
         if not _few_and_small(found):
             break
     return np.zeros_like(mask)
@@ -84,11 +87,16 @@ def _strongest(away: np.ndarray) -> np.ndarray:
     return cv2.dilate(one.astype(np.uint8), np.ones((_AROUND, _AROUND), np.uint8)) > 0
 
 
+def _boxes(found: np.ndarray) -> np.ndarray:
+    """Return left, top, width, height (n, 4) of the things that pixels (s, s) bool make up."""
+    _, _, boxes, _ = cv2.connectedComponentsWithStats(found.astype(np.uint8), connectivity=8)
+    return np.asarray(boxes[1:, :4])
+
+
 def _boxed(found: np.ndarray) -> np.ndarray:
     """Return the boxes about things (s, s) bool: a plate is fainter than what is on it."""
     mask = np.zeros_like(found)
-    _, _, boxes, _ = cv2.connectedComponentsWithStats(found.astype(np.uint8), connectivity=8)
-    for left, top, width, height, _ in boxes[1:]:
+    for left, top, width, height in _boxes(found):
         rows = slice(max(0, top - _RIM), top + height + _RIM)
         mask[rows, max(0, left - _RIM) : left + width + _RIM] = True
     return mask
@@ -96,6 +104,5 @@ def _boxed(found: np.ndarray) -> np.ndarray:
 
 def _few_and_small(found: np.ndarray) -> bool:
     """Return whether pixels (s, s) bool are few things, none of them long."""
-    count, _, boxes, _ = cv2.connectedComponentsWithStats(found.astype(np.uint8), connectivity=8)
-    sides = boxes[1:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]]
-    return bool(count - 1 <= _FEW and (sides <= _SMALL * len(found)).all())
+    boxes = _boxes(found)
+    return len(boxes) <= _FEW and bool((boxes[:, 2:] <= _SMALL * len(found)).all())

@@ -51,8 +51,8 @@ class RoomStyle:
     clutter: float  #: factor on small things and what hangs on the walls
     kind: str | None  #: instead of the room's type
     skins: tuple[str, ...]  #: textures laid over models; none: as they are
-    bedding: tuple[str, ...]
-    fabrics: tuple[str, ...]
+    bedding: tuple[str, ...]  #: of beds
+    fabrics: tuple[str, ...]  #: of rugs
     pictures: tuple[str, ...]
     lit: float  #: share of standing lamps that shine
     tops: tuple[str, ...] = ()  #: of worktops and tables; none: there are none of :mod:`.goods`
