@@ -3,7 +3,7 @@
 import numpy as np
 
 from plan2scene.house import SUBSTANCES, SURFACES
-from plan2scene.substances import on_surfaces
+from plan2scene.substances import on_surfaces, usual_shares
 
 
 def test_the_surface_says_which_substances_are_likely() -> None:
@@ -21,3 +21,14 @@ def test_many_rooms_at_once() -> None:
     assert found.shape == (5, 3, 4)
     np.testing.assert_array_equal(found[2], on_surfaces(shares[2], SURFACES))
     assert on_surfaces(np.zeros((0, 4)), []).shape == (0, 4)
+
+
+def test_floors_of_bathrooms_are_tiled_unless_something_says_otherwise() -> None:
+    tile = SUBSTANCES.index("tile")
+    assert usual_shares("floor", ["Bathroom"]).argmax() == tile
+    assert usual_shares("floor", ["Bedroom"]).argmax() == SUBSTANCES.index("wood")
+    np.testing.assert_array_equal(usual_shares("wall", ["Bathroom"]), usual_shares("wall"))
+    both = usual_shares("floor", ["Bathroom", "Bedroom"])
+    assert usual_shares("floor")[tile] < both[tile] < usual_shares("floor", ["Bathroom"])[tile]
+    for types in ([], ["Bathroom"], ["Balcony"], ["Bathroom", "Balcony"]):
+        assert abs(usual_shares("floor", types).sum() - 1) < 1e-9

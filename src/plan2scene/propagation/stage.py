@@ -11,12 +11,12 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.house import SUBSTANCES, SURFACES, SurfaceKey
+from plan2scene.house import ROOM_TYPES, SUBSTANCES, SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.propagation.graph import HouseGraph, house_graph
 from plan2scene.propagation.house_colours import Shown, shown_colours
 from plan2scene.provenance import file_hash
-from plan2scene.substances import on_surfaces
+from plan2scene.substances import usual_shares, weighed
 from plan2scene.weights import fitting, read_model_arrays
 
 if TYPE_CHECKING:
@@ -66,7 +66,8 @@ def propagate_house(
         names = {key: one.name for key, one in material.items()}
         shown = shown_colours(colours, hidden_photos, graph.room_ids, names)
     predicted = PREDICTORS[predictor](graph, network, means, shown)
-    substances = substances_of(predicted.embedding, texture_model)
+    named = {graph.place(key): row.substance for key, row in observed.items()}
+    substances = unseen_substances(graph, predicted, named, texture_model)
     embeddings, colour = _all_surfaces(graph, predicted, shown, material)
     known = {key: float(row.metres) for key, row in observed.items()}
     rows: list[dict[str, Any]] = []
@@ -167,11 +168,32 @@ def _metres(known: Mapping[SurfaceKey, float], key: SurfaceKey) -> float:
     return float(np.median(every)) if every else DEFAULT_METRES
 
 
-def substances_of(embeddings: np.ndarray, texture_model: str | Path) -> np.ndarray:
-    """Return the likeliest substance of each embedding (rooms, 3, 11): floor, wall, ceiling.
+def unseen_substances(
+    graph: HouseGraph,
+    predicted: Prediction,
+    named: Mapping[tuple[int, int], str],
+    texture_model: str | Path,
+) -> np.ndarray:
+    """Return the substance (n, 3) of every surface as predicted, the observed ones as if unseen.
 
-    A texture model's head says what it looks like. It is one linear layer: its two arrays are
-    read, not the whole network.
+    What is predicted to be like an observed surface, and looks to be of its substance, is of the
+    substance that the crops of that one have told (`named`).
+    """
+    likely = substances_of(predicted.embedding, graph.types, texture_model)
+    looks = substances_of(graph.embeddings, graph.types, texture_model)
+    for (row, kind), alike in np.ndenumerate(predicted.alike):
+        if alike >= 0 and looks[alike, kind] == likely[row, kind]:
+            likely[row, kind] = named.get((int(alike), kind), likely[row, kind])
+    return likely
+
+
+def substances_of(
+    embeddings: np.ndarray, types: np.ndarray, texture_model: str | Path
+) -> np.ndarray:
+    """Return the likeliest substance of each embedding (n, 3, 11): floor, wall, ceiling.
+
+    A texture model's head says what it looks like; `types` (n, 12), multi-hot, what is usual in
+    the rooms. The head is one linear layer: its two arrays are read, not the whole network.
     """
     names = ("substance_layer.weight", "substance_layer.bias")
     arrays, _ = read_model_arrays(texture_model, names)
@@ -181,5 +203,7 @@ def substances_of(embeddings: np.ndarray, texture_model: str | Path) -> np.ndarr
     with fitting("a substance head", texture_model):
         scores = embeddings[..., : weight.shape[1]] @ weight.T + bias
     shares = np.exp(scores - scores.max(axis=-1, keepdims=True))
-    shares = on_surfaces(shares / shares.sum(axis=-1, keepdims=True), SURFACES)
+    rooms = [[ROOM_TYPES[k] for k in np.flatnonzero(row)] for row in types]
+    usual = np.array([[usual_shares(kind, room) for kind in SURFACES] for room in rooms])
+    shares = weighed(shares / shares.sum(axis=-1, keepdims=True), usual)
     return np.array(SUBSTANCES)[shares.argmax(-1)]

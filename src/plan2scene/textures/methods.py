@@ -179,7 +179,7 @@ def _synth_large(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
 @register(
     "exemplar",
     "quilted from its crops; as synth where they are too poor",
-    "the house's nearest exemplar; as synth where none is near",
+    "the house's nearest exemplar of its substance, else a usual one; as synth where none is seen",
     seam_correction=True,
     fallback="synth",
 )

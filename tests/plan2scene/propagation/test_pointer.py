@@ -9,15 +9,15 @@ import torch
 from torch_geometric.data import Batch
 
 from plan2scene.errors import InputError
-from plan2scene.house import SUBSTANCES, SURFACES
+from plan2scene.house import ROOM_TYPES, SUBSTANCES, SURFACES
 from plan2scene.propagation.data import graph_data, room_pairs
 from plan2scene.propagation.graph import HouseGraph, doors_between
 from plan2scene.propagation.model import load_propagation, save_propagation
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.pointer import Mixture, PointerNetwork
-from plan2scene.propagation.predict import mixture_components, predict, robust_centre
+from plan2scene.propagation.predict import Prediction, mixture_components, predict, robust_centre
 from plan2scene.propagation.prior import TypeMeans
-from plan2scene.propagation.stage import substances_of
+from plan2scene.propagation.stage import substances_of, unseen_substances
 from plan2scene.substances import on_surfaces
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
@@ -188,11 +188,40 @@ def test_substances_are_what_the_texture_model_says_on_that_kind_of_surface(tmp_
     embeddings = torch.randn(40, 3, 11)
     with torch.no_grad():
         shares = torch.softmax(model.substance_layer(embeddings[..., :8]), dim=-1).numpy()
-    named = substances_of(embeddings.numpy(), tmp_path / "m")
+    types = np.zeros((40, len(ROOM_TYPES)), np.float32)
+    types[:, ROOM_TYPES.index("Bedroom")] = 1
+    named = substances_of(embeddings.numpy(), types, tmp_path / "m")
     assert (named == np.array(SUBSTANCES)[on_surfaces(shares, SURFACES).argmax(-1)]).all()
     assert len(set(named[:, 0])) > 1
     assert set(named[:, 2]) == {"plaster"}
+    types = np.roll(types, 1, axis=1)  # kitchens, then bathrooms
+    assert (substances_of(embeddings.numpy(), types, tmp_path / "m") == named).all()
+    wet = substances_of(embeddings.numpy(), np.roll(types, 1, axis=1), tmp_path / "m")
+    assert (wet[:, 0] == "tile").mean() > (named[:, 0] == "tile").mean() + 0.3
+    assert (wet[:, 1:] == named[:, 1:]).all()
     bare = TextureModel(Architecture(width=4, substances=0))
     save_model_file(tmp_path / "b", bare.state_dict(), architecture_header(bare))
     with pytest.raises(InputError, match="substance head"):
-        substances_of(embeddings.numpy(), tmp_path / "b")
+        substances_of(embeddings.numpy(), types, tmp_path / "b")
+
+
+def test_what_is_like_an_observed_surface_is_called_what_its_crops_were(tmp_path):
+    """The head calls both floors the same, whatever it is; the crops of the first told carpet."""
+    torch.manual_seed(5)
+    model = TextureModel(Architecture(width=4))
+    save_model_file(tmp_path / "m", model.state_dict(), architecture_header(model), half=False)
+    embeddings = np.zeros((3, 3, 11), np.float32)
+    types = np.zeros((3, len(ROOM_TYPES)), np.float32)
+    types[:, ROOM_TYPES.index("Bedroom")] = 1
+    observed = np.zeros((3, 3), bool)
+    observed[0, 0] = True
+    graph = HouseGraph(("a", "b", "c"), types, np.zeros((2, 0), np.int64), embeddings, observed)
+    alike = np.full((3, 3), -1)
+    alike[1, 0] = 0
+    predicted = Prediction(embeddings, np.ones((3, 3)), alike)
+    looks = substances_of(embeddings, types, tmp_path / "m")
+    assert looks[0, 0] == looks[1, 0] != "carpet"
+    found = unseen_substances(graph, predicted, {(0, 0): "carpet"}, tmp_path / "m")
+    assert found[1, 0] == "carpet"
+    found[1, 0] = looks[1, 0]
+    assert (found == looks).all()

@@ -14,7 +14,6 @@ from plan2scene.textures.exemplar.make import find_surface, make_exemplar
 from plan2scene.textures.inputs import KnownSurface, TextureInputs, TextureSettings
 from plan2scene.textures.maps.detail import detail_of_pattern
 from plan2scene.textures.maps.patches import cut_patches
-from plan2scene.textures.tiles import NoTile
 
 SIDE_M, CROP_M = 0.4, 0.5
 
@@ -96,8 +95,9 @@ def test_completed_squares_go_on_tiled_surfaces_alone():
         KnownSurface(SurfaceKey(room, "wall"), room == "bath", substance=substance, **facts)
         for room, substance in kinds.items()
     )
-    data, settings = SimpleNamespace(exemplars={}), TextureSettings(seed=0, size_px=128)
+    files, settings = SimpleNamespace(house_id="h"), TextureSettings(seed=0, size_px=128)
+    data = SimpleNamespace(exemplars={}, files=files)
     made = exemplar_tiles(TextureInputs(data, surfaces, tuple(crops), {}, settings))
     assert made[bath].pattern.completed is not None
-    assert isinstance(made[SurfaceKey("bed", "wall")], NoTile)
+    assert made[SurfaceKey("bed", "wall")].source.startswith("made up: ")
     assert made[SurfaceKey("shower", "wall")].source.startswith("exemplar of bath, ")

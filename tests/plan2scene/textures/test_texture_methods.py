@@ -416,8 +416,12 @@ def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):
     table["substance"] = ["tile" if "floor" in key else "wood" for key in keys]
     table.loc[keys.index(("bed2", "floor")), "substance"] = "carpet"  # no exemplar has it
     write_parquet(files / "propagated.parquet", table, {"house": "h1"})
-    _, surfaces = _make(files, "exemplar")
-    assert surfaces["bed2/floor"]["source"].startswith("exemplar of hall, ")
+    folder, surfaces = _make(files, "exemplar")
+    made_up = "made up: no exemplar of a floor of carpet in the house"
+    assert surfaces["bed2/floor"]["source"] == made_up
+    image = read_image(folder / "bed2_floor.png")
+    assert median_colour(image) == pytest.approx(0.56, abs=0.01)
+    assert wrap_ratio(image) < 1.5
 
 
 def test_surfaces_of_one_embedding_have_noise_of_their_own(files):

@@ -3,10 +3,10 @@
 Observed surfaces get a tile of their own crops; those that share a material of the house get one
 pattern of all its crops, each in its own colour. An unobserved one, and one whose crops do not have
 the colour that all of its pixels tell, gets the exemplar of the house that is nearest to what is
-predicted for it (same kind of surface, the predicted substance if any has it, nearest embedding),
-since a house repeats its materials, in its own colour. Large squares that one crop was completed to
-go on tiled surfaces alone. Only where the house shows none of the kind the predicted embedding is
-decoded.
+predicted for it (same kind of surface and substance, nearest embedding), since a house repeats its
+materials, in its own colour. Where none of the kind has the predicted substance, a usual tile of it
+is made up. Large squares that one crop was completed to go on tiled surfaces alone. Only where the
+house shows none of the kind the predicted embedding is decoded.
 Each tile's source says which way it went.
 """
 
@@ -26,6 +26,7 @@ from plan2scene.photos.crops.light import relight
 from plan2scene.textures.baselines.nearest import Crop
 from plan2scene.textures.exemplar.choice import ExemplarCrop
 from plan2scene.textures.exemplar.make import Exemplar, make_exemplar
+from plan2scene.textures.exemplar.usual import usual_tile
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import NoTile, Tile
 
@@ -77,7 +78,7 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     own = {key: own[key] for key in groups if key in own}
     for key, surface in surfaces.items():
         if key not in tiles:
-            tile = own[key] if key in own else _nearest(surface, surfaces, own)
+            tile = own[key] if key in own else _nearest(inputs, surface, own)
             if isinstance(tile, Tile) and not math.isfinite(tile.size_m):
                 tile = replace(tile, size_m=surface.size_m)
             tiles[key] = tile
@@ -156,27 +157,38 @@ def _known(crop: Crop) -> ExemplarCrop:
 
 
 def _nearest(
-    surface: KnownSurface,
-    surfaces: Mapping[SurfaceKey, KnownSurface],
-    own: Mapping[SurfaceKey, Tile],
+    inputs: TextureInputs, surface: KnownSurface, own: Mapping[SurfaceKey, Tile]
 ) -> Tile | NoTile:
-    """Return the exemplar nearest to a surface without one, or why there is none."""
+    """Return the exemplar nearest to a surface without one, or why there is none.
+
+    Of an unobserved surface the predicted substance is likelier right than any other that is near.
+    """
     kind = surface.key.surface
+    surfaces = {one.key: one for one in inputs.surfaces}
     pool = [key for key in own if key.surface == kind]
     if not pool:
         return NoTile(f"no exemplar of a {kind} in the house")
+    wanted = _code(surface)
+    tone = np.clip(wanted[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
     alike = [key for key in pool if _substance(surfaces[key], own[key]) == surface.substance]
+    if not alike and not surface.observed:
+        made = usual_tile(
+            surface.key,
+            surface.substance,
+            tone,
+            house=inputs.data.files.house_id,
+            seed=inputs.settings.seed,
+            size_px=inputs.settings.size_px,
+        )
+        return replace(made, image=recoloured(made.image, tone))
     pool = alike or [key for key in pool if not _guessed(own[key])]
     if not pool:
         return NoTile(f"no exemplar of a {kind} in the house but completed squares")
-    wanted = _code(surface)
     distances = [np.abs(_code(surfaces[key]) - wanted).mean() for key in pool]
     nearest = pool[int(np.argmin(distances))]
-    made = own[nearest]
-    tone = np.clip(wanted[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
-    away = colour_difference(made.image, tone)
+    away = colour_difference(own[nearest].image, tone)
     source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 to the predicted colour"
-    return replace(made, image=recoloured(made.image, tone), source=source)
+    return replace(own[nearest], image=recoloured(own[nearest].image, tone), source=source)
 
 
 def _guessed(tile: Tile) -> bool:
