@@ -22,7 +22,7 @@ from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.likelihood import N_CLASSES, log_table
 from plan2scene.photos.locate.plan_view import dominant_direction, look, room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json, turned
-from plan2scene.photos.locate.profile import LEAST, SOFTENED, label_counts
+from plan2scene.photos.locate.profile import LEAST, label_counts
 from plan2scene.photos.locate.stage import locate_photos, read_poses, with_found_rooms
 
 
@@ -123,7 +123,7 @@ def test_sure_probabilities_are_labels_and_doubt_lowers_them():
     plain, found = (label_counts(photo.labels, photo.camera, p) for p in (None, sure))
     pixels = plain[0].sum(axis=0)
     np.testing.assert_allclose(found[0].sum(axis=0), pixels, atol=1e-6)
-    least = (1.0 + 5 * LEAST**SOFTENED) ** -1.0
+    least = 1.0 / (1.0 + 5 * LEAST)
     np.testing.assert_allclose(
         found[0].max(axis=0)[pixels > 0], least * plain[0].max(axis=0)[pixels > 0], rtol=0.02
     )

@@ -21,8 +21,6 @@ AZIMUTH_STEP = np.radians(1.5)
 ELEVATION_STEP = np.radians(0.75)
 #: Elevations beyond this are left out, radians.
 MAX_ELEVATION = np.radians(75.0)
-#: Power of the labels' probabilities: each pixel's are calibrated, but neighbours err together.
-SOFTENED = 0.82
 #: No label is less likely than what an 8-bit file rounds to nothing.
 LEAST = 0.5 / 255
 
@@ -78,8 +76,7 @@ def label_counts(
     """Return (labels, a, rows) counts by direction, azimuths (a,) and the lowest elevation.
 
     `labels` (h, w) uint8; values that are no label count nowhere. With `probabilities`
-    (l, h', w') of the same view each pixel counts for every label, by how likely that is,
-    softened by `SOFTENED`.
+    (l, h', w') of the same view each pixel counts for every label, by how likely that is.
     """
     step = max(1.0, camera.width / SAMPLED_COLUMNS)
     columns = np.arange(step / 2, camera.width, step)
@@ -107,7 +104,7 @@ def label_counts(
                 pixels[kept].T[::-1], probabilities.shape[1:], labels.shape, strict=True
             )
         )
-        likely = np.maximum(probabilities[:, row, column], LEAST) ** SOFTENED
+        likely = np.maximum(probabilities[:, row, column], LEAST)
         likely /= likely.sum(axis=0)
         for label, weights in enumerate(likely):
             np.add.at(counts[label], (a, e), weights)
