@@ -9,9 +9,10 @@ import numpy as np
 
 from plan2scene.colour import clipped_share, delta_e_2000, median_colour, rgb_to_lab
 
+#: CIEDE2000 beyond which crops are of different things; light gives less.
+ALIKE_DE = 20.0
 _LEAST_SHARP = 0.2  # photo pixels per crop pixel under which a crop shows no texture
 _MOST_SPOILED = 0.5  # share of burned-out or masked pixels from which a crop is useless
-_ALIKE_DE = 20.0  # CIEDE2000 beyond which crops are of different things; light gives less
 _FEW_OCTAVES = 1.0  # crops blurred by more than this against the better ones are left out
 _ENOUGH = 3  # where so many are sharper
 
@@ -64,7 +65,7 @@ def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list
     apart = delta_e_2000(labs[:, None], labs[None])
     far = apart.sum(axis=1) if tone is None else delta_e_2000(labs, rgb_to_lab(tone)[None])
     middle = int(far.argmin())
-    return [crop for crop, far in zip(crops, apart[middle], strict=True) if far <= _ALIKE_DE]
+    return [crop for crop, far in zip(crops, apart[middle], strict=True) if far <= ALIKE_DE]
 
 
 def blur_octaves(crops: Sequence[ExemplarCrop]) -> np.ndarray:

@@ -24,14 +24,12 @@ from plan2scene.house import SurfaceKey
 from plan2scene.parallel import each
 from plan2scene.photos.crops.light import relight
 from plan2scene.textures.baselines.nearest import Crop
-from plan2scene.textures.exemplar.choice import ExemplarCrop
+from plan2scene.textures.exemplar.choice import ALIKE_DE, ExemplarCrop
 from plan2scene.textures.exemplar.make import Exemplar, make_exemplar
 from plan2scene.textures.exemplar.usual import usual_tile
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import NoTile, Tile
 
-#: CIEDE2000 from a surface's colour beyond which its crops show something else.
-_OTHER_DE = 25.0
 #: Substance without spots of its own.
 PLAIN = "plaster"
 _Found = tuple[SurfaceKey, Tile | NoTile]
@@ -102,7 +100,7 @@ def _of_another_thing(crops: Sequence[Crop], colour: np.ndarray | None) -> bool:
     if colour is None:
         return False
     tone = np.clip(colour, 0.0, 1.0)
-    return all(colour_difference(crop.image(), tone) > _OTHER_DE for crop in crops)
+    return all(colour_difference(crop.image(), tone) > ALIKE_DE for crop in crops)
 
 
 def exemplar_of(
