@@ -14,6 +14,8 @@ class SegmentationSettings:
     #: Share of the weights to start from in what is kept: what they know of photos that renderings
     #: do not show is forgotten otherwise (WiSE-FT, doi 10.1109/CVPR52688.2022.00780).
     start_share: float = 0.0
+    #: Weights file that gets this share in place of those to start from; null: these.
+    shared_with: str | None = None
     #: Runs from the same start that differ in their seed; the mean of their weights is kept (model
     #: soups, https://arxiv.org/abs/2203.05482).
     runs: int = 1
@@ -57,8 +59,10 @@ class SegmentationSettings:
     floor_adjustment: float = 0.0
     wall_adjustment: float = 0.0
     ceiling_adjustment: float = 0.0
+    door_penalty: float = 0.0  #: taken from doors', of which renderings hold more than photos
 
     @property
     def logit_adjustment(self) -> list[float]:
         """What is added to the logits of the six labels."""
-        return [0, self.floor_adjustment, self.wall_adjustment, self.ceiling_adjustment, 0, 0]
+        surfaces = [self.floor_adjustment, self.wall_adjustment, self.ceiling_adjustment]
+        return [0, *surfaces, -self.door_penalty, 0]
