@@ -59,10 +59,8 @@ class SegmentationSettings:
     floor_adjustment: float = 0.0
     wall_adjustment: float = 0.0
     ceiling_adjustment: float = 0.0
-    door_penalty: float = 0.0  #: taken from doors', of which renderings hold more than photos
 
     @property
     def logit_adjustment(self) -> list[float]:
         """What is added to the logits of the six labels."""
-        surfaces = [self.floor_adjustment, self.wall_adjustment, self.ceiling_adjustment]
-        return [0, *surfaces, -self.door_penalty, 0]
+        return [0, self.floor_adjustment, self.wall_adjustment, self.ceiling_adjustment, 0, 0]
