@@ -78,9 +78,10 @@ def train_segmentation(
     network.architecture["temperature"] = temperature
     save_model_file(model_path, network.state_dict(), network.architecture)
     seen = [f"{len(photos)} rendered photos of the synthetic train split.", "No real photo."]
-    for path, use in ((settings.start, "to start"), (settings.shared_with, "to mix with")):
-        if path:
-            seen.append(f"Weights of {Path(path).name} ({file_hash(path)}) {use}.")
+    if settings.start:
+        seen.append(
+            f"Weights of {Path(settings.start).name} ({file_hash(settings.start)}) to start."
+        )
     size = sum(parameter.numel() for parameter in shipped.parameters()) / 1e6
     rows = {name: [value] for name, value in zip(LABELS, final.iou, strict=True)}
     rows |= {"door or window": [final.openings]}
@@ -101,7 +102,7 @@ def averaged_runs(
     seed: int,
     checkpoint: Path | None = None,
 ) -> Trained[SegmentationNet]:
-    """Return the mean of the runs' networks and of the one they are mixed with, by their shares.
+    """Return the mean of the runs' networks and of the one they started from, by their shares.
 
     The first run has `seed`, the others seeds derived from it. Each has a checkpoint of its own;
     those beside `checkpoint` are gone after the last run.
@@ -123,8 +124,6 @@ def averaged_runs(
             file.unlink(missing_ok=True)
     alone = settings.runs == 1 and not settings.start_share and not settings.statistics
     share = (1 - settings.start_share) / settings.runs
-    if settings.shared_with:
-        start_from(start, settings.shared_with)
     states = [(settings.start_share, start.state_dict())]
     states += [(share, run.network.state_dict()) for run in runs]
     mean = runs[0].network

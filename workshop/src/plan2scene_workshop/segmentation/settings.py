@@ -14,8 +14,6 @@ class SegmentationSettings:
     #: Share of the weights to start from in what is kept: what they know of photos that renderings
     #: do not show is forgotten otherwise (WiSE-FT, doi 10.1109/CVPR52688.2022.00780).
     start_share: float = 0.0
-    #: Weights file that gets this share in place of those to start from; null: these.
-    shared_with: str | None = None
     #: Runs from the same start that differ in their seed; the mean of their weights is kept (model
     #: soups, https://arxiv.org/abs/2203.05482).
     runs: int = 1
