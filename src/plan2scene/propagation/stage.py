@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.house import ROOM_TYPES, SUBSTANCES, SURFACES, SurfaceKey
+from plan2scene.house import SUBSTANCES, SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.propagation.graph import HouseGraph, house_graph
 from plan2scene.propagation.house_colours import Shown, shown_colours
@@ -67,7 +67,8 @@ def propagate_house(
         shown = shown_colours(colours, hidden_photos, graph.room_ids, names)
     predicted = PREDICTORS[predictor](graph, network, means, shown)
     named = {graph.place(key): row.substance for key, row in observed.items()}
-    substances = unseen_substances(graph, predicted, named, texture_model)
+    types = [room.types for room in plan.rooms]
+    substances = unseen_substances(graph, types, predicted, named, texture_model)
     embeddings, colour = _all_surfaces(graph, predicted, shown, material)
     known = {key: float(row.metres) for key, row in observed.items()}
     rows: list[dict[str, Any]] = []
@@ -170,6 +171,7 @@ def _metres(known: Mapping[SurfaceKey, float], key: SurfaceKey) -> float:
 
 def unseen_substances(
     graph: HouseGraph,
+    types: Sequence[Collection[str]],
     predicted: Prediction,
     named: Mapping[tuple[int, int], str],
     texture_model: str | Path,
@@ -179,8 +181,8 @@ def unseen_substances(
     What is predicted to be like an observed surface, and looks to be of its substance, is of the
     substance that the crops of that one have told (`named`).
     """
-    likely = substances_of(predicted.embedding, graph.types, texture_model)
-    looks = substances_of(graph.embeddings, graph.types, texture_model)
+    both = np.stack([predicted.embedding, graph.embeddings])
+    likely, looks = substances_of(both, types, texture_model)
     for (row, kind), alike in np.ndenumerate(predicted.alike):
         if alike >= 0 and looks[alike, kind] == likely[row, kind]:
             likely[row, kind] = named.get((int(alike), kind), likely[row, kind])
@@ -188,12 +190,12 @@ def unseen_substances(
 
 
 def substances_of(
-    embeddings: np.ndarray, types: np.ndarray, texture_model: str | Path
+    embeddings: np.ndarray, types: Sequence[Collection[str]], texture_model: str | Path
 ) -> np.ndarray:
-    """Return the likeliest substance of each embedding (n, 3, 11): floor, wall, ceiling.
+    """Return the likeliest substance of each embedding (..., n, 3, 11): floor, wall, ceiling.
 
-    A texture model's head says what it looks like; `types` (n, 12), multi-hot, what is usual in
-    the rooms. The head is one linear layer: its two arrays are read, not the whole network.
+    A texture model's head says what it looks like; the `types` of the n rooms what is usual. The
+    head is one linear layer: its two arrays are read, not the whole network.
     """
     names = ("substance_layer.weight", "substance_layer.bias")
     arrays, _ = read_model_arrays(texture_model, names)
@@ -203,7 +205,6 @@ def substances_of(
     with fitting("a substance head", texture_model):
         scores = embeddings[..., : weight.shape[1]] @ weight.T + bias
     shares = np.exp(scores - scores.max(axis=-1, keepdims=True))
-    rooms = [[ROOM_TYPES[k] for k in np.flatnonzero(row)] for row in types]
-    usual = np.array([[usual_shares(kind, room) for kind in SURFACES] for room in rooms])
+    usual = np.array([[usual_shares(kind, names) for kind in SURFACES] for names in types])
     shares = weighed(shares / shares.sum(axis=-1, keepdims=True), usual)
     return np.array(SUBSTANCES)[shares.argmax(-1)]

@@ -188,40 +188,39 @@ def test_substances_are_what_the_texture_model_says_on_that_kind_of_surface(tmp_
     embeddings = torch.randn(40, 3, 11)
     with torch.no_grad():
         shares = torch.softmax(model.substance_layer(embeddings[..., :8]), dim=-1).numpy()
-    types = np.zeros((40, len(ROOM_TYPES)), np.float32)
-    types[:, ROOM_TYPES.index("Bedroom")] = 1
-    named = substances_of(embeddings.numpy(), types, tmp_path / "m")
+    named = substances_of(embeddings.numpy(), [["Bedroom"]] * 40, tmp_path / "m")
     assert (named == np.array(SUBSTANCES)[on_surfaces(shares, SURFACES).argmax(-1)]).all()
     assert len(set(named[:, 0])) > 1
     assert set(named[:, 2]) == {"plaster"}
-    types = np.roll(types, 1, axis=1)  # kitchens, then bathrooms
-    assert (substances_of(embeddings.numpy(), types, tmp_path / "m") == named).all()
-    wet = substances_of(embeddings.numpy(), np.roll(types, 1, axis=1), tmp_path / "m")
+    assert (substances_of(embeddings.numpy(), [["Kitchen"]] * 40, tmp_path / "m") == named).all()
+    wet = substances_of(embeddings.numpy(), [["Bathroom"]] * 40, tmp_path / "m")
     assert (wet[:, 0] == "tile").mean() > (named[:, 0] == "tile").mean() + 0.3
     assert (wet[:, 1:] == named[:, 1:]).all()
     bare = TextureModel(Architecture(width=4, substances=0))
     save_model_file(tmp_path / "b", bare.state_dict(), architecture_header(bare))
     with pytest.raises(InputError, match="substance head"):
-        substances_of(embeddings.numpy(), types, tmp_path / "b")
+        substances_of(embeddings.numpy(), [["Bedroom"]] * 40, tmp_path / "b")
 
 
 def test_what_is_like_an_observed_surface_is_called_what_its_crops_were(tmp_path):
-    """The head calls both floors the same, whatever it is; the crops of the first told carpet."""
+    """The head calls all floors the same, but for the bathroom's; the first's crops told carpet."""
     torch.manual_seed(5)
     model = TextureModel(Architecture(width=4))
     save_model_file(tmp_path / "m", model.state_dict(), architecture_header(model), half=False)
-    embeddings = np.zeros((3, 3, 11), np.float32)
-    types = np.zeros((3, len(ROOM_TYPES)), np.float32)
-    types[:, ROOM_TYPES.index("Bedroom")] = 1
+    embeddings, named = np.zeros((3, 3, 11), np.float32), {(0, 0): "carpet"}
+    types = [["Bedroom"], ["Kitchen"], ["Bathroom"]]
+    multi_hot = np.array([[name in one for name in ROOM_TYPES] for one in types], np.float32)
     observed = np.zeros((3, 3), bool)
     observed[0, 0] = True
-    graph = HouseGraph(("a", "b", "c"), types, np.zeros((2, 0), np.int64), embeddings, observed)
+    edges = np.zeros((2, 0), np.int64)
+    graph = HouseGraph(("a", "b", "c"), multi_hot, edges, embeddings, observed)
     alike = np.full((3, 3), -1)
-    alike[1, 0] = 0
+    alike[1:, 0] = 0
     predicted = Prediction(embeddings, np.ones((3, 3)), alike)
     looks = substances_of(embeddings, types, tmp_path / "m")
     assert looks[0, 0] == looks[1, 0] != "carpet"
-    found = unseen_substances(graph, predicted, {(0, 0): "carpet"}, tmp_path / "m")
+    assert looks[2, 0] == "tile" != looks[0, 0]
+    found = unseen_substances(graph, types, predicted, named, tmp_path / "m")
     assert found[1, 0] == "carpet"
     found[1, 0] = looks[1, 0]
     assert (found == looks).all()

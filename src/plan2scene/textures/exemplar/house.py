@@ -76,7 +76,7 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     own = {key: own[key] for key in groups if key in own}
     for key, surface in surfaces.items():
         if key not in tiles:
-            tile = own[key] if key in own else _nearest(inputs, surface, own)
+            tile = own[key] if key in own else _nearest(inputs, surface, surfaces, own)
             if isinstance(tile, Tile) and not math.isfinite(tile.size_m):
                 tile = replace(tile, size_m=surface.size_m)
             tiles[key] = tile
@@ -155,14 +155,16 @@ def _known(crop: Crop) -> ExemplarCrop:
 
 
 def _nearest(
-    inputs: TextureInputs, surface: KnownSurface, own: Mapping[SurfaceKey, Tile]
+    inputs: TextureInputs,
+    surface: KnownSurface,
+    surfaces: Mapping[SurfaceKey, KnownSurface],
+    own: Mapping[SurfaceKey, Tile],
 ) -> Tile | NoTile:
     """Return the exemplar nearest to a surface without one, or why there is none.
 
     Of an unobserved surface the predicted substance is likelier right than any other that is near.
     """
     kind = surface.key.surface
-    surfaces = {one.key: one for one in inputs.surfaces}
     pool = [key for key in own if key.surface == kind]
     if not pool:
         return NoTile(f"no exemplar of a {kind} in the house")
