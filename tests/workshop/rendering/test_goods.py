@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from plan2scene.house import House, Opening, Room, Wall
+from plan2scene.house import House, Opening, Room, SurfaceKey, Wall
 from plan2scene.photos.labels.palette import CEILING, OTHER, WALL
 from plan2scene_workshop.rendering import bedding, goods, linings, pieces
 from plan2scene_workshop.rendering.decor import draw_decor, listing_decor
@@ -16,6 +16,7 @@ from plan2scene_workshop.rendering.furniture import Layout
 from plan2scene_workshop.rendering.geometry import Geometry, Solid, merge
 from plan2scene_workshop.rendering.palette import draw_palette
 from plan2scene_workshop.rendering.pieces import Piece
+from plan2scene_workshop.rendering.randomised import random_surface
 from plan2scene_workshop.rendering.shell import WallFace, wall_faces
 from plan2scene_workshop.rendering.sources import Sources
 
@@ -188,3 +189,24 @@ def test_rooms_are_filled_with_their_bulk(bulk: str, low: float) -> None:
     assert len(layout.taken) >= 2  # a piece beside the door's clearance
     top = max(group.solid.vertices[:, 1].max() for group in geometry.joined().values())
     assert low <= top <= HEIGHT
+
+
+def test_emptied_rooms_keep_what_is_built_in() -> None:
+    """Over many rooms hardly a thing is left, but kitchens are; surfaces are the home's own."""
+    room, faces = _one_room()
+    left = {True: 0, False: 0}
+    for seed in range(12):
+        for emptied in left:
+            decor = draw_decor(Sources(), seed, randomised=False, emptied=emptied)
+            geometry = Geometry()
+            decor.furnisher().furnish(geometry, room, faces, np.random.default_rng(seed))
+            left[emptied] += sum(len(g.solid.faces) for g in geometry.joined().values())
+            if emptied:
+                assert decor.style.bulk == "" and decor.style.tops == ()
+                assert decor.style.crowd < 0.4 and decor.style.rugs < 0.4
+    assert 0 < left[True] < 0.35 * left[False]
+    key = SurfaceKey("a", "wall")
+    paint = random_surface(key, 1)
+    for seed in range(12):
+        decor = draw_decor(Sources(), seed, randomised=False, emptied=True)
+        assert decor.materials({key: paint}) == {key: paint}

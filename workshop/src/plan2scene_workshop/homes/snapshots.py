@@ -19,7 +19,7 @@ from plan2scene.io import atomic_directory, atomic_path, write_json
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.residences import clear_photos, write_assignment, write_photo
-from plan2scene_workshop.homes.style import accent_walls, assign_materials
+from plan2scene_workshop.homes.style import PLAIN, VARIED, accent_walls, assign_materials
 from plan2scene_workshop.rendering.decor import draw_decor
 from plan2scene_workshop.rendering.snapshots import Snapshot, shoot_room
 from plan2scene_workshop.rendering.sources import Sources
@@ -28,6 +28,8 @@ from plan2scene_workshop.rendering.tracer import load_mitsuba
 _LOGGER = logging.getLogger("plan2scene")
 #: Chance that a room of a type is photographed; 1 for those not named.
 _CHANCE = {"Corridor": 0.2, "Entrance": 0.2, "Closet": 0.05, "Balcony": 0.1, "Terrace": 0.2}
+#: Of homes that people have moved out of, those with one floor and one pale paint all through.
+PLAIN_SHARE = 0.6
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,7 @@ class SnapshotOptions:
     views: int = 6  #: most snapshots of a room
     long_side: int = 448  #: of a photo, pixels
     randomised: float = 0.5  #: share of the rooms that are randomised
+    emptied: float = 0.0  #: share of the rooms that were moved out of
     targets: bool = True  #: write normals and depth beside the masks
     jpeg_quality: tuple[int, int] = (50, 95)  #: range, drawn per photo
     variant: str | None = None  #: of Mitsuba, a vectorised one
@@ -60,7 +63,9 @@ def write_snapshots(
     mi = load_mitsuba(options.variant)
     importlib.import_module("drjit").set_thread_count(1)  # a house is one job of one core
     house = generate_house(house_id, derive_seed(seed, "house"))
-    materials = assign_materials(house, derive_seed(seed, "style"), sources.textures)
+    plain = generator(seed, "plain").random() < PLAIN_SHARE * options.emptied
+    style = PLAIN if plain else VARIED
+    materials = assign_materials(house, derive_seed(seed, "style"), sources.textures, style=style)
     accents = accent_walls(house, derive_seed(seed, "accents"))
     rng = generator(seed, "snapshots", house_id)
     assignment: list[tuple[str, str]] = []
@@ -70,7 +75,10 @@ def write_snapshots(
         for room_id in _rooms(house, rng):
             room_seed = derive_seed(seed, "room", house_id, room_id)
             decor = draw_decor(
-                sources, room_seed, randomised=bool(rng.random() < options.randomised)
+                sources,
+                room_seed,
+                randomised=bool(rng.random() < options.randomised),
+                emptied=bool(generator(room_seed, "emptied").random() < options.emptied),
             )
             shots = shoot_room(
                 house,

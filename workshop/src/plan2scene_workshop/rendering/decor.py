@@ -47,6 +47,7 @@ class Decor:
     style: RoomStyle
     shop: ModelShop
     listing: bool = False  #: light as photographers of listings want it
+    emptied: bool = False  #: people have moved out; surfaces are as homes have them
 
     def finishes(self) -> dict[str, Finish]:
         """Return the finishes of textiles, pictures, skins, lit lamps and plain model parts."""
@@ -91,7 +92,7 @@ class Decor:
 
     def materials(self, materials: Mapping[SurfaceKey, Material]) -> dict[SurfaceKey, Material]:
         """Return the materials of the rooms' surfaces: as they are, or randomised."""
-        if self.listing:
+        if self.listing or (self.emptied and not self.randomised):
             return dict(materials)
         if not self.randomised:
             return {key: self._plausible(key, found) for key, found in materials.items()}
@@ -205,8 +206,8 @@ class Decor:
         return Finish(np.ascontiguousarray(tile), float(rng.uniform(0.4, 1.2)), 0.3)
 
 
-def draw_decor(sources: Sources, seed: int, *, randomised: bool) -> Decor:
-    """Draw the look of one scene."""
+def draw_decor(sources: Sources, seed: int, *, randomised: bool, emptied: bool = False) -> Decor:
+    """Draw the look of one scene; an emptied one has walls, doors, windows and hardly a thing."""
     rng = generator(seed, "decor")
     kind = "Office" if rng.random() < 0.2 else None
     if randomised and rng.random() < 0.3:
@@ -224,8 +225,20 @@ def draw_decor(sources: Sources, seed: int, *, randomised: bool) -> Decor:
         tops=_TOPS,
         bulk=str(rng.choice(["", *BULK], p=[0.2, *_BULK_SHARES])),
     )
+    if emptied:
+        style = _emptied(style, generator(seed, "emptied"))
     palette = draw_palette(generator(seed, "palette"))
-    return Decor(seed, sources, randomised, palette, style, ModelShop(sources.models))
+    shop = ModelShop(sources.models)
+    return Decor(seed, sources, randomised, palette, style, shop, emptied=emptied)
+
+
+def _emptied(style: RoomStyle, rng: np.random.Generator) -> RoomStyle:
+    """Return the style of a room that was moved out of: what is built in, a few left-overs."""
+    crowd, clutter, rugs = (float(x) for x in rng.uniform(0.0, 0.35, 3) * (rng.random() < 0.7))
+    left = replace(
+        style, crowd=crowd, clutter=clutter, rugs=rugs, built_in=float(rng.uniform(0, 1))
+    )
+    return replace(left, kind=None, tops=(), bulk="")
 
 
 def listing_decor(sources: Sources, seed: int) -> Decor:

@@ -40,6 +40,8 @@ GLOW = "glow"
 _MODEL_SHARE = 0.75
 #: What some rooms are full of: racks of goods, worktops, tables, rows of seats, cupboards, beds.
 BULK = ("racks", "counters", "tables", "rows", "cupboards", "beds")
+#: What stays when people move out.
+_BUILT_IN = ("kitchen", "fitted kitchen", "sanitary", "fireplace")
 _TOPS = {"table", "desk", "cabinet", "nightstand", "coffee table"}
 
 
@@ -57,6 +59,8 @@ class RoomStyle:
     lit: float  #: share of standing lamps that shine
     tops: tuple[str, ...] = ()  #: of worktops and tables; none: there are none of :mod:`.goods`
     bulk: str = ""  #: one of :data:`BULK`, or nothing
+    rugs: float = 1.0  #: factor on the count of rugs
+    built_in: float | None = None  #: factor on the counts of what is built in; None: `crowd`
 
 
 class Furnisher:
@@ -92,7 +96,7 @@ class Furnisher:
         for name, mean in STANDING_FREE.get(kind, ()):
             for _ in range(draw_count(rng, mean * scale * self._factor(name))):
                 place_free(geometry, layout, self.draw(rng, name), rng)
-        for _ in range(draw_count(rng, rng.choice([0.0, 0.6, 1.6]))):
+        for _ in range(draw_count(rng, self.style.rugs * rng.choice([0.0, 0.6, 1.6]))):
             self._add_rug(geometry, layout, rng)
         for _ in range(draw_count(rng, 3.5 * scale * self.style.clutter)):
             self._hang(geometry, layout, rng, kitchen=kind == "Kitchen")
@@ -137,6 +141,8 @@ class Furnisher:
         return goods.seat_rows(rng, desk, seat)
 
     def _factor(self, name: str) -> float:
+        if name in _BUILT_IN and self.style.built_in is not None:
+            return self.style.built_in
         small = name in ("small", "heap", "toys", "papers", "carton")
         return self.style.clutter if small else self.style.crowd
 

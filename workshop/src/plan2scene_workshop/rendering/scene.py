@@ -241,7 +241,8 @@ class _Builder:
             drop = float(rng.uniform(0.15, 0.6)) if rng.random() < 0.2 else 0.0
             sky = SKY[0] if hops == 0 else SKY[1]
             add_window(self.geometry, face, hole, self.palette, rng, sky, drop)
-            if drop == 0.0 and rng.random() < 0.55:
+            curtains = 0.15 if self.decor and self.decor.emptied else 0.55
+            if drop == 0.0 and rng.random() < curtains:
                 material = str(rng.choice([*FABRICS, "fabric", "fabric"]))
                 colour = pick(rng, self.palette.fabrics)
                 add_curtains(self.geometry, face, hole, material, colour, rng)

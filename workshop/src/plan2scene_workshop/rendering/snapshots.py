@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, Room
-from plan2scene.photos.labels.palette import CEILING, FLOOR, OTHER, WALL
+from plan2scene.photos.labels.palette import CEILING, DOOR, FLOOR, OTHER, WALL
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.rendering.camera_effects import (
     CameraStyle,
@@ -41,6 +41,8 @@ _ASPECTS = {4 / 3: 0.7, 3 / 2: 0.15, 16 / 9: 0.1, 1.0: 0.05}
 _PORTRAIT = 0.25
 #: Candidates per view, and the height of the coarse cast that judges them.
 _CANDIDATES, _COARSE = 6, 24
+#: Most of a view of an emptied room that doors fill.
+_DOOR = 0.2
 
 
 @dataclass(frozen=True)
@@ -75,23 +77,32 @@ def shoot_room(
     gloss = draw_gloss(tracer.names, tracer.finishes, generator(seed, room_id, "gloss"))
     rng = generator(seed, house.id, room_id, "snapshots")
     for index, (view, size) in enumerate(
-        choose_views(tracer, house.room(room_id), count, long_side, rng)
+        choose_views(tracer, house.room(room_id), count, long_side, rng, things=not decor.emptied)
     ):
         view = replace(view, seed=derive_seed(seed, house.id, room_id, "snapshot", index))
         yield _shoot(tracer, scene.outside, gloss, view, size, randomised=decor.randomised)
 
 
 def choose_views(
-    tracer: QuickTracer, room: Room, count: int, long_side: int, rng: np.random.Generator
+    tracer: QuickTracer,
+    room: Room,
+    count: int,
+    long_side: int,
+    rng: np.random.Generator,
+    *,
+    things: bool = True,
 ) -> list[tuple[View, tuple[int, int]]]:
-    """Return views and photo sizes (height, width), chosen among random ones by what they see."""
+    """Return views and photo sizes (height, width), chosen among random ones by what they see.
+
+    What a room is full of is looked for where `things` says so.
+    """
     inner = room_polygon(room).buffer(-0.2)
     if inner.is_empty:
         return []
     candidates = []
     for _ in range(_CANDIDATES * count):
         view, size = _candidate(room, inner, long_side, rng)
-        score = _score(tracer, view, size)
+        score = _score(tracer, view, size, things=things)
         if score is not None:
             candidates.append((score + rng.uniform(0, 0.8), view, size))
     chosen: list[tuple[View, tuple[int, int]]] = []
@@ -154,7 +165,7 @@ def _towards_rim(
     return x + share * (rim.x - x), z + share * (rim.y - z)
 
 
-def _score(tracer: QuickTracer, view: View, size: tuple[int, int]) -> float | None:
+def _score(tracer: QuickTracer, view: View, size: tuple[int, int], *, things: bool) -> float | None:
     """Judge what a view sees by a coarse cast; None for one inside or right before something."""
     scale = _COARSE / min(size)
     hits = tracer.hits(view, (round(size[0] * scale), round(size[1] * scale)))
@@ -171,8 +182,11 @@ def _score(tracer: QuickTracer, view: View, size: tuple[int, int]) -> float | No
         return None
     floor, wall, ceiling, other = share
     score = 0.9 * min(floor, 0.15) / 0.15 + 0.5 * min(wall, 0.25) / 0.25
-    score += 0.5 * min(tops, 0.25) / 0.25
-    return score + 0.1 * min(ceiling, 0.1) / 0.1 + 1.8 * min(other, 0.65) / 0.65
+    score += 0.1 * min(ceiling, 0.1) / 0.1
+    if not things:
+        # A pale leaf right before the camera is not to be told from a wall.
+        return None if float((labels == DOOR).mean()) > _DOOR else score
+    return score + 0.5 * min(tops, 0.25) / 0.25 + 1.8 * min(other, 0.65) / 0.65
 
 
 def _shoot(
