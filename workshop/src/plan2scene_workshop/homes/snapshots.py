@@ -13,14 +13,15 @@ import numpy as np
 
 from plan2scene.floorplans import write_scene_json
 from plan2scene.floorplans.geometry import room_polygon
-from plan2scene.house import House
+from plan2scene.house import House, SurfaceKey
 from plan2scene.images import write_png
 from plan2scene.io import atomic_directory, atomic_path, write_json
+from plan2scene.materials import Material
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.residences import clear_photos, write_assignment, write_photo
 from plan2scene_workshop.homes.style import PLAIN, VARIED, accent_walls, assign_materials
-from plan2scene_workshop.rendering.decor import draw_decor
+from plan2scene_workshop.rendering.decor import Decor, draw_decor
 from plan2scene_workshop.rendering.snapshots import Snapshot, shoot_room
 from plan2scene_workshop.rendering.sources import Sources
 from plan2scene_workshop.rendering.tracer import load_mitsuba
@@ -63,9 +64,7 @@ def write_snapshots(
     mi = load_mitsuba(options.variant)
     importlib.import_module("drjit").set_thread_count(1)  # a house is one job of one core
     house = generate_house(house_id, derive_seed(seed, "house"))
-    plain = generator(seed, "plain").random() < PLAIN_SHARE * options.emptied
-    style = PLAIN if plain else VARIED
-    materials = assign_materials(house, derive_seed(seed, "style"), sources.textures, style=style)
+    materials = _materials(house, seed, options, sources)
     accents = accent_walls(house, derive_seed(seed, "accents"))
     rng = generator(seed, "snapshots", house_id)
     assignment: list[tuple[str, str]] = []
@@ -73,13 +72,7 @@ def write_snapshots(
     clear_photos(root, house_id)
     with atomic_directory(root / "truth" / split / house_id) as truth:
         for room_id in _rooms(house, rng):
-            room_seed = derive_seed(seed, "room", house_id, room_id)
-            decor = draw_decor(
-                sources,
-                room_seed,
-                randomised=bool(rng.random() < options.randomised),
-                emptied=bool(generator(room_seed, "emptied").random() < options.emptied),
-            )
+            decor = _decor(house_id, room_id, seed, options, sources, rng)
             shots = shoot_room(
                 house,
                 room_id,
@@ -87,7 +80,7 @@ def write_snapshots(
                 accents,
                 decor,
                 options.views,
-                room_seed,
+                decor.seed,
                 long_side=options.long_side,
                 mi=mi,
             )
@@ -104,6 +97,33 @@ def write_snapshots(
     write_scene_json(house, root / "archs_no_objects" / split / f"{house_id}.scene.json")
     write_assignment(root / "photo_assignments" / split / f"{house_id}.photoroom.csv", assignment)
     return house
+
+
+def _materials(
+    house: House, seed: int, options: SnapshotOptions, sources: Sources
+) -> dict[SurfaceKey, Material]:
+    """Return the materials of a house, plain ones all through in some of those moved out of."""
+    plain = generator(seed, "plain").random() < PLAIN_SHARE * options.emptied
+    style = PLAIN if plain else VARIED
+    return assign_materials(house, derive_seed(seed, "style"), sources.textures, style=style)
+
+
+def _decor(
+    house_id: str,
+    room_id: str,
+    seed: int,
+    options: SnapshotOptions,
+    sources: Sources,
+    rng: np.random.Generator,
+) -> Decor:
+    """Draw the look of one room; its seed is that of all that is drawn for the room."""
+    room_seed = derive_seed(seed, "room", house_id, room_id)
+    return draw_decor(
+        sources,
+        room_seed,
+        randomised=bool(rng.random() < options.randomised),
+        emptied=bool(generator(room_seed, "emptied").random() < options.emptied),
+    )
 
 
 def _rooms(house: House, rng: np.random.Generator) -> list[str]:
