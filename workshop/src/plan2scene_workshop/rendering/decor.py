@@ -16,7 +16,8 @@ from plan2scene.house import SurfaceKey
 from plan2scene.materials import Material
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.rendering.bedding import patchwork
-from plan2scene_workshop.rendering.interiors import BULK, GLOW, Furnisher, RoomStyle
+from plan2scene_workshop.rendering.interiors import GLOW, Furnisher, RoomStyle
+from plan2scene_workshop.rendering.inventory import BULK
 from plan2scene_workshop.rendering.lights import LightPlan, black_body, draw_light, view_outside
 from plan2scene_workshop.rendering.linings import granite, grid_ceiling, panels
 from plan2scene_workshop.rendering.models import ModelShop

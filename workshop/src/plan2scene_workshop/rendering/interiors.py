@@ -28,7 +28,7 @@ from plan2scene_workshop.rendering.furniture import (
     place_free,
 )
 from plan2scene_workshop.rendering.geometry import Geometry, box, placement, superquadric
-from plan2scene_workshop.rendering.inventory import ALONG_WALLS, MAKERS, STANDING_FREE
+from plan2scene_workshop.rendering.inventory import ALONG_WALLS, BUILT_IN, MAKERS, STANDING_FREE
 from plan2scene_workshop.rendering.models import ModelShop
 from plan2scene_workshop.rendering.palette import Palette, pick
 from plan2scene_workshop.rendering.pieces import Piece
@@ -38,10 +38,6 @@ from plan2scene_workshop.rendering.shell import WallFace
 GLOW = "glow"
 #: Chance that a class is drawn from the models where both are there.
 _MODEL_SHARE = 0.75
-#: What some rooms are full of: racks of goods, worktops, tables, rows of seats, cupboards, beds.
-BULK = ("racks", "counters", "tables", "rows", "cupboards", "beds")
-#: What stays when people move out.
-_BUILT_IN = ("kitchen", "fitted kitchen", "sanitary", "fireplace")
 _TOPS = {"table", "desk", "cabinet", "nightstand", "coffee table"}
 
 
@@ -58,7 +54,7 @@ class RoomStyle:
     pictures: tuple[str, ...]
     lit: float  #: share of standing lamps that shine
     tops: tuple[str, ...] = ()  #: of worktops and tables; none: there are none of :mod:`.goods`
-    bulk: str = ""  #: one of :data:`BULK`, or nothing
+    bulk: str = ""  #: one of :data:`.inventory.BULK`, or nothing
     rugs: float = 1.0  #: factor on the count of rugs
     built_in: float | None = None  #: factor on the counts of what is built in; None: `crowd`
 
@@ -120,7 +116,7 @@ class Furnisher:
             self._hang_up(geometry, layout, rng, goods.board(rng, self.palette), 1.0)
 
     def _bulky(self, rng: np.random.Generator, bulk: str) -> Piece:
-        """Return a piece of one of :data:`BULK`."""
+        """Return a piece of one of :data:`.inventory.BULK`."""
         top = (str(rng.choice(list(self.style.tops))), pick(rng, self.palette.furniture))
         top = top if rng.random() < 0.75 else pieces.hard(rng, self.palette)
         height = self._height - 0.03
@@ -141,7 +137,7 @@ class Furnisher:
         return goods.seat_rows(rng, desk, seat)
 
     def _factor(self, name: str) -> float:
-        if name in _BUILT_IN and self.style.built_in is not None:
+        if name in BUILT_IN and self.style.built_in is not None:
             return self.style.built_in
         small = name in ("small", "heap", "toys", "papers", "carton")
         return self.style.clutter if small else self.style.crowd

@@ -48,6 +48,10 @@ STANDING_FREE: Mapping[str, Sequence[tuple[str, float]]] = {
     "Outdoor": (("dining set", 0.6), ("chair", 0.6)),
     "Office": (("dining set", 1.2), ("chair", 2.5), ("table", 1.0), ("small", 1.0), ("papers", 1)),
 }
+#: What some rooms are full of: racks of goods, worktops, tables, rows of seats, cupboards, beds.
+BULK = ("racks", "counters", "tables", "rows", "cupboards", "beds")
+#: What stays when people move out.
+BUILT_IN = ("kitchen", "fitted kitchen", "sanitary", "fireplace")
 #: Makers of classes that a folder of models lacks, and now and then beside them.
 MAKERS: Mapping[str, Sequence[Maker]] = {
     "sofa": (living.sofa,),
