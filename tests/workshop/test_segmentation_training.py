@@ -33,7 +33,11 @@ from plan2scene_workshop.segmentation.data import (
     read_labelled_photos,
     scores,
 )
-from plan2scene_workshop.segmentation.losses import geometry_loss, segmentation_loss
+from plan2scene_workshop.segmentation.losses import (
+    distillation_loss,
+    geometry_loss,
+    segmentation_loss,
+)
 from plan2scene_workshop.segmentation.run import averaged_runs, start_from, train_segmentation
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.segmentation.training import (
@@ -115,6 +119,19 @@ def test_loss_leaves_ignored_pixels_out_and_falls_for_the_truth() -> None:
     )
 
 
+def test_distillation_loss_is_the_divergence_of_answers_where_there_is_a_photo() -> None:
+    labels = torch.zeros(1, 4, 4, dtype=torch.int64)
+    labels[:, 2:] = IGNORE
+    taught = torch.zeros(1, 2, 2, 2)
+    taught[:, 0] = float(np.log(3))  # 3/4 and 1/4
+    assert distillation_loss(taught + 5, taught, labels) == pytest.approx(0, abs=1e-6)
+    even = torch.zeros(1, 2, 2, 2)
+    by_hand = 0.75 * np.log(0.75 / 0.5) + 0.25 * np.log(0.25 / 0.5)
+    assert distillation_loss(even, taught, labels) == pytest.approx(by_hand, rel=1e-5)
+    even[:, 0, 1] = 50  # beyond the photo
+    assert distillation_loss(even, taught, labels) == pytest.approx(by_hand, rel=1e-5)
+
+
 def _tiny() -> SegmentationNet:
     torch.manual_seed(0)
     return SegmentationNet(widths=[8, 8, 8, 8, 8], depths=[1, 1, 1, 1], decoder=16, long_side=64)
@@ -129,6 +146,31 @@ def test_training_learns_what_colours_tell() -> None:
     trained = train_network(_tiny(), photos, held_out, settings, seed=0)
     assert trained.step in (15, 30)
     assert trained.score > 0.4  # the commonest label alone gives under 0.15
+
+
+def test_a_network_learns_its_teachers_averaged_answers_whatever_labels_say(
+    tmp_path: Path,
+) -> None:
+    photos = [_striped(k) for k in range(6)]
+    files = []
+    for label in (CEILING, OTHER):  # each sees its own label everywhere, the first more surely
+        network = _tiny()
+        torch.nn.init.zeros_(network.head.weight)
+        torch.nn.init.zeros_(network.head.bias)  # type: ignore[arg-type]
+        with torch.no_grad():
+            network.head.bias[label] = 8.0 if label == CEILING else 4.0  # type: ignore[index]
+        files.append(tmp_path / f"{label}.safetensors")
+        save_model_file(files[-1], network.state_dict(), network.architecture)
+    settings = SegmentationSettings(
+        batch=4, small=64, long_side=64, steps=60, learning_rate=2e-2, evaluate_every=0
+    )
+    settings = dataclasses.replace(
+        settings, teachers=":".join(map(str, files)), distillation=1.0, ema_decay=0.9
+    )
+    trained = train_network(_tiny(), photos, photos[:1], settings, seed=0).network
+    found = trained(torch.rand(1, 3, 64, 64)).softmax(dim=1).mean(dim=(0, 2, 3))
+    wanted = torch.tensor([2.0, 0, 0, 4.0]).softmax(dim=0)
+    torch.testing.assert_close(found, wanted, atol=0.06, rtol=0)
 
 
 def _write_data_set(root: Path) -> None:

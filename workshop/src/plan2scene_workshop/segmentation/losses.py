@@ -79,6 +79,25 @@ def segmentation_loss(
     return loss + dice * (1 - ((2 * overlap + 1) / (total + 1)).mean())
 
 
+def distillation_loss(
+    logits: torch.Tensor, taught: torch.Tensor, labels: torch.Tensor
+) -> torch.Tensor:
+    """Return the mean Kullback-Leibler divergence of a network's answers from its teachers'.
+
+    Parameters
+    ----------
+    logits, taught : (n, labels, h / 2, w / 2) float32
+        The network's logits and its teachers' averaged ones (Hinton et al. 2015, arXiv 1503.02531).
+    labels : (n, h, w) int64
+        Where they are 255 there is no photo, and nothing to learn.
+    """
+    kept = labels[:, ::2, ::2] != IGNORE
+    apart = F.kl_div(
+        logits.log_softmax(dim=1), taught.log_softmax(dim=1), reduction="none", log_target=True
+    )
+    return (apart.sum(dim=1) * kept).sum() / kept.sum().clamp(min=1)
+
+
 def geometry_loss(found: torch.Tensor, normals: torch.Tensor, depths: torch.Tensor) -> torch.Tensor:
     """Return the mean of 1 - cosine of normals, and the spread of log depth about each view's own.
 

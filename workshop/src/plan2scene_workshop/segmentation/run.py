@@ -82,6 +82,8 @@ def train_segmentation(
         seen.append(
             f"Weights of {Path(settings.start).name} ({file_hash(settings.start)}) to start."
         )
+    for file in settings.teachers.split(":") if settings.teachers else ():
+        seen.append(f"The answers of {Path(file).name} ({file_hash(file)}), one of its teachers.")
     size = sum(parameter.numel() for parameter in shipped.parameters()) / 1e6
     rows = {name: [value] for name, value in zip(LABELS, final.iou, strict=True)}
     rows |= {"door or window": [final.openings]}
@@ -107,9 +109,11 @@ def averaged_runs(
     The first run has `seed`, the others seeds derived from it. Each has a checkpoint of its own;
     those beside `checkpoint` are gone after the last run.
     """
-    if not (settings.runs >= 1 and 0 <= settings.start_share < 1):
-        found = f"{settings.runs} runs, start_share {settings.start_share}"
-        raise InputError("training.segmentation.runs from 1, start_share in [0, 1)", found)
+    shares = settings.start_share, settings.distillation
+    if not (settings.runs >= 1 and 0 <= shares[0] < 1 and 0 <= shares[1] <= 1):
+        found = f"{settings.runs} runs, start_share {shares[0]}, distillation {shares[1]}"
+        wanted = "training.segmentation.runs from 1, start_share in [0, 1), distillation in [0, 1]"
+        raise InputError(wanted, found)
     start = _begun(settings, seed)
     runs, files = [], [checkpoint]
     files += [checkpoint and Path(f"{checkpoint}{k}") for k in range(1, settings.runs)]

@@ -20,6 +20,11 @@ class SegmentationSettings:
     #: Batches that the statistics of batch norm are taken anew from in the end: averaged weights
     #: answer otherwise than each of their parts (https://arxiv.org/abs/1803.05407, section 3.2).
     statistics: int = 0
+    #: Weights files, joined by ``:``, of networks whose averaged logits are learned on the same
+    #: views (distillation, https://arxiv.org/abs/1503.02531); null: none.
+    teachers: str | None = None
+    #: Share of the loss that is the teachers' rather than the labels', where there are teachers.
+    distillation: float = 0.8
     #: Roots of further data sets whose train and val splits count too, joined by ``:``.
     further: str | None = None
     attention: int = 2  #: blocks of attention at each of two resolutions

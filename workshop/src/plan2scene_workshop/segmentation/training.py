@@ -15,12 +15,13 @@ from torch import nn
 from plan2scene.photos.camera.calibration import Camera, estimate_camera
 from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.network import SegmentationNet
-from plan2scene.photos.labels.segmentation import Segmenter, labels_of
+from plan2scene.photos.labels.segmentation import Segmenter, labels_of, load_segmenter
 from plan2scene.seeds import generator
 from plan2scene_workshop.segmentation.augment import Batch, training_batch
 from plan2scene_workshop.segmentation.data import LabelledPhoto, Scores, confusion, digest, scores
 from plan2scene_workshop.segmentation.losses import (
     GeometryHead,
+    distillation_loss,
     geometry_loss,
     segmentation_loss,
 )
@@ -72,6 +73,7 @@ def train_network(
     whole = GeometryHead(network)
     whole.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
+    teachers = _teachers(settings, device)
     steps = min(settings.steps, settings.stop or settings.steps)
 
     def draw(step: int) -> Batch:
@@ -81,7 +83,7 @@ def train_network(
     ahead = Ahead(draw, steps, workers=8 if device == "cuda" else 1)
 
     def loss(step: int, _: np.random.Generator) -> dict[str, torch.Tensor]:
-        return _losses(whole, ahead.batch(step).to(device), settings, told=told)
+        return _losses(whole, ahead.batch(step).to(device), settings, teachers, told=told)
 
     options = TrainerOptions(
         "segmentation",
@@ -111,20 +113,39 @@ def train_network(
     return Trained(trained.network.network, trained.step, trained.score, trained.seconds)
 
 
+def _teachers(settings: SegmentationSettings, device: str) -> list[SegmentationNet]:
+    """Return the networks that a run learns from beside its labels."""
+    files = settings.teachers.split(":") if settings.teachers else []
+    networks = [load_segmenter(file).network.to(device).requires_grad_(False) for file in files]
+    return [network.to(memory_format=torch.channels_last) for network in networks]  # type: ignore[call-overload]
+
+
 def _losses(
-    whole: GeometryHead, batch: Batch, settings: SegmentationSettings, *, told: bool
+    whole: GeometryHead,
+    batch: Batch,
+    settings: SegmentationSettings,
+    teachers: Sequence[SegmentationNet],
+    *,
+    told: bool,
 ) -> dict[str, torch.Tensor]:
-    """Return the parts of a batch's loss; that of normals and depth where any photo has them."""
+    """Return the parts of a batch's loss; those of teachers and of geometry where there are any."""
     logits, geometry = whole(batch.images, batch.elevations)
+    share = settings.distillation if teachers else 0.0
     labels = segmentation_loss(
         logits.float(), batch.labels, settings.dice, settings.label_smoothing, batch.openings
     )
-    if not told:
-        return {"labels": labels}
-    true, found = batch.geometry, logits.new_zeros(())
-    if true is not None:
-        found = settings.geometry * geometry_loss(geometry.float(), true[:, :3], true[:, 3])
-    return {"labels": labels, "geometry": found}
+    parts = {"labels": (1 - share) * labels}
+    if teachers:
+        with torch.no_grad():
+            answers = [teacher(batch.images, batch.elevations).float() for teacher in teachers]
+        taught = torch.stack(answers).mean(dim=0)
+        parts["teachers"] = share * distillation_loss(logits.float(), taught, batch.labels)
+    if told:
+        true, found = batch.geometry, logits.new_zeros(())
+        if true is not None:
+            found = settings.geometry * geometry_loss(geometry.float(), true[:, :3], true[:, 3])
+        parts["geometry"] = found
+    return parts
 
 
 class Ahead(Generic[_Drawn]):
