@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from torch.nn import functional as F
 
+from plan2scene.photos.labels.folding import folded
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.segmentation import STRIDE, to_tensor
 from plan2scene.tracing.labels import PLAN_LABELS
@@ -19,7 +20,7 @@ class PlanSegmenter:
     """Labels pictures of plans by a :class:`SegmentationNet` of `PLAN_LABELS`."""
 
     def __init__(self, network: SegmentationNet) -> None:
-        self.network = network
+        self.network = folded(network)
         self.long_side = network.long_side
 
     @torch.no_grad()

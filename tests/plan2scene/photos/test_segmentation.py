@@ -156,7 +156,7 @@ def test_segmenter_tells_the_network_where_the_horizon_is() -> None:
     rotation = np.stack([(1, 0, 0), up, np.cross((1, 0, 0), up)], 1)
     camera = Camera(64, 48, 40.0, 31.5, 23.5, tuple(map(tuple, rotation)), "config", 1.0, False)
     Segmenter(network).labels(_photo(48, 64), camera)
-    elevation, mirrored = (x[0].numpy() for x in seen[:2])
+    elevation, mirrored = seen[0].numpy()  # a photo and its mirror image go in together
     assert np.allclose(mirrored[:, ::-1], elevation)
     below = elevation < 0
     horizon = 48 / 2 - 40 * np.tan(tilt)  # rows of the photo

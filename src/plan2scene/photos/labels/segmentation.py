@@ -15,6 +15,7 @@ import torch
 
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels.elevation import elevation_map
+from plan2scene.photos.labels.folding import folded
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import DOOR, LABELS, OTHER, WINDOW
 from plan2scene.weights import filled, load_model_file
@@ -79,6 +80,7 @@ class Segmenter:
 
     def __init__(self, network: SegmentationNet) -> None:
         self.network = network.eval()
+        self._quick = folded(self.network)
 
     def logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
         """Return (labels, h', w') float32 logits of a photo at half the larger network size.
@@ -108,16 +110,14 @@ class Segmenter:
         shrinks = image.shape[1] > size[1]
         way = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
         small = cv2.resize(image, size[::-1], interpolation=way)
-        batch = to_tensor(small)[None]
-        elevation = mirrored = None
+        photo = to_tensor(small)
+        elevation = None
         if camera is not None:
             photo_size = (camera.height, camera.width)
             rise = elevation_map(camera.matrix[:, 1], camera.focal_px, photo_size, size)
-            elevation = torch.from_numpy(rise)[None]
-            mirrored = elevation.flip(2)
-        logits = self.network(batch, elevation)
-        logits = (logits + self.network(batch.flip(3), mirrored).flip(3)) / 2
-        return np.ascontiguousarray(logits[0].numpy())
+            elevation = _and_mirrored(torch.from_numpy(rise))
+        logits, mirrored = self._quick(_and_mirrored(photo), elevation)
+        return np.ascontiguousarray(((logits + mirrored.flip(2)) / 2).numpy())
 
     def labels(
         self, image: np.ndarray, camera: Camera | None = None, *, openings: bool = False
@@ -135,6 +135,11 @@ class Segmenter:
         """
         size = (image.shape[0], image.shape[1])
         return labels_of(self.logits(image, camera), size, openings=openings)
+
+
+def _and_mirrored(values: torch.Tensor) -> torch.Tensor:
+    """Return (..., h, w) values and the same from right to left, (2, ..., h, w)."""
+    return torch.stack([values, values.flip(-1)])
 
 
 def labels_of(logits: np.ndarray, size: tuple[int, int], *, openings: bool = False) -> np.ndarray:
