@@ -173,6 +173,23 @@ def test_a_network_learns_its_teachers_averaged_answers_whatever_labels_say(
     torch.testing.assert_close(found, wanted, atol=0.06, rtol=0)
 
 
+def test_of_what_teachers_do_not_know_the_labels_alone_are_learned(tmp_path: Path) -> None:
+    teacher = _tiny()
+    save_model_file(tmp_path / "t.safetensors", teacher.state_dict(), teacher.architecture)
+    alone = SegmentationSettings(batch=4, small=64, long_side=64, steps=2, evaluate_every=0)
+    with_teacher = dataclasses.replace(
+        alone, teachers=str(tmp_path / "t.safetensors"), distillation=1.0
+    )
+    photos = [_striped(k) for k in range(4)]
+    untaught = [dataclasses.replace(photo, taught=False) for photo in photos]
+    wanted, same, other = (
+        train_network(_tiny(), seen, photos[:1], settings, seed=0).network.head.weight
+        for seen, settings in ((photos, alone), (untaught, with_teacher), (photos, with_teacher))
+    )
+    assert torch.equal(same, wanted)
+    assert not torch.equal(other, wanted)
+
+
 def _write_data_set(root: Path) -> None:
     (root / "data_lists").mkdir(parents=True)
     for split, house in (("train", "h1"), ("val", "h2")):

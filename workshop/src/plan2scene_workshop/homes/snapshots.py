@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +41,7 @@ class SnapshotOptions:
     long_side: int = 448  #: of a photo, pixels
     randomised: float = 0.5  #: share of the rooms that are randomised
     emptied: float = 0.0  #: share of the rooms that were moved out of
+    covered: float = 0.0  #: share of the windows that blinds or curtains shut
     targets: bool = True  #: write normals and depth beside the masks
     jpeg_quality: tuple[int, int] = (50, 95)  #: range, drawn per photo
     variant: str | None = None  #: of Mitsuba, a vectorised one
@@ -118,12 +119,13 @@ def _decor(
 ) -> Decor:
     """Draw the look of one room; its seed is that of all that is drawn for the room."""
     room_seed = derive_seed(seed, "room", house_id, room_id)
-    return draw_decor(
+    decor = draw_decor(
         sources,
         room_seed,
         randomised=bool(rng.random() < options.randomised),
         emptied=bool(generator(room_seed, "emptied").random() < options.emptied),
     )
+    return replace(decor, covered=options.covered)
 
 
 def _rooms(house: House, rng: np.random.Generator) -> list[str]:

@@ -49,6 +49,7 @@ class Decor:
     shop: ModelShop
     listing: bool = False  #: light as photographers of listings want it
     emptied: bool = False  #: people have moved out; surfaces are as homes have them
+    covered: float = 0.0  #: share of the windows that blinds or curtains shut
 
     def finishes(self) -> dict[str, Finish]:
         """Return the finishes of textiles, pictures, skins, lit lamps and plain model parts."""

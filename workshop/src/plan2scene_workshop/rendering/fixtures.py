@@ -1,4 +1,4 @@
-"""Doors, windows, curtains and blinds."""
+"""Doors, windows, and curtains beside them; what windows are shut with: :mod:`.coverings`."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from plan2scene.mesh.frames import FaceOpening
 from plan2scene.photos.labels.palette import DOOR, WINDOW
+from plan2scene_workshop.rendering.coverings import wavy_sheet
 from plan2scene_workshop.rendering.geometry import (
     Colour,
     Geometry,
@@ -159,31 +160,10 @@ def add_curtains(
     end = min(face.length - 0.02, hole.right + rng.uniform(0.1, 0.3))
     frame = face.frame(0)
     for low, high in ((start, hole.left + cover), (hole.right - cover, end)):
-        sheet = _wavy_sheet(low, high, bottom, top, rng.uniform(0.08, 0.14))
+        sheet = wavy_sheet(low, high, bottom, top, rng.uniform(0.08, 0.14))
         geometry.add(material, sheet.moved(frame), colour=colour)
     rod = cylinder((0, 0, 0), 0.013, end - start + 0.1, 8)
     lie = np.array(
         [[0, 1, 0, start - 0.05], [-1, 0, 0, top + 0.012], [0, 0, 1, 0.1], [0, 0, 0, 1.0]]
     )
     geometry.add("metal", rod.moved(frame @ lie))
-
-
-def _wavy_sheet(low: float, high: float, bottom: float, top: float, fold: float) -> Solid:
-    """Return a hanging cloth from x `low` to `high`, seen from both sides."""
-    columns = max(12, int((high - low) / fold * 8))
-    x = np.linspace(low, high, columns + 1)
-    phase = 2 * np.pi * (x - low) / fold
-    z = 0.1 + 0.035 * np.sin(phase)
-    slope = 0.035 * 2 * np.pi / fold * np.cos(phase)
-    normal = np.stack([-slope, np.zeros_like(x), np.ones_like(x)], -1)
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    vertices = np.concatenate([np.stack([x, np.full_like(x, y), z], -1) for y in (top, bottom)])
-    along = np.concatenate([[0], np.cumsum(np.hypot(np.diff(x), np.diff(z)))])
-    uv = np.concatenate([np.stack([along, np.full_like(x, v)], -1) for v in (0.0, top - bottom)])
-    i = np.arange(columns)
-    a, b, c, d = i, i + 1, i + columns + 2, i + columns + 1
-    faces = np.concatenate([np.stack([a, c, b], -1), np.stack([a, d, c], -1)])
-    front = Solid(vertices, np.tile(normal, (2, 1)), uv, faces)
-    back_vertices = vertices - np.tile(normal, (2, 1)) * 0.003
-    back = Solid(back_vertices, -np.tile(normal, (2, 1)), uv, faces[:, ::-1])
-    return merge([front, back])

@@ -15,6 +15,7 @@ from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.materials import Material
 from plan2scene.mesh.frames import FaceOpening
 from plan2scene.seeds import generator
+from plan2scene_workshop.rendering.coverings import add_covering
 from plan2scene_workshop.rendering.decor import PANELLING, Decor
 from plan2scene_workshop.rendering.fixtures import (
     DoorState,
@@ -237,10 +238,14 @@ class _Builder:
 
     def _add_opening(self, face: WallFace, hole: FaceOpening, hops: int) -> None:
         rng = generator(self.seed, self.house.id, face.room_id, hole.opening.id)
+        covered = self.decor.covered if self.decor else 0.0
+        if covered and _is_window(hole) and rng.random() < covered:
+            add_window(self.geometry, face, hole, self.palette, rng, SKY[min(hops, 1)], 0.0)
+            add_covering(self.geometry, face, hole, self.palette, rng)
+            return
         if _is_window(hole):
             drop = float(rng.uniform(0.15, 0.6)) if rng.random() < 0.2 else 0.0
-            sky = SKY[0] if hops == 0 else SKY[1]
-            add_window(self.geometry, face, hole, self.palette, rng, sky, drop)
+            add_window(self.geometry, face, hole, self.palette, rng, SKY[min(hops, 1)], drop)
             curtains = 0.15 if self.decor and self.decor.emptied else 0.55
             if drop == 0.0 and rng.random() < curtains:
                 material = str(rng.choice([*FABRICS, "fabric", "fabric"]))

@@ -37,6 +37,7 @@ class Batch:
     elevations: torch.Tensor
     labels: torch.Tensor  #: (n, height, width) int64; 255 (ignore) beyond the photo
     openings: torch.Tensor  #: (n,) bool: whether labels tell doors and windows
+    taught: torch.Tensor  #: (n,) bool: whether teachers are asked
     #: (n, 4, height, width) float32 normal and depth, zero where unknown; None where no photo has.
     geometry: torch.Tensor | None
 
@@ -109,6 +110,7 @@ def training_batch(
         torch.from_numpy(np.stack([view.sines for view in views])),
         torch.from_numpy(np.stack([view.labels for view in views]).astype(np.int64)),
         torch.tensor([photo.openings for photo in photos]),
+        torch.tensor([photo.taught for photo in photos]),
         geometry,
     )
 

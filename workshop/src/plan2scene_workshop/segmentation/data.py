@@ -40,6 +40,8 @@ class LabelledPhoto:
     #: (h / 2, w / 2, 4) float16, where the renderer told: the normal in camera axes and the depth
     #: in metres; zero where nothing is hit.
     geometry: np.ndarray | None = None
+    #: Whether teachers, where there are some, are asked about it; where not, labels alone count.
+    taught: bool = True
 
 
 def read_labelled_photos(root: str | Path, split: str, *, long_side: int) -> list[LabelledPhoto]:

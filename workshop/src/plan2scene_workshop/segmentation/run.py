@@ -6,6 +6,7 @@ import copy
 import logging
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -61,9 +62,12 @@ def train_segmentation(
 
     The scores are those of the file as written (float16), on the val split.
     """
-    roots = [data_root, *(settings.further.split(":") if settings.further else ())]
+    further = settings.further.split(":") if settings.further else []
+    roots = [data_root, *further]
     # Stored a little larger than views, so that zooming in shows more than blur.
-    photos = _photos(roots, "train", round(settings.long_side * 1.5))
+    stored = round(settings.long_side * 1.5)
+    photos = _photos([data_root], "train", stored)
+    photos += [replace(photo, taught=False) for photo in _photos(further, "train", stored)]
     held_out = _photos(roots, "val", 1024)
     held_out = held_out[:: max(1, len(held_out) // settings.evaluate_photos)]
     _LOG.info("%d photos, %d held out", len(photos), len(held_out))

@@ -25,7 +25,8 @@ class SegmentationSettings:
     teachers: str | None = None
     #: Share of the loss that is the teachers' rather than the labels', where there are teachers.
     distillation: float = 0.8
-    #: Roots of further data sets whose train and val splits count too, joined by ``:``.
+    #: Roots of further data sets whose train and val splits count too, joined by ``:``; of what
+    #: teachers do not know: from these the labels alone are learned.
     further: str | None = None
     attention: int = 2  #: blocks of attention at each of two resolutions
 

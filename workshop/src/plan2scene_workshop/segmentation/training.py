@@ -15,6 +15,7 @@ from torch import nn
 from plan2scene.photos.camera.calibration import Camera, estimate_camera
 from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.palette import IGNORE
 from plan2scene.photos.labels.segmentation import Segmenter, labels_of, load_segmenter
 from plan2scene.seeds import generator
 from plan2scene_workshop.segmentation.augment import Batch, training_batch
@@ -130,22 +131,38 @@ def _losses(
 ) -> dict[str, torch.Tensor]:
     """Return the parts of a batch's loss; those of teachers and of geometry where there are any."""
     logits, geometry = whole(batch.images, batch.elevations)
-    share = settings.distillation if teachers else 0.0
-    labels = segmentation_loss(
-        logits.float(), batch.labels, settings.dice, settings.label_smoothing, batch.openings
-    )
-    parts = {"labels": (1 - share) * labels}
-    if teachers:
+    taught = batch.taught & bool(teachers)
+    share = settings.distillation * taught.float().mean()
+    parts = {"labels": _labels_loss(logits, batch, settings, ~taught) * (~taught).float().mean()}
+    if taught.any():
+        own = _labels_loss(logits, batch, settings, taught)
+        parts["labels"] += own * (taught.float().mean() - share)
         with torch.no_grad():
             answers = [teacher(batch.images, batch.elevations).float() for teacher in teachers]
-        taught = torch.stack(answers).mean(dim=0)
-        parts["teachers"] = share * distillation_loss(logits.float(), taught, batch.labels)
+        asked = batch.labels.where(taught.view(-1, 1, 1), IGNORE)
+        mean = torch.stack(answers).mean(dim=0)
+        parts["teachers"] = share * distillation_loss(logits.float(), mean, asked)
     if told:
         true, found = batch.geometry, logits.new_zeros(())
         if true is not None:
             found = settings.geometry * geometry_loss(geometry.float(), true[:, :3], true[:, 3])
         parts["geometry"] = found
     return parts
+
+
+def _labels_loss(
+    logits: torch.Tensor, batch: Batch, settings: SegmentationSettings, views: torch.Tensor
+) -> torch.Tensor:
+    """Return the loss of some views' labels; `views` is (n,) bool."""
+    if not views.any():
+        return logits.new_zeros((), dtype=torch.float32)
+    return segmentation_loss(
+        logits[views].float(),
+        batch.labels[views],
+        settings.dice,
+        settings.label_smoothing,
+        batch.openings[views],
+    )
 
 
 class Ahead(Generic[_Drawn]):
