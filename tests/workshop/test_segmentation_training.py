@@ -11,6 +11,7 @@ from PIL import Image
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.io import write_json
+from plan2scene.photos.labels.ensemble import Ensemble
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import (
     CEILING,
@@ -263,6 +264,31 @@ def test_runs_and_start_are_averaged_by_their_shares(tmp_path: Path) -> None:
     torch.testing.assert_close(same["head.weight"], wanted)
     assert not torch.equal(two["head.weight"], one["head.weight"])
     assert {file.name for file in tmp_path.iterdir()} == {"start", "checkpoint"}
+
+
+def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_from_their_mean(
+    tmp_path: Path,
+) -> None:
+    _write_data_set(tmp_path / "data")
+    other = SegmentationNet(attention=2, elevation=True, labels=len(LABELS_AND_OPENINGS))
+    other_file, model = tmp_path / "o.safetensors", tmp_path / "m.safetensors"
+    save_model_file(other_file, other.state_dict(), other.architecture)
+    settings = SegmentationSettings(
+        steps=1, batch=2, small=32, long_side=32, temperature=1.0, beside=str(other_file)
+    )
+    card = tmp_path / "m.md"
+    train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0)
+    assert "o.safetensors" in card.read_text()
+    found = load_segmenter(model).network
+    assert isinstance(found, Ensemble)
+    heads = [member.state_dict()["head.weight"] for member in found.members]
+    torch.testing.assert_close(heads[1], other.head.weight.half().float())
+    start_from(other, model)
+    torch.testing.assert_close(other.head.weight.data, sum(heads) / 2)
+    tiny = _tiny()
+    save_model_file(other_file, tiny.state_dict(), tiny.architecture)
+    with pytest.raises(InputError, match="shapes"):
+        train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0)
 
 
 def test_statistics_are_those_of_the_last_weights() -> None:

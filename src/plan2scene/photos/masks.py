@@ -84,10 +84,8 @@ def _label_photo(
     except InputError as error:
         _log.warning("photo %s left out: %s", name, error)
         return None, [f"photo {name} left out: {error}"]
-    camera = labelled.camera
-    if camera is None:
-        plain = without_openings(labelled.labels)
-        camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif)
+    plain = without_openings(labelled.labels)
+    camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif)
     write_label_png(folder / f"{Path(name).stem}.png", labelled.labels)
     if labelled.probabilities is not None:
         write_probability_png(

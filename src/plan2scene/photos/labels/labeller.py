@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,6 @@ from plan2scene.photos.camera.exif import ExifFocal
 from plan2scene.photos.labels.palette import (
     LABELS_AND_OPENINGS,
     labels_from_folder,
-    without_openings,
 )
 
 #: Where masks may come from (config key ``photos.masks``).
@@ -30,8 +29,6 @@ class Labelled:
     #: (6, h', w') float32 in [0, 1] over the whole photo, more coarsely: how likely each label is,
     #: doors and windows too; None from a source that does not tell.
     probabilities: np.ndarray | None = None
-    #: What the camera is by these very labels, where that was worked out.
-    camera: Camera | None = None
 
 
 @dataclass(frozen=True)
@@ -40,8 +37,8 @@ class Labeller:
 
     #: Given a photo's name, its (h, w, 3) uint8 sRGB pixels and its camera, where one is known.
     label: Callable[[str, np.ndarray, Camera | None], Labelled]
-    #: Whether the labels depend on the camera.
-    uses_camera: bool = False
+    #: Given pixels, labels 0 to 3 to find the camera by; None: labels do not depend on it.
+    draft: Callable[[np.ndarray], np.ndarray] | None = None
 
     def labelled(
         self,
@@ -53,17 +50,13 @@ class Labeller:
     ) -> Labelled:
         """Return the labels of a photo.
 
-        Those that depend on the camera are made again once the first ones gave it. `fov_deg` and
-        `exif` as of :func:`plan2scene.photos.camera.calibration.estimate_camera`.
+        Those that depend on the camera are made once a draft gave it. `fov_deg` and `exif` as of
+        :func:`plan2scene.photos.camera.calibration.estimate_camera`.
         """
-        labelled = self.label(photo, image, None)
-        if not self.uses_camera:
-            return labelled
-        plain = without_openings(labelled.labels)
-        camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif)
-        if camera.fallback:
-            return replace(labelled, camera=camera)
-        return self.label(photo, image, camera)
+        if self.draft is None:
+            return self.label(photo, image, None)
+        camera = estimate_camera(image, self.draft(image), fov_deg=fov_deg, exif=exif)
+        return self.label(photo, image, None if camera.fallback else camera)
 
 
 def labeller(
@@ -124,7 +117,7 @@ def _embedded(model: str, openings: bool) -> Labeller:
         tells = len(logits) == len(LABELS_AND_OPENINGS)
         return Labelled(labels, probabilities_of(logits) if tells else None)
 
-    return Labeller(label, uses_camera=segmenter.network.elevation)
+    return Labeller(label, segmenter.draft if segmenter.network.elevation else None)
 
 
 def _precomputed(folder: str | Path | None, openings: bool, house_id: str) -> Labeller:

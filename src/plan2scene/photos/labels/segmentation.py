@@ -8,6 +8,7 @@ asked for.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import cast
 
 import cv2
 import numpy as np
@@ -15,10 +16,14 @@ import torch
 
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels.elevation import elevation_map
+from plan2scene.photos.labels.ensemble import Ensemble
 from plan2scene.photos.labels.folding import folded
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import DOOR, LABELS, OTHER, WINDOW
 from plan2scene.weights import filled, load_model_file
+
+#: What labels photos: one network, or several whose logits are averaged.
+Network = SegmentationNet | Ensemble
 
 #: Input height and width are multiples of this (the encoder's coarsest stride).
 STRIDE = 32
@@ -72,21 +77,35 @@ def upsampled_argmax(logits: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 
 
 class Segmenter:
-    """Labels photos by a :class:`SegmentationNet`.
+    """Labels photos by a :class:`SegmentationNet`, or by an :class:`Ensemble` of them.
 
     Each photo is seen at two sizes, at each of them also mirrored, and the answers are averaged:
     the smaller tells what is what, the larger where it ends.
     """
 
-    def __init__(self, network: SegmentationNet) -> None:
+    def __init__(self, network: Network) -> None:
         self.network = network.eval()
-        self._quick = folded(self.network)
+        self._quick: Network = folded(self.network)
+        first = self._quick.members[0] if isinstance(self._quick, Ensemble) else self._quick
+        self._first = cast("SegmentationNet", first)
+
+    def draft(self, image: np.ndarray) -> np.ndarray:
+        """Return (h, w) uint8 labels 0 to 3 as the first network alone gives them.
+
+        Enough to find a photo's camera by; arguments as of :meth:`labels`.
+        """
+        logits = self._seen(self._first, image, None)
+        return labels_of(logits, (image.shape[0], image.shape[1]))
 
     def logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
         """Return (labels, h', w') float32 logits of a photo at half the larger network size.
 
         With the network's adjustment, divided by its temperature. Arguments as of :meth:`labels`.
         """
+        return self._seen(self._quick, image, camera)
+
+    def _seen(self, network: Network, image: np.ndarray, camera: Camera | None) -> np.ndarray:
+        """Return the logits of a photo by one of the networks."""
         photo_size, image = (image.shape[0], image.shape[1]), brightened(image)
         sides = sorted(round(self.network.long_side * scale) for scale in SCALES)
         sizes = [network_size(photo_size, side) for side in sides]
@@ -94,30 +113,13 @@ class Segmenter:
         found = [
             [
                 cv2.resize(plane, (columns, rows), interpolation=cv2.INTER_LINEAR)
-                for plane in self._logits_at(image, camera, size)
+                for plane in _logits_at(network, image, camera, size)
             ]
             for size in sizes
         ]
         constants = self.network.architecture
         adjustment = np.array(constants["logit_adjustment"], np.float32)[:, None, None]
         return np.asarray((np.mean(found, axis=0) + adjustment) / constants["temperature"])
-
-    @torch.inference_mode()
-    def _logits_at(
-        self, image: np.ndarray, camera: Camera | None, size: tuple[int, int]
-    ) -> np.ndarray:
-        """Return (labels, h / 2, w / 2) float32 logits of a photo seen at `size` (h, w)."""
-        shrinks = image.shape[1] > size[1]
-        way = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
-        small = cv2.resize(image, size[::-1], interpolation=way)
-        photo = to_tensor(small)
-        elevation = None
-        if camera is not None:
-            photo_size = (camera.height, camera.width)
-            rise = elevation_map(camera.matrix[:, 1], camera.focal_px, photo_size, size)
-            elevation = _and_mirrored(torch.from_numpy(rise))
-        logits, mirrored = self._quick(_and_mirrored(photo), elevation)
-        return np.ascontiguousarray(((logits + mirrored.flip(2)) / 2).numpy())
 
     def labels(
         self, image: np.ndarray, camera: Camera | None = None, *, openings: bool = False
@@ -135,6 +137,24 @@ class Segmenter:
         """
         size = (image.shape[0], image.shape[1])
         return labels_of(self.logits(image, camera), size, openings=openings)
+
+
+@torch.inference_mode()
+def _logits_at(
+    network: Network, image: np.ndarray, camera: Camera | None, size: tuple[int, int]
+) -> np.ndarray:
+    """Return (labels, h / 2, w / 2) float32 logits of a photo seen at `size` (h, w)."""
+    shrinks = image.shape[1] > size[1]
+    way = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    small = cv2.resize(image, size[::-1], interpolation=way)
+    photo = to_tensor(small)
+    elevation = None
+    if camera is not None:
+        photo_size = (camera.height, camera.width)
+        rise = elevation_map(camera.matrix[:, 1], camera.focal_px, photo_size, size)
+        elevation = _and_mirrored(torch.from_numpy(rise))
+    logits, mirrored = network(_and_mirrored(photo), elevation)
+    return np.ascontiguousarray(((logits + mirrored.flip(2)) / 2).numpy())
 
 
 def _and_mirrored(values: torch.Tensor) -> torch.Tensor:
@@ -180,6 +200,5 @@ def surface_logits(logits: np.ndarray) -> np.ndarray:
 def load_segmenter(path: str | Path) -> Segmenter:
     """Return the segmenter of a weights file; InputError when it is none of this network."""
     state, architecture = load_model_file(path)
-    name = "the segmentation network"
-    network = filled(lambda: SegmentationNet(**architecture), state, name, path)
-    return Segmenter(network)
+    kind: type[Network] = Ensemble if "members" in architecture else SegmentationNet
+    return Segmenter(filled(lambda: kind(**architecture), state, "the segmentation network", path))

@@ -97,10 +97,9 @@ def measure(segmenter: Segmenter, photo: LabelledPhoto) -> Measured:
     """Return how a photo is labelled as in the masks stage: told the camera that labels give."""
     image, true = photo.image, photo.labels
     size = (true.shape[0], true.shape[1])
-    logits = segmenter.logits(image, None)
-    camera = estimate_camera(image, labels_of(logits, (image.shape[0], image.shape[1])))
-    if segmenter.network.elevation and not camera.fallback:
-        logits = segmenter.logits(image, camera)
+    camera = estimate_camera(image, segmenter.draft(image))
+    told = segmenter.network.elevation and not camera.fallback
+    logits = segmenter.logits(image, camera if told else None)
     labels = labels_of(logits, size, openings=True)
     fov = 2 * np.degrees(np.arctan(image.shape[1] / 2 / camera.focal_px))
     grey = image.mean(axis=2) / 255

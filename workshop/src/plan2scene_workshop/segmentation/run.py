@@ -13,12 +13,13 @@ from typing import Any
 import torch
 
 from plan2scene.errors import InputError
+from plan2scene.photos.labels.ensemble import ensemble_of
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import LABELS, LABELS_AND_OPENINGS
-from plan2scene.photos.labels.segmentation import SCALES, load_segmenter
+from plan2scene.photos.labels.segmentation import SCALES, Network, load_segmenter
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
-from plan2scene.weights import save_model_file
+from plan2scene.weights import fitting, save_model_file
 from plan2scene_workshop.segmentation.calibration import best_temperature
 from plan2scene_workshop.segmentation.data import (
     LabelledPhoto,
@@ -72,7 +73,7 @@ def train_segmentation(
     held_out = held_out[:: max(1, len(held_out) // settings.evaluate_photos)]
     _LOG.info("%d photos, %d held out", len(photos), len(held_out))
     trained = averaged_runs(photos, held_out, settings, seed=seed, checkpoint=checkpoint)
-    network = trained.network
+    network = _with(trained.network, settings.beside)
     save_model_file(model_path, network.state_dict(), network.architecture)
     shipped = load_segmenter(model_path).network
     found = list(answers(shipped, held_out, estimated_cameras(held_out)))
@@ -88,6 +89,8 @@ def train_segmentation(
         )
     for file in settings.teachers.split(":") if settings.teachers else ():
         seen.append(f"The answers of {Path(file).name} ({file_hash(file)}), one of its teachers.")
+    for file in settings.beside.split(":") if settings.beside else ():
+        seen.append(f"Beside it, untouched: {Path(file).name} ({file_hash(file)}).")
     size = sum(parameter.numel() for parameter in shipped.parameters()) / 1e6
     rows = {name: [value] for name, value in zip(LABELS, final.iou, strict=True)}
     rows |= {"door or window": [final.openings]}
@@ -175,13 +178,33 @@ def _photos(roots: Sequence[str | Path], split: str, long_side: int) -> list[Lab
     ]
 
 
+def _with(network: SegmentationNet, files: str | None) -> Network:
+    """Return a network with those of weights files, joined by ``:``, beside it."""
+    if not files:
+        return network
+    members: list[Network] = [network]
+    for file in files.split(":"):
+        members.append(load_segmenter(file).network)
+        with fitting("a network of the trained one's shapes", file):
+            ensemble_of([network, members[-1]])
+    return ensemble_of(members)
+
+
+def _mean_of(network: Network) -> Mapping[str, torch.Tensor]:
+    """Return a network's weights; of an ensemble the mean of its members'."""
+    if isinstance(network, SegmentationNet):
+        return network.state_dict()
+    share = 1 / len(network.members)
+    return mean_weights([(share, member.state_dict()) for member in network.members])
+
+
 def start_from(network: SegmentationNet, path: str | Path) -> None:
-    """Give a network the weights of a file where names and shapes agree.
+    """Give a network the weights of a file where names and shapes agree; of several the mean.
 
     Labels that the file's network does not tell, doors and windows, begin as its other.
     """
     own = network.state_dict()
-    for name, value in load_segmenter(path).network.state_dict().items():
+    for name, value in _mean_of(load_segmenter(path).network).items():
         if name in own and own[name].shape == value.shape:
             own[name] = value
         elif name.startswith("head."):

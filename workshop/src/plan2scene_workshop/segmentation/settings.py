@@ -20,6 +20,9 @@ class SegmentationSettings:
     #: Batches that the statistics of batch norm are taken anew from in the end: averaged weights
     #: answer otherwise than each of their parts (https://arxiv.org/abs/1803.05407, section 3.2).
     statistics: int = 0
+    #: Weights files, joined by ``:``, of networks whose logits are averaged with those of the
+    #: trained one wherever it labels photos (deep ensembles, arXiv 1612.01474); null: none.
+    beside: str | None = None
     #: Weights files, joined by ``:``, of networks whose averaged logits are learned on the same
     #: views (distillation, https://arxiv.org/abs/1503.02531); null: none.
     teachers: str | None = None

@@ -16,7 +16,7 @@ from plan2scene.photos.camera.calibration import Camera, estimate_camera
 from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import IGNORE
-from plan2scene.photos.labels.segmentation import Segmenter, labels_of, load_segmenter
+from plan2scene.photos.labels.segmentation import Network, Segmenter, labels_of, load_segmenter
 from plan2scene.seeds import generator
 from plan2scene_workshop.segmentation.augment import Batch, training_batch
 from plan2scene_workshop.segmentation.data import LabelledPhoto, Scores, confusion, digest, scores
@@ -46,7 +46,7 @@ def evaluate(
 
 
 def answers(
-    network: SegmentationNet, photos: Sequence[LabelledPhoto], cameras: Sequence[Camera | None]
+    network: Network, photos: Sequence[LabelledPhoto], cameras: Sequence[Camera | None]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield each photo's confusion matrix and its logits as of :meth:`Segmenter.logits`."""
     segmenter = Segmenter(copy.deepcopy(network).cpu())
@@ -114,7 +114,7 @@ def train_network(
     return Trained(trained.network.network, trained.step, trained.score, trained.seconds)
 
 
-def _teachers(settings: SegmentationSettings, device: str) -> list[SegmentationNet]:
+def _teachers(settings: SegmentationSettings, device: str) -> list[Network]:
     """Return the networks that a run learns from beside its labels."""
     files = settings.teachers.split(":") if settings.teachers else []
     networks = [load_segmenter(file).network.to(device).requires_grad_(False) for file in files]
@@ -125,7 +125,7 @@ def _losses(
     whole: GeometryHead,
     batch: Batch,
     settings: SegmentationSettings,
-    teachers: Sequence[SegmentationNet],
+    teachers: Sequence[Network],
     *,
     told: bool,
 ) -> dict[str, torch.Tensor]:

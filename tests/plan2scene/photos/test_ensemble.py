@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from plan2scene.errors import InputError
+from plan2scene.photos.labels.ensemble import MOST_MEMBERS, Ensemble, ensemble_of
+from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter
+from plan2scene.weights import save_model_file
+
+TINY = {"widths": [8] * 5, "depths": [1] * 4, "decoder": 16, "long_side": 64, "elevation": True}
+
+
+def _network(seed: int) -> SegmentationNet:
+    torch.manual_seed(seed)
+    return SegmentationNet(**TINY).eval()  # type: ignore[arg-type]
+
+
+def _photo() -> np.ndarray:
+    return np.random.default_rng(0).integers(0, 256, (48, 64, 3), dtype=np.uint8)
+
+
+def test_logits_are_the_members_mean() -> None:
+    networks = [_network(seed) for seed in range(3)]
+    ensemble = ensemble_of(networks).eval()
+    x, elevation = torch.rand(2, 3, 64, 96), torch.rand(2, 64, 96)
+    mean = sum(network(x, elevation) for network in networks) / 3
+    torch.testing.assert_close(ensemble(x, elevation), mean)
+    photo = [Segmenter(network).logits(_photo(), None) for network in networks]
+    found = Segmenter(ensemble).logits(_photo(), None)
+    assert np.allclose(found, np.mean(photo, axis=0), atol=1e-5)
+
+
+def test_a_draft_is_the_first_members_labels() -> None:
+    networks = [_network(seed) for seed in range(2)]
+    for label, network in enumerate(networks):
+        network.head.bias.data[label] += 10.0  # type: ignore[union-attr,index]
+    segmenters = [Segmenter(network) for network in networks]
+    draft = Segmenter(ensemble_of(networks)).draft(_photo())
+    assert np.array_equal(draft, segmenters[0].labels(_photo()))
+    assert not np.array_equal(draft, segmenters[1].labels(_photo()))
+    assert np.array_equal(segmenters[1].draft(_photo()), segmenters[1].labels(_photo()))
+
+
+def test_a_file_of_several_networks_round_trips(tmp_path: Path) -> None:
+    ensemble = ensemble_of([_network(seed) for seed in range(2)])
+    path = tmp_path / "e.safetensors"
+    save_model_file(path, ensemble.state_dict(), ensemble.architecture, half=False)
+    loaded = load_segmenter(path)
+    assert isinstance(loaded.network, Ensemble) and len(loaded.network.members) == 2
+    assert loaded.network.elevation and loaded.network.long_side == 64
+    assert np.array_equal(loaded.labels(_photo()), Segmenter(ensemble).labels(_photo()))
+
+
+@pytest.mark.parametrize("members", [0, MOST_MEMBERS + 1, "two"])
+def test_a_file_of_no_or_too_many_networks_is_refused(tmp_path: Path, members: object) -> None:
+    ensemble = ensemble_of([_network(0)])
+    path = tmp_path / "e.safetensors"
+    save_model_file(path, ensemble.state_dict(), {**ensemble.architecture, "members": members})
+    with pytest.raises(InputError, match=r"weights of the segmentation network"):
+        load_segmenter(path)
+
+
+def test_networks_of_other_shapes_make_no_ensemble() -> None:
+    wide = SegmentationNet(**{**TINY, "decoder": 32})  # type: ignore[arg-type]
+    with pytest.raises(RuntimeError, match="size mismatch"):
+        ensemble_of([_network(0), wide])
