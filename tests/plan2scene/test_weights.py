@@ -65,7 +65,7 @@ def test_shipped_weights_have_cards_and_fit_their_budget():
         card = file.with_suffix(".md").read_text()
         assert "Command" in card or "rule `" in card
     assert sum(file.stat().st_size for file in files) <= 40e6
-    assert (MODELS / "segmentation.safetensors").stat().st_size <= 10e6
+    assert (MODELS / "segmentation.safetensors").stat().st_size <= 25e6
 
 
 def written(path, state, architecture: str):
