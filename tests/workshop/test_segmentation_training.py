@@ -189,6 +189,11 @@ def test_of_what_teachers_do_not_know_the_labels_alone_are_learned(tmp_path: Pat
     )
     assert torch.equal(same, wanted)
     assert not torch.equal(other, wanted)
+    # Steps of taught views alone, of others alone: both are logged alike.
+    mixed = [photos[0], dataclasses.replace(photos[1], taught=False)]
+    single = dataclasses.replace(with_teacher, batch=1, steps=6)
+    trained = train_network(_tiny(), mixed, photos[:1], single, seed=0)
+    assert trained.step == 6
 
 
 def _write_data_set(root: Path) -> None:

@@ -94,7 +94,7 @@ def read_sets(table: Path) -> dict[str, tuple[str, Path]]:
 
 
 def measure(segmenter: Segmenter, photo: LabelledPhoto) -> Measured:
-    """Return how a photo is labelled as in the masks stage: told the camera that labels give."""
+    """Return how a photo is labelled as in the masks stage: told the camera that a draft gives."""
     image, true = photo.image, photo.labels
     size = (true.shape[0], true.shape[1])
     camera = estimate_camera(image, segmenter.draft(image))

@@ -134,7 +134,7 @@ def _losses(
     taught = batch.taught & bool(teachers)
     share = settings.distillation * taught.float().mean()
     parts = {"labels": _labels_loss(logits, batch, settings, ~taught) * (~taught).float().mean()}
-    if taught.any():
+    if teachers:
         own = _labels_loss(logits, batch, settings, taught)
         parts["labels"] += own * (taught.float().mean() - share)
         with torch.no_grad():
