@@ -51,6 +51,8 @@ class SegmentationSettings:
     clip_norm: float = 5.0  #: of the gradient
     ema_decay: float = 0.998  #: of the averaged weights, which are what is kept
     dice: float = 0.5  #: weight of the soft Dice loss beside cross-entropy: labels are not balanced
+    #: Chance that the statistics of early features are mixed between views (:mod:`.mixing`).
+    mixing: float = 0.0
     geometry: float = 0.3  #: weight of normals and depth, where photos have them
     label_smoothing: float = 0.02  #: borders of drawn labels are not exact to the pixel
     bfloat16: bool = False  #: forward pass in bfloat16; faster on processors that have it

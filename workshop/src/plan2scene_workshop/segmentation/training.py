@@ -26,6 +26,7 @@ from plan2scene_workshop.segmentation.losses import (
     geometry_loss,
     segmentation_loss,
 )
+from plan2scene_workshop.segmentation.mixing import mix_statistics
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, best_device, cosine
 
@@ -110,7 +111,10 @@ def train_network(
         run=(settings, digest(photos)),
     )
     trainer.resume(checkpoint)
+    mixing = mix_statistics(network, settings.mixing)
     trained = trainer.fit(checkpoint)
+    for handle in mixing:
+        handle.remove()
     return Trained(trained.network.network, trained.step, trained.score, trained.seconds)
 
 
