@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import torch
@@ -127,14 +128,26 @@ def test_upsampled_argmax_keeps_the_border_in_place() -> None:
     assert (labels[20:] == 1).all()
 
 
-def test_labels_of_a_mirrored_photo_are_mirrored() -> None:
-    segmenter = Segmenter(_tiny())
-    image = _photo(50, 70)
-    labels = segmenter.labels(image)
+def _colours(_: SegmentationNet, x: torch.Tensor, __: torch.Tensor | None) -> torch.Tensor:
+    """Return logits that are the colours: red is floor, green wall, blue ceiling."""
+    small = x[:, :, ::2, ::2]
+    return torch.cat([torch.full_like(small[:, :1], 0.5), small], dim=1)
+
+
+def test_labels_have_the_size_of_the_photo() -> None:
+    labels = Segmenter(_tiny()).labels(_photo(50, 70))
     assert labels.shape == (50, 70)
     assert labels.dtype == np.uint8
-    mirrored = segmenter.labels(np.ascontiguousarray(image[:, ::-1]))
-    assert (mirrored[:, ::-1] == labels).mean() > 0.99  # rounding decides between near equals
+
+
+def test_mirrored_answers_come_back_where_they_belong(monkeypatch: pytest.MonkeyPatch) -> None:
+    network = _tiny()
+    monkeypatch.setattr(SegmentationNet, "forward", _colours)
+    image = np.zeros((48, 64, 3), np.uint8)
+    image[:, :20, 0], image[:, 20:50, 1] = 255, 255
+    labels = Segmenter(network).labels(image)
+    assert (labels[:, :19] == 1).all() and (labels[:, 22:48] == 2).all()
+    assert (labels[:, 52:] == 0).all()
 
 
 def test_elevation_counts_where_it_is_known() -> None:
@@ -146,22 +159,36 @@ def test_elevation_counts_where_it_is_known() -> None:
     assert torch.equal(_tiny()(x, sine), _tiny()(x))  # made without the input
 
 
+def _camera(up: tuple[float, float, float]) -> Camera:
+    """Return a camera of 64 x 48 pixels that has `up` there, level in x or in z."""
+    level = (1, 0, 0) if up[0] == 0 else (-up[1], up[0], 0)
+    rotation = np.stack([level, up, np.cross(level, up)], 1)
+    return Camera(64, 48, 40.0, 31.5, 23.5, tuple(map(tuple, rotation)), "config", 1.0, False)
+
+
 def test_segmenter_tells_the_network_where_the_horizon_is() -> None:
     """A network that reads the elevation alone labels what is below the horizon floor."""
     network = SegmentationNet(**TINY, elevation=True).eval()  # type: ignore[arg-type]
-    seen = []
+    seen: list[torch.Tensor] = []
     network.register_forward_pre_hook(lambda _m, args: seen.append(args[1]))
     tilt = np.deg2rad(10)  # looks down: the horizon is above the middle
-    up = (0.0, -np.cos(tilt), -np.sin(tilt))
-    rotation = np.stack([(1, 0, 0), up, np.cross((1, 0, 0), up)], 1)
-    camera = Camera(64, 48, 40.0, 31.5, 23.5, tuple(map(tuple, rotation)), "config", 1.0, False)
-    Segmenter(network).labels(_photo(48, 64), camera)
-    elevation, mirrored = seen[0].numpy()  # a photo and its mirror image go in together
-    assert np.allclose(mirrored[:, ::-1], elevation)
+    Segmenter(network).labels(_photo(48, 64), _camera((0.0, -np.cos(tilt), -np.sin(tilt))))
+    elevation = seen[0][0].numpy()
     below = elevation < 0
     horizon = 48 / 2 - 40 * np.tan(tilt)  # rows of the photo
     rows = (np.arange(elevation.shape[0]) + 0.5) / elevation.shape[0] * 48
     assert np.array_equal(below.all(axis=1), rows > horizon)
+
+
+def test_a_mirrored_photo_has_a_mirrored_horizon() -> None:
+    network = SegmentationNet(**TINY, elevation=True).eval()  # type: ignore[arg-type]
+    seen: list[torch.Tensor] = []
+    network.register_forward_pre_hook(lambda _m, args: seen.append(args[1]))
+    Segmenter(network).labels(_photo(48, 64), _camera((0.6, -0.8, 0.0)))
+    plain, mirrored = (sines[0].numpy() for sines in seen[:2])  # at the first and second size
+    larger = cv2.resize(plain, mirrored.shape[::-1], interpolation=cv2.INTER_LINEAR)
+    assert np.allclose(mirrored[:, ::-1], larger, atol=0.05)
+    assert not np.allclose(mirrored, larger, atol=0.3)
 
 
 def test_dim_photos_are_brightened_and_others_are_not() -> None:

@@ -7,6 +7,7 @@ asked for.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import cast
 
@@ -28,7 +29,9 @@ Network = SegmentationNet | Ensemble
 #: Input height and width are multiples of this (the encoder's coarsest stride).
 STRIDE = 32
 #: Sizes that a photo is seen at, relative to the network's.
-SCALES = (0.8, 1.5)
+SCALES = (0.8, 1.5, 2.8)
+#: The one that a draft is made at.
+DRAFT_SCALE = 1.5
 #: Median grey value in [0, 1] that dimmer photos are brought to before they are labelled.
 MEDIAN = 0.45
 
@@ -79,47 +82,53 @@ def upsampled_argmax(logits: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 class Segmenter:
     """Labels photos by a :class:`SegmentationNet`, or by an :class:`Ensemble` of them.
 
-    Each photo is seen at two sizes, at each of them also mirrored, and the answers are averaged:
-    the smaller tells what is what, the larger where it ends.
+    Each photo is seen at several sizes, and the answers are averaged: the smallest tells what is
+    what, the largest where it ends. A network sees it mirrored at every other size, the next
+    network at those between: as good as both at each, in half the time
+    (docs/measurements/segmentation.md).
     """
 
     def __init__(self, network: Network) -> None:
         self.network = network.eval()
-        self._quick: Network = folded(self.network)
-        first = self._quick.members[0] if isinstance(self._quick, Ensemble) else self._quick
-        self._first = cast("SegmentationNet", first)
+        quick = folded(self.network)
+        members = list(quick.members) if isinstance(quick, Ensemble) else [quick]
+        self._members = cast("list[SegmentationNet]", members)
 
     def draft(self, image: np.ndarray) -> np.ndarray:
-        """Return (h, w) uint8 labels 0 to 3 as the first network alone gives them.
+        """Return (h, w) uint8 labels 0 to 3 as the first network gives them at one size.
 
         Enough to find a photo's camera by; arguments as of :meth:`labels`.
         """
-        logits = self._seen(self._first, image, None)
+        logits = self._seen(self._members[:1], image, None, (DRAFT_SCALE,))
         return labels_of(logits, (image.shape[0], image.shape[1]))
 
     def logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
-        """Return (labels, h', w') float32 logits of a photo at half the larger network size.
+        """Return (labels, h', w') float32 logits of a photo at half the largest size it is seen at.
 
         With the network's adjustment, divided by its temperature. Arguments as of :meth:`labels`.
         """
-        return self._seen(self._quick, image, camera)
+        return self._seen(self._members, image, camera, SCALES)
 
-    def _seen(self, network: Network, image: np.ndarray, camera: Camera | None) -> np.ndarray:
-        """Return the logits of a photo by one of the networks."""
+    def _seen(
+        self,
+        members: Sequence[SegmentationNet],
+        image: np.ndarray,
+        camera: Camera | None,
+        scales: Sequence[float],
+    ) -> np.ndarray:
+        """Return the logits of a photo by some of the networks at some sizes, small to large."""
         photo_size, image = (image.shape[0], image.shape[1]), brightened(image)
-        sides = sorted(round(self.network.long_side * scale) for scale in SCALES)
+        sides = [round(self.network.long_side * scale) for scale in scales]
         sizes = [network_size(photo_size, side) for side in sides]
         columns, rows = sizes[-1][1] // 2, sizes[-1][0] // 2
-        found = [
-            [
-                cv2.resize(plane, (columns, rows), interpolation=cv2.INTER_LINEAR)
-                for plane in _logits_at(network, image, camera, size)
-            ]
-            for size in sizes
-        ]
+        total = np.zeros((int(self.network.architecture["labels"]), rows, columns), np.float32)
+        for k, size in enumerate(sizes):
+            found = _logits_at(members, image, camera, size, mirror_first=k % 2 == 1)
+            for plane, sum_ in zip(found, total, strict=True):
+                sum_ += cv2.resize(plane, (columns, rows), interpolation=cv2.INTER_LINEAR)
         constants = self.network.architecture
         adjustment = np.array(constants["logit_adjustment"], np.float32)[:, None, None]
-        return np.asarray((np.mean(found, axis=0) + adjustment) / constants["temperature"])
+        return np.asarray((total / len(sizes) + adjustment) / constants["temperature"])
 
     def labels(
         self, image: np.ndarray, camera: Camera | None = None, *, openings: bool = False
@@ -141,25 +150,33 @@ class Segmenter:
 
 @torch.inference_mode()
 def _logits_at(
-    network: Network, image: np.ndarray, camera: Camera | None, size: tuple[int, int]
+    members: Sequence[SegmentationNet],
+    image: np.ndarray,
+    camera: Camera | None,
+    size: tuple[int, int],
+    *,
+    mirror_first: bool,
 ) -> np.ndarray:
-    """Return (labels, h / 2, w / 2) float32 logits of a photo seen at `size` (h, w)."""
+    """Return networks' mean logits (labels, h / 2, w / 2) float32 of a photo seen at `size` (h, w).
+
+    Every other network sees it mirrored, the first one if `mirror_first`.
+    """
     shrinks = image.shape[1] > size[1]
     way = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
-    small = cv2.resize(image, size[::-1], interpolation=way)
-    photo = to_tensor(small)
+    photo = to_tensor(cv2.resize(image, size[::-1], interpolation=way))[None]
     elevation = None
     if camera is not None:
         photo_size = (camera.height, camera.width)
         rise = elevation_map(camera.matrix[:, 1], camera.focal_px, photo_size, size)
-        elevation = _and_mirrored(torch.from_numpy(rise))
-    logits, mirrored = network(_and_mirrored(photo), elevation)
-    return np.ascontiguousarray(((logits + mirrored.flip(2)) / 2).numpy())
-
-
-def _and_mirrored(values: torch.Tensor) -> torch.Tensor:
-    """Return (..., h, w) values and the same from right to left, (2, ..., h, w)."""
-    return torch.stack([values, values.flip(-1)])
+        elevation = torch.from_numpy(rise)[None]
+    answers = []
+    for k, member in enumerate(members):
+        if (k % 2 == 1) != mirror_first:
+            rises = None if elevation is None else elevation.flip(2)
+            answers.append(member(photo.flip(3), rises).flip(3))
+        else:
+            answers.append(member(photo, elevation))
+    return np.ascontiguousarray(torch.cat(answers).mean(dim=0).numpy())
 
 
 def labels_of(logits: np.ndarray, size: tuple[int, int], *, openings: bool = False) -> np.ndarray:

@@ -96,7 +96,7 @@ def train_segmentation(
     rows |= {"door or window": [final.openings]}
     rows |= {"**mean**": [final.mean_iou], "pixel accuracy": [final.accuracy]}
     figures = _FIGURES.format(len(held_out)) + table(["label", "IoU"], rows)
-    sides = " and ".join(str(round(shipped.long_side * scale)) for scale in SCALES)
+    sides = ", ".join(str(round(shipped.long_side * scale)) for scale in SCALES)
     what = _WHAT.format(size, sides)
     about = Card("segmentation", what, seen, settings, seed, figures)
     write_card(card_path, about, trained, model_path)
