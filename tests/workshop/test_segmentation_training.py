@@ -271,6 +271,14 @@ def test_runs_and_start_are_averaged_by_their_shares(tmp_path: Path) -> None:
     assert {file.name for file in tmp_path.iterdir()} == {"start", "checkpoint"}
 
 
+@pytest.mark.parametrize(
+    "wrong", [{"runs": 0}, {"start_share": 1.0}, {"distillation": 1.5}, {"mixing": 1.5}]
+)
+def test_settings_out_of_range_are_refused_before_work(wrong: dict[str, float]) -> None:
+    with pytest.raises(InputError, match=next(iter(wrong))):
+        averaged_runs([], [], SegmentationSettings(**wrong), seed=0)
+
+
 def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_from_their_mean(
     tmp_path: Path,
 ) -> None:

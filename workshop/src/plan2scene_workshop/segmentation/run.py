@@ -116,11 +116,7 @@ def averaged_runs(
     The first run has `seed`, the others seeds derived from it. Each has a checkpoint of its own;
     those beside `checkpoint` are gone after the last run.
     """
-    shares = settings.start_share, settings.distillation
-    if not (settings.runs >= 1 and 0 <= shares[0] < 1 and 0 <= shares[1] <= 1):
-        found = f"{settings.runs} runs, start_share {shares[0]}, distillation {shares[1]}"
-        wanted = "training.segmentation.runs from 1, start_share in [0, 1), distillation in [0, 1]"
-        raise InputError(wanted, found)
+    _check(settings)
     start = _begun(settings, seed)
     runs, files = [], [checkpoint]
     files += [checkpoint and Path(f"{checkpoint}{k}") for k in range(1, settings.runs)]
@@ -143,6 +139,19 @@ def averaged_runs(
         take_statistics(mean, photos, settings, seed=seed)
     seconds = sum(run.seconds for run in runs)
     return Trained(mean, runs[0].step, runs[0].score if alone else math.nan, seconds)
+
+
+def _check(settings: SegmentationSettings) -> None:
+    """Refuse settings that no type tells wrong."""
+    runs, share = settings.runs, settings.start_share
+    chances = settings.distillation, settings.mixing
+    if runs >= 1 and 0 <= share < 1 and all(0 <= chance <= 1 for chance in chances):
+        return
+    found = f"{runs} runs, start_share {share}, distillation {chances[0]}, mixing {chances[1]}"
+    section = "training.segmentation"
+    raise InputError(
+        f"{section}.runs from 1, start_share in [0, 1), distillation and mixing in [0, 1]", found
+    )
 
 
 def _begun(settings: SegmentationSettings, seed: int) -> SegmentationNet:
