@@ -1,5 +1,11 @@
 """What all tests share."""
 
+import os
+
+# Two test processes on two cores: threads that wait for each other by spinning take the core that
+# the other needs (a part of the tests: 158 s beside two other jobs, 60 s without spinning).
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
 import pytest
 
 from plan2scene.machine_cache import VARIABLE
