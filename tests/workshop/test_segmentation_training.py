@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -272,10 +273,16 @@ def test_runs_and_start_are_averaged_by_their_shares(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"runs": 0}, {"start_share": 1.0}, {"distillation": 1.5}, {"mixing": 1.5}]
+    ("wrong", "found"),
+    [
+        ({"runs": 0}, "found 0 runs"),
+        ({"start_share": 1.0}, "start_share 1.0"),
+        ({"distillation": 1.5}, "distillation 1.5"),
+        ({"mixing": 1.5}, "mixing 1.5"),
+    ],
 )
-def test_settings_out_of_range_are_refused_before_work(wrong: dict[str, float]) -> None:
-    with pytest.raises(InputError, match=next(iter(wrong))):
+def test_settings_out_of_range_are_refused_before_work(wrong: dict[str, Any], found: str) -> None:
+    with pytest.raises(InputError, match=found):
         averaged_runs([], [], SegmentationSettings(**wrong), seed=0)
 
 

@@ -9,7 +9,7 @@ import torch
 from plan2scene.errors import InputError
 from plan2scene.photos.labels.ensemble import MOST_MEMBERS, Ensemble, ensemble_of
 from plan2scene.photos.labels.network import SegmentationNet
-from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter
+from plan2scene.photos.labels.segmentation import SCALES, Segmenter, load_segmenter
 from plan2scene.weights import save_model_file
 
 TINY = {"widths": [8] * 5, "depths": [1] * 4, "decoder": 16, "long_side": 64, "elevation": True}
@@ -49,6 +49,25 @@ def test_a_draft_is_the_first_members_labels() -> None:
     draft = Segmenter(ensemble_of(networks)).draft(_photo())
     assert draft.shape == _photo().shape[:2] and (draft == 0).all()
     assert (Segmenter(networks[1]).draft(_photo()) == 1).all()
+
+
+def test_a_draft_is_made_by_one_network_at_one_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[torch.Size] = []
+    forward = SegmentationNet.forward
+
+    def counted(
+        self: SegmentationNet, x: torch.Tensor, elevation: torch.Tensor | None = None
+    ) -> torch.Tensor:
+        seen.append(x.shape)
+        return forward(self, x, elevation)
+
+    monkeypatch.setattr(SegmentationNet, "forward", counted)
+    segmenter = Segmenter(ensemble_of([_network(seed) for seed in range(2)]))
+    segmenter.draft(_photo())
+    assert len(seen) == 1
+    segmenter.labels(_photo())
+    assert len(seen) == 1 + 2 * len(SCALES)
+    assert seen[0] == seen[3]
 
 
 def test_a_file_of_several_networks_round_trips(tmp_path: Path) -> None:
