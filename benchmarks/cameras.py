@@ -24,7 +24,6 @@ import cv2
 import numpy as np
 from plane_errors import PlaneError, plane_errors
 
-from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.images import read_image
 from plan2scene.photos.camera.calibration import (
     DEFAULT_FOV_DEG,
@@ -38,6 +37,7 @@ from plan2scene.photos.labels.palette import read_label_png
 from plan2scene.photos.labels.segmentation import load_segmenter
 from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
 from plan2scene.photos.planes.room_size import room_extent
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.weights import MODELS
 
 KINDS = ("truth", "rough", "network", "none")

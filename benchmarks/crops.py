@@ -42,7 +42,6 @@ from plan2scene.colour import (
 )
 from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.datasets.house_table import load_houses
-from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import House
 from plan2scene.images import read_image
 from plan2scene.io import read_json
@@ -55,6 +54,7 @@ from plan2scene.photos.crops.tables import PhotoCandidate, choose_kept
 from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, read_label_png
 from plan2scene.photos.masks import make_masks
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.weights import MODELS
 
 LABEL = {"floor": FLOOR, "wall": WALL, "ceiling": CEILING}

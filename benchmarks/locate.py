@@ -23,13 +23,13 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.io import read_json
 from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels.palette import PROBABILITIES, read_probability_png
 from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.likelihood import OPENING
 from plan2scene.photos.locate.pose import LOCATED
+from plan2scene.plans.scene_json import read_scene_json
 
 #: A heading nearer to the truth than this is right, degrees.
 RIGHT_DEG = 30.0

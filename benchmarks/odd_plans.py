@@ -124,7 +124,7 @@ def peak():
     lines = Path("/proc/self/status").read_text().splitlines()
     Path("peak").write_text(next(line for line in lines if line.startswith("VmHWM")))
 atexit.register(peak)
-from plan2scene.cli import main
+from plan2scene_app.cli import main
 main()
 """
 

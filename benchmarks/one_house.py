@@ -57,7 +57,7 @@ def make_input(folder: Path, n_photos: int, size: tuple[int, int] | None) -> lis
 
 def took(words: list[str], cores: int) -> tuple[float, float]:
     """Make the house once; return seconds by the clock and of processors."""
-    program = [sys.executable, "-c", "from plan2scene.cli import main; main()", "run"]
+    program = [sys.executable, "-c", "from plan2scene_app.cli import main; main()", "run"]
     with tempfile.TemporaryDirectory() as out:
         before, start = os.times(), time.perf_counter()
         command = [*program, *words, "--out", f"{out}/house", "--cores", str(cores), "--quiet"]

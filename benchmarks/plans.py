@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House
+from plan2scene.plans.geometry import room_polygon
 from plan2scene.seeds import derive_seed
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.residences import residence_names

@@ -20,9 +20,9 @@ import numpy as np
 from real_house import DATASET, Truth, difference, markdown, read_truth
 
 from plan2scene.colour import median_colour
-from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.io import read_parquet
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.evidence import house_evidence
 from plan2scene.propagation.graph import HouseGraph, house_graph
 from plan2scene.propagation.house_colours import Shown, shown_colours

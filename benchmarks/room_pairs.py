@@ -18,11 +18,11 @@ from pathlib import Path
 
 import numpy as np
 
-from plan2scene.floorplans import read_scene_json
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh import build_parts, load_textures
 from plan2scene.mesh.eye_level import draw_rooms
 from plan2scene.mesh.light import even_light
+from plan2scene.plans import read_scene_json
 
 METHOD = "exemplar"
 GAP = 8

@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from plan2scene.jobs import keep_freed_memory
 from plan2scene.materials import random_material
 from plan2scene.textures.constrained import match_statistics
 from plan2scene.textures.exemplar.choice import ExemplarCrop
@@ -24,6 +23,7 @@ from plan2scene.textures.model.decoder import low_precision_is_fast
 from plan2scene.textures.model.embedding import embed_crops
 from plan2scene.textures.model.network import load_texture_model
 from plan2scene.textures.model.synthesis import decode_textures
+from plan2scene.workflow.jobs import keep_freed_memory
 from plan2scene_workshop.texture.data import TextureSet, procedural_textures
 from plan2scene_workshop.texture.degradation import degrade
 from plan2scene_workshop.texture.settings import TextureSettings

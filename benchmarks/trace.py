@@ -18,9 +18,9 @@ from shapely.geometry import Polygon
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.seeds import generator
-from plan2scene.tracing.output import overlay
-from plan2scene.tracing.scale import SURE
-from plan2scene.tracing.trace import TracedPlan, trace_picture
+from plan2scene_app.tracing.output import overlay
+from plan2scene_app.tracing.scale import SURE
+from plan2scene_app.tracing.trace import TracedPlan, trace_picture
 from plan2scene_workshop.plans.drawing import DrawnPlan
 from plan2scene_workshop.plans.paper import bend, homography, worn
 from plan2scene_workshop.plans.views import other_drawing

@@ -25,7 +25,6 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.datasets.assignments import rooms_of_photos
-from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene.photos.camera.calibration import Camera
@@ -49,6 +48,7 @@ from plan2scene.photos.labels.palette import read_label_png, write_label_png
 from plan2scene.photos.masks import make_masks
 from plan2scene.photos.planes.planes import Plane, split_planes
 from plan2scene.photos.planes.rectification import RectifiedPlane, plane_axes, rectify
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.weights import MODELS
 
 _OFF = "not on the surface"  # of a window outside the labels' planes

@@ -2,7 +2,7 @@
 
 Plan coordinates are (x, z) in metres of a right-handed frame with y up, as in scene.json
 (``docs/conventions.md``). The classes are frozen; readers validate once
-(:func:`plan2scene.floorplans.validate_house`), everything after trusts them.
+(:func:`plan2scene.plans.validate_house`), everything after trusts them.
 """
 
 from __future__ import annotations

@@ -13,6 +13,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent
+#: The core and the app: packages whose imports count by default.
+PACKAGES = (PACKAGE, PACKAGE.parent / "plan2scene_app")
 
 
 def _workflow_folder() -> Path:
@@ -111,7 +113,7 @@ def _files_beside(folder: Path) -> tuple[Path, ...]:
 
 
 @cache
-def code_hash(*modules: str, packages: tuple[Path, ...] = (PACKAGE,)) -> str:
+def code_hash(*modules: str, packages: tuple[Path, ...] = PACKAGES) -> str:
     """Return 16 hex digits over the sources of `modules` and all they import in `packages`.
 
     Data files that lie beside a module and stand in it by name count as source.
@@ -119,16 +121,15 @@ def code_hash(*modules: str, packages: tuple[Path, ...] = (PACKAGE,)) -> str:
     Parameters
     ----------
     modules : str
-        Names below the first package: ``"textures.seams"``. Raises ValueError for one that is not
-        there.
+        Full names: ``"plan2scene.textures.seams"``. Raises ValueError for one that is not there.
     packages : tuple of Path
         Folders of the packages whose imports are followed; a folder's name is its import name.
     """
     files: set[Path] = set()
     for module in modules:
-        found = _dependencies(f"{packages[0].name}.{module}", packages)
+        found = _dependencies(module, packages)
         if not found:
-            raise ValueError(f"no module {packages[0].name}.{module}")
+            raise ValueError(f"no module {module}")
         files.update(found)
     names = {
         f"{package.name}/{file.relative_to(package).as_posix()}": file

@@ -3,10 +3,10 @@
 import numpy as np
 from views import camera_looking
 
-from plan2scene.floorplans.geometry import find_doors
 from plan2scene.house import House, Opening, Room, Wall
 from plan2scene.photos.labels.palette import CEILING, DOOR, FLOOR, WALL, WINDOW
 from plan2scene.photos.locate.pose import Pose
+from plan2scene.plans.geometry import find_doors
 
 SIZE = (180, 240)
 HEIGHT = 2.5

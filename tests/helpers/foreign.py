@@ -27,14 +27,14 @@ from plan2scene.config import check_config
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.table import read_house_table, read_unobserved
 from plan2scene.errors import InputError
-from plan2scene.floorplans import add_object_boxes, house_to_scene, read_plan, validate_house
-from plan2scene.floorplans.scene_json import house_of_scene
 from plan2scene.images import image_from_bytes
 from plan2scene.materials import load_texture_folder
 from plan2scene.photos.camera.exif import read_exif_focal
 from plan2scene.photos.crops.stage import CropFiles, load_crops
 from plan2scene.photos.labels.palette import labels_from_folder
 from plan2scene.photos.photo_files import read_photo
+from plan2scene.plans import add_object_boxes, house_to_scene, read_plan, validate_house
+from plan2scene.plans.scene_json import house_of_scene
 from plan2scene.weights import filled, load_model_file, read_model_arrays
 
 # Else it keeps what it knows of the sources in the folder where the tests are started.

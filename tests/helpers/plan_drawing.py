@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from plan2scene.floorplans import read_plan
-from plan2scene.floorplans.geometry import point_along, room_polygon
+from plan2scene.plans import read_plan
+from plan2scene.plans.geometry import point_along, room_polygon
 
 FLATS = sorted(
     (Path(__file__).parents[2] / "resources/demo/archs_no_objects/test").glob("*.scene.json")

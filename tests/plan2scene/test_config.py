@@ -9,7 +9,7 @@ from snakemake.utils import update_config
 
 from plan2scene.config import check_config, config_schema
 from plan2scene.errors import InputError
-from plan2scene.run import TEXTURE_SIZES
+from plan2scene_app.run import TEXTURE_SIZES
 
 ROOT = Path(__file__).parents[2]
 

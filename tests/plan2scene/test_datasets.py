@@ -14,10 +14,10 @@ from plan2scene.datasets.check import check_dataset, check_plan, photo_problem
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
-from plan2scene.floorplans import write_scene_json
-from plan2scene.floorplans.geometry import walls_of_rooms
 from plan2scene.house import House, Room
 from plan2scene.images import png_bytes
+from plan2scene.plans import write_scene_json
+from plan2scene.plans.geometry import walls_of_rooms
 
 HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
 

@@ -11,7 +11,7 @@ import pytest
 
 CLONE = Path(__file__).parents[2]
 #: Every folder below these is in the map, as is every entry of the clone's own folder.
-MAPPED = ("src/plan2scene", "workshop")
+MAPPED = ("src/plan2scene", "src/plan2scene_app", "workshop")
 #: Files that a text may name; a name with a wildcard or a placeholder in it is not one.
 NAMED = re.compile(
     r"(?<![\w./{}-])((?:\.ci|benchmarks|config|docs|envs|resources|src|tests|workflow|workshop)/"
@@ -138,23 +138,6 @@ def test_named_files_exist():
         text = (CLONE / name).read_text(encoding="utf-8")
         missing += [f"{name}: {f}" for f in NAMED.findall(text) if not (CLONE / f).exists()]
     assert missing == []
-
-
-def test_rules_and_functions_of_the_architecture_exist():
-    page = (CLONE / "docs" / "architecture.md").read_text(encoding="utf-8")
-    rows = page.split("| rule |", 1)[1].split("\n\n", 1)[0].splitlines()[2:]
-    cells = [[re.findall(r"`([\w.]+)`", cell) for cell in row.split("|")[1:3]] for row in rows]
-    rules = "".join(
-        path.read_text(encoding="utf-8") for path in (CLONE / "workflow" / "rules").glob("*.smk")
-    )
-    known = set(re.findall(r"^rule (\w+):", rules, re.MULTILINE))
-    assert {name for names, _ in cells for name in names} <= known
-    library = CLONE / "src" / "plan2scene"
-    for name in (name for _, names in cells for name in names):
-        package, _, function = name.rpartition(".")
-        folder = library / package.split(".")[0]
-        files = [path.read_text(encoding="utf-8") for path in folder.rglob("*.py")]
-        assert any(f"def {function}(" in text for text in files), name
 
 
 @pytest.mark.parametrize(

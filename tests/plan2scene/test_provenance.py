@@ -32,16 +32,16 @@ def fresh(*modules: str, packages) -> str:
 
 
 def test_a_change_far_down_changes_the_hash(packages):
-    before = fresh("top", packages=packages)
+    before = fresh("library.top", packages=packages)
     (packages[0] / "far.py").write_text("X = 2\n")
-    assert fresh("top", packages=packages) != before
+    assert fresh("library.top", packages=packages) != before
 
 
 @pytest.mark.parametrize("name", ["far.py", "sub/inner.py"])
 def test_relative_imports_are_followed(packages, name):
-    before = fresh("sub", packages=packages)
+    before = fresh("library.sub", packages=packages)
     (packages[0] / name).write_text("X = Z = 3\n")
-    assert fresh("sub", packages=packages) != before
+    assert fresh("library.sub", packages=packages) != before
 
 
 def parsed_imports(file: Path) -> set[str]:
@@ -68,26 +68,26 @@ def test_brackets_comments_and_other_names_of_imports(tmp_path):
 
 def test_imports_are_followed_from_one_package_into_another(packages):
     library, shop = packages
-    before = fresh("maker", packages=(shop, library))
+    before = fresh("shop.maker", packages=(shop, library))
     (library / "far.py").write_text("X = 4\n")
-    assert fresh("maker", packages=(shop, library)) != before
+    assert fresh("shop.maker", packages=(shop, library)) != before
 
 
 def test_a_data_file_that_a_module_names_counts(packages):
     (packages[0] / "other.py").write_text('TABLE = "table.csv"\n')
     (packages[0] / "table.csv").write_text("a\n")
-    before = fresh("other", packages=packages), fresh("top", packages=packages)
+    before = fresh("library.other", packages=packages), fresh("library.top", packages=packages)
     (packages[0] / "table.csv").write_text("b\n")
-    assert fresh("other", packages=packages) != before[0]
-    assert fresh("top", packages=packages) == before[1]
+    assert fresh("library.other", packages=packages) != before[0]
+    assert fresh("library.top", packages=packages) == before[1]
 
 
 def test_a_change_elsewhere_does_not(packages):
-    before = fresh("top", packages=packages)
+    before = fresh("library.top", packages=packages)
     (packages[0] / "other.py").write_text("Y = 2\n")
-    assert fresh("top", packages=packages) == before
+    assert fresh("library.top", packages=packages) == before
 
 
 def test_an_unknown_module_is_an_error():
     with pytest.raises(ValueError, match=r"no module plan2scene\.absent"):
-        code_hash("absent")
+        code_hash("plan2scene.absent")

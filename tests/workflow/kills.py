@@ -17,7 +17,7 @@ STARTS = 30
 
 def house_command(plan: Path, out: Path, *further: str) -> list[str]:
     """Return the words of ``plan2scene run`` on a plan."""
-    program = [sys.executable, "-c", "from plan2scene.cli import main; main()"]
+    program = [sys.executable, "-c", "from plan2scene_app.cli import main; main()"]
     return [*program, "run", "--plan", str(plan), "--out", str(out), "--cores", "1", *further]
 
 

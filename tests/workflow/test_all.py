@@ -15,7 +15,7 @@ from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
 from plan2scene.datasets.house_table import load_houses
-from plan2scene.floorplans import read_plan
+from plan2scene.plans import read_plan
 from plan2scene.provenance import file_hash
 
 METHODS = {"crop", "retrieve", "naivesynth", "synth", "exemplar"}

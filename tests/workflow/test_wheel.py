@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from plan2scene.floorplans import read_scene_json
+from plan2scene.plans import read_scene_json
 
 ROOT = Path(__file__).parents[2]
 #: One photo a level keeps the test short.
@@ -27,7 +27,7 @@ def test_the_wheel_makes_a_house_from_an_empty_directory(tmp_path):
     given = ["--plan", str(example / "plan.json"), "--photos", "photos.csv"]
     given += ["--photos-dir", str(example / "photos"), "--out", "house", "--house", "two"]
     command = "import plan2scene, sys; sys.stderr.write(plan2scene.__file__)"
-    program = f"{command}; from plan2scene.cli import main; main()"
+    program = f"{command}; from plan2scene_app.cli import main; main()"
     run = subprocess.run(
         [sys.executable, "-c", program, "run", *given],
         cwd=work,

@@ -10,7 +10,7 @@ import yaml
 
 from plan2scene.datasets.table import read_house_table
 from plan2scene.metrics.features import load_features_network
-from plan2scene.tracing.segmenter import load_plan_segmenter
+from plan2scene_app.tracing.segmenter import load_plan_segmenter
 
 ROOT = Path(__file__).parents[2]
 TINY = {

@@ -21,7 +21,7 @@ rule convert_checkpoint:
         mem_mb=2500,
     params:
         substances=config["official"]["substances"],
-        code=code_hash("checkpoints.convert"),
+        code=code_hash("plan2scene.checkpoints.convert"),
     script:
         "../scripts/convert_checkpoint.py"
 
@@ -49,7 +49,9 @@ rule convert_propagation:
         houses=MEANS_HOUSES,
         seed=config["seed"],
         code=code_hash(
-            "checkpoints.convert", "checkpoints.means", "floorplans.scene_json"
+            "plan2scene.checkpoints.convert",
+            "plan2scene.checkpoints.means",
+            "plan2scene.plans.scene_json",
         ),
     script:
         "../scripts/convert_propagation.py"

@@ -20,8 +20,9 @@ from plan2scene.datasets.house_table import (
 )
 from plan2scene.errors import InputError
 from plan2scene.images import SUFFIXES
+from plan2scene.plans.formats import reader_modules
 from plan2scene.provenance import code_hash, file_hash
-from plan2scene.slurm import check_cluster
+from plan2scene.workflow.slurm import check_cluster
 from plan2scene.textures.methods import METHODS as TEXTURE_METHODS
 
 try:
@@ -117,6 +118,17 @@ def read_plan_of(wildcards):
     path = DATA_ROOT / ALL_HOUSES[wildcards.house].plan
     traced = path.suffix.lower() in SUFFIXES and path.is_file()
     return f"{RESULTS}/houses/{wildcards.house}/plan.json" if traced else str(path)
+
+
+@functools.cache
+def plan_code(suffix):
+    """Return the hash of what reads a plan whose name has this suffix."""
+    return code_hash("plan2scene.datasets.import_plan", *reader_modules(suffix))
+
+
+def plan_code_of(wildcards):
+    """Return the hash of what reads a house's plan."""
+    return plan_code(Path(read_plan_of(wildcards)).suffix.lower())
 
 
 def assignment_of(wildcards):

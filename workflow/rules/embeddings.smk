@@ -39,10 +39,10 @@ rule embeddings:
         seed=config["seed"],
         predictor=config["propagation"]["predictor"],
         code=code_hash(
-            "textures.model.embedding",
-            "textures.selection",
-            "propagation.house_materials",
-            "propagation.stage",
+            "plan2scene.textures.model.embedding",
+            "plan2scene.textures.selection",
+            "plan2scene.propagation.house_materials",
+            "plan2scene.propagation.stage",
         ),
     script:
         "../scripts/embeddings.py"

@@ -70,7 +70,9 @@ rule comparison:
         size_px=config["textures"]["size_px"],
         seam_correction=seam_correction(*METHODS),
         code=code_hash(
-            "evaluation.comparison", "evaluation.measure", "evaluation.texture_sheet"
+            "plan2scene.evaluation.comparison",
+            "plan2scene.evaluation.measure",
+            "plan2scene.evaluation.texture_sheet",
         ),
     script:
         "../scripts/comparison.py"
@@ -109,7 +111,7 @@ rule paper_table:
         methods=METHODS,
         drop=TABLE_DROP,
         seed=config["seed"],
-        code=code_hash("evaluation.paper_table"),
+        code=code_hash("plan2scene.evaluation.paper_table"),
     script:
         "../scripts/paper_table.py"
 
@@ -118,7 +120,7 @@ onerror:
     # One bad house never stops the others: the table of what there is says who is missing.
     from plan2scene.evaluation.aggregate import TableRequest
     from plan2scene.evaluation.paper_table import partial_table
-    from plan2scene.stale import remove_outdated
+    from plan2scene.workflow.stale import remove_outdated
 
     # What an earlier run made of a plan that is broken now is no result any more.
     unfinished = [

@@ -19,7 +19,7 @@ rule floorplan:
         photos=str(LAYOUT.photos),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         dxf_layers=config["floorplans"]["dxf_layers"],
-        code=code_hash("datasets.import_plan"),
+        code=plan_code_of,
     script:
         "../scripts/floorplan.py"
 
@@ -45,6 +45,6 @@ rule trace:
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         model=model_of("plans"),
         weights=hashes({"plans": model_of("plans")}),
-        code=code_hash("tracing.output"),
+        code=code_hash("plan2scene_app.tracing.output"),
     script:
         "../scripts/trace.py"

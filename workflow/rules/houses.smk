@@ -1,4 +1,4 @@
-from plan2scene.exports.registry import EXPORTS
+from plan2scene_app.exports.registry import EXPORTS
 
 # Textures of the configured method, with all photos.
 CHOSEN_TEXTURES = f"{RESULTS}/drop_0.0/{config['house']['method']}/{{house}}/textures"
@@ -55,7 +55,7 @@ rule house:
         objects=config["house"]["objects"],
         relief=config["house"]["relief"],
         traced=config["house"]["pictures"] == "traced",
-        code=code_hash("mesh.build", "viewer"),
+        code=code_hash("plan2scene.mesh.build", "plan2scene_app.viewer"),
     script:
         "../scripts/house.py"
 
@@ -78,7 +78,7 @@ rule lit_house:
         mem_mb=2000,
     params:
         objects=config["house"]["objects"],
-        code=code_hash("mesh.lit"),
+        code=code_hash("plan2scene.mesh.lit"),
     script:
         "../scripts/lit_house.py"
 
@@ -101,6 +101,6 @@ rule export_house:
         mem_mb=1000,
     params:
         objects=config["house"]["objects"],
-        code=code_hash("exports.registry"),
+        code=code_hash("plan2scene_app.exports.registry"),
     script:
         "../scripts/export_house.py"

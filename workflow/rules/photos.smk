@@ -28,7 +28,9 @@ rule masks:
         openings=config["photos"]["openings"],
         fov_deg=config["photos"]["fov_deg"],
         code=code_hash(
-            "photos.masks", "photos.labels.segmentation", "photos.labels.pretrained"
+            "plan2scene.photos.masks",
+            "plan2scene.photos.labels.segmentation",
+            "plan2scene.photos.labels.pretrained",
         ),
     script:
         "../scripts/masks.py"
@@ -84,11 +86,11 @@ rule crops:
         ),
         seed=config["seed"],
         code=code_hash(
-            "photos.crops.stage",
-            "photos.locate.stage",
-            "photos.contact_sheet.sheet",
-            "floorplans.scene_json",
-            "datasets.assignments",
+            "plan2scene.photos.crops.stage",
+            "plan2scene.photos.locate.stage",
+            "plan2scene.photos.contact_sheet.sheet",
+            "plan2scene.plans.scene_json",
+            "plan2scene.datasets.assignments",
         ),
     script:
         "../scripts/crops.py"

@@ -1,7 +1,7 @@
 # What makes the plan of thousands of houses quick and small: what Snakemake would do again for each job.
 import gc
 
-from plan2scene.planning import (
+from plan2scene.workflow.planning import (
     answer_of_each,
     first_of_each,
     flags_of_flagged,

@@ -20,6 +20,6 @@ rule index_page:
     params:
         dataset=DATASET,
         method=config["house"]["method"],
-        code=code_hash("viewer.index_page"),
+        code=code_hash("plan2scene_app.viewer.index_page"),
     script:
         "../scripts/index_page.py"

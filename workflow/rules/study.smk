@@ -40,9 +40,9 @@ rule study_house:
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
         code=code_hash(
-            "evaluation.study_sheet",
-            "floorplans.scene_json",
-            "datasets.assignments",
+            "plan2scene.evaluation.study_sheet",
+            "plan2scene.plans.scene_json",
+            "plan2scene.datasets.assignments",
         ),
     script:
         "../scripts/study_house.py"
@@ -72,7 +72,7 @@ rule study:
         houses=STUDY_HOUSES,
         pairs=STUDY["pairs"],
         seed=config["seed"],
-        code=code_hash("evaluation.study_form"),
+        code=code_hash("plan2scene.evaluation.study_form"),
     script:
         "../scripts/study.py"
 
@@ -96,6 +96,6 @@ rule study_result:
         mem_mb=500,
     params:
         pairs=STUDY["pairs"],
-        code=code_hash("evaluation.study_answers"),
+        code=code_hash("plan2scene.evaluation.study_answers"),
     script:
         "../scripts/study_result.py"

@@ -33,7 +33,7 @@ rule sweep_house:
         seed=config["seed"],
         predictor=config["propagation"]["predictor"],
         size_px=config["textures"]["size_px"],
-        code=code_hash("evaluation.sweep"),
+        code=code_hash("plan2scene.evaluation.sweep"),
     script:
         "../scripts/sweep_house.py"
 
@@ -69,6 +69,6 @@ rule sweep:
         methods=METHODS,
         drops=list(SWEEP_DROPS),
         seed=config["seed"],
-        code=code_hash("evaluation.sweep"),
+        code=code_hash("plan2scene.evaluation.sweep"),
     script:
         "../scripts/sweep.py"

@@ -16,7 +16,7 @@ rule texture_library:
         per_substance=config["textures"]["library_tiles"],
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
-        code=code_hash("textures.baselines.retrieval"),
+        code=code_hash("plan2scene.textures.baselines.retrieval"),
     script:
         "../scripts/texture_library.py"
 
@@ -40,7 +40,7 @@ rule crop_pool:
     params:
         houses=POOL_HOUSES,
         dataset=DATASET,
-        code=code_hash("textures.baselines.crop_pool"),
+        code=code_hash("plan2scene.textures.baselines.crop_pool"),
     script:
         "../scripts/crop_pool.py"
 
@@ -67,6 +67,6 @@ rule textures:
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
         textures=textures_of,
-        code=code_hash("textures.stage"),
+        code=code_hash("plan2scene.textures.stage"),
     script:
         "../scripts/textures.py"

@@ -6,8 +6,8 @@ from plan2scene.evaluation.comparison import compare_house
 from plan2scene.evaluation.houses import EvaluatedHouse
 from plan2scene.evaluation.measure import reference_features
 from plan2scene.evaluation.texture_sheet import write_texture_sheet
-from plan2scene.jobs import job
 from plan2scene.textures.inputs import Visible
+from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
     found, made, params = snakemake.input, snakemake.output, snakemake.params

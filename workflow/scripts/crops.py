@@ -3,12 +3,12 @@
 from pathlib import Path
 
 from plan2scene.datasets.assignments import rooms_of_photos
-from plan2scene.floorplans.scene_json import read_scene_json
-from plan2scene.jobs import job
 from plan2scene.photos.contact_sheet.sheet import write_contact_sheet
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.stage import CropFiles, load_crops, make_crops
 from plan2scene.photos.locate.stage import locate_photos, with_found_rooms
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
     name, params, output = snakemake.wildcards.house, snakemake.params, snakemake.output

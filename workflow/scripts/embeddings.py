@@ -2,11 +2,11 @@
 
 import torch
 
-from plan2scene.jobs import job
 from plan2scene.propagation.house_materials import find_materials
 from plan2scene.propagation.stage import propagate_house
 from plan2scene.textures.model.embedding import make_embeddings
 from plan2scene.textures.selection import select_surfaces
+from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
     torch.set_num_threads(1)  # crops are worked on beside each other

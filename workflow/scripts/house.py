@@ -1,9 +1,9 @@
 """Rule house: plan, textures, crops -> GLB, scene.json with textures, pictures, offline viewer."""
 
-from plan2scene.floorplans import read_scene_json
-from plan2scene.jobs import job
 from plan2scene.mesh.build import build_house
-from plan2scene.viewer import build_viewer, read_facts
+from plan2scene.plans import read_scene_json
+from plan2scene.workflow.jobs import job
+from plan2scene_app.viewer import build_viewer, read_facts
 
 with job(snakemake.log[0]):
     house_id, given, made = snakemake.wildcards.house, snakemake.input, snakemake.output

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from plan2scene.jobs import job
 from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
 from plan2scene.textures.stage import make_textures
+from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
     found, params = snakemake.input, snakemake.params

@@ -22,7 +22,7 @@ TRAINED = "results/training/models"
 
 code_hash = functools.partial(
     provenance.code_hash,
-    packages=(Path(plan2scene_workshop.__file__).parent, provenance.PACKAGE),
+    packages=(Path(plan2scene_workshop.__file__).parent, *provenance.PACKAGES),
 )
 
 

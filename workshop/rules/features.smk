@@ -18,6 +18,6 @@ rule train_features:
         settings=TRAINING["features"],
         checkpoint="results/training/features.checkpoint",
         seed=config["seed"],
-        code=code_hash("features.training"),
+        code=code_hash("plan2scene_workshop.features.training"),
     script:
         "../scripts/train_features.py"

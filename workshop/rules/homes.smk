@@ -30,7 +30,7 @@ rule residence:
         environments=HOMES["environments"],
         models=HOMES["models"],
         snapshots=HOMES["snapshots"],
-        code=code_hash("homes.snapshots"),
+        code=code_hash("plan2scene_workshop.homes.snapshots"),
     script:
         "../scripts/residence.py"
 
@@ -66,6 +66,6 @@ rule residence_index:
     params:
         houses=RESIDENCES,
         seed=HOMES["seed"],
-        code=code_hash("homes.residences"),
+        code=code_hash("plan2scene_workshop.homes.residences"),
     script:
         "../scripts/residence_index.py"

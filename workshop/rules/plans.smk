@@ -16,6 +16,6 @@ rule train_plans:
         settings=TRAINING["plans"],
         checkpoint="results/training/plans.checkpoint",
         seed=config["seed"],
-        code=code_hash("plans.run"),
+        code=code_hash("plan2scene_workshop.plans.run"),
     script:
         "../scripts/train_plans.py"

@@ -14,7 +14,7 @@ rule propagation_houses:
     params:
         houses=TRAINING["propagation_houses"],
         seed=config["seed"],
-        code=code_hash("propagation.data"),
+        code=code_hash("plan2scene_workshop.propagation.data"),
     script:
         "../scripts/propagation_houses.py"
 
@@ -40,6 +40,6 @@ rule train_propagation:
         settings=TRAINING["propagation"],
         checkpoint="results/training/propagation.checkpoint",
         seed=config["seed"],
-        code=code_hash("propagation.run"),
+        code=code_hash("plan2scene_workshop.propagation.run"),
     script:
         "../scripts/train_propagation.py"

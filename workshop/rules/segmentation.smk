@@ -18,6 +18,6 @@ rule train_segmentation:
         settings=TRAINING["segmentation"],
         checkpoint="results/training/segmentation.checkpoint",
         seed=config["seed"],
-        code=code_hash("segmentation.run"),
+        code=code_hash("plan2scene_workshop.segmentation.run"),
     script:
         "../scripts/train_segmentation.py"

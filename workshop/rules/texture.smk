@@ -19,7 +19,7 @@ rule materials:
     params:
         settings=TRAINING["materials"],
         seed=config["seed"],
-        code=code_hash("texture.data"),
+        code=code_hash("plan2scene_workshop.texture.data"),
     script:
         "../scripts/materials.py"
 
@@ -46,6 +46,6 @@ rule train_texture:
         settings=lambda wildcards: TRAINING[wildcards.model],
         checkpoint="results/training/{model}.checkpoint",
         seed=config["seed"],
-        code=code_hash("texture.run"),
+        code=code_hash("plan2scene_workshop.texture.run"),
     script:
         "../scripts/train_texture.py"

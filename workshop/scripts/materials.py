@@ -1,6 +1,6 @@
 """Rule materials: procedural and real textures to learn from and to measure with."""
 
-from plan2scene.jobs import job
+from plan2scene.workflow.jobs import job
 from plan2scene_workshop.texture.data import MaterialSettings, write_materials
 
 with job(snakemake.log[0]):

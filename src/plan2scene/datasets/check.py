@@ -12,18 +12,18 @@ from plan2scene.datasets.copy_check import missing_parts
 from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
-from plan2scene.floorplans import (
+from plan2scene.house import House
+from plan2scene.image_modes import check_reducible
+from plan2scene.images import MAX_PHOTO_PIXELS, MAX_PIXELS, decode_image
+from plan2scene.io import safe_join
+from plan2scene.plans import (
     PlanFile,
     add_object_boxes,
     house_faults,
     read_plan,
     validate_house,
 )
-from plan2scene.floorplans.plausible import name_oddities
-from plan2scene.house import House
-from plan2scene.image_modes import check_reducible
-from plan2scene.images import MAX_PHOTO_PIXELS, MAX_PIXELS, decode_image
-from plan2scene.io import safe_join
+from plan2scene.plans.plausible import name_oddities
 
 if TYPE_CHECKING:
     from PIL import Image

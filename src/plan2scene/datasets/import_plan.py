@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from plan2scene.datasets.assignments import check_assignment, read_assignment
-from plan2scene.floorplans import add_object_boxes, read_plan, validate_house, write_scene_json
 from plan2scene.house import House
+from plan2scene.plans import add_object_boxes, read_plan, validate_house, write_scene_json
 
 _LOGGER = logging.getLogger("plan2scene")
 

@@ -27,9 +27,9 @@ from plan2scene.evaluation.variants import (
     predicted,
     selected,
 )
-from plan2scene.floorplans import read_scene_json
 from plan2scene.io import read_parquet, write_csv, write_parquet, write_text
 from plan2scene.metrics.registry import METRICS
+from plan2scene.plans import read_scene_json
 from plan2scene.textures.inputs import HouseData, Visible
 
 if TYPE_CHECKING:

@@ -6,7 +6,6 @@ import logging
 from dataclasses import replace
 from pathlib import Path
 
-from plan2scene.floorplans import read_scene_json, write_scene_json
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import jpeg_bytes, write_png
 from plan2scene.io import atomic_path
@@ -16,6 +15,7 @@ from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.preview import render_preview
 from plan2scene.mesh.textures import TileTexture, textured
 from plan2scene.parallel import each
+from plan2scene.plans import read_scene_json, write_scene_json
 
 
 def _load(

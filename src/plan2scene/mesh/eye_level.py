@@ -11,7 +11,6 @@ from shapely.geometry.base import BaseGeometry
 
 from plan2scene.colour import linear_to_srgb
 from plan2scene.drawing import INK, PAPER, font
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, SurfaceKey
 from plan2scene.mesh.light import Light, bake_light, mean_colours
 from plan2scene.mesh.parts import MeshPart
@@ -19,6 +18,7 @@ from plan2scene.mesh.raster import Camera, Soup, look_at, sample, soup_of, texel
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.textures import TileTexture
 from plan2scene.mesh.traced import TracedScene, load_mitsuba
+from plan2scene.plans.geometry import room_polygon
 
 #: Metres above the floor; horizontal field of view, degrees; distance kept from walls, metres.
 EYE_M, FOV_DEG, CLEAR_M = 1.5, 78.0, 0.35

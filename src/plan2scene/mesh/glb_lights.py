@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, Room
 from plan2scene.mesh.light import LAMP, LAMP_DROP_M, lamp_position
+from plan2scene.plans.geometry import room_polygon
 
 EXTENSION = "KHR_lights_punctual"
 #: Mean light of a lamp on its room's floor, and of the sun on what faces it.

@@ -9,13 +9,13 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from plan2scene.floorplans.geometry import room_polygon
-from plan2scene.floorplans.storeys import flight_area, step_count
 from plan2scene.house import House, Level, Stairs
 from plan2scene.mesh.parts import GRID_DECIMALS, MeshPart, numbered
 from plan2scene.mesh.stairs import handrails, stair_parts, well_railings
 from plan2scene.mesh.storey import Storey, build_storey
 from plan2scene.mesh.walls import Above
+from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.storeys import flight_area, step_count
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,13 @@ import numpy as np
 from shapely.geometry import Point
 
 from plan2scene.colour import srgb_to_linear
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes
 from plan2scene.mesh.charts import Chart, packed
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.rays import Rays, hemisphere
 from plan2scene.mesh.textures import TileTexture
+from plan2scene.plans.geometry import room_polygon
 
 #: Directions that a texel looks in, bounces, and the largest image in pixels.
 RAYS, BOUNCES, MOST_PX = 64, 4, 2048

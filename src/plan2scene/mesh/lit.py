@@ -15,7 +15,6 @@ import cv2
 import numpy as np
 
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
-from plan2scene.floorplans import read_scene_json
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.mesh.areas import Area, areas_of
@@ -24,6 +23,7 @@ from plan2scene.mesh.house_mesh import build_parts
 from plan2scene.mesh.light import Light, bake_light, mean_colours
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.textures import MapTexture, TileTexture, textured
+from plan2scene.plans import read_scene_json
 
 #: Pixels per metre of the images, and their largest side.
 PX_PER_M, MOST_PX = 128.0, 4096

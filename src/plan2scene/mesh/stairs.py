@@ -9,14 +9,14 @@ from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from plan2scene.floorplans.geometry import room_polygon
-from plan2scene.floorplans.storeys import flight_area, step_count
 from plan2scene.house import House, Stairs
 from plan2scene.mesh.frames import Frame
 from plan2scene.mesh.objects import WOOD
 from plan2scene.mesh.parts import MeshPart, PartBuilder
 from plan2scene.mesh.railings import BAR, COLOUR, POST, RAIL, add_railing
 from plan2scene.mesh.walls import LIFT, REVEAL_COLOUR
+from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.storeys import flight_area, step_count
 
 #: Metres below a step's foot that its body goes down.
 WAIST = 0.1

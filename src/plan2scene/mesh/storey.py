@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, Level, Stairs
 from plan2scene.mesh.fixtures import fixtures
 from plan2scene.mesh.objects import objects
@@ -25,6 +24,7 @@ from plan2scene.mesh.walls import (
     wall_bodies,
     wall_face,
 )
+from plan2scene.plans.geometry import room_polygon
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
-from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import SURFACES
 from plan2scene.io import read_json, read_parquet, write_parquet
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.graph import doors_between, house_graph
 
 if TYPE_CHECKING:

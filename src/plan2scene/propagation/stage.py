@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import SUBSTANCES, SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.graph import HouseGraph, house_graph
 from plan2scene.propagation.house_colours import Shown, shown_colours
 from plan2scene.provenance import file_hash

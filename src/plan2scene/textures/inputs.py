@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import read_parquet
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.textures.baselines.crop_pool import read_pool
 from plan2scene.textures.baselines.nearest import Crop, PoolCrop
 from plan2scene.textures.baselines.retrieval import TextureLibrary, read_library

@@ -17,15 +17,15 @@ from plan2scene.datasets.import_plan import import_plan
 from plan2scene.datasets.layout import find_layout
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
-from plan2scene.floorplans import (
+from plan2scene.images import png_bytes, write_png
+from plan2scene.io import write_json, write_parquet
+from plan2scene.plans import (
     add_object_boxes,
     check_object_boxes,
     read_object_boxes,
     read_plan,
     write_scene_json,
 )
-from plan2scene.images import png_bytes, write_png
-from plan2scene.io import write_json, write_parquet
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.residences import write_dataset_index
 

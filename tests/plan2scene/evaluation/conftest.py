@@ -7,11 +7,11 @@ import torch
 
 from plan2scene.evaluation.houses import EvaluatedHouse, Models
 from plan2scene.evaluation.measure import reference_features
-from plan2scene.floorplans import read_scene_json
-from plan2scene.floorplans.scene_writer import write_scene_json
 from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
+from plan2scene.plans import read_scene_json
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.propagation.model import save_propagation
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.prior import TypeMeans

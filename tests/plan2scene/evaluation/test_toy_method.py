@@ -10,7 +10,6 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-from plan2scene import cli
 from plan2scene.config import check_config
 from plan2scene.errors import InputError
 from plan2scene.evaluation.comparison import compare_house
@@ -21,6 +20,7 @@ from plan2scene.io import read_json
 from plan2scene.textures.inputs import Visible
 from plan2scene.textures.methods import METHODS, methods_table, register
 from plan2scene.textures.tiles import Tile
+from plan2scene_app import cli
 
 ROOT = Path(__file__).parents[3]
 

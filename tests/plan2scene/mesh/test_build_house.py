@@ -8,10 +8,10 @@ from PIL import Image
 from scene_textures import scene_textures
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans import write_scene_json
 from plan2scene.house import SurfaceKey
 from plan2scene.mesh import load_textures
 from plan2scene.mesh.build import build_house
+from plan2scene.plans import write_scene_json
 
 
 @pytest.fixture

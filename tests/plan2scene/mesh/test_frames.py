@@ -5,7 +5,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Opening, Room, Wall
 from plan2scene.mesh.frames import (
     arc_offset,
@@ -14,6 +13,7 @@ from plan2scene.mesh.frames import (
     reveal_quads,
     wall_frame,
 )
+from plan2scene.plans.geometry import room_polygon
 
 SQUARE = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
 

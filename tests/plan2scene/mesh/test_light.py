@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from shapely.geometry import Point
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Opening
 from plan2scene.mesh import build_parts
 from plan2scene.mesh.eye_level import EYE_M, SIZE, camera_in, render_rooms, standpoints
 from plan2scene.mesh.light import bake_light, lamp_position
 from plan2scene.mesh.raster import sample
 from plan2scene.mesh.rays import Rays, hemisphere
+from plan2scene.plans.geometry import room_polygon
 
 pytest.importorskip("embreex")
 

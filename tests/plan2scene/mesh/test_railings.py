@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from plan2scene.exports.solids import house_solids
 from plan2scene.mesh import build_parts
+from plan2scene_app.exports.solids import house_solids
 
 
 @pytest.fixture

@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from plan2scene.floorplans.geometry import walls_of_rooms
-from plan2scene.floorplans.storeys import linked
 from plan2scene.house import Level
 from plan2scene.mesh import build_parts, write_glb
 from plan2scene.mesh.house_mesh import assemble
@@ -16,6 +14,8 @@ from plan2scene.mesh.preview import render_plan
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.stairs import WAIST
 from plan2scene.mesh.walls import CAP_COLOUR
+from plan2scene.plans.geometry import walls_of_rooms
+from plan2scene.plans.storeys import linked
 
 WELL = 0.9 * 3.6
 OUTLINE = ((0.0, 0.0), (8.0, 0.0), (8.0, 6.0), (0.0, 6.0))

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plan2scene.floorplans.scene_writer import write_scene_json
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet, write_json, write_parquet
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.propagation.house_materials import (
     EVIDENCE,
     SeenSurface,

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plan2scene.floorplans.scene_writer import write_scene_json
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.propagation.stage import propagate_house
 
 MODELS = Path(__file__).parents[3] / "resources" / "models"

@@ -8,12 +8,12 @@ import pytest
 
 from plan2scene.colour import median_colour, srgb_to_linear
 from plan2scene.errors import InputError
-from plan2scene.floorplans.scene_writer import house_to_scene, write_scene_json
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes, png_bytes
 from plan2scene.io import read_json, write_parquet
 from plan2scene.mesh import build_parts
 from plan2scene.mesh.textures import textured
+from plan2scene.plans.scene_writer import house_to_scene, write_scene_json
 from plan2scene.textures.accents import find_accents
 from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
 from plan2scene.textures.stage import make_textures

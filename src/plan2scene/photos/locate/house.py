@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House
 from plan2scene.parallel import each
 from plan2scene.photos.camera.calibration import Camera
@@ -18,6 +17,7 @@ from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.pose import Pose, turned
 from plan2scene.photos.locate.profile import make_profile
 from plan2scene.photos.locate.search import Found, HeightPrior, RoomSearch
+from plan2scene.plans.geometry import room_polygon
 
 #: Blur of the coarse and the fine search, radians: what plan and frame are uncertain by.
 COARSE_BLUR, FINE_BLUR = np.radians(3.0), np.radians(1.0)

@@ -11,8 +11,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from plan2scene.floorplans.geometry import point_along, ring_edges
 from plan2scene.house import House, Opening, Ring, Room, Wall
+from plan2scene.plans.geometry import point_along, ring_edges
 
 #: An opening lies on an edge of a room that runs its way (cosine) and is this near, metres.
 PARALLEL = 0.94

@@ -36,7 +36,7 @@ class RoomSize:
 
 def room_extent(room: Room) -> tuple[float, float] | None:
     """Return the sides in metres of a room's rectangle; None for one that is no rectangle."""
-    from plan2scene.floorplans.geometry import room_polygon
+    from plan2scene.plans.geometry import room_polygon
 
     outline = room_polygon(room)
     box = outline.minimum_rotated_rectangle

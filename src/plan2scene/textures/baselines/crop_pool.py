@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans.scene_json import read_scene_json
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.textures.baselines.nearest import Crop, PoolCrop
 
 

@@ -130,7 +130,7 @@ def write_library(
         _write(output, _from_materials(load_texture_folder(folder, size_px=size_px)), "folder")
         return
     settings = {"tiles": per_substance, "seed": seed, "size_px": size_px}
-    code = code_hash("textures.baselines.retrieval"), package_versions(*_PACKAGES)
+    code = code_hash("plan2scene.textures.baselines.retrieval"), package_versions(*_PACKAGES)
     made_once(
         output,
         {"texture library": settings, "code": code},

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from plan2scene.floorplans.geometry import walls_of_rooms
 from plan2scene.house import Door, House, Opening, Point, Ring, Room, Wall
+from plan2scene.plans.geometry import walls_of_rooms
 from plan2scene.seeds import generator
 from plan2scene_workshop.homes.layouts import OUTSIDE, GridPlan, draw_layout
 from plan2scene_workshop.homes.openings import Border, Hole, draw_doors, draw_entrance, draw_windows

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from plan2scene.floorplans.geometry import ring_edges
+from plan2scene.plans.geometry import ring_edges
 from plan2scene_workshop.plans.sheet import Sheet
 from plan2scene_workshop.plans.structure import Structure
 from plan2scene_workshop.plans.style import PlanStyle

@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 
-from plan2scene.floorplans.geometry import point_along, ring_edges, room_polygon
 from plan2scene.house import House
+from plan2scene.plans.geometry import point_along, ring_edges, room_polygon
 from plan2scene_workshop.homes.openings import OPEN_AIR
 from plan2scene_workshop.plans.passages import opened_doors
 

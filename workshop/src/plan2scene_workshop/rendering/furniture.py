@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import shapely
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Room
+from plan2scene.plans.geometry import room_polygon
 from plan2scene_workshop.rendering import living, pieces, randomised, service
 from plan2scene_workshop.rendering.geometry import Array, Geometry, box, placement
 from plan2scene_workshop.rendering.palette import FABRICS, PICTURES, RUGS, Palette, pick

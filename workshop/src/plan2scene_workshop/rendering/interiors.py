@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Room
+from plan2scene.plans.geometry import room_polygon
 from plan2scene_workshop.rendering import goods, living, pieces
 from plan2scene_workshop.rendering.bedding import covered_bed
 from plan2scene_workshop.rendering.furniture import (

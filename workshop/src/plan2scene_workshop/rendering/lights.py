@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Room
+from plan2scene.plans.geometry import room_polygon
 from plan2scene_workshop.rendering.geometry import (
     Geometry,
     Solid,

@@ -9,10 +9,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import Room
 from plan2scene.materials import Material
 from plan2scene.photos.labels.palette import CEILING, WALL
+from plan2scene.plans.geometry import room_polygon
 from plan2scene_workshop.rendering.geometry import Colour, Geometry, Solid, box
 from plan2scene_workshop.rendering.palette import linear
 from plan2scene_workshop.rendering.shell import SKIRTING_DEPTH, WallFace

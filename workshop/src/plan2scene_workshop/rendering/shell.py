@@ -12,7 +12,6 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, Room, SurfaceKey, Wall
 from plan2scene.mesh.frames import (
     FaceOpening,
@@ -26,6 +25,7 @@ from plan2scene.mesh.frames import (
 )
 from plan2scene.mesh.polygons import triangulate
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
+from plan2scene.plans.geometry import room_polygon
 from plan2scene_workshop.rendering.geometry import Array, Colour, Geometry, Solid, box, quad
 
 #: A wall that ends this near to a corner of its room ends there, metres.

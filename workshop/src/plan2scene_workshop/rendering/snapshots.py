@@ -15,9 +15,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, Room
 from plan2scene.photos.labels.palette import CEILING, DOOR, FLOOR, OTHER, WALL
+from plan2scene.plans.geometry import room_polygon
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.rendering.camera_effects import (
     CameraStyle,

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 
 from plan2scene.errors import InputError
-from plan2scene.floorplans.geometry import room_polygon
 from plan2scene.house import House, Room
+from plan2scene.plans.geometry import room_polygon
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.rendering.geometry import Array
 

@@ -1,0 +1,106 @@
+"""Openings given as segments in the plan: which walls they lie on, and where."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from plan2scene.house import Opening, Point, Wall
+from plan2scene.plans.parse import Source
+
+#: A segment and its wall may differ in direction by this angle (radians).
+MAX_ANGLE = math.radians(20.0)
+#: Less of an opening than this share on one wall is no match.
+MIN_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class Segment:
+    """An opening as drawn: a segment (x, z) in metres with heights above the floor."""
+
+    id: str
+    kind: str
+    start: Point
+    end: Point
+    bottom: float
+    top: float
+
+
+@dataclass(frozen=True)
+class _Match:
+    """Where a segment falls on a wall: metres along it (uncut) and the mean distance from it."""
+
+    wall: int
+    start: float
+    end: float
+    distance: float
+
+
+def place_openings(
+    source: Source,
+    walls: Sequence[Wall],
+    segments: Sequence[Segment],
+    *,
+    tolerance: float = 0.2,
+    both_sides: bool = True,
+) -> list[Wall]:
+    """Return the walls with the segments' openings on them.
+
+    A segment goes to the nearest wall within `tolerance` metres that runs its way and holds at
+    least half of it; where two rooms have a wall of their own there, the hole is in both, with
+    one id (not without `both_sides`). What sticks out of the wall is cut with a warning.
+
+    Raises InputError for a segment without length or without a wall.
+    """
+    placed: dict[int, list[Opening]] = {}
+    for segment in segments:
+        matches = [m for k, wall in enumerate(walls) if (m := _match(wall, k, segment)) is not None]
+        near = sorted((m for m in matches if m.distance <= tolerance), key=lambda m: m.distance)
+        if not near:
+            nearest = min((m.distance for m in matches), default=math.inf)
+            found = f"the nearest at {nearest:.2f} m" if matches else "none along it"
+            raise source.fault(f"a wall within {tolerance:g} m of opening {segment.id}", found)
+        for match in _one_per_side(walls, near) if both_sides else near[:1]:
+            wall = walls[match.wall]
+            start, end = max(match.start, 0.0), min(match.end, wall.length)
+            if max(start - match.start, match.end - end) > 1e-3:
+                source.warn(
+                    f"opening {segment.id} within its wall {wall.id} of {wall.length:.3f} m",
+                    f"{match.start:.3f} to {match.end:.3f} m, cut",
+                    wall.room_ids[0],
+                )
+            opening = Opening(segment.id, segment.kind, start, end, segment.bottom, segment.top)
+            placed.setdefault(match.wall, []).append(opening)
+    return [
+        replace(wall, openings=wall.openings + tuple(placed.get(k, ())))
+        for k, wall in enumerate(walls)
+    ]
+
+
+def _match(wall: Wall, number: int, segment: Segment) -> _Match | None:
+    """Return where a segment falls on a wall, or None when it runs elsewhere."""
+    length = wall.length
+    ux, uz = (wall.end[0] - wall.start[0]) / length, (wall.end[1] - wall.start[1]) / length
+    along, across = [], []
+    for x, z in (segment.start, segment.end):
+        dx, dz = x - wall.start[0], z - wall.start[1]
+        along.append(dx * ux + dz * uz)
+        across.append(dx * -uz + dz * ux)
+    low, high = sorted(along)
+    if abs(across[1] - across[0]) > math.tan(MAX_ANGLE) * (high - low) or high - low <= 0:
+        return None
+    inside = min(high, length) - max(low, 0.0)
+    if inside < MIN_SHARE * (high - low):
+        return None
+    return _Match(number, low, high, abs(across[0] + across[1]) / 2)
+
+
+def _one_per_side(walls: Sequence[Wall], near: list[_Match]) -> list[_Match]:
+    """Return the nearest wall, and that of another room when both rooms have their own."""
+    chosen = [near[0]]
+    if len(walls[near[0].wall].room_ids) == 1:
+        first = walls[near[0].wall].room_ids
+        others = (m for m in near[1:] if len(walls[m.wall].room_ids) == 1)
+        chosen += [m for m in others if walls[m.wall].room_ids != first][:1]
+    return chosen

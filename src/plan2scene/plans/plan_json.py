@@ -1,0 +1,218 @@
+"""Reader of this program's own small JSON plan: ``plan.schema.json``, docs/floorplans.md."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from plan2scene.errors import InputError
+from plan2scene.house import DEFAULT_HEIGHT, House, Level, Room, Stairs, Wall
+from plan2scene.plans.formats import PlanFormat
+from plan2scene.plans.geometry import find_doors, walls_of_rooms
+from plan2scene.plans.openings import Segment, place_openings
+from plan2scene.plans.parse import Source
+from plan2scene.plans.storeys import (
+    level_of,
+    linked,
+    ordered_levels,
+    sound_flight,
+    used_levels,
+)
+
+FORMAT = "plan2scene-plan"
+#: Thickness in metres of the walls (as in the schema).
+DEFAULT_DEPTH = 0.1
+#: An opening this near (metres) to a wall's line lies on it.
+SNAP_TOLERANCE = 0.2
+
+
+@cache
+def plan_schema() -> dict[str, Any]:
+    """Return the JSON schema of the format."""
+    text = Path(__file__).with_name("plan.schema.json").read_text(encoding="utf-8")
+    return dict(json.loads(text))
+
+
+def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
+    """Return the house of a parsed plan JSON.
+
+    Walls follow the outlines; where two outlines coincide they share one. Openings lie on the
+    walls within `SNAP_TOLERANCE` metres; doors join the rooms on both sides of their wall.
+
+    Raises InputError for the first thing that the schema forbids, for a level that the plan lacks,
+    and for an opening that no wall is near.
+    """
+    source = Source(file, house_id)
+    source.identifier(house_id, "a house name")
+    _check_schema(source, document)
+    levels = _levels(source, document)
+    heights = {level.id: level.height for level in levels}
+    rooms = []
+    for entry in document["rooms"]:
+        rings = [
+            source.outline(ring, entry["id"])
+            for ring in (entry["polygon"], *entry.get("holes", []))
+        ]
+        level = level_of(source, entry, levels, f"room {entry['id']}", entry["id"])
+        height = float(entry.get("height", heights.get(level, DEFAULT_HEIGHT)))
+        types = dict.fromkeys(source.room_type(name, entry["id"]) for name in entry["types"])
+        rooms.append(Room(entry["id"], tuple(types), tuple(rings), height, level))
+    levels = used_levels(source, levels, rooms)
+    source.limit_corners(rooms)
+    walls = walls_of_rooms(rooms, depth=float(document.get("wall_depth", DEFAULT_DEPTH)))
+    segments = _segments(source, document.get("openings", []), levels)
+    walls = _with_openings(source, rooms, walls, segments)
+    return House(
+        id=house_id,
+        rooms=tuple(rooms),
+        walls=tuple(walls),
+        doors=find_doors(rooms, walls),
+        levels=levels,
+        stairs=linked(_stairs(source, document.get("stairs", []), levels), rooms, levels),
+        warnings=tuple(source.warnings),
+    )
+
+
+def _levels(source: Source, document: dict[str, Any]) -> tuple[Level, ...]:
+    """Return the levels, the lowest first."""
+    levels = [
+        Level(
+            entry["id"],
+            entry.get("name") or entry["id"],
+            source.number(entry["elevation"], f"the elevation of level {entry['id']}"),
+            float(entry.get("height", DEFAULT_HEIGHT)),
+        )
+        for entry in document.get("levels", [])
+    ]
+    return ordered_levels(source, levels)
+
+
+def _with_openings(
+    source: Source, rooms: Sequence[Room], walls: Sequence[Wall], segments: dict[str, list[Segment]]
+) -> list[Wall]:
+    """Return the walls with the openings of their level, level by level.
+
+    An opening that only another level has a wall for is left out with a warning.
+    """
+    level_by_room = {room.id: room.level for room in rooms}
+    by_level: dict[str, list[Wall]] = {}
+    for wall in walls:
+        by_level.setdefault(level_by_room[wall.room_ids[0]], []).append(wall)
+    placed = []
+    for level, own in by_level.items():
+        mine = segments.get(level, [])
+        try:
+            placed += place_openings(source, own, mine, tolerance=SNAP_TOLERANCE)
+        except InputError:
+            others = [wall for name, walls in by_level.items() if name != level for wall in walls]
+            mine = [s for s in mine if _on_level(source, s, level, own, others)]
+            placed += place_openings(source, own, mine, tolerance=SNAP_TOLERANCE)
+    return placed
+
+
+def _on_level(
+    source: Source, segment: Segment, level: str, own: Sequence[Wall], others: Sequence[Wall]
+) -> bool:
+    """Return whether an opening is one of its level; a warning where it is another level's."""
+
+    def fits(walls: Sequence[Wall]) -> bool:
+        scratch = Source(source.file, source.house_id)
+        try:
+            place_openings(scratch, walls, [segment], tolerance=SNAP_TOLERANCE)
+        except InputError:
+            return False
+        return True
+
+    if not others or fits(own) or not fits(others):
+        return True
+    expected = f"opening {segment.id} on a wall of its level {level}"
+    source.warn(expected, "one on a wall of another level; left out")
+    return False
+
+
+def _stairs(source: Source, entries: list[dict[str, Any]], levels: Sequence[Level]) -> list[Stairs]:
+    """Return the flights as drawn; ids are given to those without."""
+    flights: list[Stairs] = []
+    for number, entry in enumerate(entries):
+        name = entry.get("id", f"stairs_{number}")
+        if any(name == flight.id for flight in flights):
+            raise source.fault("each stairs id once", f"{name} twice")
+        (x0, z0), (x1, z1) = (
+            [source.number(v, f"stairs {name}") for v in entry[key]] for key in ("from", "to")
+        )
+        level = level_of(source, entry, levels, f"stairs {name}")
+        flight = Stairs(name, level, (x0, z0), (x1, z1), float(entry["width"]))
+        flights.append(sound_flight(source, flight))
+    return flights
+
+
+def _segments(
+    source: Source, entries: list[dict[str, Any]], levels: Sequence[Level]
+) -> dict[str, list[Segment]]:
+    """Return the openings as drawn, by level; ids are given to those without."""
+    segments: dict[str, list[Segment]] = {}
+    seen: set[str] = set()
+    for number, entry in enumerate(entries):
+        name = entry.get("id", f"opening_{number}")
+        if name in seen:
+            raise source.fault("each opening id once", f"{name} twice")
+        seen.add(name)
+        ends = [[source.number(v, f"opening {name}") for v in entry[key]] for key in ("from", "to")]
+        bottom, top = (source.number(entry[key], f"{key} of {name}") for key in ("bottom", "top"))
+        if bottom >= top:
+            found = f"{bottom:g} to {top:g} m"
+            raise source.fault(f"opening {name} with its top above its bottom", found)
+        (x0, z0), (x1, z1) = ends
+        level = level_of(source, entry, levels, f"opening {name}")
+        segment = Segment(name, entry["kind"], (x0, z0), (x1, z1), bottom, top)
+        segments.setdefault(level, []).append(segment)
+    return segments
+
+
+def _check_schema(source: Source, document: Any) -> None:
+    """Raise InputError for the first place where a document leaves the schema."""
+    from jsonschema import Draft202012Validator
+
+    error = next(Draft202012Validator(plan_schema()).iter_errors(document), None)
+    if error is None:
+        return
+    room = ""
+    place = list(error.absolute_path)
+    if len(place) > 1 and place[0] == "rooms":
+        entry = document["rooms"][place[1]]
+        room = str(entry.get("id", "")) if isinstance(entry, dict) else ""
+    raise _schema_fault(source, error, error.json_path.lstrip("$."), room)
+
+
+def _schema_fault(source: Source, error: Any, place: str, room: str) -> InputError:
+    """Return the fault that a schema error means, in this program's words."""
+    where = f" at {place}" if place else ""
+    found = repr(error.instance)
+    match error.validator:
+        case "enum":
+            expected = f"one of {', '.join(map(str, error.validator_value))}{where}"
+        case "const":
+            expected = f"{error.validator_value!r}{where}"
+        case "required":
+            missing = [key for key in error.validator_value if key not in error.instance]
+            expected, found = f"key {missing[0]!r}{where}", "none"
+        case "additionalProperties":
+            known = list(error.schema["properties"])
+            extra = [key for key in error.instance if key not in known]
+            expected, found = f"only the keys {', '.join(known)}{where}", repr(extra[0])
+        case "type":
+            expected = f"{error.validator_value}{where}"
+        case _:
+            expected = f"{error.validator} {error.validator_value}{where}"
+    return source.fault(expected, found, room)
+
+
+PLAN_FORMAT = PlanFormat(
+    "plan2scene-plan JSON",
+    lambda plan: isinstance(plan.document, dict) and str(plan.document.get("format")) == FORMAT,
+    lambda plan: house_of_plan(plan.document, plan.house_id, file=str(plan.path)),
+    suffixes=(".json",),
+)

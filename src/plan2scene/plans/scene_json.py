@@ -1,0 +1,277 @@
+"""Reader of scene.json, the paper's extension of the Smart Scene Toolkit's scene state.
+
+Tolerates what real files do (docs/floorplans.md lists it); each repair is a warning of the house.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from plan2scene.house import (
+    DEFAULT_HEIGHT,
+    Door,
+    House,
+    IconBox,
+    Level,
+    PlacedObject,
+    Ring,
+    Room,
+    Wall,
+)
+from plan2scene.io import read_text
+from plan2scene.plans.formats import PlanFormat
+from plan2scene.plans.geometry import find_doors
+from plan2scene.plans.parse import SAME_POINT, Source, parse_json
+from plan2scene.plans.scene_frame import upright
+from plan2scene.plans.scene_levels import levels_of_rooms, read_stairs
+from plan2scene.plans.scene_walls import read_walls, room_ids_of
+from plan2scene.plans.storeys import level_of, linked, used_levels
+
+
+def read_scene_json(path: str | Path, house_id: str) -> House:
+    """Return the house of a scene.json file, named `house_id`: the file's own id is not used.
+
+    ``{"format": "sceneState", "scene": {...}}``, ``{"scene": {...}}`` or a bare ``arch``.
+
+    Raises InputError with file, house and room for a fault that can't be repaired.
+    """
+    return house_of_scene(parse_json(read_text(path), path, house_id), house_id, file=str(path))
+
+
+def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
+    """Return the house of a parsed scene.json; see :func:`read_scene_json`."""
+    source = Source(file, house_id)
+    source.identifier(house_id, "a house name")
+    scene, arch = find_arch(source, document)
+    if scene.get("unit") not in (None, 1):
+        raise source.fault("unit 1 (metres)", repr(scene["unit"]))
+    scene, arch = upright(source, scene, arch)
+    elements = [
+        source.mapping(e, "an element") for e in source.items(arch.get("elements"), "elements")
+    ]
+    if not elements:
+        raise source.fault("a list of elements", "none")
+    rooms, levels = _read_rooms(source, arch, elements)
+    levels = used_levels(source, levels, rooms.values())
+    walls = read_walls(source, arch, elements, rooms)
+    return House(
+        id=house_id,
+        rooms=tuple(rooms.values()),
+        walls=tuple(walls),
+        doors=_read_doors(source, arch, rooms, walls),
+        objects=_read_objects(source, scene),
+        icons=_read_icons(source, arch, levels),
+        levels=levels,
+        stairs=linked(read_stairs(source, arch, levels), tuple(rooms.values()), levels),
+        warnings=tuple(source.warnings),
+    )
+
+
+def find_arch(source: Source, document: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return (scene, arch) of any of the accepted nestings."""
+    outer = source.mapping(document, "the document")
+    scene = source.mapping(outer.get("scene", outer), "'scene'")
+    return scene, source.mapping(scene.get("arch", scene), "'arch'")
+
+
+def _read_rooms(
+    source: Source, arch: Mapping[str, Any], elements: list[dict[str, Any]]
+) -> tuple[dict[str, Room], tuple[Level, ...]]:
+    """Return the rooms by id, and the levels that they are on.
+
+    Outlines are the floors' (else the ceilings'), heights come from the ceilings.
+    """
+    plates = _read_plates(source, elements)
+    types = _room_types(source, arch, list(plates["Floor"] or plates["Ceiling"]))
+    for room_id in [*plates["Floor"], *plates["Ceiling"]]:
+        if room_id not in types:
+            source.warn("an entry of 'rooms'", "none; read as Unknown", room_id)
+            types[room_id] = ("Unknown",)
+    low = {
+        room_id: _elevation(source, plate, room_id) for room_id, plate in plates["Floor"].items()
+    }
+    levels, level_by_room = levels_of_rooms(source, arch, list(types), low)
+    rooms = {}
+    for room_id, names in types.items():
+        floor, ceiling = plates["Floor"].get(room_id), plates["Ceiling"].get(room_id)
+        plate = floor or ceiling
+        if plate is None:
+            raise source.fault("a Floor element of the room", "none", room_id)
+        if floor is None:
+            source.warn("a Floor element", "none; outline of the ceiling used", room_id)
+        rings, _ = _read_rings(source, plate, room_id)
+        level = level_by_room[room_id]
+        base = low.get(room_id, level.elevation)
+        if abs(base - level.elevation) > SAME_POINT:
+            there = f"{level.elevation:g}"
+            source.warn(f"a floor at y = {there}", f"y = {base:g}, moved to {there}", room_id)
+        height = _room_height(source, room_id, base, ceiling, elements)
+        rooms[room_id] = Room(room_id, names, rings, height, level.id)
+    return rooms, levels
+
+
+def _read_plates(
+    source: Source, elements: list[dict[str, Any]]
+) -> dict[str, dict[str, dict[str, Any]]]:
+    """Return the Floor and the Ceiling elements, by room."""
+    plates: dict[str, dict[str, dict[str, Any]]] = {"Floor": {}, "Ceiling": {}}
+    for element in elements:
+        kind = str(element.get("type"))
+        if kind not in (*plates, "Wall", "Ground"):
+            source.warn("elements of type Floor, Ceiling, Wall or Ground", f"{kind!r}, left out")
+        if kind in plates:
+            for room_id in room_ids_of(source, element):
+                if room_id in plates[kind]:
+                    raise source.fault(f"one {kind} element", "two", room_id)
+                plates[kind][room_id] = element
+    return plates
+
+
+def _elevation(source: Source, plate: Mapping[str, Any], room: str) -> float:
+    """Return the y of a floor."""
+    return _read_rings(source, plate, room)[1]
+
+
+def _room_types(
+    source: Source, arch: Mapping[str, Any], floor_ids: list[str]
+) -> dict[str, tuple[str, ...]]:
+    """Return the types of each room in the order of the file's `rooms`."""
+    if arch.get("rooms") is None:
+        source.warn("a list of 'rooms'", "none; every room is Unknown")
+        return {room_id: ("Unknown",) for room_id in floor_ids}
+    types: dict[str, tuple[str, ...]] = {}
+    for entry in source.items(arch["rooms"], "rooms"):
+        room_id = source.identifier(source.mapping(entry, "a room").get("id"), "a room id")
+        if room_id in types:
+            raise source.fault("room ids that differ", f"{room_id} twice", room_id)
+        names = entry.get("types", entry.get("type"))
+        names = [names] if isinstance(names, str) else source.items(names, "room types")
+        if not names:
+            source.warn("a room type", "none; read as Unknown", room_id)
+        read = [source.room_type(name, room_id) for name in names] or ["Unknown"]
+        types[room_id] = tuple(dict.fromkeys(read))
+    return types
+
+
+def _read_rings(
+    source: Source, element: Mapping[str, Any], room: str
+) -> tuple[tuple[Ring, ...], float]:
+    """Return the rings (x, z) of a Floor or Ceiling, `offset` added, and their elevation y."""
+    offset = (0.0, 0.0, 0.0)
+    if element.get("offset") is not None:
+        offset = source.point(element["offset"], "an offset", room)
+    points = source.items(element.get("points"), "points")
+    first = points[0] if points else None
+    nested = isinstance(first, list) and bool(first) and isinstance(first[0], list)
+    rings = []
+    elevation = 0.0
+    for ring in points if nested else [points]:
+        corners = [
+            source.point(p, "an outline", room) for p in source.items(ring, "a ring of points")
+        ]
+        elevation = corners[0][1] + offset[1] if corners else 0.0
+        rings.append(source.ring([(x + offset[0], z + offset[2]) for x, _, z in corners], room))
+    return tuple(rings), elevation
+
+
+def _room_height(
+    source: Source,
+    room: str,
+    low: float,
+    ceiling: Mapping[str, Any] | None,
+    elements: list[dict[str, Any]],
+) -> float:
+    """Return the height in metres: ceiling over floor, else the highest wall, else the default."""
+    if ceiling is not None:
+        height = _read_rings(source, ceiling, room)[1] - low
+        height = round(height, 9) if low else height
+        if height > SAME_POINT:
+            return height
+    walls = [
+        source.number(e["height"], "a wall's height", room)
+        for e in elements
+        if e.get("type") == "Wall" and e.get("height") is not None
+        if room in room_ids_of(source, e)
+    ]
+    height = max(walls, default=DEFAULT_HEIGHT)
+    source.warn("a ceiling above the floor", f"none; height {height:g} m used", room)
+    return height
+
+
+def _read_doors(
+    source: Source, arch: Mapping[str, Any], rooms: Mapping[str, Room], walls: list[Wall]
+) -> tuple[Door, ...]:
+    """Return each room-door-room relation once; from the walls' doors when the file has none."""
+    if arch.get("rdr") is None:
+        doors = find_doors(tuple(rooms.values()), walls)
+        if doors:
+            source.warn("a list 'rdr'", f"none; {len(doors)} relations found by geometry")
+        return doors
+    holes = {opening.id for wall in walls for opening in wall.openings}
+    found: dict[tuple[str, frozenset[str | None]], Door] = {}
+    for entry in source.items(arch["rdr"], "rdr"):
+        triple = source.items(entry, "an rdr entry")
+        if len(triple) != 3:
+            raise source.fault("[room, hole, room] in rdr", f"{len(triple)} entries")
+        hole = source.identifier(triple[1], "a hole id of rdr")
+        ends = [
+            source.identifier(end, "a room id of rdr")
+            for end in (triple[0], triple[2])
+            if end not in (None, "")
+        ]
+        missing = next((end for end in ends if end not in rooms), None)
+        if missing is not None or not ends:
+            raise source.fault(f"rooms of this plan at door {hole}", missing or "no room")
+        if hole not in holes:
+            source.warn("a hole of some wall for each rdr entry", f"no hole {hole}")
+        door = Door(ends[0], hole, ends[1] if len(ends) == 2 else None)
+        if door.room_b is not None and rooms[door.room_a].level != rooms[door.room_b].level:
+            levels = f"{door.room_a} and {door.room_b} are on two; left out"
+            source.warn(f"door {hole} between rooms of one level", levels, door.room_a)
+            continue
+        found.setdefault((hole, frozenset((door.room_a, door.room_b))), door)
+    return tuple(found.values())
+
+
+def _read_objects(source: Source, scene: Mapping[str, Any]) -> tuple[PlacedObject, ...]:
+    """Return the placed object models; one that can't be read is left out with a warning."""
+    objects = []
+    for number, entry in enumerate(source.items(scene.get("object"), "object")):
+        transform = entry.get("transform") if isinstance(entry, dict) else None
+        data = transform.get("data") if isinstance(transform, dict) else transform
+        model = entry.get("modelId") if isinstance(entry, dict) else None
+        if not isinstance(model, str) or not isinstance(data, list) or len(data) != 16:
+            source.warn("modelId and a 4x4 transform of each object", f"object {number} without")
+            continue
+        places = [entry.get("index", number), entry.get("parentIndex", -1)]
+        index, parent = (int(source.number(v, "an object's index")) for v in places)
+        values = tuple(source.number(v, "an object's transform") for v in data)
+        objects.append(PlacedObject(model, index, parent, values))
+    return tuple(objects)
+
+
+def _read_icons(
+    source: Source, arch: Mapping[str, Any], levels: Sequence[Level]
+) -> tuple[IconBox, ...]:
+    """Return the icon boxes that :func:`write_scene_json` keeps under `arch.icons`."""
+    icons = (source.mapping(entry, "an icon") for entry in source.items(arch.get("icons"), "icons"))
+    lowest = levels[0].id if levels else ""
+    return tuple(
+        IconBox(
+            str(icon.get("type", "")),
+            *source.box(icon, "an icon"),
+            level_of(source, icon, levels, "an icon") if "level" in icon else lowest,
+        )
+        for icon in icons
+    )
+
+
+PLAN_FORMAT = PlanFormat(
+    "scene.json",
+    lambda plan: plan.document is not None,
+    lambda plan: house_of_scene(plan.document, plan.house_id, file=str(plan.path)),
+    suffixes=(".json",),
+    fallback=True,
+)

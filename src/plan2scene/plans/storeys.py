@@ -1,0 +1,177 @@
+"""Levels and the stairs between them: which rooms a flight joins, and what is odd about it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from shapely.geometry import LineString, Polygon
+from shapely.geometry import Point as ShapelyPoint
+
+from plan2scene.house import House, Level, Room, Stairs
+from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.parse import Source
+
+#: One steps on and off a flight this far (metres) from its ends.
+STEP_OFF = 0.3
+#: A step is at most so high and at least so deep, metres.
+RISER, TREAD = 0.19, 0.15
+#: Walls may reach so far (metres) into a flight.
+MARGIN = 0.1
+#: Levels are at least so far apart, metres.
+LEAST_RISE = 0.5
+#: A flight is at least so long in plan, metres.
+LEAST_FLIGHT = 0.5
+
+
+def ordered_levels(source: Source, levels: Iterable[Level]) -> tuple[Level, ...]:
+    """Return levels from the lowest to the highest; InputError for two of one id or height."""
+    found = sorted(levels, key=lambda level: level.elevation)
+    ids = [level.id for level in found]
+    for level, above in pairwise(found):
+        if ids.count(level.id) > 1:
+            raise source.fault("each level id once", f"{level.id} {ids.count(level.id)} times")
+        if above.elevation - level.elevation < LEAST_RISE:
+            apart = f"{above.elevation - level.elevation:.2f} m"
+            expected = f"levels {level.id} and {above.id} at least {LEAST_RISE:g} m apart"
+            raise source.fault(expected, apart)
+    return tuple(found)
+
+
+def used_levels(
+    source: Source, levels: Sequence[Level], rooms: Iterable[Room]
+) -> tuple[Level, ...]:
+    """Return the levels that have rooms; the others are warned of."""
+    used = {room.level for room in rooms}
+    for level in levels:
+        if level.id not in used:
+            source.warn(f"rooms on level {level.id}", "none; left out")
+    return tuple(level for level in levels if level.id in used)
+
+
+def level_of(
+    source: Source, entry: Mapping[str, Any], levels: Sequence[Level], what: str, room: str = ""
+) -> str:
+    """Return the id of the level that an entry names; empty where the plan has none."""
+    ids = [level.id for level in levels]
+    named = entry.get("level")
+    if (named in ids) if levels else (named is None):
+        return named or ""
+    expected = f"one of the levels {', '.join(ids)} for {what}" if ids else f"levels, for {what}"
+    raise source.fault(expected, "none" if named is None else repr(named), room)
+
+
+def sound_flight(source: Source, stairs: Stairs) -> Stairs:
+    """Return a flight if it has a length and a width."""
+    if stairs.length < LEAST_FLIGHT or stairs.width <= 0:
+        expected = f"stairs {stairs.id} at least {LEAST_FLIGHT:g} m long, with a width"
+        raise source.fault(expected, f"{stairs.length:.2f} and {stairs.width:.2f} m")
+    return stairs
+
+
+def flight_area(stairs: Stairs) -> Polygon:
+    """Return the strip of the plan that a flight takes, (x, z) in metres."""
+    start, end = np.array(stairs.start), np.array(stairs.end)
+    along = (end - start) / stairs.length
+    side = np.array([along[1], -along[0]]) * stairs.width / 2
+    return Polygon([start + side, end + side, end - side, start - side])
+
+
+def step_count(rise: float) -> int:
+    """Return how many steps a flight of this rise in metres has."""
+    return max(2, math.ceil(rise / RISER - 1e-9))
+
+
+def linked(
+    stairs: Iterable[Stairs], rooms: Sequence[Room], levels: Sequence[Level]
+) -> tuple[Stairs, ...]:
+    """Return flights with the rooms that they join, by where one steps on and off.
+
+    `levels` go from the lowest to the highest; without any, nothing is above.
+    """
+    above = {level.id: higher.id for level, higher in pairwise(levels)}
+    found = []
+    for flight in stairs:
+        lower = _room_at(flight, rooms, flight.level, foot=True)
+        upper = above.get(flight.level)
+        higher = None if upper is None else _room_at(flight, rooms, upper, foot=False)
+        found.append(replace(flight, room_ids=(lower, higher)))
+    return tuple(found)
+
+
+def _room_at(stairs: Stairs, rooms: Sequence[Room], level: str, *, foot: bool) -> str | None:
+    """Return the room of a level that one end of a flight is in: before it, else on it."""
+    (x0, z0), (x1, z1) = stairs.start, stairs.end
+    ux, uz = (x1 - x0) / stairs.length, (z1 - z0) / stairs.length
+    for off in (STEP_OFF, -0.05):
+        spot = (x0 - off * ux, z0 - off * uz) if foot else (x1 + off * ux, z1 + off * uz)
+        for room in rooms:
+            if room.level == level and room_polygon(room).covers(ShapelyPoint(spot)):
+                return room.id
+    return None
+
+
+def _across(house: House, stairs: Stairs) -> Iterator[str]:
+    """Yield the ids of the walls, of the level below and above, that go through a flight."""
+    above = house.level_above(stairs.level)
+    levels = {stairs.level, stairs.level if above is None else above.id}
+    level_by_room = {room.id: room.level for room in house.rooms}
+    area = flight_area(stairs).buffer(-MARGIN)
+    for wall in house.walls:
+        if level_by_room[wall.room_ids[0]] not in levels:
+            continue
+        if LineString([wall.start, wall.end]).intersection(area).length > MARGIN:
+            yield wall.id
+
+
+def _doors_into_the_air(house: House) -> Iterator[tuple[str, str, str]]:
+    """Yield (expected, found, room) of doors of the higher levels that no room is behind."""
+    higher = {level.id for level in house.levels[1:]}
+    level_by_room = {room.id: room.level for room in house.rooms}
+    outer = {(door.room_a, door.opening_id) for door in house.doors if door.room_b is None}
+    for wall in house.walls:
+        room = wall.room_ids[0]
+        for opening in wall.openings:
+            drawn = (room, opening.id) in outer and opening.kind == "door"
+            if drawn and opening.bottom < RISER and level_by_room[room] in higher:
+                where = f"door {opening.id} of level {level_by_room[room]}"
+                yield f"a room or balcony behind {where}", "none", room
+
+
+def storey_oddities(house: House) -> Iterator[tuple[str, str, str]]:
+    """Yield (expected, found, room) of levels without stairs, stairs and doors to nowhere."""
+    yield from _doors_into_the_air(house)
+    elevations = {level.id: level.elevation for level in house.levels}
+    for stairs in house.stairs:
+        lower, upper = stairs.room_ids
+        above = house.level_above(stairs.level)
+        if lower is None:
+            yield f"stairs {stairs.id} from a room of their level", "none at their foot", ""
+        if above is None:
+            yield f"a level above stairs {stairs.id}", "none; they end at the ceiling", lower or ""
+        elif upper is None:
+            expected = f"a room of level {above.id} at the head of stairs {stairs.id}"
+            yield expected, "none", lower or ""
+        rise = house.rise_of(stairs)
+        if (tread := stairs.length / step_count(rise)) < TREAD:
+            found = f"{tread:.2f} m ({stairs.length:.2f} m for a rise of {rise:.2f} m)"
+            yield f"steps of stairs {stairs.id} at least {TREAD:g} m deep", found, lower or ""
+        for wall in _across(house, stairs):
+            yield f"stairs {stairs.id} clear of walls", f"wall {wall} across them", lower or ""
+    for level in house.levels[:-1]:
+        above = house.level_above(level.id)
+        if above is not None and not any(
+            stairs.level == level.id and None not in stairs.room_ids for stairs in house.stairs
+        ):
+            yield f"stairs from level {level.id} up to level {above.id}", "none", ""
+    for room in house.rooms:
+        above = house.level_above(room.level)
+        if above is not None:
+            limit = above.elevation - elevations[room.level]
+            if room.height > limit + 1e-6:
+                expected = f"a ceiling below level {above.id}, {limit:g} m up"
+                yield expected, f"{room.height:g} m", room.id

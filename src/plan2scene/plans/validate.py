@@ -1,0 +1,228 @@
+"""Checks of a house that every later stage relies on: one clear line per fault."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
+from pathlib import Path
+
+from shapely.geometry import Point
+from shapely.strtree import STRtree
+from shapely.validation import explain_validity
+
+from plan2scene.errors import InputError
+from plan2scene.house import OPENING_KINDS, ROOM_TYPES, House, Opening, Room, Wall
+from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.parse import (
+    ID_PATTERN,
+    MAX_COORDINATE,
+    MAX_ID_LENGTH,
+    MAX_ITEMS,
+    MAX_ROOMS,
+    SAME_POINT,
+)
+from plan2scene.plans.plausible import oddities, unit_faults
+from plan2scene.plans.storeys import LEAST_FLIGHT, storey_oddities
+
+#: A room with less area than this (square metres) is a drawing fault.
+MIN_AREA = 0.01
+#: Rooms may overlap by this share of the smaller one (walls drawn on both sides of their line).
+OVERLAP_SHARE = 0.02
+#: A hole may reach this far (metres) over its wall through rounding.
+ROUNDING = 1e-3
+#: A wall whose middle is farther (metres) from its room's outline is in the wrong place.
+STRAY_DISTANCE = 0.5
+
+_Fault = Callable[..., InputError]
+
+
+def validate_house(house: House, *, file: str | Path = "") -> list[str]:
+    """Return the warnings of a house (its reader's and those found here).
+
+    Raises InputError for the first fault of :func:`house_faults`.
+    """
+    for fault in house_faults(house, file=file):
+        raise fault
+    lines = list(house.warnings)
+    storeys = [storey for _, storey in house.storeys()]
+    found = [line for storey in storeys for line in _overlaps(storey)]
+    found += [*_stray_walls(house), *_overlapping_holes(house), *oddities(house)]
+    found += storey_oddities(house)
+    for expected, text, room in found:
+        lines.append(str(InputError(expected, text, file=file, house=house.id, room=room)))
+    return lines
+
+
+def house_faults(house: House, *, file: str | Path = "") -> Iterator[InputError]:
+    """Yield every fault that keeps a house from being built, most basic first.
+
+    Ids, numbers of elements, room types, coordinates, outlines (self-intersecting, without area),
+    walls, holes (outside their wall, top not above bottom), door relations.
+    """
+
+    def fault(expected: str, found: object, room: str = "") -> InputError:
+        return InputError(expected, str(found), file=file, house=house.id, room=room)
+
+    if not 1 <= len(house.rooms) <= MAX_ROOMS:
+        yield fault(f"1 to {MAX_ROOMS} rooms", len(house.rooms))
+        return
+    if len(house.walls) > MAX_ITEMS:
+        yield fault(f"at most {MAX_ITEMS} walls", len(house.walls))
+        return
+    yield from _id_faults(house, fault)
+    for room in house.rooms:
+        yield from _room_faults(room, fault)
+    if all(room.rings and min(map(len, room.rings)) >= 3 for room in house.rooms):
+        yield from unit_faults(house, fault)
+    yield from _level_faults(house, fault)
+    for wall in house.walls:
+        yield from _wall_faults(house, wall, fault)
+    known = {room.id for room in house.rooms}
+    for door in house.doors:
+        for room_id in (door.room_a, door.room_b):
+            if room_id is not None and room_id not in known:
+                yield fault(f"rooms of this plan at door {door.opening_id}", room_id)
+
+
+def _id_faults(house: House, fault: _Fault) -> Iterator[InputError]:
+    """Yield ids that can't name files, and ids used twice."""
+    groups: list[tuple[str, Iterable[str]]] = [
+        ("house name", [house.id]),
+        ("room id", [room.id for room in house.rooms]),
+        ("wall id", [wall.id for wall in house.walls]),
+        ("level id", [level.id for level in house.levels]),
+        ("stairs id", [stairs.id for stairs in house.stairs]),
+    ]
+    for what, ids in groups:
+        for name, count in Counter(ids).items():
+            if len(name) > MAX_ID_LENGTH or not ID_PATTERN.fullmatch(name):
+                yield fault(f"a {what} of letters, digits, '_', '-' and '.'", repr(name))
+            if count > 1:
+                yield fault(f"each {what} once", f"{name} {count} times")
+
+
+def _level_faults(house: House, fault: _Fault) -> Iterator[InputError]:
+    """Yield rooms on no level, walls of rooms on two, and flights without a length."""
+    ids = [level.id for level in house.levels] or [""]
+    level_of = {room.id: room.level for room in house.rooms}
+    for room in house.rooms:
+        if room.level not in ids:
+            yield fault(f"one of the levels {', '.join(ids)}", repr(room.level), room.id)
+    for wall in house.walls:
+        if len({level_of.get(room_id) for room_id in wall.room_ids}) > 1:
+            yield fault(f"rooms of one level at wall {wall.id}", ", ".join(wall.room_ids))
+    for stairs in house.stairs:
+        if stairs.level not in ids:
+            found = repr(stairs.level)
+            yield fault(f"one of the levels {', '.join(ids)} for stairs {stairs.id}", found)
+        numbers = (*stairs.start, *stairs.end, stairs.width)
+        sound = all(math.isfinite(v) and abs(v) <= MAX_COORDINATE for v in numbers)
+        if not sound or stairs.length < LEAST_FLIGHT or stairs.width <= 0:
+            found = f"{stairs.length:g} and {stairs.width:g} m"
+            yield fault(f"stairs {stairs.id} with a length and a width", found)
+
+
+def _room_faults(room: Room, fault: _Fault) -> Iterator[InputError]:
+    """Yield what is wrong with a room's types, coordinates, outline and height."""
+    if not room.types:
+        yield fault("at least one room type", "none", room.id)
+    for name in room.types:
+        if name not in ROOM_TYPES:
+            yield fault(f"a room type ({', '.join(ROOM_TYPES)})", repr(name), room.id)
+    numbers = [room.height, *(v for ring in room.rings for point in ring for v in point)]
+    if not all(math.isfinite(v) and abs(v) <= MAX_COORDINATE for v in numbers):
+        yield fault(f"finite coordinates within {MAX_COORDINATE:g} m", "others", room.id)
+        return
+    if room.height <= 0:
+        yield fault("a height above 0 m", f"{room.height:g}", room.id)
+    if not room.rings or any(len(ring) < 3 for ring in room.rings):
+        yield fault("an outline of at least 3 points", "fewer", room.id)
+        return
+    polygon = room_polygon(room)
+    if not polygon.is_valid and polygon.buffer(0).area >= MIN_AREA:
+        yield fault("an outline that doesn't cross itself", explain_validity(polygon), room.id)
+    elif polygon.area < MIN_AREA:
+        yield fault(f"an area of at least {MIN_AREA:g} m2", f"{polygon.area:.4f}", room.id)
+
+
+def _wall_faults(house: House, wall: Wall, fault: _Fault) -> Iterator[InputError]:
+    """Yield what is wrong with a wall and its holes."""
+    known = {room.id for room in house.rooms}
+    if not 1 <= len(wall.room_ids) <= 2 or not set(wall.room_ids) <= known:
+        yield fault(f"one or two rooms of this plan at wall {wall.id}", ", ".join(wall.room_ids))
+        return
+    room = wall.room_ids[0]
+    numbers = (*wall.start, *wall.end, wall.height, wall.depth, wall.extra_height)
+    if not all(math.isfinite(v) and abs(v) <= MAX_COORDINATE for v in numbers):
+        yield fault(f"wall {wall.id} within {MAX_COORDINATE:g} m", "other numbers", room)
+        return
+    if wall.length <= SAME_POINT or wall.height <= 0 or wall.depth < 0:
+        found = f"{wall.length:g}, {wall.height:g}, {wall.depth:g}"
+        yield fault(f"wall {wall.id} with length and height above 0, depth not below", found, room)
+    if len(wall.openings) > MAX_ITEMS:
+        yield fault(f"at most {MAX_ITEMS} holes on wall {wall.id}", len(wall.openings), room)
+        return
+    for name, count in Counter(opening.id for opening in wall.openings).items():
+        if count > 1:
+            yield fault(f"each hole id once on wall {wall.id}", f"{name} {count} times", room)
+    for opening in wall.openings:
+        yield from _opening_faults(wall, opening, fault)
+
+
+def _opening_faults(wall: Wall, opening: Opening, fault: _Fault) -> Iterator[InputError]:
+    """Yield what is wrong with a hole."""
+    room = wall.room_ids[0]
+    name = f"hole {opening.id} on wall {wall.id}"
+    if not ID_PATTERN.fullmatch(opening.id) or opening.kind not in OPENING_KINDS:
+        found = f"{opening.id!r}, {opening.kind!r}"
+        yield fault(f"an id and one of {', '.join(OPENING_KINDS)} for {name}", found, room)
+    if not opening.start < opening.end:
+        yield fault(f"{name} with a width", f"{opening.start:g} to {opening.end:g} m", room)
+    if not opening.bottom < opening.top:
+        found = f"{opening.bottom:g} to {opening.top:g} m"
+        yield fault(f"{name} with its top above its bottom", found, room)
+    for way, low, high, limit in (
+        ("along", opening.start, opening.end, wall.length),
+        ("up", opening.bottom, opening.top, wall.height),
+    ):
+        if not (low >= -ROUNDING and high <= limit + ROUNDING):
+            found = f"{low:.3f} to {high:.3f} m"
+            yield fault(f"{name}, {way} within 0 to {limit:.3f} m", found, room)
+
+
+def _overlaps(house: House) -> Iterator[tuple[str, str, str]]:
+    """Yield (expected, found, room) for each two rooms that overlap."""
+    polygons = [room_polygon(room) for room in house.rooms]
+    tree = STRtree(polygons)
+    for i, j in sorted(zip(*tree.query(polygons, predicate="intersects"), strict=True)):
+        if i >= j:
+            continue
+        area = polygons[i].intersection(polygons[j]).area
+        if area > OVERLAP_SHARE * min(polygons[i].area, polygons[j].area):
+            found = f"{area:.2f} m2 shared with room {house.rooms[j].id}"
+            yield "rooms that don't overlap", found, house.rooms[i].id
+
+
+def _stray_walls(house: House) -> Iterator[tuple[str, str, str]]:
+    """Yield (expected, found, room) for each wall that is far from its room's outline."""
+    outlines = {room.id: room_polygon(room).boundary for room in house.rooms}
+    for wall in house.walls:
+        (x0, z0), (x1, z1) = wall.start, wall.end
+        middle = Point((x0 + x1) / 2, (z0 + z1) / 2)
+        for room_id in wall.room_ids:
+            distance = outlines[room_id].distance(middle)
+            if distance > STRAY_DISTANCE:
+                yield f"wall {wall.id} on the room's outline", f"{distance:.2f} m from it", room_id
+
+
+def _overlapping_holes(house: House) -> Iterator[tuple[str, str, str]]:
+    """Yield (expected, found, room) for each two holes of a wall that overlap."""
+    for wall in house.walls:
+        ordered = sorted(wall.openings, key=lambda opening: opening.start)
+        for one, other in pairwise(ordered):
+            apart = one.end <= other.start + ROUNDING
+            if not apart and max(one.bottom, other.bottom) < min(one.top, other.top):
+                found = f"{one.id} and {other.id}"
+                yield f"holes of wall {wall.id} apart", found, wall.room_ids[0]

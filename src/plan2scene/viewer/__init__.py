@@ -1,6 +1,0 @@
-"""The offline viewer: one HTML file with the house in it."""
-
-from plan2scene.viewer.build import build_viewer
-from plan2scene.viewer.facts import read_facts
-
-__all__ = ["build_viewer", "read_facts"]

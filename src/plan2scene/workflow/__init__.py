@@ -1,0 +1,1 @@
+"""Helpers of the workflow's scripts and rules; none imports Snakemake."""

@@ -1,0 +1,1 @@
+"""What people touch: command line, run, studio, editor, viewer, tracing, plan formats, exports."""

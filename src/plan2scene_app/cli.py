@@ -1,0 +1,236 @@
+"""The command line: thin, over the same library and workflow (``plan2scene --help``)."""
+
+from __future__ import annotations
+
+import logging
+import re
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from plan2scene.errors import InputError, WorkflowError, told_in_a_line
+from plan2scene_app.cli_parts import known_method, method_names, parts
+from plan2scene_app.exports.registry import EXPORTS, export_house
+from plan2scene_app.tracing.command import trace_plan
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+app.add_typer(parts)
+
+
+class Colours(StrEnum):
+    """Whose colours a house shows."""
+
+    PHOTO = "photo"
+    CORRECTED = "corrected"
+
+
+class Walls(StrEnum):
+    """Which walls of a house share a texture."""
+
+    ROOM = "room"
+    WALL = "wall"
+
+
+_HouseId = Annotated[str | None, typer.Option(help="House id; default: the plan's name.")]
+_Layers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--dxf-layer",
+        metavar="KIND=PATTERN",
+        help="Layers of a DXF drawing that are rooms, walls, doors or windows: A-WALL*,I-WALL*.",
+    ),
+]
+_Scale = Annotated[float | None, typer.Option(min=1e-6, help="Metres of a pixel or drawing unit.")]
+
+
+def _house_id(plan: Path, given: str | None) -> str:
+    """Return the house id: the one given, else made of the plan's file name."""
+    own = re.sub(r"[^A-Za-z0-9_.-]+", "_", plan.name.split(".")[0]).lstrip(".-")
+    # Of a name in other letters nothing that people could read is left.
+    name = given or (own if re.search("[A-Za-z0-9]", own) else "house")
+    if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", name):
+        raise InputError("a house id of letters, digits, '_', '.', '-'", repr(name))
+    return name
+
+
+def _layers(pairs: list[str] | None) -> dict[str, str]:
+    """Return the patterns of DXF layers by kind."""
+    from plan2scene_app.plan_formats.dxf_layers import layers_of
+
+    return layers_of(pairs or ())
+
+
+@app.command("run")
+def run_house(
+    plan: Annotated[Path, typer.Option(help="Floorplan in any format that is read.")],
+    out: Annotated[Path, typer.Option(help="Folder for the results.")],
+    photos: Annotated[Path | None, typer.Option(help="CSV table: room_id, photo.")] = None,
+    photos_dir: Annotated[
+        Path | None, typer.Option(help="Folder of the photos; default: beside the table.")
+    ] = None,
+    method: Annotated[
+        str,
+        typer.Option(parser=known_method, metavar=method_names(), help="How textures are made."),
+    ] = "exemplar",
+    cores: Annotated[int, typer.Option(min=1)] = 2,
+    house: _HouseId = None,
+    metres_per_pixel: _Scale = None,
+    dxf_layer: _Layers = None,
+    texture_size: Annotated[int, typer.Option(help="128, 256 or 512 pixels a tile.")] = 128,
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+    colours: Annotated[
+        Colours, typer.Option(help="As the photos show them, or under one light for the house.")
+    ] = Colours.PHOTO,
+    walls: Annotated[
+        Walls, typer.Option(help="All of a room alike, or accent walls in their own paint.")
+    ] = Walls.ROOM,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="All that Snakemake says.")
+    ] = False,
+) -> None:
+    """Make one textured house from a plan and photos."""
+    from plan2scene_app.run import SingleHouse, run
+
+    shown = "quiet" if quiet else "verbose" if verbose else "lines"
+
+    request = SingleHouse(
+        plan=plan,
+        photo_table=photos,
+        photos_dir=photos_dir,
+        house=_house_id(plan, house),
+        method=method,
+        metres_per_pixel=metres_per_pixel,
+        seed=seed,
+        texture_size=texture_size,
+        colours=colours.value,
+        walls=walls.value,
+        dxf_layers=_layers(dxf_layer),
+    )
+    for name, path in run(request, out, cores=cores, shown=shown).items():
+        print(f"{name}: {path}")
+
+
+@app.command("check")
+def check(
+    target: Annotated[Path, typer.Argument(help="A data set's folder, or a plan.")],
+    metres_per_pixel: _Scale = None,
+    dxf_layer: _Layers = None,
+) -> None:
+    """Tell what would go wrong, before anything runs."""
+    from plan2scene.datasets.check import check_dataset, check_plan
+
+    layers = _layers(dxf_layer)
+
+    if not target.exists():
+        raise InputError("a data set's folder or a plan", "no such file or folder", file=target)
+    if target.is_dir():
+        problems = check_dataset(target, metres_per_pixel=metres_per_pixel, dxf_layers=layers)
+    else:
+        house, problems = check_plan(target, _house_id(target, None), metres_per_pixel, layers)
+        if house is not None:
+            levels = f"{len(house.levels)} levels, " if house.levels else ""
+            counts = f"{len(house.rooms)} rooms, {len(house.walls)} walls, {len(house.doors)} doors"
+            print(f"{levels}{counts}")
+    for problem in problems:
+        print(problem)
+    print(f"{len(problems)} problems" if problems else "no problems")
+    if any(problem.level == "error" for problem in problems):
+        raise typer.Exit(1)
+
+
+@app.command("import")
+def import_plan_file(
+    plan: Path,
+    out: Annotated[Path, typer.Option(help="The scene.json to write.")],
+    metres_per_pixel: _Scale = None,
+    dxf_layer: _Layers = None,
+    house: _HouseId = None,
+) -> None:
+    """Convert any supported plan to scene.json."""
+    from plan2scene.datasets.import_plan import import_plan
+    from plan2scene.io import keep_inputs
+
+    keep_inputs(out, [plan])
+    import_plan(
+        plan,
+        out,
+        house_id=_house_id(plan, house),
+        metres_per_pixel=metres_per_pixel,
+        dxf_layers=_layers(dxf_layer),
+    )
+    print(out)
+
+
+@app.command("edit")
+def edit_plan(
+    source: Annotated[
+        Path | None, typer.Argument(help="A plan, or a picture of one; default: an empty page.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="The page (HTML) to write.")] = Path("editor.html"),
+    metres_per_pixel: _Scale = None,
+    dxf_layer: _Layers = None,
+    house: _HouseId = None,
+    trace: Annotated[bool, typer.Option(help="Trace a picture, to mend what is read.")] = True,
+) -> None:
+    """Write a page that draws a plan, offline: open it in a browser."""
+    from plan2scene.io import keep_inputs
+    from plan2scene_app.editor import write_editor
+
+    keep_inputs(out, [source] if source else [])
+    name = _house_id(source or Path("my_home"), house)
+    write_editor(
+        source,
+        out,
+        house_id=name,
+        metres_per_pixel=metres_per_pixel,
+        dxf_layers=_layers(dxf_layer),
+        trace=trace,
+    )
+    print(out)
+
+
+app.command("trace")(trace_plan)
+
+
+@app.command("studio")
+def open_studio(
+    folder: Annotated[Path, typer.Argument(help="Where the homes are kept.")] = Path("homes"),
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0: any free one.")] = 8642,
+    cores: Annotated[int, typer.Option(min=1)] = 2,
+    browser: Annotated[bool, typer.Option(help="Open it in the browser.")] = True,
+) -> None:
+    """Draw, add photos, make houses and look at them in the browser, on this machine alone."""
+    from plan2scene_app.studio.server import serve
+
+    serve(folder, port=port, cores=cores, browser=browser)
+
+
+@app.command("export")
+def export(
+    house: Annotated[Path, typer.Argument(help="What `plan2scene run` made: the folder OUT.")],
+    to: Annotated[str, typer.Option(metavar=f"[{'|'.join(EXPORTS)}]", help="The form to write.")],
+    out: Annotated[Path | None, typer.Option(help="Folder; default: HOUSE/FORM.")] = None,
+) -> None:
+    """Write a house in a form that other programs read."""
+    scene, textures = house / "house.scene.json", house / "textures"
+    for path in (scene, textures):
+        if not path.exists():
+            raise InputError("a folder made by `plan2scene run`", f"no {path.name}", file=house)
+    folder = out or house / to
+    for path in export_house(scene, textures, folder, to, house_id=house.resolve().name):
+        print(path)
+
+
+def main() -> None:
+    """Entry point: a fault of the input is one line on stderr and exit code 1."""
+    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(message)s")
+    try:
+        with told_in_a_line():
+            app()
+    except (InputError, WorkflowError) as error:
+        print(f"ERROR {error}", file=sys.stderr)
+        raise SystemExit(1) from None

@@ -1,0 +1,202 @@
+"""The editor's page: its program, style, rules and what it opens in one file without requests."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Mapping, Sequence
+from graphlib import TopologicalSorter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.html_page import html_page, inline_json, source_hash
+from plan2scene.image_modes import to_small_srgb
+from plan2scene.images import decode_image, png_bytes
+from plan2scene.io import atomic_path
+from plan2scene.plans import PlanFile, read_plan, validate_house
+from plan2scene.plans.plan_writer import house_to_plan
+from plan2scene_app.editor.rules import page_rules
+from plan2scene_app.tracing.picture import read_plan_picture
+
+FOLDER = Path(__file__).parent
+#: Pictures of plans are reduced to this many pixels of the longer side.
+PICTURE_SIDE = 2400
+#: What to do about a scale that is a guess.
+_BY_HAND = "press S and click two points whose distance you know"
+#: What pages begin with, so that no other file is overwritten.
+_MAKER = "plan2scene edit"
+_IMPORT = re.compile(r'^import (?:\{[^}]*\} from )?"\./(\w+)\.js";\n', re.MULTILINE)
+
+
+def write_editor(
+    source: Path | None,
+    output: Path,
+    *,
+    house_id: str,
+    metres_per_pixel: float | None = None,
+    dxf_layers: Mapping[str, str] | None = None,
+    trace: bool = True,
+) -> None:
+    """Write the page that edits a plan of any format, draws over a picture, or starts empty.
+
+    Parameters
+    ----------
+    source : path or None
+        A plan that :func:`plan2scene.plans.read_plan` reads, or a picture of one.
+    output : path
+        An HTML file; it opens from the disk in any browser.
+    house_id : str
+        Shown as the title.
+    metres_per_pixel : float, optional
+        Scale of a picture, or of a plan in pixels.
+    dxf_layers : mapping of str to str, optional
+        Layers of a DXF drawing (docs/floorplans.md).
+    trace : bool
+        Whether a picture is traced: what is read of it is drawn over it, to be mended.
+    """
+    if output.is_file() and f'content="{_MAKER}"'.encode() not in output.read_bytes()[:2000]:
+        raise InputError("an --out that is no other file", "a file of yours", file=output)
+    start: dict[str, Any] = {"house": house_id}
+    if source is not None:
+        start |= opened(source, house_id, metres_per_pixel, dxf_layers, trace=trace)
+    with atomic_path(output) as temporary:
+        temporary.write_text(editor_page(start), encoding="utf-8")
+
+
+def opened(
+    source: Path,
+    house_id: str,
+    metres_per_pixel: float | None = None,
+    dxf_layers: Mapping[str, str] | None = None,
+    *,
+    trace: bool = True,
+) -> dict[str, Any]:
+    """Return what the page starts with: ``plan``, ``picture``, ``notes`` (warnings, doubts).
+
+    Of a picture also ``scale``: the traced plan's ``size`` in the file's pixels (width, depth),
+    the ``doubt`` where its scale is a guess, and ``shown``, pixels of the file for one shown.
+    """
+    if not source.is_file():
+        raise InputError("a plan or a picture of one", "no such file", file=source)
+    if not PlanFile(source, house_id).is_picture:
+        house = read_plan(source, house_id, metres_per_pixel, dxf_layers)
+        return {"plan": house_to_plan(house), "notes": validate_house(house, file=source.name)}
+    if trace:
+        try:
+            return _traced(source, metres_per_pixel)
+        except InputError as error:
+            note = f"not traced: expected {error.expected}, found {error.found}"
+            return _untraced(source, metres_per_pixel) | {"notes": [note]}
+    return _untraced(source, metres_per_pixel)
+
+
+def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
+    """Return the plan that a picture shows, with the picture straight underneath."""
+    import cv2
+
+    read_plan_picture(source)  # an empty page is told before torch is imported
+    from plan2scene_app.tracing.output import doubts, plan_document, plan_origin
+    from plan2scene_app.tracing.scale import SURE
+    from plan2scene_app.tracing.trace import trace_picture
+
+    found = trace_picture(source, metres_per_pixel=metres_per_pixel)
+    # As fine as the picture was, within what a page holds.
+    zoom = min(1 / found.frame.zoom, PICTURE_SIDE / max(found.frame.image.shape[:2]))
+    height, width = (round(zoom * side) for side in found.frame.image.shape[:2])
+    pixels = cv2.warpAffine(
+        found.picture,
+        found.frame.matrix * zoom,
+        (width, height),
+        flags=cv2.INTER_AREA,
+        borderValue=(255, 255, 255),
+    )
+    x, z = -plan_origin(found) * found.metres
+    lines = [line.replace("give --metres-per-pixel", _BY_HAND) for line in doubts(found)]
+    place = {"x": float(x), "z": float(z), "metres_per_pixel": found.metres / zoom}
+    return {
+        "plan": (plan := plan_document(found)),
+        "picture": _page_picture(pixels) | place,
+        "notes": lines,
+        "scale": {
+            "size": _size(plan, found.file_metres),
+            "doubt": lines[0] if found.scale.confidence < SURE else "",
+            "shown": place["metres_per_pixel"] / found.file_metres,
+        },
+    }
+
+
+def _size(plan: Mapping[str, Any], metres: float) -> list[float]:
+    """Return width and depth of a plan's rooms in pixels that are so many metres."""
+    points = np.concatenate([np.asarray(room["polygon"]) for room in plan["rooms"]])
+    return [float(side) / metres for side in np.ptp(points, axis=0)]
+
+
+def _untraced(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
+    """Return a picture alone, as :func:`opened` does."""
+    sizes: list[int] = []
+
+    def reduced(image: Any) -> Any:
+        sizes.append(max(image.size))
+        return to_small_srgb(image, PICTURE_SIDE)
+
+    pixels = decode_image(path, reduced)
+    shown = sizes[0] / max(pixels.shape[:2])
+    scale = {"metres_per_pixel": metres_per_pixel * shown} if metres_per_pixel else {}
+    return {
+        "picture": _page_picture(pixels) | scale,
+        "scale": {"size": None, "doubt": "", "shown": shown},
+    }
+
+
+def _page_picture(pixels: np.ndarray) -> dict[str, Any]:
+    """Return (h, w, 3) uint8 sRGB as the page holds a picture: data URL and size in pixels."""
+    data = base64.b64encode(png_bytes(pixels)).decode("ascii")
+    height, width = pixels.shape[:2]
+    return {"url": f"data:image/png;base64,{data}", "width": width, "height": height}
+
+
+def picture_bytes(picture: dict[str, Any]) -> bytes:
+    """Return the PNG of a picture that :func:`opened` gave."""
+    return base64.b64decode(picture["url"].partition(",")[2])
+
+
+def editor_page(start: dict[str, Any]) -> str:
+    """Return the page's HTML; `start` is ``{house, plan, photos, picture, notes}``."""
+    program, style = joined_program("files_page"), (FOLDER / "editor.css").read_text("utf-8")
+    policy = (
+        f"default-src 'none'; script-src {source_hash(program)}; style-src {source_hash(style)}; "
+        "img-src data: blob:; form-action 'none'; base-uri 'none'"
+    )
+    return html_page(
+        FOLDER / "editor.html",
+        title=str(start["house"]),
+        style=style,
+        policy=policy,
+        maker=_MAKER,
+        rules=inline_json(page_rules()),
+        start=inline_json(start),
+        program=program,
+    )
+
+
+def joined_program(entry: str, folders: Sequence[Path] = (FOLDER,)) -> str:
+    """Return a module of the page and all that it imports, found in `folders`, as one module.
+
+    Imports and the word ``export`` are taken out; no two modules have a name in common (a browser
+    would say so of the whole).
+    """
+    texts: dict[str, str] = {}
+    needs: dict[str, list[str]] = {}
+    queue = [entry]
+    while queue:
+        name = queue.pop()
+        if name not in texts:
+            found = (folder / f"{name}.js" for folder in folders)
+            text = next(path for path in found if path.is_file()).read_text(encoding="utf-8")
+            needs[name] = _IMPORT.findall(text)
+            texts[name] = re.sub(r"^export (?=\w)", "", _IMPORT.sub("", text), flags=re.MULTILINE)
+            queue += needs[name]
+    return "\n".join(texts[name] for name in TopologicalSorter(needs).static_order())

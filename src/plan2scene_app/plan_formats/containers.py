@@ -1,0 +1,85 @@
+"""ZIP archives and XML from strangers, read within limits."""
+
+from __future__ import annotations
+
+import io
+import math
+import zipfile
+import zlib
+from pathlib import Path
+from xml.etree.ElementTree import Element, ParseError
+
+from plan2scene.errors import InputError
+from plan2scene.plans.parse import Source
+
+#: Most bytes of an XML document, and its most elements.
+MAX_XML_BYTES = 64_000_000
+MAX_XML_ELEMENTS = 500_000
+#: Most entries of an archive.
+MAX_ENTRIES = 50_000
+
+
+def zip_names(path: Path) -> list[str] | None:
+    """Return the names in a ZIP archive; None when it is none that can be read."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return [entry.filename for entry in archive.infolist()[:MAX_ENTRIES]]
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
+        return None
+
+
+def zip_entry(source: Source, path: Path, name: str) -> bytes:
+    """Return one entry of a ZIP archive; no more than `MAX_XML_BYTES` are unpacked."""
+    try:
+        with zipfile.ZipFile(path) as archive, archive.open(name) as entry:
+            content = entry.read(MAX_XML_BYTES + 1)
+    except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError, zlib.error) as error:
+        raise source.fault(f"a readable {name} in the archive", str(error) or "damage") from None
+    if len(content) > MAX_XML_BYTES:
+        raise source.fault(f"at most {MAX_XML_BYTES} bytes of {name}", "more")
+    return content
+
+
+def parse_xml(source: Source, content: bytes, *, doctype: bool = False) -> Element:
+    """Return the root of an XML document.
+
+    Entities and external references are refused, and a DOCTYPE unless it is usual (`doctype`).
+    """
+    from defusedxml import DefusedXmlException
+    from defusedxml.ElementTree import iterparse
+
+    if len(content) > MAX_XML_BYTES:
+        raise source.fault(f"at most {MAX_XML_BYTES} bytes of XML", len(content))
+    root: Element | None = None
+    try:
+        events = iterparse(io.BytesIO(content), events=("start",), forbid_dtd=not doctype)
+        for count, (_, element) in enumerate(events):
+            root = element if root is None else root
+            if count >= MAX_XML_ELEMENTS:
+                raise source.fault(f"at most {MAX_XML_ELEMENTS} XML elements", "more")
+    except DefusedXmlException as error:
+        raise source.fault("XML without entities or outside references", repr(error)) from None
+    except InputError:
+        raise
+    except (ParseError, LookupError, ValueError) as error:
+        raise source.fault("XML", f"a syntax error ({error})") from None
+    if root is None:
+        raise source.fault("XML", "nothing")
+    return root
+
+
+def attribute(
+    source: Source, element: Element, name: str, default: float | None = None, *, scale: float = 1.0
+) -> float:
+    """Return a number of an element's attribute times `scale`; `default` (scaled too) if absent."""
+    text = element.get(name)
+    what = f"{name} of {element.tag[-40:]} {(element.get('id') or '')[:60]}".strip()
+    if text is None:
+        if default is None:
+            raise source.fault(f"a number for {what}", "nothing")
+        return default * scale
+    try:
+        value = float(text)
+    except ValueError:
+        raise source.fault(f"a number for {what}", repr(text)) from None
+    return source.number(value * scale if math.isfinite(value) else value, what)

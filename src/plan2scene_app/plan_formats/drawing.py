@@ -1,0 +1,264 @@
+"""A plan as other programs draw it, and the house that it means.
+
+A drawing has rooms as outlines, walls as axes with a thickness, or both; openings are segments.
+Rooms without walls get walls along their outlines, walls without rooms get the rooms that they
+close (:mod:`plan2scene_app.plan_formats.axes`).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from shapely.geometry import LineString, Polygon
+from shapely.strtree import STRtree
+
+from plan2scene.errors import InputError
+from plan2scene.house import (
+    DEFAULT_HEIGHT,
+    House,
+    IconBox,
+    Opening,
+    Point,
+    Ring,
+    Room,
+    Stairs,
+    Wall,
+)
+from plan2scene.plans.geometry import find_doors, walls_of_rooms
+from plan2scene.plans.names import room_types
+from plan2scene.plans.openings import Segment, place_openings
+from plan2scene.plans.parse import MAX_ROOMS, Source
+from plan2scene_app.plan_formats.axes import DEFAULT_THICKNESS, WallAxis, rooms_of_axes
+
+#: Most openings of a plan.
+MAX_OPENINGS = 2000
+#: Openings whose middles are nearer (metres) are one, seen from both sides of its wall.
+SAME_OPENING = 0.4
+#: A face of the walls is a room of its own where drawn rooms cover less of it than this share.
+COVERED_SHARE = 0.1
+#: An opening may be this far (metres) from the face of its wall, ...
+OPENING_SLACK = 0.1
+#: ... and from a wall whose thickness nothing tells.
+OPENING_REACH = 0.3
+#: A line between two rooms is open where walls follow less of it than this share, ...
+WALLED_SHARE = 0.2
+#: ... if it is at least this long (metres).
+LEAST_PASSAGE = 0.5
+#: A wall follows a room's edge when their directions differ by less than this (radians).
+PARALLEL = math.radians(10.0)
+
+
+@dataclass(frozen=True)
+class DrawnRoom:
+    """A room as drawn: its name as written, its rings (x, z) in metres, its height if told.
+
+    `types` where the format tells them; else the name does.
+    """
+
+    name: str
+    rings: tuple[Ring, ...]
+    height: float | None = None
+    types: tuple[str, ...] = ()
+
+
+@dataclass
+class Drawing:
+    """What a reader found in a file, in metres, points (x, z)."""
+
+    rooms: list[DrawnRoom] = field(default_factory=list)
+    axes: list[WallAxis] = field(default_factory=list)
+    openings: list[Segment] = field(default_factory=list)
+    icons: list[IconBox] = field(default_factory=list)
+    stairs: list[Stairs] = field(default_factory=list)  # up to a next storey, ends known
+    height: float = DEFAULT_HEIGHT
+
+    def floor(self) -> float:
+        """Return the area of the rooms in square metres."""
+        return sum(Polygon(room.rings[0]).area for room in self.rooms)
+
+    def size(self) -> float:
+        """Return the floor area in square metres, and a little for each metre of wall."""
+        lengths = (math.dist(axis.start, axis.end) for axis in self.axes)
+        return self.floor() + 1e-3 * sum(lengths)
+
+    def shows(self, start: Point, end: Point, kind: str | None = None) -> bool:
+        """Return whether an opening (of that kind, if given) is where this segment is."""
+        middle = np.add(start, end) / 2
+        offsets = (
+            np.add(o.start, o.end) / 2 - middle for o in self.openings if kind in (None, o.kind)
+        )
+        return any(float(np.hypot(*offset)) < SAME_OPENING for offset in offsets)
+
+
+def largest_storey(source: Source, storeys: Sequence[tuple[str, float]]) -> int:
+    """Return which of the storeys (name, size) is the largest; the others are warned of."""
+    chosen = max(range(len(storeys)), key=lambda k: storeys[k][1])
+    if len(storeys) > 1:
+        left = ", ".join(name for k, (name, _) in enumerate(storeys) if k != chosen)
+        source.warn("one storey", f"{len(storeys)}; {storeys[chosen][0]} read, left out {left}")
+    return chosen
+
+
+def house_of_drawing(source: Source, drawing: Drawing, taken: set[str] | None = None) -> House:
+    """Return the house of a drawing; rooms get ids that are not `taken`, which are added.
+
+    An opening that no wall is near is left out with a warning. Raises InputError where there are
+    neither rooms nor walls that close one, or more than a house can have.
+    """
+    source.identifier(source.house_id, "a house name")
+    if len(drawing.openings) > MAX_OPENINGS:
+        raise source.fault(f"at most {MAX_OPENINGS} doors and windows", len(drawing.openings))
+    rooms = _rooms(source, drawing, set() if taken is None else taken)
+    source.limit_corners(rooms)
+    along = _Axes(drawing.axes)
+    walls = [along.applied(wall) for wall in walls_of_rooms(rooms, depth=DEFAULT_THICKNESS)]
+    walls = _with_openings(source, walls, drawing.openings, along)
+    walls = [_cut_to_height(wall) for wall in walls]
+    if drawing.axes:
+        walls = [_opened(wall, along, number) for number, wall in enumerate(walls)]
+    return House(
+        id=source.house_id,
+        rooms=tuple(rooms),
+        walls=tuple(walls),
+        doors=find_doors(rooms, walls),
+        icons=tuple(drawing.icons),
+        warnings=tuple(source.warnings),
+    )
+
+
+def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
+    """Return the rooms drawn, and those that walls close where none is drawn."""
+    drawn = list(drawing.rooms)
+    if len(drawn) > MAX_ROOMS:
+        raise source.fault(f"at most {MAX_ROOMS} rooms", len(drawn))
+    polygons = [Polygon(room.rings[0], room.rings[1:]).buffer(0) for room in drawn]
+    tree = STRtree(polygons)
+    faces = rooms_of_axes(source, drawing.axes) if drawing.axes else []
+    for face in faces:
+        covered = sum(face.intersection(polygons[k]).area for k in tree.query(face))
+        if covered <= COVERED_SHARE * face.area:
+            rings = (face.exterior, *face.interiors)
+            drawn.append(DrawnRoom("", tuple(_ring(ring) for ring in rings)))
+    if not drawn:
+        found = f"{len(drawing.axes)} walls that close none" if drawing.axes else "none"
+        raise source.fault("rooms, or walls that close some", found)
+    if len(drawn) > MAX_ROOMS:
+        raise source.fault(f"at most {MAX_ROOMS} rooms", len(drawn))
+    rooms = []
+    for room in drawn:
+        name = free_id(room.name, taken)
+        types = room.types or room_types(room.name)
+        if not types:
+            source.warn("a name that tells what room it is", f"{room.name!r}; Unknown", name)
+        rings = tuple(source.outline(ring, name) for ring in room.rings)
+        rooms.append(Room(name, types or ("Unknown",), rings, room.height or drawing.height))
+    return rooms
+
+
+def _ring(ring: LineString) -> Ring:
+    return tuple((float(x), float(z)) for x, z in list(ring.coords)[:-1])
+
+
+def free_id(name: str, taken: set[str]) -> str:
+    """Return an id made of a room's name that is not taken yet, and take it."""
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    stem = re.sub(r"[^a-z0-9]+", "_", plain.lower()).strip("_")[:40] or "room"
+    found, number = stem, 1
+    while found in taken:
+        number += 1
+        found = f"{stem}_{number}"
+    taken.add(found)
+    return found
+
+
+class _Axes:
+    """Wall axes, found by the segments that they follow."""
+
+    def __init__(self, axes: Sequence[WallAxis]) -> None:
+        self.axes = axes
+        self._lines = [LineString([axis.start, axis.end]) for axis in axes]
+        self._tree = STRtree(self._lines)
+        self._reach = max((axis.thickness for axis in axes), default=0.0) / 2 + OPENING_SLACK
+
+    def near(self, start: tuple[float, float], end: tuple[float, float]) -> list[tuple[float, int]]:
+        """Return (metres of the segment that the axis follows, axis), longest first."""
+        line = LineString([start, end])
+        found = []
+        for k in self._tree.query(line, predicate="dwithin", distance=self._reach):
+            axis = self.axes[k]
+            if not _parallel(start, end, axis):
+                continue
+            band = self._lines[k].buffer(axis.thickness / 2 + OPENING_SLACK / 2, cap_style="flat")
+            length = line.intersection(band).length
+            if length > 0:
+                found.append((float(length), int(k)))
+        return sorted(found, key=lambda pair: (-pair[0], pair[1]))
+
+    def applied(self, wall: Wall) -> Wall:
+        """Return a wall with the thickness and height of the axis that it follows longest."""
+        found = self.near(wall.start, wall.end)
+        if not found:
+            return wall
+        axis = self.axes[found[0][1]]
+        depth = axis.thickness or DEFAULT_THICKNESS
+        return replace(wall, depth=depth, height=axis.height or wall.height)
+
+    def thickness(self, segment: Segment) -> float | None:
+        """Return the thickness of the wall that an opening is in; None when there is none."""
+        found = self.near(segment.start, segment.end)
+        return self.axes[found[0][1]].thickness or None if found else None
+
+    def share(self, wall: Wall) -> float:
+        """Return how much of a wall's length axes follow."""
+        return min(sum(length for length, _ in self.near(wall.start, wall.end)) / wall.length, 1.0)
+
+
+def _parallel(start: tuple[float, float], end: tuple[float, float], axis: WallAxis) -> bool:
+    """Return whether a segment and an axis run one way."""
+    a, b = np.subtract(end, start), np.subtract(axis.end, axis.start)
+    cross = abs(a[0] * b[1] - a[1] * b[0])
+    return bool(cross <= math.sin(PARALLEL) * float(np.hypot(*a) * np.hypot(*b)))
+
+
+def _with_openings(
+    source: Source, walls: list[Wall], openings: Sequence[Segment], along: _Axes
+) -> list[Wall]:
+    """Return the walls with the openings that lie on one; the others are warned of."""
+    placed = list(walls)
+    tree = STRtree([LineString([wall.start, wall.end]) for wall in walls])
+    for segment in openings:
+        thickness = along.thickness(segment)
+        reach = OPENING_REACH if thickness is None else thickness / 2 + OPENING_SLACK
+        line = LineString([segment.start, segment.end])
+        near = sorted(tree.query(line, predicate="dwithin", distance=2 * reach).tolist())
+        try:
+            found = place_openings(source, [placed[k] for k in near], [segment], tolerance=reach)
+        except InputError as error:
+            source.warnings.append(f"{error}; left out")
+            continue
+        for k, wall in zip(near, found, strict=True):
+            placed[k] = wall
+    return placed
+
+
+def _cut_to_height(wall: Wall) -> Wall:
+    """Return a wall whose openings end at its top; those above it are left out."""
+    openings = (
+        replace(opening, bottom=max(opening.bottom, 0.0), top=min(opening.top, wall.height))
+        for opening in wall.openings
+    )
+    return replace(wall, openings=tuple(o for o in openings if o.top - o.bottom > 0.05))
+
+
+def _opened(wall: Wall, along: _Axes, number: int) -> Wall:
+    """Return a line between two rooms that no wall follows as a passage, others as they are."""
+    open_line = len(wall.room_ids) == 2 and not wall.openings and wall.length >= LEAST_PASSAGE
+    if not open_line or along.share(wall) >= WALLED_SHARE:
+        return wall
+    passage = Opening(f"open_{number}", "passage", 0.0, wall.length, 0.0, wall.height)
+    return replace(wall, openings=(passage,))

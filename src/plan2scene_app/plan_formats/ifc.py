@@ -1,0 +1,247 @@
+"""Reader of IFC models by ifcopenshell (the extra `formats`): storeys, spaces, walls, openings.
+
+The bodies' triangles are looked at from above. Metres; IFC's z goes up: (x, y, z) becomes (x, -y).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from shapely import area as areas_of
+from shapely import polygons, unary_union
+from shapely.geometry import Polygon
+
+from plan2scene.house import House, Stairs
+from plan2scene.plans.formats import PlanFormat
+from plan2scene.plans.parse import MAX_COORDINATE, MAX_ROOMS, Source
+from plan2scene.plans.storeys import LEAST_FLIGHT
+from plan2scene_app.plan_formats.areas import NearestAxis, axis_of_area
+from plan2scene_app.plan_formats.axes import MAX_AXES
+from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom
+from plan2scene_app.plan_formats.storeys import DrawnStorey, house_of_storeys
+
+#: Most bytes of a model, and triangles of one body.
+MAX_BYTES = 200_000_000
+MAX_TRIANGLES = 20_000
+#: An unfilled hole whose bottom is higher (metres) is a window.
+SILL = 0.3
+
+
+@dataclass(frozen=True)
+class _Body:
+    """What a product covers: its plan area (x, -y), bottom and top in metres, its points.
+
+    `points` are (n, 3): x and -y in the plan, and the height.
+    """
+
+    area: Polygon
+    low: float
+    high: float
+    points: np.ndarray = field(repr=False)
+
+
+def is_ifc(head: bytes) -> bool:
+    """Return whether a file begins as a STEP file does, as IFC models are."""
+    return head.lstrip().startswith(b"ISO-10303-21")
+
+
+def house_of_ifc(path: Path, house_id: str) -> House:
+    """Return the house of an IFC model with its storeys, each at the height of its floors.
+
+    Raises InputError for a model without spaces and walls, and where ifcopenshell is missing.
+    """
+    source = Source(str(path), house_id)
+    model = _Model(source, path)
+    found = {
+        name: items for name, items in model.storeys().items() if _has(items, "IfcSpace", "IfcWall")
+    }
+    if not found:
+        raise source.fault("IfcSpace or IfcWall in the model", "none")
+    # Walls alone close foundations and attics, too.
+    lived_in = [n for n, items in found.items() if _has(items, "IfcSpace", "IfcDoor", "IfcWindow")]
+    for name in found if lived_in else ():
+        if name not in lived_in:
+            source.warn(f"spaces, doors or windows on storey {name}", "walls alone, left out")
+    storeys = (model.storey(name, found[name]) for name in lived_in or found)
+    return house_of_storeys(source, storeys)
+
+
+def _has(items: list[Any], *kinds: str) -> bool:
+    """Return whether any product is of one of these kinds."""
+    return any(item.is_a(kind) for item in items for kind in kinds)
+
+
+class _Model:
+    """A parsed model."""
+
+    def __init__(self, source: Source, path: Path) -> None:
+        self.source = source
+        try:
+            import ifcopenshell
+            import ifcopenshell.geom
+            import ifcopenshell.util.element
+        except ImportError as error:
+            raise source.fault("ifcopenshell (pip install 'plan2scene[formats]')", error) from None
+        if path.stat().st_size > MAX_BYTES:
+            raise source.fault(f"at most {MAX_BYTES} bytes of IFC", path.stat().st_size)
+        try:
+            self.file = ifcopenshell.open(str(path))
+        except (RuntimeError, OSError, ValueError, ifcopenshell.Error) as error:
+            raise source.fault("an IFC model that can be read", str(error) or "damage") from None
+        self.geometry, self.element = ifcopenshell.geom, ifcopenshell.util.element
+        self.settings = ifcopenshell.geom.settings()
+        self.settings.set("use-world-coords", True)
+        self.settings.set("disable-opening-subtractions", True)
+        # Spaces should be parts of a storey; some programs say that it contains them.
+        self.contained = {
+            item.id(): relation.RelatingStructure
+            for relation in self.file.by_type("IfcRelContainedInSpatialStructure")
+            for item in relation.RelatedElements
+        }
+
+    def storeys(self) -> dict[str, list[Any]]:
+        """Return spaces, walls, doors, windows and stairs by the name of their storey."""
+        found: dict[str, list[Any]] = defaultdict(list)
+        kinds = {
+            "IfcSpace": MAX_ROOMS,
+            "IfcWall": MAX_AXES,
+            "IfcDoor": MAX_AXES,
+            "IfcWindow": MAX_AXES,
+            "IfcStair": MAX_AXES,
+            "IfcStairFlight": MAX_AXES,
+        }
+        for kind, limit in kinds.items():
+            products = self.file.by_type(kind)
+            if len(products) > limit:
+                raise self.source.fault(f"at most {limit} {kind}", len(products))
+            for product in products:
+                storey = self._storey(product)
+                found[
+                    "no storey" if storey is None else f"{storey.Name or storey.GlobalId}"
+                ].append(product)
+        return dict(found)
+
+    def _storey(self, product: Any) -> Any:
+        """Return the storey that holds a product, however deep."""
+        above = product
+        for _ in range(20):
+            above = (
+                self.element.get_aggregate(above)
+                or self.element.get_container(above)
+                or self.contained.get(above.id())
+            )
+            if above is None or above.is_a("IfcBuildingStorey"):
+                return above
+        return None
+
+    def storey(self, name: str, products: list[Any]) -> DrawnStorey:
+        """Return a storey with what its products draw."""
+        bodies = [(product, body) for product in products if (body := self._body(product))]
+        floors = [body.low for product, body in bodies if product.is_a("IfcSpace")]
+        base = min(floors or [body.low for _, body in bodies], default=0.0)
+        found = Drawing()
+        for product, body in bodies:
+            if product.is_a("IfcSpace"):
+                label = str(product.LongName or product.Name or "")[:100]
+                rings = (body.area.exterior, *body.area.interiors)
+                outlines = tuple(
+                    self.source.outline(list(ring.coords)[:-1], label[:40]) for ring in rings
+                )
+                found.rooms.append(DrawnRoom(label, outlines, body.high - body.low))
+            elif product.is_a("IfcWall"):
+                axis = axis_of_area(body.area, body.high - base)
+                found.axes += [] if axis is None else [axis]
+            elif product.is_a("IfcStair") or product.is_a("IfcStairFlight"):
+                found.stairs += [] if (flight := _flight(body)) is None else [flight]
+        found.height = max((axis.height for axis in found.axes), default=found.height)
+        self._add_openings(found, products, base)
+        return DrawnStorey(name[:100], base, found)
+
+    def _add_openings(self, found: Drawing, products: list[Any], base: float) -> None:
+        """Add filled openings, then unfilled ones that are no second hole of another."""
+        nearest = NearestAxis(found.axes)
+        for kind, product in sorted(self._holes(products), key=lambda pair: not pair[0]):
+            body = self._body(product)
+            if body is None:
+                continue
+            low = max(body.low - base, 0.0)
+            named = kind or ("window" if low > SILL else "passage")
+            name = f"opening_{len(found.openings)}"
+            segment = nearest.segment(body.area, name, named)
+            if segment is None:
+                continue
+            # A hole in each of two layers of a wall is one.
+            if not found.shows(segment.start, segment.end):
+                found.openings.append(replace(segment, bottom=low, top=max(body.high - base, low)))
+
+    def _holes(self, products: list[Any]) -> Iterator[tuple[str, Any]]:
+        """Yield ("door", "window" or "", the product that shows the hole)."""
+        for product in products:
+            if product.is_a("IfcWall"):
+                for relation in product.HasOpenings:
+                    hole = relation.RelatedOpeningElement
+                    fillings = [r.RelatedBuildingElement for r in hole.HasFillings]
+                    yield next((_leaf(item) for item in fillings if _leaf(item)), ""), hole
+            elif _leaf(product) and not product.FillsVoids:
+                yield _leaf(product), product
+
+    def _body(self, product: Any) -> _Body | None:
+        """Return what a product covers, None where it has no body; the largest part of several."""
+        if product.Representation is None:
+            return None
+        try:
+            shape = self.geometry.create_shape(self.settings, product)
+        except RuntimeError as error:
+            self.source.warn(f"a body of {product.is_a()} {product.Name}", f"{error}, left out")
+            return None
+        points = np.array(shape.geometry.verts, dtype=np.float64).reshape(-1, 3)
+        faces = np.array(shape.geometry.faces, dtype=np.int64).reshape(-1, 3)
+        if not 1 <= len(faces) <= MAX_TRIANGLES:
+            found = f"{len(faces)} triangles, left out"
+            self.source.warn(f"1 to {MAX_TRIANGLES} triangles of {product.is_a()}", found)
+            return None
+        if not np.isfinite(points).all() or np.abs(points).max() > MAX_COORDINATE:
+            raise self.source.fault(f"coordinates within {MAX_COORDINATE:g} m", "others")
+        plan = points[:, :2] * [1.0, -1.0]
+        triangles = polygons(plan[faces])
+        area = unary_union(triangles[areas_of(triangles) > 1e-9], grid_size=1e-5)
+        parts = [part for part in getattr(area, "geoms", [area]) if isinstance(part, Polygon)]
+        largest = max(parts, key=lambda part: part.area, default=None)
+        if largest is None or largest.is_empty:
+            return None
+        heights = points[:, 2]
+        looked = np.column_stack([plan, heights])
+        return _Body(largest.simplify(1e-4), float(heights.min()), float(heights.max()), looked)
+
+
+def _flight(body: _Body) -> Stairs | None:
+    """Return stairs as a flight along the longer side, up to where their body is highest."""
+    x0, z0, x1, z1 = body.area.bounds
+    axis = 0 if x1 - x0 >= z1 - z0 else 1
+    middle, width = ((z0 + z1) / 2, z1 - z0) if axis == 0 else ((x0 + x1) / 2, x1 - x0)
+    low, high = ((x0, middle), (x1, middle)) if axis == 0 else ((middle, z0), (middle, z1))
+    along, heights = body.points[:, axis], body.points[:, 2]
+    top = along[heights > body.high - 0.2 * (body.high - body.low)].mean()
+    foot = along[heights < body.low + 0.2 * (body.high - body.low)].mean()
+    ends = (low, high) if top >= foot else (high, low)
+    flight = Stairs("", "", *ends, width)
+    return flight if flight.length >= LEAST_FLIGHT and width > 0 else None
+
+
+def _leaf(product: Any) -> str:
+    """Return the kind of opening that a door or window is; empty for any other product."""
+    kinds = {"IfcDoor": "door", "IfcWindow": "window"}
+    return next((kind for name, kind in kinds.items() if product.is_a(name)), "")
+
+
+PLAN_FORMAT = PlanFormat(
+    "IFC",
+    lambda plan: is_ifc(plan.head),
+    lambda plan: house_of_ifc(plan.path, plan.house_id),
+    suffixes=(".ifc",),
+)

@@ -1,0 +1,198 @@
+"""Walls that are drawn as lines: pairs of faces, single axes, gaps where openings are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from shapely import unary_union
+from shapely.geometry import LineString, Polygon
+from shapely.ops import polygonize
+from shapely.strtree import STRtree
+
+from plan2scene.plans.openings import Segment
+from plan2scene_app.plan_formats.axes import (
+    DEFAULT_THICKNESS,
+    GRID,
+    WallAxis,
+    is_floor,
+)
+
+#: Two lines this far apart (metres) may be the faces of one wall, ...
+FACES = (0.04, 0.6)
+#: ... when they run one way (radians) and each goes along the other for this share of the shorter.
+PARALLEL = math.radians(2.0)
+SHARED = 0.5
+#: A line that faces others along this share of its length needs no other.
+COVERED = 0.7
+#: Lines of one door or window touch (metres), or run beside each other at most this far apart.
+TOUCH = 0.05
+PANES = 0.4
+#: A piece of wall through an opening goes on by this far (metres) into the wall on either side.
+OVERLAP = 0.05
+#: A face between lines that is thinner than this (metres) everywhere is a wall's body.
+THIN = 0.5
+
+
+def axes_of_lines(lines: Sequence[LineString]) -> list[WallAxis]:
+    """Return wall axes of lines: the middle of two faces, else the line itself.
+
+    Faces are paired from the nearest pair on; a long face may have several short ones before it,
+    as where a wall stands on the other. An axis is as long as the shorter face.
+    """
+    pieces = [
+        LineString(pair)
+        for line in lines
+        for pair in pairwise(line.coords)
+        if math.dist(*pair) > 0.01
+    ]
+    if not pieces:
+        return []
+    covered = np.zeros(len(pieces))
+    lengths = np.array([piece.length for piece in pieces])
+    axes = []
+    for distance, i, j in sorted(_pairs(pieces)):
+        short, long = (i, j) if lengths[i] <= lengths[j] else (j, i)
+        if max(covered[short] / lengths[short], covered[long] / lengths[long]) < COVERED:
+            covered[[short, long]] += lengths[short]
+            axes.append(_middle(pieces[short], pieces[long], distance))
+    single = [k for k in range(len(pieces)) if covered[k] == 0]
+    if axes:
+        # Ends of walls and reveals: short lines across a wall that has two faces.
+        widest = max(axis.thickness for axis in axes)
+        single = [k for k in single if pieces[k].length > 1.2 * widest]
+    ends = (list(pieces[k].coords) for k in single)
+    return axes + [WallAxis(a, b, DEFAULT_THICKNESS) for a, b in ends]
+
+
+def _pairs(pieces: Sequence[LineString]) -> list[tuple[float, int, int]]:
+    """Return (distance, i, j) of lines that may be the two faces of a wall.
+
+    A wall is longer than thick: the ends of a stub are no faces.
+    """
+    tree = STRtree(pieces)
+    left, right = tree.query(pieces, predicate="dwithin", distance=FACES[1])
+    found = []
+    for i, j in zip(left.tolist(), right.tolist(), strict=True):
+        if i >= j:
+            continue
+        a, b = _unit(pieces[i]), _unit(pieces[j])
+        if abs(a[0] * b[1] - a[1] * b[0]) > math.sin(PARALLEL):
+            continue
+        start = np.array(pieces[i].coords[0])
+        offsets = np.array(pieces[j].coords) - start
+        across = float(np.mean(offsets @ np.array([-a[1], a[0]])))
+        low, high = sorted((offsets @ a).tolist())
+        shared = min(high, pieces[i].length) - max(low, 0.0)
+        shorter = min(pieces[i].length, pieces[j].length)
+        thin = FACES[0] <= abs(across) <= min(FACES[1], shorter)
+        if thin and shared >= SHARED * shorter:
+            found.append((round(abs(across), 3), i, j))
+    return found
+
+
+def _unit(line: LineString) -> np.ndarray:
+    step = np.subtract(line.coords[1], line.coords[0])
+    return np.asarray(step / np.linalg.norm(step))
+
+
+def _middle(short: LineString, long: LineString, thickness: float) -> WallAxis:
+    """Return the axis half-way from a face to the other, as long as the first."""
+    way = _unit(short)
+    ends = np.array(short.coords)
+    normal = np.array([-way[1], way[0]])
+    side = float(np.mean((np.array(long.coords) - ends[0]) @ normal)) / 2 * normal
+    start, end = (ends + side).tolist()
+    return WallAxis(tuple(start), tuple(end), thickness)
+
+
+def bridges(axes: Sequence[WallAxis], openings: Sequence[Segment]) -> list[WallAxis]:
+    """Return a piece of wall for each opening that lies in the gap between two axes.
+
+    The piece lies on the line of the nearest axis that runs the opening's way.
+    """
+    lines = [LineString([axis.start, axis.end]) for axis in axes]
+    tree = STRtree(lines)
+    added = []
+    for opening in openings:
+        segment = LineString([opening.start, opening.end])
+        way = _unit(segment)
+        best = None
+        for k in tree.query(segment, predicate="dwithin", distance=1.0):
+            other = _unit(lines[k])
+            if abs(way[0] * other[1] - way[1] * other[0]) > math.sin(5 * PARALLEL):
+                continue
+            offset = np.array(segment.centroid.coords[0]) - np.array(lines[k].coords[0])
+            across = abs(float(offset @ np.array([-other[1], other[0]])))
+            key = (round(across, 3), lines[k].distance(segment), int(k))
+            if across <= axes[k].thickness / 2 + OVERLAP and (best is None or key < best):
+                best = key
+        if best is None:
+            continue
+        axis, line = axes[best[2]], lines[best[2]]
+        start, unit = np.array(line.coords[0]), _unit(line)
+        along = sorted(float((np.array(p) - start) @ unit) for p in segment.coords)
+        if along[0] >= -1e-6 and along[1] <= line.length + 1e-6:
+            continue
+        ends = [start + at * unit for at in (along[0] - OVERLAP, along[1] + OVERLAP)]
+        piece = WallAxis(tuple(ends[0].tolist()), tuple(ends[1].tolist()), axis.thickness)
+        added.append(piece)
+    return added
+
+
+def rooms_of_outlines(lines: Sequence[LineString], gaps: Sequence[WallAxis]) -> list[Polygon]:
+    """Return the floors that walls enclose whose bodies are drawn as outlines.
+
+    `gaps` are the pieces of wall over openings, where outlines end.
+    """
+    network = unary_union(list(lines), grid_size=GRID)
+    thin = [face for face in polygonize(network) if face.buffer(-THIN / 2).is_empty]
+    over = [
+        LineString([gap.start, gap.end]).buffer(gap.thickness / 2, cap_style="flat") for gap in gaps
+    ]
+    solid = unary_union([*thin, *over], grid_size=GRID)
+    rooms = [
+        Polygon(ring).simplify(2 * GRID)
+        for part in getattr(solid, "geoms", [solid])
+        for ring in part.interiors
+    ]
+    return [room for room in rooms if is_floor(room)]
+
+
+def groups_of_lines(lines: Sequence[LineString]) -> list[Polygon]:
+    """Return the boxes around lines that belong together: a leaf and its swing, panes.
+
+    Lines belong together that touch, and straight ones side by side.
+    """
+    if not lines:
+        return []
+    tree = STRtree(lines)
+    group = list(range(len(lines)))
+    for i, j in sorted(zip(*tree.query(lines, predicate="dwithin", distance=PANES), strict=True)):
+        if i < j and group[i] != group[j] and _together(lines[i], lines[j]):
+            old, new = group[j], group[i]
+            group = [new if name == old else name for name in group]
+    found = []
+    for name in dict.fromkeys(group):
+        inside = unary_union([line for line, own in zip(lines, group, strict=True) if own == name])
+        area = inside.minimum_rotated_rectangle
+        if isinstance(area, LineString):
+            area = area.buffer(0.005, cap_style="flat")
+        if isinstance(area, Polygon):
+            found.append(area)
+    return found
+
+
+def _together(one: LineString, other: LineString) -> bool:
+    """Return whether two lines are of one door or window."""
+    if one.distance(other) <= TOUCH:
+        return True
+    if len(one.coords) != 2 or len(other.coords) != 2 or min(one.length, other.length) < 1e-6:
+        return False
+    a, b = _unit(one), _unit(other)
+    along = (np.array(other.coords) - np.array(one.coords[0])) @ a
+    shared = min(along.max(), one.length) - max(along.min(), 0.0)
+    parallel = abs(a[0] * b[1] - a[1] * b[0]) <= math.sin(PARALLEL)
+    return bool(parallel and shared >= SHARED * min(one.length, other.length))

@@ -1,0 +1,210 @@
+"""One house from one's own files: a data set of one, run by Snakemake, results copied out."""
+
+from __future__ import annotations
+
+import csv
+import logging
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from plan2scene.datasets.assignments import read_assignment
+from plan2scene.datasets.check import photo_problem
+from plan2scene.datasets.table import COLUMNS
+from plan2scene.errors import InputError, WorkflowError
+from plan2scene.io import safe_join, write_text
+from plan2scene.plans import read_plan, validate_house
+from plan2scene.plans.formats import PlanFile
+from plan2scene.provenance import WORKFLOW
+from plan2scene_app.out_folder import OutFolder, claimed_folder
+from plan2scene_app.tracing.picture import read_plan_picture
+
+_LOG = logging.getLogger("plan2scene")
+DATASET = "own"
+#: Sides of a tile in pixels that the configuration allows.
+TEXTURE_SIZES = (128, 256, 512)
+#: Files of the house that a user wants.
+DELIVERED: tuple[str, ...] = (
+    "house.glb",
+    "house.scene.json",
+    "preview.png",
+    "rooms.jpg",
+    "viewer.html",
+)
+#: What became of the photos, to look at.
+CONTACT_SHEET = "contact_sheet.png"
+#: What is printed of the progress: nothing, a line a stage (a bar on a terminal), or all.
+SHOWN = {
+    "quiet": ("--quiet", "all"),
+    "lines": ("--logger", "plan2scene"),
+    "verbose": ("--printshellcmds",),
+}
+#: Files beside them of a plan that was a picture.
+TRACED = ("plan.json", "plan.overlay.png", "plan.doubts.txt")
+
+
+@dataclass(frozen=True)
+class SingleHouse:
+    """What a user gives for one house."""
+
+    plan: Path
+    photo_table: Path | None
+    photos_dir: Path | None
+    house: str
+    method: str
+    metres_per_pixel: float | None
+    seed: int
+    texture_size: int
+    colours: str = "photo"
+    walls: str = "room"
+    dxf_layers: Mapping[str, str] | None = None
+
+
+def is_picture(request: SingleHouse) -> bool:
+    """Return whether the plan is a picture, which the workflow traces first."""
+    return PlanFile(request.plan, request.house).is_picture
+
+
+def _check_picture(request: SingleHouse) -> None:
+    """Refuse a picture that can't be read, and photos of rooms that nobody has seen yet."""
+    read_plan_picture(request.plan)
+    if request.photo_table is not None:
+        how = f"plan2scene trace {request.plan.name} --out plan.json names its rooms"
+        expected = "a plan whose rooms the photo table names"
+        raise InputError(expected, f"a picture: {how}", file=request.plan)
+
+
+def read_input(request: SingleHouse) -> list[str]:
+    """Read plan and photo table, so that a mistake is told before any job; return the photos."""
+    if is_picture(request):
+        _check_picture(request)
+        return []
+    house = read_plan(request.plan, request.house, request.metres_per_pixel, request.dxf_layers)
+    for line in validate_house(house, file=request.plan):
+        _LOG.warning("%s", line)
+    if request.photo_table is None:
+        return []
+    names = sorted({row.photo for row in read_assignment(request.photo_table, house)})
+    folder = request.photos_dir or request.photo_table.parent
+    faults = []
+    for name in names:
+        path = safe_join(folder, name, file=request.photo_table, house_id=request.house)
+        try:
+            photo_problem(path, house_id=request.house)
+        except InputError as fault:
+            faults.append(str(fault))
+    if names and len(faults) == len(names):
+        found = f"none of {len(names)}; the first: {faults[0]}"
+        raise InputError("a photo that can be read", found, file=request.photo_table)
+    for line in faults:
+        _LOG.warning("%s", line)
+    if faults:
+        _LOG.warning("%d of %d photos are used", len(names) - len(faults), len(names))
+    return names
+
+
+def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
+    """Lay a data set of one house and these photos under `work`; return its config file.
+
+    The house goes on without photos that are missing.
+    """
+    root = work / "dataset"
+    photos = root / "photos"
+    photos.mkdir(parents=True, exist_ok=True)
+    suffix = ".png" if is_picture(request) else request.plan.suffix or ".json"
+    plan = root / f"plan{suffix}"
+    shutil.copy2(request.plan, plan)
+    assignment = ""
+    if request.photo_table is not None:
+        folder = request.photos_dir or request.photo_table.parent
+        _copy_photos(names, folder, photos, request)
+        shutil.copy2(request.photo_table, root / "photoroom.csv")
+        assignment = "photoroom.csv"
+    with (root / "houses.tsv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, delimiter="\t", lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerow([request.house, "test", plan.name, assignment, "|".join(names)])
+    return _write_config(request, root, work)
+
+
+def _copy_photos(names: list[str], source: Path, target: Path, request: SingleHouse) -> None:
+    """Copy photos whose bytes or times differ; times are kept, so that reruns stay incremental."""
+    for name in names:
+        path = safe_join(source, name, file=request.photo_table or "", house_id=request.house)
+        if not path.is_file():
+            continue
+        copy = safe_join(target, name)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        old, new = (copy.stat() if copy.exists() else None), path.stat()
+        if old is None or (old.st_size, old.st_mtime_ns) != (new.st_size, new.st_mtime_ns):
+            shutil.copy2(path, copy)
+
+
+def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
+    """Write the run's configuration: the shipped one with this data set in it."""
+    import yaml
+
+    shipped = WORKFLOW / "config" / "config.yaml"
+    config: dict[str, Any] = yaml.safe_load(shipped.read_text("utf-8"))
+    config["dataset"] = {
+        "name": DATASET,
+        "root": str(root.relative_to(work)),
+        "table": "houses.tsv",
+        "splits": ["test"],
+    }
+    config["seed"] = request.seed
+    config["drops"] = [0.0]
+    shown = {"method": request.method, "colours": request.colours, "walls": request.walls}
+    config["house"] |= shown
+    config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
+    config["floorplans"]["dxf_layers"] = dict(request.dxf_layers or {}) or None
+    config["textures"]["size_px"] = request.texture_size
+    path = work / "config.yaml"
+    write_text(path, yaml.safe_dump(config, sort_keys=False))
+    return path
+
+
+def run(request: SingleHouse, out: Path, *, cores: int, shown: str = "lines") -> dict[str, Path]:
+    """Make one house with Snakemake under `out`; return the files a user wants, by name.
+
+    A run that was killed goes on by the same call. `shown` says what is printed of its progress, a
+    key of :data:`SHOWN`. Raises
+    InputError for faults of the input, WorkflowError when the workflow fails.
+    """
+    if not (WORKFLOW / "Snakefile").is_file():
+        raise WorkflowError(f"this installation lacks the workflow: no Snakefile in {WORKFLOW}")
+    if request.texture_size not in TEXTURE_SIZES:
+        raise InputError(f"a texture size of {TEXTURE_SIZES} pixels", str(request.texture_size))
+    given = (request.plan, request.photo_table, request.photos_dir)
+    inputs = [path for path in given if path is not None]
+    names = read_input(request)
+    wanted = (*DELIVERED, CONTACT_SHEET) if names else DELIVERED
+    wanted += TRACED if is_picture(request) else ()
+    with claimed_folder(out, (*wanted, "textures"), inputs) as folder:
+        config = prepare(request, names, folder.work)
+        base = f"results/{DATASET}/houses/{request.house}"
+        _make([f"{base}/{name}" for name in wanted], config, folder, cores, shown)
+        made = folder.work / "results" / DATASET
+        files = {name: made / "houses" / request.house / name for name in wanted}
+        files["textures"] = made / "drop_0.0" / request.method / request.house / "textures"
+        made_files = folder.deliver(files)
+        if is_picture(request):
+            for line in made_files["plan.doubts.txt"].read_text(encoding="utf-8").splitlines():
+                _LOG.warning("%s", line)
+        return made_files
+
+
+def _make(targets: list[str], config: Path, folder: OutFolder, cores: int, shown: str) -> None:
+    """Run Snakemake in the work folder; WorkflowError when it fails."""
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(WORKFLOW / "Snakefile")]
+    command += ["--directory", str(folder.work), "--configfile", str(config)]
+    command += ["--workflow-profile", str(WORKFLOW / "workflow" / "profiles" / "default")]
+    command += ["--cores", str(cores), *SHOWN[shown], "--", *targets]
+    # Who inherits the lock keeps it: the folder is free when Snakemake is gone too.
+    inherited = (folder.lock,) if folder.lock >= 0 else ()
+    if subprocess.run(command, check=False, pass_fds=inherited).returncode != 0:
+        raise WorkflowError(f"the workflow failed; its logs are in {folder.work / 'logs'}")

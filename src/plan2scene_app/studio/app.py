@@ -1,0 +1,229 @@
+"""The server's answers: pages, projects, photos, runs and results, all below ``/{token}/``."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response
+from starlette.routing import Mount, Route
+
+from plan2scene.errors import InputError, system_fault
+from plan2scene.plans.parse import parse_json
+from plan2scene_app.studio import plan_source, results, runs
+from plan2scene_app.studio.guard import Guard, TooLarge, body
+from plan2scene_app.studio.page import home_page, project_page
+from plan2scene_app.studio.plan_source import UnreadPlanError
+from plan2scene_app.studio.projects import PICTURE, Conflict, Project, Projects
+
+#: Most bytes of an uploaded photo, plan and of the editor's state.
+MAX_PHOTO, MAX_PLAN, MAX_STATE = 60_000_000, 200_000_000, 8_000_000
+
+_Answer = Callable[[Request], Awaitable[Response]]
+#: What a page of the viewer may do: show itself.
+_VIEWER_POLICY = (
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline' blob: data:; "
+    "style-src 'unsafe-inline'; img-src data: blob:; connect-src data: blob:; worker-src blob:; "
+    "frame-ancestors 'self'"
+)
+
+
+def studio_app(root: Path, token: str, port: int, cores: int) -> Guard:
+    """Return the server's application for the projects of a folder."""
+    studio = _Studio(Projects(root), cores)
+    project = [
+        Route("/", _told(studio.project), methods=["GET"]),
+        Route("/state", _told(studio.state), methods=["GET"]),
+        Route("/state", _told(studio.save), methods=["PUT"]),
+        Route("/plan", _told(studio.open_plan), methods=["POST"]),
+        Route("/plan/reading", _told(studio.reading), methods=["GET"]),
+        Route("/plan/reading", _told(studio.read_again), methods=["POST"]),
+        Route("/picture", _told(studio.picture), methods=["GET"]),
+        Route("/photos/{photo}", _told(studio.thumb), methods=["GET"]),
+        Route("/photos/{photo}", _told(studio.add_photo), methods=["PUT"]),
+        Route("/run", _told(studio.status), methods=["GET"]),
+        Route("/run", _told(studio.start), methods=["POST"]),
+        Route("/run", _told(studio.cancel), methods=["DELETE"]),
+        Route("/results/{file:path}", _told(studio.result), methods=["GET"]),
+        Route("/zip", _told(studio.zip), methods=["GET"]),
+        Route("/export/{form}", _told(studio.export), methods=["GET"]),
+    ]
+    routes = [
+        Route("/", _told(studio.home), methods=["GET"]),
+        Route("/projects", _told(studio.make), methods=["POST"]),
+        Mount("/p/{project}", routes=project),
+    ]
+    return Guard(Starlette(routes=[Mount(f"/{token}", routes=routes)]), token, port)
+
+
+def _told(answer: _Answer) -> _Answer:
+    """Return an answer whose faults are one line with a status code."""
+
+    async def told(request: Request) -> Response:
+        try:
+            return await answer(request)
+        except UnreadPlanError as error:
+            return JSONResponse({"error": str(error), "reading": error.reading}, 400)
+        except InputError as error:
+            return JSONResponse({"error": str(error)}, 400)
+        except Conflict:
+            return JSONResponse({"error": "changed in another tab or by another program"}, 409)
+        except TooLarge:
+            return JSONResponse({"error": "expected a smaller file, found one too large"}, 413)
+        except OSError as error:
+            fault = system_fault(error)
+            if fault is None:
+                raise
+            return JSONResponse({"error": str(fault)}, 500)
+
+    return told
+
+
+class _Studio:
+    """The answers; long work is done beside the server's own thread."""
+
+    def __init__(self, projects: Projects, cores: int) -> None:
+        self.projects = projects
+        self.cores = cores
+
+    def _of(self, request: Request) -> Project:
+        return self.projects.get(request.path_params["project"])
+
+    async def home(self, request: Request) -> Response:
+        """Show the list of projects."""
+        found = [
+            {
+                "name": name,
+                "state": runs.status(self.projects.get(name))["state"],
+                "preview": (self.projects.get(name).house / "preview.png").is_file(),
+            }
+            for name in self.projects.names()
+        ]
+        return _page(*home_page({"projects": found, "folder": str(self.projects.root)}))
+
+    async def make(self, request: Request) -> Response:
+        """Make a project."""
+        name = _object(await body(request, 10_000)).get("name")
+        return JSONResponse({"name": self.projects.make(str(name)).name})
+
+    async def project(self, request: Request) -> Response:
+        """Show one project: the editor, and the house."""
+        project = self._of(request)
+        return _page(
+            *project_page(
+                {"house": project.name, "source": plan_source.is_kept(project), **project.state()}
+            )
+        )
+
+    async def state(self, request: Request) -> Response:
+        """Give plan, photos and place of the picture; nothing new for the revision asked with."""
+        project = self._of(request)
+        if request.query_params.get("not") == project.revision():
+            return JSONResponse({"revision": project.revision()})
+        return JSONResponse(project.state())
+
+    async def save(self, request: Request) -> Response:
+        """Keep what the editor holds."""
+        project, state = self._of(request), _object(await body(request, MAX_STATE))
+        revision = project.save(state)
+        plan_source.keep_two_points(project)
+        return JSONResponse({"revision": revision})
+
+    async def open_plan(self, request: Request) -> Response:
+        """Convert an uploaded plan of any format, or keep a picture of one."""
+        project, content = self._of(request), await body(request, MAX_PLAN)
+        return JSONResponse(await run_in_threadpool(plan_source.read_upload, project, content))
+
+    async def reading(self, request: Request) -> Response:
+        """Give how the uploaded plan is read, and what may be given for it."""
+        found = await run_in_threadpool(plan_source.reading_of, self._of(request))
+        return JSONResponse(found)
+
+    async def read_again(self, request: Request) -> Response:
+        """Read the uploaded plan with a scale or layers."""
+        project, given = self._of(request), _object(await body(request, 10_000))
+        return JSONResponse(await run_in_threadpool(plan_source.read_again, project, given))
+
+    async def picture(self, request: Request) -> Response:
+        """Give the picture that lies under the plan."""
+        file = self._of(request).path / PICTURE
+        if not file.is_file():
+            raise InputError("a picture", "none")
+        return FileResponse(file, media_type="image/png")
+
+    async def thumb(self, request: Request) -> Response:
+        """Give a small picture of a photo."""
+        path = self._of(request).photo(request.path_params["photo"])
+        small = await run_in_threadpool(results.thumbnail, path)
+        return Response(small, media_type="image/jpeg")
+
+    async def add_photo(self, request: Request) -> Response:
+        """Keep a photo."""
+        project, content = self._of(request), await body(request, MAX_PHOTO)
+        await run_in_threadpool(project.add_photo, request.path_params["photo"], content)
+        return JSONResponse({"name": request.path_params["photo"]})
+
+    async def status(self, request: Request) -> Response:
+        """Give how far the run is, and what is ready."""
+        project = self._of(request)
+        return JSONResponse(
+            runs.status(project)
+            | {"results": results.results_of(project), "revision": project.revision()}
+        )
+
+    async def start(self, request: Request) -> Response:
+        """Start a run."""
+        project, given = self._of(request), _object(await body(request, 10_000))
+        settings = runs.settings_of(given, self.cores)
+        await run_in_threadpool(runs.start, project, settings)
+        return await self.status(request)
+
+    async def cancel(self, request: Request) -> Response:
+        """End a run."""
+        await run_in_threadpool(runs.cancel, self._of(request))
+        return await self.status(request)
+
+    async def result(self, request: Request) -> Response:
+        """Give a result."""
+        path = results.result_file(self._of(request), request.path_params["file"])
+        if path.suffix == ".html":
+            headers = {"Content-Security-Policy": _VIEWER_POLICY}
+            return FileResponse(path, media_type="text/html", headers=headers)
+        return FileResponse(path)
+
+    async def zip(self, request: Request) -> Response:
+        """Give all results in one file."""
+        project = self._of(request)
+        content = await run_in_threadpool(results.zipped, project)
+        return _download(f"{project.name}.zip", content)
+
+    async def export(self, request: Request) -> Response:
+        """Give the house in a form that other programs read."""
+        form = request.path_params["form"]
+        found = await run_in_threadpool(results.exported, self._of(request), form)
+        return _download(*found)
+
+
+def _object(content: bytes) -> dict[str, Any]:
+    """Return a JSON object out of a request."""
+    try:
+        found = parse_json(content.decode("utf-8"), "the request")
+    except UnicodeDecodeError:
+        raise InputError("UTF-8 text", "other bytes") from None
+    if not isinstance(found, dict):
+        raise InputError("a JSON object", "other JSON")
+    return found
+
+
+def _download(name: str, content: bytes) -> Response:
+    """Return a file to save."""
+    headers = {"Content-Disposition": f'attachment; filename="{name}"'}
+    return Response(content, media_type="application/octet-stream", headers=headers)
+
+
+def _page(page: str, policy: str) -> Response:
+    return HTMLResponse(page, headers={"Content-Security-Policy": policy})

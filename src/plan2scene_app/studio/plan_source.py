@@ -1,0 +1,228 @@
+"""The plan file that was uploaded to a project, and how it is read: its scale, layers of DXF.
+
+``plan_source`` is the file, ``plan_source.json`` the values that were given for it, under the
+names of the configuration's ``floorplans``; ``two_points`` is the scale that two points in the
+editor told of a picture afterwards, and goes before ``metres_per_pixel``. What is read goes to the
+page, which keeps it as ``plan.json`` in metres.
+"""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from plan2scene.errors import InputError
+from plan2scene.io import atomic_path, read_json, write_json
+from plan2scene.plans import PlanFile
+from plan2scene.plans.formats import Unscaled, format_of
+from plan2scene_app.editor.page import opened, picture_bytes
+from plan2scene_app.plan_formats.dxf_layers import LAYERS, MAX_PATTERN
+from plan2scene_app.studio.projects import PICTURE, Project
+
+SOURCE, READING = "plan_source", "plan_source.json"
+#: Scales (metres of a pixel or unit) and widths of a house (metres) that may be given.
+SCALES, WIDTHS = (1e-6, 1000.0), (1.0, 500.0)
+#: What is given of a file that was just uploaded.
+_NOTHING: dict[str, Any] = {
+    "metres_per_pixel": None,
+    "two_points": None,
+    "dxf_layers": {},
+    "picture": None,
+}
+
+
+class UnreadPlanError(InputError):
+    """A plan that may be read when a scale or layers are given; `reading` says what of."""
+
+    def __init__(self, fault: InputError, reading: Mapping[str, Any]) -> None:
+        super().__init__(fault.expected, fault.found)
+        self.reading = reading
+
+
+def read_upload(project: Project, content: bytes) -> dict[str, Any]:
+    """Return what the editor makes of an uploaded file (:func:`opened`), which is kept.
+
+    InputError for a file that is no plan, which is not kept; UnreadPlanError where values may help.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "plan"
+        file.write_bytes(content)
+        try:
+            found = _opened(project, file, _NOTHING)
+        except UnreadPlanError:
+            _keep(project, content, _NOTHING)
+            raise
+    _keep(project, content, _NOTHING | {"picture": found.get("scale")})
+    return found
+
+
+def read_again(project: Project, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the kept file as it is read with these values, which are kept where it can be."""
+    file = _file(project)
+    values = _values(project, given)
+    found = _opened(project, file, values)
+    write_json(project.path / READING, values | {"picture": found.get("scale")})
+    return found
+
+
+def keep_two_points(project: Project) -> None:
+    """Keep the scale that two points in the editor gave the picture as it lies now, or its undoing.
+
+    Values that others broke stay as they are; whoever asks for them is told.
+    """
+    try:
+        values = _kept(project)
+    except InputError:
+        return
+    if not is_kept(project) or values["picture"] is None:
+        return
+    place = project.state()["place"] or {}
+    shown = values["picture"]["shown"]
+    told = place["metres_per_pixel"] / shown if place.get("measured") else None
+    if told != values["two_points"]:
+        write_json(project.path / READING, values | {"two_points": told})
+
+
+def is_kept(project: Project) -> bool:
+    """Return whether a plan file was opened in a project."""
+    return (project.path / SOURCE).is_file()
+
+
+def reading_of(project: Project) -> dict[str, Any]:
+    """Return what may be given for the kept file, and what is given now."""
+    return _reading(_file(project), project.name, _kept(project))
+
+
+def _opened(project: Project, file: Path, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the editor makes of a file; a picture is kept in the project."""
+    try:
+        found = opened(file, project.name, values["metres_per_pixel"], values["dxf_layers"])
+    except InputError as error:
+        fault = InputError(error.expected, error.found)
+        try:
+            reading = _reading(file, project.name, values)
+        except InputError:
+            raise fault from None
+        raise UnreadPlanError(fault, reading) from None
+    if "picture" in found:
+        with atomic_path(project.path / PICTURE) as temporary:
+            temporary.write_bytes(picture_bytes(found["picture"]))
+    return found
+
+
+def _keep(project: Project, content: bytes, values: Mapping[str, Any]) -> None:
+    with atomic_path(project.path / SOURCE) as temporary:
+        temporary.write_bytes(content)
+    write_json(project.path / READING, values)
+
+
+def _file(project: Project) -> Path:
+    if not is_kept(project):
+        raise InputError("a plan file that was opened in this home", "none")
+    return project.path / SOURCE
+
+
+def _kept(project: Project) -> dict[str, Any]:
+    """Return the values on disk, checked: other programs may have changed them."""
+    file = project.path / READING
+    found = read_json(file) if file.is_file() else {}
+    try:
+        if not isinstance(found, dict):
+            raise InputError("a JSON object", "other JSON")
+        scales = {key: found.get(key) for key in ("metres_per_pixel", "two_points")}
+        return {
+            **{
+                k: None if s is None else _number(s, "the scale", SCALES) for k, s in scales.items()
+            },
+            "dxf_layers": _layers(found.get("dxf_layers") or {}),
+            "picture": _picture(found.get("picture")),
+        }
+    except InputError as error:
+        raise InputError(error.expected, error.found, file=READING) from None
+
+
+def _picture(found: Any) -> dict[str, Any] | None:
+    """Return how the picture was read, checked."""
+    if found is None:
+        return None
+    size = found.get("size") if isinstance(found, dict) else ()
+    if size is not None and not (isinstance(size, list) and len(size) == 2):
+        raise InputError("size, doubt and shown of the picture", repr(found)[:60])
+    sides = [_number(side, "pixels of the plan", (0.0, 1e6)) for side in size or ()]
+    shown = _number(found.get("shown"), "pixels of the file for one shown", (1e-3, 1e3))
+    return {"size": sides or None, "doubt": str(found.get("doubt", "")), "shown": shown}
+
+
+def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unscaled]:
+    """Return format and size of a file whose scale may be given; InputError for another."""
+    plan = PlanFile(file, house, dxf_layers=values["dxf_layers"])
+    if plan.is_picture:
+        picture = values["picture"] or {}
+        size = picture.get("size")
+        return "picture", Unscaled("pixel", tuple(size) if size else None)
+    found = format_of(plan)
+    if found is None or found.look is None:
+        raise InputError("a plan whose scale or layers may be given", "one that tells all itself")
+    return found.name, found.look(plan)
+
+
+def _reading(file: Path, house: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    name, look = _look(file, house, values)
+    return {
+        "format": name,
+        "unit": look.unit,
+        "size": look.size,
+        "names": [asdict(entry) for entry in look.names],
+        "patterns": LAYERS if name == "DXF" else {},
+        "metres_per_pixel": values["two_points"] or values["metres_per_pixel"],
+        "dxf_layers": values["dxf_layers"],
+        "doubt": "" if values["two_points"] else (values["picture"] or {}).get("doubt", ""),
+    }
+
+
+def _values(project: Project, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a user gave for the kept file, checked.
+
+    ``width`` of the house stands for its scale, where it is known how wide it is drawn.
+    """
+    scale, width = given.get("metres_per_pixel"), given.get("width")
+    values = _kept(project) | {"dxf_layers": _layers(given.get("dxf_layers") or {})}
+    if scale is not None and width is not None:
+        raise InputError("the scale or the width of the house", "both")
+    _, look = _look(_file(project), project.name, values)
+    if width is not None:
+        metres = _number(width, "a width of the house in metres", WIDTHS)
+        if look.size is None or not look.size[0] > 0:
+            raise InputError("metres of a pixel or unit", "a width, of a drawing of unknown size")
+        scale = metres / look.size[0]
+    if scale is not None:
+        scale = _number(scale, f"metres of a {look.unit}", SCALES)
+        longest = scale * max(look.size or (WIDTHS[0] / scale,))
+        if not 0.999 * WIDTHS[0] <= longest <= 1.001 * WIDTHS[1]:
+            expected = f"a scale that makes the house {WIDTHS[0]:g} to {WIDTHS[1]:g} m long"
+            raise InputError(expected, f"{longest:.4g} m")
+    return values | {"metres_per_pixel": scale, "two_points": None}
+
+
+def _number(value: Any, what: str, limits: tuple[float, float]) -> float:
+    """Return a finite number within limits."""
+    low, high = limits
+    number = value if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+    if not low <= number <= high:
+        raise InputError(f"{what}, {low:g} to {high:g}", repr(value))
+    return float(number)
+
+
+def _layers(given: Any) -> dict[str, str]:
+    """Return patterns of DXF layers; empty ones are left to the reader's own words."""
+    if not isinstance(given, dict) or not set(given) <= set(LAYERS):
+        raise InputError(f"patterns of {', '.join(LAYERS)}", "others")
+    for kind, pattern in given.items():
+        if not isinstance(pattern, str) or len(pattern) > MAX_PATTERN:
+            expected = f"a pattern of at most {MAX_PATTERN} letters for {kind}"
+            raise InputError(expected, repr(pattern)[:60])
+    return {kind: pattern for kind, pattern in given.items() if pattern}

@@ -1,0 +1,204 @@
+"""Projects of the studio: folders that ``plan2scene run`` goes on with.
+
+A project holds ``plan.json``, ``photos.csv``, ``photos/``, the picture of its plan, and ``house/``,
+the results. ``studio.json`` has what only the editor knows: photos without a room, the place of
+the picture, how the house is made. Every write is atomic; nothing of a user is removed.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from plan2scene.datasets.assignments import read_rows
+from plan2scene.datasets.check import photo_problem
+from plan2scene.errors import InputError
+from plan2scene.io import atomic_path, read_json, safe_join, write_json, write_text
+from plan2scene.plans.plan_json import FORMAT
+
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,59}")
+_PHOTO = re.compile(r"(?i).+\.(jpe?g|png|webp|tiff?|bmp|gif)")
+#: Most photos of a project.
+MAX_PHOTOS = 500
+PLAN, TABLE, EXTRA, PICTURE = "plan.json", "photos.csv", "studio.json", "plan_picture.png"
+
+
+class Conflict(Exception):  # noqa: N818 - a state, not a fault
+    """The project was changed by someone else since it was read."""
+
+
+@dataclass(frozen=True)
+class Project:
+    """One folder."""
+
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """The house's name."""
+        return self.path.name
+
+    @property
+    def photos(self) -> Path:
+        """Folder of the photos."""
+        return self.path / "photos"
+
+    @property
+    def house(self) -> Path:
+        """Folder of the results."""
+        return self.path / "house"
+
+    def revision(self) -> str:
+        """Return a name of the files' present content, whoever wrote them."""
+        digest = hashlib.sha256()
+        for name in (PLAN, TABLE, EXTRA):
+            file = self.path / name
+            digest.update(file.read_bytes() if file.is_file() else b"-")
+            digest.update(b"\0")
+        return digest.hexdigest()[:20]
+
+    def state(self) -> dict[str, Any]:
+        """Return ``{plan, photos, place, revision}`` as the editor holds them."""
+        revision = self.revision()
+        extra = self._extra()
+        rooms: dict[str, list[str]] = {name: [] for name in extra.get("photos", [])}
+        if (self.path / TABLE).is_file():
+            for row in read_rows(self.path / TABLE, house_id=self.name):
+                rooms.setdefault(row.photo, []).append(row.room_id)
+        if "photos" not in extra and self.photos.is_dir():
+            for file in sorted(self.photos.iterdir()):
+                if _PHOTO.fullmatch(file.name):
+                    rooms.setdefault(file.name, [])
+        plan = read_json(self.path / PLAN) if (self.path / PLAN).is_file() else None
+        if plan is not None and not isinstance(plan, dict):
+            raise InputError("a plan", "other JSON", file=self.path / PLAN)
+        photos = [{"name": name, "rooms": list(dict.fromkeys(r))} for name, r in rooms.items()]
+        place = extra.get("place") if (self.path / PICTURE).is_file() else None
+        return {"plan": plan, "photos": photos, "place": place, "revision": revision}
+
+    def save(self, state: Mapping[str, Any]) -> str:
+        """Write what the editor holds; return the new revision.
+
+        Conflict where the files are not those of ``state["revision"]`` any more, InputError where
+        the state is not of the editor's form.
+        """
+        plan, photos, place = (state.get(key) for key in ("plan", "photos", "place"))
+        if not isinstance(plan, dict) or plan.get("format") != FORMAT:
+            raise InputError(f"a plan of format {FORMAT}", "another")
+        rows = _rows(photos)
+        if state.get("revision") != self.revision():
+            raise Conflict
+        extra = self._extra() | {"photos": list(rows), "place": _place(place)}
+        buffer = io.StringIO()
+        writer = csv.writer(buffer, lineterminator="\n")
+        writer.writerow(["room_id", "photo"])
+        writer.writerows((room, name) for name, rooms in rows.items() for room in rooms)
+        for file, text in (
+            (PLAN, json.dumps(plan, indent=1, allow_nan=False) + "\n"),
+            (TABLE, buffer.getvalue()),
+            (EXTRA, json.dumps(extra, indent=1, allow_nan=False) + "\n"),
+        ):
+            # Snakemake goes by times: what did not change keeps its own.
+            if not _has(self.path / file, text):
+                write_text(self.path / file, text)
+        return self.revision()
+
+    def add_photo(self, name: str, content: bytes) -> None:
+        """Keep an uploaded photo; InputError for what is none, or another of its name."""
+        target = self.photo(name)
+        if target.is_file():
+            if target.read_bytes() != content:
+                raise InputError("a name that no other photo has", name)
+            return
+        if self.photos.is_dir() and sum(1 for _ in self.photos.iterdir()) >= MAX_PHOTOS:
+            raise InputError(f"at most {MAX_PHOTOS} photos", "more")
+        with atomic_path(target) as temporary:
+            temporary.write_bytes(content)
+            try:
+                photo_problem(temporary)
+            except InputError as error:
+                raise InputError(error.expected, error.found, file=name) from None
+
+    def photo(self, name: str) -> Path:
+        """Return a photo's path; InputError for a name that is not of a photo in the folder."""
+        path = safe_join(self.photos, name)
+        if "/" in name or not _PHOTO.fullmatch(name):
+            raise InputError("a name of a JPEG, PNG, WebP, TIFF, BMP or GIF picture", repr(name))
+        return path
+
+    def _extra(self) -> dict[str, Any]:
+        file = self.path / EXTRA
+        found = read_json(file) if file.is_file() else {}
+        return found if isinstance(found, dict) else {}
+
+
+class Projects:
+    """All projects of a folder."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root.resolve()
+        self.root.mkdir(parents=True, exist_ok=True)
+
+    def names(self) -> list[str]:
+        """Return the projects' names."""
+        folders = (path for path in self.root.iterdir() if path.is_dir() and not path.is_symlink())
+        return sorted(path.name for path in folders if _NAME.fullmatch(path.name) and _is(path))
+
+    def get(self, name: str) -> Project:
+        """Return a project; InputError where there is none of that name."""
+        if name not in self.names():
+            raise InputError("a project", "none of this name")
+        return Project(self.root / name)
+
+    def make(self, name: str) -> Project:
+        """Make an empty project."""
+        if not _NAME.fullmatch(name):
+            raise InputError("a name of letters, digits, '_', '-' and '.'", repr(name))
+        project = Project(self.root / name)
+        try:
+            project.path.mkdir()
+        except FileExistsError:
+            raise InputError("a name that no other project has", name) from None
+        write_json(project.path / EXTRA, {"photos": [], "place": None})
+        return project
+
+
+def _is(path: Path) -> bool:
+    return any((path / name).is_file() for name in (PLAN, EXTRA))
+
+
+def _has(path: Path, text: str) -> bool:
+    return path.is_file() and path.read_bytes() == text.encode("utf-8")
+
+
+def _rows(photos: Any) -> dict[str, list[str]]:
+    """Return photo -> rooms of what the editor sent."""
+    if not isinstance(photos, list) or len(photos) > MAX_PHOTOS:
+        raise InputError(f"a list of at most {MAX_PHOTOS} photos", "another")
+    rows: dict[str, list[str]] = {}
+    for photo in photos:
+        name, rooms = (photo.get("name"), photo.get("rooms")) if isinstance(photo, dict) else (0, 0)
+        if not isinstance(name, str) or not isinstance(rooms, list):
+            raise InputError("a name and rooms of each photo", "others")
+        safe_join("", name)
+        rows[name] = [str(room)[:150] for room in rooms]
+    return rows
+
+
+def _place(place: Any) -> dict[str, Any] | None:
+    """Return where the picture lies, as plain numbers, and whether two points gave its scale."""
+    if not isinstance(place, dict):
+        return None
+    try:
+        found = {key: float(place[key]) for key in ("x", "z", "metres_per_pixel", "opacity")}
+    except (KeyError, TypeError, ValueError):
+        raise InputError("the place of the picture", "another") from None
+    found["visible"] = bool(place.get("visible"))
+    return found | ({"measured": True} if place.get("measured") is True else {})

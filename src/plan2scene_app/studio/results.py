@@ -1,0 +1,96 @@
+"""What a run made, as the studio shows it and gives it away."""
+
+from __future__ import annotations
+
+import io
+import re
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from plan2scene.errors import InputError
+from plan2scene.image_modes import to_small_srgb
+from plan2scene.images import MAX_PHOTO_PIXELS, decode_image
+from plan2scene_app.exports.registry import export_house
+from plan2scene_app.run import CONTACT_SHEET, DELIVERED
+from plan2scene_app.studio.projects import Project
+
+_TILE = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*\.png")
+#: Longer side in pixels of a small picture of a photo.
+THUMB = 240
+
+
+def results_of(project: Project) -> dict[str, Any]:
+    """Return ``{files: {name: time}, tiles: [name]}`` of what lies ready."""
+    found = {}
+    for name in (*DELIVERED, CONTACT_SHEET):
+        file = project.house / name
+        if file.is_file():
+            found[name] = file.stat().st_mtime_ns
+    folder = project.house / "textures"
+    tiles = sorted(path.name for path in folder.glob("*.png")) if folder.is_dir() else []
+    return {"files": found, "tiles": [name for name in tiles if _TILE.fullmatch(name)]}
+
+
+def result_file(project: Project, name: str) -> Path:
+    """Return a result's path; InputError for a name that is none."""
+    tile = name.removeprefix("textures/")
+    is_tile = tile != name and _TILE.fullmatch(tile)
+    if name not in (*DELIVERED, CONTACT_SHEET) and not is_tile:
+        raise InputError("a result", "another name")
+    path = project.house / name
+    if not path.is_file() or project.path.resolve() not in path.resolve().parents:
+        raise InputError("a result", f"no {name} yet")
+    return path
+
+
+def zipped(project: Project) -> bytes:
+    """Return the results as a ZIP archive."""
+    results = results_of(project)
+    names = [*results["files"], *(f"textures/{name}" for name in results["tiles"])]
+    if not names:
+        raise InputError("results", "none yet")
+    return _archive(project.name, {name: result_file(project, name) for name in names})
+
+
+def exported(project: Project, form: str) -> tuple[str, bytes]:
+    """Return the house in a form of :data:`EXPORTS`: the name of one file and its content.
+
+    USD is one ``.usdz``; forms of several files are a ZIP archive.
+    """
+    scene, textures = result_file(project, "house.scene.json"), project.house / "textures"
+    with tempfile.TemporaryDirectory() as folder:
+        export_house(scene, textures, folder, form, house_id=project.name)
+        package = Path(folder) / "house.usdz"
+        if package.is_file():
+            return f"{project.name}.usdz", package.read_bytes()
+        files = sorted(path for path in Path(folder).rglob("*") if path.is_file())
+        entries = {path.relative_to(folder).as_posix(): path for path in files}
+        return f"{project.name}_{form}.zip", _archive(project.name, entries)
+
+
+def _archive(name: str, files: Mapping[str, Path]) -> bytes:
+    """Return a ZIP archive with a folder; the same files give the same bytes."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        for entry_name, path in sorted(files.items()):
+            entry = zipfile.ZipInfo(f"{name}/{entry_name}", (1980, 1, 1, 0, 0, 0))
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, path.read_bytes())
+    return buffer.getvalue()
+
+
+def thumbnail(path: Path, side: int = THUMB) -> bytes:
+    """Return a small JPEG of a photo."""
+    from PIL import Image
+
+    pixels = decode_image(
+        path, lambda image: to_small_srgb(image, side), max_pixels=MAX_PHOTO_PIXELS
+    )
+    small = Image.fromarray(pixels)
+    small.thumbnail((side, side))
+    buffer = io.BytesIO()
+    small.save(buffer, "JPEG", quality=82)
+    return buffer.getvalue()

@@ -1,0 +1,215 @@
+"""From labels of pixels to openings on the walls of the traced rooms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import ndimage
+from shapely.geometry import Polygon
+
+from plan2scene.plans.geometry import ring_edges
+from plan2scene_app.tracing.labels import OPENINGS, PASSAGE
+from plan2scene_app.tracing.regions import Regions, touches_open_floor
+
+#: Metres: narrower openings are none, those nearer to one another on a wall are one.
+LEAST, JOINED = 0.4, 0.2
+#: Metres from an outline to the middle of an opening in its wall, beyond the wall's thickness.
+NEAR = 0.3
+#: Metres of open floor between two rooms that are a passage.
+OPEN_FLOOR = 0.4
+
+
+@dataclass(frozen=True)
+class TracedOpening:
+    """An opening between `start` and `end` (pixels x, y), on the outline of room `room`."""
+
+    kind: str
+    start: tuple[float, float]
+    end: tuple[float, float]
+    room: int
+    other: int  #: room behind it; 0: outside
+    confidence: float  #: mean probability of its label
+
+    @property
+    def width(self) -> float:
+        """Width in pixels."""
+        return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
+
+
+@dataclass(frozen=True)
+class _Edge:
+    """An edge of a room's outline with its unit direction."""
+
+    room: int
+    start: np.ndarray
+    way: np.ndarray
+    length: float
+    inwards: np.ndarray
+
+    def place(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return how far along and how far off the edge points (n, 2) are."""
+        apart = points - self.start
+        return apart @ self.way, apart @ self.inwards
+
+
+def find_openings(
+    regions: Regions, polygons: dict[int, Polygon], probabilities: np.ndarray
+) -> list[TracedOpening]:
+    """Return the openings of traced rooms; of one between two rooms the wall is either's."""
+    edges = _edges(polygons)
+    found: list[TracedOpening] = []
+    for label, kind in OPENINGS.items():
+        places, count = ndimage.label(regions.structure == label, np.ones((3, 3)))
+        for number, box in enumerate(ndimage.find_objects(places, count), start=1):
+            rows, columns = np.nonzero(places[box] == number)
+            if len(rows) < LEAST * regions.ppm:
+                continue
+            points = np.c_[columns + box[1].start, rows + box[0].start].astype(float)
+            sure = float(probabilities[label][box][places[box] == number].mean())
+            opening = _on_edge(edges, points, kind, sure, regions, polygons)
+            if opening is not None:
+                found.append(opening)
+    found += _undrawn_passages(edges, regions, polygons, found)
+    return _joined(found, regions.ppm)
+
+
+def _edges(polygons: dict[int, Polygon]) -> list[_Edge]:
+    """Return the edges of all outlines."""
+    found = []
+    for number, polygon in polygons.items():
+        ring = tuple(polygon.exterior.coords[:-1])
+        clockwise = not polygon.exterior.is_ccw
+        for a, b in ring_edges(ring):
+            start, end = np.array(a), np.array(b)
+            length = float(np.linalg.norm(end - start))
+            way = (end - start) / max(length, 1e-9)
+            inwards = np.array([way[1], -way[0]]) * (1 if clockwise else -1)
+            found.append(_Edge(number, start, way, length, inwards))
+    return found
+
+
+def _on_edge(
+    edges: list[_Edge],
+    points: np.ndarray,
+    kind: str,
+    sure: float,
+    regions: Regions,
+    polygons: dict[int, Polygon],
+) -> TracedOpening | None:
+    """Return the opening that pixels make on the nearest edge that runs their way."""
+    centre = points.mean(0)
+    spread = np.cov((points - centre).T) + 1e-6 * np.eye(2)
+    values, vectors = np.linalg.eigh(spread)
+    longish = values[1] > 2.5 * values[0]
+    best, nearest = None, NEAR * regions.ppm + regions.wall_px
+    for edge in edges:
+        if longish and abs(edge.way @ vectors[:, 1]) < 0.9:
+            continue
+        along, off = edge.place(points)
+        covered = np.mean((along > 0) & (along < edge.length))
+        distance = abs(float(np.median(off))) + float(1 - covered) * regions.ppm
+        if distance < nearest:
+            best, nearest = edge, distance
+    if best is None:
+        return None
+    along, _ = best.place(points)
+    low, high = np.percentile(along, [1.5, 98.5]) + (-0.5, 0.5)
+    low, high = max(0.0, float(low)), min(best.length, float(high))
+    if high - low < LEAST * regions.ppm:
+        return None
+    return _opening(best, low, high, kind, sure, polygons, regions)
+
+
+def _opening(
+    edge: _Edge,
+    low: float,
+    high: float,
+    kind: str,
+    sure: float,
+    polygons: dict[int, Polygon],
+    regions: Regions,
+) -> TracedOpening:
+    """Return the opening between two places of an edge."""
+    start, end = edge.start + low * edge.way, edge.start + high * edge.way
+    beyond = (start + end) / 2 - edge.inwards * max(2.0, 0.1 * regions.ppm)
+    x, y = np.round(beyond).astype(int)
+    h, w = regions.rooms.shape
+    other = int(regions.rooms[min(max(y, 0), h - 1), min(max(x, 0), w - 1)])
+    other = other if other in polygons and other != edge.room else 0
+    ends = [(float(p[0]), float(p[1])) for p in (start, end)]
+    return TracedOpening(kind, ends[0], ends[1], edge.room, other, sure)
+
+
+def _undrawn_passages(
+    edges: list[_Edge],
+    regions: Regions,
+    polygons: dict[int, Polygon],
+    known: list[TracedOpening],
+) -> list[TracedOpening]:
+    """Return passages where floor goes on from one room to the next without a wall."""
+    found = []
+    for edge in edges:
+        if edge.length < OPEN_FLOOR * regions.ppm:
+            continue
+        steps = np.arange(0.5, edge.length, 1.0)
+        line = edge.start + steps[:, None] * edge.way
+        is_open = touches_open_floor(regions, line)
+        runs, count = ndimage.label(is_open)
+        for (run,) in ndimage.find_objects(runs, count):
+            low, high = float(steps[run.start]) - 0.5, float(steps[run.stop - 1]) + 0.5
+            if high - low < OPEN_FLOOR * regions.ppm:
+                continue
+            opening = _opening(edge, low, high, OPENINGS[PASSAGE], 0.5, polygons, regions)
+            if opening.other > edge.room and not any(_same(opening, o) for o in known):
+                found.append(opening)
+    return found
+
+
+def _same(one: TracedOpening, other: TracedOpening) -> bool:
+    """Return whether two openings overlap on one wall."""
+    middle = (np.array(other.start) + other.end) / 2
+    start, end = np.array(one.start), np.array(one.end)
+    way = (end - start) / max(one.width, 1e-9)
+    along = float((middle - start) @ way)
+    off = abs(float((middle - start) @ np.array([-way[1], way[0]])))
+    return -other.width / 2 < along < one.width + other.width / 2 and off < one.width / 4
+
+
+def _joined(found: list[TracedOpening], ppm: float) -> list[TracedOpening]:
+    """Return openings with those of one kind in one line and hardly apart joined, largest first."""
+    kept: list[TracedOpening] = []
+    for opening in sorted(found, key=lambda o: -o.width):
+        for k, other in enumerate(kept):
+            joined = _union(other, opening, JOINED * ppm)
+            if joined is not None:
+                kept[k] = joined
+                break
+        else:
+            kept.append(opening)
+    return kept
+
+
+def _union(one: TracedOpening, other: TracedOpening, gap: float) -> TracedOpening | None:
+    """Return both as one; None where they are apart or of different kinds on different places."""
+    start, end = np.array(one.start), np.array(one.end)
+    way = (end - start) / max(one.width, 1e-9)
+    ends = [(np.array(p) - start) for p in (other.start, other.end)]
+    along = sorted(float(p @ way) for p in ends)
+    off = max(abs(float(p @ np.array([-way[1], way[0]]))) for p in ends)
+    if off > gap / 2 or along[0] > one.width + gap or along[1] < -gap:
+        return None
+    overlap = min(along[1], one.width) - max(along[0], 0.0)
+    if one.kind != other.kind:
+        return one if overlap > 0.5 * other.width else None
+    low, high = min(0.0, along[0]), max(one.width, along[1])
+    a, b = start + low * way, start + high * way
+    sure = max(one.confidence, other.confidence)
+    return TracedOpening(
+        one.kind,
+        (float(a[0]), float(a[1])),
+        (float(b[0]), float(b[1])),
+        one.room,
+        one.other or other.other,
+        sure,
+    )

@@ -1,0 +1,153 @@
+"""The scale of a plan: what its texts, rooms, walls and doors agree on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from plan2scene_app.tracing.lettering import TextLine
+from plan2scene_app.tracing.measures import read_area, read_length, read_sides
+
+#: Usual width of a door in metres, and how far (natural logarithm) one home's doors are from it.
+DOOR_WIDTH, DOOR_SPREAD = 0.85, 0.18
+#: Usual floor of a room in m2, and how far (of the scale's logarithm) homes are from it.
+ROOM_FLOOR, FLOOR_SPREAD = 12.0, 0.35
+#: Evidence agrees that is nearer than this many of its own deviations.
+AGREES = 2.5
+#: Below this confidence the scale is a guess, and is said to be one.
+SURE = 0.6
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What one text says of the scale: logarithms of metres a pixel, one of which it means."""
+
+    text: str
+    meanings: tuple[float, ...]
+    deviation: float
+    weight: float
+
+
+@dataclass(frozen=True)
+class Scale:
+    """The scale of a picture."""
+
+    metres_per_pixel: float
+    confidence: float  #: 0 to 1
+    source: str  #: in words
+    agree: tuple[str, ...] = ()  #: texts that agree
+    differ: tuple[str, ...] = ()  #: measures in rooms that do not
+
+
+@dataclass(frozen=True)
+class RoomSize:
+    """A room as the picture shows it, between its walls, in pixels."""
+
+    area: float
+    sides: tuple[float, float]
+    texts: Sequence[TextLine] = field(default=())
+
+
+def room_evidence(room: RoomSize) -> list[Evidence]:
+    """Return what the texts in a room say: its area, its sides."""
+    found = []
+    for line in room.texts:
+        area = read_area(line.text)
+        if area is not None:
+            deviation = max(0.02, 0.35 * area[1] / area[0])
+            meaning = 0.5 * float(np.log(area[0] / room.area))
+            found.append(Evidence(line.text, (meaning,), deviation, 1.0))
+        meanings = []
+        for a, b in read_sides(line.text):
+            for first, second in ((a, b), (b, a)):
+                logs = np.log([first / room.sides[0], second / room.sides[1]])
+                if abs(logs[0] - logs[1]) < 0.12:
+                    meanings.append(float(logs.mean()))
+        if meanings:
+            found.append(Evidence(line.text, tuple(meanings), 0.03, 1.0))
+    return found
+
+
+def chain_evidence(
+    line: TextLine, lines_x: Sequence[float], lines_y: Sequence[float]
+) -> Evidence | None:
+    """Return what a single length says: it stands in the middle between two walls.
+
+    `lines_x` and `lines_y` are the places of walls along x and y, in pixels.
+    """
+    lengths = read_length(line.text)
+    if not lengths or read_area(line.text):
+        return None
+    meanings = []
+    wide = line.size[0] > 1.3 * line.size[1]
+    for axis, places in ((0, lines_x), (1, lines_y)):
+        if (axis == 0 and line.upright) or (axis == 1 and wide):
+            continue
+        middle = line.middle[axis]
+        spans = []
+        for i, low in enumerate(places):
+            for high in places[i + 1 :]:
+                off = abs((low + high) / 2 - middle)
+                if high - low > line.size[axis] and off < 0.03 * (high - low) + 4:
+                    spans.append((off, high - low))
+        for _, span in sorted(spans)[:5]:
+            meanings += [float(np.log(length / span)) for length in lengths]
+    return Evidence(line.text, tuple(meanings), 0.025, 0.6) if meanings else None
+
+
+def find_scale(
+    evidence: Sequence[Evidence], door_widths: Sequence[float], floors: Sequence[float]
+) -> Scale:
+    """Return the scale that most evidence agrees on.
+
+    `door_widths` (pixels) and `floors` (pixels squared, one for each room) tell where it must lie
+    about, and are all there is where nothing is written.
+    """
+    prior, spread, source = _prior(door_widths, floors)
+    candidates = [m for e in evidence for m in e.meanings if abs(m - prior) < 3.5 * spread]
+    if not candidates:
+        sure = 0.45 if len(door_widths) >= 3 else 0.3 if door_widths else 0.1
+        return Scale(float(np.exp(prior)), sure, source)
+    best = max(candidates, key=lambda c: _support(evidence, c) - 0.5 * ((c - prior) / spread) ** 2)
+    for _ in range(3):
+        inliers = [(e, m) for e in evidence if (m := _nearest(e, best)) is not None]
+        weights = np.array([e.weight / e.deviation**2 for e, _ in inliers])
+        best = float((weights * np.array([m for _, m in inliers])).sum() / weights.sum())
+    agreed = {id(e) for e, _ in inliers}
+    against = [e for e in evidence if id(e) not in agreed and e.weight >= 1]
+    support = sum(e.weight for e, _ in inliers)
+    sure = support / (support + 0.5 * sum(e.weight for e in against) + 0.6)
+    if abs(best - prior) > 2 * spread:
+        sure *= 0.7
+    words = f"{len(inliers)} measures that are written agree"
+    texts = (tuple(e.text for e, _ in inliers), tuple(e.text for e in against))
+    return Scale(float(np.exp(best)), sure, words, *texts)
+
+
+def _prior(door_widths: Sequence[float], floors: Sequence[float]) -> tuple[float, float, str]:
+    """Return logarithm, deviation and source of the scale as doors and rooms' sizes tell it."""
+    by_rooms = 0.5 * float(np.log(ROOM_FLOOR / np.mean(floors)))
+    if not door_widths:
+        return by_rooms, FLOOR_SPREAD, f"a guess: rooms of {ROOM_FLOOR:g} m2"
+    by_doors = float(np.log(DOOR_WIDTH / np.median(door_widths)))
+    weights = np.array([1 / (DOOR_SPREAD + 0.2 / len(door_widths)) ** 2, 1 / FLOOR_SPREAD**2])
+    mean = float((weights * [by_doors, by_rooms]).sum() / weights.sum())
+    source = f"a guess: doors of {DOOR_WIDTH} m, rooms of {ROOM_FLOOR:g} m2"
+    return mean, float(weights.sum() ** -0.5), source
+
+
+def _nearest(evidence: Evidence, scale: float) -> float | None:
+    """Return the meaning that agrees best with a scale; None where none does."""
+    meaning = min(evidence.meanings, key=lambda m: abs(m - scale))
+    return meaning if abs(meaning - scale) < AGREES * evidence.deviation else None
+
+
+def _support(evidence: Sequence[Evidence], scale: float) -> float:
+    """Return how much evidence speaks for a scale."""
+    total = 0.0
+    for item in evidence:
+        off = min(abs(m - scale) for m in item.meanings) / item.deviation
+        total += item.weight * float(np.exp(-0.5 * off**2))
+    return total

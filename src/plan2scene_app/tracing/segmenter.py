@@ -1,0 +1,60 @@
+"""The plan network at work: a picture of a plan in, probabilities of labels out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import torch
+from torch.nn import functional as F
+
+from plan2scene.photos.labels.folding import folded
+from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.segmentation import STRIDE, to_tensor
+from plan2scene.weights import filled, fitting, load_model_file
+from plan2scene_app.tracing.labels import PLAN_LABELS
+
+
+class PlanSegmenter:
+    """Labels pictures of plans by a :class:`SegmentationNet` of `PLAN_LABELS`."""
+
+    def __init__(self, network: SegmentationNet) -> None:
+        self.network = folded(network)
+        self.long_side = network.long_side
+
+    @torch.no_grad()
+    def probabilities(self, image: np.ndarray, *, views: int = 1) -> np.ndarray:
+        """Return (labels, h, w) float32 of a picture (h, w, 3) uint8 at its own size.
+
+        A plan has no up: up to 8 `views` of it, turned by quarters and mirrored, are averaged.
+        """
+        total = np.zeros((len(PLAN_LABELS), *image.shape[:2]), np.float32)
+        for view in range(views):
+            # Views 0 and 1 are a turn by half and a mirror apart: two already differ much.
+            turns, mirrored = (0, 2, 1, 3, 2, 0, 3, 1)[view], view % 2 == 1
+            seen = np.rot90(image, turns)
+            seen = seen[:, ::-1] if mirrored else seen
+            found = self._seen(np.ascontiguousarray(seen))
+            found = found[:, :, ::-1] if mirrored else found
+            total += np.rot90(found, -turns, axes=(1, 2))
+        return total / views
+
+    def _seen(self, image: np.ndarray) -> np.ndarray:
+        """Return the probabilities of one view, padded to the network's stride with paper."""
+        h, w = image.shape[:2]
+        right, below = -w % STRIDE, -h % STRIDE
+        padded = cv2.copyMakeBorder(image, 0, below, 0, right, cv2.BORDER_REPLICATE)
+        logits = self.network(to_tensor(padded)[None])
+        logits = F.interpolate(logits, size=padded.shape[:2], mode="bilinear")
+        return np.asarray(logits[0, :, :h, :w].softmax(dim=0).numpy())
+
+
+def load_plan_segmenter(path: str | Path) -> PlanSegmenter:
+    """Return the segmenter of a weights file; InputError for one of another network."""
+    state, architecture = load_model_file(path)
+    name = "the plan network"
+    with fitting(name, path):
+        if architecture.get("labels") != len(PLAN_LABELS):
+            raise ValueError(f"{architecture.get('labels')} labels, not {len(PLAN_LABELS)}")
+    return PlanSegmenter(filled(lambda: SegmentationNet(**architecture), state, name, path))

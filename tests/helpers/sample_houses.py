@@ -1,0 +1,122 @@
+"""Small houses made by hand."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plan2scene.house import Door, House, Opening, Room, Wall
+from plan2scene.images import png_bytes
+from plan2scene.mesh import TileTexture
+from plan2scene.plans import read_plan
+
+
+def walls_of(room, depth=0.1, openings=None, height=None):
+    """Return a wall per edge of a room, with openings by wall index."""
+    walls = []
+    number = 0
+    for ring in room.rings:
+        for k, start in enumerate(ring):
+            walls.append(
+                Wall(
+                    f"{room.id}_w{number}",
+                    (room.id,),
+                    start,
+                    ring[(k + 1) % len(ring)],
+                    height or room.height,
+                    depth,
+                    openings=tuple((openings or {}).get(number, ())),
+                )
+            )
+            number += 1
+    return tuple(walls)
+
+
+@pytest.fixture
+def l_house():
+    """An L-shaped room with a front door, a window and two holes that overlap."""
+    outline = ((0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (2.0, 2.0), (2.0, 4.0), (0.0, 4.0))
+    room = Room("hall", ("Entrance", "Reception"), (outline,), 2.5)
+    openings = {
+        0: [Opening("front", "door", 1.0, 1.9, 0.0, 2.1)],
+        1: [Opening("win", "window", 0.4, 1.6, 0.9, 2.1)],
+        5: [
+            Opening("low", "window", 0.5, 2.0, 0.5, 1.5),
+            Opening("high", "window", 1.5, 2.5, 1.0, 2.0),
+        ],
+    }
+    return House("l", (room,), walls_of(room, openings=openings), (Door("hall", "front", None),))
+
+
+@pytest.fixture
+def ring_house():
+    """A room around a light well."""
+    outline = ((0.0, 0.0), (0.0, 6.0), (6.0, 6.0), (6.0, 0.0))
+    well = ((2.0, 2.0), (3.5, 2.0), (3.5, 4.0), (2.0, 4.0))
+    room = Room("ring", ("Corridor",), (outline, well), 2.4)
+    return House("ring", (room,), walls_of(room))
+
+
+@pytest.fixture(scope="session")
+def storey_house():
+    """The example of two storeys."""
+    examples = Path(__file__).parents[2] / "resources" / "examples"
+    return read_plan(examples / "two_storeys" / "plan.json", "two")
+
+
+@pytest.fixture
+def shared_house():
+    """Two rooms that touch along one wall with a door in it."""
+    a = Room("a", ("Bedroom",), (((0.0, 0.0), (3.0, 0.0), (3.0, 4.0), (0.0, 4.0)),), 2.5)
+    b = Room("b", ("Bathroom",), (((3.0, 0.0), (6.0, 0.0), (6.0, 4.0), (3.0, 4.0)),), 2.5)
+    door = Opening("d", "door", 1.0, 1.8, 0.0, 2.0)
+    shared = Wall("ab", ("a", "b"), (3.0, 0.0), (3.0, 4.0), 2.5, openings=(door,))
+    others = [w for w in (*walls_of(a), *walls_of(b)) if w.id not in ("a_w1", "b_w3")]
+    return House("shared", (a, b), (shared, *others), (Door("a", "d", "b"),))
+
+
+@pytest.fixture
+def gap_house():
+    """Two rooms 0.1 m apart; each has its own copy of the door, as Rent3D++ draws it."""
+    a = Room("a", ("Bedroom",), (((0.0, 0.0), (3.0, 0.0), (3.0, 4.0), (0.0, 4.0)),), 2.5)
+    b = Room("b", ("Bathroom",), (((3.1, 0.0), (6.0, 0.0), (6.0, 4.0), (3.1, 4.0)),), 2.5)
+    walls = (
+        *walls_of(a, openings={1: [Opening("ha", "door", 1.0, 1.8, 0.0, 2.0)]}),
+        *walls_of(b, openings={3: [Opening("hb", "door", 2.2, 3.0, 0.0, 2.0)]}),
+    )
+    doors = (Door("a", "ha", "b"), Door("b", "hb", "a"))
+    return House("gap", (a, b), walls, doors)
+
+
+@pytest.fixture
+def paint():
+    """Return a texture for every surface of a house, one colour each with a bright corner."""
+
+    def make(house, size_m=0.8):
+        textures = {}
+        for number, key in enumerate(house.surface_keys()):
+            image = np.full((16, 16, 3), 60 + 20 * (number % 8), dtype=np.uint8)
+            image[:8, :8] = (200, 120 + number % 100, 40)
+            textures[key] = TileTexture(png_bytes(image), size_m, number % 2 == 0, "tile", "test")
+        return textures
+
+    return make
+
+
+#: Real sample plans, and metres per unit where a file does not say.
+SAMPLES = (
+    ("rent3dpp/sample.scene.json", None),
+    ("r2v/sample_input.scene.json", None),
+    ("r2v/sample_r2v_output.txt", 0.05),
+    ("r2v/sample_r2v_annot.txt", 0.02),
+)
+
+
+@pytest.fixture(params=SAMPLES, ids=[name for name, _ in SAMPLES])
+def sample_house(request):
+    """A real sample plan; skips where they are not beside the repository."""
+    name, scale = request.param
+    path = Path(__file__).resolve().parents[3] / "shared" / "samples" / name
+    if not path.is_file():
+        pytest.skip("no shared samples beside the repository")
+    return read_plan(path, "sample", scale)

@@ -1,0 +1,197 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from plan2scene.datasets.import_plan import import_plan
+from plan2scene.errors import InputError
+from plan2scene.house import OPENING_KINDS, ROOM_TYPES, Door
+from plan2scene.plans import (
+    plan_schema,
+    read_plan,
+    read_scene_json,
+    validate_house,
+)
+from plan2scene.plans.geometry import room_polygon
+
+EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
+
+
+def plan(**changes):
+    """Two 4 x 3 m rooms, one above the other, with a door between and a window."""
+    value = {
+        "format": "plan2scene-plan",
+        "version": 1,
+        "rooms": [
+            {"id": "a", "types": ["Bedroom"], "polygon": [[0, 0], [4, 0], [4, 3], [0, 3]]},
+            {"id": "b", "types": ["Kitchen"], "polygon": [[1, 3], [5, 3], [5, 6], [1, 6]]},
+        ],
+        "openings": [
+            {"id": "d", "kind": "door", "from": [2, 3], "to": [3, 3], "bottom": 0, "top": 2},
+            {"kind": "window", "from": [0.1, 1], "to": [0.1, 2], "bottom": 1, "top": 2},
+        ],
+    }
+    value.update(changes)
+    return value
+
+
+def read(tmp_path, document):
+    path = tmp_path / "plan.json"
+    path.write_text(json.dumps(document))
+    return read_plan(path, "h1")
+
+
+def fault(tmp_path, document):
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, document)
+    message = str(caught.value)
+    head = f"file {tmp_path / 'plan.json'}, house h1"
+    assert message.startswith(head)
+    return message.removeprefix(head)
+
+
+def test_schema_knows_the_data_model():
+    types = plan_schema()["$defs"]["room"]["properties"]["types"]
+    assert all(name in types["description"] for name in ROOM_TYPES)
+    kinds = plan_schema()["$defs"]["opening"]["properties"]["kind"]["enum"]
+    assert tuple(kinds) == OPENING_KINDS
+
+
+def test_walls_are_split_where_rooms_meet(tmp_path):
+    house = read(tmp_path, plan())
+    assert validate_house(house) == []
+    assert len(house.walls) == 9
+    shared = [wall for wall in house.walls if len(wall.room_ids) == 2]
+    assert [(wall.room_ids, wall.length) for wall in shared] == [(("a", "b"), 3.0)]
+    for room in house.rooms:
+        bounds = sum(wall.length for wall in house.walls_of(room.id))
+        assert bounds == pytest.approx(room_polygon(room).length)
+    assert {wall.depth for wall in house.walls} == {0.1}
+    assert {room.height for room in house.rooms} == {2.8}
+
+
+def test_openings_lie_on_their_walls(tmp_path):
+    house = read(tmp_path, plan())
+    found = {o.id: (o.kind, w.room_ids) for w in house.walls for o in w.openings}
+    assert found == {"d": ("door", ("a", "b")), "opening_1": ("window", ("a",))}
+    assert house.doors == (Door("a", "d", "b"),)
+    opening = next(o for w in house.walls for o in w.openings if o.id == "opening_1")
+    assert sorted((opening.start, opening.end)) == pytest.approx([1.0, 2.0])
+
+
+def test_rooms_with_a_gap_have_a_hole_in_both_walls(tmp_path):
+    document = plan()
+    document["rooms"][1]["polygon"] = [[1, 3.12], [5, 3.12], [5, 6], [1, 6]]
+    house = read(tmp_path, document)
+    assert [w.room_ids for w in house.walls for o in w.openings if o.id == "d"] == [
+        ("a",),
+        ("b",),
+    ]
+    assert house.doors == (Door("a", "d", "b"),)
+
+
+def test_door_to_the_outside(tmp_path):
+    document = plan()
+    document["openings"][0].update({"from": [4, 1], "to": [4, 2]})
+    assert read(tmp_path, document).doors == (Door("a", "d", None),)
+
+
+def test_house_of_one_room_with_a_shaft(tmp_path):
+    room = {**plan()["rooms"][0], "holes": [[[1, 1], [2, 1], [2, 2]]]}
+    house = read(tmp_path, plan(rooms=[room], openings=[]))
+    assert room_polygon(house.rooms[0]).area == pytest.approx(11.5)
+    assert len(house.walls) == 7
+    assert house.adjacency() == ()
+
+
+def test_snap_tolerance(tmp_path):
+    document = plan()
+    document["openings"][1].update({"from": [0.3, 1], "to": [0.3, 2]})
+    line = fault(tmp_path, document)
+    expected = "a wall within 0.2 m of opening opening_1"
+    assert line == f": expected {expected}, found the nearest at 0.30 m"
+
+
+def test_opening_over_the_end_is_cut_with_a_warning(tmp_path):
+    document = plan()
+    document["openings"][0].update({"from": [3.5, 3], "to": [4.2, 3]})
+    house = read(tmp_path, document)
+    assert len(house.warnings) == 1
+    assert house.warnings[0].endswith("of 3.000 m, found -0.200 to 0.500 m, cut")
+    opening = next(o for wall in house.walls for o in wall.openings if o.id == "d")
+    assert (opening.start, opening.end) == pytest.approx((0.0, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        (
+            {"scale": 2},
+            ": expected only the keys format, version, wall_depth, levels, rooms, ",
+        ),
+        ({"version": 2}, ": expected 1 at version, found 2"),
+        ({"rooms": []}, ": expected minItems 1 at rooms, found []"),
+        ({"rooms": None}, ": expected array at rooms, found None"),
+    ],
+)
+def test_schema_faults(tmp_path, change, line):
+    assert fault(tmp_path, plan(**change)).startswith(line)
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ({"types": ["Ballroom"]}, ", room a: expected a room type (Reception, Bedroom, Kitchen"),
+        ({"colour": "red"}, ", room a: expected only the keys id, types, polygon, holes, height"),
+        ({"polygon": [[0, 0], [1, 0]]}, ", room a: expected minItems 3 at rooms[0].polygon"),
+        ({"polygon": [[0, 0], [1, 0], [1e9, 1]]}, ", room a: expected a coordinate within 1000 m"),
+        ({"height": -1}, ", room a: expected exclusiveMinimum 0 at rooms[0].height, found -1"),
+        ({"id": "a/b"}, ", room a/b: expected pattern"),
+    ],
+)
+def test_room_faults(tmp_path, change, line):
+    document = plan()
+    document["rooms"][0].update(change)
+    assert fault(tmp_path, document).startswith(line)
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        (
+            {"kind": "gate"},
+            "expected one of door, window, passage at openings[0].kind, found 'gate'",
+        ),
+        ({"top": 0}, "expected exclusiveMinimum 0 at openings[0].top, found 0"),
+        ({"bottom": 3}, "expected opening d with its top above its bottom, found 3 to 2 m"),
+        ({"id": "opening_1"}, "expected each opening id once, found opening_1 twice"),
+        ({"from": [2, 8], "to": [2, 8]}, "found none along it"),
+    ],
+)
+def test_opening_faults(tmp_path, change, line):
+    document = plan()
+    document["openings"][0].update(change)
+    assert line in fault(tmp_path, document)
+
+
+def test_opening_higher_than_its_wall(tmp_path):
+    document = plan()
+    document["openings"][0]["top"] = 3
+    (tmp_path / "plan.json").write_text(json.dumps(document))
+    with pytest.raises(InputError, match=r"up within 0 to 2\.800 m, found 0\.000 to 3\.000 m"):
+        import_plan(tmp_path / "plan.json", tmp_path / "scene.json", house_id="h1")
+
+
+def test_example(tmp_path):
+    house = import_plan(EXAMPLE, tmp_path / "scene.json", house_id="example")
+    assert house.warnings == ()
+    assert validate_house(house) == []
+    assert len(house.rooms) == 5
+    assert sum(len(wall.openings) for wall in house.walls) == 8
+    assert house.adjacency() == (
+        ("balcony", "living"),
+        ("bathroom", "hall"),
+        ("bedroom", "hall"),
+        ("hall", "living"),
+    )
+    assert read_scene_json(tmp_path / "scene.json", "example") == house

@@ -1,0 +1,99 @@
+"""Plans that no real home is like: told by a warning, or refused where the unit is wrong."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.plans import read_plan, validate_house
+from plan2scene.plans.plan_json import house_of_plan
+
+EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
+KEYS = ("polygon", "from", "to")
+
+
+def scaled(value, factor):
+    """Return the example's JSON in another unit: lengths of the drawing times `factor`."""
+    if isinstance(value, dict):
+        return {key: scaled(item, factor) for key, item in value.items()}
+    if isinstance(value, list):
+        return [scaled(item, factor) for item in value]
+    return value * factor if isinstance(value, float | int) and value is not True else value
+
+
+def plan(factor=1.0, **changes):
+    document = json.loads(EXAMPLE.read_text())
+    for entry in (*document["rooms"], *document["openings"]):
+        entry.update({key: scaled(entry[key], factor) for key in KEYS if key in entry})
+    document["rooms"][0].update(changes)
+    return document
+
+
+def warnings_of(document) -> str:
+    return "\n".join(validate_house(house_of_plan(document, "h1")))
+
+
+def test_a_home_gets_no_warning():
+    assert warnings_of(plan()) == ""
+
+
+@pytest.mark.parametrize("factor", [100.0, 39.37], ids=["centimetres", "inches"])
+def test_another_unit_is_refused(factor):
+    with pytest.raises(InputError, match=r"home in metres.*m2 \(are these centimetres\?\)"):
+        warnings_of(plan(factor))
+
+
+def test_feet_and_decimetres_are_told():
+    assert "usual door of 0.4 to 1.6 m, found 2." in warnings_of(plan(3.2808))
+    assert "usual room of 0.3 to 60 m2, found 0.0" in warnings_of(plan(0.08))
+    assert "usual room" in warnings_of(plan(5))
+
+
+@pytest.mark.parametrize("height", [0.05, 0.4, 31, 100])
+def test_absurd_heights_are_refused(height):
+    with pytest.raises(InputError, match=r"a height of 0\.5 to 30 m, found"):
+        warnings_of(plan(height=height))
+
+
+@pytest.mark.parametrize("height", [1.5, 12])
+def test_odd_heights_are_told(height):
+    document = plan(height=height)
+    document["openings"] = []
+    assert f"a height of 1.8 to 6 m, found {height}" in warnings_of(document)
+
+
+def test_islands_and_slits_are_told():
+    document = plan()
+    shed = [[90, 0], [93, 0], [93, 3], [90, 3]]
+    document["rooms"].append({"id": "shed", "types": ["Closet"], "polygon": shed})
+    assert "room shed: expected rooms within 5 m of each other, found 1 apart" in warnings_of(
+        document
+    )
+    slit = {"kind": "door", "from": [91, 0], "to": [91.001, 0], "bottom": 0, "top": 2}
+    document["openings"].append(slit)
+    assert "of at least 0.2 m, found 0.001 m" in warnings_of(document)
+
+
+@pytest.mark.parametrize(
+    ("name", "word"), [("LIVING", "upper and lower case"), ("CON", "takes as a file name")]
+)
+def test_names_that_other_systems_do_not_take_are_told(name, word):
+    document = json.loads(json.dumps(plan()).replace('"bath"', f'"{name}"'))
+    ids = [room["id"] for room in document["rooms"]]
+    document["rooms"][-1]["id"] = name
+    assert "living" in ids
+    assert word in warnings_of(document)
+
+
+def test_a_repeated_key_is_refused(tmp_path):
+    path = tmp_path / "plan.json"
+    path.write_text(EXAMPLE.read_text().replace('"version": 1,', '"version": 1, "version": 1,'))
+    with pytest.raises(InputError, match="each key of an object once, found 'version'"):
+        read_plan(path, "h1")
+
+
+@pytest.mark.parametrize("name", ["bedroom", "BEDROOM", "living_room"])
+def test_room_types_are_read_as_in_scene_json(name):
+    types = house_of_plan(plan(types=[name]), "h1").rooms[0].types
+    assert types == ("Reception" if name == "living_room" else "Bedroom",)

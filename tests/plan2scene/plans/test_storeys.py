@@ -1,0 +1,247 @@
+"""Plans of several levels: what is read, what comes back, what is said of odd ones."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.house import GROUND, Level
+from plan2scene.plans import house_faults, read_plan, read_scene_json, validate_house
+from plan2scene.plans.plan_json import house_of_plan
+from plan2scene.plans.plan_writer import house_to_plan
+from plan2scene.plans.scene_writer import write_scene_json
+from plan2scene.plans.storeys import flight_area, step_count
+
+EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
+
+
+@pytest.fixture
+def plan():
+    """The example's document."""
+    return json.loads(EXAMPLE.read_text())
+
+
+def entry(plan, kind, name):
+    return next(e for e in plan[kind] if e["id"] == name)
+
+
+def test_the_example_is_a_sound_house():
+    house = read_plan(EXAMPLE, "two")
+    assert list(house_faults(house)) == []
+    assert validate_house(house) == []
+    assert house.levels == (
+        Level("ground", "Ground floor", 0.0, 2.5),
+        Level("upper", "Upper floor", 2.8, 2.5),
+    )
+    assert {room.height for room in house.rooms} == {2.5}
+    assert house.level_of("study").elevation == 2.8
+
+
+def test_rooms_of_two_levels_share_neither_walls_nor_doors():
+    house = read_plan(EXAMPLE, "two")
+    levels = {room.id: room.level for room in house.rooms}
+    assert all(len({levels[r] for r in wall.room_ids}) == 1 for wall in house.walls)
+    across = [pair for pair in house.adjacency() if levels[pair[0]] != levels[pair[1]]]
+    assert across == [("hall", "landing")]  # by the stairs alone
+
+
+def test_a_storey_is_a_house_of_its_own():
+    house = read_plan(EXAMPLE, "two")
+    (ground, below), (upper, above) = house.storeys()
+    assert (ground.id, upper.id) == ("ground", "upper")
+    assert [room.id for room in below.rooms] == ["hall", "living", "wc", "kitchen"]
+    assert {room.level for room in above.rooms} == {""}
+    assert above.levels == () and above.stairs == ()
+    assert len(below.walls) + len(above.walls) == len(house.walls)
+
+
+def test_a_house_without_levels_is_its_only_storey(l_house):
+    assert l_house.storeys() == ((GROUND, l_house),)
+    assert l_house.level_of("hall") is GROUND
+
+
+def test_plan_and_scene_come_back(plan, tmp_path):
+    house = house_of_plan(plan, "two")
+    again = house_of_plan(house_to_plan(house), "two")
+    assert again == house
+    write_scene_json(house, tmp_path / "scene.json")
+    scene = read_scene_json(tmp_path / "scene.json", "two")
+    assert (scene.rooms, scene.levels, scene.stairs) == (house.rooms, house.levels, house.stairs)
+    assert scene.walls == house.walls
+    assert scene.adjacency() == house.adjacency()
+    assert scene.warnings == ()
+
+
+def test_levels_come_in_any_order_and_give_heights(plan):
+    plan["levels"].reverse()
+    plan["levels"][1]["height"] = 2.4
+    house = house_of_plan(plan, "two")
+    assert [level.id for level in house.levels] == ["ground", "upper"]
+    assert house.room("living").height == 2.4
+
+
+def test_steps_are_those_that_one_climbs():
+    house = read_plan(EXAMPLE, "two")
+    (stairs,) = house.stairs
+    rise = house.rise_of(stairs)
+    assert rise == pytest.approx(2.8)
+    assert step_count(rise) == 15
+    assert flight_area(stairs).bounds == pytest.approx((0.0, 1.0, 0.9, 4.6))
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "change", "line"),
+    [
+        (
+            "rooms",
+            "study",
+            {"level": "attic"},
+            "room study: expected one of the levels ground, upper for room study, found 'attic'",
+        ),
+        (
+            "openings",
+            "front",
+            {"level": "attic"},
+            "expected one of the levels ground, upper for opening front, found 'attic'",
+        ),
+        ("rooms", "study", {"level": None}, "expected string at rooms[7].level, found None"),
+        (
+            "levels",
+            "upper",
+            {"elevation": 0.1},
+            "expected levels ground and upper at least 0.5 m apart, found 0.10 m",
+        ),
+        ("levels", "upper", {"id": "ground"}, "expected each level id once, found ground 2 times"),
+        (
+            "stairs",
+            "stairs",
+            {"to": [0.45, 4.5]},
+            "expected stairs stairs at least 0.5 m long, with a width, found 0.10 and 0.90 m",
+        ),
+    ],
+)
+def test_one_line_for_what_no_house_can_be_made_of(plan, kind, name, change, line):
+    entry(plan, kind, name).update(change)
+    with pytest.raises(InputError) as caught:
+        house_of_plan(plan, "two")
+    assert str(caught.value).endswith(line)
+
+
+def test_a_level_without_levels_is_said(plan):
+    del plan["levels"]
+    with pytest.raises(InputError, match="expected levels, for room hall, found 'ground'"):
+        house_of_plan(plan, "two")
+
+
+def oddity(plan):
+    """Return the only warning of a plan, from which a sound house is read."""
+    house = house_of_plan(plan, "two")
+    assert list(house_faults(house)) == []
+    (line,) = validate_house(house)
+    return line
+
+
+def test_a_storey_without_stairs_is_listed(plan):
+    plan["stairs"] = []
+    assert oddity(plan) == (
+        "house two: expected stairs from level ground up to level upper, found none"
+    )
+
+
+def test_stairs_that_lead_nowhere_are_listed(plan):
+    extra = {"id": "to_roof", "from": [0.5, 5.8], "to": [2.3, 5.8], "width": 0.3, "level": "upper"}
+    plan["stairs"].append(extra)
+    lines = validate_house(house_of_plan(plan, "two"))
+    assert lines[0] == (
+        "house two, room landing: expected a level above stairs to_roof, "
+        "found none; they end at the ceiling"
+    )
+    assert "steps of stairs to_roof at least 0.15 m deep" in lines[1]
+    entry(plan, "rooms", "landing")["polygon"][0] = [0, 1.5]
+    entry(plan, "rooms", "landing")["polygon"][1] = [2.4, 1.5]
+    plan["stairs"].pop()
+    entry(plan, "stairs", "stairs").update({"to": [0.45, -0.4]})
+    plan["openings"] = [e for e in plan["openings"] if e["id"] != "landing_north"]
+    house = house_of_plan(plan, "two")
+    assert house.stairs[0].room_ids == ("hall", None)
+    assert "expected a room of level upper at the head of stairs stairs" in validate_house(house)[0]
+
+
+def test_a_door_that_leads_into_the_air_is_listed(plan):
+    window = entry(plan, "openings", "bedroom_east")
+    window.update({"kind": "door", "bottom": 0})
+    assert oddity(plan) == (
+        "house two, room bedroom: expected a room or balcony behind door bedroom_east of level "
+        "upper, found none"
+    )
+    balcony = {"id": "balcony", "types": ["Balcony"], "level": "upper"}
+    plan["rooms"].append({**balcony, "polygon": [[8, 0.5], [9, 0.5], [9, 3], [8, 3]]})
+    assert validate_house(house_of_plan(plan, "two")) == []
+
+
+def test_an_opening_between_levels_is_listed_and_left_out(plan):
+    door = {"id": "d", "kind": "door", "from": [4, 4], "to": [4, 4.8], "bottom": 0, "top": 2}
+    plan["openings"].append({**door, "level": "upper"})
+    line = oddity(plan)
+    assert line.endswith(
+        "expected opening d on a wall of its level upper, "
+        "found one on a wall of another level; left out"
+    )
+
+
+def test_a_wall_across_the_stairs_is_listed(plan):
+    entry(plan, "rooms", "landing")["polygon"] = [[0, 0], [2.4, 0], [2.4, 3.2], [0, 3.2]]
+    store = {
+        "id": "store",
+        "types": ["Closet"],
+        "polygon": [[0, 3.2], [2.4, 3.2], [2.4, 6], [0, 6]],
+    }
+    plan["rooms"].append({**store, "level": "upper"})
+    plan["openings"] = [e for e in plan["openings"] if not e["id"].startswith("landing_")]
+    assert oddity(plan).endswith(
+        "room hall: expected stairs stairs clear of walls, found wall landing_wall_2 across them"
+    )
+
+
+def test_a_level_without_rooms_is_left_out(plan):
+    plan["levels"].append({"id": "roof", "elevation": 6})
+    assert oddity(plan).endswith("expected rooms on level roof, found none; left out")
+
+
+def test_a_ceiling_above_the_next_floor_is_listed(plan):
+    entry(plan, "rooms", "living")["height"] = 3.1
+    assert oddity(plan).endswith(
+        "room living: expected a ceiling below level upper, 2.8 m up, found 3.1 m"
+    )
+
+
+def test_a_door_of_two_levels_in_a_scene_is_listed(plan, tmp_path):
+    house = house_of_plan(plan, "two")
+    write_scene_json(house, tmp_path / "scene.json")
+    document = json.loads((tmp_path / "scene.json").read_text())
+    document["scene"]["arch"]["rdr"].append(["wc", "hall_wc", "bathroom"])
+    (tmp_path / "scene.json").write_text(json.dumps(document))
+    again = read_scene_json(tmp_path / "scene.json", "two")
+    assert again.adjacency() == house.adjacency()
+    assert "door hall_wc between rooms of one level" in again.warnings[0]
+
+
+def test_floors_a_storey_apart_in_a_scene_without_levels_are_two(plan, tmp_path):
+    house = house_of_plan(plan, "two")
+    write_scene_json(house, tmp_path / "scene.json")
+    document = json.loads((tmp_path / "scene.json").read_text())
+    arch = document["scene"]["arch"]
+    del arch["levels"], arch["stairs"]
+    for room in arch["rooms"]:
+        del room["level"]
+    (tmp_path / "scene.json").write_text(json.dumps(document))
+    again = read_scene_json(tmp_path / "scene.json", "two")
+    assert [level.elevation for level in again.levels] == [0.0, 2.8]
+    assert [room.id for room in again.storeys()[1][1].rooms] == [
+        "landing",
+        "bedroom",
+        "bathroom",
+        "study",
+    ]
+    assert again.warnings == ()

@@ -1,0 +1,80 @@
+import gc
+import subprocess
+import sys
+
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.workflow.jobs import job
+
+
+def test_a_fault_of_the_input_is_one_line_and_exit_code_1(tmp_path, capsys):
+    log = tmp_path / "logs" / "x.log"
+    with pytest.raises(SystemExit) as stop, job(log):
+        raise InputError("a photo", "no such file", file="a.jpg", house="h", room="r")
+    line = "file a.jpg, house h, room r: expected a photo, found no such file"
+    assert stop.value.code == 1
+    assert log.read_text() == f"ERROR {line}\n"
+    assert capsys.readouterr().err == f"ERROR {line}\n"
+
+
+def test_a_fault_of_ours_keeps_its_traceback(tmp_path):
+    log = tmp_path / "x.log"
+    with pytest.raises(ZeroDivisionError), job(log):
+        raise ZeroDivisionError
+    assert "Traceback" in log.read_text()
+
+
+def test_line_breaks_of_strangers_stay_one_line():
+    text = str(InputError("x", "two\nlines\x1b[31m", file="a\nb"))
+    assert "\n" not in text and "\x1b" not in text
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="mallopt is glibc's")
+def test_a_job_keeps_freed_memory():
+    program = """
+import resource, sys
+import numpy as np
+from plan2scene.workflow.jobs import job
+
+def faults():
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    for _ in range(5):
+        np.ones(2_000_000)  # 16 MB: made and freed at once
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+
+fresh = faults()
+with job():
+    faults()
+    kept = faults()
+print(fresh, kept)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    fresh, kept = map(int, done.stdout.split())
+    assert kept < 0.1 * fresh
+
+
+def test_a_full_disk_is_one_line(tmp_path, capfd):
+    with pytest.raises(SystemExit), job(tmp_path / "log.txt"):
+        raise OSError(28, "No space left on device", str(tmp_path / ".tmp_1_2_3.png"))
+    line = f"ERROR file {tmp_path}: expected free space on the disk, found No space left on device"
+    assert (tmp_path / "log.txt").read_text().splitlines() == [line]
+    assert capfd.readouterr().err.splitlines() == [line]
+
+
+def test_a_job_looks_for_circles_less_often_and_puts_it_back():
+    usual = gc.get_threshold()
+    with job():
+        assert gc.get_threshold()[0] > 10 * usual[0]
+        assert gc.isenabled()
+    assert gc.get_threshold() == usual
+
+
+def test_control_c_ends_a_job_without_a_word(tmp_path, capsys):
+    log = tmp_path / "x.log"
+    with pytest.raises(SystemExit) as stop, job(log):
+        raise KeyboardInterrupt
+    assert stop.value.code == 130
+    assert (log.read_text(), capsys.readouterr().err) == ("", "")

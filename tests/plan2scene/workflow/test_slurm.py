@@ -1,0 +1,45 @@
+"""Clusters on which the end of a job would be missed are told before anything is submitted."""
+
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.workflow.slurm import check_cluster, check_status, read_settings
+
+SHOWN = """Configuration data as of 2026-11-22T06:00:00
+AccountingStorageType   = accounting_storage/none
+MinJobAge               = 300 sec
+SlurmctldHost[0]        = vm(127.0.0.1)
+"""
+
+
+def test_settings_are_read_as_scontrol_prints_them():
+    settings = read_settings(SHOWN)
+    assert settings["AccountingStorageType"] == "accounting_storage/none"
+    assert settings["MinJobAge"] == "300 sec"
+
+
+@pytest.mark.parametrize(
+    ("command", "accounting", "kept", "fault"),
+    [
+        ("squeue", "none", "300 sec", None),
+        ("squeue", "none", "60 sec", "accounting or a longer memory"),
+        ("squeue", "slurmdbd", "60 sec", "--slurm-status-command sacct"),
+        ("sacct", "slurmdbd", "2 sec", None),
+        ("sacct", "none", "300 sec", "--slurm-status-command squeue"),
+        ("squeue", "none", "", None),
+    ],
+)
+def test_a_status_that_would_not_be_seen_is_a_fault(command, accounting, kept, fault):
+    settings = {"AccountingStorageType": f"accounting_storage/{accounting}", "MinJobAge": kept}
+    if fault is None:
+        check_status(settings, command)
+    else:
+        with pytest.raises(InputError) as caught:
+            check_status(settings, command)
+        assert caught.value.expected == fault
+
+
+def test_without_a_slurm_the_line_says_so(monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(InputError, match="a login node of a SLURM cluster"):
+        check_cluster("squeue")

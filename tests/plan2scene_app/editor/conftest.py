@@ -1,0 +1,30 @@
+"""One browser for a file of tests, and an empty editor in it."""
+
+import pytest
+from browser import Drawing, chromium
+
+from plan2scene_app.editor import write_editor
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def empty_page(tmp_path_factory):
+    path = tmp_path_factory.mktemp("editor") / "editor.html"
+    write_editor(None, path, house_id="home")
+    return path
+
+
+@pytest.fixture
+def drawing(browser, empty_page):
+    """Yield an empty editor; a fault of its program fails the test."""
+    context = browser.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+    found = Drawing(context.new_page())
+    found.page.goto(empty_page.as_uri())
+    yield found
+    context.close()
+    assert found.faults == []

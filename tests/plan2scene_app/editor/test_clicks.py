@@ -1,0 +1,213 @@
+"""The editor by clicks and keys: what is drawn is the plan.json that the reader reads."""
+
+import io
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from plan2scene.datasets.assignments import read_assignment
+from plan2scene.mesh import write_glb
+from plan2scene.plans import read_plan, validate_house
+
+
+def areas(drawing):
+    house = {room["id"]: room["polygon"] for room in drawing.plan["rooms"]}
+    return {name: round(shoelace(ring), 3) for name, ring in house.items()}
+
+
+def shoelace(ring):
+    x, z = np.array(ring).T
+    return abs(float(np.sum(x * np.roll(z, -1) - np.roll(x, -1) * z))) / 2
+
+
+def jpeg(name, colour=(180, 120, 60)):
+    buffer = io.BytesIO()
+    Image.new("RGB", (64, 48), colour).save(buffer, "JPEG")
+    return {"name": name, "mimeType": "image/jpeg", "buffer": buffer.getvalue()}
+
+
+def drop_file(drawing, at, name):
+    """Drop a small picture on the drawing as the system would."""
+    x, y = drawing.pixel(*at)
+    drawing.page.evaluate(
+        """async ([x, y, name]) => {
+          const canvas = new OffscreenCanvas(40, 30);
+          canvas.getContext("2d").fillRect(0, 0, 40, 30);
+          const file = new File([await canvas.convertToBlob()], name, { type: "image/png" });
+          const data = new DataTransfer();
+          data.items.add(file);
+          const options = { clientX: x, clientY: y, dataTransfer: data, cancelable: true };
+          editor.view.svg.dispatchEvent(new DragEvent("drop", options));
+        }""",
+        [x, y, name],
+    )
+    drawing.page.wait_for_function(
+        "(name) => editor.store.state.photos.some((p) => p.name === name)", arg=name
+    )
+
+
+def two_rooms(drawing):
+    """Draw two rooms with a door between them and a window."""
+    drawing.two_rooms()
+    drawing.press("n")
+    drawing.click(1.5, 0)
+    drawing.press("v")
+
+
+def test_two_rooms_from_nothing_to_a_glb(drawing, tmp_path):
+    two_rooms(drawing)
+    drawing.click(1, 1)
+    drawing.page.get_by_role("button", name="Kitchen").click()
+    drawing.page.get_by_label("Name").fill("My kitchen")
+    drawing.page.get_by_label("Height").fill("250 cm")
+    drawing.page.keyboard.press("Enter")
+    drop_file(drawing, (4, 2), "bed.png")
+    drawing.click(4, 2)
+    thumb = drawing.page.locator("#panel .photo img")
+    assert thumb.evaluate("(image) => image.decode().then(() => image.naturalWidth)") == 40
+    downloads = []
+    drawing.page.on("download", lambda download: downloads.append(download))
+    drawing.press("v", "Control+s")
+    drawing.page.wait_for_function("() => !editor.store.unsaved")
+    while len(downloads) < 2:
+        drawing.page.wait_for_timeout(20)
+    for download in downloads:
+        download.save_as(tmp_path / download.suggested_filename)
+    house = read_plan(tmp_path / "plan.json", "home")
+    assert validate_house(house) == []
+    rooms = {room.id: room for room in house.rooms}
+    assert {name: room.types for name, room in rooms.items()} == {
+        "My_kitchen": ("Kitchen",),
+        "room_2": ("Unknown",),
+    }
+    assert rooms["My_kitchen"].height == 2.5
+    assert house.adjacency() == (("My_kitchen", "room_2"),)
+    kinds = sorted(o.kind for wall in house.walls for o in wall.openings)
+    assert kinds == ["door", "window"]
+    rows = read_assignment(tmp_path / "photos.csv", house)
+    assert [tuple(row) for row in rows] == [("room_2", "bed.png")]
+    write_glb(house, {}, tmp_path / "house.glb")
+    assert (tmp_path / "house.glb").read_bytes()[:4] == b"glTF"
+
+
+def test_walls_move_with_both_rooms_and_what_is_in_them(drawing):
+    two_rooms(drawing)
+    drawing.drag((3, 2.6), (3.5, 2.6))
+    assert areas(drawing) == {"room": 10.5, "room_2": 4.5}
+    door = next(o for o in drawing.plan["openings"] if o["kind"] == "door")
+    assert door["from"][0] == door["to"][0] == 3.5
+    drawing.drag((5, 3), (6, 4))  # the corner alone
+    assert areas(drawing)["room"] == 10.5
+    assert areas(drawing)["room_2"] == pytest.approx(6.75)
+    for _ in range(2):
+        drawing.press("Control+z")
+    assert areas(drawing) == {"room": 9.0, "room_2": 6.0}
+    drawing.press("Control+Shift+z")
+    assert areas(drawing) == {"room": 10.5, "room_2": 4.5}
+
+
+def test_a_wall_beside_a_longer_one_gets_a_step(drawing):
+    drawing.press("r")
+    drawing.drag((0, 0), (6, 2))
+    drawing.drag((0, 2), (3, 5))
+    drawing.drag((3, 2), (6, 5))
+    drawing.press("v")
+    drawing.drag((1, 2), (1, 2.5))
+    assert areas(drawing) == {"room": 13.5, "room_2": 7.5, "room_3": 9.0}
+    assert drawing.page.evaluate("editor.problems") == []
+
+
+def test_the_keyboard_alone_draws_and_changes_a_room(drawing):
+    drawing.page.locator("#drawing").focus()
+    drawing.page.keyboard.type("r4.2x3")
+    drawing.press("Enter")
+    drawing.page.keyboard.type("2 x 3")
+    drawing.press("Enter")
+    assert areas(drawing) == {"room": 12.6, "room_2": 6.0}
+    assert drawing.plan["rooms"][1]["polygon"][0] == [4.2, 0]
+    drawing.press("v", "Shift+ArrowRight")
+    assert drawing.plan["rooms"][1]["polygon"][0] == [4.7, 0]
+    drawing.press("Delete")
+    assert list(areas(drawing)) == ["room"]
+
+
+def test_a_line_closes_beside_rooms_and_typed_lengths_are_kept(drawing):
+    drawing.press("r")
+    drawing.drag((0, 0), (4, 3))
+    drawing.press("w")
+    drawing.click(4, 0)
+    x, z = drawing.pixel(5, 0)
+    drawing.page.mouse.move(x, z)
+    drawing.page.keyboard.type("1.55")
+    drawing.press("Enter")
+    drawing.click(5.55, 3)
+    drawing.click(4, 3)
+    assert areas(drawing) == {"room": 12.0, "room_2": 4.65}
+
+
+def test_problems_are_listed_and_lead_to_what_they_are_of(drawing):
+    two_rooms(drawing)
+    drawing.drag((4, 1), (1.5, 1))
+    drawing.page.wait_for_selector("#problems li")
+    assert "rooms that don't overlap" in drawing.page.inner_text("#problems")
+    drawing.page.click("#problems li button")
+    assert drawing.page.evaluate("editor.selection.id") == "room"
+
+
+def test_feet_and_the_scale_of_a_picture(drawing, tmp_path):
+    picture = tmp_path / "plan.png"
+    Image.new("RGB", (400, 300), "white").save(picture)
+    drawing.page.evaluate("editor.pickFile('image/*', (file) => editor.openPicture(file))")
+    drawing.page.set_input_files("#file-input", picture)
+    drawing.page.wait_for_function("() => editor.picture !== null && editor.tool.name === 'scale'")
+    place = "editor.store.state.picture"
+    before = drawing.page.evaluate(place)["metres_per_pixel"]
+    drawing.page.select_option("#feet", "feet")
+    drawing.click(0, 1)
+    drawing.click(200 * before, 1)
+    drawing.page.locator("dialog input").first.fill("20' 6\"")
+    drawing.page.get_by_role("button", name="Set the scale").click()
+    drawing.page.wait_for_function("() => editor.tool.name === 'room'")
+    after = drawing.page.evaluate(place)["metres_per_pixel"]
+    assert after * 200 == pytest.approx(20.5 * 0.3048, rel=0.01)
+
+
+def test_saved_files_open_again(drawing, tmp_path):
+    two_rooms(drawing)
+    plan = drawing.plan
+    (tmp_path / "plan.json").write_text(json.dumps(plan))
+    (tmp_path / "photos.csv").write_text('room_id,photo\nroom_2,"a, b.jpg"\nroom,c.jpg\n')
+    drawing.press("Control+z")
+    for name in ("plan.json", "photos.csv"):
+        drawing.page.click("#open")
+        drawing.page.set_input_files("#file-input", tmp_path / name)
+        drawing.page.wait_for_timeout(50)
+    assert drawing.plan == plan
+    assert drawing.photos == [
+        {"name": "a, b.jpg", "rooms": ["room_2"]},
+        {"name": "c.jpg", "rooms": ["room"]},
+    ]
+
+
+def test_what_was_not_saved_is_offered_again(drawing):
+    drawing.press("r")
+    drawing.drag((0, 0), (4, 3))
+    drawing.page.wait_for_function("() => localStorage.length === 1")
+    drawing.page.on("dialog", lambda dialog: dialog.accept())
+    drawing.page.reload()
+    drawing.page.get_by_role("button", name="Go on with it").click()
+    assert areas(drawing) == {"room": 12.0}
+
+
+def test_a_plan_without_heights_takes_a_passage(drawing):
+    ring = [[0, 0], [4, 0], [4, 3], [0, 3]]
+    plan = {"format": "plan2scene-plan", "version": 1}
+    plan["rooms"] = [{"id": "a", "types": ["Kitchen"], "polygon": ring}]
+    drawing.page.evaluate("(plan) => editor.openPlan(plan)", plan)
+    drawing.press("p")
+    drawing.click(2, 0)
+    assert drawing.plan["rooms"][0]["height"] == 2.8
+    assert drawing.plan["openings"][0]["top"] == 2.2
+    assert drawing.page.evaluate("editor.problems") == []

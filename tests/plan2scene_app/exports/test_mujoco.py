@@ -1,0 +1,101 @@
+"""The MJCF in MuJoCo: balls rest on floors, capsules stay inside and pass open doors."""
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from plan2scene_app.exports.mjcf import mjcf_text
+from plan2scene_app.exports.solids import house_solids
+
+mujoco = pytest.importorskip("mujoco")
+RADIUS = 0.1
+
+
+def model_with(house, bodies):
+    """Return a model of a house with more bodies in it."""
+    root = ET.fromstring(mjcf_text(house, house_solids(house)))
+    world = root.find("worldbody")
+    for body in bodies:
+        world.append(ET.fromstring(body))
+    keys = root.find("keyframe")
+    if keys is not None:  # its qpos has no place for what was added
+        root.remove(keys)
+    model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
+    return model, mujoco.MjData(model)
+
+
+def ball(name, x, z):
+    return (
+        f'<body name="{name}" pos="{x} {-z} 1.0"><freejoint/>'
+        f'<geom type="sphere" size="{RADIUS}" mass="1" condim="6" '
+        'friction="1 0.01 0.01"/></body>'
+    )
+
+
+def pusher(x, z):
+    """Return an upright capsule that slides over the floor."""
+    return (
+        f'<body name="robot" pos="{x} {-z} 0.55"><joint name="rx" type="slide" axis="1 0 0"/>'
+        '<joint name="ry" type="slide" axis="0 1 0"/>'
+        '<geom type="capsule" size="0.2 0.3" mass="20" friction="0.2"/></body>'
+    )
+
+
+def pushed(house, start, force, *, doors=0.0, seconds=6.0):
+    """Return the plan point (x, z) at which a capsule ends that is pushed along (x, z)."""
+    model, data = model_with(house, [pusher(*start)])
+    for number in range(model.njnt):
+        name = model.joint(number).name
+        if name.endswith("/hinge"):
+            low, high = model.jnt_range[number]
+            data.qpos[model.jnt_qposadr[number]] = doors * (low if abs(low) > high else high)
+    robot = model.body("robot").id
+    mujoco.mj_forward(model, data)
+    for _ in range(int(seconds / model.opt.timestep)):
+        data.xfrc_applied[robot, :2] = force[0], -force[1]
+        data.xfrc_applied[robot, :2] -= 40.0 * data.cvel[robot, 3:5]
+        mujoco.mj_step(model, data)
+    x, y, _ = data.xpos[robot]
+    return x, -y
+
+
+@pytest.mark.parametrize("name", ["l_house", "ring_house", "gap_house"])
+def test_balls_come_to_rest_on_every_floor(request, name):
+    house = request.getfixturevalue(name)
+    starts = {
+        room.id: np.asarray(room.rings[0][0]) * 0.85 + np.mean(room.rings[0], axis=0) * 0.15
+        for room in house.rooms
+    }
+    model, data = model_with(house, [ball(f"ball {r}", *p) for r, p in starts.items()])
+    for _ in range(int(3.0 / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    for room_id, start in starts.items():
+        x, y, height = data.body(f"ball {room_id}").xpos
+        assert height == pytest.approx(RADIUS, abs=0.005)
+        assert (x, -y) == pytest.approx(start, abs=0.1)
+        assert np.abs(data.body(f"ball {room_id}").cvel).max() < 0.05
+
+
+def test_a_wall_holds(gap_house):
+    x, z = pushed(gap_house, (1.5, 3.0), (100.0, 0.0))
+    assert x == pytest.approx(3.0 - 0.2, abs=0.02)
+    assert z == pytest.approx(3.0, abs=0.1)
+
+
+def test_an_open_door_lets_pass_and_a_wall_beside_it_does_not(gap_house):
+    x, _ = pushed(gap_house, (1.5, 1.4), (100.0, 0.0), doors=0.9)
+    assert x > 3.5
+
+
+def test_a_leaf_gives_way_to_the_side_that_it_opens_to(gap_house):
+    from_behind, _ = pushed(gap_house, (4.5, 1.4), (-100.0, 0.0))
+    assert from_behind < 2.8  # it pushes the leaf open into room a
+    against, _ = pushed(gap_house, (1.5, 1.4), (100.0, 0.0))
+    assert against < 3.0  # the leaf does not open to the other side
+
+
+def test_the_open_pose_is_a_keyframe(gap_house):
+    model = mujoco.MjModel.from_xml_string(mjcf_text(gap_house, house_solids(gap_house)))
+    assert model.nkey == 1
+    assert abs(model.key_qpos[0, 0]) == pytest.approx(np.radians(90), abs=1e-4)

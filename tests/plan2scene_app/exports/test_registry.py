@@ -1,0 +1,55 @@
+"""Exports by name, from the files of a house."""
+
+import json
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from plan2scene.errors import InputError
+from plan2scene.plans import write_scene_json
+from plan2scene_app.cli import app
+from plan2scene_app.exports.registry import EXPORTS, export_house
+
+
+@pytest.fixture
+def made(gap_house, paint, tmp_path):
+    """Return a folder like one that `plan2scene run` leaves."""
+    write_scene_json(gap_house, tmp_path / "house.scene.json")
+    (tmp_path / "textures").mkdir()
+    entries = {}
+    for key, tile in paint(gap_house).items():
+        (tmp_path / "textures" / f"{key.filename}.png").write_bytes(tile.png)
+        entries["/".join(key)] = {"size_m": tile.size_m}
+    (tmp_path / "textures" / "textures.json").write_text(json.dumps({"surfaces": entries}))
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", EXPORTS)
+def test_command_writes_what_the_registry_says(made, name):
+    if name in ("usd", "ifc"):
+        pytest.importorskip({"usd": "pxr", "ifc": "ifcopenshell"}[name])
+    result = CliRunner().invoke(app, ["export", str(made), "--to", name])
+    assert result.exit_code == 0, result.output
+    written = {p.name + "/" * p.is_dir() for p in (made / name).iterdir()}
+    assert written == set(EXPORTS[name].files)
+    assert result.output.split() == [str(made / name / f.rstrip("/")) for f in EXPORTS[name].files]
+
+
+def test_unknown_form_is_refused(made):
+    with pytest.raises(InputError, match="expected one of usd, sim, ifc, map, obj, found 'fbx'"):
+        export_house(made / "house.scene.json", made / "textures", made / "x", "fbx", house_id="h")
+    assert not (made / "x").exists()
+
+
+@pytest.mark.parametrize(("name", "module"), [("usd", "pxr"), ("ifc", "ifcopenshell")])
+def test_a_missing_package_is_named(made, monkeypatch, name, module):
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(InputError, match=r"pip install 'plan2scene\[exports\]'"):
+        export_house(made / "house.scene.json", made / "textures", made / "x", name, house_id="h")
+
+
+def test_a_folder_of_something_else_is_refused(tmp_path):
+    result = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "map"])
+    assert isinstance(result.exception, InputError)
+    assert "no house.scene.json" in str(result.exception)

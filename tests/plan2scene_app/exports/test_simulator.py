@@ -1,0 +1,54 @@
+"""The simulator pack: files that belong together."""
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+
+from plan2scene_app.exports.simulator import instance_colour, write_simulator
+from plan2scene_app.exports.solids import house_solids
+
+
+@pytest.fixture
+def pack(gap_house, paint, tmp_path):
+    write_simulator(gap_house, paint(gap_house), tmp_path)
+    return tmp_path
+
+
+def test_descriptor_names_files_that_are_there(pack):
+    config = json.loads((pack / "house.stage_config.json").read_text())
+    for key in ("render_asset", "collision_asset", "semantic_asset"):
+        assert (pack / config[key]).is_file()
+    assert (pack / config["semantic_descriptor_filename"]).is_file()
+    assert config["units_to_meters"] == 1.0
+
+
+def test_collision_is_the_solids(pack, gap_house):
+    scene = trimesh.load(pack / "collision.glb")
+    solids = {solid.name: solid for solid in house_solids(gap_house)}
+    assert set(scene.geometry) == set(solids)
+    for name, mesh in scene.geometry.items():
+        volume = sum(piece.volume for piece in solids[name].pieces)
+        assert mesh.volume == pytest.approx(volume, rel=1e-3)
+
+
+def test_every_instance_has_a_colour_of_its_own(pack):
+    header, *rows = (pack / "semantic.txt").read_text().splitlines()
+    assert header == "HM3D Semantic Annotations"
+    told = {row.split(",")[1]: row.split(",") for row in rows}
+    assert len(told) == len(rows)
+    seen = {}
+    for name, mesh in trimesh.load(pack / "semantic.glb").geometry.items():
+        colours = np.unique(mesh.visual.vertex_colors[:, :3], axis=0)
+        assert len(colours) == 1
+        seen["".join(f"{c:02X}" for c in colours[0])] = name
+    assert seen.keys() == told.keys()
+    categories = {seen[colour]: row[2].strip('"') for colour, row in told.items()}
+    assert categories["a/floor"] == "floor"
+    assert categories["structure/wall/a_w1"] == "wall"
+    assert {told[c][3] for c, name in seen.items() if name.startswith("b/")} == {"1"}
+
+
+def test_colours_differ():
+    assert len({instance_colour(number) for number in range(1, 20000)}) == 19999

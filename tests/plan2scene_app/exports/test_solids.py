@@ -1,0 +1,102 @@
+"""Bodies of a house: closed, convex, where the plan has them."""
+
+import numpy as np
+import pytest
+import shapely
+from scipy.spatial.transform import Rotation
+
+from plan2scene_app.exports.solids import LEAST_WALL, SLAB, house_solids, prisms
+
+HOUSES = ("l_house", "ring_house", "shared_house", "gap_house")
+
+
+@pytest.fixture(params=HOUSES)
+def house(request):
+    return request.getfixturevalue(request.param)
+
+
+def area(piece):
+    return shapely.MultiPoint(piece.vertices[:, [0, 2]]).convex_hull
+
+
+def test_pieces_are_closed_convex_and_look_outward(house):
+    solids = house_solids(house)
+    assert len({solid.name for solid in solids}) == len(solids)
+    for piece in (piece for solid in solids for piece in solid.pieces):
+        assert piece.is_watertight
+        assert piece.is_convex
+        assert piece.volume > 0
+
+
+def test_slabs_are_the_rooms(house):
+    solids = {solid.name: solid for solid in house_solids(house)}
+    for room in house.rooms:
+        outline = shapely.Polygon(room.rings[0], room.rings[1:])
+        for surface, low in (("floor", -SLAB), ("ceiling", room.height)):
+            solid = solids[f"{room.id}/{surface}"]
+            assert solid.category == surface
+            volume = sum(piece.volume for piece in solid.pieces)
+            assert volume == pytest.approx(outline.area * SLAB, rel=1e-6)
+            assert min(piece.bounds[0, 1] for piece in solid.pieces) == pytest.approx(low)
+
+
+def test_prism_of_a_polygon_with_a_hole():
+    ring = shapely.box(0, 0, 4, 4).difference(shapely.box(1, 1, 2, 2))
+    pieces = prisms(ring, 0.0, 2.0)
+    assert len(pieces) > 1
+    assert sum(piece.volume for piece in pieces) == pytest.approx(30.0)
+
+
+@pytest.mark.parametrize(("name", "walls"), [("gap_house", 0.1), ("shared_house", LEAST_WALL)])
+def test_a_door_is_a_hole_with_a_floor_and_a_leaf(request, name, walls):
+    house = request.getfixturevalue(name)
+    solids = house_solids(house)
+    way = shapely.Point(3.0 + walls / 2 if name == "gap_house" else 3.0, 1.4)
+    there = [
+        solid
+        for solid in solids
+        for piece in solid.pieces
+        if solid.category == "wall" and area(piece).contains(way) and piece.bounds[0, 1] < 1.9
+    ]
+    assert there == []
+    heads = [
+        piece.bounds[0, 1]
+        for solid in solids
+        if solid.category == "wall"
+        for piece in solid.pieces
+        if area(piece).contains(way)
+    ]
+    assert heads
+    assert min(heads) == pytest.approx(2.0)
+    floors = [s for s in solids if s.category == "floor" for p in s.pieces if area(p).contains(way)]
+    assert floors or name == "shared_house"
+    (leaf,) = [solid for solid in solids if solid.category == "door"]
+    assert set(leaf.room_ids) == {"a", "b"}
+    assert 0.6 < np.ptp(leaf.pieces[0].bounds[:, 2]) < 0.8
+
+
+@pytest.mark.parametrize("name", ["gap_house", "l_house"])
+def test_a_leaf_opens_into_its_room(request, name):
+    house = request.getfixturevalue(name)
+    (leaf,) = [solid for solid in house_solids(house) if solid.category == "door"]
+    hinge = leaf.hinge
+    axis = np.array([hinge.x, 0.0, hinge.z])
+    turn = Rotation.from_euler("y", 90 * hinge.opens, degrees=True)
+    moved = turn.apply(leaf.pieces[0].vertices - axis) + axis
+    room = house.room(leaf.room_ids[0])
+    inside = shapely.Polygon(room.rings[0]).buffer(0.06)
+    assert inside.contains(shapely.MultiPoint(moved[:, [0, 2]]).convex_hull)
+
+
+def test_walls_touching_rooms_are_thin(shared_house):
+    (wall,) = [solid for solid in house_solids(shared_house) if solid.name == "wall/ab"]
+    x = np.concatenate([piece.vertices[:, 0] for piece in wall.pieces])
+    assert np.ptp(x) == pytest.approx(LEAST_WALL, abs=1e-6)
+
+
+def test_windows_are_filled(l_house):
+    panes = [solid for solid in house_solids(l_house) if solid.category == "window"]
+    assert panes
+    for pane in panes:
+        (piece,) = pane.pieces
+        assert piece.bounds[0, 1] > 0.4

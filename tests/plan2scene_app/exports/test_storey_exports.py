@@ -1,0 +1,156 @@
+"""Several storeys in other programs' forms: all of them have both levels."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+import yaml
+from PIL import Image
+
+from plan2scene.mesh import build_parts
+from plan2scene.mesh.obj import write_obj
+from plan2scene.plans import write_scene_json
+from plan2scene.plans.storeys import flight_area
+from plan2scene_app.exports.ifc import write_ifc
+from plan2scene_app.exports.mjcf import mjcf_text
+from plan2scene_app.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M
+from plan2scene_app.exports.registry import export_house
+from plan2scene_app.exports.simulator import write_simulator
+from plan2scene_app.exports.solids import house_solids
+
+
+@pytest.fixture(scope="module")
+def house(storey_house):
+    return storey_house
+
+
+@pytest.fixture(scope="module")
+def solids(house):
+    return {solid.name: solid for solid in house_solids(house)}
+
+
+def test_bodies_are_closed_and_at_their_level(solids):
+    assert all(piece.is_watertight for solid in solids.values() for piece in solid.pieces)
+    slab = solids["bedroom/floor"].pieces[0]
+    assert slab.bounds[:, 1] == pytest.approx([2.7, 2.8])
+    landing = sum(piece.volume for piece in solids["landing/floor"].pieces)
+    assert landing == pytest.approx((2.4 * 6 + 2.2 - 0.9 * 3.6) * 0.1)
+    assert solids["hall/stairs/stairs"].category == "stairs"
+    assert len(solids["hall/stairs/stairs"].pieces) == 15
+
+
+def test_each_level_has_its_map(house, tmp_path):
+    write_scene_json(house, tmp_path / "scene.json")
+    (tmp_path / "textures.json").write_text('{"surfaces": {}}')
+    out = tmp_path / "out"
+    written = export_house(tmp_path / "scene.json", tmp_path, out, "map", house_id="two")
+    names = sorted(path.name for path in out.iterdir())
+    assert names == ["map.pgm", "map.yaml", "map_upper.pgm", "map_upper.yaml"]
+    assert sorted(path.name for path in written) == names
+
+    def at(name, x, z):
+        facts = yaml.safe_load((out / f"{name}.yaml").read_text())
+        grid = np.asarray(Image.open(out / facts["image"]))
+        column = int((x - facts["origin"][0]) / RESOLUTION_M)
+        return grid[grid.shape[0] - 1 - int((-z - facts["origin"][1]) / RESOLUTION_M), column]
+
+    assert at("map", 4.5, 5.0) == FREE  # the kitchen, below the bathroom's wall
+    assert at("map_upper", 4.6, 5.0) == OCCUPIED
+    assert at("map", 0.45, 2.0) == OCCUPIED  # the stairs
+    assert at("map_upper", 0.45, 2.0) == OCCUPIED  # the well
+    assert at("map_upper", 0.45, 0.5) == FREE
+
+
+def test_a_ball_rests_on_both_floors_and_falls_through_the_well(house, solids):
+    mujoco = pytest.importorskip("mujoco")
+    text = mjcf_text(house, list(solids.values()))
+    spots = {"bedroom": (5.0, 3.6, 1.5), "living": (5.0, 0.8, 1.5), "well": (0.45, 3.4, 4.4)}
+    rests = {}
+    for name, (x, y, z) in spots.items():
+        ball = f'<body pos="{x} {-z} {y}"><freejoint/><geom size="0.1" mass="1"/></body>'
+        model = mujoco.MjModel.from_xml_string(text.replace("</worldbody>", f"{ball}</worldbody>"))
+        data = mujoco.MjData(model)
+        while data.time < 1.2:
+            mujoco.mj_step(model, data)
+        rests[name] = data.body(model.nbody - 1).xpos[2]
+    assert rests["bedroom"] == pytest.approx(2.8 + 0.1, abs=0.02)
+    assert rests["living"] == pytest.approx(0.1, abs=0.02)
+    assert 0.05 < rests["well"] < 1.0  # on the steps below, or down them
+
+
+def test_ifc_has_both_storeys(house, tmp_path):
+    ifcopenshell = pytest.importorskip("ifcopenshell")
+    write_ifc(house, {}, tmp_path)
+    model = ifcopenshell.open(str(tmp_path / "house.ifc"))
+    storeys = {s.Name: s for s in model.by_type("IfcBuildingStorey")}
+    assert {name: s.Elevation for name, s in storeys.items()} == {"ground": 0.0, "upper": 2.8}
+    upper = storeys["upper"]
+    assert {s.Name for s in upper.IsDecomposedBy[0].RelatedObjects} == {
+        "landing",
+        "bedroom",
+        "bathroom",
+        "study",
+    }
+    (stairs,) = model.by_type("IfcStair")
+    assert stairs.ContainedInStructure[0].RelatingStructure == storeys["ground"]
+    ids = [entity.GlobalId for entity in model.by_type("IfcRoot")]
+    assert len(ids) == len(set(ids))
+
+
+def test_ifc_of_a_room_that_is_all_well_is_valid(house, tmp_path):
+    ifcopenshell = pytest.importorskip("ifcopenshell")
+    from ifcopenshell import validate
+
+    (flight,) = house.stairs
+    strip = tuple(flight_area(flight).exterior.coords)[:-1]
+    rooms = [replace(r, rings=(strip,)) if r.id == "landing" else r for r in house.rooms]
+    walls = [w for w in house.walls if "landing" not in w.room_ids]
+    terrace = replace(house.room("study"), types=("Terrace",))
+    rooms = [terrace if room.id == "study" else room for room in rooms]
+    write_ifc(replace(house, rooms=tuple(rooms), walls=tuple(walls)), {}, tmp_path)
+    model = ifcopenshell.open(str(tmp_path / "house.ifc"))
+    logger = validate.json_logger()
+    validate.validate(model, logger)
+    assert logger.statements == []
+    assert "landing/floor" not in {slab.Name for slab in model.by_type("IfcSlab")}
+    kinds = {space.Name: space.PredefinedType for space in model.by_type("IfcSpace")}
+    assert (kinds["study"], kinds["bedroom"]) == ("EXTERNAL", "INTERNAL")
+
+
+def test_usd_is_valid(house, paint, tmp_path):
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdGeom, UsdValidation
+
+    from plan2scene_app.exports.usd import write_usd
+
+    write_usd(house, paint(house), tmp_path)
+    stage = Usd.Stage.Open(str(tmp_path / "house.usdc"))
+    registry = UsdValidation.ValidationRegistry()
+    context = UsdValidation.ValidationContext(registry.GetOrLoadAllValidators())
+    assert [error.GetMessage() for error in context.Validate(stage)] == []
+    cache = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default"])
+    box = cache.ComputeWorldBound(stage.GetDefaultPrim()).ComputeAlignedRange()
+    assert box.GetMax()[1] == pytest.approx(2.8 + 2.535)
+
+
+def test_the_simulator_pack_has_every_level(house, paint, tmp_path):
+    write_simulator(house, paint(house), tmp_path)
+    for name in ("house.glb", "collision.glb", "semantic.glb"):
+        scene = trimesh.load(tmp_path / name)
+        assert scene.bounds[1, 1] == pytest.approx(2.8 + 2.535, abs=0.07), name
+    rows = (tmp_path / "semantic.txt").read_text().splitlines()[1:]
+    regions = {row.split(",")[3] for row in rows}
+    assert regions == {str(k) for k in range(-1, len(house.rooms))}
+    assert any('"stairs"' in row for row in rows)
+
+
+def test_obj_has_every_level(house, paint, tmp_path):
+    write_obj(house, paint(house), tmp_path / "house.obj")
+    lines = (tmp_path / "house.obj").read_text().splitlines()
+    names = {line[2:] for line in lines if line.startswith("o ")}
+    assert {part.name for part in build_parts(house)} <= names
+    heights = [float(line.split()[2]) for line in lines if line.startswith("v ")]
+    assert (min(heights), max(heights)) == pytest.approx((0.0, 2.8 + 2.535))
+    images = {path.name for path in (tmp_path / "house_textures").iterdir()}
+    assert images == {f"{key.filename}.png" for key in house.surface_keys()}

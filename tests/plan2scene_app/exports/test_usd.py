@@ -1,0 +1,88 @@
+"""USD: read back by usd-core, and clean by its validators."""
+
+import numpy as np
+import pytest
+
+from plan2scene.mesh import build_parts
+from plan2scene.mesh.glb import ROUGHNESS
+from plan2scene_app.exports.usd import prim_name, write_usd
+
+pxr = pytest.importorskip("pxr")
+from pxr import Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation  # noqa: E402
+
+
+def complaints(path):
+    """Return what all of USD's validators say about a file."""
+    registry = UsdValidation.ValidationRegistry()
+    context = UsdValidation.ValidationContext(registry.GetOrLoadAllValidators())
+    return [(e.GetName(), e.GetMessage()) for e in context.Validate(Usd.Stage.Open(str(path)))]
+
+
+@pytest.fixture
+def folder(gap_house, paint, tmp_path):
+    write_usd(gap_house, paint(gap_house), tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", ["house.usdc", "house.usdz"])
+def test_valid_and_whole(folder, gap_house, paint, name):
+    assert complaints(folder / name) == []
+    stage = Usd.Stage.Open(str(folder / name))
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
+    assert UsdGeom.GetStageUpAxis(stage) == "Y"
+    prims = {prim.GetDisplayName(): prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)}
+    textures = paint(gap_house)
+    for part in build_parts(gap_house):
+        mesh = UsdGeom.Mesh(prims[part.name])
+        assert np.array(mesh.GetPointsAttr().Get()) == pytest.approx(part.mesh.vertices, abs=1e-5)
+        material, _ = UsdShade.MaterialBindingAPI(prims[part.name]).ComputeBoundMaterial()
+        assert material
+        if part.surface in textures:
+            st = np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").Get())
+            expected = textures[part.surface].turns(part.uv) * [1, -1] + [0, 1]
+            assert st == pytest.approx(expected, abs=1e-4)
+            image = UsdShade.Shader.Get(stage, f"{material.GetPath()}/image")
+            assert image.GetInput("file").Get().resolvedPath
+
+
+def test_validators_find_a_missing_texture(folder):
+    (folder / "textures" / "a_floor.png").unlink()
+    assert any("a_floor" in message for _, message in complaints(folder / "house.usdc"))
+
+
+def test_collision_and_labels(folder):
+    stage = Usd.Stage.Open(str(folder / "house.usdc"))
+    hulls = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.CollisionAPI)]
+    assert hulls
+    for prim in hulls:
+        assert UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get() == "convexHull"
+    labels = {
+        prim.GetDisplayName(): list(prim.GetAttribute("semantics:labels:category").Get())
+        for prim in stage.Traverse()
+        if prim.IsA(UsdGeom.Mesh)
+    }
+    assert labels["a/floor"] == ["floor"]
+    assert labels["a/door/ha"] == ["door"]
+    assert all(labels.values())
+
+
+def test_surfaces_are_as_rough_as_in_the_glb(folder):
+    stage = Usd.Stage.Open(str(folder / "house.usdc"))
+    shader = UsdShade.Shader.Get(stage, "/house/materials/a_floor/surface")
+    assert shader.GetInput("roughness").Get() == pytest.approx(ROUGHNESS["tile"])
+
+
+def test_same_house_same_bytes(folder, gap_house, paint, tmp_path_factory):
+    again = tmp_path_factory.mktemp("again")
+    write_usd(gap_house, paint(gap_house), again)
+    for name in ("house.usdc", "house.usdz"):
+        assert (again / name).read_bytes() == (folder / name).read_bytes()
+    left = {path.name for path in folder.iterdir()}
+    assert left == {"house.usdc", "house.usdz", "textures"}
+
+
+@pytest.mark.parametrize(
+    ("name", "safe"), [("a/wall/w 1", "a_wall_w_1"), ("1", "_1"), ("ä", "_"), ("", "_")]
+)
+def test_prim_names(name, safe):
+    assert prim_name(name) == safe

@@ -1,0 +1,237 @@
+"""DXF: rooms as outlines, walls as bodies, axes and pairs of faces; units, layers, faults."""
+
+import time
+from itertools import pairwise
+from math import atan2, degrees
+
+import pytest
+from plan_drawing import FLATS, assert_found, drawn_flat
+from shapely import unary_union
+from shapely.geometry import LineString
+
+from plan2scene.errors import InputError
+from plan2scene.plans import read_plan
+from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.parse import Source
+from plan2scene_app.plan_formats import dxf
+from plan2scene_app.plan_formats.dxf import house_of_dxf
+from plan2scene_app.plan_formats.dxf_layers import LayerKinds
+
+ezdxf = pytest.importorskip("ezdxf")
+MILLIMETRES = 4
+
+
+def document(units=MILLIMETRES):
+    doc = ezdxf.new("R2010")
+    doc.header["$INSUNITS"] = units
+    return doc
+
+
+def points(coords, scale=1000, shift=(0, 0)):
+    return [(x * scale + shift[0], -z * scale + shift[1]) for x, z in coords]
+
+
+def body(ends, thickness, cap="square"):
+    return LineString(ends).buffer(thickness / 2, cap_style=cap)
+
+
+def add_holes(doc, plan, **more):
+    """A door is a block of leaf and swing, hinged on the wall's axis; a window lines across it."""
+    block = doc.blocks.new("Door_90")
+    block.add_line((0, 0), (0, 1))
+    block.add_arc((0, 0), 1, 0, 90)
+    space = doc.modelspace()
+    for hole in plan.holes:
+        start, end = points(hole.ends, **more)
+        if hole.kind == "window":
+            for side in (0.5, -0.5):
+                out = side * plan.thickness * 1000
+                normal = (hole.along[1], hole.along[0])
+                line = [(x + out * normal[0], y + out * normal[1]) for x, y in (start, end)]
+                space.add_line(*line, dxfattribs={"layer": "A-GLAZ"})
+            space.add_line(start, end, dxfattribs={"layer": "A-GLAZ"})
+        else:
+            turn = degrees(atan2(end[1] - start[1], end[0] - start[0]))
+            size = hole.width * 1000
+            place = {"rotation": turn, "xscale": size, "yscale": size}
+            space.add_blockref("Door_90", start, dxfattribs=place)
+
+
+def add_rooms(doc, plan, **more):
+    space = doc.modelspace()
+    for _, types, area in plan.rooms:
+        ring = points(list(area.exterior.coords)[:-1], **more)
+        space.add_lwpolyline(ring, close=True, dxfattribs={"layer": "A-AREA-ROOM"})
+        centre = points([area.representative_point().coords[0]], **more)[0]
+        space.add_mtext(" / ".join(types), dxfattribs={"layer": "TEXT"}).set_location(centre)
+        space.add_text("12.5", dxfattribs={"layer": "TEXT"}).set_placement(centre)
+
+
+def add_walls(doc, plan, way, **more):
+    space, layer = doc.modelspace(), {"layer": "WAND"}
+    if way == "faces":
+        solid = unary_union([body(ends, plan.thickness) for ends in plan.axes])
+        solid = solid.difference(
+            unary_union([body(h.ends, plan.thickness * 1.02, "flat") for h in plan.holes])
+        )
+        for part in getattr(solid, "geoms", [solid]):
+            for ring in (part.exterior, *part.interiors):
+                for pair in pairwise(points(ring.simplify(1e-6).coords, **more)):
+                    space.add_line(*pair, dxfattribs=layer)
+        return
+    for ends in plan.axes:
+        if way == "bodies":
+            ring = points(list(body(ends, plan.thickness).exterior.coords)[:-1], **more)
+            space.add_lwpolyline(ring, close=True, dxfattribs=layer)
+        elif way == "axes":
+            space.add_line(*points(ends, **more), dxfattribs=layer)
+
+
+def saved(doc, tmp_path):
+    doc.saveas(tmp_path / "plan.dxf")
+    return tmp_path / "plan.dxf"
+
+
+@pytest.mark.parametrize(
+    ("way", "number"),
+    # Without walls nothing tells on which side of its swing the door in a corner of 1 is.
+    [*(("bodies", k) for k in range(len(FLATS))), *(("none", k) for k in (0, 2, 3, 4, 5))],
+)
+def test_round_trip_with_rooms(tmp_path, way, number):
+    plan, doc = drawn_flat(number), document()
+    add_rooms(doc, plan)
+    add_walls(doc, plan, way)
+    add_holes(doc, plan)
+    found = read_plan(saved(doc, tmp_path), "h1")
+    assert_found(without_passages(plan), found, heights=False)
+
+
+def without_passages(plan):
+    """A DXF door block has a leaf: passages come back as doors."""
+    from dataclasses import replace
+
+    holes = [replace(h, kind="door" if h.kind == "passage" else h.kind) for h in plan.holes]
+    return replace(plan, holes=holes)
+
+
+# The openings of 1 and 4 that take a whole wall leave no faces that tell where it was.
+@pytest.mark.parametrize("number", [0, 2, 3, 5])
+def test_round_trip_of_faces_alone(tmp_path, number):
+    plan, doc = drawn_flat(number), document()
+    add_walls(doc, plan, "faces")
+    add_holes(doc, plan)
+    found = read_plan(saved(doc, tmp_path), "h1")
+    assert_found(without_passages(plan), found, types=False, heights=False)
+
+
+def test_axes_far_from_the_origin(tmp_path):
+    plan, doc = drawn_flat(2), document()
+    add_walls(doc, plan, "axes", shift=(3.5e9, 5.4e9))
+    found = read_plan(saved(doc, tmp_path), "h1")
+    assert len(found.rooms) == len(plan.rooms)
+    assert {wall.depth for wall in found.walls} == {0.1}
+
+
+def test_units_layers_and_names(tmp_path):
+    doc = document(units=1)
+    for x, name in ((0, "K"), (200, "WOHNZIMMER")):
+        ring = [(x, 0), (x + 196, 0), (x + 196, 100), (x, 100)]
+        doc.modelspace().add_lwpolyline(ring, close=True, dxfattribs={"layer": "X1"})
+        doc.modelspace().add_text(name).set_placement((x + 50, 50))
+    path = saved(doc, tmp_path)
+    with pytest.raises(InputError, match="expected rooms, or walls that close some, found none"):
+        read_plan(path, "h1")
+    house = house_of_dxf(path, "h1", layers={"rooms": "X?"})
+    assert [room.id for room in house.rooms] == ["room", "wohnzimmer"]
+    assert house.rooms[1].types == ("Reception",)
+    assert room_polygon(house.rooms[0]).area == pytest.approx(1.96 * 2.54**2, rel=1e-6)
+    halved = house_of_dxf(path, "h1", 0.01, {"rooms": "X?"})
+    assert room_polygon(halved.rooms[0]).area == pytest.approx(1.96)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("A-WALL-INT", "walls"),
+        ("Innenwände", "walls"),
+        ("mur porteur", "walls"),
+        ("A_MUR", "walls"),
+        ("AREA", "rooms"),
+        ("A-AREA-IDEN", "rooms"),
+        ("areal", ""),
+        ("WALL-DOOR", "doors"),
+        ("FENÊTRES", "windows"),
+        ("0", ""),
+    ],
+)
+def test_usual_layers(name, kind):
+    assert LayerKinds(Source("a.dxf", "h1"), {}).of_name(name) == kind
+
+
+def test_no_pattern_takes_long():
+    kinds = LayerKinds(Source("a.dxf", "h1"), {"walls": 140 * "*a" + "b,[", "rooms": "[[]x],a?c"})
+    start = time.perf_counter()
+    assert kinds.of_name(255 * "a") == ""
+    assert time.perf_counter() - start < 1
+    assert kinds.of_name("[x]") == kinds.of_name("ABC") == "rooms"
+    with pytest.raises(InputError, match="at most 300 letters of walls in dxf_layers"):
+        LayerKinds(Source("a.dxf", "h1"), {"walls": 301 * "a"})
+
+
+def test_no_unit(tmp_path):
+    with pytest.raises(InputError, match=r"a unit in the header \(\$INSUNITS\), or metres_per"):
+        read_plan(saved(document(0), tmp_path), "h1")
+
+
+def test_curves_and_solids(tmp_path):
+    """A spline closes a room, 3D faces and solids are no part of a plan."""
+    doc = document(6)
+    space = doc.modelspace()
+    space.add_spline(
+        [(0, 0, 5), (4, 0, 5), (4, 3, 5), (0, 3, 5), (0, 0, 5)], dxfattribs={"layer": "ROOM"}
+    )
+    space.add_3dface([(0, 0, 0), (9, 0, 1), (9, 9, 2), (0, 9, 9)], dxfattribs={"layer": "WALL"})
+    space.add_ellipse((0, 0), (1, 0), 0.5, dxfattribs={"layer": "FURNITURE"})
+    house = read_plan(saved(doc, tmp_path), "h1")
+    assert 8 < room_polygon(house.rooms[0]).area < 20
+
+
+def test_blocks_in_blocks_are_bounded(tmp_path):
+    doc = document(6)
+    doc.blocks.new("door0").add_line((0, 0), (1, 0))
+    for k in range(1, 40):
+        for _ in range(2):
+            doc.blocks.new(f"door{k}") if f"door{k}" not in doc.blocks else None
+            doc.blocks.get(f"door{k}").add_blockref(f"door{k - 1}", (0, 0))
+    doc.modelspace().add_blockref("door39", (0, 0))
+    with pytest.raises(InputError, match="blocks at most 12 deep"):
+        read_plan(saved(doc, tmp_path), "h1")
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n", "a DXF drawing that can be read"),
+        (
+            "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n999\n0\nENDSEC\n0\nEOF\n",
+            "a unit in the header",
+        ),
+        ("  0\nSECTION\n0\nEOF\n", "found"),
+    ],
+)
+def test_bad_drawings_are_one_line(tmp_path, text, line):
+    path = tmp_path / "plan.dxf"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_plan(path, "h1")
+    assert line in str(caught.value)
+    assert str(caught.value).startswith(f"file {path}, house h1")
+
+
+def test_too_many_walls(tmp_path, monkeypatch):
+    monkeypatch.setattr(dxf, "MAX_AXES", 100)
+    doc = document(6)
+    for k in range(300):
+        doc.modelspace().add_line((k, 0), (k, 1), dxfattribs={"layer": "WALL"})
+    with pytest.raises(InputError, match="at most 200 lines of walls, found more"):
+        read_plan(saved(doc, tmp_path), "h1")

@@ -1,0 +1,179 @@
+"""IFC: a model of ours is read back, storeys, models without spaces, faults."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from plan_drawing import FLATS, assert_found, drawn_flat
+from shapely.geometry import LineString
+
+from plan2scene.errors import InputError
+from plan2scene.plans import house_faults, read_plan
+from plan2scene_app.exports.ifc import write_ifc
+
+ifcopenshell = pytest.importorskip("ifcopenshell")
+ROOT = Path(__file__).parents[3]
+GUID = pytest.importorskip("ifcopenshell.guid")
+
+
+class Writer:
+    """Writes drawings as IFC4 storeys: extruded areas in millimetres."""
+
+    def __init__(self):
+        self.file = ifcopenshell.file(schema="IFC4")
+        f = self.file
+        milli = f.createIfcSIUnit(None, "LENGTHUNIT", "MILLI", "METRE")
+        self.origin = f.createIfcAxis2Placement3D(self.point(0, 0, 0))
+        context = f.createIfcGeometricRepresentationContext(None, "Model", 3, 1e-5, self.origin)
+        self.body = f.createIfcGeometricRepresentationSubContext(
+            "Body", "Model", None, None, None, None, context, None, "MODEL_VIEW", None
+        )
+        units = f.createIfcUnitAssignment([milli])
+        self.project = self.root(
+            "IfcProject", RepresentationContexts=[context], UnitsInContext=units
+        )
+        self.place = f.createIfcLocalPlacement(None, self.origin)
+
+    def point(self, *values):
+        return self.file.createIfcCartesianPoint([float(v) * 1000 for v in values])
+
+    def root(self, kind, **facts):
+        return self.file.create_entity(kind, GlobalId=GUID.new(), **facts)
+
+    def product(self, kind, area, low, high, **facts):
+        f = self.file
+        points = [self.point(x, -z) for x, z in list(area.exterior.coords)[:-1]]
+        profile = f.createIfcArbitraryClosedProfileDef(
+            "AREA", None, f.createIfcPolyline([*points, points[0]])
+        )
+        position = f.createIfcAxis2Placement3D(self.point(0, 0, low))
+        up = f.createIfcDirection([0.0, 0.0, 1.0])
+        solid = f.createIfcExtrudedAreaSolid(profile, position, up, float(high - low) * 1000)
+        shape = f.createIfcShapeRepresentation(self.body, "Body", "SweptSolid", [solid])
+        shapes = f.createIfcProductDefinitionShape(None, None, [shape])
+        return self.root(kind, ObjectPlacement=self.place, Representation=shapes, **facts)
+
+    def storey(self, plan, name, base=0.0, spaces=True, walls=True, contained=False):
+        storey = self.root("IfcBuildingStorey", Name=name)
+        self.root("IfcRelAggregates", RelatingObject=self.project, RelatedObjects=[storey])
+        rooms = (
+            [
+                self.product("IfcSpace", area, base, base + plan.height, LongName=" / ".join(types))
+                for _, types, area in plan.rooms
+            ]
+            if spaces
+            else []
+        )
+        if rooms and not contained:
+            self.root("IfcRelAggregates", RelatingObject=storey, RelatedObjects=rooms)
+        elements = list(rooms) if contained else []
+        bodies = []
+        for ends in plan.axes if walls else ():
+            area = LineString(ends).buffer(plan.thickness / 2, cap_style="square")
+            wall = self.product("IfcWall", area, base, base + plan.height)
+            elements.append(wall)
+            bodies.append((area, wall))
+        for hole in plan.holes if walls else ():
+            area = LineString(hole.ends).buffer(plan.thickness, cap_style="flat")
+            wall = max(bodies, key=lambda pair: pair[0].intersection(area).area)[1]
+            low, high = base + hole.bottom, base + hole.top
+            opening = self.product("IfcOpeningElement", area, low, high)
+            self.root(
+                "IfcRelVoidsElement", RelatingBuildingElement=wall, RelatedOpeningElement=opening
+            )
+            if hole.kind != "passage":
+                leaf = self.root(f"Ifc{hole.kind.title()}", ObjectPlacement=self.place)
+                self.root(
+                    "IfcRelFillsElement",
+                    RelatingOpeningElement=opening,
+                    RelatedBuildingElement=leaf,
+                )
+                elements.append(leaf)
+        if elements:
+            self.root(
+                "IfcRelContainedInSpatialStructure",
+                RelatedElements=elements,
+                RelatingStructure=storey,
+            )
+
+    def saved(self, tmp_path):
+        self.file.write(str(tmp_path / "plan.ifc"))
+        return tmp_path / "plan.ifc"
+
+
+@pytest.mark.parametrize("number", range(len(FLATS)))
+def test_round_trip(tmp_path, number):
+    plan, writer = drawn_flat(number), Writer()
+    writer.storey(plan, "ground", base=3.0)
+    found = read_plan(writer.saved(tmp_path), "h1")
+    assert_found(plan, found)
+    assert {round(wall.depth, 4) for wall in found.walls} == {plan.thickness}
+
+
+def test_spaces_that_a_storey_contains(tmp_path):
+    """Against the standard, and done: the relation is of walls and doors."""
+    plan, writer = drawn_flat(2), Writer()
+    writer.storey(plan, "ground", contained=True)
+    found = read_plan(writer.saved(tmp_path), "h1")
+    assert_found(plan, found)
+    assert found.levels == () and not found.warnings
+
+
+def test_a_model_without_spaces(tmp_path):
+    plan, writer = drawn_flat(2), Writer()
+    writer.storey(plan, "ground", spaces=False)
+    assert_found(plan, read_plan(writer.saved(tmp_path), "h1"), types=False)
+
+
+def test_two_storeys_come_back(tmp_path):
+    plans, writer = (drawn_flat(2), drawn_flat(0)), Writer()
+    for plan, name, base in zip(plans, ("Ground", "Upper floor"), (0.0, 3.0), strict=True):
+        writer.storey(plan, name, base=base)
+    found = read_plan(writer.saved(tmp_path), "h1")
+    assert [(level.id, level.elevation) for level in found.levels] == [
+        ("ground", 0.0),
+        ("upper_floor", pytest.approx(3.0)),
+    ]
+    for plan, (_, storey) in zip(plans, found.storeys(), strict=True):
+        assert_found(plan, storey)
+    assert list(house_faults(found)) == []
+
+
+def test_foundations_are_no_storey(tmp_path):
+    plan, writer = drawn_flat(2), Writer()
+    writer.storey(replace(plan, holes=[]), "T/FDN", base=-1.2, spaces=False)
+    writer.storey(plan, "Ground")
+    found = read_plan(writer.saved(tmp_path), "h1")
+    assert_found(plan, found)
+    assert found.levels == ()
+    (line,) = [line for line in found.warnings if "T/FDN" in line]
+    assert line.endswith("found walls alone, left out")
+
+
+def test_our_own_export_comes_back_with_its_stairs(tmp_path):
+    house = read_plan(ROOT / "resources/examples/two_storeys/plan.json", "two")
+    write_ifc(house, {}, tmp_path)
+    found = read_plan(tmp_path / "house.ifc", "two")
+    assert [level.elevation for level in found.levels] == pytest.approx([0.0, 2.8])
+    assert len(found.rooms) == len(house.rooms)
+    (stairs,) = found.stairs
+    assert (*stairs.start, *stairs.end) == pytest.approx((0.45, 4.6, 0.45, 1.0), abs=1e-3)
+    assert stairs.width == pytest.approx(0.9, abs=1e-3)
+    assert None not in stairs.room_ids
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("ISO-10303-21;\nHEADER;\n", "an IFC model that can be read"),
+        (None, "IfcSpace or IfcWall in the model, found none"),
+    ],
+)
+def test_bad_models_are_one_line(tmp_path, text, line):
+    path = Writer().saved(tmp_path)
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_plan(path, "h1")
+    assert line in str(caught.value)
+    assert str(caught.value).startswith(f"file {path}, house h1")

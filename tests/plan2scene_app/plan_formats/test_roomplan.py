@@ -1,0 +1,163 @@
+"""RoomPlan JSON: a structure of rooms and one room alone, storeys, faults."""
+
+import json
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from plan_drawing import FLATS, assert_found, drawn_flat
+
+from plan2scene.errors import InputError
+from plan2scene.plans import house_faults, read_plan
+from plan2scene.plans.geometry import room_polygon
+from plan2scene_app.plan_formats import roomplan
+
+LABELS = {"Reception": "livingRoom", "Corridor": "hallway"}
+
+
+def surface(kind, start, end, bottom, top, story=0):
+    """Return an upright rectangle as RoomPlan has it: 16 numbers, column by column."""
+    start, end = np.array(start), np.array(end)
+    width = float(np.linalg.norm(end - start))
+    along = (end - start) / width
+    middle = (start + end) / 2
+    columns = [
+        [along[0], 0, along[1], 0],
+        [0, 1, 0, 0],
+        [-along[1], 0, along[0], 0],
+        [middle[0], (bottom + top) / 2, middle[1], 1],
+    ]
+    return {
+        "identifier": f"{kind}{start}",
+        "category": {kind: {}},
+        "dimensions": [width, top - bottom, 0],
+        "transform": [float(v) for column in columns for v in column],
+        "story": story,
+    }
+
+
+def room(types, area, plan, holes=(), story=0, base=-1.2, floors=True):
+    points = list(area.exterior.coords)
+    walls = [surface("wall", a, b, base, base + plan.height, story) for a, b in pairwise(points)]
+    down = [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, base, 0, 1]
+    floor = {
+        "category": {"floor": {}},
+        "dimensions": [1, 1, 0],
+        "transform": down,
+        "polygonCorners": [[x, z, 0] for x, z in points[:-1]],
+        "story": story,
+    }
+    centre = area.representative_point()
+    found = {
+        "walls": walls,
+        "floors": [floor] if floors else [],
+        "sections": [
+            {"label": LABELS.get(t, t.lower()), "center": [centre.x, 0, centre.y]} for t in types
+        ],
+        "doors": [],
+        "windows": [],
+        "openings": [],
+        "story": story,
+    }
+    keys = {"door": "doors", "window": "windows", "passage": "openings"}
+    for hole in holes:
+        item = surface(hole.kind, *hole.ends, base + hole.bottom, base + hole.top, story)
+        found[keys[hole.kind]].append(item)
+    return found
+
+
+def rooms_of(plan, **more):
+    return [
+        room(types, area, plan, [h for h in plan.holes if near(h, area)], **more)
+        for _, types, area in plan.rooms
+    ]
+
+
+def near(hole, area):
+    """A scanner shows a door in both rooms."""
+    from shapely.geometry import Point
+
+    return area.distance(Point(hole.centre)) < 0.15
+
+
+def written(tmp_path, document):
+    path = tmp_path / "scan.json"
+    path.write_text(json.dumps(document))
+    return path
+
+
+@pytest.mark.parametrize("number", range(len(FLATS)))
+def test_round_trip(tmp_path, number):
+    plan = drawn_flat(number)
+    found = read_plan(written(tmp_path, {"rooms": rooms_of(plan)}), "h1")
+    assert_found(plan, found)
+    assert {round(room.height, 4) for room in found.rooms} == {plan.height}
+
+
+@pytest.mark.parametrize("floors", [True, False])
+def test_one_room_alone(tmp_path, floors):
+    plan = drawn_flat(2)
+    _, types, area = plan.rooms[0]
+    document = room(types, area, plan, floors=floors)
+    sofa = surface("sofa", (1, 1), (3, 1), 0, 0.8)
+    sofa["dimensions"][2] = 1.0
+    found = read_plan(written(tmp_path, {**document, "objects": [sofa]}), "h1")
+    assert room_polygon(found.rooms[0]).area == pytest.approx(area.area, rel=0.005)
+    (icon,) = found.icons
+    assert icon.type == "sofa"
+    assert (*icon.p1, *icon.p2) == pytest.approx((1, 0.5, 3, 1.5))
+
+
+def test_two_storeys_come_back(tmp_path):
+    large, small = drawn_flat(2), drawn_flat(0)
+    rooms = [*rooms_of(small, base=-1.2), *rooms_of(large, story=1, base=2.0)]
+    found = read_plan(written(tmp_path, {"rooms": rooms}), "h1")
+    assert [level.id for level in found.levels] == ["storey_0", "storey_1"]
+    assert [level.elevation for level in found.levels] == pytest.approx([0.0, 3.2])
+    for plan, (_, storey) in zip((small, large), found.storeys(), strict=True):
+        assert_found(plan, storey)
+    assert list(house_faults(found)) == []
+
+
+def test_stairs_join_the_storeys(tmp_path):
+    plan = drawn_flat(2)
+    _, _, area = max(plan.rooms, key=lambda room: room[2].area)
+    x, z = area.representative_point().coords[0]
+    rooms = [*rooms_of(plan, base=0.0), *rooms_of(plan, story=1, base=2.8)]
+    matrix = [0.0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, x, 1.4, z, 1]  # its width along z
+    stairs = {"category": {"stairs": {}}, "dimensions": [1.2, 2.8, 0.8], "transform": matrix}
+    rooms[0]["objects"] = [stairs]
+    found = read_plan(written(tmp_path, {"rooms": rooms}), "h1")
+    (flight,) = found.stairs
+    assert flight.length == pytest.approx(1.2)
+    assert flight.width == pytest.approx(0.8)
+    assert found.icons == ()
+    assert None not in flight.room_ids
+    levels = [found.level_of(room).id for room in flight.room_ids]
+    assert levels == ["storey_0", "storey_1"]
+
+
+WALL = surface("wall", (0, 0), (4, 0), 0, 2.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ({"transform": [0] * 15}, "16 numbers of transform and 3 of dimensions for a wall"),
+        ({"transform": [0] * 15 + ["x"]}, "a number for transform of a wall, found 'x'"),
+        ({"dimensions": [1e9, 1, 1]}, "dimensions of a wall within 1000 m"),
+        ({}, "expected rooms, or walls that close some, found 1 walls that close none"),
+    ],
+)
+def test_bad_scans_are_one_line(tmp_path, change, line):
+    path = written(tmp_path, {"walls": [{**WALL, **change}]})
+    with pytest.raises(InputError) as caught:
+        read_plan(path, "h1")
+    assert line in str(caught.value)
+    assert str(caught.value).startswith(f"file {path}, house h1")
+
+
+def test_too_many_walls(tmp_path, monkeypatch):
+    monkeypatch.setattr(roomplan, "MAX_AXES", 100)
+    with pytest.raises(InputError, match="at most 100 walls"):
+        read_plan(written(tmp_path, {"walls": [WALL] * 101}), "h1")

@@ -1,0 +1,235 @@
+"""Sweet Home 3D: what is written is read back, levels, old and damaged files."""
+
+import zipfile
+from math import atan2, pi
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import pytest
+from plan_drawing import FLATS, assert_found, drawn_flat
+
+from plan2scene.errors import InputError
+from plan2scene.plans import house_faults, read_plan, validate_house
+from plan2scene.plans.geometry import room_polygon
+from plan2scene_app.plan_formats import containers
+
+SAMPLES = Path(__file__).parents[4] / "shared" / "samples" / "sh3d"
+
+
+def element(tag, children=(), **attributes):
+    text = " ".join(f"{key}={quoteattr(str(value))}" for key, value in attributes.items())
+    return f"<{tag} {text}>{''.join(children)}</{tag}>"
+
+
+def home_xml(plan, *, rooms=True, level=None):
+    """Return the elements of a drawing as Sweet Home 3D writes them: centimetres."""
+    on = {} if level is None else {"level": level}
+    parts = []
+    for hole in plan.holes:
+        model = {"door": "door", "window": "window85x123", "passage": "doorFrame"}[hole.kind]
+        place = {
+            "x": hole.centre[0] * 100,
+            "y": hole.centre[1] * 100,
+            "width": hole.width * 100,
+            "depth": plan.thickness * 100,
+            "height": (hole.top - hole.bottom) * 100,
+            "angle": atan2(hole.along[1], hole.along[0]),
+            "elevation": hole.bottom * 100,
+        }
+        sash = ["<sash xAxis='0' yAxis='0' width='1' startAngle='0' endAngle='1'/>"]
+        parts.append(
+            element(
+                "doorOrWindow",
+                sash if hole.kind == "door" else [],
+                catalogId=f"eTeks#{model}",
+                name=model,
+                **place,
+                **on,
+            )
+        )
+    for number, (a, b) in enumerate(plan.axes):
+        ends = dict(
+            zip(("xStart", "yStart", "xEnd", "yEnd"), (v * 100 for v in (*a, *b)), strict=True)
+        )
+        sizes = {"thickness": plan.thickness * 100, "height": plan.height * 100}
+        parts.append(element("wall", id=f"wall{number}", **ends, **sizes, **on))
+    for _, types, polygon in plan.rooms if rooms else ():
+        points = [element("point", x=x * 100, y=z * 100) for x, z in polygon.exterior.coords]
+        parts.append(element("room", points, name=" / ".join(types), **on))
+    return "".join(parts)
+
+
+def write(path, content, entry="Home.xml"):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(entry, content)
+    return path
+
+
+def home(tmp_path, *parts):
+    text = element("home", parts, version="6400", name="x.sh3d", wallHeight="250.0")
+    return write(tmp_path / "plan.sh3d", f"<?xml version='1.0'?>\n{text}")
+
+
+def wall(x0, y0, x1, y1, **more):
+    return element("wall", xStart=x0, yStart=y0, xEnd=x1, yEnd=y1, **{"thickness": 20, **more})
+
+
+ENDS = [(0, 0, 400, 0), (400, 0, 400, 300), (400, 300, 0, 300), (0, 300, 0, 0)]
+SQUARE = [wall(*ends) for ends in ENDS]
+
+
+@pytest.mark.parametrize("number", range(len(FLATS)))
+@pytest.mark.parametrize("rooms", [True, False])
+def test_round_trip(tmp_path, number, rooms):
+    plan = drawn_flat(number)
+    found = read_plan(home(tmp_path, home_xml(plan, rooms=rooms)), "h1")
+    assert_found(plan, found, types=rooms)
+    assert len(validate_house(found)) == (0 if rooms else len(plan.rooms))
+    assert {round(wall.depth, 4) for wall in found.walls} == {plan.thickness}
+
+
+def test_walls_alone_close_a_room_between_their_faces(tmp_path):
+    house = read_plan(home(tmp_path, *SQUARE), "h1")
+    (room,) = house.rooms
+    assert room_polygon(room).bounds == pytest.approx((0.1, 0.1, 3.9, 2.9))
+    assert room.height == 2.5
+    assert {w.depth for w in house.walls} == {0.2}
+
+
+def test_a_loose_end_meets_the_wall_whose_face_it_touches(tmp_path):
+    middle = wall(200, 10, 200, 290, thickness=10)
+    house = read_plan(home(tmp_path, *SQUARE, middle), "h1")
+    assert [round(room_polygon(r).area, 3) for r in house.rooms] == [5.18, 5.18]
+
+
+def test_a_curved_wall_bulges(tmp_path):
+    curved = wall(400, 300, 0, 300, arcExtent=pi)
+    house = read_plan(home(tmp_path, *SQUARE[:2], curved, SQUARE[3]), "h1")
+    area = room_polygon(house.rooms[0]).area
+    assert area == pytest.approx(3.8 * 2.9 + pi * 1.9**2 / 2, rel=0.02)
+
+
+LEVELS = [("l0", "Ground", 0), ("l1", "Upper", 260)]
+
+
+def test_two_levels_come_back(tmp_path):
+    levels = [element("level", id=i, name=n, elevation=e, height=240) for i, n, e in LEVELS]
+    plans = (drawn_flat(0), drawn_flat(2))
+    parts = [home_xml(plan, level=level) for plan, (level, *_) in zip(plans, LEVELS, strict=True)]
+    found = read_plan(home(tmp_path, *levels, *parts), "h1")
+    assert [(level.id, level.elevation) for level in found.levels] == [
+        ("ground", 0.0),
+        ("upper", pytest.approx(2.6)),
+    ]
+    for plan, (_, storey) in zip(plans, found.storeys(), strict=True):
+        assert_found(plan, storey)
+    assert list(house_faults(found)) == []
+
+
+def test_a_staircase_joins_two_levels_and_a_layer_is_no_level(tmp_path):
+    layers = [*LEVELS, ("l2", "Wiring", 260), ("l3", "Roof", 520)]
+    levels = [element("level", id=i, name=n, elevation=e, height=240) for i, n, e in layers]
+    squares = [wall(*ends, level=level) for level in ("l0", "l1") for ends in ENDS]
+    wiring = wall(100, 100, 200, 100, level="l2")
+    place = {"x": 150, "y": 40, "width": 240, "depth": 60, "height": 250, "angle": 0}
+    piece = element("pieceOfFurniture", name="Staircase", level="l0", **place)
+    found = read_plan(home(tmp_path, *levels, *squares, wiring, piece), "h1")
+    assert [level.id for level in found.levels] == ["ground", "upper"]
+    (flight,) = found.stairs
+    assert (flight.length, flight.width) == pytest.approx((2.4, 0.6))
+    assert flight.room_ids == ("room", "room_2")
+    assert found.adjacency() == (("room", "room_2"),)
+
+
+def test_rooms_and_walls_of_two_layers_are_one_floor(tmp_path):
+    levels = [element("level", id=i, name=n, elevation=0, height=250) for i, n, _ in LEVELS]
+    corners = [(20, 20), (380, 20), (380, 280), (20, 280)]
+    points = [element("point", x=a, y=b) for a, b in corners]
+    drawn = element("room", points, name="Kitchen", level="l0")
+    point = element("room", points[:2], name="Nothing", level="l0")
+    squares = [wall(*ends, level="l1") for ends in ENDS]
+    door = {"x": 100, "y": 0, "width": 90, "depth": 20, "height": 210}
+    piece = element("doorOrWindow", name="Door", level="l1", **door)
+    found = read_plan(home(tmp_path, *levels, drawn, point, *squares, piece), "h1")
+    assert (found.levels, [room.id for room in found.rooms]) == ((), ["kitchen"])
+    assert [o.kind for w in found.walls for o in w.openings] == ["door"]
+    assert sum("at least 3 points, found one of fewer" in line for line in found.warnings) == 1
+
+
+def test_rooms_side_by_side_without_a_wall_are_open(tmp_path):
+    def room(x, name):
+        corners = [(x, 0), (x + 300, 0), (x + 300, 300), (x, 300)]
+        return element("room", [element("point", x=a, y=b) for a, b in corners], name=name)
+
+    wall_ = wall(0, 0, 600, 0)
+    house = read_plan(home(tmp_path, room(0, "Küche"), room(300, "Wohnzimmer"), wall_), "h1")
+    assert [r.types for r in house.rooms] == [("Kitchen",), ("Reception",)]
+    assert [r.id for r in house.rooms] == ["kuche", "wohnzimmer"]
+    assert house.adjacency() == (("kuche", "wohnzimmer"),)
+
+
+def test_furniture_is_kept_as_boxes_and_the_hidden_is_not(tmp_path):
+    sofa = {"name": "Sofa", "x": 200, "y": 100, "width": 200, "depth": 80, "height": 80}
+    pieces = [
+        element("pieceOfFurniture", **sofa, angle=pi / 2),
+        element("pieceOfFurniture", **sofa, visible="false"),
+        element("furnitureGroup", [element("light", **sofa)]),
+    ]
+    house = read_plan(home(tmp_path, *SQUARE, *pieces), "h1")
+    assert [icon.type for icon in house.icons] == ["Sofa", "Sofa"]
+    assert (*house.icons[0].p1, *house.icons[0].p2) == pytest.approx((1.6, 0.0, 2.4, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("content", "line"),
+    [
+        ("<home", "expected XML, found a syntax error"),
+        ("<house/>", "expected <home> in Home.xml, found <house>"),
+        ("<home/>", "expected rooms, or walls that close some, found none"),
+        (element("home", [wall(0, 0, "nan", 1)]), "a finite number for xEnd of wall, found nan"),
+        (element("home", [wall(0, 0, "1e9", 1)]), "xEnd of wall within 1000 m"),
+        (element("home", [wall(0, 0, "x", 1)]), "a number for xEnd of wall, found 'x'"),
+        (element("home", [wall(0, 0, 5, 1)] * 6000), "at most 5000 walls, found more"),
+        (
+            "<!DOCTYPE h [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;&a;'>]><home name='&b;'/>",
+            "XML without entities or outside references",
+        ),
+        ("<home>" + "<a/>" * 20_000 + "</home>", "at most 10000 XML elements"),
+    ],
+)
+def test_bad_homes_are_one_line(tmp_path, monkeypatch, content, line):
+    monkeypatch.setattr(containers, "MAX_XML_ELEMENTS", 10_000)
+    path = write(tmp_path / "plan.sh3d", content)
+    with pytest.raises(InputError) as caught:
+        read_plan(path, "h1")
+    assert line in str(caught.value)
+    assert str(caught.value).startswith(f"file {path}, house h1")
+
+
+def test_a_zip_bomb_is_never_unpacked(tmp_path, monkeypatch):
+    monkeypatch.setattr(containers, "MAX_XML_BYTES", 1_000_000)
+    path = write(tmp_path / "plan.sh3d", b" " * 5_000_000)
+    assert path.stat().st_size < 10_000
+    with pytest.raises(InputError, match=r"at most 1000000 bytes of Home\.xml, found more"):
+        read_plan(path, "h1")
+
+
+def test_an_old_file_says_what_to_do(tmp_path):
+    path = write(tmp_path / "plan.sh3d", b"\xac\xed", "Home")
+    with pytest.raises(InputError, match=r"5\.3 or later and save it\), found a Java object"):
+        read_plan(path, "h1")
+
+
+def test_another_archive_is_no_home(tmp_path):
+    path = write(tmp_path / "plan.sh3d", "x", "word/document.xml")
+    with pytest.raises(InputError, match=r"expected a plan \(.*\), found a ZIP archive"):
+        read_plan(path, "h1")
+
+
+@pytest.mark.skipif(not SAMPLES.is_dir(), reason="no samples beside the repository")
+@pytest.mark.parametrize(("name", "line"), [("home1", "5.3 or later"), ("damagedHome", "a plan (")])
+def test_files_of_the_program(name, line):
+    path = SAMPLES / f"{name}.sh3d"
+    with pytest.raises(InputError) as caught:
+        read_plan(path, "h1")
+    assert line in str(caught.value)

@@ -1,0 +1,68 @@
+"""A running studio, asked as a browser asks it."""
+
+import contextlib
+import socket
+import threading
+from pathlib import Path
+
+import pytest
+from browser import Drawing, chromium
+from studio_client import TOKEN, StudioClient
+
+
+class Studio(StudioClient):
+    """A server in a thread and the folder of its homes."""
+
+    def __init__(self, root: Path):
+        import uvicorn
+
+        from plan2scene_app.studio.app import studio_app
+
+        self.root = root
+        listener = socket.create_server(("127.0.0.1", 0))
+        self.port = listener.getsockname()[1]
+        app = studio_app(root, TOKEN, self.port, cores=1)
+        self.server = uvicorn.Server(uvicorn.Config(app, log_level="warning", ws="none"))
+        self.thread = threading.Thread(target=self.server.run, args=([listener],), daemon=True)
+        self.thread.start()
+        self.url = f"http://127.0.0.1:{self.port}/{TOKEN}/"
+
+    def stop(self):
+        self.server.should_exit = True
+        self.thread.join(timeout=20)
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory):
+    pytest.importorskip("uvicorn")
+    pytest.importorskip("starlette")
+    found = Studio(tmp_path_factory.mktemp("homes"))
+    yield found
+    found.stop()
+
+
+@pytest.fixture(scope="module")
+def context():
+    """Yield a browser's context, its window 1280x800."""
+    with chromium() as browser:
+        yield browser.new_context(viewport={"width": 1280, "height": 800})
+
+
+@pytest.fixture
+def open_home(context, studio):
+    """Yield a context manager: a new home of that name opened; a program's fault fails the test."""
+
+    @contextlib.contextmanager
+    def opened(name):
+        page = context.new_page()
+        page.goto(studio.url)
+        page.fill("#new input", name)
+        page.click("#new button")
+        page.wait_for_url("**/p/*/")
+        drawing = Drawing(page)
+        page.wait_for_selector("body[data-ready]")
+        yield drawing
+        page.close()
+        assert drawing.faults == []
+
+    return opened

@@ -1,0 +1,203 @@
+"""The studio by clicks: from an empty home to a GLB, a photo moved, two tabs."""
+
+import json
+import sys
+
+import pytest
+from browser import Drawing
+from PIL import Image
+from unscaled_drawings import dxf
+
+from plan2scene.plans import read_plan
+from plan2scene_app.studio import runs
+
+#: Stands for the workflow, which takes minutes: tells what it tells, makes a GLB of the plan.
+JOB = """
+import json, sys
+from pathlib import Path
+from PIL import Image
+from plan2scene.plans import read_plan
+from plan2scene.mesh import write_glb
+home = Path(sys.argv[1])
+print("Job stats:\\nfloorplan  1\\nhouse  1\\ntotal  2\\nrule floorplan:", flush=True)
+print("Finished jobid: 1 (Rule: floorplan)\\nrule house:", flush=True)
+house = home / "house"
+(house / "textures").mkdir(parents=True, exist_ok=True)
+write_glb(read_plan(home / "plan.json", home.name), {}, house / "house.glb")
+(house / "viewer.html").write_text("<h1>the house</h1>")
+Image.new("RGB", (8, 8), "red").save(house / "textures" / "room_floor.png")
+print("Finished jobid: 2 (Rule: house)", flush=True)
+record = json.loads((home / "run.json").read_text())
+(home / "run.json").write_text(json.dumps(record | {"state": "done"}))
+"""
+
+
+@pytest.fixture
+def drawing(open_home, studio, monkeypatch):
+    """Yield a new home opened in the studio, whose job is `JOB`."""
+    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", JOB))
+    with open_home(f"My home {len(list(studio.root.iterdir()))}") as found:
+        yield found
+
+
+def home_of(studio, drawing):
+    return studio.root / drawing.page.url.rstrip("/").split("/")[-1]
+
+
+def two_rooms(drawing):
+    drawing.two_rooms()
+    drawing.page.wait_for_function("() => !house.host.pending")
+
+
+def add_photo(drawing, tmp_path, room):
+    Image.new("RGB", (64, 48), "green").save(tmp_path / "bed.jpg")
+    drawing.page.evaluate("(room) => editor.pickPhotos(room)", room)
+    drawing.page.set_input_files("#file-input", tmp_path / "bed.jpg")
+    drawing.page.wait_for_function("() => editor.store.state.photos.length && !house.host.pending")
+
+
+def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
+    page, home = drawing.page, home_of(studio, drawing)
+    two_rooms(drawing)
+    add_photo(drawing, tmp_path, "room")
+    assert len(read_plan(home / "plan.json", "home").rooms) == 2
+    assert (home / "photos.csv").read_text() == "room_id,photo\nroom,bed.jpg\n"
+    assert (home / "photos" / "bed.jpg").read_bytes() == (tmp_path / "bed.jpg").read_bytes()
+    page.click("#make")
+    page.wait_for_function("() => house.run.state === 'done'")
+    page.wait_for_selector("iframe")
+    assert page.frame_locator("iframe").locator("h1").inner_text() == "the house"
+    assert page.locator(".stages .done").all_inner_texts() == ["Plan", "The house in 3D"]
+    with page.expect_download() as download:
+        page.get_by_role("link", name="GLB").click()
+    assert download.value.path().read_bytes()[:4] == b"glTF"
+    page.get_by_role("button", name="Textures").click()
+    assert page.locator(".tiles figcaption").inner_text() == "room floor"
+    # The photo shows the other room: its table follows, and the page says what that means.
+    page.select_option("#run .photo select", "room_2")
+    page.locator("#run .chip", has_text="room_2").wait_for()
+    page.locator("#run").get_by_label("Remove room from bed.jpg", exact=True).click()
+    page.get_by_text("Only what depends on the change").wait_for()
+    page.wait_for_function("() => !house.host.pending")
+    assert (home / "photos.csv").read_text() == "room_id,photo\nroom_2,bed.jpg\n"
+
+
+def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, tmp_path):
+    pytest.importorskip("ezdxf")
+    page, file = drawing.page, tmp_path / "flat.dxf"
+    file.write_bytes(dxf())
+    page.click("#open")
+    page.set_input_files("#file-input", file)
+    dialog = page.locator("dialog[open]")
+    assert "$INSUNITS" in dialog.get_by_role("alert").inner_text()
+    dialog.get_by_label("walls").focus()
+    dialog.get_by_role("button", name="W1").click()
+    assert dialog.get_by_label("walls").input_value() == "W1"
+    dialog.get_by_label("Metres a unit").fill("12 inches")
+    dialog.get_by_role("button", name="Read again").click()
+    dialog.get_by_text("found '12 inches'").wait_for()
+    dialog.get_by_label("Metres a unit").fill("0,001")
+    dialog.get_by_role("button", name="Read again").click()
+    page.wait_for_function("() => editor.store.plan.rooms.length === 2 && !house.host.pending")
+    home = home_of(studio, drawing)
+    assert len(read_plan(home / "plan.json", "home").rooms) == 2
+    # Another width, by the panel's button, after a reload.
+    page.reload()
+    page.wait_for_selector("body[data-ready]")
+    page.get_by_role("button", name="How the plan file is read").click()
+    dialog.get_by_label("or its whole width").fill("12 m")
+    dialog.get_by_role("button", name="Read again").click()
+    far = "(r) => r.polygon.some(([x]) => Math.abs(x) > 11)"
+    page.wait_for_function(f"() => editor.store.plan.rooms.some({far}) && !house.host.pending")
+    assert all("400" in line for line in drawing.faults)  # how a browser tells a refusal
+    drawing.faults.clear()
+
+
+#: Stands for a workflow whose first stage never ends, and for one whose first stage fails.
+STUCK = """
+import time
+print("Job stats:\\nfloorplan  1\\nhouse  1\\ntotal  2\\nrule floorplan:", flush=True)
+time.sleep(60)
+"""
+FAILING = """
+import json, sys
+from pathlib import Path
+print("Job stats:\\nmasks  1\\ntotal  1\\nrule masks:")
+print("ERROR file photos/a.jpg, house home: expected a JPEG, found text")
+print("Error in rule masks:\\n    message: None", flush=True)
+record = Path(sys.argv[1]) / "run.json"
+record.write_text(json.dumps(json.loads(record.read_text()) | {"state": "failed"}))
+"""
+
+
+def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
+    page, job = drawing.page, runs.JOB
+    two_rooms(drawing)
+    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", STUCK))
+    page.click("#make")
+    page.locator(".stages .running", has_text="Plan").wait_for()
+    assert page.locator("#badge").inner_text() == "0/2"
+    page.click("#cancel")
+    page.get_by_text("What is made stays; a run goes on from there.").wait_for()
+    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", FAILING))
+    page.locator("#start-run", has_text="Go on").click()
+    line = page.locator("#run .fault")
+    line.wait_for()
+    assert line.inner_text() == "file photos/a.jpg, house home: expected a JPEG, found text"
+    assert page.locator(".stages .failed").all_inner_texts() == ["What the photos show"]
+    monkeypatch.setattr(runs, "JOB", job)
+    page.locator("#start-run", has_text="Try again").click()
+    page.wait_for_function("() => house.run.state === 'done'")
+    assert page.locator(".stages .done").all_inner_texts() == ["Plan", "The house in 3D"]
+
+
+def test_two_points_on_a_picture_are_kept_as_its_scale(drawing, studio, tmp_path):
+    page, home = drawing.page, home_of(studio, drawing)
+    Image.new("RGB", (400, 300), "white").save(tmp_path / "plan.png")
+    page.click("#open")
+    page.set_input_files("#file-input", tmp_path / "plan.png")
+    page.wait_for_function("() => editor.picture !== null && editor.tool.name === 'scale'")
+    metres = page.evaluate("editor.store.state.picture.metres_per_pixel")
+    drawing.click(0, 1)
+    drawing.click(0, 1)  # twice on one point says nothing
+    assert page.locator("dialog[open]").count() == 0
+    drawing.click(200 * metres, 1)
+    page.locator("dialog input").first.fill("5 m")
+    page.get_by_role("button", name="Set the scale").click()
+    page.wait_for_function("() => editor.tool.name === 'room' && !house.host.pending")
+    kept = json.loads((home / "plan_source.json").read_text())
+    assert kept["two_points"] == pytest.approx(5 / 200, rel=0.01)
+    drawing.press("Control+z")
+    page.wait_for_function("() => !house.host.pending")
+    assert json.loads((home / "plan_source.json").read_text())["two_points"] is None
+
+
+def test_floors_are_kept(drawing, studio):
+    two_rooms(drawing)
+    drawing.page.get_by_role("button", name="Copy to the top", exact=True).click()
+    drawing.page.wait_for_function("() => !house.host.pending")
+    plan = drawing.page.evaluate("editor.store.state.plan")
+    house = read_plan(home_of(studio, drawing) / "plan.json", "home")
+    assert [len(storey.rooms) for _, storey in house.storeys()] == [2, 2]
+    drawing.page.reload()
+    drawing.page.wait_for_selector("body[data-ready]")
+    assert drawing.page.evaluate("editor.store.state.plan") == plan
+    assert drawing.page.evaluate("editor.store.level") == "ground"
+
+
+def test_two_tabs_and_a_reload_lose_nothing(drawing, studio, context):
+    two_rooms(drawing)
+    other = Drawing(context.new_page())
+    other.page.goto(drawing.page.url)
+    assert other.plan == drawing.plan
+    other.press("r")
+    other.drag((0, 3), (5, 5))
+    other.page.wait_for_function("() => !house.host.pending")
+    drawing.page.bring_to_front()
+    drawing.page.wait_for_function("() => editor.store.plan.rooms.length === 3")
+    assert drawing.plan == other.plan
+    drawing.page.reload()
+    drawing.page.wait_for_selector("body[data-ready]")
+    assert drawing.plan == other.plan
+    other.page.close()
+    assert other.faults == []

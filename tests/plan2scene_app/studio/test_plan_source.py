@@ -1,0 +1,201 @@
+"""Plans that tell no scale or odd layers: what is asked, what may be given, what is kept."""
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+from unscaled_drawings import dxf, svg
+
+from plan2scene.errors import InputError
+from plan2scene.plans import read_plan
+from plan2scene_app.studio import plan_source
+from plan2scene_app.studio.plan_source import UnreadPlanError, read_again, read_upload, reading_of
+from plan2scene_app.studio.projects import Projects
+
+
+@pytest.fixture
+def project(tmp_path):
+    return Projects(tmp_path).make("home")
+
+
+SCALE = {"size": [500.0, 250.0], "doubt": "", "shown": 2.0}
+
+
+def asked(project, content):
+    """Upload what can't be read yet; return the line and what may be given."""
+    with pytest.raises(UnreadPlanError) as found:
+        read_upload(project, content)
+    return str(found.value), found.value.reading
+
+
+def size(plan):
+    points = np.concatenate([room["polygon"] for room in plan["rooms"]])
+    return np.ptp(points, axis=0)
+
+
+def test_a_drawing_without_a_unit_is_read_with_scale_and_layers(project):
+    pytest.importorskip("ezdxf")
+    line, reading = asked(project, dxf())
+    assert "$INSUNITS" in line
+    assert reading["unit"] == "unit"
+    assert reading["size"] is None  # none of the layers is of walls
+    told = {(n["name"], n["count"], n["kind"]) for n in reading["names"]}
+    assert told == {("W1", 5, ""), ("F.frame (1)", 1, "")}
+    given = {"width": 8, "dxf_layers": {"walls": "W1", "doors": ""}}
+    found = read_again(project, given)
+    assert size(found["plan"]) == pytest.approx([8, 4], abs=0.2)
+    assert len(found["plan"]["rooms"]) == 2
+    kept = json.loads((project.path / "plan_source.json").read_text())
+    assert kept["metres_per_pixel"] == pytest.approx(0.001)
+    assert kept["dxf_layers"] == {"walls": "W1"}
+    # The command line goes on with the same values.
+    values = (kept["metres_per_pixel"], kept["dxf_layers"])
+    house = read_plan(project.path / "plan_source", "home", *values)
+    assert len(house.rooms) == 2
+    again = reading_of(project)
+    assert again["size"] == pytest.approx((8000, 4000))
+    assert {n["name"]: n["kind"] for n in again["names"]}["W1"] == "walls"
+
+
+def test_a_width_stands_for_the_scale_of_an_svg(project):
+    line, reading = asked(project, svg())
+    assert line.startswith("expected metres_per_pixel up to 1")
+    assert (reading["unit"], reading["size"], reading["names"]) == ("pixel", (800, 400), [])
+    found = read_again(project, {"width": 10.0})
+    assert size(found["plan"]) == pytest.approx([10, 5], rel=0.03)
+    assert reading_of(project)["metres_per_pixel"] == pytest.approx(10 / 800)
+    # A plan with another scale is read by that one, not by what was given for the last.
+    asked(project, svg())
+    assert reading_of(project)["metres_per_pixel"] is None
+
+
+def test_raster_to_vector_text_is_asked_for_its_scale(project):
+    walls = ("0 0 100 0", "100 0 100 50", "100 50 0 50", "0 50 0 0")
+    text = "".join(f"{ends} wall 1 1\n" for ends in walls)
+    _, reading = asked(project, f"{text}10 10 10 10 bedroom 1 1\n".encode())
+    assert reading["format"] == "raster-to-vector text"
+    assert reading["size"] == (100, 50)
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({"metres_per_pixel": 0}, "metres of a pixel"),
+        ({"metres_per_pixel": -0.01}, "metres of a pixel"),
+        ({"metres_per_pixel": "0.01"}, "found '0.01'"),
+        ({"metres_per_pixel": True}, "metres of a pixel"),
+        ({"metres_per_pixel": float("inf")}, "metres of a pixel"),
+        ({"metres_per_pixel": float("nan")}, "metres of a pixel"),
+        ({"metres_per_pixel": 10**400}, "metres of a pixel"),
+        ({"metres_per_pixel": 0.0001}, "1 to 500 m long, found 0.08 m"),
+        ({"metres_per_pixel": 0.9}, "1 to 500 m long, found 720 m"),
+        ({"width": 1e6}, "a width of the house in metres"),
+        ({"metres_per_pixel": 0.01, "width": 8}, "found both"),
+        ({"dxf_layers": ["walls"]}, "patterns of rooms"),
+        ({"dxf_layers": {"roofs": "R"}}, "patterns of rooms"),
+        ({"dxf_layers": {"walls": 3}}, "a pattern of at most"),
+        ({"dxf_layers": {"walls": "x" * 301}}, "a pattern of at most"),
+    ],
+)
+def test_values_are_checked_before_anything_is_kept(project, given, expected):
+    asked(project, svg())
+    before = (project.path / "plan_source.json").read_bytes()
+    with pytest.raises(InputError) as found:
+        read_again(project, given)
+    assert expected in str(found.value)
+    assert (project.path / "plan_source.json").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        "[]",
+        "{",
+        '{"dxf_layers": ["W"]}',
+        '{"metres_per_pixel": "wide"}',
+        '{"picture": 3}',
+        '{"picture": {"size": [1, "x"]}}',
+        '{"picture": {"size": null, "shown": 0}}',
+        '{"two_points": -1}',
+    ],
+)
+def test_values_that_others_broke_are_one_line_until_the_next_upload(project, broken):
+    asked(project, svg())
+    (project.path / "plan_source.json").write_text(broken)
+    for ask in (reading_of, lambda p: read_again(p, {"width": 10})):
+        with pytest.raises(InputError, match=r"plan_source\.json: expected"):
+            ask(project)
+    asked(project, svg())
+    assert reading_of(project)["size"] == (800, 400)
+
+
+def test_a_picture_is_as_large_as_it_was_traced(project, monkeypatch):
+    calls = []
+
+    def opened(file, house, scale, layers):
+        calls.append(scale)
+        doubt = "" if scale else "the scale is a guess"
+        return {"plan": {"rooms": []}, "scale": SCALE | {"doubt": doubt}}
+
+    monkeypatch.setattr(plan_source, "opened", opened)
+    assert read_upload(project, b"\x89PNG\r\n")["scale"]["doubt"]
+    reading = reading_of(project)
+    assert (reading["format"], reading["size"]) == ("picture", (500.0, 250.0))
+    assert reading["doubt"] == "the scale is a guess"
+    read_again(project, {"width": 10})
+    assert calls == [None, 10 / 500]
+    assert reading_of(project)["doubt"] == ""
+
+
+def test_two_points_in_the_editor_are_kept_as_the_scale(project, monkeypatch):
+    found = {"plan": {"rooms": []}, "scale": SCALE | {"doubt": "the scale is a guess"}}
+    monkeypatch.setattr(plan_source, "opened", lambda *_: found)
+    read_upload(project, b"\x89PNG\r\n")
+    Image.new("L", (8, 8)).save(project.path / "plan_picture.png")
+
+    def saved(**place):
+        place |= {"x": 0, "z": 0, "opacity": 0.6, "visible": True}
+        plan, revision = {"format": "plan2scene-plan"}, project.revision()
+        project.save({"plan": plan, "photos": [], "place": place, "revision": revision})
+        plan_source.keep_two_points(project)
+        return json.loads((project.path / "plan_source.json").read_text())
+
+    # The picture is moved about: its scale stays a guess.
+    assert saved(metres_per_pixel=0.03)["two_points"] is None
+    kept = saved(metres_per_pixel=0.05, measured=True)
+    assert (kept["two_points"], kept["metres_per_pixel"]) == (0.025, None)
+    reading = reading_of(project)
+    assert (reading["metres_per_pixel"], reading["doubt"]) == (0.025, "")
+    assert saved(metres_per_pixel=0.03)["two_points"] is None  # taken back
+    assert reading_of(project)["doubt"] == "the scale is a guess"
+    saved(metres_per_pixel=0.05, measured=True)
+    read_again(project, {"metres_per_pixel": 0.02})
+    kept = json.loads((project.path / "plan_source.json").read_text())
+    assert (kept["two_points"], kept["metres_per_pixel"]) == (None, 0.02)
+    # What others broke stays, and the editor's state is saved all the same.
+    (project.path / "plan_source.json").write_text("[]")
+    assert saved(metres_per_pixel=0.05, measured=True) == []
+
+
+def test_what_is_no_plan_is_not_kept(project):
+    asked(project, svg())
+    with pytest.raises(InputError) as found:
+        read_upload(project, b"no plan at all")
+    assert not isinstance(found.value, UnreadPlanError)
+    assert (project.path / "plan_source").read_bytes() == svg()
+
+
+def test_the_server_asks_and_reads_again(studio):
+    studio.ask("POST", "projects", {"name": "drawn"})
+    assert studio.ask("GET", "p/drawn/plan/reading")[0] == 400
+    status, found = studio.ask("POST", "p/drawn/plan", svg())
+    assert status == 400
+    assert found["reading"]["size"] == [800, 400]
+    status, found = studio.ask("POST", "p/drawn/plan/reading", b'{"metres_per_pixel": NaN}')
+    assert (status, "finite" in found["error"]) == (400, True)
+    status, found = studio.ask("POST", "p/drawn/plan/reading", {"metres_per_pixel": 0.01})
+    assert status == 200
+    assert len(found["plan"]["rooms"]) == 2
+    status, found = studio.ask("GET", "p/drawn/plan/reading")
+    assert (status, found["metres_per_pixel"]) == (200, 0.01)

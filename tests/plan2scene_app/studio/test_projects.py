@@ -1,0 +1,175 @@
+"""Projects are folders that other programs read and change; nothing is lost or overwritten."""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from plan2scene.datasets.assignments import read_assignment
+from plan2scene.errors import InputError
+from plan2scene.plans import read_plan
+from plan2scene_app.studio import runs
+from plan2scene_app.studio.projects import Conflict, Projects
+
+EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
+
+
+@pytest.fixture
+def project(tmp_path):
+    return Projects(tmp_path).make("home")
+
+
+def photo(tmp_path, colour="red"):
+    path = tmp_path / f"{colour}.png"
+    Image.new("RGB", (32, 24), colour).save(path)
+    return path.read_bytes()
+
+
+def state(project, **changes):
+    plan = json.loads(EXAMPLE.read_text())
+    found = {"plan": plan, "photos": [], "place": None, "revision": project.revision()}
+    return found | changes
+
+
+def test_what_is_saved_is_what_run_reads(project, tmp_path):
+    project.add_photo("a.png", photo(tmp_path))
+    photos = [{"name": "a.png", "rooms": ["hall", "living"]}, {"name": "b.png", "rooms": []}]
+    place = {"x": 1, "z": 2, "metres_per_pixel": 0.01, "opacity": 0.5, "visible": True}
+    revision = project.save(state(project, photos=photos, place=place))
+    house = read_plan(project.path / "plan.json", "home")
+    rows = read_assignment(project.path / "photos.csv", house)
+    assert {tuple(row) for row in rows} == {("hall", "a.png"), ("living", "a.png")}
+    again = project.state()
+    assert again["revision"] == revision
+    assert sorted(again["photos"], key=lambda p: p["name"]) == photos
+    assert again["place"] is None  # there is no picture
+    (project.path / "plan_picture.png").write_bytes(photo(tmp_path))
+    assert project.state()["place"] == place
+
+
+def test_two_tabs_never_overwrite_each_other(project):
+    first = state(project)
+    project.save(state(project))
+    with pytest.raises(Conflict):
+        project.save(first)
+    # So does a change by another program.
+    mine = state(project)
+    (project.path / "photos.csv").write_text("room_id,photo\nhall,c.jpg\n")
+    with pytest.raises(Conflict):
+        project.save(mine)
+    assert project.state()["photos"] == [{"name": "c.jpg", "rooms": ["hall"]}]
+
+
+def test_files_that_did_not_change_keep_their_time(project):
+    project.save(state(project))
+    before = (project.path / "plan.json").stat().st_mtime_ns
+    photos = [{"name": "a.png", "rooms": ["hall"]}]
+    project.save(state(project, photos=photos))
+    assert (project.path / "plan.json").stat().st_mtime_ns == before
+
+
+def test_photos_are_checked_and_kept(project, tmp_path):
+    project.add_photo("a.png", photo(tmp_path))
+    project.add_photo("a.png", photo(tmp_path))
+    with pytest.raises(InputError, match="no other photo"):
+        project.add_photo("a.png", photo(tmp_path, "blue"))
+    with pytest.raises(InputError, match=r"b\.jpg: expected"):
+        project.add_photo("b.jpg", b"no picture")
+    for name in ("../a.png", "/etc/a.png", "a/b.png", ".png", "a.svg", "a\\b.png", "a.png\n"):
+        with pytest.raises(InputError):
+            project.add_photo(name, photo(tmp_path))
+    assert [path.name for path in project.photos.iterdir()] == ["a.png"]
+    assert (project.photos / "a.png").read_bytes() == photo(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"plan": None},
+        {"plan": {"format": "other"}},
+        {"photos": [{"name": "../x.png", "rooms": []}]},
+        {"photos": [{"name": "x.png"}]},
+        {"place": {"x": "left"}},
+    ],
+)
+def test_only_what_the_editor_holds_is_saved(project, changes):
+    with pytest.raises(InputError):
+        project.save(state(project, **changes))
+    assert not (project.path / "plan.json").exists()
+
+
+def test_names_and_links_of_projects(tmp_path):
+    projects = Projects(tmp_path / "homes")
+    projects.make("home")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "plan.json").write_text("{}")
+    (tmp_path / "homes" / "link").symlink_to(tmp_path / "other")
+    assert projects.names() == ["home"]
+    for name in ("home", "..", "a/b", ".hidden", "", "link"):
+        with pytest.raises(InputError):
+            projects.make(name)
+    for name in ("..", "link", "other"):
+        with pytest.raises(InputError):
+            projects.get(name)
+
+
+def wait(project, *states):
+    for _ in range(600):
+        found = runs.status(project)
+        if found["state"] in states:
+            return found
+        time.sleep(0.05)
+    raise AssertionError(found)
+
+
+JOB = """
+import json, os, sys, time
+print("Job stats:\\nmasks  1\\ntotal  1\\nrule masks:", flush=True)
+child = os.fork()
+time.sleep(60)
+"""
+
+
+def test_a_run_is_seen_cancelled_and_survives_its_server(project, monkeypatch):
+    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", JOB))
+    settings = runs.settings_of({}, 1)
+    assert runs.status(project)["state"] == "none"
+    runs.start(project, settings)
+    while not (found := runs.status(project))["stages"]:
+        time.sleep(0.05)
+    # Nothing of this is in memory: another server would see the same.
+    assert found["state"] == "running"
+    assert found["stages"][0]["state"] == "running"
+    with pytest.raises(InputError, match="under way"):
+        runs.start(project, settings)
+    process = runs._process(project)
+    family = [process, *process.children(recursive=True)]
+    assert len(family) == 2
+    runs.cancel(project)
+    assert runs.status(project)["state"] == "cancelled"
+    assert not any(p.is_running() and p.status() != "zombie" for p in family)
+    runs.start(project, settings)
+    runs._process(project).kill()
+    assert wait(project, "interrupted")["stages"] is not None
+
+
+def test_a_bad_plan_is_one_clear_line_of_the_real_job(project):
+    plan = json.loads(EXAMPLE.read_text())
+    plan["rooms"][0]["types"] = ["Ballroom"]
+    project.save(state(project, plan=plan))
+    runs.start(project, runs.settings_of({}, 1))
+    found = wait(project, "failed")
+    assert "room living: expected a room type" in found["fault"]
+    assert "'Ballroom'" in found["fault"]
+    assert found["stages"] == []
+
+
+@pytest.mark.parametrize(
+    "given", [{"method": "rm -rf"}, {"texture_size": 4096}, {"colours": "none"}]
+)
+def test_settings_are_checked(given):
+    with pytest.raises(InputError):
+        runs.settings_of(given, 1)

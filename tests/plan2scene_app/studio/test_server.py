@@ -1,0 +1,136 @@
+"""Who is let in, what is refused: tokens, hosts, origins, sizes, paths."""
+
+import io
+import json
+import zipfile
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from plan2scene.plans import read_plan, write_scene_json
+from plan2scene_app.studio import app
+
+EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
+
+
+@pytest.fixture(scope="module")
+def home(studio):
+    status, found = studio.ask("POST", "projects", {"name": "home"})
+    assert (status, found) == (200, {"name": "home"})
+    return "p/home"
+
+
+def test_nobody_without_the_token_the_host_and_the_origin(studio, home):
+    assert studio.ask("GET", f"{home}/state")[0] == 200
+    here = f"127.0.0.1:{studio.port}"
+    assert studio.ask("GET", f"{home}/state", Origin=f"http://{here}")[0] == 200
+    assert studio.ask("GET", f"{home}/state", token="another")[0] == 403
+    assert studio.ask("GET", "", token="")[0] == 403
+    assert studio.ask("GET", f"{home}/state", Host="evil.example")[0] == 403
+    assert studio.ask("GET", f"{home}/state", Host=f"evil.example:{studio.port}")[0] == 403
+    for origin in ("http://evil.example", "null", f"http://evil.example@{here}.evil"):
+        assert studio.ask("POST", f"{home}/run", {}, Origin=origin)[0] == 403
+
+
+def test_pages_load_nothing_from_outside(studio, home):
+    for path in ("", f"{home}/"):
+        status, page = studio.ask("GET", path)
+        assert status == 200
+        policy = studio.headers["content-security-policy"]
+        assert "default-src 'none'" in policy
+        assert "unsafe" not in policy
+        assert b"http://" not in page.replace(b"http://www.w3.org/2000/svg", b"")
+        assert studio.headers["referrer-policy"] == "no-referrer"
+
+
+def test_no_path_leads_outside(studio, home):
+    (studio.root.parent / "secret.txt").write_text("secret")
+    for path in (
+        f"{home}/results/../../../secret.txt",
+        f"{home}/results/..%2f..%2f..%2fsecret.txt",
+        f"{home}/results/textures/..%2f..%2fplan.json",
+        f"{home}/results/work/config.yaml",
+        f"{home}/photos/..%2fplan.json",
+        f"{home}/photos/%2e%2e%2fstudio.json",
+        "p/..%2f/state",
+        "p/%2e%2e/state",
+    ):
+        status, content = studio.ask("GET", path)
+        assert status in (400, 404), path
+        assert b"secret" not in (content if isinstance(content, bytes) else b"")
+
+
+def test_uploads_have_limits(studio, home, monkeypatch):
+    monkeypatch.setattr(app, "MAX_PHOTO", 1000)
+    assert studio.ask("PUT", f"{home}/photos/a.jpg", b"x" * 1001)[0] == 413
+    assert studio.ask("PUT", f"{home}/photos/a.jpg", iter([b"x" * 600] * 3))[0] == 413
+    status, found = studio.ask("PUT", f"{home}/photos/a.jpg", b"x" * 500)
+    assert status == 400
+    assert "expected" in found["error"]
+    assert studio.ask("PUT", f"{home}/state", b"[1]")[0] == 400
+    assert studio.ask("PUT", f"{home}/state", b"{" * 100_000)[0] == 400
+
+
+def test_plans_of_other_formats_and_pictures_are_read(studio, home):
+    status, found = studio.ask("POST", f"{home}/plan", EXAMPLE.read_bytes())
+    assert status == 200
+    assert found["plan"]["rooms"][0]["id"] == "living"
+    picture = io.BytesIO()
+    Image.new("RGB", (80, 60), "white").save(picture, "PNG")
+    status, found = studio.ask("POST", f"{home}/plan", picture.getvalue())
+    assert (found["picture"]["width"], found["picture"]["height"]) == (80, 60)
+    assert studio.ask("GET", f"{home}/picture")[1][:4] == b"\x89PNG"
+    status, found = studio.ask("POST", f"{home}/plan", b"no plan at all")
+    assert status == 400
+    assert found["error"].startswith("expected a plan (")
+
+
+def test_stale_states_are_refused(studio, home):
+    _, state = studio.ask("GET", f"{home}/state")
+    body = state | {"plan": json.loads(EXAMPLE.read_text())}
+    status, saved = studio.ask("PUT", f"{home}/state", body)
+    assert status == 200
+    assert studio.ask("PUT", f"{home}/state", body)[0] == 409
+    path = f"{home}/state?not={saved['revision']}"
+    assert studio.ask("GET", path) == (200, {"revision": saved["revision"]})
+
+
+def test_results_are_given_and_zipped(studio, home):
+    assert studio.ask("GET", f"{home}/zip")[0] == 400
+    assert studio.ask("GET", f"{home}/export/map")[0] == 400
+    house = studio.root / "home" / "house"
+    (house / "textures").mkdir(parents=True)
+    plan = read_plan(EXAMPLE, "home")
+    write_scene_json(plan, house / "house.scene.json")
+    document = {"method": "none", "surfaces": {}}
+    (house / "textures" / "textures.json").write_text(json.dumps(document))
+    status, content = studio.ask("GET", f"{home}/export/map")
+    assert status == 200, content
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        assert set(archive.namelist()) == {"home/map.pgm", "home/map.yaml"}
+    if find_spec("pxr"):
+        status, content = studio.ask("GET", f"{home}/export/usd")
+        assert status == 200, content
+        assert 'filename="home.usdz"' in studio.headers["content-disposition"]
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            assert archive.namelist()[0].endswith(".usdc")
+    assert studio.ask("GET", f"{home}/export/..%2fplan")[0] in (400, 404)
+    (house / "house.scene.json").unlink()
+    (house / "house.glb").write_bytes(b"glTF")
+    (house / "viewer.html").write_text("<p>house</p>")
+    (house / "textures" / "hall_floor.png").write_bytes(b"png")
+    assert studio.ask("GET", f"{home}/results/house.glb") == (200, b"glTF")
+    studio.ask("GET", f"{home}/results/viewer.html")
+    assert studio.headers["content-security-policy"].startswith("sandbox allow-scripts;")
+    _, content = studio.ask("GET", f"{home}/zip")
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        assert set(archive.namelist()) == {
+            "home/house.glb",
+            "home/viewer.html",
+            "home/textures/hall_floor.png",
+        }
+    found = studio.ask("GET", f"{home}/run")[1]
+    assert found["state"] == "none"
+    assert found["results"]["tiles"] == ["hall_floor.png"]

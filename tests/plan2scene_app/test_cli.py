@@ -1,0 +1,254 @@
+"""The command line: what each command writes, and one line for each mistake."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from plan2scene.errors import InputError
+from plan2scene.materials import random_material
+from plan2scene.plans import read_plan
+from plan2scene_app import cli
+
+ROOT = Path(__file__).parents[2]
+PLAN = ROOT / "resources" / "examples" / "plan.json"
+
+
+def call(*arguments: object) -> tuple[int, str]:
+    result = CliRunner().invoke(cli.app, [str(value) for value in arguments])
+    if result.exception and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result.exit_code, result.output
+
+
+def test_metrics_prints_json(tmp_path):
+    path = tmp_path / "a.png"
+    Image.fromarray(random_material("carpet", 1, size_px=128).albedo).save(path)
+    code, output = call("metrics", path, path)
+    figures = json.loads(output)
+    assert code == 0
+    assert list(figures) == ["color", "freq", "tile", "subs"]
+    assert figures["color"] == figures["freq"] == figures["subs"] == 0
+
+
+def test_masks_are_label_images_of_the_photos_size(tmp_path):
+    photo = tmp_path / "room one.jpg"
+    Image.fromarray(np.full((90, 120, 3), 180, np.uint8)).save(photo)
+    code, _ = call("masks", photo, "--out", tmp_path / "out")
+    labels = Image.open(tmp_path / "out" / "room one.png")
+    assert code == 0
+    assert labels.size == (120, 90)
+    assert labels.mode == "L"
+    assert set(np.unique(np.asarray(labels))) <= {0, 1, 2, 3}
+
+
+def test_a_bad_photo_is_named_and_the_others_are_done(tmp_path):
+    good, bad = tmp_path / "good.png", tmp_path / "bad.png"
+    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(good)
+    bad.write_text("no image")
+    code, output = call("masks", bad, good, "--out", tmp_path / "out")
+    assert code == 1
+    assert "bad.png" in output
+    assert (tmp_path / "out" / "good.png").is_file()
+
+
+def test_texture_writes_a_tile(tmp_path):
+    crop, out = tmp_path / "crop.png", tmp_path / "tile.png"
+    Image.fromarray(random_material("wood", 2, size_px=256).albedo[:150, :150]).save(crop)
+    code, _ = call("texture", crop, crop, "--method", "crop", "--out", out)
+    assert code == 0
+    assert Image.open(out).size == (128, 128)
+
+
+def test_import_writes_the_same_house(tmp_path):
+    out = tmp_path / "scene.json"
+    code, _ = call("import", PLAN, "--out", out)
+    assert code == 0
+    assert read_plan(out, "plan").rooms == read_plan(PLAN, "plan").rooms
+
+
+def test_check_tells_errors_by_its_exit_code(tmp_path):
+    assert call("check", PLAN)[0] == 0
+    plan = json.loads(PLAN.read_text())
+    plan["rooms"][0]["types"] = ["Dungeon"]
+    wrong = tmp_path / "wrong.json"
+    wrong.write_text(json.dumps(plan))
+    code, output = call("check", wrong)
+    assert code == 1
+    assert "Dungeon" in output and "expected" in output
+
+
+def test_run_refuses_a_room_the_plan_lacks_before_any_work(tmp_path, monkeypatch, capsys):
+    table = tmp_path / "photos.csv"
+    table.write_text("room_id,photo\nno_such_room,x.jpg\n")
+    arguments = ["plan2scene", "run", "--plan", str(PLAN), "--photos", str(table)]
+    monkeypatch.setattr("sys.argv", [*arguments, "--out", str(tmp_path / "out")])
+    with pytest.raises(SystemExit) as stop:
+        cli.main()
+    lines = [line for line in capsys.readouterr().err.splitlines() if "no_such_room" in line]
+    assert stop.value.code == 1
+    assert len(lines) == 1
+    assert "expected" in lines[0] and "found" in lines[0]
+    assert not (tmp_path / "out" / "work" / ".snakemake").exists()
+
+
+def test_run_refuses_a_texture_size_before_any_work(tmp_path):
+    out = tmp_path / "out"
+    with pytest.raises(cli.InputError, match="found 100"):
+        call("run", "--plan", PLAN, "--out", out, "--texture-size", "100")
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("name", ["../x", ".hidden", "a b"])
+def test_a_house_id_that_is_no_file_name_is_refused(tmp_path, name):
+    with pytest.raises(cli.InputError):
+        call("run", "--plan", PLAN, "--out", tmp_path, "--house", name)
+
+
+def test_checkpoints_are_converted_and_those_of_other_networks_refused(tmp_path):
+    import torch
+
+    from plan2scene.propagation.network import PropagationNetwork
+
+    path, out = tmp_path / "gnn.ckpt", tmp_path / "o.safetensors"
+    torch.save({"model_state_dict": PropagationNetwork().state_dict()}, path)
+    means = ROOT / "resources" / "models" / "propagation.safetensors"
+    code, output = call("convert-checkpoint", "propagation", path, "--out", out, "--means", means)
+    assert (code, output.strip()) == (0, str(out))
+    assert out.is_file()
+    with pytest.raises(InputError, match=r"tensor encoder\..* missing, 13 unknown"):
+        call("convert-checkpoint", "texture", path, "--out", tmp_path / "t.safetensors")
+
+
+@pytest.mark.parametrize("command", ["masks", "texture", "import", "convert-checkpoint"])
+def test_no_command_overwrites_its_input(tmp_path, command):
+    given = tmp_path / "a.png"
+    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(given)
+    before = given.read_bytes()
+    out = tmp_path if command == "masks" else given
+    network = ["vgg16"] if command == "convert-checkpoint" else []
+    with pytest.raises(InputError, match="expected an output that is no input"):
+        call(command, *network, given, "--out", out)
+    assert given.read_bytes() == before
+
+
+def test_labels_take_the_place_of_labels_only(tmp_path):
+    photo, other = tmp_path / "a.jpg", tmp_path / "out" / "a.png"
+    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(photo)
+    for _ in range(2):
+        assert call("masks", photo, "--out", tmp_path / "out")[0] == 0
+    Image.fromarray(np.full((64, 64), 180, np.uint8)).save(other)
+    before = other.read_bytes()
+    with pytest.raises(InputError, match="expected a folder without other pictures"):
+        call("masks", photo, "--out", tmp_path / "out")
+    assert other.read_bytes() == before
+
+
+@pytest.mark.parametrize("command", ["run", "texture", "masks", "import"])
+def test_an_output_that_cannot_be_written_is_one_line(tmp_path, monkeypatch, capsys, command):
+    photo, blocked = tmp_path / "a.png", tmp_path / "file" / "x"
+    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(photo)
+    blocked.parent.write_text("a file, no folder")
+    given = {"run": ["--plan", PLAN], "import": [PLAN], "texture": [photo, "--method", "crop"]}
+    arguments = [command, *given.get(command, [photo]), "--out", blocked]
+    monkeypatch.setattr("sys.argv", ["plan2scene", *map(str, arguments)])
+    with pytest.raises(SystemExit) as stop:
+        cli.main()
+    lines = capsys.readouterr().err.splitlines()
+    assert stop.value.code == 1
+    assert [line.startswith("ERROR ") and "expected" in line for line in lines] == [True]
+
+
+@pytest.mark.parametrize(
+    ("name", "house"),
+    [("план.json", "house"), ("дом 5.scene.json", "_5"), ("Küche.json", "K_che"), ("-x.txt", "x")],
+)
+def test_a_house_is_called_as_its_plan(name, house):
+    assert cli._house_id(Path(name), None) == house
+
+
+def test_run_without_any_photo_that_can_be_read_is_refused(tmp_path):
+    (tmp_path / "a.JPG").write_text("no picture")
+    (tmp_path / "b.jpg").write_text("no picture")
+    table, out = tmp_path / "photos.csv", tmp_path / "out"
+    table.write_text("room_id,photo\nliving,a.jpg\nhall,b.jpg\n")
+    with pytest.raises(InputError, match=r"none of 2; the first: .* no such file, but a\.JPG"):
+        call("run", "--plan", PLAN, "--photos", table, "--out", out)
+    assert not out.exists()
+
+
+@pytest.fixture
+def strange_layers(tmp_path):
+    """A drawing in metres of one room whose layer no usual pattern knows."""
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 6
+    ring = [(0, 0), (4, 0), (4, 3), (0, 3)]
+    document.modelspace().add_lwpolyline(ring, close=True, dxfattribs={"layer": "POLY-7"})
+    document.saveas(tmp_path / "flat.dxf")
+    return tmp_path / "flat.dxf"
+
+
+def test_dxf_layers_by_the_command_line(strange_layers, tmp_path):
+    layer, out = ("--dxf-layer", "rooms=poly*,flat"), tmp_path / "scene.json"
+    code, output = call("check", strange_layers)
+    assert code == 1 and "rooms, or walls that close some" in output
+    code, output = call("check", strange_layers, *layer)
+    assert code == 0 and "1 rooms, 4 walls" in output
+    call("import", strange_layers, *layer, "--out", out)
+    assert len(read_plan(out, "flat").rooms) == 1
+    call("edit", strange_layers, *layer, "--out", tmp_path / "editor.html")
+    assert '"polygon":[[0.0,0.0]' in (tmp_path / "editor.html").read_text()
+    for wrong in ("roofs=poly*", "rooms", "rooms=poly", f"rooms={301 * '*'}", "rooms="):
+        with pytest.raises(InputError) as caught:
+            call("import", strange_layers, "--dxf-layer", wrong, "--out", out)
+        assert "\n" not in str(caught.value)
+
+
+def test_dxf_layers_reach_the_workflow(strange_layers, tmp_path):
+    import yaml
+
+    from plan2scene_app.run import SingleHouse, prepare, read_input
+
+    plain = SingleHouse(strange_layers, None, None, "flat", "exemplar", None, 0, 128)
+    with pytest.raises(InputError, match="rooms, or walls that close some"):
+        read_input(plain)
+    request = replace(plain, dxf_layers={"rooms": "poly*"})
+    assert read_input(request) == []
+    config = yaml.safe_load(prepare(request, [], tmp_path / "work").read_text())
+    assert config["floorplans"]["dxf_layers"] == {"rooms": "poly*"}
+
+
+def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
+    import yaml
+
+    from plan2scene.config import check_config
+    from plan2scene_app import run as runs
+
+    asked = []
+    monkeypatch.setattr(runs, "run", lambda request, *_, **__: asked.append(request) or {})
+    options = (("--walls", "wall", "--colours", "corrected"), ())
+    for given in options:
+        assert call("run", "--plan", PLAN, "--out", tmp_path / "out", *given)[0] == 0
+    shown = []
+    for k, request in enumerate(asked):
+        config = yaml.safe_load(runs.prepare(request, [], tmp_path / str(k)).read_text())
+        check_config(config)
+        shown.append((config["house"]["walls"], config["house"]["colours"]))
+    assert shown == [("wall", "corrected"), ("room", "photo")]
+    assert call("run", "--plan", PLAN, "--out", tmp_path / "out", "--walls", "accent")[0] == 2
+    assert len(asked) == 2
+
+
+def test_check_tells_of_a_picture_that_it_is_traced(tmp_path):
+    Image.fromarray(np.full((200, 300, 3), 180, np.uint8)).save(tmp_path / "plan.png")
+    code, output = call("check", tmp_path / "plan.png")
+    assert code == 0
+    assert "plan2scene trace" in output and output.splitlines()[-1] == "1 problems"
+    (tmp_path / "cut.png").write_bytes((tmp_path / "plan.png").read_bytes()[:60])
+    code, output = call("check", tmp_path / "cut.png")
+    assert code == 1 and "error: file" in output

@@ -1,0 +1,120 @@
+"""The folder of results: one run at a time, what is the user's stays, deliveries are whole."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene_app.out_folder import claimed_folder
+
+NAMES = ("house.glb", "textures")
+
+
+@pytest.fixture
+def made(tmp_path):
+    """Return what a workflow made: a file, and a folder with Snakemake's stamp in it."""
+    (tmp_path / "made" / "textures").mkdir(parents=True)
+    (tmp_path / "made" / "house.glb").write_bytes(b"new")
+    for name in ("a_floor.png", ".snakemake_timestamp"):
+        (tmp_path / "made" / "textures" / name).write_bytes(b"new")
+    return {name: tmp_path / "made" / name for name in NAMES}
+
+
+def refused(out: Path, words: str, *inputs: Path) -> None:
+    with pytest.raises(InputError, match=words), claimed_folder(out, NAMES, inputs):
+        pass
+
+
+def snapshot(folder: Path) -> dict[str, bytes]:
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and "work" not in path.relative_to(folder).parts
+    }
+
+
+def test_results_without_byproducts_and_again(tmp_path, made):
+    out = tmp_path / "out"
+    for content in (b"new", b"newer"):
+        made["house.glb"].write_bytes(content)
+        with claimed_folder(out, NAMES, []) as folder:
+            folder.deliver(made)
+        assert snapshot(out) == {"house.glb": content, "textures/a_floor.png": b"new"}
+
+
+def test_tiles_of_an_earlier_run_go_and_files_of_the_user_are_told(tmp_path, made):
+    out = tmp_path / "out"
+    with claimed_folder(out, NAMES, []) as folder:
+        folder.deliver(made)
+    made["textures"].joinpath("a_floor.png").rename(made["textures"] / "b_floor.png")
+    with claimed_folder(out, NAMES, []) as folder:
+        folder.deliver(made)
+    assert set(snapshot(out)) == {"house.glb", "textures/b_floor.png"}
+    (out / "textures" / "mine.png").write_bytes(b"mine")
+    refused(out, r"found textures/mine\.png")
+    assert (out / "textures" / "mine.png").read_bytes() == b"mine"
+
+
+@pytest.mark.parametrize("name", ["textures/mine.png", "house.glb", "work/notes.txt"])
+def test_what_no_run_delivered_is_refused_and_stays(tmp_path, name):
+    path = tmp_path / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_bytes(b"mine")
+    refused(tmp_path, "found")
+    assert [p for p in tmp_path.rglob("*") if p.is_file()] == [path]
+
+
+@pytest.mark.parametrize("name", ["house.glb", "textures/plan.json", "work/plan.json"])
+def test_an_input_in_the_way_is_refused(tmp_path, name):
+    given = tmp_path / name
+    refused(tmp_path, "overwrite the input", given)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_is_no_folder(tmp_path):
+    (tmp_path / "out").write_text("mine")
+    refused(tmp_path / "out", "found a file")
+
+
+def test_a_second_run_is_refused_while_the_first_or_its_child_lives(tmp_path):
+    with claimed_folder(tmp_path, NAMES, []) as folder:
+        child = subprocess.Popen(
+            [sys.executable, "-c", "input()"], stdin=subprocess.PIPE, pass_fds=(folder.lock,)
+        )
+        refused(tmp_path, "a run that is under way")
+    refused(tmp_path, "a run that is under way")
+    child.kill()
+    child.wait()
+    with claimed_folder(tmp_path, NAMES, []):
+        pass
+
+
+def test_a_killed_run_leaves_no_lock_of_snakemake(tmp_path):
+    locks = tmp_path / "work" / ".snakemake" / "locks"
+    with claimed_folder(tmp_path, NAMES, []):
+        locks.mkdir(parents=True)
+        (locks / "0.output.lock").write_text("x")
+    with claimed_folder(tmp_path, NAMES, []):
+        assert not locks.exists()
+
+
+def test_a_failed_delivery_keeps_what_was_there(tmp_path, made, monkeypatch):
+    out = tmp_path / "out"
+    with claimed_folder(out, NAMES, []) as folder:
+        folder.deliver(made)
+    before = snapshot(out)
+    made["house.glb"].write_bytes(b"x" * 100_000)
+    for name in ("shutil.copyfile", "shutil.copytree"):
+
+        def full(*_: object, **__: object) -> None:
+            raise OSError(28, os.strerror(28))
+
+        with monkeypatch.context() as patch, pytest.raises(OSError, match="No space"):
+            patch.setattr(name, full)
+            with claimed_folder(out, NAMES, []) as folder:
+                folder.deliver(made)
+        whole = made["house.glb"].read_bytes() if name == "shutil.copytree" else before["house.glb"]
+        assert snapshot(out) == {**before, "house.glb": whole}

@@ -1,0 +1,41 @@
+"""A drawn two-room flat: its labels as a perfect network would give them."""
+
+import numpy as np
+import pytest
+
+from plan2scene_app.tracing.labels import DOOR, PLAN_LABELS, WALL, WINDOW
+
+PPM = 30
+#: Rooms of the flat: label and floor in metres (x0, y0, x1, y1); walls are .1 m.
+BEDROOM, KITCHEN = 7, 8
+FLOORS = {BEDROOM: (1.1, 1.1, 5.0, 4.0), KITCHEN: (5.1, 1.1, 8.0, 4.0)}
+
+
+def flat_labels() -> np.ndarray:
+    """Return labels (150, 270) of two rooms side by side with two doors and a window."""
+    labels = np.zeros((150, 270), np.uint8)
+
+    def paint(label, x0, y0, x1, y1):
+        rows = slice(round(y0 * PPM), round(y1 * PPM))
+        labels[rows, round(x0 * PPM) : round(x1 * PPM)] = label
+
+    paint(WALL, 1.0, 1.0, 8.1, 4.1)
+    for label, box in FLOORS.items():
+        paint(label, *box)
+    paint(DOOR, 5.0, 2.0, 5.1, 2.9)
+    paint(DOOR, 2.0, 4.0, 2.9, 4.1)
+    paint(WINDOW, 6.0, 1.0, 7.5, 1.1)
+    return labels
+
+
+def as_probabilities(labels: np.ndarray, sure: float = 0.9) -> np.ndarray:
+    """Return labels as probabilities (labels, h, w) float32."""
+    count = len(PLAN_LABELS)
+    found = np.full((count, *labels.shape), (1 - sure) / (count - 1), np.float32)
+    np.put_along_axis(found, labels[None].astype(int), sure, axis=0)
+    return found
+
+
+@pytest.fixture
+def probabilities():
+    return as_probabilities(flat_labels())

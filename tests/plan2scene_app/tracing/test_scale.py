@@ -1,0 +1,74 @@
+import numpy as np
+import pytest
+
+from plan2scene_app.tracing.lettering import TextLine
+from plan2scene_app.tracing.scale import SURE, RoomSize, chain_evidence, find_scale, room_evidence
+
+#: Metres of a pixel in these tests.
+TRUE = 0.02
+
+
+def line(text, x=0.0, y=0.0, size=(30.0, 10.0)):
+    return TextLine(text, (x, y), size, 0.99)
+
+
+def room(width, depth, *texts):
+    sides = width / TRUE, depth / TRUE
+    return RoomSize(sides[0] * sides[1], sides, [line(text) for text in texts])
+
+
+def test_areas_and_sides_agree():
+    evidence = [
+        *room_evidence(room(4.0, 3.0, "12 m2", "400 x 300")),
+        *room_evidence(room(2.0, 3.0, "6.0 m2")),
+    ]
+    found = find_scale(evidence, [0.9 / TRUE], [30000.0])
+    assert found.metres_per_pixel == pytest.approx(TRUE, rel=0.01)
+    assert found.confidence > SURE
+    assert set(found.agree) == {"12 m2", "400 x 300", "6.0 m2"}
+
+
+def test_a_wrong_text_is_outvoted_and_named():
+    evidence = [
+        *room_evidence(room(4.0, 3.0, "12 m2")),
+        *room_evidence(room(2.0, 3.0, "6.0 m2")),
+        *room_evidence(room(2.0, 2.0, "9.0 m2")),
+    ]
+    found = find_scale(evidence, [0.85 / TRUE] * 3, [30000.0])
+    assert found.metres_per_pixel == pytest.approx(TRUE, rel=0.01)
+    assert found.differ == ("9.0 m2",)
+
+
+def test_sides_are_taken_either_way_round():
+    (evidence,) = room_evidence(room(4.0, 3.0, "300 x 400"))
+    assert any(m == pytest.approx(np.log(TRUE), abs=0.01) for m in evidence.meanings)
+
+
+def test_chains_stand_in_the_middle_between_walls():
+    walls = [100.0, 250.0, 450.0]
+    texts = [line("3000", 175), line("4000", 350), line("7000", 275)]
+    evidence = [chain_evidence(text, walls, []) for text in texts]
+    found = find_scale([e for e in evidence if e], [0.8 / TRUE], [30000.0])
+    assert found.metres_per_pixel == pytest.approx(TRUE, rel=0.01)
+    assert chain_evidence(line("3000", 300), walls, []) is None
+    assert chain_evidence(line("Hall", 175), walls, []) is None
+
+
+def test_upright_lengths_are_of_the_other_axis():
+    text = line("3000", 5, 175, size=(10.0, 30.0))
+    assert chain_evidence(text, [100.0, 250.0], []) is None
+    assert chain_evidence(text, [], [100.0, 250.0]) is not None
+
+
+def test_without_text_doors_tell_and_it_is_a_guess():
+    found = find_scale([], [42.0, 43.0, 40.0], [30000.0])
+    assert found.metres_per_pixel == pytest.approx(0.85 / 42, rel=0.01)
+    assert found.confidence < SURE and "guess" in found.source
+    assert find_scale([], [], [30000.0]).confidence < 0.2
+
+
+def test_a_scale_far_from_what_doors_say_is_not_believed():
+    evidence = room_evidence(room(4.0, 3.0, "1200 m2", "120 m2"))
+    found = find_scale(evidence, [0.85 / TRUE] * 3, [30000.0])
+    assert found.metres_per_pixel == pytest.approx(TRUE, rel=0.01)
+    assert found.confidence < SURE

@@ -1,0 +1,169 @@
+"""A picture becomes a plan: the shipped network, the texts, what is written, what is refused."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+from flat_picture import PPM, flat_picture
+from PIL import Image, ImageDraw
+from typer.testing import CliRunner
+
+from plan2scene.errors import InputError
+from plan2scene.images import write_png
+from plan2scene.plans import read_plan
+from plan2scene_app.cli import app
+from plan2scene_app.tracing import trace
+from plan2scene_app.tracing.lettering import TextLine, read_lines
+from plan2scene_app.tracing.output import traced_files, write_trace
+from plan2scene_app.tracing.picture import dark_on_light, read_plan_picture
+
+
+@pytest.fixture
+def picture(tmp_path):
+    path = tmp_path / "flat.png"
+    write_png(path, flat_picture())
+    return path
+
+
+@pytest.fixture
+def texts(monkeypatch):
+    """Let the picture's texts be these, without a reader."""
+    lines = [
+        TextLine("Wohnzimmer", (150.0, 200.0), (80.0, 12.0), 0.99),
+        TextLine("20,0 m²", (150.0, 220.0), (60.0, 12.0), 0.99),
+        TextLine("Küche", (350.0, 200.0), (50.0, 12.0), 0.99),
+        TextLine("19.4 m2", (350.0, 220.0), (60.0, 12.0), 0.99),
+    ]
+    monkeypatch.setattr(trace, "reader_installed", lambda: True)
+    monkeypatch.setattr(trace, "read_lines", lambda image: lines)
+
+
+def test_a_drawing_becomes_a_plan(picture, texts, tmp_path):
+    out = tmp_path / "plan.json"
+    plan, _ = write_trace(picture, out)
+    house = read_plan(out, "flat")
+    assert {room.id: room.types for room in house.rooms} == {
+        "wohnzimmer": ("Reception",),
+        "kuche": ("Kitchen",),
+    }
+    areas = {room.id: room.polygon.area * plan.metres**2 for room in plan.rooms}
+    assert areas["wohnzimmer"] == pytest.approx(4.06 * 5.12, rel=0.05)
+    assert plan.scale.confidence > 0.6
+    assert plan.metres * plan.frame.zoom == pytest.approx(1 / PPM, rel=0.02)
+    joined = [door for door in house.doors if door.room_b is not None]
+    assert len(joined) == 1
+    assert all(path.is_file() for path in traced_files(out))
+
+
+def test_light_lines_on_dark_paper_are_read_as_dark_ones(texts, tmp_path):
+    paper = np.array([20, 40, 90])  # a blueprint's
+    picture = (paper + (255 - flat_picture()) / 255 * (255 - paper)).astype(np.uint8)
+    write_png(tmp_path / "flat.png", picture)
+    plan, _ = write_trace(tmp_path / "flat.png", tmp_path / "plan.json")
+    areas = {room.id: room.polygon.area * plan.metres**2 for room in plan.rooms}
+    assert set(areas) == {"wohnzimmer", "kuche"}
+    assert areas["wohnzimmer"] == pytest.approx(4.06 * 5.12, rel=0.05)
+    assert sum(opening.kind == "door" for opening in plan.openings) >= 1
+    np.testing.assert_array_equal(plan.picture, picture)  # shown as it is
+
+
+def test_dark_pictures_that_are_not_light_on_dark_stay():
+    dim = (flat_picture() * 0.35).astype(np.uint8)  # a sheet in a dim room
+    assert dark_on_light(dim) is dim
+    room = (_noise() * 0.4).astype(np.uint8)
+    room[:40, :200] = 255  # a window
+    assert dark_on_light(room) is room
+
+
+def test_the_same_picture_gives_the_same_bytes(picture, texts, tmp_path):
+    found = []
+    for name in ("a.json", "b.json"):
+        write_trace(picture, tmp_path / name)
+        found.append([path.read_bytes() for path in traced_files(tmp_path / name)])
+    assert found[0] == found[1]
+
+
+def test_a_given_scale_is_believed(picture, texts, tmp_path):
+    plan, lines = write_trace(picture, tmp_path / "plan.json", metres_per_pixel=0.04)
+    assert plan.metres * plan.frame.zoom == pytest.approx(0.04)
+    assert plan.scale.confidence == 1
+    assert not any("--metres-per-pixel" in line for line in lines)
+
+
+def test_without_a_reader_the_scale_is_a_guess_that_is_said(picture, monkeypatch, tmp_path):
+    monkeypatch.setattr(trace, "reader_installed", lambda: False)
+    _, lines = write_trace(picture, tmp_path / "plan.json")
+    assert any("a guess" in line and "--metres-per-pixel" in line for line in lines)
+    assert any("plan2scene[trace]" in line for line in lines)
+
+
+def test_text_is_read(tmp_path):
+    pytest.importorskip("rapidocr")
+    image = np.full((200, 500, 3), 255, np.uint8)
+    cv2.putText(image, "Bedroom", (60, 80), cv2.FONT_HERSHEY_SIMPLEX, 1, (0, 0, 0), 2)
+    cv2.putText(image, "14.5 m2", (280, 160), cv2.FONT_HERSHEY_SIMPLEX, 1, (0, 0, 0), 2)
+    found = {line.text.replace(" ", ""): line for line in read_lines(image)}
+    assert set(found) == {"Bedroom", "14.5m2"}
+    assert found["Bedroom"].middle == pytest.approx((120, 70), abs=12)
+    assert not found["Bedroom"].upright
+
+
+def _noise(height=400, width=600):
+    rng = np.random.default_rng(0)
+    small = rng.integers(0, 256, (height // 20, width // 20, 3), np.uint8)
+    return cv2.resize(small, (width, height), interpolation=cv2.INTER_CUBIC)
+
+
+def _letter():
+    image = np.full((700, 500, 3), 255, np.uint8)
+    for row in range(14):
+        text = "This is a page of text alone"
+        cv2.putText(image, text, (30, 60 + 45 * row), cv2.FONT_HERSHEY_SIMPLEX, 0.8, (0, 0, 0), 1)
+    return image
+
+
+@pytest.mark.parametrize(
+    ("image", "found"),
+    [
+        (np.full((300, 400, 3), 255, np.uint8), "an empty page"),
+        (np.full((50, 400, 3), 255, np.uint8), "400x50"),
+        (_noise(), "a photo?"),
+        (_letter(), "no room that walls close"),
+    ],
+    ids=["empty", "small", "photo", "text"],
+)
+def test_what_is_no_plan_is_one_line(tmp_path, monkeypatch, image, found):
+    if image.shape[0] == 700:  # letters alone: they are read, and painted over
+        pytest.importorskip("rapidocr")
+    else:
+        monkeypatch.setattr(trace, "reader_installed", lambda: False)
+    path = tmp_path / "other.png"
+    write_png(path, image)
+    with pytest.raises(InputError) as caught:
+        write_trace(path, tmp_path / "plan.json")
+    assert found in str(caught.value) and "\n" not in str(caught.value)
+    assert [p.name for p in tmp_path.iterdir()] == ["other.png"]
+
+
+def test_command_line(picture, texts, tmp_path):
+    out = tmp_path / "plan.json"
+    done = CliRunner().invoke(app, ["trace", str(picture), "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    assert "2 rooms" in done.output and str(out) in done.output
+    assert json.loads(out.read_text())["format"] == "plan2scene-plan"
+
+
+def test_the_picture_is_not_overwritten(picture, texts):
+    done = CliRunner().invoke(app, ["trace", str(picture), "--out", str(picture)])
+    assert isinstance(done.exception, InputError)
+
+
+def test_a_picture_of_12000_x_9000_pixels_is_worked_on_at_a_sixth(tmp_path):
+    page = Image.new("1", (12_000, 9_000), 1)
+    ImageDraw.Draw(page).rectangle((1200, 1200, 9600, 7800), outline=0, width=120)
+    page.save(tmp_path / "large.png")
+    found = read_plan_picture(tmp_path / "large.png")
+    assert found.image.shape == (1500, 2000, 3)
+    assert found.shrunk == 6
+    assert found.image[500, 205].max() < 60 < 200 < found.image[500, 500].min()

@@ -1,0 +1,330 @@
+"""The viewer in a headless browser: pixels, clicks, keys, walking, no request."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+from viewer_page import ViewerPage
+
+from plan2scene.house import IconBox, SurfaceKey
+from plan2scene.images import png_bytes
+from plan2scene.mesh import TileTexture, write_glb
+from plan2scene.plans import write_scene_json
+from plan2scene_app.viewer import build_viewer
+from plan2scene_app.viewer.index_page import write_index
+
+NAME = (
+    '"></script><script>document.body.remove()</script><img src=x onerror=document.body.remove()>'
+)
+CROP = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7"
+#: In the room's middle at eye level, looks along +x and a little down.
+SHOT = {
+    "width": 640,
+    "height": 480,
+    "focal_px": 400.0,
+    "rotation": [[0.0, 0.0, 1.0], [-0.1, -0.995, 0.0], [0.995, -0.1, 0.0]],
+    "position": [2.0, 1.5, 1.5],
+    "room_id": "r",
+    "located": 0.75,
+}
+RESET = """
+setTape(false);
+describe(null);
+chosen = null;
+setMode("orbit");
+setLook("day");
+frusta.visible = $("shots").checked = false;
+fit(parts, 0.92, canvas, 0.42, 0.62);
+draw(1);
+"""
+FACTS = {
+    "surfaces": {
+        "r/floor": {"photo": NAME, "crop": CROP},
+        "r/wall": {"confidence": 0.6, "source": "propagated, like another"},
+    },
+    "photos": [{"name": "a.jpg", "number": 1}, {"name": NAME, "number": 2, **SHOT}],
+}
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with ViewerPage() as browser:
+        yield browser
+
+
+@pytest.fixture(scope="module")
+def opened(browser):
+    """Return what opens the small house, once as long as no other page is opened."""
+    return {"page": ""}
+
+
+@pytest.fixture
+def view(browser, opened, small_glb, tmp_path):
+    """Show the small house from where it starts; its page asks for nothing, has no complaint."""
+    if browser.path != opened["page"]:
+        opened["page"] = tmp_path / "viewer.html"
+        build_viewer(small_glb, opened["page"], house_id=NAME, facts=FACTS)
+        browser.open(opened["page"])
+    browser.run(RESET)
+    yield browser
+    assert browser.requests == []
+    assert browser.complaints == []
+
+
+def still(browser):
+    """Return a picture of the page right of its panel, drawn in the page's own pixels."""
+    browser.run(
+        "new Promise((done) => requestAnimationFrame(() => {"
+        " clearTimeout(resting); draw(1); requestAnimationFrame(done); }))"
+    )
+    return browser.picture()[:, 290:]
+
+
+def colours(scene):
+    red, green, blue = scene[..., 0], scene[..., 1], scene[..., 2]
+    return {
+        "red": (red > 120) & (green < 90) & (blue < 90),
+        "blue": (blue > 120) & (green < 90) & (red < 90),
+        "green": (green > red + 40) & (green > blue + 40),
+    }
+
+
+def info(browser):
+    return browser.run('$("info").hidden ? "" : $("info").textContent')
+
+
+def on_screen(browser, x, y, z):
+    place = browser.run(f"onScreen(new THREE.Vector3({x}, {y}, {z}), canvas)")
+    return place["x"], place["y"]
+
+
+def test_textured_pixels(view):
+    scene = still(view)
+    seen = colours(scene)
+    assert all(mask.sum() > 2000 for mask in seen.values())
+    # Squares of the floor's checks change many times along a row of the picture.
+    floor = seen["red"] | seen["blue"]
+    row = max(range(scene.shape[0]), key=lambda y: floor[y].sum())
+    assert np.abs(np.diff(seen["red"][row].astype(int))).sum() > 8
+    assert len(np.unique(scene.reshape(-1, 3), axis=0)) > 100
+
+
+def test_plain_light_keeps_colours_true(view):
+    view.run('setLook("plain")')
+    scene = still(view)
+    for colour in ((220, 20, 20), (20, 20, 220)):  # of the floor's tile
+        assert (np.abs(scene - colour).max(axis=2) <= 2).sum() > 500
+    assert view.run('$("plain").getAttribute("aria-pressed")') == "true"
+
+
+def test_neutral_tone_mapping_keeps_hues(view):
+    for look in ("day", "lit"):
+        view.run(f'setLook("{look}")')
+        scene = still(view).astype(float)
+        red = scene[colours(scene)["red"]]
+        assert len(red) > 2000
+        # Light of a lamp is a little warm; neither bleaches nor burns.
+        assert np.median(np.abs(red[:, 1] - red[:, 2])) < 12
+        assert np.median(red[:, 0]) < 250
+        assert np.median(red[:, 1]) < 90
+
+
+def test_occlusion_darkens_and_never_brightens(view):
+    pytest.importorskip("embreex")
+    shaded = still(view)
+    view.run("parts.forEach((part) => { part.mesh.material.aoMapIntensity = 0; })")  # till RESET
+    plain = still(view)
+    assert (shaded <= plain + 3).all()
+    seen = (plain.max(2) - plain.min(2)) > 40  # the painted surfaces, not the page
+    assert (plain - shaded).max(2)[seen].mean() > 3
+    assert (np.abs(plain - shaded) <= 1).all(2)[seen].mean() > 0.02  # the open floor
+
+
+def test_ceilings_hide_the_floor_and_rooms_are_listed(view):
+    rooms = view.run('[...document.querySelectorAll("#rooms button")].map((b) => b.textContent)')
+    assert rooms == ["Bedroom12.0 m²"]
+    view.run('$("walk").click(); eye.pitch = 1.3; eye.yaw = 0.3')
+    assert view.run('$("ceilings").checked') is True
+    above = still(view)[200:500, 100:500]
+    assert (above.min(axis=2) > 140).mean() > 0.9  # light, no texture
+    assert not any(mask.any() for mask in colours(above).values())
+    view.run('$("ceilings").click()')
+    assert (still(view)[200:500, 100:500] == view.run("[247, 246, 243]")).all(axis=2).mean() > 0.5
+
+
+def test_a_click_tells_the_surface_its_photo_and_crop(view):
+    view.run('$("plan").click(); draw(1)')
+    view.page.mouse.click(*on_screen(view, 2.0, 0.0, 2.0))
+    told = info(view)
+    assert "Floor" in told and "12.00" in told and "Bedroom" in told
+    assert f"from photo 2 ({NAME})" in told
+    assert view.run('$("info").querySelector("img").src') == CROP
+    view.run("Object.assign(eye, {mode: 'walk', yaw: 0, pitch: 0}); enter(rooms[0]); draw(1)")
+    view.run("eye.yaw = 0; eye.pitch = 0; draw(1)")
+    view.page.mouse.click(*on_screen(view, 2.0, 1.5, 3.0))
+    assert "predicted, .60 sure" in info(view)
+    assert view.run('$("info").querySelector("img")') is None
+
+
+def test_the_tape_snaps_to_corners(view):
+    view.run('$("plan").click(); $("measure").click(); draw(1)')
+    for x, z in ((0.02, 0.02), (3.98, 0.02)):
+        view.page.mouse.click(*on_screen(view, x, 0.0, z))
+    view.wait('$("label").textContent === "4.00 m"')
+    assert "Level4.00 m" in info(view)
+    view.run('$("measure").click(); draw(1)')
+    assert view.run('$("label").hidden') is True
+
+
+def test_photos_stand_where_they_were_taken(view):
+    view.run('$("plan").click(); $("shots").click(); draw(1)')
+    view.page.mouse.click(*on_screen(view, *SHOT["position"]))
+    assert "Photo 2" in info(view) and ".75 sure" in info(view)
+    view.run('$("info").querySelector("button").click(); draw(1)')
+    x, y, z = view.run("camera.position.toArray()")
+    assert (x, y, z) == pytest.approx(SHOT["position"])
+    ahead = view.run("camera.getWorldDirection(new THREE.Vector3()).toArray()")
+    assert ahead == pytest.approx(SHOT["rotation"][2], abs=5e-3)
+    assert view.run("camera.fov") == pytest.approx(2 * math.degrees(math.atan(240 / 400)))
+
+
+def test_dragging_turns_and_wheel_comes_nearer(view):
+    before = view.run("orbit.getAzimuthalAngle()")
+    view.page.mouse.move(600, 300)
+    view.page.mouse.down()
+    view.page.mouse.move(700, 300, steps=3)
+    view.page.mouse.up()
+    assert abs(view.run("orbit.getAzimuthalAngle()") - before) > 0.1
+    far = view.run("camera.position.distanceTo(orbit.target)")
+    view.page.mouse.wheel(0, -300)
+    view.wait(f"camera.position.distanceTo(orbit.target) < {far} - 0.1")
+
+
+def test_keys_walk_and_no_wall_is_passed(view):
+    view.run('$("walk").click(); eye.yaw = 0; eye.pitch = 0; draw(1)')
+    start = view.run("eye.feet.z")
+    view.page.keyboard.down("w")
+    view.wait(f"eye.feet.z > {start} + 0.1")
+    view.page.keyboard.up("w")
+    # Far beyond every wall, in many directions and out of the window: stays inside.
+    inside = view.run(
+        """(() => {
+          const ends = [];
+          for (let k = 0; k < 48; k++) {
+            eye.feet.set(2, 0, 1.5);
+            walkBy(9 * Math.cos(k * Math.PI / 24), 9 * Math.sin(k * Math.PI / 24));
+            ends.push([eye.feet.x, eye.feet.z]);
+          }
+          return ends;
+        })()"""
+    )
+    x, z = np.array(inside).T
+    assert x.min() > 0.2 and x.max() < 3.8
+    assert z.min() > 0.2 and z.max() < 2.8
+    assert np.ptp(x) > 3.4 and np.ptp(z) > 2.4  # and went there
+
+
+def test_who_walked_orbits_again_from_where_he_was(view):
+    outside = view.run("camera.position.toArray()")
+    view.run('$("walk").click(); draw(1); eye.feet.x += 0.5; draw(1)')
+    assert view.run("camera.position.y") == pytest.approx(1.6)
+    view.run('$("orbit").click(); draw(1)')
+    assert view.run("camera.position.toArray()") == pytest.approx(outside)
+
+
+def test_touch_walks_by_the_pad(view):
+    view.run('$("walk").click(); eye.yaw = 0; draw(1)')
+    start = view.run("eye.feet.z")
+    view.run(
+        """(() => {
+          const ahead = $("pad").children[0];
+          ahead.setPointerCapture = () => {};
+          ahead.dispatchEvent(new PointerEvent("pointerdown", {pointerId: 9}));
+        })()"""
+    )
+    view.wait(f"eye.feet.z > {start} + 0.1")
+    view.run('$("pad").children[0].dispatchEvent(new PointerEvent("pointerup", {pointerId: 9}))')
+    assert view.run("keys.size") == 0
+
+
+def test_nothing_is_drawn_when_nothing_moves(view):
+    frames = []
+    while len(frames) < 2 or (frames[-1] != frames[-2] and len(frames) < 40):
+        view.page.wait_for_timeout(300)
+        frames.append(view.run("renderer.info.render.frame"))
+    assert frames[-1] == frames[-2]
+
+
+def test_slow_pictures_get_coarser_and_quick_ones_finer(view):
+    pace = view.run("pace = late = early = 0; [60, 60, 60].forEach(keepPace); pace")
+    assert pace == 1
+    assert view.run("Array(9).fill(90).forEach(keepPace); PACES[pace]") == 0.5
+    assert view.run("Array(60).fill(16).forEach(keepPace); PACES[pace]") == 0.75
+    assert view.run("pace = 0; Array(9).fill(900).forEach(keepPace); pace") == 0  # stood still
+
+
+def test_a_name_of_markup_is_text(view):
+    assert view.run('document.querySelector("h1").textContent') == NAME
+    assert view.run("document.scripts.length") == 4
+    # What is put into the page later does not run either: the policy knows two scripts by hash.
+    view.run(
+        'document.body.append(Object.assign(document.createElement("script"),'
+        ' {textContent: "window.ran = true"}))'
+    )
+    assert view.run("window.ran") is None
+    assert "Content Security Policy" in view.complaints[0]
+    view.complaints.clear()
+
+
+def test_doors_inside_are_passed_and_stairs_climbed(browser, gap_house, tmp_path):
+    stairs = IconBox("stairs", (5.0, 0.5), (5.9, 3.5))
+    gap_house = replace(gap_house, icons=(stairs,))
+    textures = {
+        SurfaceKey(room, "floor"): TileTexture(png_bytes(np.full((4, 4, 3), 90, np.uint8)), 1.0)
+        for room in ("a", "b")
+    }
+    write_glb(gap_house, textures, tmp_path / "house.glb")
+    build_viewer(tmp_path / "house.glb", tmp_path / "viewer.html", house_id="gap")
+    browser.open(tmp_path / "viewer.html")
+    # Who looks at the door sees the next room through it; who turns away draws nothing of it.
+    look = """setMode("walk"); eye.feet.set(1.5, 0, 1.4); eye.pitch = 0; eye.yaw = {yaw}; draw(1);
+      ["a/floor", "b/floor"].map((name) => parts.find((p) => p.name === name).mesh.visible)"""
+    assert browser.run(look.format(yaw="Math.PI / 2")) == [True, True]
+    assert browser.run(look.format(yaw="-Math.PI / 2")) == [True, False]
+    walk = "eye.feet.set(1.5, 0, {z}); walkBy(3, 0); [eye.feet.x, eye.room]"
+    x, room = browser.run(walk.format(z=1.4))
+    assert x == pytest.approx(4.5, abs=0.05) and room == "b"
+    x, room = browser.run(walk.format(z=3.0))
+    assert x < 2.8 and room == "a"
+    ends = [
+        browser.run(f"eye.feet.set(5.45, 0, {start}); walkBy(0, {way}); [eye.feet.y, eye.feet.z]")
+        for start, way in ((0.25, 3.1), (3.75, -3.1))
+    ]
+    (up, _), (foot, z) = sorted(ends, reverse=True)
+    assert up == pytest.approx(2.5, abs=0.2)  # from the foot to the top step
+    assert foot == 0.0 and (z < 0.4 or z > 3.6)  # the top's high side stops who stands below
+
+
+def test_the_index_page_shows_pictures_and_runs_nothing(browser, small_house, tmp_path):
+    folder = tmp_path / "houses" / "small"
+    write_scene_json(small_house, folder / "scene.json")
+    Image.new("RGB", (400, 300), (255, 0, 0)).save(folder / "preview.png")
+    table = tmp_path / "table.csv"
+    table.write_text(f"method\n{NAME.replace(',', '')}\n")
+    write_index(
+        tmp_path / "index.html",
+        scenes=[folder / "scene.json"],
+        table=table,
+        plot=tmp_path / "plot.png",
+        dataset=NAME,
+        method=NAME,
+    )
+    page = tmp_path / "index.html"
+    text = page.read_text(encoding="utf-8")
+    blue = "<script>document.body.replaceChildren()</script></body>"
+    page.write_text(text.replace("</body>", blue), encoding="utf-8")
+    browser.open(page)
+    red = (browser.picture() == (255, 0, 0)).all(axis=2)
+    assert red.sum() > 2000

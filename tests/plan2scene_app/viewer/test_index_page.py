@@ -1,0 +1,56 @@
+"""The index page: links that lead somewhere, figures of the table, escaping."""
+
+import re
+from urllib.parse import unquote
+
+from plan2scene.plans import write_scene_json
+from plan2scene_app.viewer.index_page import write_index
+
+
+def make(tmp_path, small_house):
+    folder = tmp_path / "houses" / "small"
+    folder.mkdir(parents=True)
+    write_scene_json(small_house, folder / "scene.json")
+    for name in (
+        "viewer.html",
+        "house.glb",
+        "house.scene.json",
+        "preview.png",
+        "rooms.jpg",
+        "contact_sheet.png",
+        "texture_sheet.png",
+    ):
+        (folder / name).write_bytes(b"x")
+    (tmp_path / "tables").mkdir()
+    rows = "method,n,color,note\nsynth,12,0.123456,a<b\ncrop,7,,none\n"
+    (tmp_path / "tables" / "paper_table.csv").write_text(rows)
+    (tmp_path / "tables" / "paper_table.png").write_bytes(b"x")
+    write_index(
+        tmp_path / "index.html",
+        scenes=[folder / "scene.json"],
+        table=tmp_path / "tables" / "paper_table.csv",
+        plot=tmp_path / "tables" / "paper_table.png",
+        dataset="demo & more",
+        method="synth",
+    )
+    return (tmp_path / "index.html").read_text(encoding="utf-8")
+
+
+def test_links_are_relative_and_exist(tmp_path, small_house):
+    page = make(tmp_path, small_house)
+    links = re.findall(r'(?:href|src)="((?!data:)[^"]+)"', page)
+    assert "houses/small/viewer.html" in links
+    assert "houses/small/house.glb" in links
+    assert {"houses/small/preview.png", "houses/small/rooms.jpg"} <= set(links)
+    for link in links:
+        assert not link.startswith(("/", "http"))
+        assert (tmp_path / unquote(link)).is_file()
+
+
+def test_figures_and_escaping(tmp_path, small_house):
+    page = make(tmp_path, small_house)
+    assert "demo &amp; more" in page
+    assert "1 room, 12.0 m²" in page
+    assert '<td class="figure">0.1235</td>' in page
+    assert '<td class="figure">12</td>' in page
+    assert "<td>a&lt;b</td>" in page
