@@ -11,7 +11,6 @@ date.
 from __future__ import annotations
 
 import argparse
-import csv
 import datetime
 import shutil
 import subprocess
@@ -22,22 +21,12 @@ from PIL import Image
 
 DOCS = Path(__file__).parents[1] / "docs"
 BEGIN, END = "<!-- figures: benchmarks/evaluation_page.py -->", "<!-- end of figures -->"
-#: Shares of hidden photos in the page's table.
-DROPS = ("0.0", "0.2", "0.4", "0.6", "0.8", "1.0")
 
 
-def sweep_rows(path: Path, metric: str) -> list[str]:
-    """Return one metric over all surfaces as Markdown, a row per method."""
-    rows = [row for row in csv.DictReader(path.open()) if row["column"] == "all"]
-    cells: dict[str, dict[str, str]] = {}
-    for row in rows:
-        cells.setdefault(row["method"], {})[row["drop"]] = row[metric]
-    lines = [f"| {metric}, all surfaces | " + " | ".join(DROPS) + " |"]
-    lines.append("|---" * (len(DROPS) + 1) + "|")
-    for method, values in cells.items():
-        shown = [f"{float(values[drop]):.3f}" for drop in DROPS]
-        lines.append(f"| {method} | " + " | ".join(shown) + " |")
-    return lines
+def of_all_surfaces(table: str) -> str:
+    """Return the table of ablations without its rows of observed and unobserved surfaces."""
+    lines = table.rstrip().splitlines()
+    return "\n".join(ln for ln in lines if "| observed |" not in ln and "| unobserved |" not in ln)
 
 
 def screenshot(page: Path, output: Path) -> None:
@@ -69,8 +58,7 @@ def main() -> None:
         ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True
     ).stdout.strip()
     text = [BEGIN, "![Every metric against the share of hidden photos](../pictures/sweep.png)", ""]
-    text += [*sweep_rows(tables / "sweep.csv", "COLOR"), ""]
-    text += [(tables / "ablation.md").read_text().rstrip()]
+    text += [of_all_surfaces((tables / "ablation.md").read_text())]
     text += [f"Commit {commit}, {datetime.date.today()}, 2-core x86-64.", END]
     page = DOCS / "measurements" / "evaluation.md"
     old = page.read_text()

@@ -1,8 +1,7 @@
-"""Texture methods against clean tiles: seams, regular patterns, photo-like crops.
+"""Texture methods against clean tiles: photo-like crops, regular patterns.
 
-``python benchmarks/exemplar.py seams    [--textures FOLDER] [--split val]``
 ``python benchmarks/exemplar.py patterns [--cases 20]``
-``python benchmarks/exemplar.py methods  [--textures FOLDER] [--seeds 3] [--sheet PNG]``
+``python benchmarks/exemplar.py methods  [--textures FOLDER] [--seeds 3]``
 
 FOLDER has a folder of tileable images per substance and an ``index.csv`` with columns id, split;
 without one the textures are 60 procedural materials.
@@ -25,7 +24,6 @@ from exemplar_patterns import pattern_rows
 
 from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.house import SUBSTANCES
-from plan2scene.images import write_png
 from plan2scene.materials import load_texture_folder, random_material
 from plan2scene.materials.material import Material
 from plan2scene.metrics.color import color_distance
@@ -35,9 +33,9 @@ from plan2scene.seeds import derive_seed
 from plan2scene.textures.baselines.retrieval import generated_library
 from plan2scene.textures.exemplar.choice import ExemplarCrop
 from plan2scene.textures.exemplar.make import make_exemplar
-from plan2scene.textures.seams import make_seamless, with_calm_border, wrap_ratio
+from plan2scene.textures.seams import make_seamless, wrap_ratio
 from plan2scene.textures.single import CROP_PX, LIBRARY_TILES
-from plan2scene_workshop.texture.degradation import DegradedCrop, degrade, window
+from plan2scene_workshop.texture.degradation import DegradedCrop, degrade
 
 ROLLS = 8
 PROCEDURAL = 15  # materials of each substance where no folder is given
@@ -223,16 +221,13 @@ def run_methods(args: argparse.Namespace) -> None:
     print_table("method", FIGURES, rows)
     print_networks(tiles)
     _by_substance(results, np.array([texture.substance for texture in textures]))
-    if args.sheet:
-        first = {name: seeds[0] for name, seeds in tiles.items()}
-        _sheet(args.sheet, first, results["exemplar"][0][:, 0], args.pick)
 
 
 def _spread(values: Sequence[Sequence[float]]) -> list[str]:
     mean, spread = np.mean(values, axis=0), np.std(values, axis=0)
     if len(values) == 1:
         return [f"{m:.3f}" for m in mean]
-    return [f"{m:.3f} +- {s:.3f}" for m, s in zip(mean, spread, strict=True)]
+    return [f"{m:.3f}±{s:.3f}" for m, s in zip(mean, spread, strict=True)]
 
 
 def _by_substance(results: dict[str, list[np.ndarray]], substances: np.ndarray) -> None:
@@ -247,68 +242,6 @@ def _by_substance(results: dict[str, list[np.ndarray]], substances: np.ndarray) 
     print_table("substance, method", FIGURES, rows)
 
 
-def _sheet(path: Path, tiles: dict[str, list[np.ndarray]], error: np.ndarray, pick: str) -> None:
-    """Write a picture of the methods' tiles, 2x2: best, median and worst textures by COLOR."""
-    order = np.argsort(error, kind="stable")
-    if pick == "all":
-        chosen = list(range(len(order)))
-    else:
-        middle = len(order) // 2
-        chosen = [*order[:3], *order[middle - 1 : middle + 2], *order[-3:]]
-    names = [n for n in SHOWN if tiles.get(n)]
-    rows = [
-        np.hstack(
-            [np.pad(np.tile(tiles[n][k], (2, 2, 1)), ((2, 2), (2, 2), (0, 0))) for n in names]
-        )
-        for k in chosen
-    ]
-    write_png(path, np.vstack(rows))
-
-
-def run_seams(args: argparse.Namespace) -> None:
-    """Windows of 96 px enlarged to 128 at random offsets, corrected each on its own."""
-    textures = load_textures(args)
-    rng = np.random.default_rng(derive_seed(0, "seams"))
-    rows: dict[str, list[list[float]]] = {}
-    for k, texture in enumerate(textures):
-        view = window(texture.albedo, rng.uniform(0.0, 1.0, 2), 0.75, 0.0)
-        start = time.process_time()
-        corrected, changed = make_seamless(view)
-        seconds = time.process_time() - start
-        for name, tile, share, spent in (
-            ("clean", texture.albedo, 0.0, 0.0),
-            ("window", view, 0.0, 0.0),
-            ("corrected", corrected, float(changed.mean()), seconds),
-            ("corrected, calm border", with_calm_border(corrected), float(changed.mean()), seconds),
-        ):
-            rows.setdefault(name, []).append(
-                [wrap_ratio(tile), share, spent, *rolled_ratios(tile, k)]
-            )
-    cells = []
-    for name, values in rows.items():
-        table = np.array(values)
-        wrap, rolled = table[:, 0], table[:, 3:]
-        numbers = [
-            *np.percentile(wrap, [50, 90]),
-            *np.percentile(rolled, [50, 90]),
-            np.percentile(rolled.max(axis=1), 90),
-            *table[:, 1:3].mean(axis=0),
-            table[:, 2].max(),
-        ]
-        cells.append((name, [f"{v:.3f}" for v in numbers]))
-    columns = (
-        "wrap 50 %",
-        "90 %",
-        "rolled 50 %",
-        "90 %",
-        "most of 8 90 %",
-        "changed",
-        "mean s",
-        "longest s",
-    )
-    print_table("tile", columns, cells)
-
-
 def run_patterns(args: argparse.Namespace) -> None:
     columns = ("cases", "period within 3 %", "autocorrelation of truth's", "at least 0.9")
     rows = [row for turn in (0.0, 20.0, 45.0) for row in pattern_rows(args.cases, turn)]
@@ -318,17 +251,13 @@ def run_patterns(args: argparse.Namespace) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(dest="command", required=True)
-    for name, run in (("seams", run_seams), ("methods", run_methods)):
-        command = commands.add_parser(name)
-        command.set_defaults(run=run)
-        command.add_argument("--textures", type=Path)
-        command.add_argument("--split", default="val")
-        command.add_argument("--every", type=int, default=1, help="take each n-th texture")
-        if name == "methods":
-            command.add_argument("--seeds", type=int, default=3)
-            command.add_argument("--no-synth", action="store_true")
-            command.add_argument("--sheet", type=Path)
-            command.add_argument("--pick", choices=("nine", "all"), default="nine")
+    command = commands.add_parser("methods")
+    command.set_defaults(run=run_methods)
+    command.add_argument("--textures", type=Path)
+    command.add_argument("--split", default="val")
+    command.add_argument("--every", type=int, default=1, help="take each n-th texture")
+    command.add_argument("--seeds", type=int, default=3)
+    command.add_argument("--no-synth", action="store_true")
     command = commands.add_parser("patterns")
     command.set_defaults(run=run_patterns)
     command.add_argument("--cases", type=int, default=20)

@@ -1,4 +1,4 @@
-"""Statistics of the benchmark's synthetic plans, for docs/measurements/homes.md.
+"""Statistics of the benchmark's synthetic plans, for docs/measurements/benchmark.md.
 
 python benchmarks/plans.py
 """
