@@ -24,11 +24,11 @@ import cv2
 import numpy as np
 from plane_errors import PlaneError, plane_errors
 
+from plan2scene.camera import Camera
 from plan2scene.images import read_image
 from plan2scene.photos.camera.calibration import (
     DEFAULT_FOV_DEG,
     HIGH_CONFIDENCE,
-    Camera,
     canonical,
     estimate_camera,
 )

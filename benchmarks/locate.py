@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from plan2scene.camera import Camera
 from plan2scene.io import read_json
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels.palette import PROBABILITIES, read_probability_png
 from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.likelihood import OPENING

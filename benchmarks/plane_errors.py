@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.camera import Camera
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import MIN_GRAZING_DEG, plane_axes
 

@@ -24,10 +24,10 @@ from pathlib import Path
 
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.images import read_image
 from plan2scene.io import read_json
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.candidates import rooms_by_size
 from plan2scene.photos.crops.filter import (
     inner_mask,

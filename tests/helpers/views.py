@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.camera import Camera
 
 
 def camera_looking(size, *, heading_deg=0.0, pitch_deg=0.0, focal):

@@ -8,9 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
+from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_directory, safe_join, write_json
-from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera, estimate_camera
+from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal, read_exif_focal
 from plan2scene.photos.labels.labeller import Labeller
 from plan2scene.photos.labels.palette import (

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from views import camera_looking
 
+from plan2scene.camera import Camera
 from plan2scene.errors import InputError
-from plan2scene.photos.camera.calibration import HIGH_CONFIDENCE, Camera, canonical, estimate_camera
+from plan2scene.photos.camera.calibration import HIGH_CONFIDENCE, canonical, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal
 from plan2scene.photos.camera.lines import detect_segments
 

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 from PIL import Image
 
+from plan2scene.camera import Camera
 from plan2scene.house import House, Room
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.contact_sheet import panels
 from plan2scene.photos.contact_sheet.sheet import (
     CELL,

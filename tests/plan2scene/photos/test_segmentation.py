@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import torch
 
+from plan2scene.camera import Camera
 from plan2scene.errors import InputError
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels import labeller
 from plan2scene.photos.labels.network import Attention, SegmentationNet
 from plan2scene.photos.labels.palette import DOOR, OTHER, WALL, WINDOW, without_openings

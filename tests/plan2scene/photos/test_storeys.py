@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.camera import Camera
 from plan2scene.photos.contact_sheet.place import OWN_ROOM, plan_panel
 from plan2scene.photos.locate.plan_view import look, room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_to_json

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-from plan2scene.errors import InputError
+from plan2scene.camera import Camera, rounded_rows
 from plan2scene.photos.camera.exif import ExifFocal
 from plan2scene.photos.camera.line_weights import weighted_segments
 from plan2scene.photos.camera.manhattan import Manhattan, fit_manhattan, refine_rotation
@@ -37,94 +36,6 @@ EXIF_TOLERANCE = 1.2
 GIVEN_CERTAINTY = 0.49
 #: Certainty of a focal length of EXIF data, as a factor of the confidence.
 EXIF_CERTAINTY = 0.95
-
-
-@dataclass(frozen=True)
-class Camera:
-    """A pinhole camera in the Manhattan frame of its photo."""
-
-    #: Size of the photo, pixels.
-    width: int
-    height: int
-    #: Focal length and principal point, pixels.
-    focal_px: float
-    cx: float
-    cy: float
-    #: (3, 3), world to camera; the world has y up and x, z along the two horizontal vanishing
-    #: directions, z the one nearest to the view direction. Camera axes: x right, y down, z forward.
-    rotation: tuple[tuple[float, float, float], ...]
-    #: ``exif``, ``vanishing_points`` or ``config`` (the constant field of view).
-    focal_source: str
-    #: 0..1: the probability that the focal length is within 15 %, times the support of the frame;
-    #: high from `HIGH_CONFIDENCE` on.
-    confidence: float
-    #: True when no frame was found: a level camera that looks straight at a wall.
-    fallback: bool
-
-    @property
-    def matrix(self) -> np.ndarray:
-        """Return the rotation as a (3, 3) float64 array."""
-        return np.array(self.rotation, dtype=np.float64)
-
-    @property
-    def intrinsics(self) -> np.ndarray:
-        """Return K as a (3, 3) float64 array."""
-        return np.array(
-            [[self.focal_px, 0.0, self.cx], [0.0, self.focal_px, self.cy], [0.0, 0.0, 1.0]]
-        )
-
-    def with_rotation(self, rotation: np.ndarray) -> Camera:
-        """Return the camera with another (3, 3) world-to-camera rotation."""
-        return replace(self, rotation=_rows(rotation))
-
-    def project(self, points: np.ndarray) -> np.ndarray:
-        """Return pixels (n, 2) of points (n, 3) given from the camera centre in world axes.
-
-        Points at or behind the camera give NaN.
-        """
-        seen = np.asarray(points, dtype=np.float64) @ self.matrix.T
-        depth = np.where(seen[:, 2:] > 1e-9, seen[:, 2:], np.nan)
-        return np.asarray(seen[:, :2] / depth * self.focal_px + np.array([self.cx, self.cy]))
-
-    def rays(self, pixels: np.ndarray) -> np.ndarray:
-        """Return unit view directions (..., 3) in world axes of pixels (..., 2) as x, y."""
-        flat = (np.asarray(pixels, dtype=np.float64) - np.array([self.cx, self.cy])) / self.focal_px
-        seen = np.concatenate([flat, np.ones((*flat.shape[:-1], 1))], axis=-1)
-        world = seen @ self.matrix
-        return np.asarray(world / np.linalg.norm(world, axis=-1, keepdims=True))
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the camera as plain JSON values (masks/cameras.json)."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, value: Any, *, file: object = "") -> Camera:
-        """Return the camera of `to_json`'s values; InputError when they are none.
-
-        `focal_source`, `confidence` and `fallback` may be missing: a measured camera, as in
-        the truth of synthetic houses, needs none of them.
-        """
-        try:
-            rotation = np.array(value["rotation"], dtype=np.float64).reshape(3, 3)
-            if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-3):
-                raise ValueError("rotation is not orthonormal")
-            return cls(
-                width=int(value["width"]),
-                height=int(value["height"]),
-                focal_px=float(value["focal_px"]),
-                cx=float(value["cx"]),
-                cy=float(value["cy"]),
-                rotation=_rows(rotation),
-                focal_source=str(value.get("focal_source", "config")),
-                confidence=float(value.get("confidence", 1.0)),
-                fallback=bool(value.get("fallback", False)),
-            )
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise InputError(
-                "a camera (width, height, focal_px, cx, cy, rotation)",
-                f"{type(error).__name__}: {error}",
-                file=file,
-            ) from None
 
 
 def estimate_camera(
@@ -176,7 +87,7 @@ def estimate_camera(
         focal_px=round(float(pose.focal) * width / columns, 4),
         cx=(width - 1) / 2,
         cy=(height - 1) / 2,
-        rotation=_rows(canonical(pose.axes)),
+        rotation=rounded_rows(canonical(pose.axes)),
         focal_source=pose.source,
         confidence=round(float(np.clip(pose.confidence, 0.0, 1.0)), 4),
         fallback=pose.fallback,
@@ -242,9 +153,3 @@ def canonical(axes: np.ndarray) -> np.ndarray:
     turned = np.stack([np.cross(up, ahead), up, ahead], axis=1)
     left, _, right = np.linalg.svd(turned)
     return np.asarray(left @ right)
-
-
-def _rows(matrix: np.ndarray) -> tuple[tuple[float, float, float], ...]:
-    """Return a (3, 3) array as rounded tuples, so that JSON gives the same bytes everywhere."""
-    rounded = np.round(matrix, 9) + 0.0
-    return tuple((float(row[0]), float(row[1]), float(row[2])) for row in rounded)

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from PIL import Image, ImageDraw
 
+from plan2scene.camera import Camera
 from plan2scene.drawing import INK, PAPER, font
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.camera.lines import detect_segments
 from plan2scene.photos.camera.vanishing import Segments, residuals
 from plan2scene.photos.contact_sheet.windows import KINDS, Window, plane_name

@@ -8,8 +8,8 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.drawing import PAPER
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.contact_sheet.panels import scaled_camera
 from plan2scene.photos.locate.plan_view import Hole, RoomShape
 from plan2scene.photos.locate.pose import Pose

@@ -9,9 +9,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.io import read_json
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.contact_sheet import panels, place
 from plan2scene.photos.contact_sheet.panels import fit
 from plan2scene.photos.contact_sheet.windows import Window

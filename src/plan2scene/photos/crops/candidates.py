@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.house import House
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops import sampling
 from plan2scene.photos.crops.filter import judge_of, with_reason
 from plan2scene.photos.crops.sampling import Candidate, sample_candidates

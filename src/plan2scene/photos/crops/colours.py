@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.colour import LUMINANCE, srgb_to_linear
 from plan2scene.io import write_parquet
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.candidates import ShownPlane
 from plan2scene.photos.crops.filter import unclipped
 from plan2scene.photos.planes.planes import Plane

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.images import jpeg_bytes
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.verdict import Verdict
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, plane_pixels, rectify

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
 from plan2scene.images import image_from_bytes, jpeg_bytes, read_image
 from plan2scene.io import read_json, write_json
 from plan2scene.parallel import each
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.crops.candidates import (
     CropSettings,
     Naming,

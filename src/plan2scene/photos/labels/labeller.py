@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.errors import InputError
-from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, Camera, estimate_camera
+from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal
 from plan2scene.photos.labels.palette import (
     LABELS_AND_OPENINGS,

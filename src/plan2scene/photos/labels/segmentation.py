@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 import torch
 
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.camera import Camera
 from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.ensemble import Ensemble
 from plan2scene.photos.labels.folding import folded

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.house import House
 from plan2scene.parallel import each
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels.palette import DOOR
 from plan2scene.photos.locate.confidence import Evidence, probability
 from plan2scene.photos.locate.likelihood import OPENING, log_table

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.errors import InputError
-from plan2scene.photos.camera.calibration import Camera
 
 #: From this probability on a photo counts as located.
 LOCATED = 0.5

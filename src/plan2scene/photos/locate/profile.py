@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.camera import Camera
 from plan2scene.photos.locate.likelihood import N_LABELS
 
 #: Columns of pixels that are looked at, and the bins' sides in radians.

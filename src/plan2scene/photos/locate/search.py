@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
+from plan2scene.photos.locate.agreement import agreement
 from plan2scene.photos.locate.plan_view import RoomShape, dominant_direction, look
 from plan2scene.photos.locate.profile import Profile
-from plan2scene.photos.locate.render import agreement
 
 #: Least distance of a camera from the walls on the coarse grid and after refinement, metres.
 CLEARANCE_M, LEAST_CLEARANCE_M = 0.15, 0.05

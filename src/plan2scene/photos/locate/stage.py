@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.io import read_json, write_json
-from plan2scene.photos.camera.calibration import Camera
 from plan2scene.photos.labels.palette import (
     PROBABILITIES,
     read_label_png,

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.camera import Camera
 from plan2scene.photos.planes.wall_lines import WallLine
 
 #: How much farther than a wall what is seen through its door is, metres.

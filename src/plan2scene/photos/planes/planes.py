@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.camera import Camera
 from plan2scene.photos.camera.lines import detect_segments
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
 from plan2scene.photos.planes.beyond import within_room

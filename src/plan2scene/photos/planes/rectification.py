@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.camera import Camera
 from plan2scene.photos.planes.planes import Plane
 
 #: Largest side of a rectified image, pixels.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.camera import Camera
 from plan2scene.photos.camera.vanishing import Segments, residuals
 from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from plan2scene.photos.camera.calibration import Camera
+from plan2scene.camera import Camera
 from plan2scene.photos.planes.beyond import room_reach
 from plan2scene.photos.planes.room_size import RoomSize, extent_misfit, wall_spans
 from plan2scene.photos.planes.wall_borders import N_BINS, Borders, facing_votes, find_borders

@@ -12,7 +12,8 @@ import numpy as np
 import torch
 from torch import nn
 
-from plan2scene.photos.camera.calibration import Camera, estimate_camera
+from plan2scene.camera import Camera
+from plan2scene.photos.camera.calibration import estimate_camera
 from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import IGNORE

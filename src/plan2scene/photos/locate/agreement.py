@@ -1,4 +1,8 @@
-"""How well a mask agrees with what a camera in a room would see of the plan."""
+"""How well a mask agrees with what a camera in a room would see of the plan.
+
+No picture is drawn: along one azimuth a room is a stack of floor, wall and ceiling, and a search
+scores thousands of places a photo by a few look-ups for each direction (:mod:`.profile`).
+"""
 
 from __future__ import annotations
 

@@ -1,0 +1,167 @@
+"""The camera of photos and pictures: where it stands, how it is turned, what a pixel shows.
+
+World axes: metres, right-handed, y up. Camera axes: x right, y down, z ahead, as OpenCV has them.
+Pixels are (x, y); (0, 0) is the middle of the upper left pixel.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from plan2scene.errors import InputError
+
+Rows = tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera, or an orthographic one.
+
+    A photo's camera stands at the origin; where in the plan it is, is found later
+    (:class:`plan2scene.photos.locate.pose.Pose`).
+    """
+
+    #: Size of the picture, pixels.
+    width: int
+    height: int
+    #: Focal length in pixels; pixels per metre of an orthographic camera.
+    focal_px: float
+    #: Principal point, pixels.
+    cx: float
+    cy: float
+    #: (3, 3) world to camera: rows are the camera's right, down and ahead in world axes. In a
+    #: photo's own (Manhattan) frame the world's x, z are the two horizontal vanishing directions,
+    #: z the one nearest to the view direction.
+    rotation: Rows
+    #: How the focal length of a photo is known: ``exif``, ``vanishing_points`` or ``config`` (the
+    #: constant field of view).
+    focal_source: str = "config"
+    #: 0..1: the probability that the focal length is within 15 %, times the support of the frame.
+    confidence: float = 1.0
+    #: True when no frame was found in a photo: a level camera that looks straight at a wall.
+    fallback: bool = False
+    #: x, y, z in the world, metres.
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    orthographic: bool = False
+
+    @classmethod
+    def look_at(
+        cls,
+        eye: np.ndarray,
+        target: np.ndarray,
+        focal_px: float,
+        size: tuple[int, int],
+        *,
+        orthographic: bool = False,
+    ) -> Camera:
+        """Return a level camera at `eye` that looks at `target`, world points (3,).
+
+        `size` is (height, width). Straight down, -z is up in the image.
+        """
+        ahead = (target - eye) / np.linalg.norm(target - eye)
+        up = np.array([0.0, 0.0, -1.0]) if abs(ahead[1]) > 0.999 else np.array([0.0, 1.0, 0.0])
+        right = np.cross(ahead, up)
+        right /= np.linalg.norm(right)
+        height, width = size
+        return cls(
+            width,
+            height,
+            float(focal_px),
+            (width - 1) / 2,
+            (height - 1) / 2,
+            as_rows(np.array([right, np.cross(ahead, right), ahead])),
+            position=(float(eye[0]), float(eye[1]), float(eye[2])),
+            orthographic=orthographic,
+        )
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Return the rotation as a (3, 3) float64 array."""
+        return np.array(self.rotation, dtype=np.float64)
+
+    @property
+    def intrinsics(self) -> np.ndarray:
+        """Return K as a (3, 3) float64 array."""
+        return np.array(
+            [[self.focal_px, 0.0, self.cx], [0.0, self.focal_px, self.cy], [0.0, 0.0, 1.0]]
+        )
+
+    @property
+    def fov_x(self) -> float:
+        """Return the horizontal field of view of a pinhole camera, radians."""
+        return 2 * math.atan(self.width / 2 / self.focal_px)
+
+    def with_rotation(self, rotation: np.ndarray) -> Camera:
+        """Return the camera with another (3, 3) world-to-camera rotation, rounded."""
+        return replace(self, rotation=rounded_rows(rotation))
+
+    def seen(self, points: np.ndarray) -> np.ndarray:
+        """Return world points (..., 3) in camera axes: metres to the right, down and ahead."""
+        return np.asarray((points - np.array(self.position)) @ self.matrix.T)
+
+    def project(self, points: np.ndarray) -> np.ndarray:
+        """Return pixels (..., 2) of world points (..., 3); NaN at or behind a pinhole camera."""
+        seen = self.seen(np.asarray(points, dtype=np.float64))
+        depth = seen[..., 2:]
+        depth = np.ones_like(depth) if self.orthographic else np.where(depth > 1e-9, depth, np.nan)
+        return np.asarray(seen[..., :2] / depth * self.focal_px + np.array([self.cx, self.cy]))
+
+    def rays(self, pixels: np.ndarray) -> np.ndarray:
+        """Return unit view directions (..., 3) in world axes of pixels (..., 2) of a pinhole."""
+        flat = (np.asarray(pixels, dtype=np.float64) - np.array([self.cx, self.cy])) / self.focal_px
+        seen = np.concatenate([flat, np.ones((*flat.shape[:-1], 1))], axis=-1)
+        world = seen @ self.matrix
+        return np.asarray(world / np.linalg.norm(world, axis=-1, keepdims=True))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return a photo's camera as plain JSON values (masks/cameras.json)."""
+        values = asdict(self)
+        return {name: values[name] for name in values if name not in ("position", "orthographic")}
+
+    @classmethod
+    def from_json(cls, value: Any, *, file: object = "") -> Camera:
+        """Return the camera of `to_json`'s values; InputError when they are none.
+
+        `focal_source`, `confidence` and `fallback` may be missing: a measured camera, as in
+        the truth of synthetic houses, needs none of them.
+        """
+        try:
+            rotation = np.array(value["rotation"], dtype=np.float64).reshape(3, 3)
+            if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-3):
+                raise ValueError("rotation is not orthonormal")
+            return cls(
+                width=int(value["width"]),
+                height=int(value["height"]),
+                focal_px=float(value["focal_px"]),
+                cx=float(value["cx"]),
+                cy=float(value["cy"]),
+                rotation=rounded_rows(rotation),
+                focal_source=str(value.get("focal_source", "config")),
+                confidence=float(value.get("confidence", 1.0)),
+                fallback=bool(value.get("fallback", False)),
+            )
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise InputError(
+                "a camera (width, height, focal_px, cx, cy, rotation)",
+                f"{type(error).__name__}: {error}",
+                file=file,
+            ) from None
+
+
+def focal_of(fov: float, width: int) -> float:
+    """Return the focal length in pixels of a horizontal field of view in radians."""
+    return width / (2 * math.tan(fov / 2))
+
+
+def as_rows(matrix: np.ndarray) -> Rows:
+    """Return a (3, 3) array as tuples."""
+    return tuple((float(a), float(b), float(c)) for a, b, c in matrix)
+
+
+def rounded_rows(matrix: np.ndarray) -> Rows:
+    """Return a (3, 3) array as rounded tuples, so that JSON gives the same bytes everywhere."""
+    return as_rows(np.round(matrix, 9) + 0.0)
