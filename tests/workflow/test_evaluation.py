@@ -24,6 +24,8 @@ def test_a_house_is_compared_in_one_job(bare):
     rules = Counter(rule for rule, _ in bare.jobs("results/tiny/tables/paper_table.csv"))
     # Tiles of the 3D house are taken, those of other methods and drops made.
     assert rules["comparison"] == rules["embeddings"] == rules["textures"] == 2
+    # At both drops.
+    assert rules["surfaces"] == rules["materials"] == rules["propagated"] == 4
 
 
 def test_accent_walls_are_no_part_of_the_comparison(bare, tmp_path):
@@ -42,10 +44,11 @@ def test_a_batch_is_the_houses_that_the_configuration_lists(bare, tmp_path):
     assert {house for _, house in jobs if house} == {bare.houses()[1]}
 
 
-def test_a_house_is_seven_jobs(bare):
+def test_the_jobs_of_a_house(bare):
     rules = Counter(rule for rule, house in bare.jobs("all") if house)
     once = {"floorplan", "masks", "crops", "embeddings", "comparison"}
-    assert rules == dict.fromkeys(once | {"textures", "house"}, 2)
+    at_drops = {"surfaces", "materials", "propagated"}
+    assert rules == dict.fromkeys(once | {"textures", "house"}, 2) | dict.fromkeys(at_drops, 4)
 
 
 def test_a_house_is_made_without_the_comparison(bare):

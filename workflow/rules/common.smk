@@ -165,6 +165,11 @@ def hidden_at(drop, wildcards):
     )
 
 
+def hidden_of(wildcards):
+    """Return the photos of a house that are hidden at the drop fraction of a file."""
+    return hidden_at(wildcards.drop, wildcards)
+
+
 def model_of(name):
     """Return the path of a model: the configured one, a released one, else the embedded one."""
     if config["models"].get(name):

@@ -1,27 +1,20 @@
-EMBEDDING_MODELS = {
-    name: model_of(name) for name in ("texture", "naivesynth", "propagation")
-}
+# Crops as numbers; at each drop fraction what represents each surface, which surfaces are one
+# material, and what is expected of the surfaces that no photo shows.
+CROP_MODELS = {name: model_of(name) for name in ("texture", "naivesynth")}
+PROPAGATION_MODELS = {name: model_of(name) for name in ("texture", "propagation")}
+EMBEDDINGS = f"{RESULTS}/houses/{{house}}/embeddings.parquet"
+SURFACES = f"{RESULTS}/drop_{{drop}}/{{house}}/surfaces.parquet"
+MATERIALS = f"{RESULTS}/drop_{{drop}}/{{house}}/materials.parquet"
+PROPAGATED = f"{RESULTS}/drop_{{drop}}/{{house}}/propagated.parquet"
 
 
 rule embeddings:
-    # Every crop as numbers; the crop that stands for each surface, among those of photos not
-    # hidden; and what is expected of the surfaces that no photo shows. All drops in one job: its
-    # start (torch and torch-geometric) takes longer than its work.
+    # The code, median colour, substance and textureness of each crop.
     input:
-        **made(EMBEDDING_MODELS),
-        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        **made(CROP_MODELS),
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
-        light=f"{RESULTS}/houses/{{house}}/light.json",
     output:
-        embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
-        surfaces=[f"{RESULTS}/drop_{drop}/{{house}}/surfaces.parquet" for drop in DROPS],
-        materials=[
-            f"{RESULTS}/drop_{drop}/{{house}}/materials.parquet" for drop in DROPS
-        ],
-        propagated=[
-            f"{RESULTS}/drop_{drop}/{{house}}/propagated.parquet" for drop in DROPS
-        ],
+        EMBEDDINGS,
     log:
         f"logs/{DATASET}/embeddings/{{house}}.log",
     benchmark:
@@ -32,17 +25,90 @@ rule embeddings:
     resources:
         mem_mb=2000,
     params:
-        models=EMBEDDING_MODELS,
-        hashes=hashes(EMBEDDING_MODELS),
-        hidden=hidden_at_drops(DROPS),
+        models=CROP_MODELS,
+        hashes=hashes(CROP_MODELS),
         dataset=DATASET,
         seed=config["seed"],
-        predictor=config["propagation"]["predictor"],
-        code=code_hash(
-            "plan2scene.textures.model.embedding",
-            "plan2scene.textures.selection",
-            "plan2scene.propagation.house_materials",
-            "plan2scene.propagation.stage",
-        ),
+        code=code_hash("plan2scene.textures.model.embedding"),
     script:
         "../scripts/embeddings.py"
+
+
+rule surfaces:
+    # Of each surface that a visible photo shows: the crop that represents it, and its embedding.
+    input:
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        embeddings=EMBEDDINGS,
+    output:
+        SURFACES,
+    log:
+        f"logs/{DATASET}/surfaces/{{drop}}/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/surfaces/{{drop}}/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: HOUSE_THREADS
+    resources:
+        mem_mb=worker_memory(500, 300),
+    params:
+        hidden=hidden_of,
+        dataset=DATASET,
+        code=code_hash("plan2scene.textures.selection"),
+    script:
+        "../scripts/surfaces.py"
+
+
+rule materials:
+    # Surfaces of different rooms that are one material.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        light=f"{RESULTS}/houses/{{house}}/light.json",
+        embeddings=EMBEDDINGS,
+        surfaces=SURFACES,
+    output:
+        MATERIALS,
+    log:
+        f"logs/{DATASET}/materials/{{drop}}/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/materials/{{drop}}/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+    params:
+        hidden=hidden_of,
+        dataset=DATASET,
+        code=code_hash("plan2scene.propagation.house_materials"),
+    script:
+        "../scripts/materials.py"
+
+
+rule propagated:
+    # An embedding, a colour and a substance for every surface, observed or not.
+    input:
+        **made(PROPAGATION_MODELS),
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
+        surfaces=SURFACES,
+        materials=MATERIALS,
+    output:
+        PROPAGATED,
+    log:
+        f"logs/{DATASET}/propagated/{{drop}}/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/propagated/{{drop}}/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        models=PROPAGATION_MODELS,
+        hashes=hashes(PROPAGATION_MODELS),
+        hidden=hidden_of,
+        dataset=DATASET,
+        predictor=config["propagation"]["predictor"],
+        code=code_hash("plan2scene.propagation.stage"),
+    script:
+        "../scripts/propagated.py"

@@ -5,7 +5,9 @@ TABLE_DROP = "0.6" if "0.6" in DROPS else max(DROPS)
 # The networks behind FID and KID, and behind SUBS: converted ones where they are given.
 FEATURE_MODEL = metric_model("inception")
 SUBSTANCE_MODEL = metric_model("vgg16")
-EVALUATION_MODELS = EMBEDDING_MODELS | {
+EVALUATION_MODELS = {
+    **CROP_MODELS,
+    **PROPAGATION_MODELS,
     "features": FEATURE_MODEL,
     "substances": SUBSTANCE_MODEL,
 }

@@ -11,7 +11,10 @@ STAGES = {
     "floorplan": "Plan",
     "masks": "What the photos show",
     "crops": "Crops of floors, walls and ceilings",
-    "embeddings": "Materials of all rooms",
+    "embeddings": "What each crop looks like",
+    "surfaces": "A crop for each surface",
+    "materials": "Surfaces of one material",
+    "propagated": "Surfaces that no photo shows",
     "textures": "Textures",
     "house": "The house in 3D",
 }
