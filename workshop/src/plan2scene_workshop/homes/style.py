@@ -1,6 +1,6 @@
 """Which material every surface of a home has: the correlations that propagation can learn.
 
-The tables below are the whole model (docs/workshop.md).
+The tables below are the whole model (workshop/README.md).
 """
 
 from __future__ import annotations
