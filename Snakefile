@@ -10,7 +10,6 @@ configfile: "config/config.yaml"
 report: "workflow/report/workflow.rst"
 
 
-include: "workflow/rules/planning.smk"
 include: "workflow/rules/common.smk"
 include: "workflow/rules/texture_inputs.smk"
 include: "workflow/rules/checkpoints.smk"

@@ -87,8 +87,6 @@ wildcard_constraints:
 
 
 onstart:
-    gc.freeze()
-    gc.enable()
     # A SLURM whose jobs' end nobody would see is told before the first of them is submitted.
     if hasattr(workflow.executor_settings, "status_command"):
         try:
