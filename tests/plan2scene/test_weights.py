@@ -1,8 +1,6 @@
 """Weights on disk: what is written comes back, the same bytes every time, nothing foreign."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 import torch
@@ -127,22 +125,3 @@ def test_a_header_of_another_network_is_one_line(tmp_path, name):
         path = written(tmp_path / f"{k}.safetensors", contiguous, header)
         with pytest.raises(InputError, match=r"safetensors: expected .* found"):
             LOADERS[name](path)
-
-
-def test_shipped_weights_are_read_without_torchs_compiler():
-    """Its import takes as long as torch's own, and every job would pay for it."""
-    program = f"""
-import sys
-from pathlib import Path
-from plan2scene.photos.labels.segmentation import load_segmenter
-from plan2scene.propagation.model import load_propagation
-from plan2scene.textures.model.network import load_texture_model
-for load in (load_texture_model, load_segmenter, load_propagation):
-    name = load.__name__.split("_")[1].replace("segmenter", "segmentation")
-    load(Path({str(MODELS)!r}) / f"{{name}}.safetensors")
-print("torch" in sys.modules, "torch._dynamo" in sys.modules)
-"""
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert done.stdout.split() == ["True", "False"]

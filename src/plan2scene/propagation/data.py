@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import torch
+from torch_geometric.data import Data
 
-from plan2scene.propagation.geometric import Data
 from plan2scene.propagation.graph import HouseGraph, doors_between
 
 #: Facts about a pair of rooms: doors between them (1, 2, 3 or more, no way), types in common.

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import torch
 from torch import Tensor, nn
+from torch_geometric.nn import GatedGraphConv
 
 from plan2scene.house import SURFACES
-from plan2scene.propagation.geometric import GatedGraphConv, WithoutTemplates
 from plan2scene.propagation.graph import EMBEDDING_SIZE, NODE_SIZE
-
-
-class _GatedGraphConv(WithoutTemplates, GatedGraphConv):
-    """The layer as it is."""
 
 
 class PropagationNetwork(nn.Module):
@@ -38,7 +34,7 @@ class PropagationNetwork(nn.Module):
         self.linear1 = nn.Sequential(
             nn.Linear(NODE_SIZE, width), nn.ReLU(), nn.Linear(width, width), nn.ReLU()
         )
-        self.conv1 = _GatedGraphConv(width, layers)
+        self.conv1 = GatedGraphConv(width, layers)
         self.linear2 = nn.Sequential(
             nn.Linear(width, width),
             nn.ReLU(),

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor, nn
+from torch_geometric.data import Data
+from torch_geometric.nn import MessagePassing
 
 from plan2scene.house import ROOM_TYPES, SURFACES
 from plan2scene.propagation.data import PAIR_SIZE
-from plan2scene.propagation.geometric import Data, MessagePassing, WithoutTemplates
 from plan2scene.propagation.graph import EMBEDDING_SIZE
 from plan2scene.propagation.network import PropagationNetwork
 
@@ -49,7 +50,7 @@ class Mixture:
     log_copies: Tensor
 
 
-class PointerNetwork(WithoutTemplates, MessagePassing):
+class PointerNetwork(MessagePassing):
     """Attention over pairs of rooms that may also point at none: houses -> mixtures.
 
     All embeddings are standardised by `centre` and `deviation`, which the network keeps.
