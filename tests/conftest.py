@@ -6,18 +6,6 @@ import os
 # the other needs (a part of the tests: 158 s beside two other jobs, 60 s without spinning).
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
-import pytest
-
-from plan2scene.machine_cache import VARIABLE
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _own_cache(tmp_path_factory):
-    """Tests keep what is made once per machine in a folder of their own."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(VARIABLE, str(tmp_path_factory.mktemp("cache")))
-        yield
-
 
 #: Files that take a minute each, first: begun last, they would leave the other worker without work.
 #: Those on a SLURM mostly wait and begin beside the one that takes both cores.

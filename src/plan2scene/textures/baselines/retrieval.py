@@ -20,14 +20,10 @@ from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image, png_bytes
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.machine_cache import made_once
 from plan2scene.metrics.color import color_histogram
 from plan2scene.metrics.freq import frequency_profile
-from plan2scene.provenance import code_hash, package_versions
 from plan2scene.seeds import derive_seed
 
-#: Packages that a generated library's bytes depend on.
-_PACKAGES = ("numpy", "scipy", "opencv-python-headless", "pillow", "pyarrow", "pandas")
 _FREQ_WEIGHT = 100.0  # dE2000 that FREQ of 1 counts as
 _COLOR_WEIGHT = 5.0  # dE2000 that COLOR of 1 counts as
 
@@ -121,21 +117,14 @@ def write_library(
 ) -> None:
     """Write the library file: of a user's `folder`, or generated where that is None.
 
-    The folder has subfolders wood, plaster, carpet, tile of images. A generated library is made
-    once per machine.
+    The folder has subfolders wood, plaster, carpet, tile of images.
     """
     from plan2scene.materials import load_texture_folder
 
-    if folder is not None:
+    if folder is None:
+        _write(output, generated_library(per_substance, seed, size_px), "generated")
+    else:
         _write(output, _from_materials(load_texture_folder(folder, size_px=size_px)), "folder")
-        return
-    settings = {"tiles": per_substance, "seed": seed, "size_px": size_px}
-    code = code_hash("plan2scene.textures.baselines.retrieval"), package_versions(*_PACKAGES)
-    made_once(
-        output,
-        {"texture library": settings, "code": code},
-        lambda path: _write(path, generated_library(per_substance, seed, size_px), "generated"),
-    )
 
 
 def _write(output: str | Path, library: TextureLibrary, source: str) -> None:
