@@ -1,7 +1,3 @@
-import gc
-import subprocess
-import sys
-
 import pytest
 
 from plan2scene.errors import InputError
@@ -30,46 +26,12 @@ def test_line_breaks_of_strangers_stay_one_line():
     assert "\n" not in text and "\x1b" not in text
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="mallopt is glibc's")
-def test_a_job_keeps_freed_memory():
-    program = """
-import resource, sys
-import numpy as np
-from plan2scene.workflow.jobs import job
-
-def faults():
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
-    for _ in range(5):
-        np.ones(2_000_000)  # 16 MB: made and freed at once
-    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
-
-fresh = faults()
-with job():
-    faults()
-    kept = faults()
-print(fresh, kept)
-"""
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    fresh, kept = map(int, done.stdout.split())
-    assert kept < 0.1 * fresh
-
-
 def test_a_full_disk_is_one_line(tmp_path, capfd):
     with pytest.raises(SystemExit), job(tmp_path / "log.txt"):
         raise OSError(28, "No space left on device", str(tmp_path / ".tmp_1_2_3.png"))
     line = f"ERROR file {tmp_path}: expected free space on the disk, found No space left on device"
     assert (tmp_path / "log.txt").read_text().splitlines() == [line]
     assert capfd.readouterr().err.splitlines() == [line]
-
-
-def test_a_job_looks_for_circles_less_often_and_puts_it_back():
-    usual = gc.get_threshold()
-    with job():
-        assert gc.get_threshold()[0] > 10 * usual[0]
-        assert gc.isenabled()
-    assert gc.get_threshold() == usual
 
 
 def test_control_c_ends_a_job_without_a_word(tmp_path, capsys):
