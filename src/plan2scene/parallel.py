@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import ctypes
 import multiprocessing
+import os
 import signal
 import sys
 import threading
@@ -17,8 +17,6 @@ from threadpoolctl import threadpool_limits
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-#: Of prctl(2): the signal that a process gets when its parent dies.
-_SET_PARENT_DEATH_SIGNAL = 1
 #: What this process works at, where it is a worker: the function and its items.
 _function: Callable[[Any], Any] | None = None
 _items: Sequence[Any] = ()
@@ -68,9 +66,17 @@ def _forked(
 def _begin(function: Callable[[Any], Any], items: Sequence[Any]) -> None:
     """Make this process a worker, which ends when its parent does, however that ends."""
     global _function, _items
-    ctypes.CDLL(None).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Control-C is the parent's to answer
     _function, _items = function, items
+
+
+def _end_with_parent() -> None:
+    """Wait until the parent ends, and end this worker then."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+    os._exit(1)
 
 
 def _result(index: int) -> Any:
