@@ -51,7 +51,8 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
 def atomic_directory(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield an empty temporary directory; it replaces directory `path` when the block succeeds.
 
-    The old directory stays until the new one takes its place.
+    The old directory stays until the new one takes its place; for a moment neither is there
+    (:func:`~plan2scene.temporary.replace_directory`).
     """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)

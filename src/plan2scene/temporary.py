@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import hashlib
 import os
 import re
@@ -16,8 +15,6 @@ from pathlib import Path
 #: What another machine left is taken for stale after this many seconds.
 STALE_AFTER = 7 * 24 * 3600.0
 _NAME = re.compile(r"\.tmp_[0-9a-f]{8}_([0-9a-f]{8})_(\d+)_[0-9a-f]{8}(\..*)?")
-#: Linux: renameat2(2) swaps two names, relative to the working directory.
-_AT_FDCWD, _RENAME_EXCHANGE = -100, 2
 
 
 @cache
@@ -83,25 +80,20 @@ def remove(path: Path) -> None:
 
 
 def replace_directory(new: Path, target: Path) -> None:
-    """Put directory `new` in the place of `target`, which is kept until then; `new` may be left.
+    """Put directory `new` in the place of `target`.
 
-    Linux swaps the two names at once; elsewhere the target is away between two renames.
+    `target` is always whole or absent. It is absent between two renames: a process that is killed
+    there leaves no target, and both directories under temporary names, which the next write of
+    the same target removes.
     """
     if not os.path.lexists(target):
         new.replace(target)
         return
-    if not _exchanged(new, target):
-        aside = temporary_beside(target)
-        target.replace(aside)
+    old = temporary_beside(target)
+    target.replace(old)
+    try:
         new.replace(target)
-        remove(aside)
-
-
-def _exchanged(one: Path, other: Path) -> bool:
-    """Swap two names at once; return whether this system and file system could."""
-    function = getattr(ctypes.CDLL(None), "renameat2", None) if os.name == "posix" else None
-    if function is None:
-        return False
-    names = (os.fsencode(one), os.fsencode(other))
-    done = function(_AT_FDCWD, names[0], _AT_FDCWD, names[1], _RENAME_EXCHANGE)
-    return bool(done == 0)
+    except BaseException:
+        old.replace(target)
+        raise
+    remove(old)

@@ -61,19 +61,32 @@ def test_a_directory_is_replaced_as_a_whole(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["d"]
 
 
-@pytest.mark.parametrize("swap", [True, False], ids=["at once", "by two renames"])
-def test_the_old_directory_stays_until_the_new_one_is_there(tmp_path, monkeypatch, swap):
+def test_the_old_directory_stays_until_the_new_one_is_there(tmp_path):
     target = tmp_path / "d"
     target.mkdir()
     (target / "old").write_text("")
-    if not swap:
-        monkeypatch.setattr(temporary, "_exchanged", lambda one, other: False)
     with pytest.raises(RuntimeError), p2s_io.atomic_directory(target):
         raise RuntimeError
     with p2s_io.atomic_directory(target) as new:
         (new / "new").write_text("")
         assert [p.name for p in target.iterdir()] == ["old"]
     assert [p.name for p in target.iterdir()] == ["new"]
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_process_killed_between_the_two_renames_leaves_no_half_directory(tmp_path):
+    target = tmp_path / "d"
+    code = (
+        "import os, sys\nfrom pathlib import Path\nfrom plan2scene.io import atomic_directory\n"
+        "rename = Path.replace\n"
+        "def rename_once(*names): rename(*names); os.kill(os.getpid(), 9)\n"
+        "Path(sys.argv[1]).mkdir()\n"
+        "with atomic_directory(sys.argv[1]): Path.replace = rename_once"
+    )
+    subprocess.run([sys.executable, "-c", code, str(target)], check=False)
+    assert not target.exists() and len(list(tmp_path.iterdir())) == 2
+    with p2s_io.atomic_directory(target):
+        pass
     assert list(tmp_path.iterdir()) == [target]
 
 
