@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from plan2scene.evaluation.texture_sheet import SheetRow, draw_sheet, sheet_rows
-from plan2scene.textures.methods import METHODS
+from plan2scene.textures.methods import texture_methods
 
 
 def observed_rows(results: Path) -> dict[str, SheetRow]:
@@ -22,7 +22,7 @@ def observed_rows(results: Path) -> dict[str, SheetRow]:
     rows = {}
     for folder in sorted(results.glob("houses/*/comparison/0.0")):
         house = folder.parents[1].name
-        textures = {name: folder / name for name in METHODS if (folder / name).is_dir()}
+        textures = {name: folder / name for name in texture_methods() if (folder / name).is_dir()}
         crops = results / "houses" / house / "crops.parquet"
         for key, row in sheet_rows(textures, crops).items():
             if "observed" in row.title:

@@ -35,4 +35,4 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: place.get(item.path.stem, len(LONGEST)))
 
 
-pytest_plugins = ["sample_houses"]
+pytest_plugins = ["sample_houses", "third_party"]

@@ -9,14 +9,14 @@ from typing import Any
 
 from plan2scene.errors import InputError
 from plan2scene.provenance import WORKFLOW
-from plan2scene.textures.methods import METHODS
+from plan2scene.textures.methods import texture_methods
 
 
 def config_schema() -> dict[str, Any]:
     """Return ``workflow/schemas/config.schema.json`` with the names of the texture methods."""
     path = WORKFLOW / "workflow" / "schemas" / "config.schema.json"
     schema: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    schema["$defs"]["method"]["enum"] = list(METHODS)
+    schema["$defs"]["method"]["enum"] = list(texture_methods())
     return schema
 
 

@@ -13,7 +13,7 @@ import typer
 
 from plan2scene.errors import InputError, WorkflowError, told_in_a_line
 from plan2scene_app.cli_parts import known_method, method_names, parts
-from plan2scene_app.exports.registry import EXPORTS, export_house
+from plan2scene_app.exports.registry import export_house, exports
 from plan2scene_app.tracing.command import trace_plan
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
@@ -212,7 +212,7 @@ def open_studio(
 @app.command("export")
 def export(
     house: Annotated[Path, typer.Argument(help="What `plan2scene run` made: the folder OUT.")],
-    to: Annotated[str, typer.Option(metavar=f"[{'|'.join(EXPORTS)}]", help="The form to write.")],
+    to: Annotated[str, typer.Option(metavar=f"[{'|'.join(exports())}]", help="The form to write.")],
     out: Annotated[Path | None, typer.Option(help="Folder; default: HOUSE/FORM.")] = None,
 ) -> None:
     """Write a house in a form that other programs read."""

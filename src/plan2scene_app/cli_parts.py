@@ -10,21 +10,21 @@ from typing import Annotated
 import typer
 
 from plan2scene.errors import InputError
-from plan2scene.textures.methods import METHODS, methods_table
+from plan2scene.textures.methods import methods_table, texture_methods
 
 parts = typer.Typer()
 
 
 def known_method(name: str) -> str:
     """Return the name of a registered texture method; refuse another one."""
-    if name not in METHODS:
-        raise typer.BadParameter(f"{name!r} is not one of {', '.join(METHODS)}")
+    if name not in texture_methods():
+        raise typer.BadParameter(f"{name!r} is not one of {', '.join(texture_methods())}")
     return name
 
 
 def method_names() -> str:
     """Return the names of the texture methods as help shows them, those added since included."""
-    return f"[{'|'.join(METHODS)}]"
+    return f"[{'|'.join(texture_methods())}]"
 
 
 @parts.command("masks")

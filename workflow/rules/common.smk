@@ -20,10 +20,10 @@ from plan2scene.datasets.house_table import (
 )
 from plan2scene.errors import InputError
 from plan2scene.images import SUFFIXES
-from plan2scene.plans.formats import reader_modules
+from plan2scene.plans.formats import reader_code
 from plan2scene.provenance import code_hash, file_hash
 from plan2scene.workflow.slurm import check_cluster
-from plan2scene.textures.methods import METHODS as TEXTURE_METHODS
+from plan2scene.textures.methods import method_code, texture_methods
 
 try:
     check_config(config)
@@ -37,6 +37,7 @@ RESULTS = f"results/{DATASET}"
 # Relative to the working directory, which need not be the clone (`plan2scene run`).
 MODELS = os.path.relpath(Path(workflow.basedir) / "resources" / "models")
 METHODS = config["methods"]
+TEXTURE_METHODS = texture_methods()
 DROPS = [f"{drop:.1f}" for drop in config["drops"]]
 
 try:
@@ -120,12 +121,12 @@ def read_plan_of(wildcards):
 
 @functools.cache
 def plan_code(suffix):
-    """Return the hash of what reads a plan whose name has this suffix."""
-    return code_hash("plan2scene.datasets.import_plan", *reader_modules(suffix))
+    """Return the hashes of what reads a plan whose name has this suffix."""
+    return [code_hash("plan2scene.datasets.import_plan"), *reader_code(suffix)]
 
 
 def plan_code_of(wildcards):
-    """Return the hash of what reads a house's plan."""
+    """Return the hashes of what reads a house's plan."""
     return plan_code(Path(read_plan_of(wildcards)).suffix.lower())
 
 

@@ -76,6 +76,7 @@ rule comparison:
             "plan2scene.evaluation.measure",
             "plan2scene.evaluation.texture_sheet",
         ),
+        method_code=method_code(*METHODS),
     script:
         "../scripts/comparison.py"
 

@@ -1,11 +1,11 @@
-from plan2scene_app.exports.registry import EXPORTS
+from plan2scene_app.exports.registry import export_code, exports
 
 # Textures of the configured method, with all photos.
 CHOSEN_TEXTURES = f"{RESULTS}/drop_0.0/{config['house']['method']}/{{house}}/textures"
 
 
 wildcard_constraints:
-    export="|".join(EXPORTS),
+    export="|".join(exports()),
 
 
 rule house:
@@ -102,5 +102,6 @@ rule export_house:
     params:
         objects=config["house"]["objects"],
         code=code_hash("plan2scene_app.exports.registry"),
+        export=lambda wildcards: export_code(wildcards.export),
     script:
         "../scripts/export_house.py"

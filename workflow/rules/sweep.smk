@@ -34,6 +34,7 @@ rule sweep_house:
         predictor=config["propagation"]["predictor"],
         size_px=config["textures"]["size_px"],
         code=code_hash("plan2scene.evaluation.sweep"),
+        method_code=method_code(*METHODS),
     script:
         "../scripts/sweep_house.py"
 

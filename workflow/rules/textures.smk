@@ -68,5 +68,6 @@ rule textures:
         size_px=config["textures"]["size_px"],
         textures=textures_of,
         code=code_hash("plan2scene.textures.stage"),
+        method=lambda wildcards: method_code(wildcards.method),
     script:
         "../scripts/textures.py"

@@ -1,16 +1,14 @@
 """The plan formats: one registry, which :func:`read_plan` and its messages follow.
 
 A format is an entry point of the group :data:`GROUP` that names a :class:`PlanFormat`. Formats of
-other packages are found by the same way (docs/extending.md).
+other packages are found in the same way (docs/extending.md).
 """
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache, cached_property
-from importlib.metadata import entry_points
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +16,8 @@ from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.io import read_text
 from plan2scene.plans.parse import parse_json
+from plan2scene.plugins import code_of, installed, plugins
 
-_LOG = logging.getLogger("plan2scene")
 #: Entry points of this group name a :class:`PlanFormat`.
 GROUP = "plan2scene.plan_formats"
 #: How files that are no text begin, and what they are.
@@ -112,6 +110,7 @@ class PlanFormat:
     a `fallback` are asked after all others. A format that `needs_scale` is drawn in pixels:
     `metres_per_pixel` must be given. Of a format whose scale may be given, `look` tells how large
     it is drawn, and the layers of DXF. `suffixes` are the file names' usual ends, lower case.
+    `needs` is what pip installs for it beside its own package's dependencies.
     """
 
     name: str
@@ -121,33 +120,18 @@ class PlanFormat:
     needs_scale: bool = False
     fallback: bool = False
     look: Callable[[PlanFile], Unscaled] | None = None
+    needs: str = ""
 
 
-@cache
 def plan_formats() -> tuple[PlanFormat, ...]:
-    """Return all registered formats in the order in which they are asked.
-
-    An entry point that cannot be loaded, or is no :class:`PlanFormat`, is warned of and left out.
-    """
-    found = []
-    for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
-        try:
-            loaded = entry.load()
-        except (ImportError, AttributeError) as error:
-            _LOG.warning("plan format %s (%s) is left out: %s", entry.name, entry.value, error)
-            continue
-        if isinstance(loaded, PlanFormat):
-            found.append(loaded)
-        else:
-            _LOG.warning("plan format %s (%s) is no PlanFormat", entry.name, entry.value)
-    return tuple(sorted(found, key=lambda item: item.fallback))
+    """Return all registered formats in the order in which they are asked."""
+    return tuple(sorted(plugins(GROUP, PlanFormat).values(), key=lambda item: item.fallback))
 
 
-def reader_modules(suffix: str) -> tuple[str, ...]:
-    """Return the modules of the formats that a file with this suffix can have; else of all."""
-    formats = {entry.module: entry.load() for entry in entry_points(group=GROUP)}
-    named = tuple(sorted(name for name, item in formats.items() if suffix in item.suffixes))
-    return named or tuple(sorted(formats))
+def reader_code(suffix: str) -> list[str]:
+    """Return what changes when the code of a reader does that a file with this suffix can have."""
+    named = [item.name for item in plan_formats() if suffix in item.suffixes]
+    return code_of(GROUP, PlanFormat, *(named or plugins(GROUP, PlanFormat)))
 
 
 def format_of(plan: PlanFile) -> PlanFormat | None:
@@ -179,4 +163,5 @@ def read_plan(
     if found.needs_scale and not 0 < (metres_per_pixel or 0) <= 1:
         expected = f"metres_per_pixel above 0 and up to 1 for {found.name}"
         raise plan.fault(expected, str(metres_per_pixel))
-    return found.read(plan)
+    with installed(found, house_id):
+        return found.read(plan)

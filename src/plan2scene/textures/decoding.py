@@ -13,7 +13,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.seeds import derive_seed
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
-from plan2scene.textures.methods import METHODS, TextureMethod
+from plan2scene.textures.methods import TextureMethod, method_named
 from plan2scene.textures.seams import make_seamless
 from plan2scene.textures.tiles import Tile
 
@@ -22,7 +22,7 @@ def decoded_tiles(inputs: TextureInputs, name: str) -> Mapping[SurfaceKey, Tile]
     """Return the tiles of method `name`; their noise derives from (seed, house, room, surface)."""
     if name not in inputs.decoded:
         surfaces = inputs.surfaces
-        images, periodic = _decoded(inputs, METHODS[name], surfaces, [()] * len(surfaces))
+        images, periodic = _decoded(inputs, method_named(name), surfaces, [()] * len(surfaces))
         inputs.decoded[name] = {
             surface.key: Tile(image, surface.size_m, surface.source, periodic)
             for surface, image in zip(surfaces, images, strict=True)

@@ -15,7 +15,6 @@ import numpy as np
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from plan2scene.errors import InputError
 from plan2scene.house import House, Level, Stairs, SurfaceKey
 from plan2scene.io import atomic_path
 from plan2scene.mesh.fixtures import LEAF_THICKNESS
@@ -36,16 +35,11 @@ _EPOCH = "1970-01-01T00:00:00"
 
 
 def write_ifc(house: House, textures: Mapping[SurfaceKey, TileTexture], folder: Path) -> None:
-    """Write ``house.ifc`` of a house into a folder; IFC takes no textures.
+    """Write ``house.ifc`` of a house into a folder; IFC takes no textures."""
+    import ifcopenshell
+    import ifcopenshell.guid
 
-    InputError where ifcopenshell is not installed.
-    """
     del textures
-    try:
-        import ifcopenshell
-        import ifcopenshell.guid
-    except ImportError as error:
-        raise InputError("ifcopenshell (pip install 'plan2scene[exports]')", str(error)) from error
     model = _Model(house, ifcopenshell).build()
     with atomic_path(folder / "house.ifc") as temporary:
         temporary.write_text(model.to_string(), encoding="utf-8")

@@ -1,19 +1,28 @@
-"""The exporters by name, and the stage that runs one; each is imported when it is used."""
+"""The exports by name, and the stage that writes one.
+
+An export is an entry point of the group :data:`GROUP` that names an :class:`Export`. Its writer
+imports what it needs when it runs.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plan2scene.errors import InputError
+from plan2scene.plugins import code_of, installed, plugins
 
 if TYPE_CHECKING:
     from plan2scene.house import House, SurfaceKey
     from plan2scene.mesh.textures import TileTexture
 
-    Write = Callable[[House, dict[SurfaceKey, TileTexture], Path], None]
+    Textures = dict[SurfaceKey, TileTexture]
+    Write = Callable[[House, Textures, Path], None]
+
+#: Entry points of this group name an :class:`Export`.
+GROUP = "plan2scene.exports"
 
 
 @dataclass(frozen=True)
@@ -22,80 +31,105 @@ class Export:
 
     Attributes
     ----------
-    writer : callable
-        Returns the function that, given a house, its textures and an existing folder, writes the
-        files into it.
+    name : str
+        As command line and rule have it.
+    write : callable
+        Writes the files of a house and its textures into an existing folder.
     files : tuple of str
         What it writes, folders as ``name/``.
     purpose : str
         For whom, in a few words.
     storey_files : tuple of str
         What it writes for each level above the lowest, ``{level}`` for its id.
+    needs : str
+        What pip installs for it beside its own package's dependencies; empty for nothing.
     """
 
-    writer: Callable[[], Write]
+    name: str
+    write: Write
     files: tuple[str, ...]
     purpose: str
     storey_files: tuple[str, ...] = ()
+    needs: str = ""
 
 
-def _usd() -> Write:
+def exports() -> dict[str, Export]:
+    """Return the exports of all installed packages by name."""
+    return plugins(GROUP, Export)
+
+
+def export_code(name: str) -> list[str]:
+    """Return what changes when the code of an export does."""
+    return code_of(GROUP, Export, name)
+
+
+def _usd(house: House, textures: Textures, folder: Path) -> None:
     from plan2scene_app.exports.usd import write_usd
 
-    return write_usd
+    write_usd(house, textures, folder)
 
 
-def _simulator() -> Write:
+def _simulator(house: House, textures: Textures, folder: Path) -> None:
     from plan2scene_app.exports.simulator import write_simulator
 
-    return write_simulator
+    write_simulator(house, textures, folder)
 
 
-def _ifc() -> Write:
+def _ifc(house: House, textures: Textures, folder: Path) -> None:
     from plan2scene_app.exports.ifc import write_ifc
 
-    return write_ifc
+    write_ifc(house, textures, folder)
 
 
-def _map() -> Write:
+def _map(house: House, textures: Textures, folder: Path) -> None:
     from plan2scene_app.exports.occupancy import write_map
 
-    return write_map
+    write_map(house, textures, folder)
 
 
-def _obj() -> Write:
+def _obj(house: House, textures: Textures, folder: Path) -> None:
     from plan2scene.mesh.obj import write_obj
 
-    return lambda house, textures, folder: write_obj(house, textures, folder / "house.obj")
+    write_obj(house, textures, folder / "house.obj")
 
 
-EXPORTS: Mapping[str, Export] = {
-    "usd": Export(
-        _usd, ("house.usdz", "house.usdc", "textures/"), "USD with materials, labels, collision"
+USD = Export(
+    "usd",
+    _usd,
+    ("house.usdz", "house.usdc", "textures/"),
+    "USD with materials, labels, collision",
+    needs="plan2scene[exports]",
+)
+SIM = Export(
+    "sim",
+    _simulator,
+    (
+        "house.glb",
+        "collision.glb",
+        "semantic.glb",
+        "semantic.txt",
+        "house.stage_config.json",
+        "house.xml",
     ),
-    "sim": Export(
-        _simulator,
-        (
-            "house.glb",
-            "collision.glb",
-            "semantic.glb",
-            "semantic.txt",
-            "house.stage_config.json",
-            "house.xml",
-        ),
-        "simulators: collision, semantics, Habitat, MuJoCo",
-    ),
-    "ifc": Export(_ifc, ("house.ifc",), "IFC4: spaces, slabs, walls, doors, windows"),
-    "map": Export(
-        _map,
-        ("map.pgm", "map.yaml"),
-        "occupancy map for ROS, 5 cm",
-        ("map_{level}.pgm", "map_{level}.yaml"),
-    ),
-    "obj": Export(
-        _obj, ("house.obj", "house.mtl", "house_textures/"), "Wavefront OBJ with textures"
-    ),
-}
+    "simulators: collision, semantics, Habitat, MuJoCo",
+)
+IFC = Export(
+    "ifc",
+    _ifc,
+    ("house.ifc",),
+    "IFC4: spaces, slabs, walls, doors, windows",
+    needs="plan2scene[exports]",
+)
+MAP = Export(
+    "map",
+    _map,
+    ("map.pgm", "map.yaml"),
+    "occupancy map for ROS, 5 cm",
+    ("map_{level}.pgm", "map_{level}.yaml"),
+)
+OBJ = Export(
+    "obj", _obj, ("house.obj", "house.mtl", "house_textures/"), "Wavefront OBJ with textures"
+)
 
 
 def export_house(
@@ -118,7 +152,7 @@ def export_house(
     folder : path
         Made when it is not there; files in it of the same names are replaced.
     name : str
-        One of :data:`EXPORTS`.
+        One of :func:`exports`.
     house_id : str
     objects : bool
         Whether the plan's fixed objects are in it.
@@ -128,13 +162,14 @@ def export_house(
     from plan2scene.mesh.textures import textured
     from plan2scene.plans import read_scene_json
 
-    if name not in EXPORTS:
-        raise InputError(f"one of {', '.join(EXPORTS)}", repr(name), house=house_id)
+    if name not in exports():
+        raise InputError(f"one of {', '.join(exports())}", repr(name), house=house_id)
+    export = exports()[name]
     house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
     house = house if objects else replace(house, icons=())
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
-    EXPORTS[name].writer()(house, textures, target)
-    export = EXPORTS[name]
+    with installed(export, house_id):
+        export.write(house, textures, target)
     own = [f.format(level=level.id) for level in house.levels[1:] for f in export.storey_files]
     return [target / file for file in (*export.files, *own)]

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from plan2scene.colour import srgb_to_linear
-from plan2scene.errors import InputError
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, atomic_path
 from plan2scene.mesh.glb import GLASS, roughness
@@ -32,14 +31,7 @@ _DATE = 946_728_000
 
 
 def write_usd(house: House, textures: Mapping[SurfaceKey, TileTexture], folder: Path) -> None:
-    """Write ``house.usdc``, ``textures/*`` and ``house.usdz`` of a house into a folder.
-
-    InputError where usd-core is not installed.
-    """
-    try:
-        import pxr  # noqa: F401
-    except ImportError as error:
-        raise InputError("usd-core (pip install 'plan2scene[exports]')", str(error)) from error
+    """Write ``house.usdc``, ``textures/*`` and ``house.usdz`` of a house into a folder."""
     with tempfile.TemporaryDirectory(dir=folder) as name:
         work = Path(name)
         (work / "textures").mkdir()

@@ -53,8 +53,7 @@ def house_of_dxf(
     """Return the house of a DXF drawing.
 
     `metres_per_unit` goes before the unit of the header; `layers` holds patterns in
-    place of `dxf_layers.LAYERS`. Raises InputError where neither tells the unit, and where ezdxf
-    is not installed.
+    place of `dxf_layers.LAYERS`. Raises InputError where neither tells the unit.
     """
     source = Source(str(path), house_id)
     document = load_dxf(source, path)
@@ -64,10 +63,8 @@ def house_of_dxf(
 
 def load_dxf(source: Source, path: Path) -> Any:
     """Return the parsed document."""
-    try:
-        import ezdxf
-    except ImportError as error:
-        raise source.fault("ezdxf (pip install 'plan2scene[formats]')", error) from None
+    import ezdxf
+
     if path.stat().st_size > MAX_BYTES:
         raise source.fault(f"at most {MAX_BYTES} bytes of DXF", path.stat().st_size)
     damage = (ezdxf.DXFError, OSError, ValueError, LookupError, TypeError, AttributeError)

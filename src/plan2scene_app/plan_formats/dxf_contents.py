@@ -70,5 +70,6 @@ PLAN_FORMAT = PlanFormat(
     lambda plan: is_dxf(plan.head),
     lambda plan: house_of_dxf(plan.path, plan.house_id, plan.metres_per_pixel, plan.dxf_layers),
     suffixes=(".dxf",),
+    needs="plan2scene[formats]",
     look=_look,
 )

@@ -53,7 +53,7 @@ def is_ifc(head: bytes) -> bool:
 def house_of_ifc(path: Path, house_id: str) -> House:
     """Return the house of an IFC model with its storeys, each at the height of its floors.
 
-    Raises InputError for a model without spaces and walls, and where ifcopenshell is missing.
+    Raises InputError for a model without spaces and walls.
     """
     source = Source(str(path), house_id)
     model = _Model(source, path)
@@ -81,12 +81,10 @@ class _Model:
 
     def __init__(self, source: Source, path: Path) -> None:
         self.source = source
-        try:
-            import ifcopenshell
-            import ifcopenshell.geom
-            import ifcopenshell.util.element
-        except ImportError as error:
-            raise source.fault("ifcopenshell (pip install 'plan2scene[formats]')", error) from None
+        import ifcopenshell
+        import ifcopenshell.geom
+        import ifcopenshell.util.element
+
         if path.stat().st_size > MAX_BYTES:
             raise source.fault(f"at most {MAX_BYTES} bytes of IFC", path.stat().st_size)
         try:
@@ -244,4 +242,5 @@ PLAN_FORMAT = PlanFormat(
     lambda plan: is_ifc(plan.head),
     lambda plan: house_of_ifc(plan.path, plan.house_id),
     suffixes=(".ifc",),
+    needs="plan2scene[formats]",
 )

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from plan2scene.html_page import html_page, inline_json, source_hash
-from plan2scene.textures.methods import METHODS
+from plan2scene.textures.methods import texture_methods
 from plan2scene_app.editor.page import FOLDER as EDITOR
 from plan2scene_app.editor.page import joined_program
 from plan2scene_app.editor.rules import page_rules
-from plan2scene_app.exports.registry import EXPORTS
+from plan2scene_app.exports.registry import exports
 from plan2scene_app.run import TEXTURE_SIZES
 
 _FOLDER = Path(__file__).parent
@@ -19,9 +19,9 @@ _FOLDER = Path(__file__).parent
 def project_page(start: dict[str, Any]) -> tuple[str, str]:
     """Return the page of a project and its content policy; `start` is the project's state."""
     rules = page_rules() | {
-        "methods": list(METHODS),
+        "methods": list(texture_methods()),
         "texture_sizes": list(TEXTURE_SIZES),
-        "exports": {form: export.purpose for form, export in EXPORTS.items()},
+        "exports": {form: export.purpose for form, export in exports().items()},
     }
     editor = (EDITOR / "editor.html").read_text("utf-8")
     tools = editor[editor.index("<nav") : editor.index("<script")]

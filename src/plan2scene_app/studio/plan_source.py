@@ -19,6 +19,7 @@ from plan2scene.errors import InputError
 from plan2scene.io import atomic_path, read_json, write_json
 from plan2scene.plans import PlanFile
 from plan2scene.plans.formats import Unscaled, format_of
+from plan2scene.plugins import installed
 from plan2scene_app.editor.page import opened, picture_bytes
 from plan2scene_app.plan_formats.dxf_layers import LAYERS, MAX_PATTERN
 from plan2scene_app.studio.projects import PICTURE, Project
@@ -167,7 +168,8 @@ def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unsca
     found = format_of(plan)
     if found is None or found.look is None:
         raise InputError("a plan whose scale or layers may be given", "one that tells all itself")
-    return found.name, found.look(plan)
+    with installed(found, house):
+        return found.name, found.look(plan)
 
 
 def _reading(file: Path, house: str, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -56,7 +56,7 @@ def zipped(project: Project) -> bytes:
 
 
 def exported(project: Project, form: str) -> tuple[str, bytes]:
-    """Return the house in a form of :data:`EXPORTS`: the name of one file and its content.
+    """Return the house in a form of the registry: the name of one file and its content.
 
     USD is one ``.usdz``; forms of several files are a ZIP archive.
     """

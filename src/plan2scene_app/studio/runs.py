@@ -15,7 +15,7 @@ import psutil
 
 from plan2scene.errors import InputError
 from plan2scene.io import read_json, write_json
-from plan2scene.textures.methods import METHODS
+from plan2scene.textures.methods import method_named
 from plan2scene_app.run import TEXTURE_SIZES
 from plan2scene_app.studio.progress import read_progress
 from plan2scene_app.studio.projects import Project
@@ -38,8 +38,7 @@ def settings_of(given: Any, cores: int) -> dict[str, Any]:
         "colours": given.get("colours", "photo"),
         "cores": cores,
     }
-    if found["method"] not in METHODS:
-        raise InputError(f"a method of {', '.join(METHODS)}", repr(found["method"]))
+    method_named(str(found["method"]))
     if found["texture_size"] not in TEXTURE_SIZES:
         raise InputError(f"a texture size of {TEXTURE_SIZES}", repr(found["texture_size"]))
     if found["colours"] not in ("photo", "corrected"):

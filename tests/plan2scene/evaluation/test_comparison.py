@@ -14,7 +14,7 @@ from plan2scene.house import SurfaceKey
 from plan2scene.images import read_image
 from plan2scene.io import read_json, read_parquet
 from plan2scene.textures.inputs import HouseData, TextureSettings, Visible
-from plan2scene.textures.methods import METHODS
+from plan2scene.textures.methods import texture_methods
 from plan2scene.textures.stage import make_textures
 
 COMPARED = ("crop", "naivesynth", "synth", "synth-large", "exemplar")
@@ -40,7 +40,7 @@ def compared(house, embeddings, tmp_path_factory):
 def test_tiles_and_figures_are_those_of_the_stages(compared, tmp_path, method, drop):
     house, drops, folder, frame = compared
     # As rule textures does: files of its own, and the one weight file that it needs.
-    weights = METHODS[method].weights
+    weights = texture_methods()[method].weights
     models = {weights: house.models.decoders[weights]} if weights else {}
     inputs = HouseData(house.files).at(drops[drop], models, house.settings)
     make_textures(method, inputs, tmp_path / "alone")

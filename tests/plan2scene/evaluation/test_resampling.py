@@ -17,7 +17,7 @@ from plan2scene.textures.inputs import (
     TextureInputs,
     TextureSettings,
 )
-from plan2scene.textures.methods import METHODS
+from plan2scene.textures.methods import texture_methods
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.textures.seams import make_seamless
 from plan2scene.textures.stage import house_tiles
@@ -49,7 +49,7 @@ def inputs(tmp_path):
 
 
 def test_images_of_a_surface_differ_in_their_noise_only(inputs):
-    images = further_images(inputs, METHODS["synth"], [KEYS[2], KEYS[0]], 3)
+    images = further_images(inputs, texture_methods()["synth"], [KEYS[2], KEYS[0]], 3)
     assert len(images) == 2 * 3
     first = house_tiles("synth", inputs)
     for key, group in ((KEYS[2], images[:3]), (KEYS[0], images[3:])):
@@ -58,25 +58,25 @@ def test_images_of_a_surface_differ_in_their_noise_only(inputs):
         means = np.array([image.mean(axis=(0, 1)) for image in together])
         other = images[3 if key == KEYS[2] else 0].mean(axis=(0, 1))
         assert np.ptp(means, axis=0).max() < np.abs(means[0] - other).max()
-    again = further_images(inputs, METHODS["synth"], [KEYS[0]], 3)
+    again = further_images(inputs, texture_methods()["synth"], [KEYS[0]], 3)
     for a, b in zip(again, images[3:], strict=True):  # in batches of other sizes: rounding
         assert np.abs(a.astype(int) - b).max() <= 2
     elsewhere = replace(inputs, data=HouseData(replace(inputs.data.files, house_id="another")))
-    moved = further_images(elsewhere, METHODS["synth"], [KEYS[0]], 3)
+    moved = further_images(elsewhere, texture_methods()["synth"], [KEYS[0]], 3)
     assert not np.array_equal(moved[0], again[0])
 
 
 def test_seams_are_corrected_as_on_disk(inputs):
-    plain = further_images(inputs, METHODS["synth"], KEYS[:1], 1)
+    plain = further_images(inputs, texture_methods()["synth"], KEYS[:1], 1)
     corrected = replace(inputs, settings=TextureSettings(7, 128, {"synth": True}))
-    found = further_images(corrected, METHODS["synth"], KEYS[:1], 1)
+    found = further_images(corrected, texture_methods()["synth"], KEYS[:1], 1)
     assert not np.array_equal(plain[0], found[0])
     assert np.array_equal(make_seamless(plain[0])[0], found[0])
 
 
 def test_no_further_image_or_no_surface_is_nothing(inputs):
-    assert further_images(inputs, METHODS["synth"], [], 3) == []
-    assert further_images(inputs, METHODS["synth"], KEYS, 0) == []
+    assert further_images(inputs, texture_methods()["synth"], [], 3) == []
+    assert further_images(inputs, texture_methods()["synth"], KEYS, 0) == []
 
 
 def test_each_surface_counts_once_however_many_images_it_has():

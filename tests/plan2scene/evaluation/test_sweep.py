@@ -14,7 +14,7 @@ from plan2scene.images import metric_image, read_image
 from plan2scene.io import read_json, read_parquet
 from plan2scene.metrics.color import color_distance
 from plan2scene.textures.inputs import HouseData, Visible
-from plan2scene.textures.methods import METHODS
+from plan2scene.textures.methods import texture_methods
 from plan2scene.textures.stage import make_textures
 
 HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}
@@ -23,7 +23,7 @@ HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "
 @pytest.fixture(scope="module")
 def swept(house, embeddings, tmp_path_factory):
     path = tmp_path_factory.mktemp("sweep") / "sweep.parquet"
-    sweep_house(house, embeddings, path, hidden=HIDDEN, methods=list(METHODS))
+    sweep_house(house, embeddings, path, hidden=HIDDEN, methods=list(texture_methods()))
     return path
 
 
@@ -31,7 +31,7 @@ def test_every_method_is_measured_at_every_drop(swept):
     frame, metadata = read_parquet(swept)
     assert (metadata["house"], metadata["features"]) == ("h1", "embedded")
     count = frame.groupby(["method", "drop"]).size()
-    assert len(count) == len(METHODS) * len(HIDDEN)
+    assert len(count) == len(texture_methods()) * len(HIDDEN)
     assert set(count) == {4}  # the surfaces that any crop shows
     seen = frame[frame["method"] == "synth"].groupby("drop")["observed"].sum()
     assert seen.to_dict() == {"0.0": 4, "0.1": 4, "0.5": 2, "1.0": 0}
@@ -73,12 +73,14 @@ def test_the_table_has_every_cell_and_a_plot(swept, references, tmp_path):
             [references],
             tmp_path / f"{run}.csv",
             tmp_path / f"{run}.png",
-            request=TableRequest("d", ["h1", "h2"], METHODS, drop="", seed=0, drops=drops),
+            request=TableRequest(
+                "d", ["h1", "h2"], list(texture_methods()), drop="", seed=0, drops=drops
+            ),
         )
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
     rows = list(csv.DictReader((tmp_path / "a.csv").open()))
-    assert len(rows) == len(METHODS) * 3 * len(drops)
+    assert len(rows) == len(texture_methods()) * 3 * len(drops)
     assert all(value != "" for row in rows for value in row.values())
     assert {row["missing"] for row in rows} == {"h2"}
     frame, _ = read_parquet(swept)

@@ -1,4 +1,4 @@
-"""A new texture method is one registration: command line, configuration, tables follow."""
+"""A texture method of another package: command line, configuration and tables follow."""
 
 import re
 from dataclasses import replace
@@ -18,29 +18,15 @@ from plan2scene.evaluation.paper_table import TableRequest, paper_table
 from plan2scene.images import read_image, write_png
 from plan2scene.io import read_json
 from plan2scene.textures.inputs import Visible
-from plan2scene.textures.methods import METHODS, methods_table, register
-from plan2scene.textures.tiles import Tile
+from plan2scene.textures.methods import methods_table
 from plan2scene_app import cli
 
 ROOT = Path(__file__).parents[3]
 
 
-def _grey(inputs):
-    """Make tiles as bright as the surface's first crop, grey where it has none."""
-    tiles = {}
-    for surface in inputs.surfaces:
-        own = [crop for crop in inputs.crops if crop.key == surface.key]
-        level = own[0].image().mean() if own else 128
-        size = inputs.settings.size_px
-        tiles[surface.key] = Tile(np.full((size, size, 3), level, np.uint8), 1.0, "toy", True)
-    return tiles
-
-
 @pytest.fixture
-def toy():
-    register("toy", "a grey as bright as its crop", "grey")(_grey)
-    yield "toy"
-    del METHODS["toy"]
+def toy(toy_installed):
+    return "toy"
 
 
 def test_the_command_line_has_it(toy, tmp_path, monkeypatch):
@@ -52,9 +38,7 @@ def test_the_command_line_has_it(toy, tmp_path, monkeypatch):
     assert np.array_equal(read_image(tmp_path / "tile.png"), np.full((128, 128, 3), 77))
     refused = CliRunner().invoke(cli.app, [*command, "--method", "magic"])
     assert refused.exit_code == 2
-    helps = [CliRunner().invoke(cli.app, [name, "--help"]).output for name in ("texture", "run")]
-    for text in (refused.output, *helps):
-        assert re.search(r"\btoy\b", text)
+    assert re.search(r"synth-large, toy\b", refused.output)
 
 
 def _config(name):
@@ -84,11 +68,6 @@ def test_a_name_that_nobody_registered_is_refused_in_one_line(key, value):
     with pytest.raises(InputError, match=rf"{key}.*'magic' is not one of") as error:
         check_config(config)
     assert "\n" not in str(error.value)
-
-
-def test_a_name_is_registered_once(toy):
-    with pytest.raises(ValueError, match="toy twice"):
-        register(toy, "", "")(_grey)
 
 
 def test_the_comparison_and_the_paper_s_table_have_it(toy, house, embeddings, references, tmp_path):

@@ -5,7 +5,7 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.materials import random_material
-from plan2scene.textures.methods import METHODS
+from plan2scene.textures.methods import texture_methods
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene.textures.single import square_crop, tile_from_crops
 
@@ -19,7 +19,7 @@ def test_the_middle_square_is_used():
     assert square_crop(image).shape == (128, 128, 3)
 
 
-@pytest.mark.parametrize("method", sorted(METHODS))
+@pytest.mark.parametrize("method", sorted(texture_methods()))
 def test_every_method_gives_a_tile_that_repeats(method):
     tile = tile_from_crops(CROPS, method, size_px=128, seed=0)
     assert tile.shape == (128, 128, 3) and tile.dtype == np.uint8

@@ -27,7 +27,7 @@ from plan2scene.textures.baselines.nearest import (
 from plan2scene.textures.baselines.retrieval import read_library, write_library
 from plan2scene.textures.constrained import even_crop
 from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
-from plan2scene.textures.methods import METHODS
+from plan2scene.textures.methods import texture_methods
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene.textures.stage import make_textures
@@ -192,7 +192,7 @@ def _inputs(
         "texture": files / "synth.safetensors",
         "naivesynth": files / "naivesynth.safetensors",
     }
-    corrected = {} if seam_correction is None else dict.fromkeys(METHODS, seam_correction)
+    corrected = {} if seam_correction is None else dict.fromkeys(texture_methods(), seam_correction)
     settings = TextureSettings(0, size_px, corrected, threads)
     return HouseData(house).at(
         Visible(files / "propagated.parquet", hidden_photos), models, settings
@@ -206,7 +206,7 @@ def _make(files, method, out="out", **changes):
     return files / out, listing["surfaces"]
 
 
-@pytest.mark.parametrize("method", sorted(METHODS))
+@pytest.mark.parametrize("method", sorted(texture_methods()))
 def test_every_surface_gets_a_tile_the_same_again(files, method):
     folder, surfaces = _make(files, method, size_px=48)
     assert set(surfaces) == {f"{k.room_id}/{k.surface}" for k in PLAN.surface_keys()}

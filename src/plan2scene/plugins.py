@@ -1,0 +1,90 @@
+"""Entry points: how plan formats, texture methods and exports of any package are found by name."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import Protocol, TypeVar
+
+from plan2scene.errors import InputError
+from plan2scene.provenance import PACKAGES, code_hash
+
+_LOG = logging.getLogger("plan2scene")
+
+
+class Plugin(Protocol):
+    """What an entry point names."""
+
+    @property
+    def name(self) -> str:
+        """How command line, configuration and messages call it."""
+
+    @property
+    def needs(self) -> str:
+        """What pip installs for it beside its own package's dependencies; empty for nothing."""
+
+
+P = TypeVar("P", bound=Plugin)
+
+
+@cache
+def plugins(group: str, kind: type[P]) -> dict[str, P]:
+    """Return the plugins of a group by name: ours in alphabetical order, then those of others.
+
+    An entry point that cannot be loaded, does not name a `kind`, or repeats a name is left out with
+    a warning. Each is imported here, so its module should import large packages only when it runs.
+    """
+    return {name: item for name, (_, item) in _loaded(group, kind).items()}
+
+
+@cache
+def code_of(group: str, kind: type[P], *names: str) -> list[str]:
+    """Return what changes when the code of these plugins does, for the params of a rule.
+
+    That is the hash of the module for ours, the distribution's name and version for others.
+    """
+    entries = [_loaded(group, kind)[name][0] for name in names]
+    return [
+        code_hash(entry.module) if _is_ours(entry) else _distribution(entry) for entry in entries
+    ]
+
+
+@contextmanager
+def installed(plugin: Plugin, house: str = "") -> Iterator[None]:
+    """Turn the lack of a package that a plugin needs into an InputError that says how to get it."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if not plugin.needs:
+            raise
+        expected = f"{error.name} (pip install '{plugin.needs}')"
+        raise InputError(expected, "no such package", house=house) from None
+
+
+@cache
+def _loaded(group: str, kind: type[P]) -> dict[str, tuple[EntryPoint, P]]:
+    found: dict[str, tuple[EntryPoint, P]] = {}
+    entries = entry_points(group=group)
+    for entry in sorted(entries, key=lambda entry: (not _is_ours(entry), entry.name)):
+        try:
+            item = entry.load()
+            if not isinstance(item, kind):
+                raise TypeError(f"not a {kind.__name__}")
+            if item.name in found:
+                raise ValueError(f"another one is called {item.name}")
+        except Exception as error:  # noqa: BLE001 - another package's code may raise anything
+            _LOG.warning("%s of %s is left out: %s", entry.value, _distribution(entry), error)
+            continue
+        found[item.name] = (entry, item)
+    return found
+
+
+def _is_ours(entry: EntryPoint) -> bool:
+    return entry.module.split(".")[0] in {package.name for package in PACKAGES}
+
+
+def _distribution(entry: EntryPoint) -> str:
+    return f"{entry.dist.name} {entry.dist.version}" if entry.dist else entry.module

@@ -1,0 +1,80 @@
+"""A package of others adds a plan format, a texture method and an export by entry points alone."""
+
+import json
+import logging
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from plan2scene.errors import InputError
+from plan2scene.images import read_image
+from plan2scene.plans.formats import plan_formats, reader_code
+from plan2scene.plugins import installed
+from plan2scene.textures.methods import method_code, texture_methods
+from plan2scene_app.exports.registry import export_code, exports
+
+pytestmark = pytest.mark.usefixtures("toy_installed")
+
+
+def plan2scene(*arguments, cwd):
+    """Run the command; return what it prints."""
+    main = "from plan2scene_app.cli import main; main()"
+    command = [sys.executable, "-c", main, *map(str, arguments)]
+    wide = os.environ | {"COLUMNS": "200"}
+    done = subprocess.run(command, cwd=cwd, env=wide, text=True, capture_output=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_command_and_workflow_use_them_by_name(tmp_path):
+    (tmp_path / "home.square").write_text("square 80")
+    assert "toy" in plan2scene("methods", cwd=tmp_path)
+    for name, word in (("run", "|toy]"), ("texture", "|toy]"), ("export", "|rooms]")):
+        assert word in plan2scene(name, "--help", cwd=tmp_path)
+    run = ("run", "--plan", "home.square", "--metres-per-pixel", "0.05", "--method", "toy")
+    plan2scene(*run, "--out", "out", cwd=tmp_path)
+    listing = json.loads((tmp_path / "out" / "textures" / "textures.json").read_text())
+    assert (listing["method"], set(listing["surfaces"])) == (
+        "toy",
+        {"hall/floor", "hall/wall", "hall/ceiling"},
+    )
+    tile = read_image(tmp_path / "out" / "textures" / "hall_floor.png")
+    assert np.array_equal(tile, np.full((128, 128, 3), 128))
+    made = plan2scene("export", "out", "--to", "rooms", cwd=tmp_path).split()
+    assert made == ["out/rooms/rooms.txt"]
+    assert (tmp_path / made[0]).read_text() == "hall\n"
+
+
+def test_names_are_listed_after_ours():
+    assert [item.name for item in plan_formats() if item.name == "square"]
+    assert [*texture_methods()][-1] == "toy"
+    assert [*exports()][-1] == "rooms"
+
+
+def test_what_cannot_be_used_is_warned_of_and_left_out(caplog):
+    with caplog.at_level(logging.WARNING):
+        methods = texture_methods()
+    assert methods["crop"].summary != "another one"
+    lines = [record.getMessage() for record in caplog.records]
+    expected = ("NOTHING", "not a TextureMethod", "another one is called crop")
+    assert [any(text in line for line in lines) for text in expected] == [True] * 3
+    assert all("plan2scene-toy 0.3" in line for line in lines)
+
+
+def test_a_rule_depends_on_the_version_of_others_and_on_our_source():
+    assert method_code("toy") == export_code("rooms") == reader_code(".square")
+    assert method_code("toy") == ["plan2scene-toy 0.3"]
+    (ours,) = method_code("crop")
+    assert ours != export_code("obj")[0]
+    assert len(ours) == 16
+
+
+def test_a_missing_package_is_one_line():
+    with (
+        pytest.raises(InputError, match=r"expected toyz \(pip install 'toy-tools'\)"),
+        installed(exports()["rooms"]),
+    ):
+        import toyz  # noqa: F401
