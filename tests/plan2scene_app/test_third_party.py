@@ -32,7 +32,7 @@ def plan2scene(*arguments, cwd):
 def test_command_and_workflow_use_them_by_name(tmp_path):
     (tmp_path / "home.square").write_text("square 80")
     assert "toy" in plan2scene("methods", cwd=tmp_path)
-    for name, word in (("run", "|toy]"), ("texture", "|toy]"), ("export", "|rooms]")):
+    for name, word in (("run", "toy"), ("texture", "toy"), ("export", "rooms")):
         assert word in plan2scene(name, "--help", cwd=tmp_path)
     run = ("run", "--plan", "home.square", "--metres-per-pixel", "0.05", "--method", "toy")
     plan2scene(*run, "--out", "out", cwd=tmp_path)
