@@ -22,10 +22,10 @@ from real_house import DATASET, Truth, difference, markdown, read_truth
 from plan2scene.colour import median_colour
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.io import read_parquet
+from plan2scene.paint.observations import HouseColours, house_colours
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.evidence import house_evidence
 from plan2scene.propagation.graph import HouseGraph, house_graph
-from plan2scene.propagation.house_colours import Shown, shown_colours
 from plan2scene.propagation.model import load_propagation
 from plan2scene.propagation.predictors import PREDICTORS
 from plan2scene.seeds import generator
@@ -44,14 +44,14 @@ def by_true_crops(truth: Truth) -> HouseGraph:
     return house_graph(plan, {SurfaceKey(*k): c for k, c in zip(truth.medoids, codes, strict=True)})
 
 
-def by_photos(truth: Truth, results: Path) -> tuple[HouseGraph, Shown]:
+def by_photos(truth: Truth, results: Path) -> tuple[HouseGraph, HouseColours]:
     """Return the graph of what the house's photos gave, and what they show of all surfaces."""
     table, _ = read_parquet(results / "drop_0.0" / truth.house / "surfaces.parquet")
     observed = {SurfaceKey(r.room_id, r.surface): r.embedding for r in table.itertuples()}
     plan = read_scene_json(results / "houses" / truth.house / "scene.json", truth.house)
     graph = house_graph(plan, observed)
     colours = results / "houses" / truth.house / "colours.parquet"
-    return graph, shown_colours(colours, (), graph.room_ids, {})
+    return graph, house_colours(colours, (), graph.room_ids, {})
 
 
 def hidings(graph: HouseGraph, share: float, rooms: bool) -> Iterator[np.ndarray]:
@@ -65,7 +65,11 @@ def hidings(graph: HouseGraph, share: float, rooms: bool) -> Iterator[np.ndarray
 
 
 def errors(
-    truth: Truth, graph: HouseGraph, shown: Shown | None, hidden: np.ndarray, weights: list[Path]
+    truth: Truth,
+    graph: HouseGraph,
+    shown: HouseColours | None,
+    hidden: np.ndarray,
+    weights: list[Path],
 ) -> dict[str, float]:
     """Return the mean CIEDE2000 of the hidden surfaces by each predictor and weights."""
     kept = graph.observed & ~hidden
@@ -74,7 +78,7 @@ def errors(
     found = {}
     for path in weights:
         network, means = load_propagation(path)
-        told = seen or Shown.of_embeddings(visible.embeddings, kept)
+        told = seen or HouseColours.of_embeddings(visible.embeddings, kept)
         said = {"house's evidence alone": house_evidence(visible, means, told)}
         for name, predictor in PREDICTORS.items():
             said[name] = predictor(visible, network, means, seen).embedding
@@ -100,7 +104,9 @@ def main() -> None:
     given = parser.parse_args()
     columns: dict[str, dict[str, str]] = {}
     for truth in map(read_truth, given.houses):
-        told: dict[str, tuple[HouseGraph, Shown | None]] = {"true": (by_true_crops(truth), None)}
+        told: dict[str, tuple[HouseGraph, HouseColours | None]] = {
+            "true": (by_true_crops(truth), None)
+        }
         if given.work:
             told["own"] = by_photos(truth, given.work / "results" / DATASET)
         for what, (graph, shown) in told.items():

@@ -26,11 +26,11 @@ from plan2scene.colour import linear_to_srgb, median_colour, srgb_to_linear
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.images import image_from_bytes, read_image
 from plan2scene.io import read_parquet
-from plan2scene.photos.crops.colours import equal_shares
-from plan2scene.propagation.house_colours import (
-    shown_colours,
+from plan2scene.paint.observations import (
+    equal_shares,
+    house_colours,
+    read_colours,
     usual_colour,
-    visible_colours,
 )
 
 MIN_SHARE = 0.002  # of a photo, of what the true labels show of a surface
@@ -58,7 +58,7 @@ def of_true_masks(truth: Truth) -> dict[tuple[str, str], np.ndarray]:
 
 def of_photos(colours: Path) -> dict[tuple[str, str], list[np.ndarray]]:
     """Return the usual sRGB (3,) that each photo shows of each surface."""
-    seen, _ = visible_colours(colours, ())
+    seen, _ = read_colours(colours, ())
     found: dict[tuple[str, str], list[np.ndarray]] = {}
     for key, planes in seen.items():
         for photo in sorted({photo for photo, *_ in planes}):
@@ -74,7 +74,7 @@ def surfaces_of(truth: Truth, results: Path) -> list[dict[str, Any]]:
     crops, _ = read_parquet(folder / "crops.parquet")
     expected, _ = read_parquet(results / "drop_0.0" / truth.house / "propagated.parquet")
     rooms = sorted(set(expected["room_id"]))
-    shown = shown_colours(folder / "colours.parquet", (), rooms, {})
+    shown = house_colours(folder / "colours.parquet", (), rooms, {})
     best, photos = of_true_masks(truth), of_photos(folder / "colours.parquet")
     tiles = compared(truth, results, "0.0").set_index(["room_id", "surface"])
     together = {(r.room_id, r.surface): r.colour for r in expected.itertuples()}

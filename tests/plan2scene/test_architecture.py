@@ -15,7 +15,7 @@ WORKSHOP = CLONE / "workshop" / "src" / "plan2scene_workshop"
 #: Packages by layer, from the one above the ground up (docs/architecture.md has the same table).
 #: All modules of the library's own folder that are not named here are the ground.
 LAYERS = (
-    {"plans", "materials", "metrics"},
+    {"plans", "materials", "metrics", "paint"},
     {"photos", "propagation", "mesh"},
     {"textures", "datasets"},
     {"evaluation", "checkpoints"},

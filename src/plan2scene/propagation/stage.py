@@ -12,9 +12,9 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES, SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.paint.observations import HouseColours, house_colours
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.graph import HouseGraph, house_graph
-from plan2scene.propagation.house_colours import Shown, shown_colours
 from plan2scene.provenance import file_hash
 from plan2scene.substances import usual_shares, weighed
 from plan2scene.weights import fitting, read_model_arrays
@@ -61,15 +61,15 @@ def propagate_house(
     network, means = load_propagation(propagation_model)
     observed = {SurfaceKey(row.room_id, row.surface): row for row in table.itertuples()}
     graph = house_graph(plan, {k: row.embedding for k, row in observed.items()})
-    shown = None
+    photo_colours = None
     if colours is not None:
         names = {key: one.name for key, one in material.items()}
-        shown = shown_colours(colours, hidden_photos, graph.room_ids, names)
-    predicted = PREDICTORS[predictor](graph, network, means, shown)
+        photo_colours = house_colours(colours, hidden_photos, graph.room_ids, names)
+    predicted = PREDICTORS[predictor](graph, network, means, photo_colours)
     named = {graph.place(key): row.substance for key, row in observed.items()}
     types = [room.types for room in plan.rooms]
     substances = unseen_substances(graph, types, predicted, named, texture_model)
-    embeddings, colour = _all_surfaces(graph, predicted, shown, material)
+    embeddings, colour = _all_surfaces(graph, predicted, photo_colours, material)
     known = {key: float(row.metres) for key, row in observed.items()}
     rows: list[dict[str, Any]] = []
     for key in plan.surface_keys():
@@ -78,7 +78,11 @@ def propagate_house(
             row = _observed_row(observed[key])
         else:
             _, naive = means.predict(graph.types[place[0]])
-            in_part = shown is not None and predicted.seen is not None and shown.photos[place] > 0
+            in_part = (
+                photo_colours is not None
+                and predicted.seen is not None
+                and photo_colours.photos[place] > 0
+            )
             row = _unobserved_row(graph, predicted, place, bool(in_part))
             row |= {"naive_embedding": naive[place[1]], "substance": substances[place]}
         row |= {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)}
@@ -113,7 +117,7 @@ def shared_materials(path: str | Path | None) -> dict[SurfaceKey, SharedMaterial
 def _all_surfaces(
     graph: HouseGraph,
     predicted: Prediction,
-    shown: Shown | None,
+    photo_colours: HouseColours | None,
     material: Mapping[SurfaceKey, SharedMaterial],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return embeddings (n, 3, 11) and sRGB colours (n, 3, 3) of all surfaces, float32.
@@ -127,8 +131,9 @@ def _all_surfaces(
         if one.colour is not None:
             embeddings[graph.place(key)][-3:] = one.colour
     colour = embeddings[..., -3:].copy()
-    if predicted.seen is not None and shown is not None:
-        colour = np.where(shown.photos[..., None] > 0, predicted.seen, colour).astype(np.float32)
+    if predicted.seen is not None and photo_colours is not None:
+        in_photos = photo_colours.photos[..., None] > 0
+        colour = np.where(in_photos, predicted.seen, colour).astype(np.float32)
         embeddings[..., -3:] = np.where(observed, embeddings[..., -3:], colour)
     return embeddings, colour
 

@@ -17,9 +17,10 @@ import pandas as pd
 from plan2scene.colour import linear_to_srgb, rgb_to_lab
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import read_parquet
+from plan2scene.paint.light import recoloured
+from plan2scene.paint.observations import usual_colour
 from plan2scene.plans.parse import ID_PATTERN
-from plan2scene.propagation.house_colours import usual_colour
-from plan2scene.textures.exemplar.house import PLAIN, exemplar_of, recoloured
+from plan2scene.textures.exemplar.house import PLAIN, exemplar_of
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import Tile
 

@@ -91,7 +91,7 @@ def even_crop(
     import cv2
 
     from plan2scene.colour import as_uint8
-    from plan2scene.textures.exemplar.light import flatten, highlights
+    from plan2scene.paint.shading import flatten, highlights
     from plan2scene.textures.exemplar.tone import toned
 
     images = np.stack([crop, *others[:_OTHERS]]) / 255.0

@@ -4,17 +4,19 @@ import numpy as np
 import pytest
 from views import camera_looking
 
+from plan2scene.colour import srgb_to_linear
 from plan2scene.house import SurfaceKey
-from plan2scene.photos.crops.candidates import ShownPlane
-from plan2scene.photos.crops.colours import (
+from plan2scene.paint.observations import (
     SHARES,
-    colours_of_photo,
     equal_shares,
+    read_colours,
     relit,
     write_colours,
 )
+from plan2scene.photos.crops.candidates import ShownPlane
+from plan2scene.photos.crops.colours import colours_of_photo, surface_colours
+from plan2scene.photos.crops.filter import strong_edges
 from plan2scene.photos.planes.planes import Plane
-from plan2scene.propagation.house_colours import visible_colours
 
 SIZE = (120, 160)
 
@@ -69,7 +71,7 @@ def test_colours_of_hidden_photos_are_not_read(tmp_path):
     write_colours(
         tmp_path / "colours.parquet", half, dataset="d", house_id="h", colours="corrected"
     )
-    found, one_light = visible_colours(tmp_path / "colours.parquet", ["p.jpg"])
+    found, one_light = read_colours(tmp_path / "colours.parquet", ["p.jpg"])
     assert one_light
     assert set(found) == {SurfaceKey("a", "floor"), SurfaceKey("b", "floor")}
     ((photo, weight, colours),) = found[SurfaceKey("a", "floor")]
@@ -77,4 +79,20 @@ def test_colours_of_hidden_photos_are_not_read(tmp_path):
     np.testing.assert_allclose(colours[:, 0], seen[0].colours[:, 0] / 2, atol=1e-6)
     np.testing.assert_allclose(colours[:, 2], 1.0)
     write_colours(tmp_path / "colours.parquet", [], dataset="d", house_id="h")
-    assert visible_colours(tmp_path / "colours.parquet", []) == ({}, False)
+    assert read_colours(tmp_path / "colours.parquet", []) == ({}, False)
+
+
+def test_surface_colours_leave_lamps_and_specks_aside():
+    image = np.full((240, 320, 3), 128, np.uint8)
+    labels = np.zeros((240, 320), np.uint8)
+    labels[:120] = 3
+    image[:120] = (180, 170, 160)
+    image[20:60, 20:60] = 255
+    labels[200:204, 10:14] = 1
+    found = surface_colours(image, labels, "a.png", ["r1", "r2"], strong_edges(image))
+    assert {(item.room_id, item.surface) for item in found} == {
+        ("r1", "ceiling"),
+        ("r2", "ceiling"),
+    }
+    expected = srgb_to_linear(np.array([180, 170, 160], np.uint8))
+    np.testing.assert_allclose(found[0].colour, expected, atol=1e-6)

@@ -7,10 +7,10 @@ import pytest
 import torch
 
 from plan2scene.house import ROOM_TYPES
+from plan2scene.paint.observations import HouseColours
 from plan2scene.propagation import predictors
 from plan2scene.propagation.evidence import house_evidence
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.house_colours import Shown
 from plan2scene.propagation.network import PropagationNetwork
 from plan2scene.propagation.predict import Prediction
 from plan2scene.propagation.predictors import PREDICTORS, nearest_rooms, network_share
@@ -41,9 +41,9 @@ def alike() -> HouseGraph:
     return house(np.tile([0.3, 0.5, 0.45], (ROOMS, 1)), seen)
 
 
-def shown(graph: HouseGraph) -> Shown:
+def shown(graph: HouseGraph) -> HouseColours:
     """Return what the graph's surfaces tell."""
-    return Shown.of_embeddings(graph.embeddings, graph.observed)
+    return HouseColours.of_embeddings(graph.embeddings, graph.observed)
 
 
 def evidence(graph: HouseGraph) -> np.ndarray:

@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
+from plan2scene.paint.shading import flatten
 from plan2scene.textures.exemplar.choice import ExemplarCrop, blur_octaves, sharper
 from plan2scene.textures.exemplar.grain import (
     faintness,
@@ -12,7 +13,6 @@ from plan2scene.textures.exemplar.grain import (
     one_way,
     quarter_turns,
 )
-from plan2scene.textures.exemplar.light import flatten
 from plan2scene.textures.exemplar.make import make_exemplar
 from plan2scene.textures.exemplar.things import oddness
 

@@ -11,9 +11,9 @@ from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.mesh import build_parts, load_textures
 from plan2scene.mesh.areas import Area, areas_of
 from plan2scene.metrics.repetition import repetition
+from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.choice import ExemplarCrop
 from plan2scene.textures.exemplar.lattice import find_lattice
-from plan2scene.textures.exemplar.light import log_luma
 from plan2scene.textures.exemplar.make import make_exemplar
 from plan2scene.textures.exemplar.quilt import Source
 from plan2scene.textures.maps.detail import (

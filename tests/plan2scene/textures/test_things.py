@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
+from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.choice import ExemplarCrop
-from plan2scene.textures.exemplar.light import log_luma
 from plan2scene.textures.exemplar.make import make_exemplar
 from plan2scene.textures.exemplar.things import oddness, things
 

@@ -29,7 +29,7 @@ class CropSettings:
 
     `camera_height_m` is the prior of :func:`plan2scene.photos.planes.planes.split_planes`,
     `filter` switches :mod:`plan2scene.photos.crops.filter`, `colours` is one of
-    :data:`plan2scene.photos.crops.light.COLOURS`.
+    :data:`plan2scene.paint.observations.COLOURS`.
     """
 
     sizes_m: tuple[float, ...] = sampling.WINDOW_SIZES_M

@@ -13,7 +13,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from plan2scene.colour import clipped_share, rgb_to_lab, srgb_to_linear
+from plan2scene.colour import CLIPPED_LEVELS, clipped_share, rgb_to_lab, srgb_to_linear
 from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Judge
 from plan2scene.photos.crops.verdict import Reason, Verdict
 from plan2scene.photos.planes.rectification import RectifiedPlane
@@ -26,9 +26,6 @@ BLIND_MARGIN_SHARE = 0.025
 EDGE_GRADIENT = 6.0
 #: Largest share of burned out or black pixels of a window.
 CLIPPED_SHARE = 0.001
-#: A pixel is clipped when its least channel is at or above, or its greatest at or below this: a
-#: level stricter than where kept crops are compared, which 4 of the demo's 594 crops would pass.
-CLIPPED_LEVELS = (2, 249)
 #: Things that stand out are looked for among the mean colours of a crop's blocks, small and large:
 #: blocks along a side, weight of L*, least distance of an outlier (L*a*b*), multiple of the blocks'
 #: own spread that is added to it, and the sum of distances, in outliers just beyond, of a thing.

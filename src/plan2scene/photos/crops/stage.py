@@ -17,6 +17,8 @@ from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
 from plan2scene.images import image_from_bytes, jpeg_bytes, read_image
 from plan2scene.io import read_json, write_json
+from plan2scene.paint.light import estimate_light, house_gains, relight
+from plan2scene.paint.observations import PlaneColours, SurfaceColour, relit, write_colours
 from plan2scene.parallel import each
 from plan2scene.photos.crops.candidates import (
     CropSettings,
@@ -26,16 +28,9 @@ from plan2scene.photos.crops.candidates import (
     planes_of_photo,
     rooms_by_size,
 )
-from plan2scene.photos.crops.colours import SeenColours, colours_of_photo, relit, write_colours
+from plan2scene.photos.crops.colours import colours_of_photo, surface_colours
 from plan2scene.photos.crops.filter import inner_mask, strong_edges
 from plan2scene.photos.crops.house import agreeing
-from plan2scene.photos.crops.light import (
-    SurfaceColour,
-    estimate_light,
-    house_gains,
-    relight,
-    surface_colours,
-)
 from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop
 from plan2scene.photos.crops.tables import PhotoCandidate, write_tables
 from plan2scene.photos.crops.verdict import Verdict
@@ -68,8 +63,8 @@ class Drawn:
     """What photos of a house show, as photographed, and each photo's gains (3,)."""
 
     candidates: list[PhotoCandidate]
-    colours: list[SeenColours]
-    #: As of :func:`plan2scene.photos.crops.light.house_gains`.
+    colours: list[PlaneColours]
+    #: As of :func:`plan2scene.paint.light.house_gains`.
     gains: dict[str, np.ndarray]
 
 
@@ -162,7 +157,7 @@ def draw_candidates(
         settings=settings,
     )
     drawn: list[PhotoCandidate] = []
-    seen: list[SeenColours] = []
+    seen: list[PlaneColours] = []
     colours: list[SurfaceColour] = []
     found = each(lambda photo: one(photo, photos[photo], rooms_of_photo[photo]), shown, threads)
     for of_photo, seen_here, of_surfaces in found:
@@ -186,7 +181,7 @@ def _of_photo(
     shapes: Mapping[str, RoomShape],
     seed: int,
     settings: CropSettings,
-) -> tuple[list[PhotoCandidate], list[SeenColours], list[SurfaceColour]]:
+) -> tuple[list[PhotoCandidate], list[PlaneColours], list[SurfaceColour]]:
     """Return what one photo shows."""
     camera = Camera.from_json(known[photo], file=masks_dir / "cameras.json")
     labels = read_label_png(masks_dir / f"{Path(photo).stem}.png", house_id=house.id)

@@ -15,8 +15,8 @@ import cv2
 import numpy as np
 
 from plan2scene.images import jpeg_bytes
+from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.lattice import CropLattice
-from plan2scene.textures.exemplar.light import log_luma
 
 #: How much straighter than the rest a joint is both ways, in the median of the crops. (Of the
 #: demo's surfaces without a period large tiles have 3.1 to 4.3 and all others less than 2.0.)

@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab, srgb_to_linear
+from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.house import SurfaceKey
+from plan2scene.paint.light import recoloured
 from plan2scene.parallel import each
-from plan2scene.photos.crops.light import relight
 from plan2scene.textures.baselines.nearest import Crop
 from plan2scene.textures.exemplar.choice import ALIKE_DE, ExemplarCrop
 from plan2scene.textures.exemplar.make import Exemplar, make_exemplar
@@ -204,20 +204,6 @@ def _substance(surface: KnownSurface, tile: Tile) -> str:
 def _code(surface: KnownSurface) -> np.ndarray:
     """Return the embedding (11,) float64 of a surface."""
     return np.asarray(surface.embedding, dtype=np.float64)
-
-
-def recoloured(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
-    """Return an image with the median colour of a tone; nothing burns out.
-
-    Each channel's linear values are scaled: what another pigment of the same grain reflects.
-
-    Parameters
-    ----------
-    image : (h, w, 3) uint8 sRGB
-    tone : (3,) float, sRGB in [0, 1]
-    """
-    median = np.maximum(srgb_to_linear(median_colour(image)), 1e-3)
-    return relight(image, np.maximum(srgb_to_linear(tone), 1e-3) / median)
 
 
 def colour_difference(image: np.ndarray, tone: np.ndarray) -> float:

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
+from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.lattice import (
     CropLattice,
     agreed_periods,
     find_lattice,
     whole_periods,
 )
-from plan2scene.textures.exemplar.light import log_luma
 from plan2scene.textures.exemplar.quilt import Source
 
 _SAME = 0.12  # log ratio within which periods of crops of known scale agree

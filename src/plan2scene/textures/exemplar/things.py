@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from plan2scene.paint.shading import filled
 from plan2scene.textures.exemplar.grain import pattern_band
-from plan2scene.textures.exemplar.light import filled
 
 #: High percentile over the median of what a crop's pattern varies by: noise and plaster have 5 to
 #: 10, a thing on them more, as do joints of tiles (from 12 on).

@@ -11,12 +11,12 @@ from typing import Any
 import cv2
 import numpy as np
 
-from plan2scene.colour import median_colour, srgb_to_linear
+from plan2scene.colour import median_colour
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh import build_parts
 from plan2scene.mesh.areas import Area, areas_of
-from plan2scene.photos.crops.light import relight
+from plan2scene.paint.light import recoloured
 from plan2scene.seeds import generator
 from plan2scene.textures.maps.detail import Detail, detail_of_pattern, detail_of_tile
 from plan2scene.textures.maps.patches import cut_patches
@@ -161,7 +161,7 @@ def _maps(
     median = median_colour(canvas[::3, ::3])
     for surface in group:
         image, area = _part(canvas, whole.low, surface.area, scale)
-        image = _fitting(recoloured(image, median, median_colour(surface.tile.image)))
+        image = _fitting(recoloured(image, median_colour(surface.tile.image), median))
         made = jpeg_bytes(image, quality=_QUALITY), area, image.shape[1] / area.size[0]
         yield surface.key, SurfaceMap(*made, detail.resolved)
 
@@ -176,13 +176,6 @@ def _part(
     corner = (origin[0] + low[0] / scale, origin[1] + low[1] / scale)
     far = (corner[0] + part.shape[1] / scale, corner[1] + part.shape[0] / scale)
     return part, Area(corner, far)
-
-
-def recoloured(image: np.ndarray, median: np.ndarray, tone: np.ndarray) -> np.ndarray:
-    """Return an image (h, w, 3) uint8 whose `median` colour (3,) became `tone`, sRGB in [0, 1]."""
-    linear = [srgb_to_linear(np.maximum(colour, 1e-2)) for colour in (tone, median)]
-    ramp = np.repeat(np.arange(256, dtype=np.uint8)[:, None, None], 3, axis=2)
-    return np.asarray(cv2.LUT(image, relight(ramp, linear[0] / linear[1])))
 
 
 def _fitting(image: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from plan2scene.textures.exemplar.light import log_luma
+from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.quilt import Source
 from plan2scene.textures.maps.detail import Detail
 

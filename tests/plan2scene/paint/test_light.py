@@ -2,16 +2,9 @@
 
 import numpy as np
 
-from plan2scene.colour import delta_e_2000, rgb_to_lab, srgb_to_linear
-from plan2scene.photos.crops.filter import CLIPPED_LEVELS, strong_edges
-from plan2scene.photos.crops.light import (
-    KNEE,
-    SurfaceColour,
-    estimate_light,
-    house_gains,
-    relight,
-    surface_colours,
-)
+from plan2scene.colour import CLIPPED_LEVELS, delta_e_2000, rgb_to_lab, srgb_to_linear
+from plan2scene.paint.light import GAINS, estimate_light, house_gains, relight
+from plan2scene.paint.observations import SurfaceColour
 
 WHITE, GREEN, OAK = (0.83, 0.82, 0.8), (0.35, 0.5, 0.4), (0.3, 0.2, 0.1)
 
@@ -75,7 +68,7 @@ def test_one_surface_that_disagrees_is_counted_less():
 def test_gains_keep_the_brightest_surfaces_below_the_knee():
     colours = [c for k in range(4) for c in photo(f"p{k}", np.full(3, 0.95))]
     gains = house_gains(estimate_light(colours), colours)
-    assert max((np.array(c.colour) * gains[c.photo]).max() for c in colours) <= KNEE + 1e-9
+    assert max((np.array(c.colour) * gains[c.photo]).max() for c in colours) <= GAINS.knee + 1e-9
     assert estimate_light([]) == {} and house_gains({}, []) == {}
 
 
@@ -83,7 +76,7 @@ def test_relight_multiplies_linear_light_and_burns_nothing_out():
     ramp = np.repeat(np.arange(256, dtype=np.uint8)[None, :, None], 3, axis=2)
     gains = np.array([2.5, 1.0, 0.8])
     lit = srgb_to_linear(relight(ramp, gains))
-    below = srgb_to_linear(ramp[0, :, 0]) * 2.5 < KNEE
+    below = srgb_to_linear(ramp[0, :, 0]) * 2.5 < GAINS.knee
     np.testing.assert_allclose(
         lit[0, below, 0], srgb_to_linear(ramp[0, below, 0]) * 2.5, atol=0.006
     )
@@ -93,19 +86,3 @@ def test_relight_multiplies_linear_light_and_burns_nothing_out():
     clipped = CLIPPED_LEVELS[1]
     assert (red[:clipped] <= clipped).all() and red[200] < clipped
     assert relight(ramp, np.ones(3)) is ramp
-
-
-def test_surface_colours_leave_lamps_and_specks_aside():
-    image = np.full((240, 320, 3), 128, np.uint8)
-    labels = np.zeros((240, 320), np.uint8)
-    labels[:120] = 3
-    image[:120] = (180, 170, 160)
-    image[20:60, 20:60] = 255
-    labels[200:204, 10:14] = 1
-    found = surface_colours(image, labels, "a.png", ["r1", "r2"], strong_edges(image))
-    assert {(item.room_id, item.surface) for item in found} == {
-        ("r1", "ceiling"),
-        ("r2", "ceiling"),
-    }
-    expected = srgb_to_linear(np.array([180, 170, 160], np.uint8))
-    np.testing.assert_allclose(found[0].colour, expected, atol=1e-6)

@@ -6,22 +6,18 @@ import pytest
 
 from plan2scene.colour import from_log_axes, linear_to_srgb, log_axes
 from plan2scene.io import write_parquet
-from plan2scene.propagation.house_colours import (
-    Shown,
-    expected_colours,
-    shown_colours,
-    usual_colour,
-)
+from plan2scene.paint.light import expected_colours
+from plan2scene.paint.observations import HouseColours, house_colours, usual_colour
 
 GREY = np.full((4, 3, 3), 0.5)
 
 
-def shown(**seen: tuple[tuple[int, int], float, float]) -> Shown:
+def shown(**seen: tuple[tuple[int, int], float, float]) -> HouseColours:
     """Return what is seen: place, grey linear value, photos."""
     colours, photos = np.zeros((4, 3, 3)), np.zeros((4, 3))
     for place, value, count in seen.values():
         colours[place], photos[place] = value, count
-    return Shown(colours, photos)
+    return HouseColours(colours, photos)
 
 
 def test_axes_come_back():
@@ -62,7 +58,7 @@ def test_under_one_light_a_material_has_one_colour_and_walls_alone_their_room_s_
     lit = shown(**seen)
     numbers = np.arange(12).reshape(4, 3)
     numbers[:3, 0] = 0
-    one = Shown(lit.colours, lit.photos, numbers, one_light=True)
+    one = HouseColours(lit.colours, lit.photos, numbers, one_light=True)
     found, photo = expected_colours(one, GREY), expected_colours(lit, GREY)
     assert np.ptp(found[:3, 0], axis=0) == pytest.approx(np.zeros(3), abs=1e-9)
     assert np.ptp(found[:3, 2]) < 0.7 * np.ptp(photo[:3, 2])
@@ -75,7 +71,7 @@ def test_as_if_unseen_is_what_is_expected_without_it():
     every = shown(**seen)
     out = expected_colours(every, GREY, as_if_unseen=True)
     for place, _, _ in seen.values():
-        alone = expected_colours(every.but(place), GREY)
+        alone = expected_colours(every.without(place), GREY)
         np.testing.assert_allclose(out[place], alone[place], atol=1e-9)
     np.testing.assert_allclose(expected_colours(shown(), GREY), GREY, atol=1e-9)
 
@@ -87,7 +83,7 @@ def test_one_photo_with_much_of_a_surface_does_not_outvote_two(tmp_path):
 
     rows = [row("a.jpg", 0.02, 0.1), row("b.jpg", 0.02, 0.12), row("door.jpg", 0.06, 0.7)]
     write_parquet(tmp_path / "colours.parquet", pd.DataFrame(rows), {"colours": "photo"})
-    found = shown_colours(tmp_path / "colours.parquet", set(), ["hall"], {})
+    found = house_colours(tmp_path / "colours.parquet", set(), ["hall"], {})
     assert 0.1 <= found.colours[0, 0].mean() <= 0.12
-    alone = shown_colours(tmp_path / "colours.parquet", {"a.jpg"}, ["hall"], {})
+    alone = house_colours(tmp_path / "colours.parquet", {"a.jpg"}, ["hall"], {})
     assert alone.colours[0, 0] == pytest.approx(np.full(3, 0.7), abs=1e-6)

@@ -1,4 +1,4 @@
-"""Light of several crops of one surface: highlights found, slow shading taken out.
+"""Light within crops of one surface: highlights found, slow shading taken out, casts averaged.
 
 One crop cannot tell shading from slow variation of the material; several can: the material's
 share is common to all, and at middle frequencies it is all there is. So each crop's slow cosine
@@ -9,27 +9,40 @@ taken as a factor on these values.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 from scipy.fft import dctn, idctn
 
-from plan2scene.colour import as_uint8, srgb_to_linear
+from plan2scene.colour import as_uint8, from_log_axes, log_axes, srgb_to_linear
 
-_BLACK = 4.0 / 255.0  # keeps logarithms finite
-_SLOW = 14  # cosine terms up to this index (half waves per crop) may hold light
+
+@dataclass(frozen=True)
+class ShadingSettings:
+    """How light is told from the material. Chosen on development crops, real and synthetic."""
+
+    black: float = 4.0 / 255.0  #: sRGB that keeps logarithms finite
+    slow: int = 14  #: cosine terms up to this index (half waves a crop) may hold light
+    certain: int = 3  #: up to this index nearly all is light
+    material_hue: float = 0.03  #: spread of slow log colour ratios of materials; mixed light: 0.1
+    highlight: float = 0.2  #: log excess over the crop's median that only a highlight has
+    added_white: float = 0.06  #: linear share of white that a highlight adds at least
+    nearly_white: float = 0.35  #: the same where a surface is too bright for a log excess
+    outstanding: float = 2.0  #: added white over the crops' usual, where most seem to have some
+    most: float = 0.6  #: a crop with a larger share of 'highlight' shows a bright pattern instead
+    white: float = 0.96  #: least channel (sRGB) from which on a crop's colour is burned out
+    repair: float = 0.03  #: log repair of the light below which crops count alike for brightness
+
+
+_S = ShadingSettings()
 _CHI_SQUARE_MEDIAN = 0.455  # of one degree of freedom, over its mean
-_CERTAIN = 3  # up to this index nearly all is light
-_MATERIAL_HUE = 0.03  # spread of slow log colour ratios that materials have; mixed light: to 0.1
-_HIGHLIGHT = 0.2  # log excess over the crop's median that only a highlight has
-_ADDED_WHITE = 0.06  # linear share of white that a highlight adds at least
-_NEARLY_WHITE = 0.35  # the same where the surface itself is too bright for a log excess
-_OUTSTANDING = 2.0  # added white over the crops' usual, where most of them seem to have some
-_MOST = 0.6  # a crop of which more than this is 'highlight' shows a bright pattern instead
+_GREY = np.array([0.299, 0.587, 0.114])  # of sRGB (ITU-R BT.601)
 
 
 def log_luma(images: np.ndarray) -> np.ndarray:
     """Return the log of the grey value of (..., 3) images."""
-    return np.log(images @ np.array([0.299, 0.587, 0.114]) + _BLACK)
+    return np.log(images @ _GREY + _S.black)
 
 
 def highlights(images: np.ndarray) -> np.ndarray:
@@ -52,13 +65,13 @@ def highlights(images: np.ndarray) -> np.ndarray:
         usual_floor = np.median(floor)
         added = (floor - usual_floor) / (1.0 - usual_floor + 1e-3)
         peaks[k] = added.max()
-        strong = (excess > _HIGHLIGHT) & (added > _ADDED_WHITE)
-        core = (strong | ((excess > 0.0) & (added > _NEARLY_WHITE))).astype(np.uint8)
-        if core.any() and core.mean() < _MOST:
+        strong = (excess > _S.highlight) & (added > _S.added_white)
+        core = (strong | ((excess > 0.0) & (added > _S.nearly_white))).astype(np.uint8)
+        if core.any() and core.mean() < _S.most:
             wide = cv2.dilate(core, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (9, 9)))
             masks[k] = wide > 0
     if masks.any(axis=(1, 2)).mean() > 0.5:
-        masks[peaks < _OUTSTANDING * np.median(peaks)] = False
+        masks[peaks < _S.outstanding * np.median(peaks)] = False
     return masks
 
 
@@ -75,7 +88,7 @@ def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
     masks : (n, s, s) bool
         Highlights: they neither count nor get any better.
     """
-    logs = np.log(images + _BLACK)
+    logs = np.log(images + _S.black)
     red, blue = (_beyond_material(_slow(logs[..., k] - logs[..., 1], masks)) for k in (0, 2))
     green = -(0.299 * red + 0.114 * blue)  # colour alone leaves the grey value
     field = _slow(log_luma(images), masks)[..., None] + np.stack(
@@ -87,7 +100,7 @@ def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
 def _beyond_material(field: np.ndarray) -> np.ndarray:
     """Return slow colour fields (n, s, s) without what materials have of it (a Wiener filter)."""
     power = (field**2).mean(axis=(1, 2), keepdims=True)
-    return field * np.maximum(1.0 - _MATERIAL_HUE**2 / np.maximum(power, 1e-12), 0.0)
+    return field * np.maximum(1.0 - _S.material_hue**2 / np.maximum(power, 1e-12), 0.0)
 
 
 def _slow(values: np.ndarray, masks: np.ndarray) -> np.ndarray:
@@ -116,15 +129,39 @@ def filled(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 def _shares(terms: np.ndarray, radius: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return rings of cosine terms, (s, s) bool, with the share of them that is light, (n,)."""
-    rings = [(radius >= k - 0.5) & (radius < k + 0.5) for k in range(1, 2 * _SLOW)]
+    rings = [(radius >= k - 0.5) & (radius < k + 0.5) for k in range(1, 2 * _S.slow)]
     power = np.stack([(terms[:, ring] ** 2).mean(axis=1) for ring in rings])  # (rings, n)
     # A lattice has few strong terms per ring: the median tells what lies between them.
-    middle = [np.median(terms[:, ring] ** 2) for ring in rings[_SLOW:]]
+    middle = [np.median(terms[:, ring] ** 2) for ring in rings[_S.slow :]]
     beyond = float(np.median(middle)) / _CHI_SQUARE_MEDIAN
     result = []
-    for k, (ring, own) in enumerate(zip(rings[:_SLOW], power[:_SLOW], strict=True), start=1):
-        usual = beyond * (_SLOW / k) ** 0.5
-        material = usual if k <= _CERTAIN else max(usual, float(np.sort(own)[len(own) // 3]))
+    for k, (ring, own) in enumerate(zip(rings[: _S.slow], power[: _S.slow], strict=True), start=1):
+        usual = beyond * (_S.slow / k) ** 0.5
+        material = usual if k <= _S.certain else max(usual, float(np.sort(own)[len(own) // 3]))
         amplitude = np.sqrt(np.minimum(1.0, material / np.maximum(own, 1e-12)))
         result.append((ring, 1.0 - amplitude))
     return result
+
+
+def consensus(tones: np.ndarray, repair: np.ndarray) -> np.ndarray:
+    """Return the colour (3,) that crops agree on.
+
+    A cast may go either way in each crop: the mean of their chroma has the least error. Shading
+    mostly darkens and spoils some crops more than others: brightness is the mean weighted by how
+    little their light had to be repaired. Where half of the crops of a white surface burn out it
+    is the median; fewer of them have no say.
+
+    Parameters
+    ----------
+    tones : (n, 3) float
+        Median colours of the crops, sRGB in [0, 1].
+    repair : (n,) float
+        Standard deviation of the log light that was taken out of each.
+    """
+    burned = tones.min(axis=1) > _S.white
+    if 2 * burned.sum() >= len(tones):
+        return np.median(tones, axis=0)
+    axes = log_axes(np.maximum(tones[~burned], 1 / 255))
+    mean = axes.mean(axis=0)
+    mean[0] = np.average(axes[:, 0], weights=1.0 / (_S.repair + repair[~burned]) ** 2)
+    return np.minimum(from_log_axes(mean), 1.0)
