@@ -13,6 +13,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
+from plan2scene.textures.quilting import cheapest_paths
+
 #: A direction tiles already when its step across the wrap edge is up to this times the usual.
 TILING_RATIO = 1.15
 _BAND = 0.25  # width of the resynthesised band, share of the side
@@ -119,10 +121,11 @@ def _repair_columns(image: np.ndarray, *, closed: bool) -> np.ndarray:
     )
     sources = sources + _misfit(target, sources, overlap, closed)
     error = ((target - sources) ** 2).sum(axis=-1)
-    left, left_cost = _cuts(error[:, :, :overlap], closed)
-    right, right_cost = _cuts(error[:, :, band - overlap :][:, :, ::-1], closed)
+    along = error.swapaxes(0, 1)  # (h, n, band)
+    left, left_cost = cheapest_paths(along[:, :, :overlap], closed=closed)
+    right, right_cost = cheapest_paths(along[:, :, band - overlap :][:, :, ::-1], closed=closed)
     best = int(np.argmin(left_cost + right_cost))
-    alpha = _band_weight(left[best], right[best], band)[..., None]
+    alpha = _band_weight(left[:, best], right[:, best], band)[..., None]
     rolled[:, start : start + band] = alpha * sources[best] + (1.0 - alpha) * target
     return np.roll(np.clip(np.rint(rolled), 0, 255).astype(np.uint8), -(width // 2), axis=1)
 
@@ -164,51 +167,6 @@ def _misfit(target: np.ndarray, sources: np.ndarray, overlap: int, closed: bool)
     position = (np.arange(band) + 0.5 - overlap / 2) / (band - overlap)
     share = np.clip(position, 0.0, 1.0)[None, None, :, None]
     return (1.0 - share) * left + share * right
-
-
-def _cuts(error: np.ndarray, closed: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Return minimum-error cuts from the first to the last row.
-
-    Parameters
-    ----------
-    error : (n, h, o) float
-        Cost of passing a pixel. A path moves at most one column per row.
-    closed : bool
-        The path has to end where it began (within one column).
-
-    Returns
-    -------
-    (n, h) int
-        Column of the path in each row.
-    (n,) float
-        Cost of each path.
-    """
-    count, height, width = error.shape
-    starts = width if closed else 1
-    cost = np.repeat(error[:, None, 0], starts, axis=1)  # (n, starts, o)
-    if closed:
-        cost[:, ~np.eye(width, dtype=bool)] = np.inf
-    moves = np.empty((height, count, starts, width), dtype=np.int8)
-    pad = np.full((count, starts, 1), np.inf)
-    for row in range(1, height):
-        around = np.concatenate([pad, cost, pad], axis=2)
-        options = np.stack([around[..., :-2], around[..., 1:-1], around[..., 2:]])
-        step = options.argmin(axis=0)
-        moves[row] = step - 1
-        cost = np.take_along_axis(options, step[None], axis=0)[0] + error[:, None, row]
-    if closed:  # a path that ends more than a column off its start would leave a step
-        column = np.arange(width)
-        cost[:, np.abs(column[:, None] - column) > 1] = np.inf
-    flat = cost.reshape(count, -1)
-    end = flat.argmin(axis=1)
-    start, column = np.divmod(end, width)
-    path = np.empty((count, height), dtype=np.int64)
-    which = np.arange(count)
-    for row in range(height - 1, -1, -1):
-        path[:, row] = column
-        if row:
-            column = column + moves[row, which, start, column]
-    return path, flat[which, end]
 
 
 def _band_weight(left: np.ndarray, right: np.ndarray, band: int) -> np.ndarray:

@@ -15,7 +15,6 @@ from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.choice import ExemplarCrop
 from plan2scene.textures.exemplar.lattice import find_lattice
 from plan2scene.textures.exemplar.make import make_exemplar
-from plan2scene.textures.exemplar.quilt import Source
 from plan2scene.textures.maps.detail import (
     Detail,
     detail_of_pattern,
@@ -25,7 +24,7 @@ from plan2scene.textures.maps.detail import (
 )
 from plan2scene.textures.maps.house import Wanted, house_maps, joined
 from plan2scene.textures.maps.patches import cell, cut_patches
-from plan2scene.textures.maps.quilting import quilted
+from plan2scene.textures.quilting import Source, quilted
 from plan2scene.textures.tiles import Tile, write_tiles
 
 SIDE = 128

@@ -20,10 +20,10 @@ from plan2scene.textures.exemplar.choice import ExemplarCrop, alike, blur_octave
 from plan2scene.textures.exemplar.corner import SQUARES, as_detail, completed
 from plan2scene.textures.exemplar.grain import faintness, grains_of, one_way
 from plan2scene.textures.exemplar.lattice import CropLattice, whole_periods
-from plan2scene.textures.exemplar.quilt import Source, quilt
 from plan2scene.textures.exemplar.straighten import Cut, find_pattern, straightened
 from plan2scene.textures.exemplar.things import oddness, things
 from plan2scene.textures.exemplar.tone import enlarged, toned
+from plan2scene.textures.quilting import Source, quilt
 from plan2scene.textures.seams import with_calm_border
 
 #: Side of the torus in pixels for tiles of up to this size; larger ones get twice as much.

@@ -14,7 +14,7 @@ from plan2scene.textures.exemplar.lattice import (
     find_lattice,
     whole_periods,
 )
-from plan2scene.textures.exemplar.quilt import Source
+from plan2scene.textures.quilting import Source
 
 _SAME = 0.12  # log ratio within which periods of crops of known scale agree
 _ALIKE = 0.3  # the same where the scale is unknown

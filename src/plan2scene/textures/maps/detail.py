@@ -10,8 +10,8 @@ import numpy as np
 
 from plan2scene.images import image_from_bytes
 from plan2scene.textures.exemplar.make import Pattern
-from plan2scene.textures.exemplar.quilt import Source
 from plan2scene.textures.exemplar.straighten import straightened
+from plan2scene.textures.quilting import Source
 
 #: Pixels per metre of a map where the photos have as many.
 PX_PER_M = 256.0

@@ -20,7 +20,7 @@ from plan2scene.paint.light import recoloured
 from plan2scene.seeds import generator
 from plan2scene.textures.maps.detail import Detail, detail_of_pattern, detail_of_tile
 from plan2scene.textures.maps.patches import cut_patches
-from plan2scene.textures.maps.quilting import quilted
+from plan2scene.textures.quilting import quilted
 from plan2scene.textures.tiles import Tile
 
 #: Largest side of a map, pixels: what every graphics processor takes.

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from plan2scene.paint.shading import log_luma
-from plan2scene.textures.exemplar.quilt import Source
 from plan2scene.textures.maps.detail import Detail
+from plan2scene.textures.quilting import Cell, Patches, Source
 
 #: Metres between patches and by which they overlap, where the crops are large enough.
 STEP_M, OVERLAP_M = 0.3, 0.1
@@ -21,57 +20,6 @@ MOST = 500
 _SHARE = 0.85
 _LEAST_PX = 12  # side of a patch
 _PHASES = 48  # bins of a period
-
-
-@dataclass(frozen=True)
-class Cell:
-    """How patches lie along one axis, pixels: every `step` (any float), `overlap` wide joints.
-
-    `period` is the lattice's, NaN where there is none.
-    """
-
-    step: float
-    overlap: int
-    period: float
-
-    @property
-    def side(self) -> int:
-        """Return a patch's side."""
-        return math.ceil(self.step) + self.overlap + 1
-
-    def count(self, length: int) -> int:
-        """Return how many patches cover a length."""
-        return max(1, math.ceil((length - self.overlap) / self.step))
-
-    def starts(self, count: int) -> np.ndarray:
-        """Return where patches begin, (count,) int."""
-        return np.rint(np.arange(count) * self.step).astype(int)
-
-
-@dataclass(frozen=True, eq=False)
-class Patches:
-    """What a map is quilted from.
-
-    Attributes
-    ----------
-    sources : list of (h, w, 3) uint8
-    places : (n, 3) int
-        Source, row and column of each patch's corner.
-    shown : (n, 3) float
-        Number of the photo's plane that each shows, and its middle there, pixels (x, y).
-    down, across : Cell
-    """
-
-    sources: list[np.ndarray]
-    places: np.ndarray
-    shown: np.ndarray
-    down: Cell
-    across: Cell
-
-    def pixels(self, number: int) -> np.ndarray:
-        """Return a patch, (h, w, 3) uint8, a view."""
-        source, row, column = self.places[number]
-        return self.sources[source][row : row + self.down.side, column : column + self.across.side]
 
 
 def cell(px_per_m: float, period: float, side: float) -> Cell:
