@@ -1,4 +1,4 @@
-"""Links of the pages and paths named in text lead somewhere; measurements say how they were made."""
+"""Links and paths in the pages lead somewhere; measurements say how they were made."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 CLONE = Path(__file__).parents[2]
-FOLDERS = (".ci", "benchmarks", "config", "docs", "envs", "resources", "src", "workflow", "workshop")
+FOLDERS = ("benchmarks", "config", "docs", "envs", "resources", "src", "workflow", "workshop")
 #: Files that a text may name; a name with a wildcard or a placeholder in it is not one.
 NAMED = re.compile(
     r"(?<![\w./{}-])((?:\.ci|benchmarks|config|docs|envs|resources|src|tests|workflow|workshop)/"
