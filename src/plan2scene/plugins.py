@@ -53,14 +53,14 @@ def code_of(group: str, kind: type[P], *names: str) -> list[str]:
 
 
 @contextmanager
-def installed(plugin: Plugin, house: str = "") -> Iterator[None]:
-    """Turn the lack of a package that a plugin needs into an InputError that says how to get it."""
+def installed(needs: str, house: str = "") -> Iterator[None]:
+    """Turn a missing package into an InputError: `needs` is what pip installs, if any."""
     try:
         yield
     except ModuleNotFoundError as error:
-        if not plugin.needs:
+        if not needs:
             raise
-        expected = f"{error.name} (pip install '{plugin.needs}')"
+        expected = f"{error.name} (pip install '{needs}')"
         raise InputError(expected, "no such package", house=house) from None
 
 

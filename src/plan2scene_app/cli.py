@@ -95,8 +95,7 @@ def run_house(
     """Make one textured house from a plan and photos."""
     from plan2scene_app.run import SingleHouse, run
 
-    shown = "quiet" if quiet else "verbose" if verbose else "lines"
-
+    printed = "quiet" if quiet else "verbose" if verbose else "lines"
     request = SingleHouse(
         plan=plan,
         photo_table=photos,
@@ -110,7 +109,7 @@ def run_house(
         walls=walls.value,
         dxf_layers=_layers(dxf_layer),
     )
-    for name, path in run(request, out, cores=cores, shown=shown).items():
+    for name, path in run(request, out, cores=cores, printed=printed).items():
         print(f"{name}: {path}")
 
 

@@ -133,7 +133,11 @@ def _full(folder: Path) -> bool:
 
 @contextmanager
 def _locked(file: Path, path: Path) -> Iterator[int]:
-    """Hold a lock file while the block runs; InputError where another process holds it."""
+    """Hold a lock file while the block runs; InputError where another process holds it.
+
+    Not by `filelock`, whose release unlocks the file for the children that inherited it, too: the
+    folder must stay taken until Snakemake is gone, even when this process was killed.
+    """
     try:
         import fcntl
     except ImportError:  # not on Windows

@@ -37,8 +37,8 @@ DELIVERED: tuple[str, ...] = (
 )
 #: What became of the photos, to look at.
 CONTACT_SHEET = "contact_sheet.png"
-#: What is printed of the progress: nothing, a line a stage (a bar on a terminal), or all.
-SHOWN = {
+#: What is printed of the progress: nothing, a line for each job (a bar on a terminal), or all.
+PRINTED = {
     "quiet": ("--quiet", "all"),
     "lines": ("--logger", "plan2scene"),
     "verbose": ("--printshellcmds",),
@@ -168,12 +168,25 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     return path
 
 
-def run(request: SingleHouse, out: Path, *, cores: int, shown: str = "lines") -> dict[str, Path]:
+def run(
+    request: SingleHouse,
+    out: Path,
+    *,
+    cores: int,
+    printed: str = "lines",
+    events: Path | None = None,
+) -> dict[str, Path]:
     """Make one house with Snakemake under `out`; return the files a user wants, by name.
 
-    A run that was killed goes on by the same call. `shown` says what is printed of its progress, a
-    key of :data:`SHOWN`. Raises
-    InputError for faults of the input, WorkflowError when the workflow fails.
+    A run that was killed goes on by the same call. Raises InputError for faults of the input,
+    WorkflowError when the workflow fails.
+
+    Parameters
+    ----------
+    printed : str
+        What is printed of the progress, a key of :data:`PRINTED`.
+    events : path, optional
+        File that the logger appends its events to, where `printed` is ``lines``.
     """
     if not (WORKFLOW / "Snakefile").is_file():
         raise WorkflowError(f"this installation lacks the workflow: no Snakefile in {WORKFLOW}")
@@ -187,7 +200,10 @@ def run(request: SingleHouse, out: Path, *, cores: int, shown: str = "lines") ->
     with claimed_folder(out, (*wanted, "textures"), inputs) as folder:
         config = prepare(request, names, folder.work)
         base = f"results/{DATASET}/houses/{request.house}"
-        _make([f"{base}/{name}" for name in wanted], config, folder, cores, shown)
+        options = list(PRINTED[printed])
+        options += ["--logger-plan2scene-events", str(events.resolve())] if events else []
+        options += ["--cores", str(cores)]
+        _make([f"{base}/{name}" for name in wanted], config, folder, options)
         made = folder.work / "results" / DATASET
         files = {name: made / "houses" / request.house / name for name in wanted}
         files["textures"] = made / "drop_0.0" / request.method / request.house / "textures"
@@ -198,12 +214,12 @@ def run(request: SingleHouse, out: Path, *, cores: int, shown: str = "lines") ->
         return made_files
 
 
-def _make(targets: list[str], config: Path, folder: OutFolder, cores: int, shown: str) -> None:
+def _make(targets: list[str], config: Path, folder: OutFolder, options: list[str]) -> None:
     """Run Snakemake in the work folder; WorkflowError when it fails."""
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(WORKFLOW / "Snakefile")]
     command += ["--directory", str(folder.work), "--configfile", str(config)]
     command += ["--workflow-profile", str(WORKFLOW / "workflow" / "profiles" / "default")]
-    command += ["--cores", str(cores), *SHOWN[shown], "--", *targets]
+    command += [*options, "--", *targets]
     # Who inherits the lock keeps it: the folder is free when Snakemake is gone too.
     inherited = (folder.lock,) if folder.lock >= 0 else ()
     if subprocess.run(command, check=False, pass_fds=inherited).returncode != 0:

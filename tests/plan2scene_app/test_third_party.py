@@ -75,6 +75,6 @@ def test_a_rule_depends_on_the_version_of_others_and_on_our_source():
 def test_a_missing_package_is_one_line():
     with (
         pytest.raises(InputError, match=r"expected toyz \(pip install 'toy-tools'\)"),
-        installed(exports()["rooms"]),
+        installed(exports()["rooms"].needs),
     ):
         import toyz  # noqa: F401

@@ -1,12 +1,13 @@
 """Lines of progress: how many of how many jobs, rule, house and seconds; a bar on a terminal."""
 
 import io
+import json
 import logging
 
 import pytest
 
 interface = pytest.importorskip("snakemake_interface_logger_plugins.common")
-from snakemake_logger_plugin_plan2scene import LogHandler  # noqa: E402
+from snakemake_logger_plugin_plan2scene import LogHandler, LogHandlerSettings  # noqa: E402
 
 EVENT = interface.LogEvent
 
@@ -27,7 +28,6 @@ def events(handler, *, seconds=2.5):
     tell(0.0, event=EVENT.RUN_INFO, stats={"crops": 1, "paper_table": 1, "total": 2})
     crops = {"jobid": 7, "rule_name": "crops", "wildcards": {"house": "flat_1"}}
     tell(1.0, event=EVENT.JOB_INFO, **crops)
-    tell(1.0, event=EVENT.JOB_STARTED, jobs=[7])
     tell(1.5, message="Select jobs to execute...")
     tell(1.0 + seconds, event=EVENT.JOB_FINISHED, job_id=7)
     tell(4.0, event=EVENT.JOB_INFO, jobid=0, rule_name="paper_table", wildcards={})
@@ -35,8 +35,8 @@ def events(handler, *, seconds=2.5):
     tell(5.0, level=logging.ERROR, message="disk full")
 
 
-def made(stream):
-    handler = LogHandler(None, None)
+def made(stream, settings=None):
+    handler = LogHandler(None, settings)
     handler.stream = stream
     events(handler)
     return stream.getvalue()
@@ -55,6 +55,21 @@ def test_a_terminal_gets_a_bar_below_the_lines():
     text = made(Terminal())
     assert f"[{'#' * 15}{'.' * 15}]\r" in text
     assert f"[{'#' * 30}]\n" in text
+
+
+def test_events_go_to_a_file_as_json_lines(tmp_path):
+    made(io.StringIO(), LogHandlerSettings(events=tmp_path / "events.jsonl"))
+    lines = (tmp_path / "events.jsonl").read_text().splitlines()
+    crops = {"rule": "crops", "house": "flat_1"}
+    table = {"rule": "paper_table", "house": ""}
+    assert [json.loads(line) for line in lines] == [
+        {"event": "planned", "jobs": {"crops": 1, "paper_table": 1}},
+        {"event": "started", **crops},
+        {"event": "finished", **crops, "seconds": 2.5, "warnings": []},
+        {"event": "started", **table},
+        {"event": "finished", **table, "seconds": 0.25, "warnings": []},
+        {"event": "error", "message": "disk full"},
+    ]
 
 
 def test_a_failed_job_is_a_line_with_what_its_log_says(tmp_path):

@@ -163,5 +163,5 @@ def read_plan(
     if found.needs_scale and not 0 < (metres_per_pixel or 0) <= 1:
         expected = f"metres_per_pixel above 0 and up to 1 for {found.name}"
         raise plan.fault(expected, str(metres_per_pixel))
-    with installed(found, house_id):
+    with installed(found.needs, house_id):
         return found.read(plan)

@@ -169,7 +169,7 @@ def export_house(
     house = house if objects else replace(house, icons=())
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
-    with installed(export, house_id):
+    with installed(export.needs, house_id):
         export.write(house, textures, target)
     own = [f.format(level=level.id) for level in house.levels[1:] for f in export.storey_files]
     return [target / file for file in (*export.files, *own)]

@@ -1,22 +1,37 @@
-"""The server's answers: pages, projects, photos, runs and results, all below ``/{token}/``."""
+"""The studio's server: who may ask, its pages, and its answers below ``/{token}/``."""
 
 from __future__ import annotations
 
+import secrets
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response
+from starlette.responses import (
+    FileResponse,
+    HTMLResponse,
+    JSONResponse,
+    PlainTextResponse,
+    Response,
+)
 from starlette.routing import Mount, Route
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from plan2scene.errors import InputError, system_fault
+from plan2scene.html_page import html_page, inline_json, source_hash
 from plan2scene.plans.parse import parse_json
+from plan2scene.textures.methods import texture_methods
+from plan2scene_app.editor.page import FOLDER as EDITOR
+from plan2scene_app.editor.page import joined_program
+from plan2scene_app.editor.rules import page_rules
+from plan2scene_app.exports.registry import exports
+from plan2scene_app.run import TEXTURE_SIZES
 from plan2scene_app.studio import plan_source, results, runs
-from plan2scene_app.studio.guard import Guard, TooLarge, body
-from plan2scene_app.studio.page import home_page, project_page
 from plan2scene_app.studio.plan_source import UnreadPlanError
 from plan2scene_app.studio.projects import PICTURE, Conflict, Project, Projects
 
@@ -227,3 +242,115 @@ def _download(name: str, content: bytes) -> Response:
 
 def _page(page: str, policy: str) -> Response:
     return HTMLResponse(page, headers={"Content-Security-Policy": policy})
+
+
+#: Names by which a browser on this machine may call the server.
+HOSTS = ("127.0.0.1", "localhost")
+
+
+class Guard:
+    """Refuses what has another host, origin or token, and adds headers to what goes out.
+
+    A page of another site can neither guess the token nor be let in by its name resolving to this
+    machine (the host is checked), and what it sends has its own origin.
+    """
+
+    def __init__(self, app: ASGIApp, token: str, port: int) -> None:
+        self.app = app
+        self.token = token
+        self.hosts = {f"{host}:{port}" for host in HOSTS}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass an HTTP request on, or answer it with 403."""
+        if scope["type"] == "lifespan":
+            await self.app(scope, receive, send)
+            return
+        if scope["type"] != "http":
+            return
+        if not self._may(scope):
+            refused = PlainTextResponse("Open the address that plan2scene studio printed.\n", 403)
+            await refused(scope, receive, send)
+            return
+
+        async def with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                headers.setdefault("Cache-Control", "no-store")
+                headers["Referrer-Policy"] = "no-referrer"
+                headers["X-Content-Type-Options"] = "nosniff"
+                headers["Cross-Origin-Resource-Policy"] = "same-origin"
+                headers.setdefault(
+                    "Content-Security-Policy", "default-src 'none'; frame-ancestors 'self'"
+                )
+            await send(message)
+
+        await self.app(scope, receive, with_headers)
+
+    def _may(self, scope: Scope) -> bool:
+        headers = Headers(scope=scope)
+        if headers.get("host", "") not in self.hosts:
+            return False
+        origin = headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc not in self.hosts:
+            return False
+        first = scope["path"].split("/")[1] if scope["path"].startswith("/") else ""
+        return secrets.compare_digest(first.encode(), self.token.encode())
+
+
+class TooLarge(Exception):  # noqa: N818 - an answer
+    """A request has more bytes than it may."""
+
+
+async def body(request: Request, most: int) -> bytes:
+    """Return a request's body; TooLarge as soon as it has more than `most` bytes."""
+    if int(request.headers.get("content-length") or 0) > most:
+        raise TooLarge
+    parts, size = [], 0
+    async for part in request.stream():
+        size += len(part)
+        if size > most:
+            raise TooLarge
+        parts.append(part)
+    return b"".join(parts)
+
+
+_FOLDER = Path(__file__).parent
+
+
+def project_page(start: dict[str, Any]) -> tuple[str, str]:
+    """Return the page of a project and its content policy; `start` is the project's state."""
+    rules = page_rules() | {
+        "methods": list(texture_methods()),
+        "texture_sizes": list(TEXTURE_SIZES),
+        "exports": {form: export.purpose for form, export in exports().items()},
+    }
+    editor = (EDITOR / "editor.html").read_text("utf-8")
+    tools = editor[editor.index("<nav") : editor.index("<script")]
+    return _filled("studio.html", "studio_page", str(start["house"]), start, rules, tools)
+
+
+def home_page(start: dict[str, Any]) -> tuple[str, str]:
+    """Return the page of all projects and its content policy; `start` is ``{projects, folder}``."""
+    return _filled("home.html", "home_page", "Studio", start, {}, "")
+
+
+def _filled(
+    name: str, entry: str, title: str, start: dict[str, Any], rules: dict[str, Any], tools: str
+) -> tuple[str, str]:
+    program = joined_program(entry, (_FOLDER, EDITOR))
+    style = (EDITOR / "editor.css").read_text("utf-8") + (_FOLDER / "studio.css").read_text("utf-8")
+    page = html_page(
+        _FOLDER / name,
+        title=title,
+        style=style,
+        tools=tools,
+        rules=inline_json(rules),
+        start=inline_json(start),
+        program=program,
+    )
+    policy = (
+        f"default-src 'none'; script-src {source_hash(program)}; style-src {source_hash(style)}; "
+        "img-src 'self' data: blob:; connect-src 'self'; frame-src 'self'; form-action 'none'; "
+        "base-uri 'none'; frame-ancestors 'none'"
+    )
+    return page, policy

@@ -168,7 +168,7 @@ def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unsca
     found = format_of(plan)
     if found is None or found.look is None:
         raise InputError("a plan whose scale or layers may be given", "one that tells all itself")
-    with installed(found, house):
+    with installed(found.needs, house):
         return found.name, found.look(plan)
 
 

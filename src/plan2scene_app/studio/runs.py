@@ -1,49 +1,61 @@
 """Runs of a project: start, look at, cancel. All that is known of a run lies in the project.
 
-A run is a process of its own: it outlives the server, and the next server finds it.
+A run is a process of its own (this module, run): it outlives the server, and the next server
+finds it. How far it is, the events of Snakemake's logger say (snakemake_logger_plugin_plan2scene).
 """
 
 from __future__ import annotations
 
+import json
+import logging
+import os
 import subprocess
 import sys
 import time
+from collections import Counter
+from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import psutil
 
-from plan2scene.errors import InputError
+from plan2scene.errors import InputError, WorkflowError
 from plan2scene.io import read_json, write_json
 from plan2scene.textures.methods import method_named
-from plan2scene_app.run import TEXTURE_SIZES
-from plan2scene_app.studio.progress import read_progress
-from plan2scene_app.studio.projects import Project
-from plan2scene_app.studio.run_job import LOG, RECORD
+from plan2scene_app.run import TEXTURE_SIZES, SingleHouse, run
+from plan2scene_app.studio.projects import PLAN, TABLE, Project
 
 #: The command of a run, given a project's folder.
-JOB = (sys.executable, "-m", "plan2scene_app.studio.run_job")
+JOB = (sys.executable, "-m", "plan2scene_app.studio.runs")
 #: Seconds that a cancelled run has to end by itself.
 _GRACE = 3.0
-#: Most bytes of a log that are read.
-_LOG_BYTES = 4_000_000
+#: In a project: the run under way or the last one, its events, and what it printed.
+RECORD, EVENTS, LOG = "run.json", "run_events.jsonl", "run.log"
+#: What people call the rules, in the order of the work.
+STAGES = {
+    "floorplan": "Plan",
+    "masks": "What the photos show",
+    "crops": "Crops of floors, walls and ceilings",
+    "embeddings": "Materials of all rooms",
+    "textures": "Textures",
+    "house": "The house in 3D",
+}
+#: Most warnings that are shown.
+_WARNINGS = 20
 
 
-def settings_of(given: Any, cores: int) -> dict[str, Any]:
+def settings_of(given: Mapping[str, Any], cores: int) -> dict[str, Any]:
     """Return how a house is made, checked."""
-    given = given if isinstance(given, dict) else {}
-    found = {
-        "method": given.get("method", "exemplar"),
-        "texture_size": given.get("texture_size", 128),
-        "colours": given.get("colours", "photo"),
-        "cores": cores,
-    }
-    method_named(str(found["method"]))
-    if found["texture_size"] not in TEXTURE_SIZES:
-        raise InputError(f"a texture size of {TEXTURE_SIZES}", repr(found["texture_size"]))
-    if found["colours"] not in ("photo", "corrected"):
-        raise InputError("colours photo or corrected", repr(found["colours"]))
-    return found
+    settings = {"method": "exemplar", "texture_size": 128, "colours": "photo"}
+    settings |= {key: given[key] for key in settings if key in given}
+    method_named(str(settings["method"]))
+    if settings["texture_size"] not in TEXTURE_SIZES:
+        raise InputError(f"a texture size of {TEXTURE_SIZES}", repr(settings["texture_size"]))
+    if settings["colours"] not in ("photo", "corrected"):
+        raise InputError("colours photo or corrected", repr(settings["colours"]))
+    return settings | {"cores": cores}
 
 
 def start(project: Project, settings: dict[str, Any]) -> None:
@@ -53,6 +65,7 @@ def start(project: Project, settings: dict[str, Any]) -> None:
         raise InputError("no run under way in this project", "one")
     settings = settings | {"revision": project.revision()}
     write_json(project.path / RECORD, {"state": "starting", "settings": settings})
+    (project.path / EVENTS).unlink(missing_ok=True)
     with (project.path / LOG).open("wb") as log:
         child = subprocess.Popen(
             [*JOB, str(project.path)],
@@ -75,8 +88,7 @@ def _let_end(project: Project) -> None:
 
 def _record_start(project: Project, record: dict[str, Any]) -> None:
     """Record a child, unless it was so quick that it has recorded its end."""
-    found = read_json(project.path / RECORD)
-    if found.get("state") == "starting":
+    if read_json(project.path / RECORD).get("state") == "starting":
         write_json(project.path / RECORD, record)
 
 
@@ -93,21 +105,77 @@ def status(project: Project) -> dict[str, Any]:
     state = record.get("state", "failed")
     if state in ("starting", "running"):
         state = "running" if alive else "interrupted"
-    log = project.path / LOG
-    lines = log.read_bytes()[-_LOG_BYTES:].decode("utf-8", "replace") if log.is_file() else ""
-    progress = read_progress(lines.splitlines())
+    progress = read_progress(project.path / EVENTS)
     stages = progress.stages()
     if state != "running":
-        stopped = {"running": "waiting"} if state != "failed" else {"running": "failed"}
+        stopped = "failed" if state == "failed" else "waiting"
         for stage in stages:
-            stage["state"] = stopped.get(str(stage["state"]), stage["state"])
+            stage["state"] = stopped if stage["state"] == "running" else stage["state"]
     return {
         "state": state,
         "stages": stages,
-        "fault": progress.fault if state == "failed" else "",
-        "warnings": progress.warnings[:20],
+        "fault": (progress.fault or record.get("fault", "")) if state == "failed" else "",
+        "warnings": progress.warnings[:_WARNINGS],
         "settings": record.get("settings", {}),
     }
+
+
+@dataclass
+class Progress:
+    """Stages of a run: how many jobs each has, which are under way, done, failed."""
+
+    planned: dict[str, int] = field(default_factory=dict)
+    started: set[str] = field(default_factory=set)
+    finished: Counter[str] = field(default_factory=Counter)
+    failed: set[str] = field(default_factory=set)
+    fault: str = ""
+    warnings: list[str] = field(default_factory=list)
+
+    def add(self, event: Mapping[str, Any]) -> None:
+        """Take in an event of the logger, or a ``warning`` of the run's own process."""
+        match event["event"]:
+            case "planned":
+                self.planned = event["jobs"]
+            case "started":
+                self.started.add(event["rule"])
+            case "finished":
+                self.finished[event["rule"]] += 1
+            case "failed":
+                self.failed.add(event["rule"])
+                self.fault = self.fault or event["message"]
+        for line in event.get("warnings", ()):
+            if line not in self.warnings:
+                self.warnings.append(line)
+
+    def stages(self) -> list[dict[str, str]]:
+        """Return ``{rule, title, state}`` of every stage of this run, in order."""
+        order = list(STAGES)
+        rules = sorted(self.planned, key=lambda r: order.index(r) if r in order else len(order))
+        return [
+            {
+                "rule": rule,
+                "title": STAGES.get(rule, rule.replace("_", " ").capitalize()),
+                "state": self._state(rule),
+            }
+            for rule in rules
+        ]
+
+    def _state(self, rule: str) -> str:
+        if rule in self.failed:
+            return "failed"
+        if self.finished[rule] >= self.planned[rule]:
+            return "done"
+        return "running" if rule in self.started else "waiting"
+
+
+def read_progress(events: Path) -> Progress:
+    """Return the progress that a run's events tell; a last line that is being written waits."""
+    progress = Progress()
+    lines = events.read_text("utf-8").splitlines() if events.is_file() else []
+    for line in lines:
+        with suppress(json.JSONDecodeError):
+            progress.add(json.loads(line))
+    return progress
 
 
 def cancel(project: Project) -> None:
@@ -151,3 +219,46 @@ def _process(project: Project) -> psutil.Process | None:
         return process if same and process.status() != psutil.STATUS_ZOMBIE else None
     except (psutil.NoSuchProcess, psutil.AccessDenied, ValueError, TypeError):
         return None
+
+
+class _AsEvent(logging.Formatter):
+    """Writes a record as an event of the run."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return one line of JSON."""
+        return json.dumps({"event": "warning", "warnings": [record.getMessage()]})
+
+
+def make_house(project: Project, settings: Mapping[str, Any]) -> None:
+    """Run the workflow on a project, and record how it ended."""
+    table = project.path / TABLE
+    has_rows = table.is_file() and len(table.read_text("utf-8").splitlines()) > 1
+    request = SingleHouse(
+        plan=project.path / PLAN,
+        photo_table=table if has_rows else None,
+        photos_dir=project.photos if has_rows else None,
+        house=project.name,
+        method=settings["method"],
+        metres_per_pixel=None,
+        seed=0,
+        texture_size=settings["texture_size"],
+        colours=settings["colours"],
+    )
+    events = project.path / EVENTS
+    warnings = logging.FileHandler(events, encoding="utf-8", delay=True)
+    warnings.setFormatter(_AsEvent())
+    warnings.setLevel(logging.WARNING)
+    logging.getLogger("plan2scene").addHandler(warnings)
+    record = read_json(project.path / RECORD)
+    try:
+        run(request, project.house, cores=settings["cores"], events=events)
+        end = {"state": "done"}
+    except (InputError, WorkflowError) as error:
+        end = {"state": "failed", "fault": str(error)}
+    write_json(project.path / RECORD, record | end)
+
+
+if __name__ == "__main__":
+    home = Path(sys.argv[1])
+    os.chdir(home)
+    make_house(Project(home), read_json(home / RECORD)["settings"])

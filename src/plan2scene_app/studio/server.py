@@ -8,6 +8,7 @@ import webbrowser
 from pathlib import Path
 
 from plan2scene.errors import InputError
+from plan2scene.plugins import installed
 
 
 def serve(folder: Path, *, port: int, cores: int, browser: bool) -> None:
@@ -15,14 +16,10 @@ def serve(folder: Path, *, port: int, cores: int, browser: bool) -> None:
 
     InputError where the extra ``studio`` is not installed, or the port is taken.
     """
-    try:
+    with installed("plan2scene[studio]"):
         import uvicorn
 
         from plan2scene_app.studio.app import studio_app
-    except ModuleNotFoundError as error:
-        if error.name not in ("uvicorn", "starlette"):
-            raise
-        raise InputError("the extra 'studio' (pip install 'plan2scene[studio]')", "none") from None
     if folder.exists() and not folder.is_dir():
         raise InputError("a folder for the projects", "a file", file=folder)
     listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)

@@ -1,58 +1,50 @@
-"""What a run's log tells."""
+"""What the events of a run say of its stages."""
 
-from plan2scene_app.studio.progress import read_progress
+import json
 
-START = """\
-Building DAG of jobs...
-Job stats:
-job              count
--------------  -------
-crops                1
-floorplan            1
-masks                1
-total                3
+from plan2scene_app.studio.runs import Progress, read_progress
 
-Select jobs to execute...
-[Sun Nov 22 06:34:31 2026]
-localrule floorplan:
-    input: dataset/plan.json
-[Sun Nov 22 06:34:31 2026]
-rule masks:
-    input: dataset/photos/a.jpg
-WARNING file plan.json, house home: expected rooms that don't overlap, found 1.20 m2
-Finished jobid: 4 (Rule: floorplan)
-1 of 3 steps (33%) done
-"""
-FAULT = """\
-ERROR file photos/a.jpg, house home: expected a JPEG, found text
-Error in rule masks:
-    message: None
-ERROR the workflow failed; its logs are in house/work/logs
-"""
+START = [
+    {"event": "warning", "warnings": ["rooms overlap"]},
+    {"event": "planned", "jobs": {"crops": 2, "floorplan": 1, "masks": 1, "all": 1}},
+    {"event": "started", "rule": "floorplan", "house": "home"},
+    {"event": "started", "rule": "masks", "house": "home"},
+    {"event": "started", "rule": "crops", "house": "home"},
+    {"event": "finished", "rule": "floorplan", "house": "home", "warnings": ["rooms overlap"]},
+    {"event": "finished", "rule": "crops", "house": "home", "warnings": []},
+]
+FAULT = [
+    {"event": "failed", "rule": "masks", "house": "home", "message": "expected a JPEG, found text"},
+    {"event": "error", "message": "Exiting because a job failed"},
+]
 
 
-def states(lines):
-    return {stage["rule"]: stage["state"] for stage in read_progress(lines).stages()}
+def told(tmp_path, events, end=""):
+    file = tmp_path / "events.jsonl"
+    file.write_text("".join(json.dumps(event) + "\n" for event in events) + end)
+    return read_progress(file)
 
 
-def test_stages_are_those_of_this_run_in_the_order_of_the_work():
-    found = states(START.splitlines())
-    assert list(found) == ["floorplan", "masks", "crops"]
-    assert found == {
-        "floorplan": "done",
-        "masks": "running",
-        "crops": "waiting",
-    }
+def states(progress):
+    return {stage["rule"]: stage["state"] for stage in progress.stages()}
 
 
-def test_a_failed_job_is_one_line():
-    progress = read_progress((START + FAULT).splitlines())
-    assert states((START + FAULT).splitlines())["masks"] == "failed"
-    assert progress.fault == "file photos/a.jpg, house home: expected a JPEG, found text"
-    assert progress.warnings == [
-        "file plan.json, house home: expected rooms that don't overlap, found 1.20 m2"
+def test_stages_are_those_of_this_run_in_the_order_of_the_work(tmp_path):
+    progress = told(tmp_path, START, end='{"event": "fin')
+    assert list(states(progress).items()) == [
+        ("floorplan", "done"),
+        ("masks", "running"),
+        ("crops", "running"),
+        ("all", "waiting"),
     ]
+    assert progress.warnings == ["rooms overlap"]
 
 
-def test_nothing_told_yet():
-    assert read_progress([]).stages() == []
+def test_the_first_failed_job_says_why(tmp_path):
+    progress = told(tmp_path, START + FAULT)
+    assert states(progress)["masks"] == "failed"
+    assert progress.fault == "expected a JPEG, found text"
+
+
+def test_before_the_first_event(tmp_path):
+    assert read_progress(tmp_path / "none").stages() == Progress().stages() == []

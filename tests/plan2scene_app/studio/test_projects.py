@@ -127,7 +127,9 @@ def wait(project, *states):
 
 JOB = """
 import json, os, sys, time
-print("Job stats:\\nmasks  1\\ntotal  1\\nrule masks:", flush=True)
+with open(sys.argv[1] + "/run_events.jsonl", "w") as file:
+    for event, told in (("planned", {"jobs": {"masks": 1}}), ("started", {"rule": "masks"})):
+        file.write(json.dumps({"event": event, **told}) + "\\n")
 child = os.fork()
 time.sleep(60)
 """

@@ -17,10 +17,14 @@ JOB = """
 import json, sys, time
 from pathlib import Path
 home = Path(sys.argv[1])
-print("Job stats:\\nfloorplan  1\\ntotal  1\\nrule floorplan:", flush=True)
+def tell(**event):
+    with (home / "run_events.jsonl").open("a") as file:
+        file.write(json.dumps(event) + "\\n")
+tell(event="planned", jobs={"floorplan": 1})
+tell(event="started", rule="floorplan")
 while not (home / "finish").exists():
     time.sleep(0.02)
-print("Finished jobid: 1 (Rule: floorplan)", flush=True)
+tell(event="finished", rule="floorplan", warnings=[])
 record = json.loads((home / "run.json").read_text())
 (home / "run.json").write_text(json.dumps(record | {"state": "done"}))
 time.sleep(0.3)  # done, and not gone yet
