@@ -24,10 +24,9 @@ from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.io import read_parquet
 from plan2scene.paint.observations import HouseColours, house_colours
 from plan2scene.plans.scene_json import read_scene_json
-from plan2scene.propagation.evidence import house_evidence
 from plan2scene.propagation.graph import HouseGraph, house_graph
-from plan2scene.propagation.model import load_propagation
-from plan2scene.propagation.predictors import PREDICTORS
+from plan2scene.propagation.networks import load_propagation
+from plan2scene.propagation.predictors import PREDICTORS, house_evidence
 from plan2scene.seeds import generator
 from plan2scene.textures.model.embedding import embed_crops
 from plan2scene.textures.model.network import load_texture_model

@@ -8,7 +8,7 @@ import torch
 from plan2scene.errors import InputError
 from plan2scene.metrics.features import load_features_network
 from plan2scene.photos.labels.segmentation import load_segmenter
-from plan2scene.propagation.model import load_propagation
+from plan2scene.propagation.networks import load_propagation
 from plan2scene.textures.model.network import load_texture_model
 from plan2scene.weights import MODELS, load_model_file, read_model_arrays, save_model_file
 

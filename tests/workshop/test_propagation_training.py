@@ -9,11 +9,14 @@ from torch_geometric.data import Data
 
 from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.model import load_propagation
-from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.pointer import Mixture, PointerNetwork
-from plan2scene.propagation.predict import predict
-from plan2scene.propagation.prior import TypeMeans
+from plan2scene.propagation.networks import (
+    Mixture,
+    PointerNetwork,
+    PropagationNetwork,
+    load_propagation,
+)
+from plan2scene.propagation.predictors import predict
+from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
 from plan2scene_workshop.propagation import training

@@ -109,6 +109,6 @@ rule propagated:
         hidden=hidden_of,
         dataset=DATASET,
         predictor=config["propagation"]["predictor"],
-        code=code_hash("plan2scene.propagation.stage"),
+        code=code_hash("plan2scene.propagation.propagate"),
     script:
         "../scripts/propagated.py"

@@ -2,7 +2,7 @@
 
 import torch
 
-from plan2scene.propagation.stage import propagate_house
+from plan2scene.propagation.propagate import propagate_house
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):

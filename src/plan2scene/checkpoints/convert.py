@@ -17,7 +17,7 @@ from plan2scene.weights import save_model_file
 if TYPE_CHECKING:
     from torch import nn
 
-    from plan2scene.propagation.prior import TypeMeans
+    from plan2scene.propagation.type_means import TypeMeans
 
 #: Networks that have released checkpoints.
 NETWORKS = ("texture", "naivesynth", "propagation", "vgg16", "inception")
@@ -119,8 +119,7 @@ def _convert_propagation(
     means: TypeMeans | None,
 ) -> None:
     """Write the propagation network with the means of training surfaces."""
-    from plan2scene.propagation.model import save_propagation
-    from plan2scene.propagation.network import PropagationNetwork
+    from plan2scene.propagation.networks import PropagationNetwork, save_propagation
 
     if means is None:
         expected = "means over training surfaces with a propagation checkpoint"

@@ -11,7 +11,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES, SURFACES, House
-from plan2scene.propagation.prior import TypeMeans, mean_by_type
+from plan2scene.propagation.type_means import TypeMeans, mean_by_type
 from plan2scene.textures.model.embedding import make_embeddings
 from plan2scene.textures.selection import select_surfaces
 

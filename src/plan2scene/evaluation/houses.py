@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from plan2scene.evaluation.measure import Networks, References, measure_tiles
 from plan2scene.io import write_parquet
-from plan2scene.propagation.stage import propagate_house
+from plan2scene.propagation.propagate import propagate_house
 from plan2scene.textures.decoding import further_images
 from plan2scene.textures.inputs import (
     HouseData,

@@ -12,7 +12,7 @@ import numpy as np
 from plan2scene.evaluation.houses import Models
 from plan2scene.house import SURFACES, House, SurfaceKey
 from plan2scene.propagation.graph import house_graph
-from plan2scene.propagation.model import load_propagation
+from plan2scene.propagation.networks import load_propagation
 from plan2scene.propagation.predictors import PREDICTORS
 from plan2scene.seeds import generator
 from plan2scene.weights import load_model_file, save_model_file

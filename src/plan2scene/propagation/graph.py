@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import shortest_path
 
 from plan2scene.house import ROOM_TYPES, SURFACES, House, SurfaceKey
 
@@ -42,12 +44,12 @@ class HouseGraph:
         return self.room_ids.index(key.room_id), SURFACES.index(key.surface)
 
     def node_features(self, visible: np.ndarray) -> np.ndarray:
-        """Return the network's input with only the `visible` surfaces shown.
+        """Return the network's input with the `visible` surfaces alone.
 
         `visible` is (n, 3) bool and is intersected with `observed`. Returns (n, 48) float32.
         """
-        shown = (visible & self.observed)[..., None].astype(np.float32)
-        blocks = np.concatenate([shown, self.embeddings * shown], axis=2)
+        presence = (visible & self.observed)[..., None].astype(np.float32)
+        blocks = np.concatenate([presence, self.embeddings * presence], axis=2)
         return np.concatenate([self.types, blocks.reshape(len(self.room_ids), -1)], axis=1)
 
     def standardised(self, centre: np.ndarray, deviation: np.ndarray) -> HouseGraph:
@@ -82,9 +84,5 @@ def house_graph(house: House, embeddings: Mapping[SurfaceKey, np.ndarray]) -> Ho
 
 def doors_between(count: int, edges: np.ndarray) -> np.ndarray:
     """Return (n, n) float: doors on the shortest way between rooms, inf where there is no way."""
-    linked = np.zeros((count, count), dtype=bool)
-    linked[edges[0], edges[1]] = True
-    doors = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
-    for distance in range(1, count):
-        doors[(np.isfinite(doors) @ linked) & np.isinf(doors)] = distance
-    return doors
+    links = csr_array((np.ones(edges.shape[1]), (edges[0], edges[1])), shape=(count, count))
+    return np.asarray(shortest_path(links, unweighted=True))

@@ -1,13 +1,12 @@
 """Materials of a house: surfaces of different rooms that are one material.
 
-A floor that runs on, walls of one paint, ceilings alike. Told by the surfaces' codes, their colour
-after light and by doors: rooms that no doors join are not compared. Floors are told by their
-pattern more than by their colour, which lamps change from room to room; plain walls and ceilings by
-their colour alone. A mean of few crops is in doubt: what chance alone makes two means differ by is
-no difference. Walls are of many paints, and what one photo shows of one has one light: that two
-look alike in a photo each may be chance, so few photos take from the evidence. Surfaces are joined
-while the evidence of all their pairs is for it (average linkage), so one that is in doubt stays
-alone.
+A floor that runs on, walls of one paint, ceilings alike. The evidence is the surfaces' codes and
+their colours after light; rooms that no doors join are not compared. For floors the pattern counts
+more than the colour, which lamps change from room to room; for plain walls and ceilings the colour
+alone. The mean of few crops is uncertain: a difference of two means that chance explains does not
+count. Two walls that one photo each shows may look alike by chance, so few photos weaken the
+evidence. Surfaces are joined while the mean evidence of all pairs is positive (average linkage), so
+a doubtful one stays alone.
 """
 
 from __future__ import annotations
@@ -18,6 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.cluster.hierarchy import fcluster, linkage
+from scipy.spatial.distance import squareform
 
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
 from plan2scene.house import SURFACES
@@ -28,15 +29,30 @@ from plan2scene.propagation.graph import doors_between, house_graph
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Evidence for one material of two surfaces that look exactly alike.
-EVIDENCE = 0.85
-#: What a difference of codes (mean over the code) and of colours (Euclidean, sRGB) takes from it.
-WEIGHTS = {"floor": (1.0, 0.5), "wall": (0.5, 4.0), "ceiling": (0.5, 4.0)}
-#: What it takes from it that one photo alone shows each of the two; half of it with two photos
-#: each. Ceilings are white in most homes, floors are told by their pattern.
-ONE_PHOTO = {"floor": 0.0, "wall": 0.12, "ceiling": 0.0}
-#: Evidence that makes one material e times likelier.
-EVIDENCE_SCALE = 0.15
+
+@dataclass(frozen=True)
+class MaterialSettings:
+    """Evidence that two surfaces are one material; above 0 for it. By floor, wall, ceiling.
+
+    Chosen on synthetic homes and real flats (development).
+    """
+
+    #: Of two surfaces that look exactly alike.
+    alike: float = 0.85
+    #: What a difference of codes takes from it, a mean over the code.
+    by_code: tuple[float, float, float] = (1.0, 0.5, 0.5)
+    #: What a difference of colours takes from it, Euclidean, sRGB in [0, 1].
+    by_colour: tuple[float, float, float] = (0.5, 4.0, 4.0)
+    #: What it takes from it that one photo alone shows each of the two; half of it with two photos
+    #: each. Ceilings are white in most homes, floors are known by their pattern.
+    one_photo: tuple[float, float, float] = (0.0, 0.12, 0.0)
+    #: Evidence that makes one material e times likelier.
+    scale: float = 0.15
+
+
+EVIDENCE = MaterialSettings()
+#: A distance that no two groups of surfaces are joined over.
+_APART = 1e9
 #: Numbers of a code.
 _CODE = 8
 _COLUMNS = ["room_id", "surface", "material", "confidence", "colour", "rooms"]
@@ -141,7 +157,7 @@ def _rows_of(
     values = {
         "surface": kind,
         "material": name,
-        "confidence": float(1.0 / (1.0 + np.exp(-evidence / EVIDENCE_SCALE))),
+        "confidence": float(1.0 / (1.0 + np.exp(-evidence / EVIDENCE.scale))),
         "colour": shared.astype(np.float32),
         "rooms": "|".join(item.room_id for item in members),
     }
@@ -160,43 +176,38 @@ def _gain(light: Mapping[str, Any], photos: Iterable[str]) -> np.ndarray:
 def pair_evidence(seen: Sequence[SeenSurface], kind: str, joined: np.ndarray) -> np.ndarray:
     """Return the evidence (n, n) that surfaces of a kind are one material; above 0 for it.
 
-    `joined` (n, n) bool tells which rooms doors join. The squared difference of two means is by
-    the sum of their variances larger than that of what they are means of, on average.
+    `joined` (n, n) bool: rooms that doors join. The squared difference of two means exceeds that
+    of the true values by the sum of their variances, on average.
     """
-    by_code, by_colour = WEIGHTS[kind]
+    number = SURFACES.index(kind)
     codes = np.array([item.code for item in seen])
     colours = np.array([item.colour for item in seen])
     if not len(seen):
         return np.zeros((0, 0))
     doubts = np.array([item.doubt for item in seen])
     squares = (codes[:, None] - codes[None]) ** 2 - doubts[:, None] - doubts[None]
-    apart = by_code * np.sqrt(np.maximum(squares, 0.0)).mean(axis=2)
-    apart += by_colour * np.linalg.norm(colours[:, None] - colours[None], axis=2)
+    apart = EVIDENCE.by_code[number] * np.sqrt(np.maximum(squares, 0.0)).mean(axis=2)
+    apart += EVIDENCE.by_colour[number] * np.linalg.norm(colours[:, None] - colours[None], axis=2)
     chance = 1.0 / np.array([item.photos for item in seen])
-    apart += ONE_PHOTO[kind] * (chance[:, None] + chance[None]) / 2.0
-    return np.where(joined, EVIDENCE - apart, -np.inf)
+    apart += EVIDENCE.one_photo[number] * (chance[:, None] + chance[None]) / 2.0
+    return np.where(joined, EVIDENCE.alike - apart, -np.inf)
 
 
 def grouped(evidence: np.ndarray) -> list[tuple[list[int], float]]:
     """Return the groups of two and more, and the mean evidence of their pairs.
 
-    The two groups of the strongest mean evidence are joined as long as it is for it.
+    Average linkage (:func:`scipy.cluster.hierarchy.linkage`): the two groups of the strongest mean
+    evidence are joined as long as it is for it.
     """
-    groups = [[k] for k in range(len(evidence))]
-    while len(groups) > 1:
-        pairs = [
-            (float(evidence[np.ix_(a, b)].mean()), i, j)
-            for i, a in enumerate(groups)
-            for j, b in enumerate(groups)
-            if i < j
-        ]
-        best, i, j = max(pairs, key=lambda pair: (pair[0], -pair[1], -pair[2]))
-        if not best > 0.0:
-            break
-        groups[i] = sorted(groups[i] + groups.pop(j))
-    found = []
-    for group in sorted(groups):
-        if len(group) > 1:
-            inner = evidence[np.ix_(group, group)][np.triu_indices(len(group), 1)]
-            found.append((group, float(inner.mean())))
-    return found
+    if len(evidence) < 2:
+        return []
+    most = float(np.abs(evidence[np.isfinite(evidence)]).max(initial=0.0))
+    apart = np.minimum(most - evidence, _APART)
+    tree = linkage(squareform(apart, checks=False), method="average")
+    label = fcluster(tree, np.nextafter(most, 0.0), criterion="distance")
+    groups = sorted(np.flatnonzero(label == name).tolist() for name in set(label))
+    return [
+        (group, float(evidence[np.ix_(group, group)][np.triu_indices(len(group), 1)].mean()))
+        for group in groups
+        if len(group) > 1
+    ]

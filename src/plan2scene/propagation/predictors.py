@@ -1,28 +1,204 @@
-"""The predictors of unseen surfaces: one registry for configuration, stage and docs."""
+"""The predictors of unobserved surfaces: one registry for configuration, stage and docs.
+
+Rules without a network are what the networks are compared with. Predictor `house` is the default:
+the same kind of surface elsewhere in the house is the best guess there is on real homes, since
+paint and floors go through rooms and the photos' light is in it. With few of them, or none, the
+mean of training surfaces of the room's type stands in, brought under the house's light. Colours
+follow the light of the surface's room, too (:func:`plan2scene.paint.light.expected_colours`). The
+network is mixed in as far as it is right in this house.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+import torch
+from torch import Tensor
 
 from plan2scene.colour import delta_e_2000, rgb_to_lab
+from plan2scene.house import SURFACES
 from plan2scene.paint.light import expected_colours
 from plan2scene.paint.observations import HouseColours
-from plan2scene.propagation.evidence import PRIOR_SURFACES, house_evidence
-from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.model import Network
-from plan2scene.propagation.predict import Prediction, predict
-from plan2scene.propagation.prior import RULES, TypeMeans, room_type_mean
+from plan2scene.propagation.graph import HouseGraph, doors_between
+from plan2scene.propagation.networks import Mixture, Network, PointerNetwork, graph_data
+from plan2scene.propagation.type_means import TypeMeans
 
-#: Odds of the house's evidence against the network before any surface was tried.
-PRIOR_ODDS = 2.0
-#: Sum of errors (CIEDE2000) that makes one e times likelier than the other.
-ERROR_SCALE = 10.0
+
+@dataclass(frozen=True)
+class PredictorSettings:
+    """Weights of the predictors' evidence. Chosen on synthetic and real homes (development)."""
+
+    #: How far agreeing components of a mixture may lie apart, in scales of its distributions.
+    reach: float = 2.0
+    #: Surfaces of the kind that the mean of the room's type counts for.
+    prior_surfaces: float = 0.5
+    #: Odds of the house's evidence against the network before any surface was tried.
+    prior_odds: float = 2.0
+    #: Sum of errors (CIEDE2000) that makes one e times likelier than the other.
+    error_scale: float = 10.0
+
+
+_S = PredictorSettings()
+#: First of the embedding's three colour values.
+_COLOUR = 8
+
+
+def room_type_mean(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
+    """Return the mean of training surfaces of the rooms' types."""
+    return np.stack([means.predict(types)[0] for types in graph.types])
+
+
+def house_mean(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
+    """Return the mean over the house's observed surfaces of the kind; without any, as above."""
+    values = room_type_mean(graph, means)
+    for j in range(len(SURFACES)):
+        if graph.observed[:, j].any():
+            values[:, j] = graph.embeddings[graph.observed[:, j], j].mean(axis=0)
+    return values
+
+
+def nearest_room(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
+    """Return the surface of the kind fewest doors away, the first in the plan of equals.
+
+    Where doors lead to none, the mean of the house.
+    """
+    values = house_mean(graph, means)
+    doors = doors_between(len(graph.room_ids), graph.edges)
+    for j in range(len(SURFACES)):
+        seen = np.flatnonzero(graph.observed[:, j])
+        if len(seen):
+            nearest = seen[doors[:, seen].argmin(axis=1)]
+            led = np.isfinite(doors[np.arange(len(doors)), nearest])
+            values[led, j] = graph.embeddings[nearest[led], j]
+    return values
+
+
+#: Rules by the name that tables show; each returns embeddings of all surfaces, (n, 3, 11) float32.
+RULES: Mapping[str, Callable[[HouseGraph, TypeMeans], np.ndarray]] = {
+    "room_type_mean": room_type_mean,
+    "house_mean": house_mean,
+    "nearest_room": nearest_room,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What is expected of every surface of a house's n rooms.
+
+    Parameters
+    ----------
+    embedding : (n, 3, 11) float32
+        Colours clipped to [0, 1].
+    confidence : (n, 3) float32
+        Probability that the surface is like one that a photo shows; NaN from the paper's network,
+        which has none.
+    alike : (n, 3) int64
+        Row of the room whose surface of the same kind is likeliest to be like it; -1 where that
+        is none or unknown.
+    seen : (n, 3, 3) float64, optional
+        sRGB of the surfaces of which photos show anything, where the predictor has it.
+    """
+
+    embedding: np.ndarray
+    confidence: np.ndarray
+    alike: np.ndarray
+    seen: np.ndarray | None = None
+
+
+@torch.inference_mode()
+def predict(network: Network, graph: HouseGraph) -> Prediction:
+    """Return the predictions of a network for every surface, the observed ones as if unseen."""
+    if isinstance(network, PointerNetwork):
+        centre, deviation = network.centre.numpy(), network.deviation.numpy()
+        data = graph_data(graph.standardised(centre, deviation))
+        mixture = network(data)
+        components, weights = mixture_components(mixture, data.embeddings, data.pair_index)
+        embedding = robust_centre(components, weights, _S.reach * mixture.copy_scale)
+        embedding = embedding * network.deviation + network.centre
+        confidence = 1.0 - mixture.log_own.exp()
+        likeliest = weights.argmax(1)
+        alike = likeliest.masked_fill(likeliest == len(graph.room_ids), -1)
+    else:
+        data = graph_data(graph)
+        embedding = network(data.x, data.edge_index)
+        confidence = torch.full((len(graph.room_ids), len(SURFACES)), torch.nan)
+        alike = torch.full(confidence.shape, -1)
+    embedding[..., _COLOUR:].clamp_(0.0, 1.0)
+    return Prediction(embedding.numpy(), confidence.numpy(), alike.numpy())
+
+
+def mixture_components(
+    mixture: Mixture, values: Tensor, pair_index: Tensor
+) -> tuple[Tensor, Tensor]:
+    """Return what a surface may be like, all n rooms and none, and how likely each is.
+
+    Parameters
+    ----------
+    values : (n, 3, 11) float32
+        Standardised embeddings of the visible surfaces.
+    pair_index : (2, p) int64
+        As of :func:`~plan2scene.propagation.networks.room_pairs`.
+
+    Returns
+    -------
+    components : (n, n + 1, 3, 11) float32
+    weights : (n, n + 1, 3) float32
+        Zero for the room itself and for those without visible surface.
+    """
+    rooms = len(values)
+    source, target = pair_index
+    weights = values.new_zeros(rooms, rooms + 1, len(SURFACES))
+    weights[target, source] = mixture.log_copies.exp()
+    weights[:, rooms] = mixture.log_own.exp()
+    others = values.expand(rooms, *values.shape)
+    return torch.cat([others, mixture.own[:, None]], dim=1), weights
+
+
+def robust_centre(values: Tensor, weights: Tensor, reach: Tensor) -> Tensor:
+    """Return the weighted median over axis 1, moved to the mean of what lies near.
+
+    Several rooms of one material agree but for noise, which their mean is freer of than any of
+    them. Values farther than `reach` pull no more than those at it (a step of Huber's
+    estimator, DOI 10.1214/aoms/1177703732).
+
+    Shapes
+    ------
+    values : (n, c, ..., d)
+    weights : (n, c, ...)
+    reach : (..., d)
+    returns : (n, ..., d)
+    """
+    weights = weights[..., None]
+    ordered, order = values.sort(dim=1, stable=True)
+    reached = weights.expand_as(values).gather(1, order).cumsum(1) >= 0.5 * weights.sum(1, True)
+    median = ordered.gather(1, reached.int().argmax(1, keepdim=True))
+    pull = (values - median).clamp(-reach, reach)
+    return median.squeeze(1) + (weights * pull).sum(1) / weights.sum(1)
+
+
+def house_evidence(graph: HouseGraph, means: TypeMeans, photo_colours: HouseColours) -> np.ndarray:
+    """Return embeddings of all surfaces, (n, 3, 11) float32, each as if it were not observed.
+
+    Colours come from `photo_colours`, the rest from the graph's observed surfaces.
+    """
+    seen = graph.observed
+    known = graph.embeddings.astype(np.float64)
+    values = room_type_mean(graph, means).astype(np.float64)
+    colours = expected_colours(photo_colours, values[..., -3:], as_if_unseen=True)
+    for j in range(len(SURFACES)):
+        others = (known[:, j] * seen[:, j, None]).sum(axis=0) - known[:, j] * seen[:, j, None]
+        count = seen[:, j].sum() - seen[:, j]
+        mixed = (others + _S.prior_surfaces * values[:, j]) / (count + _S.prior_surfaces)[:, None]
+        values[:, j] = np.where(count[:, None] > 0, mixed, values[:, j])
+    values[..., -3:] = colours
+    return values.astype(np.float32)
+
+
 #: A house's graph, the network, the means of training surfaces and what is seen of all surfaces,
-#: also of those that no crop shows (None: what the graph's surfaces tell) -> what is expected.
+#: also of those that no crop shows (None: the colours of the graph's surfaces) -> what is expected.
 Predictor = Callable[[HouseGraph, Network, TypeMeans, HouseColours | None], Prediction]
 
 
@@ -35,12 +211,13 @@ def by_house(
     in colour decide the weights (model averaging, Hoeting et al. 1999, DOI 10.1214/ss/1009212519).
     """
     known = photo_colours or HouseColours.of_embeddings(graph.embeddings, graph.observed)
-    found, own = predict(network, graph), house_evidence(graph, means, known)
+    network_says, house_says = predict(network, graph), house_evidence(graph, means, known)
     share = network_share(graph, network, means, known)
     kinds = graph.observed.sum(axis=0) - graph.observed
-    sure = np.where(np.isnan(found.confidence), 0.0, found.confidence)
-    confidence = share * sure + (1.0 - share) * kinds / (kinds + PRIOR_SURFACES)
-    embedding = (share * found.embedding + (1.0 - share) * own).astype(np.float32)
+    sure = np.where(np.isnan(network_says.confidence), 0.0, network_says.confidence)
+    confidence = share * sure + (1.0 - share) * kinds / (kinds + _S.prior_surfaces)
+    embedding = share * network_says.embedding + (1.0 - share) * house_says
+    embedding = embedding.astype(np.float32)
     usual = room_type_mean(graph, means)[..., -3:]
     return Prediction(
         embedding,
@@ -54,16 +231,16 @@ def network_share(
     graph: HouseGraph, network: Network, means: TypeMeans, known: HouseColours
 ) -> float:
     """Return the weight of the network against the house's evidence, 0..1."""
-    gap = np.log(PRIOR_ODDS)
+    gap = np.log(_S.prior_odds)
     for place in zip(*np.nonzero(graph.observed), strict=True):
         kept = graph.observed.copy()
         kept[place] = False
-        shown = replace(graph, observed=kept, embeddings=graph.embeddings * kept[..., None])
+        others = replace(graph, observed=kept, embeddings=graph.embeddings * kept[..., None])
         true = graph.embeddings[place]
         gap += (
-            _apart(predict(network, shown).embedding[place], true)
-            - _apart(house_evidence(shown, means, known.without(place))[place], true)
-        ) / ERROR_SCALE
+            _apart(predict(network, others).embedding[place], true)
+            - _apart(house_evidence(others, means, known.without(place))[place], true)
+        ) / _S.error_scale
     return float(1.0 / (1.0 + np.exp(np.clip(gap, -50.0, 50.0))))
 
 

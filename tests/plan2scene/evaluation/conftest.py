@@ -12,9 +12,8 @@ from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
 from plan2scene.plans import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene.propagation.model import save_propagation
-from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.prior import TypeMeans
+from plan2scene.propagation.networks import PropagationNetwork, save_propagation
+from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.textures.baselines.retrieval import write_library
 from plan2scene.textures.inputs import HouseFiles, TextureSettings
 from plan2scene.textures.model.embedding import make_embeddings

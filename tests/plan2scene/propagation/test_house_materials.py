@@ -16,7 +16,7 @@ from plan2scene.propagation.house_materials import (
     grouped,
     pair_evidence,
 )
-from plan2scene.propagation.stage import shared_materials
+from plan2scene.propagation.propagate import shared_materials
 
 
 def seen(room, code, colour, crops=3):
@@ -42,11 +42,11 @@ def test_chance_in_a_mean_of_few_crops_is_no_difference():
     joined = np.ones((2, 2), bool)
     sure = [seen("a", 0.0, 0.4, 40), seen("b", 1.0, 0.4, 3)]
     few = [sure[0], replace(sure[1], doubt=np.full(8, 0.75))]
-    assert pair_evidence(sure, "floor", joined)[0, 1] == pytest.approx(EVIDENCE - 1.0)
-    assert pair_evidence(few, "floor", joined)[0, 1] == pytest.approx(EVIDENCE - 0.5)
+    assert pair_evidence(sure, "floor", joined)[0, 1] == pytest.approx(EVIDENCE.alike - 1.0)
+    assert pair_evidence(few, "floor", joined)[0, 1] == pytest.approx(EVIDENCE.alike - 0.5)
     # No more than as if they were alike.
     none = [sure[0], replace(sure[1], doubt=np.full(8, 9.0))]
-    assert pair_evidence(none, "floor", joined)[0, 1] == pytest.approx(EVIDENCE)
+    assert pair_evidence(none, "floor", joined)[0, 1] == pytest.approx(EVIDENCE.alike)
 
 
 def test_walls_that_are_alike_in_a_photo_each_may_be_so_by_chance():

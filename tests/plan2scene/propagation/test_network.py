@@ -4,7 +4,7 @@ import numpy as np
 import torch
 from formula import formula_state
 
-from plan2scene.propagation.network import PropagationNetwork
+from plan2scene.propagation.networks import PropagationNetwork
 
 ROOM_0 = [
     [0.024754293, -0.156382143, 0.082204133, -0.148976684, 0.103648163, -0.036828607]

@@ -10,14 +10,19 @@ from torch_geometric.data import Batch
 
 from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES, SUBSTANCES, SURFACES
-from plan2scene.propagation.data import graph_data, room_pairs
 from plan2scene.propagation.graph import HouseGraph, doors_between
-from plan2scene.propagation.model import load_propagation, save_propagation
-from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.pointer import Mixture, PointerNetwork
-from plan2scene.propagation.predict import Prediction, mixture_components, predict, robust_centre
-from plan2scene.propagation.prior import TypeMeans
-from plan2scene.propagation.stage import substances_of, unseen_substances
+from plan2scene.propagation.networks import (
+    Mixture,
+    PointerNetwork,
+    PropagationNetwork,
+    graph_data,
+    load_propagation,
+    room_pairs,
+    save_propagation,
+)
+from plan2scene.propagation.predictors import Prediction, mixture_components, predict, robust_centre
+from plan2scene.propagation.propagate import substances_of, unseen_substances
+from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.substances import on_surfaces
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file

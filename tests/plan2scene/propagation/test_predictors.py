@@ -9,12 +9,16 @@ import torch
 from plan2scene.house import ROOM_TYPES
 from plan2scene.paint.observations import HouseColours
 from plan2scene.propagation import predictors
-from plan2scene.propagation.evidence import house_evidence
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.predict import Prediction
-from plan2scene.propagation.predictors import PREDICTORS, nearest_rooms, network_share
-from plan2scene.propagation.prior import TypeMeans
+from plan2scene.propagation.networks import PropagationNetwork
+from plan2scene.propagation.predictors import (
+    PREDICTORS,
+    Prediction,
+    house_evidence,
+    nearest_rooms,
+    network_share,
+)
+from plan2scene.propagation.type_means import TypeMeans
 
 ROOMS = 5
 MEANS = TypeMeans(

@@ -8,7 +8,7 @@ import pytest
 
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene.propagation.stage import propagate_house
+from plan2scene.propagation.propagate import propagate_house
 
 MODELS = Path(__file__).parents[3] / "resources" / "models"
 WEIGHTS = {f"{name}_model": MODELS / f"{name}.safetensors" for name in ("propagation", "texture")}

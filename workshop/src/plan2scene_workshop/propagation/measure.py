@@ -11,9 +11,9 @@ import numpy as np
 
 from plan2scene.colour import delta_e_2000, rgb_to_lab
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.model import Network
-from plan2scene.propagation.predict import predict
-from plan2scene.propagation.prior import RULES, TypeMeans
+from plan2scene.propagation.networks import Network
+from plan2scene.propagation.predictors import RULES, predict
+from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.seeds import generator
 from plan2scene_workshop.propagation.light import Light, lit
 from plan2scene_workshop.training.card import table

@@ -19,11 +19,15 @@ from torch_geometric.data import Batch, Data
 from torch_geometric.utils import scatter
 
 from plan2scene.house import ROOM_TYPES, SURFACES
-from plan2scene.propagation.data import graph_data
 from plan2scene.propagation.graph import EMBEDDING_SIZE, HouseGraph
-from plan2scene.propagation.model import NETWORKS, Network
-from plan2scene.propagation.network import PropagationNetwork
-from plan2scene.propagation.pointer import Mixture, PointerNetwork
+from plan2scene.propagation.networks import (
+    NETWORKS,
+    Mixture,
+    Network,
+    PointerNetwork,
+    PropagationNetwork,
+    graph_data,
+)
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.propagation.light import CORRECTED, PHOTOS, lit
 from plan2scene_workshop.propagation.settings import PropagationSettings

@@ -20,7 +20,7 @@ from plan2scene.substances import usual_shares, weighed
 from plan2scene.weights import fitting, read_model_arrays
 
 if TYPE_CHECKING:
-    from plan2scene.propagation.predict import Prediction
+    from plan2scene.propagation.predictors import Prediction
 
 #: Metres that a tile covers where the house shows no scale at all.
 DEFAULT_METRES = 1.0
@@ -52,7 +52,7 @@ def propagate_house(
     import pandas as pd
 
     # PyTorch Geometric takes seconds to import: what only reads this stage's files goes without.
-    from plan2scene.propagation.model import load_propagation
+    from plan2scene.propagation.networks import load_propagation
     from plan2scene.propagation.predictors import PREDICTORS
 
     plan = read_scene_json(scene_json, house)
@@ -143,7 +143,7 @@ def _unobserved_row(
 ) -> dict[str, Any]:
     """Return what was predicted for a surface that no crop shows, but for its embedding.
 
-    Photos may show it `in_part`, which tells its colour and nothing else.
+    Photos may show it `in_part`: enough for its colour and nothing else.
     """
     alike = int(predicted.alike[place])
     like = f", like {graph.room_ids[alike]}" if alike >= 0 else ""
@@ -184,7 +184,7 @@ def unseen_substances(
     """Return the substance (n, 3) of every surface as predicted, the observed ones as if unseen.
 
     What is predicted to be like an observed surface, and looks to be of its substance, is of the
-    substance that the crops of that one have told (`named`).
+    substance of the crops of that one (`named`).
     """
     both = np.stack([predicted.embedding, graph.embeddings])
     likely, looks = substances_of(both, types, texture_model)

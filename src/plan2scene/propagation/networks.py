@@ -1,0 +1,257 @@
+"""The networks that predict unobserved surfaces, and their weight files.
+
+The paper's (section 5.4) is a gated graph network (Li et al. 2016) over the rooms that regresses
+one embedding a surface, which under doubt is a mean of several materials and looks like none of
+them. In the pointer network its hidden states also score the house's visible surfaces of the same
+kind: a prediction is a mixture of Laplace distributions, one around every visible surface's
+embedding (after pointer networks, Vinyals et al. 2015, arXiv:1506.03134, and mixture density
+networks, Bishop 1994) and one around what the paper's network regresses. The weight of the visible
+surfaces is a confidence, and the mixture's median a sharp prediction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch_geometric.data import Data
+from torch_geometric.nn import GatedGraphConv, MessagePassing
+
+from plan2scene.errors import InputError
+from plan2scene.house import ROOM_TYPES, SURFACES
+from plan2scene.propagation.graph import EMBEDDING_SIZE, NODE_SIZE, HouseGraph, doors_between
+from plan2scene.propagation.type_means import TypeMeans
+from plan2scene.weights import filled, load_model_file, save_model_file
+
+#: Facts about a pair of rooms: doors between them (1, 2, 3 or more, no way), types in common.
+PAIR_SIZE = 5
+_FAR = 4
+
+
+def graph_data(graph: HouseGraph, visible: np.ndarray | None = None) -> Data:
+    """Return a house with the `visible` surfaces (n, 3) bool alone; all observed ones when None.
+
+    Returns
+    -------
+    Data
+        ``x`` (n, 48) float32, ``edge_index`` (2, m) int64, ``pair_index`` (2, p) int64 and
+        ``pair_attr`` (p, 5) float32 of :func:`room_pairs`, ``embeddings`` (n, 3, 11) float32.
+    """
+    known = graph.observed if visible is None else visible
+    pairs, facts = room_pairs(graph)
+    # Copies: products of arrays that lie where numpy put them round differently run by run.
+    return Data(
+        x=torch.tensor(graph.node_features(known)),
+        edge_index=torch.tensor(graph.edges),
+        pair_index=torch.tensor(pairs),
+        pair_attr=torch.tensor(facts),
+        embeddings=torch.tensor(graph.embeddings),
+    )
+
+
+def room_pairs(graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
+    """Return all ordered pairs of different rooms and what is known of them.
+
+    Returns
+    -------
+    (2, p) int64
+        Row of the room that is looked at, row of the room in question (source, target).
+    (p, 5) float32
+    """
+    count = len(graph.room_ids)
+    target, source = np.nonzero(~np.eye(count, dtype=bool))
+    doors = np.minimum(doors_between(count, graph.edges)[target, source], _FAR).astype(np.int64)
+    facts = np.zeros((len(target), PAIR_SIZE), dtype=np.float32)
+    facts[np.arange(len(target)), doors - 1] = 1.0
+    common = np.minimum(graph.types[target], graph.types[source]).sum(axis=1)
+    facts[:, PAIR_SIZE - 1] = common / np.maximum(graph.types[target].sum(axis=1), 1.0)
+    return np.stack([source, target]).astype(np.int64), facts
+
+
+class PropagationNetwork(nn.Module):
+    """Linear, ReLU, Linear, ReLU, GatedGraphConv, ReLU, Linear, ReLU, Linear.
+
+    Parameter names and shapes are those of the authors' checkpoints.
+
+    Parameters
+    ----------
+    width : int
+        Hidden size (96 in the paper's configuration).
+    layers : int
+        Message-passing steps (3).
+
+    Shapes
+    ------
+    x : (n, 48) float32, `graph.HouseGraph.node_features`
+    edge_index : (2, m) int64
+    returns : (n, 3, 11) float32, embeddings of floor, wall, ceiling
+    """
+
+    def __init__(self, width: int = 96, layers: int = 3) -> None:
+        super().__init__()
+        self.linear1 = nn.Sequential(
+            nn.Linear(NODE_SIZE, width), nn.ReLU(), nn.Linear(width, width), nn.ReLU()
+        )
+        self.conv1 = GatedGraphConv(width, layers)
+        self.linear2 = nn.Sequential(
+            nn.Linear(width, width),
+            nn.ReLU(),
+            nn.Linear(width, len(SURFACES) * EMBEDDING_SIZE),
+        )
+
+    def forward(self, x: Tensor, edge_index: Tensor) -> Tensor:
+        """Return the predicted embedding of every surface of every room."""
+        return self.regressed(self.hidden(x, edge_index))
+
+    def hidden(self, x: Tensor, edge_index: Tensor) -> Tensor:
+        """Return what the network knows of every room, (n, width)."""
+        return torch.relu(self.conv1(self.linear1(x), edge_index))
+
+    def regressed(self, hidden: Tensor) -> Tensor:
+        """Return the embeddings (n, 3, 11) of hidden states (n, width)."""
+        return self.linear2(hidden).reshape(-1, len(SURFACES), EMBEDDING_SIZE)
+
+
+_KINDS = len(SURFACES)
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """Predictions of every surface of n rooms, over p pairs of rooms.
+
+    Parameters
+    ----------
+    own : (n, 3, 11) float32
+        What the paper's network regresses.
+    own_scale, copy_scale : (n, 3, 11), (3, 11) float32
+        Scales of the Laplace distributions around it and around visible surfaces.
+    log_own : (n, 3) float32
+        Log weight of `own`.
+    log_copies : (p, 3) float32
+        Log weight of each pair's looked-at room; -inf where its surface is not visible.
+    """
+
+    own: Tensor
+    own_scale: Tensor
+    copy_scale: Tensor
+    log_own: Tensor
+    log_copies: Tensor
+
+
+@dataclass(frozen=True)
+class PointerBounds:
+    """Bounds of a mixture, in standardised embeddings: no component may become a spike."""
+
+    score: float = 15.0  #: log weight before normalisation, either way
+    log_scale: float = 2.0  #: largest log scale of a Laplace distribution
+    least_scale: float = 0.02  #: added to every scale
+
+
+_BOUNDS = PointerBounds()
+
+
+class PointerNetwork(MessagePassing):
+    """Attention over pairs of rooms that may also point at none: houses -> mixtures.
+
+    All embeddings are standardised by `centre` and `deviation`, which the network keeps.
+
+    Parameters
+    ----------
+    width, layers : int
+        Of the paper's network, which is the trunk.
+    pair_width : int
+        Hidden units that score a pair of rooms.
+    """
+
+    def __init__(self, width: int = 96, layers: int = 3, pair_width: int = 64) -> None:
+        super().__init__(aggr="sum")
+        self.trunk = PropagationNetwork(width, layers)
+        self.pair = nn.Sequential(
+            nn.Linear(2 * width + PAIR_SIZE, pair_width), nn.ReLU(), nn.Linear(pair_width, _KINDS)
+        )
+        self.none = nn.Linear(width, _KINDS)
+        self.own_scale = nn.Linear(width, _KINDS * EMBEDDING_SIZE)
+        self.copy_scale = nn.Parameter(torch.full((_KINDS, EMBEDDING_SIZE), -1.0))
+        self.centre: Tensor
+        self.deviation: Tensor
+        self.register_buffer("centre", torch.zeros(EMBEDDING_SIZE))
+        self.register_buffer("deviation", torch.ones(EMBEDDING_SIZE))
+
+    def forward(self, data: Data) -> Mixture:
+        """Return the mixture of every surface of every room of :func:`data.graph_data`."""
+        hidden = self.trunk.hidden(data.x, data.edge_index)
+        blocks = data.x[:, len(ROOM_TYPES) :].reshape(len(hidden), _KINDS, -1)
+        scores = self.edge_updater(
+            data.pair_index, hidden=hidden, unseen=blocks[..., 0] == 0, pair_attr=data.pair_attr
+        )
+        none = _bounded(self.none(hidden))
+        # A softmax by its logarithms: training needs those of weights that are nothing, too.
+        size = (len(hidden), len(hidden))
+        total = (none.exp() + self.propagate(data.pair_index, scores=scores, size=size)).log()
+        return Mixture(
+            self.trunk.regressed(hidden),
+            _scale(self.own_scale(hidden)).reshape(-1, _KINDS, EMBEDDING_SIZE),
+            _scale(self.copy_scale),
+            none - total,
+            scores - total[data.pair_index[1]],
+        )
+
+    def edge_update(
+        self, hidden_i: Tensor, hidden_j: Tensor, unseen_j: Tensor, pair_attr: Tensor
+    ) -> Tensor:
+        """Return scores (p, 3) of being like room j; -inf where its surface is not visible."""
+        scores = self.pair(torch.cat([hidden_i, hidden_j, pair_attr], dim=1))
+        return _bounded(scores).masked_fill(unseen_j, -torch.inf)
+
+    def message(self, scores: Tensor) -> Tensor:
+        """Return what each pair adds to the sum over the rooms looked at."""
+        return scores.exp()
+
+
+def _bounded(scores: Tensor) -> Tensor:
+    return scores.clamp(-_BOUNDS.score, _BOUNDS.score)
+
+
+def _scale(raw: Tensor) -> Tensor:
+    """Return scales of logarithms."""
+    return raw.clamp(max=_BOUNDS.log_scale).exp() + _BOUNDS.least_scale
+
+
+Network: TypeAlias = PropagationNetwork | PointerNetwork
+#: Networks by the name that the files hold: the paper's, and the embedded one.
+NETWORKS: Mapping[str, type[PropagationNetwork] | type[PointerNetwork]] = {
+    "gated": PropagationNetwork,
+    "pointer": PointerNetwork,
+}
+_NETWORK, _PRIOR = "network.", "prior."
+
+
+def save_propagation(path: str | Path, network: Network, means: TypeMeans, **sizes: int) -> None:
+    """Write network and means as one safetensors file (float32: it is small).
+
+    `sizes` are the arguments of the network's constructor.
+    """
+    kind = next(name for name, cls in NETWORKS.items() if type(network) is cls)
+    state = {_NETWORK + name: value for name, value in network.state_dict().items()}
+    state[_PRIOR + "embedding"] = torch.from_numpy(means.embedding)
+    state[_PRIOR + "naive"] = torch.from_numpy(means.naive)
+    save_model_file(path, state, {"network": kind, **sizes}, half=False)
+
+
+def load_propagation(path: str | Path) -> tuple[Network, TypeMeans]:
+    """Return network and means of a file of :func:`save_propagation`; InputError for another's."""
+    state, sizes = load_model_file(path)
+    kind = str(sizes.pop("network", "gated"))
+    if kind not in NETWORKS:
+        raise InputError(f"a propagation network of {', '.join(NETWORKS)}", str(kind), file=path)
+    own = {k.removeprefix(_NETWORK): v for k, v in state.items() if k.startswith(_NETWORK)}
+    network = filled(lambda: NETWORKS[kind](**sizes), own, "a propagation network", path)
+    means = [state.get(_PRIOR + name) for name in ("embedding", "naive")]
+    if means[0] is None or means[1] is None:
+        raise InputError("means by room type", "none", file=path)
+    return network, TypeMeans(means[0].numpy(), means[1].numpy())

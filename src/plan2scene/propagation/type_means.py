@@ -1,0 +1,48 @@
+"""Mean embeddings of training surfaces by room type: NaiveSynth's for unobserved surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from plan2scene.house import ROOM_TYPES, SURFACES
+
+
+@dataclass(frozen=True)
+class TypeMeans:
+    """Mean embeddings over training surfaces.
+
+    Parameters
+    ----------
+    embedding : (12, 3, 11) float32
+        Mean by room type and surface; a pair without samples holds the surface's mean.
+    naive : (12, 3, 8) float32
+        The same for the NaiveSynth model's code.
+    """
+
+    embedding: np.ndarray
+    naive: np.ndarray
+
+    def predict(self, types: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the (3, 11) and (3, 8) means of a room of the types (12,), multi-hot."""
+        return self.embedding[types > 0].mean(axis=0), self.naive[types > 0].mean(axis=0)
+
+
+def mean_by_type(types: np.ndarray, surface: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return means (12, 3, d) of `values` (n, d) by room type and surface.
+
+    Parameters
+    ----------
+    types : (n, 12) bool or float, multi-hot
+    surface : (n,) int, index into ``SURFACES``
+    values : (n, d) float32
+    """
+    result = np.zeros((len(ROOM_TYPES), len(SURFACES), values.shape[1]), dtype=np.float32)
+    for j in range(len(SURFACES)):
+        rows = surface == j
+        overall = values[rows].mean(axis=0) if rows.any() else np.zeros(values.shape[1])
+        for i in range(len(ROOM_TYPES)):
+            mine = rows & (types[:, i] > 0)
+            result[i, j] = values[mine].mean(axis=0) if mine.any() else overall
+    return result
