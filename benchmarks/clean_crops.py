@@ -12,9 +12,7 @@ import argparse
 import numpy as np
 import torch
 
-from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.freq import freq_distance
-from plan2scene.metrics.tile import tile_score
+from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 from plan2scene.seeds import derive_seed, generator
 from plan2scene.textures.constrained import match_statistics
 from plan2scene.textures.model.embedding import embed_crops

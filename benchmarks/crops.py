@@ -45,8 +45,7 @@ from plan2scene.datasets.house_table import load_houses
 from plan2scene.house import House
 from plan2scene.images import read_image
 from plan2scene.io import read_json
-from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.freq import freq_distance
+from plan2scene.metrics.color_freq_tile import color_distance, freq_distance
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.sampling import CROP_PX, medoid_index
 from plan2scene.photos.crops.stage import corrected, draw_candidates

@@ -26,9 +26,7 @@ from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.house import SUBSTANCES
 from plan2scene.materials import load_texture_folder, random_material
 from plan2scene.materials.material import Material
-from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.freq import freq_distance
-from plan2scene.metrics.tile import tile_score
+from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 from plan2scene.seeds import derive_seed
 from plan2scene.textures.baselines.retrieval import generated_library
 from plan2scene.textures.exemplar.choice import ExemplarCrop
@@ -162,16 +160,17 @@ def decoders() -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
 def print_networks(results: dict[str, list[list[np.ndarray]]]) -> None:
     """Print SUBS and FID of the embedded network between tiles and the clean ones, by seed."""
     from plan2scene.metrics.feature_sets import frechet_distance
-    from plan2scene.metrics.features import extract_features, load_features_network
+    from plan2scene.metrics.networks import describe_images
+    from plan2scene.metrics.substance_network import load_substance_network
     from plan2scene.weights import MODELS
 
-    network = load_features_network(MODELS / "features.safetensors")
-    clean, right = extract_features(network, results["clean"][0])
+    network = load_substance_network(MODELS / "features.safetensors")
+    clean, right = describe_images(network, results["clean"][0])
     rows = []
     for name, seeds in results.items():
         values = []
         for tiles in seeds:
-            features, named = extract_features(network, tiles)
+            features, named = describe_images(network, tiles)
             values.append([float((named != right).mean()), frechet_distance(features, clean)])
         rows.append((name, _spread(values)))
     print_table("method", ("SUBS (embedded)", "FID (embedded)"), rows)

@@ -20,9 +20,7 @@ import numpy as np
 
 from plan2scene.house import SUBSTANCES
 from plan2scene.materials import random_material
-from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.freq import freq_distance
-from plan2scene.metrics.tile import tile_score
+from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 
 #: Milliseconds per pair of the paper's code on one core, and how many times faster we must be.
 OFFICIAL = {"COLOR": (41.9, 50), "FREQ": (1.2, 2), "TILE": (0.2, 2)}

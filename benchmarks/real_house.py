@@ -47,7 +47,7 @@ from plan2scene.colour import (
 from plan2scene.house import SURFACES
 from plan2scene.images import image_from_bytes, metric_image, read_image, write_png
 from plan2scene.io import read_json, read_parquet
-from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.color_freq_tile import color_distance
 
 REPOSITORY = Path(__file__).parents[1]
 DATASET, METHOD = "real", "exemplar"

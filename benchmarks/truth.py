@@ -21,8 +21,7 @@ import numpy as np
 from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.images import METRIC_SIZE, metric_image, read_image
 from plan2scene.io import read_json
-from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.freq import freq_distance
+from plan2scene.metrics.color_freq_tile import color_distance, freq_distance
 
 #: A method that stretches a crop over a surface covers many metres; more tiles tell nothing more.
 MOST_TILES = 16.0

@@ -96,8 +96,8 @@ def list_methods() -> None:
 @parts.command("metrics")
 def compare(prediction: Path, reference: Path) -> None:
     """Print COLOR, FREQ, TILE (of the prediction) and SUBS of a texture against a reference."""
+    from plan2scene.evaluation.measure import pair_metrics
     from plan2scene.images import read_image
-    from plan2scene.metrics.pair import pair_metrics
 
     print(json.dumps(pair_metrics(read_image(prediction), read_image(reference))))
 

@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
-from plan2scene.metrics.features import load_features_network
+from plan2scene.metrics.substance_network import load_substance_network
 from plan2scene.photos.labels.segmentation import load_segmenter
 from plan2scene.propagation.networks import load_propagation
 from plan2scene.textures.model.network import load_texture_model
@@ -103,7 +103,7 @@ LOADERS = {
     "segmentation": load_segmenter,
     "texture": load_texture_model,
     "propagation": load_propagation,
-    "features": load_features_network,
+    "features": load_substance_network,
 }
 
 

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from plan2scene.datasets.table import read_house_table
-from plan2scene.metrics.features import load_features_network
+from plan2scene.metrics.substance_network import load_substance_network
 from plan2scene_app.tracing.segmenter import load_plan_segmenter
 
 ROOT = Path(__file__).parents[2]
@@ -69,7 +69,7 @@ def test_data_and_models_are_made(run, tmp_path):
     run("data", *(f"{MODELS}/{name}.safetensors" for name in ("features", "plans")))
     rows = read_house_table(tmp_path / "data" / "tiny" / "houses.tsv")
     assert len(rows) == 1
-    load_features_network(tmp_path / MODELS / "features.safetensors")
+    load_substance_network(tmp_path / MODELS / "features.safetensors")
     load_plan_segmenter(tmp_path / MODELS / "plans.safetensors")
     assert "`steps` 2," in (tmp_path / MODELS / "plans.md").read_text()
     card = (tmp_path / MODELS / "features.md").read_text()

@@ -3,9 +3,9 @@
 import numpy as np
 
 from plan2scene.materials import random_material
-from plan2scene.metrics.features import extract_features, load_features_network
-from plan2scene_workshop.features.settings import FeaturesSettings
-from plan2scene_workshop.features.training import train_features
+from plan2scene.metrics.networks import describe_images
+from plan2scene.metrics.substance_network import load_substance_network
+from plan2scene_workshop.features.training import FeaturesSettings, train_features
 from plan2scene_workshop.texture.data import MaterialSettings, write_materials
 
 TINY = FeaturesSettings(steps=3, batch=4, held_out_crops=16)
@@ -21,7 +21,7 @@ def test_training_writes_weights_and_card_and_repeats_itself(tmp_path):
     card = (tmp_path / "a.md").read_text()
     for name, accuracy in results[0].items():
         assert f"| {name} | 16 | {accuracy:.3f} |" in card
-    network = load_features_network(tmp_path / "a.safetensors")
-    features, _ = extract_features(network, [random_material("tile", 1, size_px=128).albedo])
+    network = load_substance_network(tmp_path / "a.safetensors")
+    features, _ = describe_images(network, [random_material("tile", 1, size_px=128).albedo])
     assert features.shape == (1, 64)
     assert np.isfinite(features).all()

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.freq import freq_distance, periodic_component
+from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, periodic_component
 from plan2scene_workshop.texture import losses
 
 

@@ -14,15 +14,13 @@ from plan2scene_workshop.texture import vgg_statistics as vs
 def vgg_file(tmp_path_factory):
     """Random weights under torchvision's names."""
     torch.manual_seed(0)
-    shapes = {}
-    channels, index = 3, 0
-    for outputs in vs._VGG19:
-        if outputs == "pool":
-            index += 1
-            continue
+    shapes, channels = {}, 3
+    places = (0, 2, 5, 7, 10, 12, 14, 16, 19, 21, 23, 25, 28)
+    widths = (64,) * 2 + (128,) * 2 + (256,) * 4 + (512,) * 5
+    for index, outputs in zip(places, widths, strict=True):
         shapes[f"features.{index}.weight"] = (outputs, channels, 3, 3)
         shapes[f"features.{index}.bias"] = (outputs,)
-        channels, index = outputs, index + 2
+        channels = outputs
     state = {name: torch.randn(shape) * 0.05 for name, shape in shapes.items()}
     path = tmp_path_factory.mktemp("vgg") / "vgg19.pth"
     torch.save(state, path)

@@ -11,7 +11,7 @@ import pytest
 import yaml
 from snakemake.utils import update_config
 
-from plan2scene_workshop.features.settings import FeaturesSettings
+from plan2scene_workshop.features.training import FeaturesSettings
 from plan2scene_workshop.plans.settings import PlanSettings
 from plan2scene_workshop.propagation.settings import PropagationSettings
 from plan2scene_workshop.segmentation.settings import SegmentationSettings

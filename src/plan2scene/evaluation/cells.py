@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from plan2scene.evaluation.distances import SurfaceDistances
 from plan2scene.evaluation.gather import MeasuredHouse, Measurements
+from plan2scene.metrics.feature_sets import MAX_MOMENTS_DIMENSION, SurfaceDistances
 from plan2scene.metrics.registry import METRICS
-from plan2scene.metrics.running import MAX_MOMENTS_DIMENSION
 
 #: FID and KID are of the whole set; the others are means of a column of ``metrics.parquet``.
 MEANS = tuple(name for name in METRICS if name not in ("FID", "KID"))

@@ -2,7 +2,7 @@
 
 Observed is measured at drop 0.0; Unobserved and All at the table's drop (0.6 in the paper), with
 references from the hidden photos too. FID and KID compare the predictions with all crops of the
-same surfaces (:mod:`plan2scene.evaluation.distances`).
+same surfaces (:mod:`plan2scene.metrics.feature_sets`).
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from plan2scene.drawing import INK, PAPER, font
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.images import metric_image, read_image
 from plan2scene.io import atomic_path, read_json, read_parquet
-from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.color_freq_tile import color_distance
 
 _CELL, _GAP, _LABEL, _HEAD, _CAPTION = 192, 8, 132, 26, 16
 _PALE = (225, 225, 225)

@@ -1,52 +1,53 @@
-"""The networks behind SUBS, FID and KID by the header of their weight file.
+"""The networks behind SUBS, FID and KID, chosen by the header of their weight file.
 
-``embedded``    trained here; tells substances and gives features (:mod:`.features`, numpy)
+``embedded``    trained by the workshop; gives substances and features (:mod:`.substance_network`)
 ``vgg16``       the paper's substance classifier, converted (:mod:`.vgg`)
 ``inception``   InceptionV3's features, converted (:mod:`.inception`)
-
-Torch is imported only for the last two.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import torch
+from torch import nn
 
 from plan2scene.errors import InputError
 from plan2scene.images import METRIC_SIZE, metric_image
-from plan2scene.metrics.features import FEATURE_NETWORK, extract_features, load_features_network
+from plan2scene.metrics.inception import InceptionV3
+from plan2scene.metrics.substance_network import SubstanceNetwork, load_substance_network
+from plan2scene.metrics.vgg import VggClassifier
 from plan2scene.weights import fitting, load_model_file, read_model_arrays
 
-if TYPE_CHECKING:
-    from torch import nn
-
-_BATCH = 8
+#: Name of the embedded network in column names.
+EMBEDDED = "embedded"
+_CONVERTED = {"vgg16": VggClassifier, "inception": InceptionV3}
+_BATCH = 8  # images at once: bounds the memory
 
 
 def network_name(path: str | Path) -> str:
     """Return the name that columns give a weight file's network; reads its header only."""
     _, architecture = read_model_arrays(path, names=())
-    name = architecture.get("network", FEATURE_NETWORK)
-    if name not in (FEATURE_NETWORK, "vgg16", "inception"):
+    name = architecture.get("network", EMBEDDED)
+    if name not in (EMBEDDED, *_CONVERTED):
         raise InputError("weights of a metric's network", repr(name), file=path)
     return str(name)
 
 
 def features_of(path: str | Path, images: Sequence[np.ndarray]) -> np.ndarray:
     """Return (n, d) float32 features of (h, w, 3) uint8 sRGB images, d of the network."""
-    if network_name(path) == FEATURE_NETWORK:
-        return extract_features(load_features_network(path), images)[0]
-    return _outputs(path, "inception", images)
+    if network_name(path) == EMBEDDED:
+        return describe_images(load_substance_network(path), images)[0]
+    return _converted_outputs(path, "inception", images)
 
 
 def substances_of(path: str | Path, images: Sequence[np.ndarray]) -> np.ndarray:
     """Return (n,) int64 indices into ``house.SUBSTANCES`` of (h, w, 3) uint8 sRGB images."""
-    if network_name(path) == FEATURE_NETWORK:
-        return extract_features(load_features_network(path), images)[1]
-    return _outputs(path, "vgg16", images).argmax(axis=1)
+    if network_name(path) == EMBEDDED:
+        return describe_images(load_substance_network(path), images)[1]
+    return _converted_outputs(path, "vgg16", images).argmax(axis=1)
 
 
 def describe(
@@ -61,36 +62,57 @@ def describe(
     """
     images = [*predictions, *references]
     if Path(features_model) == Path(substance_model):
-        features, classes = extract_features(load_features_network(features_model), images)
+        features, classes = describe_images(load_substance_network(features_model), images)
         return features[: len(predictions)], classes
     return features_of(features_model, predictions), substances_of(substance_model, images)
 
 
-def _outputs(path: str | Path, network: str, images: Sequence[np.ndarray]) -> np.ndarray:
-    """Return (n, d) float32 of a converted network for images taken at the metrics' 128 pixels."""
-    import torch
+def describe_images(
+    network: SubstanceNetwork, images: Sequence[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the embedded network's features and substances of textures.
 
+    Parameters
+    ----------
+    images : sequence of (h, w, 3) uint8
+        sRGB; resized to 128 px where they are not.
+
+    Returns
+    -------
+    (n, feature_dim) float32
+    (n,) int64
+        Index into ``house.SUBSTANCES``.
+    """
+    if not images:
+        return np.zeros((0, len(network.shift)), np.float32), np.zeros(0, np.int64)
+    with torch.inference_mode():
+        parts = [network(batch / 255.0) for batch in _batches(images)]
+        features, logits = (torch.cat(part) for part in zip(*parts, strict=True))
+    return features.numpy(), logits.argmax(dim=1).numpy()
+
+
+def _converted_outputs(path: str | Path, network: str, images: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the outputs (n, d) float32 of a converted network."""
     model = load_network(path, network)
+    with torch.inference_mode():
+        return torch.cat([model(batch) for batch in _batches(images)]).numpy()
+
+
+def _batches(images: Sequence[np.ndarray]) -> tuple[torch.Tensor, ...]:
+    """Return (n, 3, 128, 128) float32 batches of the images, RGB 0..255; an empty one for none."""
     pixels = np.zeros((len(images), METRIC_SIZE, METRIC_SIZE, 3), np.uint8)
     for row, image in zip(pixels, images, strict=True):
         row[:] = metric_image(image)
-    with torch.inference_mode():
-        batches = torch.from_numpy(pixels).permute(0, 3, 1, 2).split(_BATCH)
-        return torch.cat([model(batch.float()) for batch in batches]).numpy()
+    return torch.from_numpy(pixels).permute(0, 3, 1, 2).float().split(_BATCH)
 
 
 def load_network(path: str | Path, network: str) -> nn.Module:
     """Return ``vgg16`` or ``inception`` of a converted checkpoint, in evaluation mode."""
-    import torch
-
-    from plan2scene.metrics.inception import InceptionV3
-    from plan2scene.metrics.vgg import VggClassifier
-
     state, architecture = load_model_file(path)
     if architecture.pop("network", None) != network:
         raise InputError(f"weights of network {network}", str(sorted(architecture)), file=path)
     with fitting(network, path), torch.device("meta"):
-        model = {"vgg16": VggClassifier, "inception": InceptionV3}[network](**architecture)
+        model = _CONVERTED[network](**architecture)
     with fitting(network, path):
         model.load_state_dict(state, assign=True)
     return model.eval()

@@ -1,7 +1,4 @@
-"""The metrics, in the order of the tables: a new one of image pairs is a module and a line here.
-
-The modules behind them are imported when they measure: tables need the names alone.
-"""
+"""The metrics in the order of the tables; a new one of image pairs is a function and a line."""
 
 from __future__ import annotations
 
@@ -10,23 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
-def _color(predictions: np.ndarray, references: np.ndarray) -> np.ndarray:
-    from plan2scene.metrics.color import color_distance
-
-    return color_distance(predictions, references)
-
-
-def _freq(predictions: np.ndarray, references: np.ndarray) -> np.ndarray:
-    from plan2scene.metrics.freq import freq_distance
-
-    return freq_distance(predictions, references)
-
-
-def _tile(predictions: np.ndarray, references: np.ndarray) -> np.ndarray:
-    from plan2scene.metrics.tile import tile_score
-
-    return tile_score(predictions)
+from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 
 
 @dataclass(frozen=True)
@@ -51,11 +32,11 @@ class Metric:
 
 #: By name. KID is not the paper's: unlike FID it depends on no set's size.
 METRICS: Mapping[str, Metric] = {
-    "COLOR": Metric(3, of_pairs=_color),
-    "FREQ": Metric(3, of_pairs=_freq),
+    "COLOR": Metric(3, of_pairs=color_distance),
+    "FREQ": Metric(3, of_pairs=freq_distance),
     "SUBS": Metric(3, "substances"),
     "FID": Metric(1, "features"),
-    "TILE": Metric(1, of_pairs=_tile),
+    "TILE": Metric(1, of_pairs=lambda predictions, _: tile_score(predictions)),
     "KID": Metric(3, "features"),
 }
 #: Names of the columns of ``metrics.parquet`` that :func:`image_metrics` gives.

@@ -10,6 +10,7 @@ from plan2scene.evaluation.measure import reference_features
 from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
+from plan2scene.metrics.substance_network import SubstanceNetwork, save_substance_network
 from plan2scene.plans import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.propagation.networks import PropagationNetwork, save_propagation
@@ -19,7 +20,6 @@ from plan2scene.textures.inputs import HouseFiles, TextureSettings
 from plan2scene.textures.model.embedding import make_embeddings
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
-from plan2scene_workshop.features.network import SubstanceNetwork, save_features_network
 
 SIZE = 128
 
@@ -87,7 +87,7 @@ def models(tmp_path_factory):
     save_propagation(
         paths["propagation"], PropagationNetwork(16, 2).eval(), means, width=16, layers=2
     )
-    save_features_network(SubstanceNetwork((4, 6), feature_dim=6).eval(), paths["features"])
+    save_substance_network(SubstanceNetwork((4, 6), feature_dim=6).eval(), paths["features"])
     return Models(**paths, substances=paths["features"])
 
 

@@ -7,10 +7,11 @@ import pandas as pd
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.evaluation import cells, distances
+from plan2scene.evaluation import cells
 from plan2scene.evaluation.aggregate import TableRequest, tidy_table
 from plan2scene.evaluation.gather import Measurements
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.metrics import feature_sets
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 
 NETWORKS = {"features": "embedded", "model": "a", "substances": "vgg16", "substance_model": "b"}
@@ -104,7 +105,7 @@ def test_files_read_again_for_other_cells_say_the_same(tmp_path, monkeypatch):
 
 
 def test_kid_of_many_dimensions_is_the_mean_over_blocks(tmp_path, monkeypatch):
-    monkeypatch.setattr(distances, "BLOCK_SURFACES", 6)  # two houses of three surfaces each
+    monkeypatch.setattr(feature_sets, "BLOCK_SURFACES", 6)  # two houses of three surfaces each
     files = _files(tmp_path, 5, 200)
     found = _values(tidy_table(Measurements(*files), _request(5)))
     blocks = [(0, 2, 6), (2, 4, 6), (4, 5, 3)]

@@ -10,6 +10,7 @@ from plan2scene.evaluation.aggregate import TableRequest
 from plan2scene.evaluation.measure import (
     Networks,
     measure_tiles,
+    pair_metrics,
     reference_features,
     reference_images,
 )
@@ -18,13 +19,12 @@ from plan2scene.evaluation.published import published_value
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.metrics.color import color_distance
+from plan2scene.materials import random_material
+from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
-from plan2scene.metrics.freq import freq_distance
 from plan2scene.metrics.networks import features_of
 from plan2scene.metrics.registry import METRICS
-from plan2scene.metrics.tile import tile_score
-from plan2scene_workshop.features.network import SubstanceNetwork, save_features_network
+from plan2scene.metrics.substance_network import SubstanceNetwork, save_substance_network
 
 METHODS = ("crop", "synth")
 
@@ -47,7 +47,7 @@ CROPS = {
 def model(tmp_path_factory):
     path = tmp_path_factory.mktemp("model") / "features.safetensors"
     torch.manual_seed(1)
-    save_features_network(SubstanceNetwork((4, 6), feature_dim=6).eval(), path)
+    save_substance_network(SubstanceNetwork((4, 6), feature_dim=6).eval(), path)
     return path
 
 
@@ -251,3 +251,18 @@ def test_metrics_of_two_networks_are_not_mixed(results):
     write_parquet(path, frame, metadata | {"model": "another"})
     with pytest.raises(InputError, match="one features network"):
         _table(results, _request())
+
+
+def test_an_image_against_itself():
+    image = random_material("wood", 3, size_px=128).albedo
+    figures = pair_metrics(image, image)
+    assert (figures["color"], figures["freq"], figures["subs"]) == (0.0, 0.0, 0)
+    assert figures["tile"] == pytest.approx(tile_score(image))
+
+
+def test_tile_is_of_the_prediction_and_sizes_may_differ():
+    image = random_material("tile", 5, size_px=256).albedo
+    flat = np.full((64, 64, 3), 90, np.uint8)
+    assert pair_metrics(flat, image)["tile"] == pytest.approx(0.0, abs=1e-9)
+    assert pair_metrics(image, flat)["tile"] > 1.0
+    assert pair_metrics(flat, image)["color"] == pytest.approx(pair_metrics(image, flat)["color"])

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from plan2scene.evaluation.distances import SurfaceDistances
 from plan2scene.house import SurfaceKey
-from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
+from plan2scene.metrics.feature_sets import SurfaceDistances, frechet_distance, kernel_distance
 from plan2scene.textures.decoding import further_images
 from plan2scene.textures.inputs import (
     HouseData,

@@ -5,7 +5,6 @@ import pytest
 import torch
 from scipy.linalg import sqrtm
 
-from plan2scene.metrics import feature_sets
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 
 
@@ -130,14 +129,6 @@ def test_units_count_once_in_kid_and_are_not_paired_with_themselves():
     expected = within_a + within_b - 2 * across
     assert kernel_distance(a, b, None, units) == pytest.approx(expected, rel=1e-12)
     assert kernel_distance(b, a, units, None) == pytest.approx(expected, rel=1e-12)
-
-
-def test_rows_of_the_kernel_in_parts_are_the_whole(monkeypatch):
-    a, b = _samples(20, 5, 5), _samples(23, 5, 6)
-    units = np.arange(23) // 2
-    whole = kernel_distance(a, b, None, units)
-    monkeypatch.setattr(feature_sets, "_ROWS", 7)
-    assert kernel_distance(a, b, None, units) == pytest.approx(whole, rel=1e-12)
 
 
 def test_kid_of_fewer_than_two_units_has_no_value():

@@ -6,15 +6,16 @@ import torch
 
 from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.errors import InputError
-from plan2scene.metrics.features import extract_features, load_features_network
 from plan2scene.metrics.inception import InceptionV3
 from plan2scene.metrics.networks import (
     describe,
+    describe_images,
     features_of,
     load_network,
     network_name,
     substances_of,
 )
+from plan2scene.metrics.substance_network import load_substance_network
 from plan2scene.metrics.vgg import VggClassifier
 from plan2scene.weights import MODELS, save_model_file
 
@@ -147,7 +148,7 @@ def test_each_network_describes_its_part(small_vgg, small_inception):
     assert np.allclose(features, features_of(small_inception, images[:2]))
     assert np.array_equal(classes, substances_of(small_vgg[0], images))
     one_pass = describe(EMBEDDED, EMBEDDED, images[:2], images[2:])
-    expected = extract_features(load_features_network(EMBEDDED), images)
+    expected = describe_images(load_substance_network(EMBEDDED), images)
     assert np.allclose(one_pass[0], expected[0][:2], atol=1e-5)
     assert np.array_equal(one_pass[1], expected[1])
     assert network_name(EMBEDDED) == "embedded"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
-from plan2scene.metrics.color import color_distance
+from plan2scene.metrics.color_freq_tile import color_distance
 from plan2scene.paint.shading import consensus, flatten, highlights, log_luma
 from plan2scene.textures.exemplar.choice import ExemplarCrop, alike
 from plan2scene.textures.exemplar.lattice import find_lattice, whole_periods

@@ -20,8 +20,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image, png_bytes
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.metrics.color import color_histogram
-from plan2scene.metrics.freq import frequency_profile
+from plan2scene.metrics.color_freq_tile import color_histogram, frequency_profile
 from plan2scene.seeds import derive_seed
 
 _FREQ_WEIGHT = 100.0  # dE2000 that FREQ of 1 counts as

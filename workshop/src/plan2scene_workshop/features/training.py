@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,15 @@ import torch
 from torch.nn import functional
 
 from plan2scene.house import SUBSTANCES
-from plan2scene.metrics.features import FeaturesNetwork, extract_features, load_features_network
+from plan2scene.metrics.networks import describe_images
+from plan2scene.metrics.substance_network import (
+    SubstanceNetwork,
+    as_tensor,
+    load_substance_network,
+    save_substance_network,
+)
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed, generator
-from plan2scene_workshop.features.network import SubstanceNetwork, as_tensor, save_features_network
-from plan2scene_workshop.features.settings import FeaturesSettings
 from plan2scene_workshop.texture.data import (
     TextureSet,
     draw_crops,
@@ -44,6 +49,24 @@ heavy shadow lower the accuracy.
 """
 
 
+@dataclass(frozen=True)
+class FeaturesSettings:
+    """Hyperparameters of the features network's training."""
+
+    # What is drawn.
+    batch: int = 32  #: crops in a step
+    scanned_share: float = 0.4  #: of the crops, those of real textures, where there are any
+    photographed_share: float = 0.75  #: of the crops, those spoiled as in a photo of a room
+
+    # Optimiser: AdamW; a linear rise over 5 % of the steps, then a cosine to 0.
+    steps: int = 4000
+    learning_rate: float = 3e-3  #: at the peak
+    weight_decay: float = 1e-2
+    label_smoothing: float = 0.05  #: a window may show no joint of its planks or tiles
+
+    held_out_crops: int = 1000  #: of each held-out set, for the card; features' scale has as many
+
+
 def draw_photographed(
     textures: TextureSet,
     scanned_share: float,
@@ -66,7 +89,7 @@ def train_network(
     checkpoint: Path | None = None,
     run: object = None,
 ) -> Trained[SubstanceNetwork]:
-    """Return the trained network ; its features have no scale yet.
+    """Return the trained network; its features have no scale yet.
 
     `checkpoint` is continued where it is of this run; `run` tells these textures from others.
     """
@@ -110,13 +133,13 @@ def standardise(network: SubstanceNetwork, crops: np.ndarray) -> None:
 
 
 def confusion(
-    network: FeaturesNetwork, textures: TextureSet, count: int, seed: int, degraded: bool
+    network: SubstanceNetwork, textures: TextureSet, count: int, seed: int, degraded: bool
 ) -> np.ndarray:
     """Return the (4, 4) counts of true (row) against predicted substance over `count` crops."""
     rng = generator(seed, "features held out", degraded)
     scanned = float(textures.scanned.all())
     crops, substances = draw_photographed(textures, scanned, count, rng, float(degraded))
-    _, predicted = extract_features(network, list(crops))
+    _, predicted = describe_images(network, list(crops))
     size = len(SUBSTANCES)
     return np.bincount(substances * size + predicted, minlength=size * size).reshape(size, size)
 
@@ -148,8 +171,8 @@ def train_features(
     rng, share = generator(seed, "features scale"), settings.photographed_share
     crops, _ = draw_photographed(textures, settings.scanned_share, count, rng, share)
     standardise(network, crops)
-    save_features_network(network, model)
-    shipped = load_features_network(model)  # what the metrics run: float16 weights, numpy
+    save_substance_network(network, model)
+    shipped = load_substance_network(model)  # what the metrics run: weights of float16
     counts = {
         f"{name} textures, {'photographed' if degraded else 'clean'}": confusion(
             shipped, group, count, seed, degraded

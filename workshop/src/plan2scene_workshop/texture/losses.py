@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import torch
 
-from plan2scene.metrics.freq import periodic_component
+from plan2scene.metrics.color_freq_tile import periodic_component
 from plan2scene.textures.model.colour import rgb_to_hsv
 from plan2scene.textures.model.statistics import OPPONENT, opponent
 
@@ -21,7 +21,7 @@ _SOFTNESS = 0.015
 def histogram_distance(images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
     """Return (n,): L1 distance in [0, 1] of soft HSL histograms, the COLOR metric with gradients.
 
-    Bins as of :mod:`plan2scene.metrics.color`, their edges softened.
+    Bins as of :mod:`plan2scene.metrics.color_freq_tile`, their edges softened.
     """
     gap = _soft_histogram(images) - _soft_histogram(targets)
     return gap.abs().sum((1, 2)) / 2.0

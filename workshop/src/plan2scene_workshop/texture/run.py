@@ -9,9 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.metrics.color import color_distance
-from plan2scene.metrics.freq import freq_distance
-from plan2scene.metrics.tile import tile_score
+from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed, generator
 from plan2scene.textures.model.decoder import low_precision_is_fast

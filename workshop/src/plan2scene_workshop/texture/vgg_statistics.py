@@ -9,12 +9,11 @@ import torch
 from torch import nn
 
 from plan2scene.errors import InputError
+from plan2scene.metrics.vgg import imagenet_normalised, vgg_convolutions
 from plan2scene.textures.model.statistics import FilterBankStatistics, gram
 
-#: Output channels of VGG-19's convolutions up to relu5_1; "pool" halves the size.
-_VGG19: tuple[int | str, ...] = (
-    64, 64, "pool", 128, 128, "pool", 256, 256, 256, 256, "pool", 512, 512, 512, 512, "pool", 512,
-)  # fmt: skip
+#: Convolutions of VGG-19's groups up to relu5_1.
+_VGG19 = (2, 2, 4, 4, 1)
 #: Indices of the tapped convolutions (relu1_1 ... relu5_1) among torchvision's ``features``.
 _VGG19_TAPS = (0, 5, 10, 19, 28)
 #: What reading a file that holds no such weights raises.
@@ -27,20 +26,9 @@ class VggStatistics(nn.Module):
     `path` is a state dict of torchvision's ``vgg19``, read with ``weights_only=True``.
     """
 
-    _MEAN = (0.485, 0.456, 0.406)
-    _STD = (0.229, 0.224, 0.225)
-
     def __init__(self, path: str | Path) -> None:
         super().__init__()
-        layers: list[nn.Module] = []
-        channels = 3
-        for outputs in _VGG19:
-            if isinstance(outputs, str):
-                layers.append(nn.MaxPool2d(2))
-                continue
-            layer = nn.Conv2d(channels, outputs, 3, padding=1, padding_mode="circular")
-            layers += [layer, nn.ReLU()]
-            channels = outputs
+        *layers, _ = vgg_convolutions(_VGG19, padding_mode="circular").children()  # no last pool
         self.features = nn.Sequential(*layers).requires_grad_(False).eval()
         try:
             state = torch.load(path, map_location="cpu", weights_only=True)
@@ -51,11 +39,9 @@ class VggStatistics(nn.Module):
 
     def grams(self, rgb: torch.Tensor) -> list[torch.Tensor]:
         """Return the five Gram matrices (n, c, c) of images (n, 3, h, w)."""
-        x = (rgb - rgb.new_tensor(self._MEAN).view(1, 3, 1, 1)) / rgb.new_tensor(self._STD).view(
-            1, 3, 1, 1
-        )
+        x = imagenet_normalised(rgb)
         result = []
-        for index, layer in enumerate(self.features):
+        for index, layer in enumerate(self.features.children()):
             x = layer(x)
             if index - 1 in _VGG19_TAPS:
                 result.append(gram(x))

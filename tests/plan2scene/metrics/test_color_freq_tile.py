@@ -3,10 +3,15 @@
 import numpy as np
 import pytest
 
-from plan2scene.metrics.color import color_distance, color_histogram
-from plan2scene.metrics.freq import freq_distance, frequency_profile, periodic_component
-from plan2scene.metrics.images import grey
-from plan2scene.metrics.tile import tile_score
+from plan2scene.metrics.color_freq_tile import (
+    color_distance,
+    color_histogram,
+    freq_distance,
+    frequency_profile,
+    grey,
+    periodic_component,
+    tile_score,
+)
 
 
 def _quantise(*channels):

@@ -1,4 +1,4 @@
-"""The features network: numpy inference equals torch's, files, and the embedded weights."""
+"""The embedded substance network: its file, its outputs, and the shipped weights."""
 
 import cv2
 import numpy as np
@@ -8,16 +8,14 @@ import torch
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.materials import random_material
-from plan2scene.metrics.features import (
-    extract_features,
-    load_features_network,
-)
-from plan2scene.weights import MODELS, save_model_file
-from plan2scene_workshop.features.network import (
+from plan2scene.metrics.networks import describe_images
+from plan2scene.metrics.substance_network import (
     SubstanceNetwork,
     as_tensor,
-    save_features_network,
+    load_substance_network,
+    save_substance_network,
 )
+from plan2scene.weights import MODELS, save_model_file
 
 
 @pytest.fixture
@@ -33,39 +31,38 @@ def network():
     return network.eval()
 
 
-def test_numpy_inference_equals_torch(network, tmp_path):
-    save_features_network(network, tmp_path / "f.safetensors")
-    with torch.no_grad():  # weights are stored as float16
-        for name, value in network.state_dict().items():
-            if value.is_floating_point():
-                network.state_dict()[name].copy_(value.half().float())
+def test_a_file_gives_the_same_network_back(network, tmp_path):
+    save_substance_network(network, tmp_path / "f.safetensors")
     images = np.random.default_rng(1).integers(0, 256, (18, 128, 128, 3), dtype=np.uint8)
-    features, classes = extract_features(
-        load_features_network(tmp_path / "f.safetensors"), list(images)
+    features, classes = describe_images(
+        load_substance_network(tmp_path / "f.safetensors"), list(images)
     )
+    for value in network.state_dict().values():  # weights are stored as float16
+        if value.is_floating_point():
+            value.copy_(value.half().float())
     with torch.inference_mode():
         expected, logits = network(as_tensor(images))
     assert features.shape == (18, 5)
-    assert np.allclose(features, expected.numpy(), atol=1e-4)
+    assert np.allclose(features, expected.numpy(), atol=1e-5)
     assert np.array_equal(classes, logits.argmax(dim=1).numpy())
 
 
 def test_larger_textures_are_resized_and_no_texture_is_no_row(network, tmp_path):
-    save_features_network(network, tmp_path / "f.safetensors")
-    loaded = load_features_network(tmp_path / "f.safetensors")
+    save_substance_network(network, tmp_path / "f.safetensors")
+    loaded = load_substance_network(tmp_path / "f.safetensors")
     small = np.random.default_rng(2).integers(0, 256, (128, 128, 3), dtype=np.uint8)
     large = small.repeat(2, axis=0).repeat(2, axis=1)
-    features, _ = extract_features(loaded, [small, large])
+    features, _ = describe_images(loaded, [small, large])
     assert np.allclose(features[0], features[1], atol=1e-5)
-    assert extract_features(loaded, [])[0].shape == (0, 5)
+    assert describe_images(loaded, [])[0].shape == (0, 5)
 
 
 def test_wrong_weights_are_refused(tmp_path):
     with pytest.raises(InputError, match="safetensors"):
-        load_features_network(tmp_path / "absent.safetensors")
+        load_substance_network(tmp_path / "absent.safetensors")
     save_model_file(tmp_path / "other.safetensors", {"a": torch.zeros(2)}, {"widths": [4]})
-    with pytest.raises(InputError, match="features network"):
-        load_features_network(tmp_path / "other.safetensors")
+    with pytest.raises(InputError, match="substance network"):
+        load_substance_network(tmp_path / "other.safetensors")
 
 
 def test_embedded_weights_tell_substances_of_unseen_materials():
@@ -75,5 +72,5 @@ def test_embedded_weights_tell_substances_of_unseen_materials():
             tile = random_material(substance, seed).albedo
             images.append(cv2.resize(tile[:180, :180], (128, 128), interpolation=cv2.INTER_AREA))
             truth.append(index)
-    _, classes = extract_features(load_features_network(MODELS / "features.safetensors"), images)
+    _, classes = describe_images(load_substance_network(MODELS / "features.safetensors"), images)
     assert np.mean(classes == np.array(truth)) >= 0.7  # the card says 0.83 of such windows

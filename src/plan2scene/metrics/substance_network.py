@@ -1,4 +1,9 @@
-"""The features network in torch, for training; metrics run it in numpy (metrics/features.py)."""
+"""The embedded classifier of substances: SUBS by its class, FID and KID by its features.
+
+The paper takes SUBS from a VGG-16 and FID's features from InceptionV3, both downloaded. This
+small network stands in for them where nothing is downloaded. Figures made with it are named
+"embedded": they must not be compared with figures of those networks. The workshop trains it.
+"""
 
 from __future__ import annotations
 
@@ -9,19 +14,23 @@ import torch
 from torch import nn
 
 from plan2scene.house import SUBSTANCES
-from plan2scene.metrics.features import INPUT_MEAN, INPUT_STD, SPREAD_FLOOR
-from plan2scene.weights import save_model_file
+from plan2scene.weights import filled, load_model_file, save_model_file
+
+#: Normalisation of sRGB in [0, 1] before the first layer.
+_INPUT_MEAN, _INPUT_STD = 0.5, 0.25
+#: Added to the variance of a map before its root (the gradient at 0 would be infinite).
+_SPREAD_FLOOR = 1e-5
 
 
 class SubstanceNetwork(nn.Module):
     """Substance of a texture from the mean and spread of convolutional features.
 
-    Four strided convolutions; their maps' means and standard deviations over the image (what a
-    stationary texture is told by) go through a linear layer to the penultimate features.
+    Strided convolutions; the means and standard deviations of their maps over the image, which
+    describe a stationary texture, go through a linear layer to the penultimate features.
 
     Shapes
     ------
-    input : (n, 3, 128, 128) float32, sRGB in [0, 1]
+    input : (n, 3, h, w) float32, sRGB in [0, 1], trained with h = w = 128
     features : (n, `feature_dim`) float32, standardised over the training crops
     logits : (n, 4) float32, order of ``house.SUBSTANCES``
 
@@ -52,8 +61,8 @@ class SubstanceNetwork(nn.Module):
 
     def hidden(self, images: torch.Tensor) -> torch.Tensor:
         """Return the penultimate activations before they are standardised, (n, feature_dim)."""
-        maps = self.convolutions((images - INPUT_MEAN) / INPUT_STD)
-        spread = torch.sqrt(maps.var(dim=(2, 3), unbiased=False) + SPREAD_FLOOR)
+        maps = self.convolutions((images - _INPUT_MEAN) / _INPUT_STD)
+        spread = torch.sqrt(maps.var(dim=(2, 3), unbiased=False) + _SPREAD_FLOOR)
         pooled = torch.cat([maps.mean(dim=(2, 3)), spread], dim=1)
         return torch.relu(self.penultimate(pooled))
 
@@ -65,10 +74,20 @@ class SubstanceNetwork(nn.Module):
 
 def as_tensor(images: np.ndarray) -> torch.Tensor:
     """Return (n, h, w, 3) uint8 sRGB images as (n, 3, h, w) float32 in [0, 1]."""
-    moved = np.ascontiguousarray(np.moveaxis(images, -1, 1))
-    return torch.from_numpy(moved).float() / 255.0
+    return torch.from_numpy(np.ascontiguousarray(np.moveaxis(images, -1, 1))).float() / 255.0
 
 
-def save_features_network(network: SubstanceNetwork, path: str | Path) -> None:
-    """Write the network as safetensors with its architecture."""
+def save_substance_network(network: SubstanceNetwork, path: str | Path) -> None:
+    """Write the network as safetensors (float16) with its architecture."""
     save_model_file(path, network.state_dict(), network.architecture)
+
+
+def load_substance_network(path: str | Path) -> SubstanceNetwork:
+    """Return the network of a weight file; InputError for one of another network."""
+    state, header = load_model_file(path)
+    return filled(
+        lambda: SubstanceNetwork(header["widths"], header["feature_dim"]),
+        state,
+        "the substance network",
+        path,
+    )
