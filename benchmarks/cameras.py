@@ -33,10 +33,11 @@ from plan2scene.photos.camera.calibration import (
     estimate_camera,
 )
 from plan2scene.photos.camera.exif import read_exif_focal
+from plan2scene.photos.camera.lines import find_segments
 from plan2scene.photos.labels.palette import read_label_png
 from plan2scene.photos.labels.segmentation import load_segmenter
-from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, split_planes
-from plan2scene.photos.planes.room_size import room_extent
+from plan2scene.photos.planes.planes import split_planes
+from plan2scene.photos.planes.walls import room_extent
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.weights import MODELS
 
@@ -171,11 +172,12 @@ def _of_photo(
         return Result(photo.name, rotation, tilt, focal, estimate, seconds)
     height = photo.truth["position"][1]
     room = read_scene_json(photo.plan, photo.house_truth.name).room(photo.truth["room_id"])
-    alone = split_planes(labels, estimate, image=image, camera_height_m=DEFAULT_CAMERA_HEIGHT_M)
+    segments = find_segments(image).walls
+    alone = split_planes(labels, estimate, segments=segments)
     extent = room_extent(room)
-    only = split_planes(labels, estimate, image=image, room_extent_m=extent)
+    only = split_planes(labels, estimate, segments=segments, room_extent_m=extent)
     known = split_planes(
-        labels, estimate, image=image, room_height_m=room.height, room_extent_m=extent
+        labels, estimate, segments=segments, room_height_m=room.height, room_extent_m=extent
     )
     errors = plane_errors(
         photo.name,

@@ -43,13 +43,13 @@ from plan2scene.colour import (
 from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.datasets.house_table import load_houses
 from plan2scene.house import House
-from plan2scene.images import read_image
+from plan2scene.images import medoid_index, read_image
 from plan2scene.io import read_json
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance
 from plan2scene.photos.crops.candidates import CropSettings
-from plan2scene.photos.crops.sampling import CROP_PX, medoid_index
-from plan2scene.photos.crops.stage import corrected, draw_candidates
-from plan2scene.photos.crops.tables import PhotoCandidate, choose_kept
+from plan2scene.photos.crops.extract_crops import corrected, crops_of_house
+from plan2scene.photos.crops.sampling import CROP_PX, Candidate
+from plan2scene.photos.crops.selection import select_candidates
 from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, read_label_png
 from plan2scene.photos.masks import make_masks
@@ -161,14 +161,14 @@ class Drawn:
     """Candidates of a house, each photo's gains, and the shares of wrong pixels of each."""
 
     source: Source
-    candidates: list[PhotoCandidate]
+    candidates: list[Candidate]
     gains: dict[str, np.ndarray]
     touched: list[tuple[float, float]]
 
 
 def draw(source: Source, masks: Path, *, filtered: bool) -> Drawn:
     """Return the windows of a house, judged when `filtered`."""
-    shown = draw_candidates(
+    made = crops_of_house(
         source.house,
         source.rooms_of_photo,
         source.photos,
@@ -181,24 +181,22 @@ def draw(source: Source, masks: Path, *, filtered: bool) -> Drawn:
             read_label_png(source.truth / "masks" / f"{Path(photo).stem}.png"),
             read_image(source.truth / "planes" / f"{Path(photo).stem}.png")[..., 0],
         )
-        for photo in {item.photo for item in shown.candidates}
+        for photo in {item.photo for item in made.candidates}
     }
     shares = [
-        touched(
-            np.array(item.candidate.crop.corners).reshape(4, 2), item.surface, truth[item.photo]
-        )
-        for item in shown.candidates
+        touched(np.array(item.crop.corners).reshape(4, 2), item.surface, truth[item.photo])
+        for item in made.candidates
     ]
-    return Drawn(source, shown.candidates, shown.gains, shares)
+    return Drawn(source, made.candidates, made.gains, shares)
 
 
 def measure_house(
     drawn: Drawn, settings: CropSettings
 ) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """Return tables of the kept crops, of the surfaces, and of the surfaces per photo."""
-    kept = choose_kept(drawn.candidates)
+    """Return tables of the selected crops, of the surfaces, and of the surfaces per photo."""
+    selection = select_candidates(drawn.candidates)
     rows = []
-    for number, room in sorted(kept.rooms):
+    for number, room in sorted(selection.rooms):
         item = drawn.candidates[number]
         only = corrected([item], drawn.gains)[0] if settings.colours == "corrected" else item
         rows.append(
@@ -207,11 +205,11 @@ def measure_house(
                 "photo": item.photo,
                 "room_id": room,
                 "surface": item.surface,
-                "good": item.candidate.verdict.good,
-                "metres": item.candidate.crop.size_m,
+                "good": item.verdict.good,
+                "metres": item.crop.size_m,
                 "wrong": drawn.touched[number][0],
                 "other_plane": drawn.touched[number][1],
-                "image": only.candidate.crop.image,
+                "image": only.crop.image,
                 "drawn": len(drawn.candidates),
             }
         )

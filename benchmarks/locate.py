@@ -26,8 +26,8 @@ from PIL import Image
 from plan2scene.camera import Camera
 from plan2scene.io import read_json
 from plan2scene.photos.labels.palette import PROBABILITIES, read_probability_png
-from plan2scene.photos.locate.house import Shot, locate_shots
 from plan2scene.photos.locate.likelihood import OPENING
+from plan2scene.photos.locate.locate_photos import Shot, locate_shots
 from plan2scene.photos.locate.pose import LOCATED
 from plan2scene.plans.scene_json import read_scene_json
 

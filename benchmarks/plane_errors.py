@@ -12,7 +12,8 @@ from PIL import Image
 
 from plan2scene.camera import Camera
 from plan2scene.photos.planes.planes import Plane
-from plan2scene.photos.planes.rectification import MIN_GRAZING_DEG, plane_axes
+from plan2scene.photos.planes.rectification import plane_axes
+from plan2scene.photos.planes.walls import PLANES
 
 #: Half the side of a checker, metres, and how many are laid on a plane at most.
 HALF_CHECKER_M = 0.1
@@ -85,7 +86,7 @@ def _checkers(
 ) -> tuple[float, float]:
     """Return the largest angles off square and off the axes; NaN where all is too oblique."""
     rays = camera.rays(pixels)
-    steep = -(rays @ normal) > np.sin(np.radians(MIN_GRAZING_DEG))
+    steep = -(rays @ normal) > np.sin(np.radians(PLANES.min_grazing_deg))
     if not steep.any():
         return float("nan"), float("nan")
     reach = distance / -(rays[steep] @ normal)

@@ -28,21 +28,17 @@ from plan2scene.camera import Camera
 from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.images import read_image
 from plan2scene.io import read_json
+from plan2scene.photos.camera.lines import find_segments
 from plan2scene.photos.crops.candidates import rooms_by_size
-from plan2scene.photos.crops.filter import (
-    inner_mask,
-    judge_of,
-    strong_edges,
-    with_reason,
-)
+from plan2scene.photos.crops.filter import inner_mask, judge_of, strong_edges, with_reason
 from plan2scene.photos.crops.sampling import (
     CROP_PX,
     LAST_UPSAMPLING,
     Candidate,
+    Reason,
     cut_window,
     window_pixels,
 )
-from plan2scene.photos.crops.verdict import Reason
 from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.labels.palette import read_label_png, write_label_png
 from plan2scene.photos.masks import make_masks
@@ -97,7 +93,7 @@ def masks_of(flat: Path, photos: dict[str, Path], kind: str, work: Path) -> Path
 
 
 def verdicts(flat: Path, windows: list[Looked], kind: str, work: Path) -> Iterator[tuple[str, ...]]:
-    """Yield the reasons against each window, none for a kept one, photo by photo."""
+    """Yield the reasons against each window, none for a good one, photo by photo."""
     house = read_scene_json(next((flat / "scene").glob("*.json")), flat.name)
     rooms = rooms_of_photos(next((flat / "photo_assignments").glob("*.csv")), house)
     photos = {photo: flat / "photos" / photo for photo in rooms}
@@ -110,7 +106,7 @@ def verdicts(flat: Path, windows: list[Looked], kind: str, work: Path) -> Iterat
         planes = split_planes(
             read_label_png(folder / f"{Path(photo).stem}.png"),
             camera,
-            image=image,
+            segments=find_segments(image).walls,
             room_height_m=size.height_m,
             room_extent_m=size.extent_m,
         )
@@ -155,7 +151,7 @@ def _reasons(
         inside = mask is not None and _place(mask, points.mean(axis=0), size_m) is not None
         rectified.mask[place[0] : place[0] + side, place[1] : place[1] + side] = True
         verdict = judge_of(plane.surface, inside=inside)(rectified, *place, side, crop)
-        candidate = Candidate(crop, verdict)
+        candidate = Candidate(crop, verdict, plane.surface, plane.index)
         if plane.scale_source == "prior":
             candidate = with_reason(candidate, Reason.UNKNOWN_DISTANCE)
         return tuple(candidate.verdict.reasons)

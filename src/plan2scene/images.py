@@ -9,7 +9,7 @@ import io
 import os
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -222,3 +222,15 @@ def metric_image(image: np.ndarray) -> np.ndarray:
 
     picture = Image.fromarray(image).resize((METRIC_SIZE, METRIC_SIZE), Image.Resampling.BOX)
     return np.asarray(picture)
+
+
+def medoid_index(images: Sequence[np.ndarray]) -> int:
+    """Return the index of the image closest (L2) to the mean RGB image (paper, reference crop).
+
+    Images are (h, w, 3) uint8 of one size; of equals the first. ValueError without any.
+    """
+    if not len(images):
+        raise ValueError("the medoid of no images")
+    stack = np.stack([image.astype(np.float64) for image in images])
+    distance = ((stack - stack.mean(axis=0)) ** 2).reshape(len(stack), -1).sum(axis=1)
+    return int(np.argmin(distance))

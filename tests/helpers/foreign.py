@@ -30,7 +30,7 @@ from plan2scene.errors import InputError
 from plan2scene.images import image_from_bytes
 from plan2scene.materials import load_texture_folder
 from plan2scene.photos.camera.exif import read_exif_focal
-from plan2scene.photos.crops.stage import CropFiles, load_crops
+from plan2scene.photos.crops.extract_crops import CropFiles, read_precomputed_crops
 from plan2scene.photos.labels.palette import labels_from_folder
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.plans import add_object_boxes, house_to_scene, read_plan, validate_house
@@ -193,8 +193,8 @@ def read_crop(path: Path) -> None:
     folder = path.parent / "crops" / "wall"
     folder.mkdir(parents=True, exist_ok=True)
     path.replace(folder / "p_0_crop0.png")
-    out = CropFiles(*(path.parent / f"written_{k}" for k in range(4)))
-    load_crops(house(), {"p.jpg": ["living"]}, folder.parent, out, dataset="d")
+    out = CropFiles(*(path.parent / f"written_{k}" for k in range(5)))
+    read_precomputed_crops(house(), {"p.jpg": ["living"]}, folder.parent, out, dataset="d")
 
 
 def read_texture(path: Path) -> None:

@@ -126,7 +126,7 @@ def test_another_room_of_a_photo_makes_what_depends_on_it_alone(made):
         file.write_text(text)
         os.utime(file, ns=(before.st_atime_ns, before.st_mtime_ns))
     rules = {rule for rule, _ in jobs}
-    assert {"crops", "textures", "house"} <= rules
+    assert {"places", "crops", "textures", "house"} <= rules
     assert "masks" not in rules  # what the photo shows, whatever its room
     assert {name for _, name in jobs} == {house, ""}
 
@@ -141,6 +141,17 @@ def test_editing_the_seam_module_reruns_what_depends_on_it(made):
         module.write_text(text)
     assert {"textures", "house", "comparison"} <= rules
     assert not rules & {"masks", "crops", "embeddings"}
+
+
+def test_editing_the_contact_sheet_redoes_contact_sheets_alone(made):
+    module = made.root / "src/plan2scene/photos/contact_sheet/panels.py"
+    text = module.read_text()
+    module.write_text(text + "\n# an edit\n")
+    try:
+        rules = {rule for rule, house in made.jobs("all") if house}
+    finally:
+        module.write_text(text)
+    assert rules == {"contact_sheet"}
 
 
 def test_one_house_is_made_without_the_others(made, tmp_path):

@@ -46,7 +46,7 @@ def test_a_batch_is_the_houses_that_the_configuration_lists(bare, tmp_path):
 
 def test_the_jobs_of_a_house(bare):
     rules = Counter(rule for rule, house in bare.jobs("all") if house)
-    once = {"floorplan", "masks", "crops", "embeddings", "comparison"}
+    once = {"floorplan", "masks", "places", "crops", "contact_sheet", "embeddings", "comparison"}
     at_drops = {"surfaces", "materials", "propagated"}
     assert rules == dict.fromkeys(once | {"textures", "house"}, 2) | dict.fromkeys(at_drops, 4)
 

@@ -12,8 +12,7 @@ from PIL import Image
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.io import write_json
-from plan2scene.photos.labels.ensemble import Ensemble
-from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.network import Ensemble, SegmentationNet
 from plan2scene.photos.labels.palette import (
     CEILING,
     DOOR,

@@ -1,5 +1,8 @@
+PHOTO_ROOMS = f"{RESULTS}/houses/{{house}}/photo_rooms.json"
+
+
 rule masks:
-    # Floor, wall, ceiling and other in each photo, and the photo's camera.
+    # Floor, wall, ceiling and other in each photo, its line segments and its camera.
     input:
         **given(
             pretrained=pretrained_files(),
@@ -36,31 +39,52 @@ rule masks:
         "../scripts/masks.py"
 
 
-rule crops:
-    # Where in the plan each photo was taken, rectified 128x128 crops of each floor, wall and ceiling
-    # that it shows, and a sheet of both to look at.
+rule places:
+    # Where in the plan each photo was taken, and the rooms that it shows.
     input:
-        # Photos come by way of their masks.
-        **(
-            {"masks": MASKS}
-            if HAS_MASKS
-            else {"photos": photos_of, "ready": ready_crops_of}
-        ),
+        **given(masks=HAS_MASKS and MASKS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         assignment=assignment_of,
     output:
-        **({"cameras": CAMERAS} if HAS_MASKS else {}),
+        **given(cameras=HAS_MASKS and CAMERAS),
+        rooms=PHOTO_ROOMS,
+    log:
+        f"logs/{DATASET}/places/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/places/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: HOUSE_THREADS
+    resources:
+        mem_mb=worker_memory(1000, 300),
+    params:
+        code=code_hash(
+            "plan2scene.photos.locate.locate_photos",
+            "plan2scene.plans.scene_json",
+            "plan2scene.datasets.assignments",
+        ),
+    script:
+        "../scripts/places.py"
+
+
+rule crops:
+    # Rectified 128x128 crops of each floor, wall and ceiling that the photos show, the planes that
+    # they were cut from, the surfaces' colours and the photos' light.
+    input:
+        # Photos come by way of their masks.
+        **(
+            {"masks": MASKS, "cameras": CAMERAS}
+            if HAS_MASKS
+            else {"photos": photos_of, "precomputed": ready_crops_of}
+        ),
+        rooms=PHOTO_ROOMS,
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+    output:
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         candidates=f"{RESULTS}/houses/{{house}}/candidates.parquet",
+        planes=f"{RESULTS}/houses/{{house}}/planes.parquet",
         colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
         light=f"{RESULTS}/houses/{{house}}/light.json",
-        sheet=report(
-            f"{RESULTS}/houses/{{house}}/contact_sheet.png",
-            caption="../report/contact_sheet.rst",
-            category="Houses",
-            subcategory="{house}",
-            labels={"file": "photos to crops"},
-        ),
     log:
         f"logs/{DATASET}/crops/{{house}}.log",
     benchmark:
@@ -71,10 +95,8 @@ rule crops:
     resources:
         mem_mb=worker_memory(1000, 300),
     params:
-        names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
         dataset=DATASET,
-        source=config["crops"]["source"],
         folder=config["crops"]["folder"],
         settings=dict(
             sizes_m=tuple(config["crops"]["metres"]),
@@ -86,11 +108,41 @@ rule crops:
         ),
         seed=config["seed"],
         code=code_hash(
-            "plan2scene.photos.crops.stage",
-            "plan2scene.photos.locate.stage",
-            "plan2scene.photos.contact_sheet.sheet",
-            "plan2scene.plans.scene_json",
-            "plan2scene.datasets.assignments",
+            "plan2scene.photos.crops.extract_crops", "plan2scene.plans.scene_json"
         ),
     script:
         "../scripts/crops.py"
+
+
+rule contact_sheet:
+    # A leaf, to look at: what the rules above found in each photo.
+    input:
+        **given(masks=HAS_MASKS and MASKS, cameras=HAS_MASKS and CAMERAS),
+        rooms=PHOTO_ROOMS,
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        candidates=f"{RESULTS}/houses/{{house}}/candidates.parquet",
+        planes=f"{RESULTS}/houses/{{house}}/planes.parquet",
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+    output:
+        report(
+            f"{RESULTS}/houses/{{house}}/contact_sheet.png",
+            caption="../report/contact_sheet.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "photos to crops"},
+        ),
+    log:
+        f"logs/{DATASET}/contact_sheet/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/contact_sheet/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: HOUSE_THREADS
+    resources:
+        mem_mb=worker_memory(1000, 300),
+    params:
+        names=photo_names_of,
+        photo_folder=str(LAYOUT.photos),
+        code=code_hash("plan2scene.photos.contact_sheet.sheet"),
+    script:
+        "../scripts/contact_sheet.py"

@@ -1,4 +1,4 @@
-"""Rule masks: photos of a house -> label PNGs and cameras.json."""
+"""Rule masks: photos of a house -> label PNGs, line segments and cameras.json."""
 
 from pathlib import Path
 

@@ -11,11 +11,10 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES, SurfaceKey
-from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image
+from plan2scene.images import METRIC_SIZE, image_from_bytes, medoid_index, metric_image
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.networks import describe, features_of, network_name, substances_of
 from plan2scene.metrics.registry import IMAGE_COLUMNS, image_metrics
-from plan2scene.photos.crops.sampling import medoid_index
 from plan2scene.provenance import file_hash
 from plan2scene.weights import MODELS
 

@@ -13,6 +13,12 @@ from plan2scene.errors import InputError
 from plan2scene.io import atomic_directory, safe_join, write_json
 from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal, read_exif_focal
+from plan2scene.photos.camera.lines import (
+    SEGMENTS,
+    PhotoSegments,
+    find_segments,
+    write_segments,
+)
 from plan2scene.photos.labels.labeller import Labeller
 from plan2scene.photos.labels.palette import (
     PROBABILITIES,
@@ -47,7 +53,7 @@ def make_masks(
     out_dir : path
         Replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
         ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
-        ``warnings.json`` (``docs/conventions.md``).
+        ``segments.parquet``, ``warnings.json`` (``docs/conventions.md``).
     fov_deg : float
         Horizontal field of view in degrees where neither EXIF data nor vanishing points give one.
     threads : int
@@ -56,6 +62,7 @@ def make_masks(
     _refuse_equal_stems(photos, house_id)
     with atomic_directory(out_dir) as folder:
         cameras: dict[str, object] = {}
+        segments: dict[str, PhotoSegments] = {}
         warnings: list[str] = []
         if photos:
             one = partial(
@@ -63,36 +70,39 @@ def make_masks(
             )
             with ThreadPoolExecutor(threads) as pool:
                 found = pool.map(lambda name: one(name, photos[name]), sorted(photos))
-                for name, (camera, lines) in zip(sorted(photos), found, strict=True):
+                for name, (estimate, lines) in zip(sorted(photos), found, strict=True):
                     warnings += lines
-                    if camera is not None:
-                        cameras[name] = camera.to_json()
+                    if estimate is not None:
+                        cameras[name] = estimate[0].to_json()
+                        segments[name] = estimate[1]
         _log.info("%d photos labelled, %d left out", len(cameras), len(photos) - len(cameras))
         write_json(folder / "cameras.json", cameras)
+        write_segments(folder / SEGMENTS, segments)
         write_json(folder / "warnings.json", warnings)
     return warnings
 
 
 def _label_photo(
     name: str, path: Path, *, labeller: Labeller, folder: Path, house_id: str, fov_deg: float
-) -> tuple[Camera | None, list[str]]:
-    """Write a photo's label PNG; return its camera, None where it is left out, and warnings."""
+) -> tuple[tuple[Camera, PhotoSegments] | None, list[str]]:
+    """Write a photo's label PNG; return camera and segments (None: left out), and warnings."""
     try:
         safe_join("", name, house_id=house_id)
         image = read_photo(path, house_id=house_id)
         exif = read_exif_focal(path, (image.shape[0], image.shape[1]))
-        labelled = labeller.labelled(name, image, fov_deg=fov_deg, exif=exif)
+        segments = find_segments(image)
+        labelled = labeller.labelled(name, image, fov_deg=fov_deg, exif=exif, segments=segments)
     except InputError as error:
         _log.warning("photo %s left out: %s", name, error)
         return None, [f"photo {name} left out: {error}"]
     plain = without_openings(labelled.labels)
-    camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif)
+    camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif, segments=segments)
     write_label_png(folder / f"{Path(name).stem}.png", labelled.labels)
     if labelled.probabilities is not None:
         write_probability_png(
             folder / PROBABILITIES / f"{Path(name).stem}.png", labelled.probabilities
         )
-    return camera, [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
+    return (camera, segments), [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

@@ -11,10 +11,9 @@ import numpy as np
 from plan2scene.colour import clipped_share
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
-from plan2scene.images import image_from_bytes
+from plan2scene.images import image_from_bytes, medoid_index
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.parallel import each
-from plan2scene.photos.crops.sampling import medoid_index
 
 if TYPE_CHECKING:
     import pandas as pd

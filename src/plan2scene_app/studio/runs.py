@@ -37,7 +37,9 @@ RECORD, EVENTS, LOG = "run.json", "run_events.jsonl", "run.log"
 STAGES = {
     "floorplan": "Plan",
     "masks": "What the photos show",
+    "places": "Where the photos were taken",
     "crops": "Crops of floors, walls and ceilings",
+    "contact_sheet": "Photos to crops",
     "embeddings": "Materials of all rooms",
     "textures": "Textures",
     "house": "The house in 3D",

@@ -9,8 +9,7 @@ import numpy as np
 import torch
 from torch.nn import functional as F
 
-from plan2scene.photos.labels.folding import folded
-from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.network import SegmentationNet, folded
 from plan2scene.photos.labels.segmentation import STRIDE, to_tensor
 from plan2scene.weights import filled, fitting, load_model_file
 from plan2scene_app.tracing.labels import PLAN_LABELS

@@ -4,9 +4,8 @@ import numpy as np
 from box_room import DEEP, HEIGHT, WIDE, open_door_view
 
 from plan2scene.photos.camera.calibration import canonical
-from plan2scene.photos.planes.beyond import room_reach, within_room
 from plan2scene.photos.planes.planes import split_planes
-from plan2scene.photos.planes.wall_lines import WallLine
+from plan2scene.photos.planes.walls import WallLine, room_reach, within_room
 
 
 def test_through_a_door_nothing_is_the_rooms():

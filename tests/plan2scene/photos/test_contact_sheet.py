@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,9 @@ from plan2scene.camera import Camera
 from plan2scene.house import House, Room
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
+from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segments
 from plan2scene.photos.contact_sheet import panels
+from plan2scene.photos.contact_sheet.panels import LAST_RESORT, REJECTED, SELECTED
 from plan2scene.photos.contact_sheet.sheet import (
     CELL,
     COLUMNS,
@@ -27,10 +30,12 @@ from plan2scene.photos.contact_sheet.sheet import (
     THUMB,
     TITLE,
     WIDTH,
+    SheetFiles,
     write_contact_sheet,
 )
-from plan2scene.photos.contact_sheet.windows import KEPT, LAST_RESORT, REJECTED
+from plan2scene.photos.crops.candidates import planes_of_photo, rooms_by_size
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, write_label_png
+from plan2scene.photos.planes.planes import plane_row, write_planes
 
 SIZE = (240, 320)
 AHEAD = ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
@@ -70,7 +75,7 @@ def candidate(photo: str, surface: str, index: int, reason: str, crop_id: str) -
 
 @pytest.fixture
 def case(tmp_path: Path) -> dict[str, Any]:
-    """A house of one good photo (2 kept, 1 last resort, 3 rejected), a broken and a tiny one."""
+    """One good photo (2 selected, 1 last resort, 3 rejected), a broken and a tiny one."""
     photos, masks = tmp_path / "photos", tmp_path / "masks"
     photos.mkdir()
     masks.mkdir()
@@ -80,6 +85,10 @@ def case(tmp_path: Path) -> dict[str, Any]:
     write_png(photos / "c.png", np.zeros((1, 1, 3), np.uint8))
     write_label_png(masks / "a.png", room_labels())
     write_json(masks / "cameras.json", {"a.png": camera().to_json()})
+    write_segments(masks / SEGMENTS, {"a.png": find_segments(image)})
+    planes = planes_of_photo(room_labels(), camera(), None, rooms_by_size(HOUSE, ["r1"]))
+    rows = [plane_row("a.png", item) for item in planes]
+    write_planes(tmp_path / "planes.parquet", rows, dataset="d", house_id="h1")
     lines = ["photo b.jpg left out: no image", "photo c.png left out: file c.png: far too small"]
     write_json(masks / "warnings.json", lines)
     rows = [
@@ -100,9 +109,12 @@ def case(tmp_path: Path) -> dict[str, Any]:
         "photos": {name: photos / name for name in ("a.png", "b.jpg", "c.png", "gone.jpg")},
         "rooms_of_photo": {"a.png": ["r1"]},
         "house": HOUSE,
-        "masks_dir": masks,
-        "crops": tmp_path / "crops.parquet",
-        "candidates": tmp_path / "candidates.parquet",
+        "files": SheetFiles(
+            tmp_path / "crops.parquet",
+            tmp_path / "candidates.parquet",
+            tmp_path / "planes.parquet",
+            masks,
+        ),
     }
 
 
@@ -124,17 +136,17 @@ def frames(sheet: np.ndarray, row: int) -> list[tuple[int, ...]]:
 
 def test_sheet_has_a_row_for_each_photo_and_the_counts(case: dict[str, Any]) -> None:
     counts = write_contact_sheet(**case)
-    assert counts == {"photos": 4, "kept": 2, "last_resort": 1, "rejected": 3}
+    assert counts == {"photos": 4, "selected": 2, "last_resort": 1, "rejected": 3}
     assert sheet_of(case).shape == (HEADER + 4 * ROW, WIDTH, 3)
 
 
 def test_kept_and_rejected_windows_are_framed_in_their_colours(case: dict[str, Any]) -> None:
     write_contact_sheet(**case)
     found = frames(sheet_of(case), 0)
-    assert sorted(found[:COLUMNS][:3]) == sorted([KEPT, KEPT, LAST_RESORT])
+    assert sorted(found[:COLUMNS][:3]) == sorted([SELECTED, SELECTED, LAST_RESORT])
     assert found[COLUMNS : COLUMNS + 3] == [REJECTED] * 3
-    assert KEPT not in found[3:]
-    assert not {KEPT, LAST_RESORT, REJECTED} & set(frames(sheet_of(case), 1))
+    assert SELECTED not in found[3:]
+    assert not {SELECTED, LAST_RESORT, REJECTED} & set(frames(sheet_of(case), 1))
 
 
 def test_windows_are_outlined_where_they_are_in_the_photo(case: dict[str, Any]) -> None:
@@ -144,7 +156,7 @@ def test_windows_are_outlined_where_they_are_in_the_photo(case: dict[str, Any]) 
     scale = PANEL[1] / SIZE[1]
     y, x = top + round(90.5 * scale), left + round(35 * scale)  # upper edge of the first window
     around = sheet[y - 1 : y + 2, x]
-    assert np.abs(around - KEPT).sum(axis=1).min() < 60
+    assert np.abs(around - SELECTED).sum(axis=1).min() < 60
 
 
 def test_a_photo_that_was_left_out_says_why(case: dict[str, Any]) -> None:
@@ -165,9 +177,9 @@ def test_same_input_same_bytes(case: dict[str, Any]) -> None:
 def test_a_rejected_window_changes_the_sheet(case: dict[str, Any]) -> None:
     write_contact_sheet(**case)
     first = case["output"].read_bytes()
-    frame = pd.read_parquet(case["candidates"])
+    frame = pd.read_parquet(case["files"].candidates)
     frame.loc[frame["reason"] == "oblique", "reason"] = "shadow edge"
-    write_parquet(case["candidates"], frame, {})
+    write_parquet(case["files"].candidates, frame, {})
     write_contact_sheet(**case)
     assert case["output"].read_bytes() != first
 
@@ -179,14 +191,19 @@ def test_many_photos_make_a_bounded_sheet(case: dict[str, Any]) -> None:
 
 
 def test_no_photos_and_ready_crops(case: dict[str, Any]) -> None:
-    frame = pd.read_parquet(case["candidates"])
+    frame = pd.read_parquet(case["files"].candidates)
     frame["corners"] = [[float("nan")] * 8] * len(frame)
-    write_parquet(case["candidates"], frame, {})
-    case["masks_dir"] = None
-    assert write_contact_sheet(**case)["kept"] == 2
-    write_parquet(case["candidates"], frame.iloc[:0], {})
+    write_parquet(case["files"].candidates, frame, {})
+    case["files"] = replace(case["files"], masks=None)
+    assert write_contact_sheet(**case)["selected"] == 2
+    write_parquet(case["files"].candidates, frame.iloc[:0], {})
     case["photos"] = {}
-    assert write_contact_sheet(**case) == {"photos": 0, "kept": 0, "last_resort": 0, "rejected": 0}
+    assert write_contact_sheet(**case) == {
+        "photos": 0,
+        "selected": 0,
+        "last_resort": 0,
+        "rejected": 0,
+    }
 
 
 def test_segments_get_the_axis_that_they_run_along() -> None:
@@ -200,7 +217,7 @@ def test_segments_get_the_axis_that_they_run_along() -> None:
 
 
 def test_the_horizon_of_a_level_camera_is_in_the_middle() -> None:
-    picture = panels.lines_panel(np.full((*SIZE, 3), 120, np.uint8), camera())
+    picture = panels.lines_panel(np.full((*SIZE, 3), 120, np.uint8), camera(), np.zeros((0, 4)))
     yellow = np.abs(picture.astype(int) - panels.HORIZON).sum(axis=2) < 30
     rows = np.nonzero(yellow.sum(axis=1) > SIZE[1] // 2)[0]
     assert len(rows)

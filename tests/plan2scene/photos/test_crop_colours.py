@@ -13,10 +13,9 @@ from plan2scene.paint.observations import (
     relit,
     write_colours,
 )
-from plan2scene.photos.crops.candidates import ShownPlane
 from plan2scene.photos.crops.colours import colours_of_photo, surface_colours
 from plan2scene.photos.crops.filter import strong_edges
-from plan2scene.photos.planes.planes import Plane
+from plan2scene.photos.planes.planes import PhotoPlane, Plane
 
 SIZE = (120, 160)
 
@@ -44,16 +43,16 @@ def test_steep_views_count_more_and_lamps_not_at_all():
     image = np.full((*SIZE, 3), 90, np.uint8)
     image[70:85] = 255
     (seen,) = colours_of_photo(
-        image, camera, [ShownPlane(("a", "b"), floor_plane(mask))], "p.jpg", [mask]
+        image, camera, [PhotoPlane(("a", "b"), floor_plane(mask))], "p.jpg", [mask]
     )
     assert seen.rooms == ("a", "b") and seen.colours.max() < 0.12
     flat = camera_looking(SIZE, heading_deg=0.0, pitch_deg=5.0, focal=110.0)
-    (far,) = colours_of_photo(image, flat, [ShownPlane(("a",), floor_plane(mask))], "p.jpg", [mask])
+    (far,) = colours_of_photo(image, flat, [PhotoPlane(("a",), floor_plane(mask))], "p.jpg", [mask])
     assert far.weight < 2 * seen.weight  # one room has all of it
     speck = np.zeros(SIZE, bool)
     speck[:5, :5] = True
-    shown = [ShownPlane(("a",), floor_plane(speck))]
-    assert colours_of_photo(image, camera, shown, "p.jpg", [speck]) == []
+    planes = [PhotoPlane(("a",), floor_plane(speck))]
+    assert colours_of_photo(image, camera, planes, "p.jpg", [speck]) == []
 
 
 def test_colours_of_hidden_photos_are_not_read(tmp_path):
@@ -61,11 +60,11 @@ def test_colours_of_hidden_photos_are_not_read(tmp_path):
     mask = np.zeros(SIZE, bool)
     mask[60:] = True
     image = np.full((*SIZE, 3), 128, np.uint8)
-    shown = [ShownPlane(("a", "b"), floor_plane(mask))]
+    planes = [PhotoPlane(("a", "b"), floor_plane(mask))]
     seen = [
         item
         for photo in ("p.jpg", "q.jpg")
-        for item in colours_of_photo(image, camera, shown, photo, [mask])
+        for item in colours_of_photo(image, camera, planes, photo, [mask])
     ]
     half = relit(seen, {"q.jpg": np.array([0.5, 1.0, 9.0])})
     write_colours(

@@ -1,5 +1,7 @@
 """Filters before the selection: what they refuse, and that patterns and shading pass."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -16,20 +18,16 @@ from plan2scene.photos.crops.filter import (
     strong_edges,
     with_reason,
 )
-from plan2scene.photos.crops.sampling import Candidate, Crop
-from plan2scene.photos.crops.tables import (
-    LAST_RESORT,
-    WORST_RESORT,
-    PhotoCandidate,
-    choose_kept,
-)
-from plan2scene.photos.crops.verdict import (
+from plan2scene.photos.crops.sampling import (
     GRAVE,
+    Candidate,
+    Crop,
     Reason,
     Verdict,
     reason_text,
     reasons_of_text,
 )
+from plan2scene.photos.crops.selection import LAST_RESORT, WORST_RESORT, select_candidates
 
 
 def plain(seed=0, colour=(190, 180, 165), noise=2.0):
@@ -53,7 +51,7 @@ def shaded(image, left=0.8, right=1.2):
 def candidate(*reasons, index=0):
     nan = (float("nan"),) * 4
     crop = Crop(index, nan, 1.0, 1.0, 60.0, plain(index))
-    return Candidate(crop, Verdict.of(reasons, crop.sharpness))
+    return Candidate(crop, Verdict.of(reasons, crop.sharpness), "wall", 0)
 
 
 @pytest.mark.parametrize(
@@ -137,38 +135,38 @@ def test_grave_reasons_weigh_more_than_all_mild_ones():
 
 
 @pytest.mark.parametrize(
-    ("reasons", "kept", "text"),
+    ("reasons", "selected", "text"),
     [
         ((), True, ""),
         ((Reason.OBLIQUE,), False, "oblique"),
         ((Reason.OBLIQUE, Reason.CLUTTER), True, "last resort: clutter, oblique"),
     ],
 )
-def test_reasons_are_a_cell_of_the_table_and_back(reasons, kept, text):
+def test_reasons_are_a_cell_of_the_table_and_back(reasons, selected, text):
     verdict = Verdict.of(reasons, 1.0)
-    assert reason_text(verdict, kept=kept) == text
+    assert reason_text(verdict, selected=selected) == text
     assert reasons_of_text(text) == verdict.reasons
 
 
 def test_a_surface_without_good_windows_keeps_its_least_bad():
     def place(item, photo="a.png", rooms=("r1",), surface="wall"):
-        return PhotoCandidate(photo, rooms, surface, 0, item)
+        return replace(item, photo=photo, rooms=rooms, surface=surface)
 
     bad, mild, good = candidate(Reason.CLUTTER), candidate(Reason.OBLIQUE), candidate()
-    kept = choose_kept([place(bad), place(mild), place(good)])
-    assert kept.rooms == {(2, "r1")}
-    assert kept.crop_index == {2: 0}
-    kept = choose_kept([place(bad), *[place(mild)] * (LAST_RESORT + 2)])
-    assert kept.rooms == {(number, "r1") for number in range(1, LAST_RESORT + 1)}
-    kept = choose_kept([place(bad)] * 9)
-    assert len(kept.rooms) == WORST_RESORT
+    selected = select_candidates([place(bad), place(mild), place(good)])
+    assert selected.rooms == {(2, "r1")}
+    assert selected.crop_index == {2: 0}
+    selected = select_candidates([place(bad), *[place(mild)] * (LAST_RESORT + 2)])
+    assert selected.rooms == {(number, "r1") for number in range(1, LAST_RESORT + 1)}
+    selected = select_candidates([place(bad)] * 9)
+    assert len(selected.rooms) == WORST_RESORT
     # With grave reasons every photo has a say, not only the one whose windows look least bad.
     worse = candidate(Reason.BORDER, Reason.CLUTTER)
-    kept = choose_kept([*[place(bad)] * 5, *[place(worse, photo="b.png")] * 5])
-    assert kept.rooms == {(number, "r1") for number in (0, 1, 2, 5, 6, 7)}
-    # A room that has a good one elsewhere refuses what another must keep.
+    selected = select_candidates([*[place(bad)] * 5, *[place(worse, photo="b.png")] * 5])
+    assert selected.rooms == {(number, "r1") for number in (0, 1, 2, 5, 6, 7)}
+    # A room that has a good one elsewhere leaves out what another must select.
     shared = [place(mild, rooms=("r1", "r2")), place(good, photo="b.png", rooms=("r2",))]
-    assert choose_kept(shared).rooms == {(0, "r1"), (1, "r2")}
+    assert select_candidates(shared).rooms == {(0, "r1"), (1, "r2")}
 
 
 def planks(width=21, seed=3):

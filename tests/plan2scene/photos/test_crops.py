@@ -1,6 +1,7 @@
 """Crop sampling and the crops stage on drawn rooms of known scale."""
 
 import shutil
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -11,14 +12,21 @@ from views import camera_looking
 
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
-from plan2scene.images import image_from_bytes, write_png
+from plan2scene.images import image_from_bytes, medoid_index, write_png
 from plan2scene.io import read_json, read_parquet, write_json
+from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segments
 from plan2scene.photos.crops.candidates import CropSettings
-from plan2scene.photos.crops.sampling import draw_windows, medoid_index, sample_candidates
-from plan2scene.photos.crops.stage import CropFiles, load_crops, make_crops
-from plan2scene.photos.crops.tables import CANDIDATE_COLUMNS, COLUMNS
+from plan2scene.photos.crops.extract_crops import CropFiles, extract_crops, read_precomputed_crops
+from plan2scene.photos.crops.sampling import draw_windows, sample_candidates
+from plan2scene.photos.crops.selection import CANDIDATE_COLUMNS, COLUMNS
 from plan2scene.photos.labels.palette import write_label_png
-from plan2scene.photos.planes.planes import Plane
+from plan2scene.photos.planes.planes import (
+    PhotoPlane,
+    Plane,
+    plane_of_row,
+    plane_row,
+    read_planes,
+)
 from plan2scene.photos.planes.rectification import rectify
 from plan2scene.provenance import WORKFLOW
 
@@ -125,18 +133,25 @@ def inputs(tmp_path):
     write_png(tmp_path / "a.png", image)
     write_label_png(tmp_path / "masks" / "a.png", plane.mask.astype(np.uint8))
     write_json(tmp_path / "masks" / "cameras.json", {"a.png": camera.to_json()})
+    write_segments(tmp_path / "masks" / SEGMENTS, {"a.png": find_segments(image)})
     return tmp_path
 
 
 def files_in(folder):
     """Return the files of the stage in a folder."""
-    names = ("crops.parquet", "candidates.parquet", "colours.parquet", "light.json")
+    names = (
+        "crops.parquet",
+        "candidates.parquet",
+        "planes.parquet",
+        "colours.parquet",
+        "light.json",
+    )
     return CropFiles(*(folder / name for name in names))
 
 
 def run(house, inputs, rooms_of_photo, **more):
     photos = {photo: inputs / photo for photo in rooms_of_photo}
-    return make_crops(
+    return extract_crops(
         house,
         rooms_of_photo,
         photos,
@@ -176,7 +191,13 @@ def test_threads_change_nothing(house, inputs):
     made = []
     for threads in (1, 3):
         run(house, inputs, rooms, threads=threads)
-        names = ("crops.parquet", "candidates.parquet", "colours.parquet", "light.json")
+        names = (
+            "crops.parquet",
+            "candidates.parquet",
+            "planes.parquet",
+            "colours.parquet",
+            "light.json",
+        )
         made.append([(inputs / name).read_bytes() for name in names])
     assert made[0] == made[1]
 
@@ -220,6 +241,27 @@ def test_rooms_of_other_heights_get_their_own_crops(inputs):
     assert frame.groupby("crop_id").png.nunique().eq(1).all()
 
 
+def test_the_planes_that_crops_were_cut_from_are_saved(house, inputs):
+    run(house, inputs, {"a.png": ["room1", "room2"]})
+    ((row,),) = read_planes(inputs / "planes.parquet").values()
+    item = plane_of_row(row, SIZE)
+    truth = checkered_floor(looking())[1]
+    assert item.rooms == ("room1", "room2")
+    assert item.plane.normal == truth.normal and item.plane.offset == truth.offset
+    assert item.plane.mask.any() and not (item.plane.mask & ~truth.mask).any()
+    assert not item.in_plan
+
+
+def test_masks_survive_as_polygons():
+    rng = np.random.default_rng(0)
+    mask = cv2.GaussianBlur(rng.random(SIZE), (0, 0), 9) > 0.5  # pieces with holes
+    plane = Plane("wall", 3, (0.0, 0.0, -1.0), -2.0, mask, "plan", 1.4)
+    item = PhotoPlane(("a", "b"), plane, own=False, walls=("w1", "w2"))
+    read = plane_of_row(plane_row("p.jpg", item), SIZE)
+    assert (read.plane.mask == mask).all()
+    assert replace(read, plane=plane) == item
+
+
 def test_stage_is_deterministic(house, inputs):
     run(house, inputs, {"a.png": ["room1"]})
     first = (inputs / "crops.parquet").read_bytes()
@@ -249,13 +291,13 @@ def test_a_photo_of_another_size_than_its_mask(house, inputs):
         run(house, inputs, {"a.png": ["room1"]})
 
 
-def test_ready_crops(house, tmp_path):
+def test_precomputed_crops(house, tmp_path):
     rng = np.random.default_rng(0)
     for name in ("floor/x_1_0_crop2", "wall/x_1_7_crop0", "wall/other_0_crop0"):
         image = rng.integers(0, 255, (128, 128, 3)).astype(np.uint8)
         write_png(tmp_path / f"{name}.png", image)
     out = files_in(tmp_path)
-    frame = load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
+    frame = read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
     assert frame.crop_id.tolist() == ["floor/x_1_0_crop2", "wall/x_1_7_crop0"]
     assert frame.plane.tolist() == [0, 7]
     assert frame.metres.isna().all()
@@ -264,7 +306,7 @@ def test_ready_crops(house, tmp_path):
     pd.testing.assert_series_equal(read.crop_id, frame.crop_id)
     write_png(tmp_path / "floor/x_1_0_crop3.png", np.zeros((64, 64, 3), np.uint8))
     with pytest.raises(InputError, match="128x128"):
-        load_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
+        read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
 
 
 def test_default_settings_are_those_of_the_configuration():

@@ -7,8 +7,7 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
-from plan2scene.photos.labels.ensemble import MOST_MEMBERS, Ensemble, ensemble_of
-from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.network import MOST_MEMBERS, Ensemble, SegmentationNet, ensemble_of
 from plan2scene.photos.labels.segmentation import SCALES, Segmenter, load_segmenter
 from plan2scene.weights import save_model_file
 

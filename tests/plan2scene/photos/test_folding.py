@@ -5,8 +5,7 @@ import copy
 import torch
 from torch import nn
 
-from plan2scene.photos.labels.folding import folded
-from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.network import SegmentationNet, folded
 
 
 def _trained() -> SegmentationNet:

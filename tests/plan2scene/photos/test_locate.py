@@ -17,13 +17,18 @@ from plan2scene.photos.labels.palette import (
     write_label_png,
     write_probability_png,
 )
-from plan2scene.photos.locate.confidence import Evidence, probability
-from plan2scene.photos.locate.house import Shot, locate_shots
-from plan2scene.photos.locate.likelihood import N_CLASSES, log_table
+from plan2scene.photos.locate.likelihood import N_CLASSES, label_counts, log_table
+from plan2scene.photos.locate.locate_photos import (
+    Evidence,
+    Shot,
+    locate_photos,
+    locate_shots,
+    probability,
+    write_photo_rooms,
+)
+from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.photos.locate.plan_view import dominant_direction, look, room_shapes
-from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json, turned
-from plan2scene.photos.locate.profile import LEAST, label_counts
-from plan2scene.photos.locate.stage import locate_photos, read_poses, with_found_rooms
+from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json, read_poses, turned
 
 
 def shot(house, heading_deg, eye, *, pitch_deg=6.0):
@@ -109,10 +114,10 @@ def test_the_frame_of_a_turned_room():
 
 
 @pytest.mark.parametrize(
-    ("told", "labels"), [("all", range(6)), ("windows", (0, 1, 2, 3, 5)), ("nothing", range(4))]
+    ("openings", "labels"), [("all", range(6)), ("windows", (0, 1, 2, 3, 5)), ("nothing", range(4))]
 )
-def test_labels_are_probabilities(told, labels):
-    table = np.exp(log_table(told))
+def test_labels_are_probabilities(openings, labels):
+    table = np.exp(log_table(openings))
     np.testing.assert_allclose(table[:, list(labels)].sum(axis=1), np.ones(N_CLASSES), atol=1e-9)
 
 
@@ -123,7 +128,7 @@ def test_sure_probabilities_are_labels_and_doubt_lowers_them():
     plain, found = (label_counts(photo.labels, photo.camera, p) for p in (None, sure))
     pixels = plain[0].sum(axis=0)
     np.testing.assert_allclose(found[0].sum(axis=0), pixels, atol=1e-6)
-    least = 1.0 / (1.0 + 5 * LEAST)
+    least = 1.0 / (1.0 + 5 * LOCATE.least_probability)
     np.testing.assert_allclose(
         found[0].max(axis=0)[pixels > 0], least * plain[0].max(axis=0)[pixels > 0], rtol=0.02
     )
@@ -194,15 +199,17 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     cameras = {f"{name}.jpg": photo.camera.to_json() for name in ("a", "b")}
     write_json(masks / "cameras.json", cameras)
     output = tmp_path / "cameras.json"
+    rooms = tmp_path / "photo_rooms.json"
     table = {"a.jpg": [], "b.jpg": [], "damaged.jpg": []}
     poses = locate_photos(house, table, masks, output)
     np.testing.assert_allclose(poses["a.jpg"].camera.matrix, true.matrix, atol=1e-6)
-    assert with_found_rooms(house, table, output) == {"a.jpg": ["room"]}
+    assert write_photo_rooms(house, table, output, rooms) == {"a.jpg": ["room"]}
     asked = "expected a room_id in the photo table where a photo's place in the plan is not clear"
     assert caplog.messages[-1] == f"house h: {asked}, found none for b.jpg; left out"
     given = {"b.jpg": ["store"], "a.jpg": []}
-    assert with_found_rooms(house, given, output) == {"b.jpg": ["store"], "a.jpg": ["room"]}
+    assert write_photo_rooms(house, given, output, rooms) == {"b.jpg": ["store"], "a.jpg": ["room"]}
+    assert read_json(rooms) == {"b.jpg": ["store"], "a.jpg": ["room"]}
     with pytest.raises(InputError, match=r"room_id in the photo table .* found none for b\.jpg$"):
-        with_found_rooms(house, {"b.jpg": []}, output)
+        write_photo_rooms(house, {"b.jpg": []}, output, rooms)
     with pytest.raises(InputError, match=r"none for a\.jpg"):
-        with_found_rooms(house, {"a.jpg": []}, None)
+        write_photo_rooms(house, {"a.jpg": []}, None, rooms)

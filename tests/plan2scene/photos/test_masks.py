@@ -162,7 +162,12 @@ def test_make_masks_goes_on_without_bad_photos(tmp_path: Path) -> None:
     files = {name: photos / name for name in names}
     ready_labels = partial(labeller, "precomputed", precomputed_dir=ready, house_id="h1")
     warnings = make_masks(files, ready_labels, out, house_id="h1")
-    assert sorted(p.name for p in out.iterdir()) == ["cameras.json", "good.png", "warnings.json"]
+    assert sorted(p.name for p in out.iterdir()) == [
+        "cameras.json",
+        "good.png",
+        "segments.parquet",
+        "warnings.json",
+    ]
     assert np.array_equal(masks.read_label_png(out / "good.png"), _labels())
     cameras = json.loads((out / "cameras.json").read_text())
     assert list(cameras) == ["good.png"]

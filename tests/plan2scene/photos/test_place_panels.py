@@ -5,7 +5,7 @@ import numpy as np
 from box_room import DEEP, SIZE, WIDE, box_house, rendered
 from views import camera_looking
 
-from plan2scene.photos.contact_sheet.place import (
+from plan2scene.photos.contact_sheet.panels import (
     DOOR_INK,
     FRUSTUM,
     OWN_ROOM,

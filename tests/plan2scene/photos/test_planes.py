@@ -7,7 +7,7 @@ from views import camera_looking
 from plan2scene.house import Room
 from plan2scene.photos.labels.palette import CEILING, FLOOR, OTHER, WALL
 from plan2scene.photos.planes.planes import split_planes
-from plan2scene.photos.planes.room_size import room_extent
+from plan2scene.photos.planes.walls import room_extent
 
 SIZE = (360, 480)
 LOW = np.array([-1.8, 0.0, -2.0])

@@ -5,7 +5,8 @@ import pytest
 from views import camera_looking
 
 from plan2scene.photos.planes.planes import Plane
-from plan2scene.photos.planes.rectification import MAX_SIDE, plane_axes, rectify
+from plan2scene.photos.planes.rectification import plane_axes, rectify
+from plan2scene.photos.planes.walls import PLANES
 
 SIZE = (300, 400)
 
@@ -89,7 +90,7 @@ def test_flat_and_far_parts_are_cut_away():
     rows, _ = np.nonzero(dense.mask)
     assert dense.origin[1] + rows.max() * dense.metres_per_pixel < far - 0.5
     assert rectify(image, camera, plane, min_density=1e5) is None
-    assert max(rectified.mask.shape) <= MAX_SIDE + 1
+    assert max(rectified.mask.shape) <= PLANES.max_side_px + 1
 
 
 def test_no_plane_pixels_give_none():

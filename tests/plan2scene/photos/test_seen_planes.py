@@ -12,13 +12,13 @@ from plan2scene.photos.locate.seen_planes import seen_planes
 def test_every_pixel_lies_on_its_plane_and_in_its_room():
     house, pose, labels, ends = open_door_view()
     found = seen_planes(labels, pose, room_shapes(house))
-    kinds = {(item.room_id, item.plane.surface) for item in found}
+    kinds = {(item.rooms[0], item.plane.surface) for item in found}
     assert {("room", "floor"), ("room", "wall"), ("store", "floor"), ("store", "wall")} <= kinds
     for item in found:
         points = ends[item.plane.mask]
         off = (points - EYE) @ np.array(item.plane.normal) - item.plane.offset
         np.testing.assert_allclose(off, 0.0, atol=1e-6)
-        assert ((points[:, 0] > WIDE + 0.05) == (item.room_id == "store")).all()
+        assert ((points[:, 0] > WIDE + 0.05) == (item.rooms[0] == "store")).all()
         assert item.plane.scale_source == "plan"
 
 
@@ -27,7 +27,7 @@ def test_planes_of_a_surface_have_numbers_of_their_own():
     found = seen_planes(labels, pose, room_shapes(house))
     numbers = [(item.plane.surface, item.plane.index) for item in found]
     assert len(set(numbers)) == len(numbers)
-    assert [item.room_id for item in found if item.plane.surface == "floor"] == ["room", "store"]
+    assert [item.rooms[0] for item in found if item.plane.surface == "floor"] == ["room", "store"]
 
 
 def test_no_pixel_has_two_planes_and_most_have_one():
@@ -43,7 +43,7 @@ def test_no_pixel_has_two_planes_and_most_have_one():
 def test_a_shut_door_is_no_surface():
     house, pose, labels, ends = open_door_view()
     labels[ends[..., 0] > WIDE + 0.05] = DOOR
-    assert {item.room_id for item in seen_planes(labels, pose, room_shapes(house))} == {"room"}
+    assert {item.rooms[0] for item in seen_planes(labels, pose, room_shapes(house))} == {"room"}
 
 
 def test_a_pose_that_contradicts_the_mask_has_no_planes():
@@ -57,8 +57,8 @@ def test_planes_of_the_own_room_name_their_walls():
     found = seen_planes(labels, pose, room_shapes(house))
     ends = {wall.id: np.array([wall.start, wall.end]) for wall in house.walls}
     named = [item for item in found if item.walls]
-    assert named and {item.room_id for item in named} == {"room"}
-    assert len(named) == sum(f.room_id == "room" and f.plane.surface == "wall" for f in found)
+    assert named and {item.rooms[0] for item in named} == {"room"}
+    assert len(named) == sum(f.rooms[0] == "room" and f.plane.surface == "wall" for f in found)
     for item in named:
         normal = np.array(item.plane.normal)[[0, 2]]
         for wall in item.walls:

@@ -1,22 +1,23 @@
-"""Camera of one photo: focal length and rotation from vanishing points (docs/conventions.md)."""
+"""Focal length and rotation of a photo from its lines, EXIF data and labels."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 
 from plan2scene.camera import Camera, rounded_rows
 from plan2scene.photos.camera.exif import ExifFocal
-from plan2scene.photos.camera.line_weights import weighted_segments
+from plan2scene.photos.camera.lines import (
+    PhotoSegments,
+    Segments,
+    find_segments,
+    weighted_segments,
+)
 from plan2scene.photos.camera.manhattan import Manhattan, fit_manhattan, refine_rotation
-from plan2scene.photos.camera.vanishing import Segments
 
 #: Horizontal field of view where nothing tells it, degrees: that of the paper's reference.
 DEFAULT_FOV_DEG = 60.0
-#: Photos are reduced to this width or height (the larger) before segments are sought.
-WORKING_SIDE = 800
 #: A frame is believed with this many segments on the vertical and on the horizontal axes (or on
 #: each of the horizontal ones), ...
 MIN_VERTICAL = 3
@@ -45,6 +46,7 @@ def estimate_camera(
     fov_deg: float = DEFAULT_FOV_DEG,
     exif: ExifFocal | None = None,
     seed: int = 0,
+    segments: PhotoSegments | None = None,
 ) -> Camera:
     """Return focal length and rotation of a photo of a room (paper section 4, made metric).
 
@@ -60,6 +62,8 @@ def estimate_camera(
         What the photo's EXIF data say (`exif.read_exif_focal`).
     seed : int
         Seed of the vertical vanishing point's random pairs.
+    segments : PhotoSegments, optional
+        Those of the photo (`lines.find_segments`); they are found here when not given.
 
     Notes
     -----
@@ -68,19 +72,15 @@ def estimate_camera(
     cropped photo only stand in for `fov_deg`.
     """
     height, width = image.shape[:2]
-    scale = min(1.0, WORKING_SIDE / max(height, width))
-    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    if scale < 1.0:
-        size = (max(1, round(width * scale)), max(1, round(height * scale)))
-        grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
-    columns = grey.shape[1]
-    segments = weighted_segments(grey, labels)
+    found = find_segments(image) if segments is None else segments
+    columns = found.size[1]
+    weighted = weighted_segments(found.camera, found.size, labels)
     known = None if exif is None or exif.focal_px is None else exif.focal_px * columns / width
     prior = columns / 2 / np.tan(np.radians(fov_deg) / 2) if known is None else known
-    frame = fit_manhattan(segments, columns, prior, seed)
-    pose = _decide(frame, segments, prior, known is not None)
+    frame = fit_manhattan(weighted, columns, prior, seed)
+    pose = _decide(frame, weighted, prior, known is not None)
     if frame is not None and known is not None and exif is not None and not exif.cropped:
-        pose = _with_exif(pose, fit_manhattan(segments, columns, known, seed, fixed=True), known)
+        pose = _with_exif(pose, fit_manhattan(weighted, columns, known, seed, fixed=True), known)
     return Camera(
         width=width,
         height=height,

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from PIL import Image
 
 _log = logging.getLogger("plan2scene")
-
 #: Formats of cameras whose EXIF block Pillow finds without decoding pixels.
 FORMATS = ("JPEG", "MPO", "WEBP")
 #: Diagonal of a 36 x 24 mm frame.

@@ -1,8 +1,13 @@
 """Manhattan frame of a photo from its line segments: rotation and focal length together.
 
-Guesses over a grid of focal lengths are refined side by side, a few with the focal length free.
-What they cost gives the focal length's probability, and by it how sure the best one is: a photo
-that looks straight at a wall fits every focal length and is told so.
+All segments vote for the three orthogonal directions of a room at once, for every focal length of
+a grid, because one closed form from two vanishing points is lost as soon as one of them is near
+infinity. The best guesses are refined side by side, a few with the focal length free. Their costs
+give the probability of each focal length, and so the certainty of the best one: a photo that looks
+straight at a wall fits every focal length.
+
+The refinement is a Gauss-Newton iteration of our own: scipy.optimize.least_squares takes one
+hypothesis at a time and has no redescending loss.
 """
 
 from __future__ import annotations
@@ -13,13 +18,124 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from plan2scene.photos.camera.vanishing import (
-    FOV_RANGE_DEG,
-    N_FOCAL,
-    Segments,
-    first_guesses,
-    residuals,
-)
+from plan2scene.photos.camera.lines import Segments, residuals
+
+#: Horizontal fields of view that are searched (and up to the prior's, if beyond), degrees.
+FOV_RANGE_DEG = (30.0, 115.0)
+N_FOCAL = 19
+N_HEADING = 45
+N_PAIRS = 300
+N_VERTICALS = 5
+#: Segments that vote for the first guesses, those that weigh most.
+N_VOTERS = 160
+#: Largest roll and pitch believed of a photo of a room, degrees, and how far a vertical line may
+#: lean in the photo then.
+MAX_ROLL_DEG = 25.0
+MAX_PITCH_DEG = 35.0
+MAX_SLANT_DEG = 45.0
+#: What an unlikely focal length (log ratio 0.3 to the prior) costs a guess, share of the votes.
+FOCAL_PENALTY = 0.02
+
+
+@dataclass(frozen=True)
+class Guess:
+    """A Manhattan frame at a focal length, and the share of votes for it.
+
+    Columns of `axes` are the world's x, y (up), z in camera axes.
+    """
+
+    score: float
+    axes: np.ndarray
+    focal: float
+
+
+def first_guesses(
+    segments: Segments, width: int, focals: np.ndarray, prior: float, seed: int
+) -> list[list[Guess]]:
+    """Return the guesses per focal length, the most consistent first.
+
+    `width` of the photo, `focals` (k,) and `prior`, the most likely of them, are pixels; `seed`
+    is that of the pairs drawn for the vertical vanishing point.
+    """
+    verticals = _verticals(segments, width, np.random.default_rng(seed))
+    headings = np.linspace(0.0, np.pi / 2, N_HEADING, endpoint=False)
+    weight = segments.weight * np.minimum(segments.length, 0.25 * width)
+    voters = np.argsort(-weight, kind="stable")[:N_VOTERS]
+    weight = weight[voters] / weight[voters].sum()
+    noise, off_vertical = segments.coarse_noise[voters, None], segments.off_vertical[voters]
+    found = []
+    for focal in focals.tolist():
+        normal, middle = (rays[voters] for rays in segments.rays(focal))
+        penalty = FOCAL_PENALTY * (np.log(focal / prior) / 0.3) ** 2
+        guesses = []
+        for point in verticals:
+            up, first, second = _frames(point, focal / width, headings)
+            off = np.abs(residuals(normal, middle, np.hstack([first, second, up[:, None]])))
+            upright = off[:, -1] + off_vertical
+            off = np.minimum(off[:, :N_HEADING], off[:, N_HEADING:-1])
+            off = np.minimum(off, upright[:, None])
+            score = weight @ np.exp(-0.5 * (off / noise) ** 2)
+            best = int(np.argmax(score))
+            axes = np.stack([first[:, best], up, second[:, best]], axis=1)
+            guesses.append(Guess(float(score[best]) - penalty, axes, focal))
+        found.append(sorted(guesses, key=lambda guess: -guess.score))
+    return found
+
+
+def _frames(
+    point: np.ndarray, focal: float, headings: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return up (3,) of a vertical vanishing point and both horizontal axes (3, n) per heading."""
+    up = np.array([point[0], point[1], point[2] * focal])
+    up *= -np.sign(up[1]) / np.linalg.norm(up)
+    ahead = np.array([0.0, 0.0, 1.0]) - up[2] * up
+    ahead /= np.linalg.norm(ahead)
+    side = np.cross(up, ahead)
+    first = np.outer(side, np.cos(headings)) + np.outer(ahead, np.sin(headings))
+    second = np.outer(-side, np.sin(headings)) + np.outer(ahead, np.cos(headings))
+    return up, first, second
+
+
+def _verticals(segments: Segments, width: int, rng: np.random.Generator) -> np.ndarray:
+    """Return candidate vertical vanishing points (k, 3), homogeneous, in image widths."""
+    leaning = segments.slant < np.radians(MAX_SLANT_DEG)
+    upright = np.nonzero(leaning & (segments.off_vertical == 0.0))[0]
+    level = np.array([[0.0, 1.0, 0.0]])
+    if len(upright) < 3:
+        return level
+    one = np.ones((len(upright), 1))
+    points = segments.points[upright] / width
+    lines = np.cross(np.hstack([points[:, :2], one]), np.hstack([points[:, 2:], one]))
+    chance = segments.length[upright] * segments.weight[upright]
+    pairs = rng.choice(len(upright), size=(N_PAIRS, 2), p=chance / chance.sum())
+    found = np.cross(lines[pairs[:, 0]], lines[pairs[:, 1]])
+    found = found[np.linalg.norm(found, axis=1) > 1e-9]
+    found /= np.linalg.norm(found, axis=1, keepdims=True)
+    roll = np.arctan2(np.abs(found[:, 0]), np.abs(found[:, 1]))
+    reach = np.hypot(found[:, 0], found[:, 1]) / np.maximum(np.abs(found[:, 2]), 1e-9)
+    nearest = 0.5 / np.tan(np.radians(FOV_RANGE_DEG[1]) / 2) / np.tan(np.radians(MAX_PITCH_DEG))
+    found = np.vstack([level, found[(roll < np.radians(MAX_ROLL_DEG)) & (reach > nearest)]])
+    middle = segments.middle[upright] / width
+    toward = found[:, None, :2] - middle[None] * found[:, None, 2:]
+    along = points[:, 2:] - points[:, :2]
+    turn = toward[..., 0] * along[:, 1] - toward[..., 1] * along[:, 0]
+    turn /= np.linalg.norm(toward, axis=2) * np.linalg.norm(along, axis=1) + 1e-12
+    noise = segments.coarse_noise[upright] / 2
+    score = (chance * np.exp(-0.5 * (turn / noise) ** 2)).sum(axis=1)
+    return _distinct(found, score)
+
+
+def _distinct(found: np.ndarray, score: np.ndarray) -> np.ndarray:
+    """Return the best-scoring vanishing points that differ by more than about 1.5 degrees."""
+    kept: list[np.ndarray] = []
+    for index in np.argsort(-score, kind="stable"):
+        point = found[index]
+        if all(abs(float(point @ other)) < np.cos(np.radians(1.5)) for other in kept):
+            kept.append(point)
+        if len(kept) == N_VERTICALS:
+            break
+    return np.array(kept)
+
 
 #: Guesses refined with their focal length free, the best of all.
 N_FREE = 8

@@ -1,4 +1,4 @@
-"""Panels of a contact sheet: what each step from photo to crops saw, drawn on a small photo.
+"""Panels of a contact sheet: pictures of what each step from photo to crops found.
 
 Every function takes a photo already reduced to the panel (and a camera to match) and returns a
 new (h, w, 3) uint8 sRGB picture; nothing here decides anything.
@@ -6,8 +6,11 @@ new (h, w, 3) uint8 sRGB picture; nothing here decides anything.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise, zip_longest
+from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -15,12 +18,108 @@ from PIL import Image, ImageDraw
 
 from plan2scene.camera import Camera
 from plan2scene.drawing import INK, PAPER, font
-from plan2scene.photos.camera.lines import detect_segments
-from plan2scene.photos.camera.vanishing import Segments, residuals
-from plan2scene.photos.contact_sheet.windows import KINDS, Window, plane_name
+from plan2scene.images import image_from_bytes
+from plan2scene.io import read_parquet
+from plan2scene.photos.camera.lines import Segments, residuals
+from plan2scene.photos.crops.sampling import reasons_of_text
 from plan2scene.photos.labels.palette import overlay
+from plan2scene.photos.locate.plan_view import Hole, RoomShape
+from plan2scene.photos.locate.pose import Pose
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, rectify
+
+#: sRGB of selected windows, those selected for want of better ones, and rejected ones.
+SELECTED, LAST_RESORT, REJECTED = (40, 200, 70), (250, 170, 30), (225, 50, 50)
+#: The kinds of windows, with their colours.
+KINDS = {"selected": SELECTED, "last_resort": LAST_RESORT, "rejected": REJECTED}
+
+
+@dataclass(frozen=True)
+class Window:
+    """One candidate window of a photo."""
+
+    surface: str
+    plane: int
+    selected: bool
+    #: Empty for a good one.
+    reasons: tuple[str, ...]
+    #: Side in metres, NaN where unknown.
+    size_m: float
+    #: (4, 2) float64: Pixels x, y in the photo, clockwise from the crop's top left; NaN where
+    #: unknown.
+    corners: np.ndarray
+    #: (128, 128, 3) uint8: The crop, of a selected one.
+    image: np.ndarray | None = None
+
+    @property
+    def kind(self) -> str:
+        """Return its kind, of `KINDS`."""
+        return "rejected" if not self.selected else "last_resort" if self.reasons else "selected"
+
+
+def plane_name(surface: str, index: int) -> str:
+    """Return a short name of a plane: floor, ceiling, wall 0 ..."""
+    return f"wall {index}" if surface == "wall" else surface
+
+
+def read_windows(crops: str | Path, candidates: str | Path) -> dict[str, tuple[Window, ...]]:
+    """Return the windows of each photo, once for all rooms; selected when any room selects it."""
+    table, _ = read_parquet(crops)
+    png = dict(zip(table["crop_id"], table["png"], strict=True))
+    frame, _ = read_parquet(candidates)
+    found: dict[tuple[str, str, int, int], Window] = {}
+    for row in frame.to_dict("records"):
+        key = (row["photo"], row["surface"], int(row["plane"]), int(row["index"]))
+        if key in found and found[key].selected:
+            continue
+        found[key] = _window(row, png)
+    photos: dict[str, list[Window]] = {}
+    for (photo, *_), window in found.items():
+        photos.setdefault(photo, []).append(window)
+    return {photo: tuple(members) for photo, members in photos.items()}
+
+
+def _window(row: Mapping[str, Any], png: Mapping[str, bytes]) -> Window:
+    """Return the window of a row of candidates.parquet."""
+    data = png.get(row["crop_id"]) if row["crop_id"] else None
+    return Window(
+        surface=row["surface"],
+        plane=int(row["plane"]),
+        selected=bool(row["crop_id"]),
+        reasons=reasons_of_text(row["reason"]),
+        size_m=float(row["metres"]),
+        corners=np.array(list(row["corners"]), np.float64).reshape(4, 2),
+        image=None if data is None else image_from_bytes(data),
+    )
+
+
+def count_windows(windows: Sequence[Window]) -> dict[str, int]:
+    """Return how many windows are of each kind."""
+    kinds = [window.kind for window in windows]
+    return {kind: kinds.count(kind) for kind in KINDS}
+
+
+def thumbnail(window: Window, full: np.ndarray | None, side: int) -> np.ndarray:
+    """Return a window (side, side, 3): its crop, else cut out of the photo by its corners."""
+    if window.image is not None:
+        return cv2.resize(window.image, (side, side), interpolation=cv2.INTER_AREA)
+    if full is None or not np.isfinite(window.corners).all():
+        return np.full((side, side, 3), 220, np.uint8)
+    large = 2 * side
+    square = np.array([[0, 0], [large, 0], [large, large], [0, large]], np.float32) - 0.5
+    warp = cv2.getPerspectiveTransform(window.corners.astype(np.float32), square)
+    cut = cv2.warpPerspective(full, warp, (large, large))
+    return cv2.resize(cut, (side, side), interpolation=cv2.INTER_AREA)
+
+
+def in_turns(windows: Sequence[Window]) -> list[Window]:
+    """Return windows in turns over planes and reasons, so that the first few show every kind."""
+    groups: dict[tuple[str, int, tuple[str, ...]], list[Window]] = {}
+    for window in windows:
+        groups.setdefault((window.surface, window.plane, window.reasons), []).append(window)
+    turns = zip_longest(*(groups[name] for name in sorted(groups)))
+    return [window for turn in turns for window in turn if window is not None]
+
 
 #: sRGB of segments along the photo's x, y (up) and z, of other segments, and of the horizon.
 AXES = ((235, 70, 60), (60, 190, 80), (70, 130, 250))
@@ -56,14 +155,14 @@ def scaled_camera(camera: Camera, size: tuple[int, int]) -> Camera:
 def windows_panel(image: np.ndarray, windows: Sequence[Window], scale: float) -> np.ndarray:
     """Return the photo with the windows' outlines; `scale` is its size over the full photo's."""
     picture = image.copy()
-    for kept in (False, True):
+    for selected in (False, True):
         layer = picture.copy()
         for window in windows:
-            if window.kept == kept and np.isfinite(window.corners).all():
+            if window.selected == selected and np.isfinite(window.corners).all():
                 points = np.rint((window.corners + 0.5) * scale * 8).astype(np.int32)
                 cv2.polylines(layer, [points], True, KINDS[window.kind], 1, cv2.LINE_AA, 3)
         # Rejected windows are many: they must not hide the photo.
-        opacity = 1.0 if kept else 0.4
+        opacity = 1.0 if selected else 0.4
         picture = cv2.addWeighted(layer, opacity, picture, 1.0 - opacity, 0.0)
     return picture
 
@@ -97,11 +196,9 @@ def _tag(picture: np.ndarray, text: str, middle: tuple[int, int]) -> None:
     picture[:] = np.asarray(canvas)
 
 
-def lines_panel(image: np.ndarray, camera: Camera) -> np.ndarray:
-    """Return the photo, paled, with its line segments by axis and the horizon."""
+def lines_panel(image: np.ndarray, camera: Camera, segments: np.ndarray) -> np.ndarray:
+    """Return the photo, paled, with its line segments (n, 4) by axis and the horizon."""
     picture = np.clip(image * 0.45 + 255 * 0.55, 0, 255).astype(np.uint8)
-    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    segments = detect_segments(grey)[:320]
     for segment, axis in zip(segments, segment_axes(segments, camera), strict=True):
         ends = np.rint(segment.reshape(2, 2) * 8).astype(int)
         colour = STRAY if axis < 0 else AXES[axis]
@@ -128,38 +225,137 @@ def planes_panel(
     image: np.ndarray, camera: Camera, planes: Sequence[Plane], size: tuple[int, int]
 ) -> np.ndarray:
     """Return a picture of (height, width) with the largest planes straight on, metre grid over."""
-    shown = sorted(planes, key=lambda plane: -int(plane.mask.sum()))[:MAX_PLANES]
-    seen = [(plane, found) for plane in shown if (found := rectify(image, camera, plane))]
+    largest = sorted(planes, key=lambda plane: -int(plane.mask.sum()))[:MAX_PLANES]
+    views = [(plane, view) for plane in largest if (view := rectify(image, camera, plane))]
     canvas = Image.new("RGB", (size[1], size[0]), PAPER)
     draw = ImageDraw.Draw(canvas)
-    if not seen:
+    if not views:
         draw.text((size[1] // 2, size[0] // 2), "no plane", font=font(12), fill=INK, anchor="mm")
         return np.array(canvas)
-    columns = 1 if len(seen) == 1 else 2 if len(seen) <= 4 else 3
-    rows = -(-len(seen) // columns)
+    columns = 1 if len(views) == 1 else 2 if len(views) <= 4 else 3
+    rows = -(-len(views) // columns)
     cell = (size[0] // rows, size[1] // columns)
-    for k, (plane, found) in enumerate(seen):
+    for k, (plane, view) in enumerate(views):
         left, top = (k % columns) * cell[1], (k // columns) * cell[0]
-        thumb = _with_grid(found, (cell[0] - 18, cell[1] - 6))
+        thumb = _with_grid(view, (cell[0] - 18, cell[1] - 6))
         canvas.paste(Image.fromarray(thumb), (left + 2, top + 15))
-        rows_m, columns_m = (side * found.metres_per_pixel for side in found.mask.shape)
+        rows_m, columns_m = (side * view.metres_per_pixel for side in view.mask.shape)
         text = f"{plane_name(plane.surface, plane.index)}, {columns_m:.1f} x {rows_m:.1f} m"
         draw.text((left + 2, top + 1), text, font=font(10), fill=INK)
     return np.array(canvas)
 
 
-def _with_grid(found: RectifiedPlane, size: tuple[int, int]) -> np.ndarray:
+def _with_grid(view: RectifiedPlane, size: tuple[int, int]) -> np.ndarray:
     """Return a rectified plane at most (height, width) large, unusable parts pale, metre lines."""
-    image = np.where(found.mask[..., None], found.image, found.image // 4 + 180)
+    image = np.where(view.mask[..., None], view.image, view.image // 4 + 180)
     thumb = fit(image.astype(np.uint8), size)
-    scale = thumb.shape[1] / found.mask.shape[1]
+    scale = thumb.shape[1] / view.mask.shape[1]
     for axis in (0, 1):
-        start = found.origin[axis]
-        extent = found.mask.shape[1 - axis] * found.metres_per_pixel
+        start = view.origin[axis]
+        extent = view.mask.shape[1 - axis] * view.metres_per_pixel
         for metre in range(int(np.ceil(start)), int(np.floor(start + extent)) + 1):
             place = min(
-                round((metre - start) / found.metres_per_pixel * scale), thumb.shape[1 - axis] - 1
+                round((metre - start) / view.metres_per_pixel * scale), thumb.shape[1 - axis] - 1
             )
             line = thumb[:, place] if axis == 0 else thumb[place]
             line[:] = (line.astype(int) + (255, 0, 255)) // 2
     return thumb
+
+
+#: sRGB of walls, doors and passages, windows, the frustum, and the room that a photo stands in.
+WALL_INK, DOOR_INK, WINDOW_INK = (90, 90, 90), (220, 60, 50), (40, 140, 235)
+FRUSTUM, OWN_ROOM = (240, 150, 30), (255, 243, 214)
+#: Length of the frustum in the plan, metres, and the margin about the plan, pixels.
+FRUSTUM_M, MARGIN = 2.5, 8
+#: What is nearer to the camera's plane is cut off, metres.
+NEAR_M = 0.05
+
+
+def plan_panel(
+    shapes: Mapping[str, RoomShape], pose: Pose | None, size: tuple[int, int]
+) -> np.ndarray:
+    """Return a picture of (height, width) of the plan, x to the right and z down.
+
+    Of the level where the photo was taken, with its frustum; else of the lowest.
+    """
+    level = next(iter(shapes.values())).level if pose is None else shapes[pose.room_id].level
+    shapes = {name: shape for name, shape in shapes.items() if shape.level == level}
+    picture = np.full((*size, 3), PAPER, np.uint8)
+    points = np.concatenate([shape.start for shape in shapes.values()])
+    low, span = points.min(axis=0), np.maximum(np.ptp(points, axis=0), 0.1)
+    scale = float(((np.array([size[1], size[0]]) - 2 * MARGIN) / span).min())
+
+    def pixels(plan: np.ndarray) -> np.ndarray:
+        return np.rint(((plan - low) * scale + MARGIN) * 8).astype(np.int32)
+
+    if pose is not None:
+        cv2.fillPoly(picture, [pixels(shapes[pose.room_id].start)], OWN_ROOM, cv2.LINE_AA, 3)
+    for shape in shapes.values():
+        ends = shape.start + shape.along * shape.length[:, None]
+        for a, b in zip(shape.start, ends, strict=True):
+            cv2.line(picture, pixels(a), pixels(b), WALL_INK, 1, cv2.LINE_AA, 3)
+        for hole in shape.holes:
+            a, b = (shape.start[hole.edge] + at * shape.along[hole.edge] for at in _ends(hole))
+            cv2.line(picture, pixels(a), pixels(b), _ink(hole), 2, cv2.LINE_AA, 3)
+    if pose is not None:
+        rays = pose.camera.rays(
+            np.array([[0.0, pose.camera.cy], [pose.camera.width - 1.0, pose.camera.cy]])
+        )[:, [0, 2]]
+        eye = pose.eye[[0, 2]]
+        rim = eye + FRUSTUM_M * rays / np.linalg.norm(rays, axis=1, keepdims=True)
+        corners = pixels(np.stack([eye, *rim]))
+        layer = picture.copy()
+        cv2.fillPoly(layer, [corners], FRUSTUM, cv2.LINE_AA, 3)
+        picture = cv2.addWeighted(layer, 0.35, picture, 0.65, 0.0)
+        cv2.circle(picture, corners[0], 3 * 8, FRUSTUM, -1, cv2.LINE_AA, 3)
+    return picture
+
+
+def edges_panel(image: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]) -> np.ndarray:
+    """Return a photo (h, w, 3) with the edges of its room in the plan drawn over it."""
+    camera = scaled_camera(pose.camera, (image.shape[0], image.shape[1]))
+    picture = np.clip(image * 0.7 + 255 * 0.3, 0, 255).astype(np.uint8)
+    for line, ink in _room_lines(shapes[pose.room_id]):
+        for a, b in _segments(camera, line - pose.eye):
+            cv2.line(picture, a, b, ink, 2 if ink != WALL_INK else 1, cv2.LINE_AA, 3)
+    return picture
+
+
+def _room_lines(shape: RoomShape) -> Iterator[tuple[np.ndarray, tuple[int, int, int]]]:
+    """Yield the room's edges and openings as world points (n, 3), metres, with their colours."""
+
+    def at(plan: np.ndarray, y: float) -> np.ndarray:
+        return np.array([plan[0], y, plan[1]])
+
+    ends = shape.start + shape.along * shape.length[:, None]
+    for a, b in zip(shape.start, ends, strict=True):
+        ring = [at(a, 0.0), at(b, 0.0), at(b, shape.height), at(a, shape.height), at(a, 0.0)]
+        yield np.array(ring), WALL_INK
+    for hole in shape.holes:
+        a, b = (shape.start[hole.edge] + s * shape.along[hole.edge] for s in _ends(hole))
+        low, high = hole.bottom, hole.top
+        yield np.array([at(a, low), at(b, low), at(b, high), at(a, high), at(a, low)]), _ink(hole)
+
+
+def _segments(
+    camera: Camera, points: np.ndarray
+) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
+    """Yield the visible pieces of a line through points (n, 3), from the camera, in 1/8 pixels."""
+    seen = points @ camera.matrix.T
+    for a, b in pairwise(seen):
+        if max(a[2], b[2]) <= NEAR_M:
+            continue
+        if min(a[2], b[2]) < NEAR_M:
+            cut = a + (b - a) * (NEAR_M - a[2]) / (b[2] - a[2])
+            a, b = (a, cut) if a[2] > b[2] else (cut, b)
+        flat = np.stack([p[:2] / p[2] * camera.focal_px + (camera.cx, camera.cy) for p in (a, b)])
+        flat = np.clip(np.rint(flat * 8), -1e7, 1e7).astype(int)
+        yield (int(flat[0, 0]), int(flat[0, 1])), (int(flat[1, 0]), int(flat[1, 1]))
+
+
+def _ends(hole: Hole) -> tuple[float, float]:
+    return hole.start, hole.end
+
+
+def _ink(hole: Hole) -> tuple[int, int, int]:
+    return WINDOW_INK if hole.kind == "window" else DOOR_INK

@@ -1,8 +1,9 @@
 """Contact sheet of a house: for each photo what became of it on the way to crops, in one row.
 
 Photo with all windows drawn, labels and planes, segments by axis with the horizon, planes straight
-on with a metre grid, the plan with the photo's frustum and its edges over the photo, crops kept and
-windows rejected with the reason. For people to look at.
+on with a metre grid, the plan with the photo's frustum and its edges over the photo, selected crops
+and rejected windows with the reason. For people to look at: it draws what the stages saved and
+works out nothing again.
 """
 
 from __future__ import annotations
@@ -10,34 +11,45 @@ from __future__ import annotations
 import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 from PIL import Image, ImageDraw
 
+from plan2scene.camera import Camera
 from plan2scene.drawing import INK, PAPER, font
+from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.images import write_png
+from plan2scene.io import read_json
 from plan2scene.parallel import each
-from plan2scene.photos.contact_sheet.rows import PANEL, SheetPhoto, row_panels, sheet_photo
-from plan2scene.photos.contact_sheet.windows import (
+from plan2scene.photos.camera.lines import SEGMENTS, read_segments
+from plan2scene.photos.contact_sheet import panels
+from plan2scene.photos.contact_sheet.panels import (
     KINDS,
     REJECTED,
     Window,
     count_windows,
+    fit,
     in_turns,
     plane_name,
     read_windows,
+    scaled_camera,
     thumbnail,
 )
-from plan2scene.photos.locate.plan_view import room_shapes
-from plan2scene.photos.locate.stage import read_poses
-from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M
-from plan2scene.photos.planes.room_size import RoomSize
+from plan2scene.photos.labels.palette import LABELS, read_label_png
+from plan2scene.photos.locate.plan_view import RoomShape, room_shapes
+from plan2scene.photos.locate.pose import Pose, read_poses
+from plan2scene.photos.photo_files import read_photo
+from plan2scene.photos.planes.planes import PhotoPlane, Plane, plane_of_row, read_planes
 
-#: Photos on a sheet; of houses with more the first are shown, the rest counted.
+#: Photos on a sheet; of houses with more the first are drawn, the rest counted.
 MAX_PHOTOS = 20
+#: Height and width of a panel, pixels.
+PANEL = (225, 300)
 #: Width of the crops' panel, and of what is between panels, pixels.
 CROPS_WIDTH, GAP = 516, 8
 TITLE, CAPTION, HEADER = 20, 18, 44
@@ -49,17 +61,47 @@ PANELS = 6
 WIDTH = PANELS * (PANEL[1] + GAP) + CROPS_WIDTH + 2 * GAP
 
 
+@dataclass(frozen=True)
+class SheetFiles:
+    """What a contact sheet draws: files of one house (docs/conventions.md)."""
+
+    crops: str | Path
+    candidates: str | Path
+    planes: str | Path
+    #: Output of the masks stage and cameras.json of the places stage; None where crops are
+    #: precomputed.
+    masks: str | Path | None = None
+    cameras: str | Path | None = None
+
+
+@dataclass(frozen=True)
+class SheetPhoto:
+    """One row: the photo reduced to a panel, what is known of it, and why it may be missing."""
+
+    name: str
+    rooms: tuple[str, ...]
+    windows: tuple[Window, ...]
+    #: (h, w, 3) uint8 sRGB: reduced to a panel, and as it is worked on.
+    image: np.ndarray | None = None
+    full: np.ndarray | None = None
+    #: Its camera in its Manhattan frame.
+    camera: Camera | None = None
+    labels: np.ndarray | None = None
+    #: (n, 4) float64, pixels: the line segments that gave the camera.
+    segments: np.ndarray | None = None
+    planes: tuple[PhotoPlane, ...] = ()
+    #: Where it was taken, if that is known.
+    pose: Pose | None = None
+    note: str = ""
+
+
 def write_contact_sheet(
     output: str | Path,
     photos: Mapping[str, Path],
     rooms_of_photo: Mapping[str, Sequence[str]],
+    files: SheetFiles,
     *,
     house: House,
-    masks_dir: str | Path | None,
-    crops: str | Path,
-    candidates: str | Path,
-    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M,
-    cameras: str | Path | None = None,
     threads: int = 1,
 ) -> dict[str, int]:
     """Write the sheet as a PNG and return how many windows are of each kind.
@@ -70,74 +112,162 @@ def write_contact_sheet(
     photos : mapping of photo name to path
         Photos of the house table, damaged and missing ones too.
     rooms_of_photo : mapping of photo name to room ids
+        ``photo_rooms.json`` of the places stage.
+    files : SheetFiles
+        What is drawn.
     house : House
-        Gives the rooms' heights.
-    masks_dir : path, optional
-        Output of the masks stage; None where crops are precomputed.
-    crops, candidates : path
-        ``crops.parquet`` and ``candidates.parquet`` of the house.
-    camera_height_m : float
-        As the crops were made with, metres.
-    cameras : path, optional
-        ``cameras.json`` of the locate stage.
+        The plan.
     threads : int
         Rows drawn at a time; the sheet does not depend on it.
 
     Returns
     -------
     dict
-        ``photos`` (shown), ``kept``, ``last_resort`` and ``rejected`` windows of all photos.
+        ``photos`` (on the sheet), ``selected``, ``last_resort`` and ``rejected`` windows of all
+        photos.
     """
-    windows = read_windows(crops, candidates)
-    poses = {} if cameras is None else read_poses(cameras)
+    windows = read_windows(files.crops, files.candidates)
+    planes = read_planes(files.planes)
+    segments = {} if files.masks is None else read_segments(Path(files.masks) / SEGMENTS, "camera")
+    poses = {} if files.cameras is None else read_poses(files.cameras)
     shapes = room_shapes(house)
     names = sorted(set(photos) | set(windows))
-    shown = names[:MAX_PHOTOS]
-    height = HEADER + ROW * max(1, len(shown))
-    sheet = Image.new("RGB", (WIDTH, height), PAPER)
-    draw = ImageDraw.Draw(sheet)
-    everything = [window for name in names for window in windows.get(name, ())]
-    counts = count_windows(everything)
-    _header(draw, house.id, len(names), len(shown), counts, everything)
+    drawn = names[:MAX_PHOTOS]
+    sheet = Image.new("RGB", (WIDTH, HEADER + ROW * max(1, len(drawn))), PAPER)
+    every = [window for name in names for window in windows.get(name, ())]
+    counts = count_windows(every)
+    _header(ImageDraw.Draw(sheet), house.id, len(names), len(drawn), counts, every)
 
     def row_of(name: str) -> np.ndarray:
         rooms = tuple(rooms_of_photo.get(name, ()))
-        if not rooms and name in poses:
-            rooms = (poses[name].room_id,)
-        photo = sheet_photo(
-            name,
-            photos.get(name),
-            rooms,
-            windows.get(name, ()),
-            masks_dir,
-            house.id,
-            poses.get(name),
-        )
-        room_size = RoomSize.of(house.room(rooms[0])) if rooms else None
+        photo = SheetPhoto(name, rooms, windows.get(name, ()), pose=poses.get(name))
+        photo = _with_pixels(photo, photos.get(name), files.masks, house.id)
+        if photo.labels is not None:
+            size = (photo.labels.shape[0], photo.labels.shape[1])
+            own = (plane_of_row(row, size) for row in planes.get(name, ()))
+            # Of a photo whose place is not known, the planes for the first of its rooms.
+            own = (item for item in own if item.in_plan or set(rooms[:1]) <= set(item.rooms))
+            lines = segments.get(name, np.zeros((0, 4)))
+            photo = replace(photo, planes=tuple(own), segments=lines)
         row = Image.new("RGB", (WIDTH, ROW), PAPER)
-        _draw_row(row, photo, row_panels(photo, room_size, camera_height_m, shapes))
+        _draw_row(row, photo, row_panels(photo, shapes))
         return np.asarray(row)
 
-    for k, pixels in enumerate(each(row_of, shown, threads)):
+    for k, pixels in enumerate(each(row_of, drawn, threads)):
         sheet.paste(Image.fromarray(pixels), (0, HEADER + k * ROW))
     write_png(output, np.asarray(sheet))
-    return {"photos": len(shown), **counts}
+    return {"photos": len(drawn), **counts}
+
+
+def _with_pixels(
+    photo: SheetPhoto, path: Path | None, masks_dir: str | Path | None, house_id: str
+) -> SheetPhoto:
+    """Return a photo with its pixels, mask and camera, or with a note why it has none."""
+    if path is None:
+        return replace(photo, note="not in the house table")
+    try:
+        full = read_photo(path, house_id=house_id)
+    except InputError as error:
+        return replace(photo, note=str(error))
+    photo = replace(photo, image=fit(full, PANEL), full=full)
+    if masks_dir is None:
+        return replace(photo, note="crops come from a folder: no masks, no camera")
+    folder = Path(masks_dir)
+    camera = read_json(folder / "cameras.json").get(photo.name)
+    if camera is None:
+        lines = read_json(folder / "warnings.json")
+        line = next((line for line in lines if line.startswith(f"photo {photo.name} ")), "no mask")
+        return replace(photo, note=line)
+    labels = read_label_png(folder / f"{Path(photo.name).stem}.png", house_id=house_id)
+    return replace(photo, labels=labels, camera=Camera.from_json(camera))
+
+
+def row_panels(photo: SheetPhoto, shapes: Mapping[str, RoomShape]) -> list[tuple[np.ndarray, str]]:
+    """Return the panels of a photo with their captions, as far as it got."""
+    if photo.image is None or photo.full is None:
+        return []
+    height, width = photo.full.shape[:2]
+    scale = photo.image.shape[1] / width
+    windows = panels.windows_panel(photo.image, photo.windows, scale), f"{width}x{height}"
+    if photo.camera is None or photo.labels is None or photo.segments is None:
+        return [windows]
+    # Lines and planes are drawn at three times the panel's size: enough for a picture, and quick.
+    image = fit(photo.full, (3 * PANEL[0], 3 * PANEL[1])) if scale < 1 / 3 else photo.full
+    size, small = ((part.shape[0], part.shape[1]) for part in (image, photo.image))
+    planes = [item.plane for item in photo.planes]
+    located = photo.pose is not None and any(item.in_plan for item in photo.planes)
+    camera = photo.pose.camera if photo.pose is not None and located else photo.camera
+    segments = (photo.segments + 0.5) * (size[1] / width) - 0.5
+    lines = panels.lines_panel(image, scaled_camera(photo.camera, size), segments)
+    straight = panels.planes_panel(
+        image, scaled_camera(camera, size), _resized_planes(planes, size), PANEL
+    )
+    shares = ", ".join(f"{LABELS[k]} {(photo.labels == k).mean():.0%}" for k in (1, 2, 3))
+    labels = _resized(photo.labels, small)
+    return [
+        windows,
+        (panels.mask_panel(photo.image, labels, _resized_planes(planes, small)), shares),
+        (fit(lines, PANEL), _camera_text(photo.camera)),
+        (straight, _planes_text(planes)),
+        *_place_panels(photo, shapes),
+    ]
+
+
+def _resized_planes(planes: Sequence[Plane], size: tuple[int, int]) -> list[Plane]:
+    """Return planes with masks of another (height, width)."""
+    return [replace(p, mask=_resized(p.mask.astype(np.uint8), size) > 0) for p in planes]
+
+
+def _place_panels(
+    photo: SheetPhoto, shapes: Mapping[str, RoomShape]
+) -> list[tuple[np.ndarray, str]]:
+    """Return the plan with the photo's frustum, and the photo with the plan's edges over it."""
+    plan = panels.plan_panel(shapes, photo.pose, PANEL)
+    if photo.pose is None or photo.image is None:
+        return [(plan, "not located")]
+    text = f"in {photo.pose.room_id}, located {photo.pose.located:.2f}"
+    return [(plan, text), (panels.edges_panel(photo.image, photo.pose, shapes), "the plan over it")]
+
+
+def _resized(values: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Return (h, w) uint8 values at another (height, width), the nearest ones."""
+    return cv2.resize(values, size[::-1], interpolation=cv2.INTER_NEAREST)
+
+
+def _camera_text(camera: Camera) -> str:
+    """Return field of view, where it is from, tilt and confidence in a line."""
+    fov = np.degrees(2 * np.arctan(camera.width / 2 / camera.focal_px))
+    up = camera.matrix[:, 1]
+    down = round(-float(np.degrees(np.arcsin(np.clip(up[2], -1, 1)))))
+    roll = np.degrees(np.arctan2(up[0], -up[1]))
+    source = camera.focal_source.replace("_", " ")
+    tilt = f"{abs(down)}° {'down' if down >= 0 else 'up'}, roll {round(float(roll)):+d}°"
+    frame = "no frame found" if camera.fallback else tilt
+    return f"{fov:.0f}° ({source}), confidence {camera.confidence:.2f}, {frame}"
+
+
+def _planes_text(planes: Sequence[Plane]) -> str:
+    """Return the scale's source and the camera's height in a line."""
+    if not planes:
+        return ""
+    sources = ", ".join(sorted({plane.scale_source.replace("_", " ") for plane in planes}))
+    return f"1 m grid; camera at {planes[0].camera_height_m:.2f} m; scale by {sources}"
 
 
 def _header(
     draw: Any,
     house_id: str,
     n_photos: int,
-    n_shown: int,
+    n_drawn: int,
     counts: Mapping[str, int],
     windows: Sequence[Window],
 ) -> None:
     """Write the house's name, the counts and the colours' meaning."""
-    reasons = Counter(part for window in windows if not window.kept for part in window.reasons)
+    reasons = Counter(part for window in windows if not window.selected for part in window.reasons)
     why = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common(8))
-    more = "" if n_shown == n_photos else f" (the first {n_shown} shown)"
+    more = "" if n_drawn == n_photos else f" (the first {n_drawn} shown)"
     draw.text((GAP, 4), f"{house_id}: {n_photos} photos{more}", font=font(17), fill=INK)
-    meanings = ("crops kept", "kept for want of better ones", f"rejected: {why}".rstrip(": "))
+    meanings = ("selected", "selected for want of better ones", f"rejected: {why}".rstrip(": "))
     x = GAP
     for (kind, colour), meaning in zip(KINDS.items(), meanings, strict=True):
         text = f"{counts[kind]} {meaning}"
@@ -146,33 +276,33 @@ def _header(
         x += 14 + round(draw.textlength(text, font=font(12))) + 18
 
 
-def _draw_row(sheet: Any, photo: SheetPhoto, found: Sequence[tuple[np.ndarray, str]]) -> None:
-    """Draw one photo's row, `found` being its panels with their captions."""
+def _draw_row(sheet: Any, photo: SheetPhoto, row_panels: Sequence[tuple[np.ndarray, str]]) -> None:
+    """Draw one photo's row, given its panels with their captions."""
     draw = ImageDraw.Draw(sheet)
     draw.line((0, 0, WIDTH, 0), fill=(200, 200, 200))
     rooms = ", ".join(photo.rooms) or "no room"
     draw.text((GAP, 4), f"{photo.name}  ({rooms})", font=font(13), fill=INK)
     top = TITLE + 2
-    for k, (picture, caption) in enumerate(found):
+    for k, (picture, caption) in enumerate(row_panels):
         left = GAP + k * (PANEL[1] + GAP)
         sheet.paste(Image.fromarray(picture), (left, top))
         draw.text((left, top + PANEL[0] + 2), caption, font=font(11), fill=INK)
     if photo.note:
-        left = GAP + len(found) * (PANEL[1] + GAP)
+        left = GAP + len(row_panels) * (PANEL[1] + GAP)
         for k, line in enumerate(textwrap.wrap(photo.note, 90)[:6]):
             draw.text((left, top + 4 + 15 * k), line, font=font(12), fill=REJECTED)
     _draw_crops(sheet, (GAP + PANELS * (PANEL[1] + GAP), top), photo)
 
 
 def _draw_crops(sheet: Any, corner: tuple[int, int], photo: SheetPhoto) -> None:
-    """Draw kept crops, then rejected windows with their reasons."""
+    """Draw selected crops, then rejected windows with their reasons."""
     draw = ImageDraw.Draw(sheet)
-    kept = in_turns([w for w in photo.windows if w.kept])
-    out = in_turns([w for w in photo.windows if not w.kept])
-    cells = [*enumerate(kept[:COLUMNS]), *enumerate(out[: 2 * COLUMNS], COLUMNS)]
-    for place, window in cells:
-        left = corner[0] + place % COLUMNS * CELL[1]
-        top = corner[1] + place // COLUMNS * CELL[0]
+    selected = in_turns([w for w in photo.windows if w.selected])
+    out = in_turns([w for w in photo.windows if not w.selected])
+    cells = [*enumerate(selected[:COLUMNS]), *enumerate(out[: 2 * COLUMNS], COLUMNS)]
+    for cell, window in cells:
+        left = corner[0] + cell % COLUMNS * CELL[1]
+        top = corner[1] + cell // COLUMNS * CELL[0]
         thumb = thumbnail(window, photo.full, THUMB)
         draw.rectangle((left, top, left + THUMB + 3, top + THUMB + 3), fill=KINDS[window.kind])
         sheet.paste(Image.fromarray(thumb), (left + 2, top + 2))
@@ -180,13 +310,17 @@ def _draw_crops(sheet: Any, corner: tuple[int, int], photo: SheetPhoto) -> None:
             [plane_name(window.surface, window.plane), *_reason_lines(draw, window)]
         ):
             draw.text((left, top + THUMB + 4 + 9 * k), line, font=font(9), fill=INK)
-    if not kept and photo.camera is not None:
-        text = "no crop kept" if out else "no window fits on a plane"
+    if not selected and photo.camera is not None:
+        text = "no crop selected" if out else "no window fits on a plane"
         draw.text((corner[0], corner[1] + 20), text, font=font(12), fill=REJECTED)
     counts = count_windows(photo.windows)
-    names = (("kept", "kept"), ("last_resort", "for want of better ones"), ("rejected", "rejected"))
-    shown = ", ".join(f"{counts[key]} {name}" for key, name in names)
-    draw.text((corner[0], corner[1] - TITLE + 2), shown, font=font(13), fill=INK)
+    names = (
+        ("selected", "selected"),
+        ("last_resort", "for want of better ones"),
+        ("rejected", "rejected"),
+    )
+    text = ", ".join(f"{counts[key]} {name}" for key, name in names)
+    draw.text((corner[0], corner[1] - TITLE + 2), text, font=font(13), fill=INK)
 
 
 def _reason_lines(draw: Any, window: Window) -> list[str]:

@@ -12,14 +12,10 @@ from plan2scene.camera import Camera
 from plan2scene.house import House
 from plan2scene.photos.crops import sampling
 from plan2scene.photos.crops.filter import judge_of, with_reason
-from plan2scene.photos.crops.sampling import Candidate, sample_candidates
-from plan2scene.photos.crops.tables import WORST_RESORT, PhotoCandidate
-from plan2scene.photos.crops.verdict import Reason
-from plan2scene.photos.locate.plan_view import RoomShape
-from plan2scene.photos.locate.pose import Pose
-from plan2scene.photos.locate.seen_planes import seen_planes
-from plan2scene.photos.planes.planes import DEFAULT_CAMERA_HEIGHT_M, Plane, split_planes
-from plan2scene.photos.planes.room_size import RoomSize
+from plan2scene.photos.crops.sampling import Candidate, Reason, sample_candidates
+from plan2scene.photos.crops.selection import WORST_RESORT
+from plan2scene.photos.planes.planes import PhotoPlane, Plane, split_planes
+from plan2scene.photos.planes.walls import PLANES, RoomSize
 from plan2scene.seeds import generator
 
 
@@ -35,13 +31,13 @@ class CropSettings:
     sizes_m: tuple[float, ...] = sampling.WINDOW_SIZES_M
     per_mask: int = sampling.CROPS_PER_MASK
     tries: int = sampling.TRIES
-    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
+    camera_height_m: float = PLANES.camera_height_m
     filter: bool = True
     colours: str = "photo"
 
 
 @dataclass(frozen=True)
-class Naming:
+class WindowSeed:
     """What the windows of a photo are drawn by."""
 
     seed: int
@@ -62,85 +58,63 @@ def rooms_by_size(house: House, rooms: Sequence[str]) -> dict[RoomSize, tuple[st
     return {size: tuple(members) for size, members in groups.items()}
 
 
-@dataclass(frozen=True)
-class ShownPlane:
-    """A plane of a photo and whose it is: rooms of one size, or the one that the place tells.
-
-    `own` tells whether the photo was taken within that room, `walls` the ids of the walls on the
-    plane, where the place tells them.
-    """
-
-    rooms: tuple[str, ...]
-    plane: Plane
-    own: bool = True
-    walls: tuple[str, ...] = ()
-
-
 def planes_of_photo(
-    image: np.ndarray,
     labels: np.ndarray,
     camera: Camera,
+    segments: np.ndarray | None,
     rooms_by_size: Mapping[RoomSize, tuple[str, ...]],
-    settings: CropSettings,
-) -> list[ShownPlane]:
+    camera_height_m: float = PLANES.camera_height_m,
+) -> list[PhotoPlane]:
     """Return the planes of a photo whose place is not known, for its rooms of each size.
 
-    `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8.
+    `labels` (h, w) uint8; the others as of :func:`plan2scene.photos.planes.planes.split_planes`.
     """
     return [
-        ShownPlane(rooms, plane)
+        PhotoPlane(rooms, plane)
         for size, rooms in rooms_by_size.items()
         for plane in split_planes(
             labels,
             camera,
-            image=image,
-            camera_height_m=settings.camera_height_m,
+            segments=segments,
+            camera_height_m=camera_height_m,
             room_height_m=size.height_m,
             room_extent_m=size.extent_m,
         )
     ]
 
 
-def planes_of_located(
-    labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]
-) -> list[ShownPlane]:
-    """Return the planes of a located photo, each room's own; none where place and mask disagree."""
-    return [
-        ShownPlane((seen.room_id,), seen.plane, seen.room_id == pose.room_id, seen.walls)
-        for seen in seen_planes(labels, pose, shapes)
-    ]
-
-
 def candidates_of_photo(
     image: np.ndarray,
     camera: Camera,
-    planes: Sequence[ShownPlane],
+    planes: Sequence[PhotoPlane],
     settings: CropSettings,
-    names: Naming,
+    seed: WindowSeed,
     inner: Sequence[np.ndarray],
-) -> list[PhotoCandidate]:
+) -> list[Candidate]:
     """Return the windows drawn on the planes of one photo.
 
     `image` (h, w, 3) uint8 sRGB; `camera` in whose frame the planes are; `inner` the pixels (h, w)
-    bool of each plane that lie off its border. Candidates are numbered
-    on from one plane to another of the same number, so that crops of different images have
-    different names. Of rooms behind a door only good ones: what is seen from afar is no last
-    resort.
+    bool of each plane that lie off its border. Planes of the same number (for rooms of another
+    size) share one count of candidates, so that crops of different images have different names. Of
+    rooms behind a door only good candidates count: what is seen from afar is no last resort.
     """
-    found: list[PhotoCandidate] = []
+    candidates: list[Candidate] = []
     count: dict[tuple[str, int], int] = {}
-    for shown, pixels in zip(planes, inner, strict=True):
-        plane = shown.plane
-        drawn = candidates_of_plane(image, camera, plane, settings, names.rng(plane), pixels)
+    for item, pixels in zip(planes, inner, strict=True):
+        plane = item.plane
+        of_plane = candidates_of_plane(image, camera, plane, settings, seed.rng(plane), pixels)
         first = count.get((plane.surface, plane.index), 0)
-        count[plane.surface, plane.index] = first + len(drawn)
-        for candidate in drawn:
-            if shown.own or candidate.verdict.good:
-                numbered = _renumbered(candidate, first + candidate.crop.index)
-                found.append(
-                    PhotoCandidate(names.photo, shown.rooms, plane.surface, plane.index, numbered)
-                )
-    return found
+        count[plane.surface, plane.index] = first + len(of_plane)
+        candidates += [
+            replace(
+                _renumbered(candidate, first + candidate.crop.index),
+                photo=seed.photo,
+                rooms=item.rooms,
+            )
+            for candidate in of_plane
+            if item.own or candidate.verdict.good
+        ]
+    return candidates
 
 
 def _renumbered(candidate: Candidate, index: int) -> Candidate:
@@ -153,20 +127,21 @@ def candidates_of_plane(
     plane: Plane,
     settings: CropSettings,
     rng: np.random.Generator,
-    inside: np.ndarray,
+    inner: np.ndarray,
 ) -> list[Candidate]:
-    """Return the windows drawn on a plane; near its border only when none `inside` is good."""
+    """Return the windows drawn on a plane; near its border only when none in `inner` is good."""
     sample = partial(
         sample_candidates, image, camera, rng=rng, sizes_m=settings.sizes_m, tries=settings.tries
     )
     if not settings.filter:
         return sample(plane, per_mask=settings.per_mask)
-    inner = replace(plane, mask=inside)
-    drawn = sample(inner, per_mask=settings.per_mask, judge=judge_of(plane.surface, inside=True))
-    if not any(candidate.verdict.good for candidate in drawn):
+    inside = replace(plane, mask=inner)
+    judge = judge_of(plane.surface, inside=True)
+    candidates = sample(inside, per_mask=settings.per_mask, judge=judge)
+    if not any(candidate.verdict.good for candidate in candidates):
         few = min(WORST_RESORT, settings.per_mask)
         for candidate in sample(plane, per_mask=few, judge=judge_of(plane.surface, inside=False)):
-            drawn.append(_renumbered(candidate, len(drawn)))
+            candidates.append(_renumbered(candidate, len(candidates)))
     if plane.scale_source == "prior":  # no other window of the plane would be better
-        drawn = [with_reason(candidate, Reason.UNKNOWN_DISTANCE) for candidate in drawn]
-    return drawn
+        candidates = [with_reason(candidate, Reason.UNKNOWN_DISTANCE) for candidate in candidates]
+    return candidates

@@ -13,10 +13,9 @@ import numpy as np
 from plan2scene.camera import Camera
 from plan2scene.colour import srgb_to_linear
 from plan2scene.paint.observations import PlaneColours, SurfaceColour, equal_shares
-from plan2scene.photos.crops.candidates import ShownPlane
 from plan2scene.photos.crops.filter import inner_mask, unclipped
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
-from plan2scene.photos.planes.planes import Plane
+from plan2scene.photos.planes.planes import PhotoPlane, Plane
 
 #: Planes of fewer pixels tell nothing.
 MIN_PIXELS = 200
@@ -31,7 +30,7 @@ _LABELS = {"floor": FLOOR, "wall": WALL, "ceiling": CEILING}
 def colours_of_photo(
     image: np.ndarray,
     camera: Camera,
-    planes: Sequence[ShownPlane],
+    planes: Sequence[PhotoPlane],
     photo: str,
     inner: Sequence[np.ndarray],
 ) -> list[PlaneColours]:
@@ -39,14 +38,14 @@ def colours_of_photo(
 
     `inner` are the pixels (h, w) bool of each plane that lie off its border.
     """
-    count = len({room for shown in planes if shown.own for room in shown.rooms})
+    count = len({room for item in planes if item.own for room in item.rooms})
     observed = []
-    for shown, pixels in zip(planes, inner, strict=True):
-        plane, seen = shown.plane, plane_colours(image, camera, shown.plane, pixels)
+    for item, pixels in zip(planes, inner, strict=True):
+        plane, seen = item.plane, plane_colours(image, camera, item.plane, pixels)
         if seen is not None:
             # Where the place is not known any of the table's rooms may be meant.
-            weight = seen[0] / (count if shown.own else 1)
-            facts = photo, shown.rooms, plane.surface, plane.index, shown.own, shown.walls
+            weight = seen[0] / (count if item.own else 1)
+            facts = photo, item.rooms, plane.surface, plane.index, item.own, item.walls
             observed.append(PlaneColours(*facts, weight, seen[1]))
     return observed
 

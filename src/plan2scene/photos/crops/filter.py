@@ -8,59 +8,95 @@ out where the surface has better ones. Colours are CIE L*a*b* (D65), luminance i
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-from plan2scene.colour import CLIPPED_LEVELS, clipped_share, rgb_to_lab, srgb_to_linear
-from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Judge
-from plan2scene.photos.crops.verdict import Reason, Verdict
+from plan2scene.colour import (
+    CLIPPED_LEVELS,
+    clipped_share,
+    linear_to_srgb,
+    median_colour,
+    rgb_to_lab,
+    srgb_to_linear,
+)
+from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Judge, Reason, Verdict
 from plan2scene.photos.planes.rectification import RectifiedPlane
 
-#: Margin to the mask's border, share of the photo's width.
-MARGIN_SHARE = 0.01
-#: The same where the photo shows no edge at the border, so that it may run anywhere.
-BLIND_MARGIN_SHARE = 0.025
-#: Grey levels per pixel (Sobel on a photo blurred by 1 px) that make an edge.
-EDGE_GRADIENT = 6.0
-#: Largest share of burned out or black pixels of a window.
-CLIPPED_SHARE = 0.001
-#: Things that stand out are looked for among the mean colours of a crop's blocks, small and large:
-#: blocks along a side, weight of L*, least distance of an outlier (L*a*b*), multiple of the blocks'
-#: own spread that is added to it, and the sum of distances, in outliers just beyond, of a thing.
-#: Large blocks look for colours, which light leaves alone.
-BLOCK_SCALES = ((32, 1.0, 3.0, 5.0, 2.5), (8, 0.3, 2.0, 3.0, 3.0))
-#: Share of all that stands out that a thing has in one piece; what patterns have is scattered.
-ONE_PIECE = 0.6
-#: Least distance and multiple of the spread for a window's mean colour, L* counted half, to be
-#: unlike those of all windows of the plane.
-WINDOW_LIMIT, WINDOW_SPREAD = 8.0, 5.0
-#: Step of log luminance, after smooth shading is taken away, that is a shadow's edge.
-SHADOW_STEP = 0.2
-#: Least change of log luminance over an eighth of a crop that is an edge, not shading.
-EDGE_STEP = 0.12
-#: Difference in a*b* above which a step is a thing, not a shadow.
-SHADOW_CHROMA = 6.0
-#: Most pieces into which a step divides a window; patterns have more.
-STEP_PIECES = 3
-#: A shadow's edge explains this share of what a crop's log luminance varies by, or is this many
-#: times the fine texture's standard deviation; planks of two shades do neither.
-STEP_SHARE, STEP_TEXTURES = 0.75, 5.0
-#: Least photo pixels per crop pixel of a good crop; or, since a window is the smaller the nearer
-#: its edge is, photo pixels per metre along the view, where they are fewest.
-MIN_SHARPNESS, MIN_DENSITY = 0.5, 100.0
-#: Least angle to the plane; flatter views down to the second are as good while they have this many
-#: photo pixels along the view per crop pixel.
-MIN_GRAZING_DEG, LEAST_GRAZING_DEG, FLAT_SHARPNESS = 20.0, 16.0, 0.45
-#: Sides in small blocks of what is a thing on a floor: joints are thinner.
-THING_BLOCKS = 3
 
-#: Groups of a surface's windows farther than this from most of the others (L*a*b*, L* counted
-#: half) are of something else.
-GROUP_LIMIT = 10.0
-#: Least share of a surface's windows that can outvote the rest.
-MAJORITY = 0.6
+@dataclass(frozen=True)
+class FilterSettings:
+    """Constants of the filter of windows.
+
+    Source, where a field names no other: 208 windows of real photos that were judged by eye
+    (``benchmarks/windows.py``).
+    """
+
+    # Borders.
+    #: Margin to the mask's border, share of the photo's width.
+    margin_share: float = 0.01
+    #: The same where the photo shows no edge at the border, so that it may run anywhere.
+    blind_margin_share: float = 0.025
+    #: Grey levels per pixel (Sobel on a photo blurred by 1 px) that make an edge.
+    edge_gradient: float = 6.0
+
+    # Highlights.
+    #: Largest share of burned out or black pixels of a window.
+    clipped_share: float = 0.001
+
+    # Things that stand out among the mean colours of a crop's blocks.
+    #: Small blocks, then large ones, which look for colours, since light leaves those alone: blocks
+    #: along a side, weight of L*, least distance of an outlier (L*a*b*), multiple of the blocks'
+    #: own spread that is added to it, and the sum of distances (in those of an outlier) of a thing.
+    block_scales: tuple[tuple[int, float, float, float, float], ...] = (
+        (32, 1.0, 3.0, 5.0, 2.5),
+        (8, 0.3, 2.0, 3.0, 3.0),
+    )
+    #: Share of all that stands out that a thing has in one piece; what patterns have is scattered.
+    one_piece: float = 0.6
+    #: Sides in small blocks of what is a thing on a floor: joints are thinner.
+    thing_blocks: int = 3
+    #: A window's mean colour is unlike those of all windows of the plane beyond this distance
+    #: (L*a*b*, L* halved), plus this multiple of their spread.
+    window_limit: float = 8.0
+    window_spread: float = 5.0
+
+    # Shadows.
+    #: Step of log luminance, after smooth shading is taken away, that is a shadow's edge.
+    shadow_step: float = 0.2
+    #: Least change of log luminance over an eighth of a crop that is an edge, not shading.
+    edge_step: float = 0.12
+    #: Difference in a*b* above which a step is a thing, not a shadow.
+    shadow_chroma: float = 6.0
+    #: Most pieces into which a step divides a window; patterns have more.
+    step_pieces: int = 3
+    #: A shadow's edge explains this share of what a crop's log luminance varies by, or is this many
+    #: times the fine texture's standard deviation; planks of two shades do neither.
+    step_share: float = 0.75
+    step_textures: float = 5.0
+
+    # Sharpness.
+    #: Least photo pixels per crop pixel of a good crop; or, since a window is the smaller the
+    #: nearer its edge is, photo pixels per metre along the view, where they are fewest.
+    min_sharpness: float = 0.5
+    min_density: float = 100.0
+    #: Least angle between view and plane, degrees; flatter views down to the second angle are as
+    #: good while they have this many photo pixels along the view per crop pixel.
+    min_grazing_deg: float = 20.0
+    least_grazing_deg: float = 16.0
+    flat_sharpness: float = 0.45
+
+    # The photos of a surface against each other.
+    #: Groups of a surface's windows farther than this from most of the others (L*a*b*, L* halved)
+    #: are of something else.
+    group_limit: float = 10.0
+    #: Least share of a surface's windows that can outvote the rest.
+    majority: float = 0.6
+
+
+FILTER = FilterSettings()
 
 
 def unclipped(image: np.ndarray) -> np.ndarray:
@@ -78,9 +114,9 @@ def strong_edges(image: np.ndarray) -> np.ndarray:
     """
     grey = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (0, 0), 1.0)
     slope = [cv2.Sobel(grey, cv2.CV_32F, dx, 1 - dx, scale=0.125) for dx in (1, 0)]
-    reach = 2 * round(MARGIN_SHARE * image.shape[1] / 2) + 1
+    reach = 2 * round(FILTER.margin_share * image.shape[1] / 2) + 1
     near = cv2.dilate(np.hypot(*slope), np.ones((reach, reach), np.uint8))
-    return np.asarray(near >= EDGE_GRADIENT)
+    return np.asarray(near >= FILTER.edge_gradient)
 
 
 def inner_mask(mask: np.ndarray, edges: np.ndarray) -> np.ndarray:
@@ -89,7 +125,9 @@ def inner_mask(mask: np.ndarray, edges: np.ndarray) -> np.ndarray:
     The margin is less where `edges`, the photo's :func:`strong_edges`, are at the border. The
     photo's frame is no border.
     """
-    margin, blind_margin = (share * mask.shape[1] for share in (MARGIN_SHARE, BLIND_MARGIN_SHARE))
+    margin, blind_margin = (
+        share * mask.shape[1] for share in (FILTER.margin_share, FILTER.blind_margin_share)
+    )
     padded = cv2.copyMakeBorder(mask.astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_REPLICATE)
     border = (cv2.erode(padded, np.ones((3, 3), np.uint8)) == 0)[1:-1, 1:-1] & mask
     blind = border & ~edges
@@ -135,15 +173,16 @@ def with_reason(candidate: Candidate, reason: Reason) -> Candidate:
 def is_blurred(crop: Crop) -> bool:
     """Tell whether a crop has few photo pixels both for its own pixels and for a metre."""
     along = crop.sharpness * CROP_PX / crop.size_m * flattening(crop)
-    return crop.sharpness < MIN_SHARPNESS and along < MIN_DENSITY
+    return crop.sharpness < FILTER.min_sharpness and along < FILTER.min_density
 
 
 def is_oblique(crop: Crop) -> bool:
     """Tell whether a crop is seen so flat that it is smeared along the view."""
-    if crop.grazing_deg >= MIN_GRAZING_DEG:
+    if crop.grazing_deg >= FILTER.min_grazing_deg:
         return False
     return (
-        crop.grazing_deg < LEAST_GRAZING_DEG or crop.sharpness * flattening(crop) < FLAT_SHARPNESS
+        crop.grazing_deg < FILTER.least_grazing_deg
+        or crop.sharpness * flattening(crop) < FILTER.flat_sharpness
     )
 
 
@@ -158,7 +197,7 @@ def image_reasons(image: np.ndarray, *, joints: bool = False) -> list[Reason]:
     `joints` as of :func:`has_object`.
     """
     reasons = []
-    if clipped_share(image, CLIPPED_LEVELS) > CLIPPED_SHARE:
+    if clipped_share(image, CLIPPED_LEVELS) > FILTER.clipped_share:
         reasons.append(Reason.HIGHLIGHT)
     if has_object(image, joints=joints):
         reasons.append(Reason.CLUTTER)
@@ -174,19 +213,19 @@ def has_object(image: np.ndarray, *, joints: bool = False) -> bool:
     Smooth shading is taken away first. Patterns raise the blocks' own spread, or stand out in
     many pieces; with `joints` what is thin belongs to a pattern, too.
     """
-    for blocks, weight, limit, multiple, thing in BLOCK_SCALES:
+    for blocks, weight, limit, multiple, thing in FILTER.block_scales:
         small = cv2.resize(image, (blocks, blocks), interpolation=cv2.INTER_AREA)
         lab = rgb_to_lab(small / 255.0)
         lab[..., 0] = weight * (lab[..., 0] - smooth_field(lab[..., 0]))
         away = np.linalg.norm(lab - np.median(lab, axis=(0, 1)), axis=-1)
         beyond = away / (limit + multiple * float(np.median(away)))
         beyond[beyond <= 1.0] = 0.0
-        if joints and blocks == BLOCK_SCALES[0][0]:
-            thick = np.ones((THING_BLOCKS, THING_BLOCKS), np.uint8)
+        if joints and blocks == FILTER.block_scales[0][0]:
+            thick = np.ones((FILTER.thing_blocks, FILTER.thing_blocks), np.uint8)
             beyond *= cv2.morphologyEx((beyond > 0).astype(np.uint8), cv2.MORPH_OPEN, thick)
         _, pieces = cv2.connectedComponents((beyond > 0).astype(np.uint8), connectivity=8)
         sums = np.bincount(pieces.ravel(), weights=beyond.ravel())
-        if sums.max() >= max(thing, ONE_PIECE * sums.sum()):
+        if sums.max() >= max(thing, FILTER.one_piece * sums.sum()):
             return True
     return False
 
@@ -200,10 +239,10 @@ def step_of(image: np.ndarray) -> Reason | None:
         for i in (small, smooth)
     )
     rest = log - smooth_field(log)
-    if np.percentile(rest, 97) - np.percentile(rest, 3) < SHADOW_STEP:
+    if np.percentile(rest, 97) - np.percentile(rest, 3) < FILTER.shadow_step:
         return None
     slopes = [log[:, 8:] - log[:, :-8], log[8:] - log[:-8]]
-    if max(np.percentile(np.abs(slope), 98) for slope in slopes) < EDGE_STEP:
+    if max(np.percentile(np.abs(slope), 98) for slope in slopes) < FILTER.edge_step:
         return None
     scaled = cv2.normalize(log, None, 0, 255, cv2.NORM_MINMAX).astype(np.uint8)
     _, bright = cv2.threshold(scaled, 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
@@ -211,24 +250,25 @@ def step_of(image: np.ndarray) -> Reason | None:
     for side in (bright, 1 - bright):
         stats = cv2.connectedComponentsWithStats(side, connectivity=4)[2]
         areas += [area for area in stats[1:, cv2.CC_STAT_AREA] if area >= 0.02 * side.size]
-    if len(areas) > STEP_PIECES or sum(areas) < 0.9 * bright.size or bright.std() == 0:
+    if len(areas) > FILTER.step_pieces or sum(areas) < 0.9 * bright.size or bright.std() == 0:
         return None
     share = bright.mean()
     step = log[bright > 0].mean() - log[bright == 0].mean()
     texture = (fine - cv2.GaussianBlur(fine, (0, 0), 4.0)).std()
     explained = share * (1 - share) * step**2 / log.var()
-    if explained < STEP_SHARE and step < STEP_TEXTURES * texture:
+    if explained < FILTER.step_share and step < FILTER.step_textures * texture:
         return None
     lab = rgb_to_lab(smooth / 255.0)
     ab = [np.median(lab[side > 0][:, 1:], axis=0) for side in (bright, 1 - bright)]
-    return Reason.CLUTTER if np.linalg.norm(ab[0] - ab[1]) > SHADOW_CHROMA else Reason.SHADOW
+    return Reason.CLUTTER if np.linalg.norm(ab[0] - ab[1]) > FILTER.shadow_chroma else Reason.SHADOW
 
 
 def smooth_field(values: np.ndarray, rounds: int = 3) -> np.ndarray:
     """Return the quadratic surface that fits most of (h, w) values, float64.
 
     Least squares, repeated with values far from the fit counted less (Huber), so that an object
-    or a joint does not bend it.
+    or a joint does not bend it. The knee follows the residuals' median, which
+    scipy.optimize.least_squares cannot do.
     """
     height, width = values.shape
     y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
@@ -263,7 +303,7 @@ def window_colours(rectified: RectifiedPlane, side: int) -> tuple[np.ndarray, fl
 def is_unlike(patch: np.ndarray, middle: np.ndarray, spread: float) -> bool:
     """Tell whether a window's mean colour is far from those of its plane."""
     lab = rgb_to_lab(patch.reshape(-1, 3).mean(axis=0) / 255.0) * np.array([0.5, 1.0, 1.0])
-    return bool(np.linalg.norm(lab - middle) > WINDOW_LIMIT + WINDOW_SPREAD * spread)
+    return bool(np.linalg.norm(lab - middle) > FILTER.window_limit + FILTER.window_spread * spread)
 
 
 def outvoted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -275,8 +315,43 @@ def outvoted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """
     points = colours * np.array([0.5, 1.0, 1.0])
     distance = np.linalg.norm(points[:, None] - points[None], axis=-1)
-    support = (distance <= GROUP_LIMIT) @ weights
+    support = (distance <= FILTER.group_limit) @ weights
     best = int(np.argmax(support))
-    if support[best] < MAJORITY * weights.sum():
+    if support[best] < FILTER.majority * weights.sum():
         return np.zeros(len(colours), dtype=bool)
-    return np.asarray(distance[best] > GROUP_LIMIT)
+    return np.asarray(distance[best] > FILTER.group_limit)
+
+
+def mark_outvoted(
+    candidates: Sequence[Candidate], lights: Mapping[str, np.ndarray]
+) -> list[Candidate]:
+    """Return the candidates of a house; those that their surface outvotes get that reason.
+
+    Windows without grave reasons vote, one group per plane of a photo, in the photos' own colours.
+    `lights` (3,), linear RGB, are divided out before colours are compared.
+    """
+    groups: dict[tuple[str, str], dict[tuple[str, int], list[int]]] = {}
+    for number, candidate in enumerate(candidates):
+        if not candidate.verdict.grave:
+            for room in candidate.rooms:
+                planes = groups.setdefault((room, candidate.surface), {})
+                planes.setdefault((candidate.photo, candidate.plane), []).append(number)
+    result = list(candidates)
+    for planes in groups.values():
+        colours = [
+            np.median([_colour(candidates[number], lights) for number in members], axis=0)
+            for members in planes.values()
+        ]
+        weights = np.array([len(members) for members in planes.values()], dtype=float)
+        unlike = outvoted(np.stack(colours), weights)
+        for members, out in zip(planes.values(), unlike, strict=True):
+            for number in members if out else ():
+                result[number] = with_reason(candidates[number], Reason.UNLIKE)
+    return result
+
+
+def _colour(candidate: Candidate, lights: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return the L*a*b* (3,) of a crop's median colour without its photo's light."""
+    linear = srgb_to_linear(median_colour(candidate.crop.image))
+    linear = linear / lights.get(candidate.photo, np.ones(3))
+    return rgb_to_lab(linear_to_srgb(np.minimum(linear, 1.0)))

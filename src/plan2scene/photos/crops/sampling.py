@@ -3,21 +3,103 @@
 Paper: up to 10 random 256x256 windows fully inside the rectified mask (upscaled by 3), at most
 1000 tries each, resized to 128x128; the reference crop of a surface is the medoid. Here windows
 are squares in metres, so that a crop knows its scale.
+
+Terms: a *window* is a square on a plane. A *candidate* is a window that was drawn, with its crop
+and the verdict of the filter. *Selected* candidates are the crops of crops.parquet, the *crop
+table*. A *precomputed* crop comes from a folder instead. The *reference crop* of a surface is the
+medoid of its crops.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 
 import cv2
 import numpy as np
 
 from plan2scene.camera import Camera
 from plan2scene.images import jpeg_bytes
-from plan2scene.photos.crops.verdict import Verdict
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, plane_pixels, rectify
+
+#: Score of a window that may show something else than its surface.
+GRAVE = 1.0
+#: The reasons of a crop that is selected for want of a better one begin with this.
+_LAST_RESORT = "last resort: "
+
+
+class Reason(StrEnum):
+    """What is wrong with a window, from the worst to the mildest."""
+
+    BORDER = "border"
+    CLUTTER = "clutter"
+    UNLIKE = "unlike the rest"
+    HIGHLIGHT = "highlight"
+    SHADOW = "shadow edge"
+    # From here on the window shows its surface, but poorly.
+    BLURRED = "not sharp"
+    OBLIQUE = "oblique"
+    UNKNOWN_DISTANCE = "unknown distance"
+
+
+_GRAVE_REASONS = tuple(Reason)[:5]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is wrong with a window, if anything."""
+
+    #: From the worst to the mildest; empty for a good one.
+    reasons: tuple[Reason, ...] = ()
+    #: Orders rejected windows: where a surface has no good one, those of least score are selected.
+    #: From `GRAVE` on a window may not show the surface.
+    score: float = 0.0
+
+    @classmethod
+    def of(cls, reasons: Iterable[Reason], sharpness: float) -> Verdict:
+        """Return the verdict on a window for these reasons, in any order.
+
+        Any grave reason weighs more than all mild ones; of equals the sharper crop (`sharpness`
+        in photo pixels per crop pixel) is better.
+        """
+        against = set(reasons)
+        if not against:
+            return cls()
+        grave = len(_GRAVE_REASONS)
+        score = sum(
+            GRAVE * 2 ** (grave - 1 - rank) if rank < grave else 0.25
+            for rank, reason in enumerate(Reason)
+            if reason in against
+        )
+        ordered = tuple(reason for reason in Reason if reason in against)
+        return cls(ordered, score + 0.2 * GRAVE / (1.0 + sharpness))
+
+    @property
+    def good(self) -> bool:
+        """Whether nothing is wrong."""
+        return not self.reasons
+
+    @property
+    def grave(self) -> bool:
+        """Whether the window may show something else than its surface."""
+        return self.score >= GRAVE
+
+
+def reason_text(verdict: Verdict, *, selected: bool) -> str:
+    """Return the cell ``reason`` of candidates.parquet: empty for a good window.
+
+    `selected` tells a crop that is selected for want of a better one.
+    """
+    text = ", ".join(verdict.reasons)
+    return _LAST_RESORT + text if selected and text else text
+
+
+def reasons_of_text(text: str) -> tuple[str, ...]:
+    """Return the reasons of a cell ``reason`` of candidates.parquet."""
+    return tuple(part for part in text.removeprefix(_LAST_RESORT).split(", ") if part)
+
 
 CROP_PX = 128
 CROPS_PER_MASK = 10
@@ -41,7 +123,7 @@ DETAIL_GAIN = 1.1
 class Crop:
     """A 128x128 crop of one plane."""
 
-    #: Number within its mask: of the crops kept, of the candidates otherwise.
+    #: Number within its mask: among the candidates, in the crop table among the selected ones.
     index: int
     #: (4,): x0 y0 x1 y1 on the rectified plane, metres.
     window: tuple[float, float, float, float]
@@ -62,10 +144,16 @@ class Crop:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A window that was drawn, and the verdict on it."""
+    """A window that was drawn: where it is, its crop and the verdict on it."""
 
     crop: Crop
     verdict: Verdict
+    surface: str
+    #: Number of the plane (mask) within the photo and surface.
+    plane: int
+    photo: str = ""
+    #: Rooms that it shows: those of one size that the photo is assigned to, or its plane's own.
+    rooms: tuple[str, ...] = ()
 
 
 #: Judges a window: rectified plane, row, column and side in its pixels, the crop.
@@ -100,7 +188,7 @@ def sample_candidates(
     judge : Judge, optional
         Says what is wrong with a window; without one all are good.
     """
-    drawn: list[Candidate] = []
+    candidates: list[Candidate] = []
     wanted = per_mask if judge is None else DRAWS_PER_CROP * per_mask
     pixels = plane_pixels(camera, plane)
     for upsampling in (MAX_UPSAMPLING, LAST_UPSAMPLING):
@@ -111,17 +199,17 @@ def sample_candidates(
                 continue
             good = 0
             for row, column in draw_windows(rectified, size_m, rng, per_mask=wanted, tries=tries):
-                crop = cut_window(rectified, camera, len(drawn), row, column, size_m)
+                crop = cut_window(rectified, camera, len(candidates), row, column, size_m)
                 verdict = Verdict()
                 if judge is not None:
                     verdict = judge(rectified, row, column, window_pixels(rectified, size_m), crop)
-                drawn.append(Candidate(crop, verdict))
+                candidates.append(Candidate(crop, verdict, plane.surface, plane.index))
                 good += verdict.good
                 if good == per_mask:
                     break
             if good:
-                return drawn
-    return drawn
+                return candidates
+    return candidates
 
 
 def window_pixels(rectified: RectifiedPlane, size_m: float) -> int:
@@ -205,15 +293,3 @@ def window_corners(
     flat = np.array([[x0, y0, 1.0], [x1, y0, 1.0], [x1, y1, 1.0], [x0, y1, 1.0]])
     image = flat @ rectified.axes @ (camera.intrinsics @ camera.matrix).T
     return tuple(float(value) for value in (image[:, :2] / image[:, 2:]).ravel())
-
-
-def medoid_index(images: Sequence[np.ndarray]) -> int:
-    """Return the index of the image closest (L2) to the mean RGB image (paper, reference crop).
-
-    Images are (h, w, 3) uint8 of one size; of equals the first. ValueError without any.
-    """
-    if not len(images):
-        raise ValueError("the medoid of no images")
-    stack = np.stack([image.astype(np.float64) for image in images])
-    distance = ((stack - stack.mean(axis=0)) ** 2).reshape(len(stack), -1).sum(axis=1)
-    return int(np.argmin(distance))

@@ -12,6 +12,7 @@ from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal
+from plan2scene.photos.camera.lines import PhotoSegments
 from plan2scene.photos.labels.palette import (
     LABELS_AND_OPENINGS,
     labels_from_folder,
@@ -48,15 +49,18 @@ class Labeller:
         *,
         fov_deg: float = DEFAULT_FOV_DEG,
         exif: ExifFocal | None = None,
+        segments: PhotoSegments | None = None,
     ) -> Labelled:
         """Return the labels of a photo.
 
-        Those that depend on the camera are made once a draft gave it. `fov_deg` and `exif` as of
-        :func:`plan2scene.photos.camera.calibration.estimate_camera`.
+        Those that depend on the camera are made once a draft gave it. `fov_deg`, `exif` and
+        `segments` as of :func:`plan2scene.photos.camera.calibration.estimate_camera`.
         """
         if self.draft is None:
             return self.label(photo, image, None)
-        camera = estimate_camera(image, self.draft(image), fov_deg=fov_deg, exif=exif)
+        camera = estimate_camera(
+            image, self.draft(image), fov_deg=fov_deg, exif=exif, segments=segments
+        )
         return self.label(photo, image, None if camera.fallback else camera)
 
 

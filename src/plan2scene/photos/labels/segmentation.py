@@ -1,8 +1,8 @@
 """Segmentation of a room photo into floor, wall, ceiling and other by the embedded network.
 
 The paper takes the surfaces of a photo from a network trained on ADE20K (section 4). This one
-(:mod:`.network`) is small enough to ship. Where it tells doors and windows, they are other unless
-asked for.
+(:mod:`.network`) is small enough to ship. Doors and windows, where it tells them, count as other
+unless asked for.
 """
 
 from __future__ import annotations
@@ -16,16 +16,39 @@ import numpy as np
 import torch
 
 from plan2scene.camera import Camera
-from plan2scene.photos.labels.elevation import elevation_map
-from plan2scene.photos.labels.ensemble import Ensemble
-from plan2scene.photos.labels.folding import folded
-from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.network import Ensemble, SegmentationNet, folded
 from plan2scene.photos.labels.palette import DOOR, LABELS, OTHER, WINDOW
 from plan2scene.weights import filled, load_model_file
 
+
+def elevation_map(
+    up: Sequence[float] | np.ndarray,
+    focal_px: float,
+    photo_size: tuple[int, int],
+    size: tuple[int, int],
+) -> np.ndarray:
+    """Return the sine of each pixel's elevation above the horizon, (h, w) float32 in [-1, 1].
+
+    Parameters
+    ----------
+    up : (3,) sequence of float
+        The world's up direction in camera axes (x right, y down, z forward), a unit vector: the
+        second column of the rotation of ``docs/conventions.md``.
+    focal_px : float
+        Focal length in pixels of the photo; its principal point is the middle.
+    photo_size, size : (height, width)
+        Of the photo and of the map, which covers the same view.
+    """
+    axes = [
+        (np.arange(n) + 0.5) / n * full - full / 2 for n, full in zip(size, photo_size, strict=True)
+    ]
+    y, x = np.meshgrid(*(axis / focal_px for axis in axes), indexing="ij")
+    rise = x * up[0] + y * up[1] + up[2]
+    return np.asarray(rise / np.sqrt(x * x + y * y + 1), dtype=np.float32)
+
+
 #: What labels photos: one network, or several whose logits are averaged.
 Network = SegmentationNet | Ensemble
-
 #: Input height and width are multiples of this (the encoder's coarsest stride).
 STRIDE = 32
 #: Sizes that a photo is seen at, relative to the network's.

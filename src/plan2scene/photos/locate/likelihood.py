@@ -1,16 +1,25 @@
-"""How probable each label of a mask is where the plan shows something.
+"""How probable a mask is where the plan shows a room.
 
-Rows are what the plan shows, columns what a mask says. A hole of unknown ``behind`` is shut;
-through others shows what lies behind them, by a share.
+In one direction of the plan a room is a stack: floor, wall (and what an opening shows), ceiling.
+A table gives the probability of each label of a mask for each class of the plan. A mask is binned
+by azimuth and elevation; sums of log probabilities over elevation, kept for each class, give the
+likelihood of any stack by a few look-ups. No picture is drawn: a search scores thousands of places
+a photo.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import cv2
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.photos.labels.palette import DOOR, LABELS_AND_OPENINGS, OTHER, WINDOW
+from plan2scene.photos.locate.locate_settings import LOCATE
+from plan2scene.photos.locate.plan_view import Hole, RoomShape, Sight
 
-#: A door or a window, not told which.
+#: A door or a window, which of both is not known.
 OPENING = len(LABELS_AND_OPENINGS)
 N_LABELS = OPENING + 1
 #: Classes of what the plan shows: the room itself, then through a hole (``kind``, ``behind``).
@@ -18,26 +27,13 @@ ROOM = {"floor": 0, "wall": 1, "ceiling": 2}
 BEHIND = ("floor", "wall", "ceiling", "unknown")
 HOLES = ("door", "window", "passage")
 N_CLASSES = 3 + len(HOLES) * len(BEHIND)
-#: Openings that masks may tell. A network's probabilities take doors for things.
-TOLD = {
+#: Openings that masks may label. Of a network's probabilities only windows count, since it takes
+#: most doors for things.
+LABELLED_OPENINGS = {
     "nothing": frozenset[int](),
     "windows": frozenset({WINDOW}),
     "all": frozenset({DOOR, WINDOW}),
 }
-
-_ROOM_ROWS = (
-    (0.22, 0.66, 0.07, 0.005, 0.03, 0.015),
-    (0.22, 0.04, 0.60, 0.04, 0.06, 0.04),
-    (0.08, 0.005, 0.08, 0.81, 0.015, 0.01),
-)
-#: A shut door, a window, and what of a passage is no view of the room behind.
-_HOLE_ROWS = {
-    "door": (0.14, 0.02, 0.14, 0.02, 0.64, 0.04),
-    "window": (0.24, 0.02, 0.16, 0.03, 0.07, 0.48),
-    "passage": (0.20, 0.06, 0.20, 0.05, 0.46, 0.03),
-}
-#: Share of what is behind that shows through: an open door, a window, a passage.
-_SEEN_THROUGH = {"door": 0.7, "window": 0.05, "passage": 0.85}
 
 
 def hole_class(kind: str, behind: str) -> int:
@@ -45,19 +41,199 @@ def hole_class(kind: str, behind: str) -> int:
     return 3 + HOLES.index(kind) * len(BEHIND) + BEHIND.index(behind)
 
 
-def log_table(told: str) -> np.ndarray:
+def log_table(openings: str) -> np.ndarray:
     """Return (N_CLASSES, N_LABELS) float64 log probabilities of a label given a class.
 
-    `told`, of `TOLD`, says which openings masks tell; others are other.
+    `openings`, of `LABELLED_OPENINGS`, says which openings the masks label; others count as other.
     """
     table = np.zeros((N_CLASSES, N_LABELS))
-    table[:3, :OPENING] = _ROOM_ROWS
+    table[:3, :OPENING] = LOCATE.room_rows
     for kind in HOLES:
-        shut, share = np.array(_HOLE_ROWS[kind]), _SEEN_THROUGH[kind]
+        shut, share = np.array(LOCATE.hole_rows[kind]), LOCATE.seen_through[kind]
         for behind in BEHIND:
             seen = shut if behind == "unknown" else table[ROOM[behind], :OPENING]
             table[hole_class(kind, behind), :OPENING] = (1 - share) * shut + share * seen
-    hidden = [OTHER, *({DOOR, WINDOW} - TOLD[told])]
+    hidden = [OTHER, *({DOOR, WINDOW} - LABELLED_OPENINGS[openings])]
     table[:, hidden] = table[:, hidden].sum(axis=1, keepdims=True)
     table[:, OPENING] = table[:, DOOR] + table[:, WINDOW]
     return np.asarray(np.log(np.maximum(table, 1e-4)))
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Labels of a photo by direction, in the photo's Manhattan frame.
+
+    Attributes
+    ----------
+    azimuth : (a,) float64
+        Middle of each column, ``(x, z) = (sin a, cos a)``, radians.
+    lowest : float
+        Elevation of the lower border of the first row, radians.
+    sums : (classes, a, rows + 1) float64
+        Sum of the log probability of the labels below each row's lower border, given each class;
+        over all rows at the end. Pixels count 1 / all pixels.
+    counts : (labels, a, rows) float64
+        Share of the photo's pixels with each label.
+    """
+
+    azimuth: np.ndarray
+    lowest: float
+    sums: np.ndarray
+    counts: np.ndarray
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return int(self.sums.shape[2]) - 1
+
+    def row(self, slope: np.ndarray) -> np.ndarray:
+        """Return the (fractional) border of rows at tangents of elevation."""
+        rows = (np.arctan(slope) - self.lowest) / LOCATE.elevation_step
+        return np.asarray(np.clip(rows, 0.0, self.rows))
+
+    def between(
+        self, kind: int, column: np.ndarray, low: np.ndarray, high: np.ndarray
+    ) -> np.ndarray:
+        """Return the log probability (n,) of columns' labels between row borders, given a class."""
+        return self._below(kind, column, high) - self._below(kind, column, low)
+
+    def _below(self, kind: int, column: np.ndarray, row: np.ndarray) -> np.ndarray:
+        whole = np.minimum(row.astype(np.int64), self.rows - 1)
+        sums = self.sums[kind]
+        start = sums[column, whole]
+        return np.asarray(start + (row - whole) * (sums[column, whole + 1] - start))
+
+
+def label_counts(
+    labels: np.ndarray, camera: Camera, probabilities: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return (labels, a, rows) counts by direction, azimuths (a,) and the lowest elevation.
+
+    `labels` (h, w) uint8; values that are no label count nowhere. With `probabilities`
+    (l, h', w') of the same view each pixel counts for every label, by how likely that is.
+    """
+    step = max(1.0, camera.width / LOCATE.sampled_columns)
+    columns = np.arange(step / 2, camera.width, step)
+    rows = np.arange(step / 2, camera.height, step)
+    pixels = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+    values = labels[pixels[:, 1].astype(int), pixels[:, 0].astype(int)]
+    rays = camera.rays(pixels - 0.5)
+    azimuth = np.arctan2(rays[:, 0], rays[:, 2])
+    elevation = np.arcsin(np.clip(rays[:, 1], -1.0, 1.0))
+    kept = (np.abs(elevation) < LOCATE.max_elevation) & (values < N_LABELS)
+    if not kept.any():
+        return np.zeros((N_LABELS, 1, 1)), np.zeros(1), 0.0
+    first = np.floor(azimuth[kept].min() / LOCATE.azimuth_step)
+    lowest = np.floor(elevation[kept].min() / LOCATE.elevation_step)
+    a = (azimuth[kept] / LOCATE.azimuth_step - first).astype(int)
+    e = (elevation[kept] / LOCATE.elevation_step - lowest).astype(int)
+    shape = (N_LABELS, int(a.max()) + 1, int(e.max()) + 1)
+    counts = np.zeros(shape)
+    if probabilities is None:
+        np.add.at(counts, (values[kept].astype(int), a, e), 1.0)
+    else:
+        row, column = (
+            np.minimum(at * new / old, new - 1).astype(int)
+            for at, new, old in zip(
+                pixels[kept].T[::-1], probabilities.shape[1:], labels.shape, strict=True
+            )
+        )
+        likely = np.maximum(probabilities[:, row, column], LOCATE.least_probability)
+        likely /= likely.sum(axis=0)
+        for label, weights in enumerate(likely):
+            np.add.at(counts[label], (a, e), weights)
+    counts /= kept.sum()
+    middles = (first + 0.5 + np.arange(shape[1])) * LOCATE.azimuth_step
+    return counts, middles, float(lowest * LOCATE.elevation_step)
+
+
+def make_profile(
+    labels: np.ndarray,
+    camera: Camera,
+    table: np.ndarray,
+    blur: float = 0.0,
+    probabilities: np.ndarray | None = None,
+) -> Profile:
+    """Return the profile of a mask; `table` (classes, labels) log probabilities.
+
+    `blur` is the spread in radians by which directions are uncertain; `probabilities` as of
+    `label_counts`.
+    """
+    counts, azimuth, lowest = label_counts(labels, camera, probabilities)
+    log = np.tensordot(table, counts, axes=(1, 0))
+    if blur > 0.0:
+        log = np.stack([_blurred(part, blur) for part in log])
+    sums = np.concatenate([np.zeros((*log.shape[:2], 1)), np.cumsum(log, axis=2)], axis=2)
+    return Profile(azimuth, lowest, sums, counts)
+
+
+def _blurred(values: np.ndarray, spread: float) -> np.ndarray:
+    """Return (a, rows) values blurred by a Gaussian of that spread, radians."""
+    return np.asarray(
+        cv2.GaussianBlur(
+            values,
+            (0, 0),
+            sigmaX=spread / LOCATE.elevation_step,
+            sigmaY=spread / LOCATE.azimuth_step,
+            borderType=cv2.BORDER_REPLICATE,
+        )
+    )
+
+
+def agreement(profile: Profile, shape: RoomShape, sight: Sight, heights: np.ndarray) -> np.ndarray:
+    """Return the mean log probability (p, c) of a mask's pixels from p eyes at c heights, metres.
+
+    `sight` has the directions of eye 0, then of eye 1, ...; each eye's are the profile's columns.
+    A door is open or shut as a whole, whichever agrees better with what the eye sees of it.
+    """
+    columns = len(profile.azimuth)
+    eyes = len(sight.reach) // columns
+    index = np.tile(np.arange(columns), eyes)
+    met = [np.flatnonzero(sight.hole == number) for number in range(len(shape.holes))]
+    totals = []
+    for height in heights.tolist():
+        foot = profile.row(-height / sight.reach)
+        head = profile.row((shape.height - height) / sight.reach)
+        total = _bare(profile, index, foot, head).reshape(eyes, columns).sum(axis=1)
+        for hole, at in zip(shape.holes, met, strict=True):
+            if len(at):
+                states = _through(profile, hole, sight.of(at), index[at], foot[at], height)
+                sums = [np.bincount(at // columns, state, minlength=eyes) for state in states]
+                total += np.max(sums, axis=0)
+        totals.append(total)
+    return np.stack(totals, axis=1)
+
+
+def _bare(profile: Profile, index: np.ndarray, foot: np.ndarray, head: np.ndarray) -> np.ndarray:
+    """Return the log probability (n,) of the labels in each direction of a room without holes."""
+    total = profile.between(ROOM["floor"], index, np.zeros_like(foot), foot)
+    total += profile.between(ROOM["wall"], index, foot, head)
+    total += profile.between(ROOM["ceiling"], index, head, np.full_like(head, profile.rows))
+    return np.asarray(total)
+
+
+def _through(
+    profile: Profile, hole: Hole, sight: Sight, index: np.ndarray, foot: np.ndarray, height: float
+) -> list[np.ndarray]:
+    """Return by how much (n,) a hole changes the log probability of directions that meet it.
+
+    One array for each state that it may be in: shut, and open to the room behind.
+    """
+    bottom = np.maximum(profile.row((hole.bottom - height) / sight.reach), foot)
+    top = np.maximum(profile.row((hole.top - height) / sight.reach), bottom)
+    wall = profile.between(ROOM["wall"], index, bottom, top)
+    shut = profile.between(hole_class(hole.kind, "unknown"), index, bottom, top) - wall
+    known = np.isfinite(sight.beyond)
+    if not known.any():
+        return [shut]
+    beyond = np.where(known, sight.beyond, sight.reach)
+    above = np.where(known, sight.beyond_height, height)
+    far_foot = np.clip(profile.row(-height / beyond), bottom, top)
+    far_head = np.clip(profile.row((above - height) / beyond), far_foot, top)
+    parts = ((bottom, far_foot), (far_foot, far_head), (far_head, top))
+    seen = [
+        profile.between(hole_class(hole.kind, behind), index, low, high)
+        for behind, (low, high) in zip(BEHIND, parts, strict=False)
+    ]
+    opened = np.where(known, sum(seen) - wall, shut)
+    return [opened] if hole.kind == "passage" else [shut, opened]

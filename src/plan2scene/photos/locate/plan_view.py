@@ -12,15 +12,8 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from plan2scene.house import House, Opening, Ring, Room, Wall
+from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.plans.geometry import point_along, ring_edges
-
-#: An opening lies on an edge of a room that runs its way (cosine) and is this near, metres.
-PARALLEL = 0.94
-NEAR_M = 0.35
-#: A direction that leaves the house through no edge reaches so far, metres.
-FAR_M = 30.0
-#: The edge by which a direction leaves the room behind an opening is farther than it by this.
-ENTRY_M = 0.02
 
 
 @dataclass(frozen=True)
@@ -132,7 +125,7 @@ def look(
         hole[met] = index
         if opening.room_behind is not None:
             behind = shapes[opening.room_behind]
-            exits = _first_exit(behind, eyes[met], ways[met], reach[met] + ENTRY_M)
+            exits = _first_exit(behind, eyes[met], ways[met], reach[met] + LOCATE.entry_m)
             beyond[met], beyond_edge[met] = exits[:2]
             beyond_height[met] = behind.height
     return Sight(reach, edge, at, hole, beyond, beyond_edge, beyond_height)
@@ -153,7 +146,7 @@ def _first_exit(
     reach = np.where(valid, reach, np.inf)
     edge = np.argmin(reach, axis=1)
     rows = np.arange(len(eyes))
-    return np.minimum(reach[rows, edge], FAR_M), edge, at[rows, edge]
+    return np.minimum(reach[rows, edge], LOCATE.far_m), edge, at[rows, edge]
 
 
 def _room_shape(house: House, room: Room, behind: Mapping[tuple[str, str], str]) -> RoomShape:
@@ -191,7 +184,7 @@ def _rooms_behind(house: House) -> dict[tuple[str, str], str]:
 
 def _holes(house: House, shape: RoomShape, behind: Mapping[tuple[str, str], str]) -> list[Hole]:
     """Return the openings of a room on its edges: those of its walls, and those that lead to it."""
-    found: list[Hole] = []
+    holes: list[Hole] = []
     named: set[str] = set()
     own = [wall for wall in house.walls if shape.room_id in wall.room_ids]
     for wall in [*own, *(wall for wall in house.walls if wall not in own)]:
@@ -202,9 +195,9 @@ def _holes(house: House, shape: RoomShape, behind: Mapping[tuple[str, str], str]
                 continue
             hole = _placed(shape, wall, opening, behind.get((shape.room_id, opening.id)))
             if hole is not None:
-                found.append(hole)
+                holes.append(hole)
                 named.add(opening.id)
-    return found
+    return holes
 
 
 def _walls_along(shape: RoomShape, walls: Sequence[Wall]) -> tuple[str, ...]:
@@ -214,7 +207,7 @@ def _walls_along(shape: RoomShape, walls: Sequence[Wall]) -> tuple[str, ...]:
     for wall in walls:
         _, at = _on_edges(shape, wall, (0.0, wall.length))
         shared = np.minimum(at[:, 1], shape.length) - np.maximum(at[:, 0], 0.0)
-        for edge in np.flatnonzero(shared > np.maximum(most, NEAR_M)):
+        for edge in np.flatnonzero(shared > np.maximum(most, LOCATE.near_m)):
             names[edge], most[edge] = wall.id, shared[edge]
     return tuple(names)
 
@@ -232,7 +225,7 @@ def _on_edges(
     off = np.abs((to_ends * shape.outward[:, None]).sum(axis=2)).mean(axis=1)
     at = np.sort((to_ends * shape.along[:, None]).sum(axis=2), axis=1)
     parallel = np.abs(shape.along @ (ends[1] - ends[0]) / width)
-    there = (parallel > PARALLEL) & (off < NEAR_M + wall.depth)
+    there = (parallel > LOCATE.parallel) & (off < LOCATE.near_m + wall.depth)
     return np.where(there, off, np.inf), np.where(there[:, None], at, np.nan)
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from plan2scene.camera import Camera
 from plan2scene.errors import InputError
+from plan2scene.io import read_json
 
 #: From this probability on a photo counts as located.
 LOCATED = 0.5
@@ -75,3 +77,9 @@ def pose_from_json(value: Any, *, file: object = "") -> Pose | None:
     except (KeyError, TypeError, ValueError) as error:
         expected = "a located camera (room_id, position, located)"
         raise InputError(expected, f"{type(error).__name__}: {error}", file=file) from None
+
+
+def read_poses(path: str | Path) -> dict[str, Pose]:
+    """Return the poses of the located photos of a cameras.json, by name."""
+    found = {name: pose_from_json(value, file=path) for name, value in read_json(path).items()}
+    return {name: pose for name, pose in found.items() if pose is not None}

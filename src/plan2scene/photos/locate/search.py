@@ -9,30 +9,16 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from plan2scene.photos.locate.agreement import agreement
+from plan2scene.photos.locate.likelihood import Profile, agreement
+from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.photos.locate.plan_view import RoomShape, dominant_direction, look
-from plan2scene.photos.locate.profile import Profile
 
-#: Least distance of a camera from the walls on the coarse grid and after refinement, metres.
-CLEARANCE_M, LEAST_CLEARANCE_M = 0.15, 0.05
-#: Side of the coarse grid, metres, and the points that it aims at.
-GRID_M = (0.2, 0.4)
-GRID_POINTS = 260
-#: Heights that are tried, and a camera's likely height with its spread, metres.
-HEIGHTS_M = (1.0, 1.2, 1.4, 1.6, 1.8)
-HEIGHT_M, HEIGHT_SPREAD_M = 1.45, 0.25
-#: Weight of the heights' prior against the mean log probability of a pixel.
-PRIOR_WEIGHT = 0.02
-#: Peaks of a heading that are refined, least distance between them, first and last step, metres.
-PEAKS = 3
-APART_M = 0.6
-FIRST_STEP_M, LAST_STEP_M = 0.16, 0.02
 #: Plan offsets of a refinement's step.
 _AROUND = np.array([(i, j) for i in (0, -1, 1) for j in (0, -1, 1)], dtype=np.float64)
 
 
 @dataclass(frozen=True)
-class Found:
+class Hypothesis:
     """The best pose near a peak of one heading in one room."""
 
     room_id: str
@@ -48,12 +34,12 @@ class Found:
 class HeightPrior:
     """What a camera's height is likely to be, metres."""
 
-    mean: float = HEIGHT_M
-    spread: float = HEIGHT_SPREAD_M
+    mean: float = LOCATE.height_m
+    spread: float = LOCATE.height_spread_m
 
     def log(self, heights: np.ndarray) -> np.ndarray:
         """Return the prior's share of the score at heights."""
-        return np.asarray(-0.5 * PRIOR_WEIGHT * ((heights - self.mean) / self.spread) ** 2)
+        return np.asarray(-0.5 * LOCATE.prior_weight * ((heights - self.mean) / self.spread) ** 2)
 
 
 class RoomSearch:
@@ -72,7 +58,7 @@ class RoomSearch:
         self._polygon = polygon
         shape = shapes[room_id]
         self._grid = grid_of(polygon)
-        heights = [height for height in HEIGHTS_M if height < 0.9 * shape.height]
+        heights = [height for height in LOCATE.heights_m if height < 0.9 * shape.height]
         self._heights = np.array(heights or [0.6 * shape.height])
         first = dominant_direction(shape)
         self._turns = [first + quarter * np.pi / 2 for quarter in range(4)]
@@ -80,9 +66,9 @@ class RoomSearch:
             self._scores(coarse, turn, self._grid, self._heights) for turn in self._turns
         ]
 
-    def best(self, prior: HeightPrior) -> list[Found]:
+    def best(self, prior: HeightPrior) -> list[Hypothesis]:
         """Return the refined peaks of the four headings, the best first."""
-        found: list[Found] = []
+        hypotheses: list[Hypothesis] = []
         for turn, rough in zip(self._turns, self._rough, strict=True):
 
             def score(eyes: np.ndarray, heights: np.ndarray, turn: float = turn) -> np.ndarray:
@@ -92,8 +78,8 @@ class RoomSearch:
                 start = np.array([self._grid[point, 0], self._heights[level], self._grid[point, 1]])
                 ceiling = self._shapes[self._room_id].height
                 (x, y, z), value = _refined(score, self._polygon, ceiling, start)
-                found.append(Found(self._room_id, turn, (x, y, z), value))
-        return sorted(found, key=lambda item: -item.score)
+                hypotheses.append(Hypothesis(self._room_id, turn, (x, y, z), value))
+        return sorted(hypotheses, key=lambda item: -item.score)
 
     def _scores(
         self, profile: Profile, turn: float, eyes: np.ndarray, heights: np.ndarray
@@ -111,9 +97,9 @@ class RoomSearch:
 
 def grid_of(polygon: Polygon) -> np.ndarray:
     """Return points (p, 2) of a room where a camera may stand, metres; at least one."""
-    inner = polygon.buffer(-CLEARANCE_M)
+    inner = polygon.buffer(-LOCATE.clearance_m)
     if not inner.is_empty:
-        step = float(np.clip((inner.area / GRID_POINTS) ** 0.5, *GRID_M))
+        step = float(np.clip((inner.area / LOCATE.grid_points) ** 0.5, *LOCATE.grid_m))
         x0, z0, x1, z1 = inner.bounds
         xs, zs = _ticks(x0, x1, step), _ticks(z0, z1, step)
         points = np.stack(np.meshgrid(xs, zs), axis=-1).reshape(-1, 2)
@@ -134,10 +120,10 @@ def _peaks(grid: np.ndarray, scores: np.ndarray) -> list[tuple[int, int]]:
     """Return (point, height) of the best scores (p, c) that lie apart from each other."""
     left = scores.max(axis=1)
     peaks: list[tuple[int, int]] = []
-    while len(peaks) < PEAKS and np.isfinite(left).any():
+    while len(peaks) < LOCATE.peaks and np.isfinite(left).any():
         index = int(np.argmax(left))
         peaks.append((index, int(np.argmax(scores[index]))))
-        left[np.linalg.norm(grid - grid[index], axis=1) < APART_M] = -np.inf
+        left[np.linalg.norm(grid - grid[index], axis=1) < LOCATE.apart_m] = -np.inf
     return peaks
 
 
@@ -147,10 +133,14 @@ def _refined(
     ceiling: float,
     start: np.ndarray,
 ) -> tuple[tuple[float, float, float], float]:
-    """Return the position (x, y, z) that a pattern search from `start` reaches, and its score."""
-    inner = polygon.buffer(-LEAST_CLEARANCE_M)
-    here, step, best = start, FIRST_STEP_M, -np.inf
-    while step > LAST_STEP_M:
+    """Return the position (x, y, z) that a pattern search from `start` reaches, and its score.
+
+    The score is flat between the borders of its bins and is cheapest for many positions at once;
+    the optimisers of scipy try one at a time.
+    """
+    inner = polygon.buffer(-LOCATE.least_clearance_m)
+    here, step, best = start, LOCATE.first_step_m, -np.inf
+    while step > LOCATE.last_step_m:
         eyes = here[[0, 2]] + step * _AROUND
         kept = shapely.contains_xy(inner, eyes[:, 0], eyes[:, 1])
         kept[0] = True

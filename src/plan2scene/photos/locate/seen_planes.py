@@ -13,30 +13,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
+from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.photos.locate.plan_view import RoomShape, Sight, look
 from plan2scene.photos.locate.pose import Pose
-from plan2scene.photos.planes.planes import MAX_WALLS, Plane, without_specks
+from plan2scene.photos.planes.planes import PhotoPlane, Plane, without_specks
+from plan2scene.photos.planes.walls import PLANES
 
-#: Directions in a turn.
-DIRECTIONS = 2880
-#: How far plan and pose may be off: metres, and share of the distance.
-OFF_M, OFF_SHARE = 0.15, 0.12
-#: Wall pixels nearer to a corner than this are left out, metres.
-CORNER_M = 0.06
-#: A pose that gives less than this share of the surfaces' pixels an owner contradicts the mask.
-MIN_EXPLAINED = 0.55
 #: Kinds of opening through which a room is seen.
 OPEN = ("door", "passage")
-
-
-@dataclass(frozen=True)
-class SeenPlane:
-    """A plane of a photo, in the plan's frame, and whose it is."""
-
-    room_id: str
-    plane: Plane
-    #: Ids of the walls on it, where it is one of the pose's room.
-    walls: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +40,9 @@ class _Seen:
         return self.shapes[self.pose.room_id]
 
 
-def seen_planes(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]) -> list[SeenPlane]:
+def seen_planes(
+    labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]
+) -> list[PhotoPlane]:
     """Return floor, ceiling and walls of the pose's room, then those of rooms behind its doors.
 
     Parameters
@@ -70,22 +56,22 @@ def seen_planes(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape])
 
     Returns
     -------
-    list of SeenPlane
+    list of PhotoPlane
         Planes in the plan's frame (as `pose.camera`), their scale by the plan. Indices run on
         over the rooms, so that each plane of a surface has its own. None where pose and mask
         contradict each other.
     """
-    directions = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
-    eyes = np.repeat(pose.eye[None, [0, 2]], DIRECTIONS, axis=0)
+    directions = np.arange(LOCATE.directions) * (2 * np.pi / LOCATE.directions)
+    eyes = np.repeat(pose.eye[None, [0, 2]], LOCATE.directions, axis=0)
     around = look(shapes, pose.room_id, eyes, directions)
-    found: list[SeenPlane] = []
+    planes_of_photo: list[PhotoPlane] = []
     for kind, surface in ((FLOOR, "floor"), (CEILING, "ceiling"), (WALL, "wall")):
         rows, columns = np.nonzero(labels == kind)
         if not len(rows):
             continue
         rays = pose.camera.rays(np.stack([columns, rows], axis=-1))
         turns = np.arctan2(rays[:, 0], rays[:, 2]) / (2 * np.pi)
-        sight = around.of(np.rint(turns * DIRECTIONS).astype(int) % DIRECTIONS)
+        sight = around.of(np.rint(turns * LOCATE.directions).astype(int) % LOCATE.directions)
         slope = rays[:, 1] / np.maximum(np.hypot(rays[:, 0], rays[:, 2]), 1e-9)
         owners = _wall_owners if surface == "wall" else _flat_owners
         planes = []
@@ -94,13 +80,14 @@ def seen_planes(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape])
             mask[rows[mine], columns[mine]] = True
             mask = without_specks(mask)
             if mask.any():
-                own = surface == "wall" and room_id == pose.room_id
-                walls = _walls_of(shapes[room_id], sight.edge[mine]) if own else ()
-                planes.append(SeenPlane(room_id, replace(bare, mask=mask), walls))
-        found += _numbered(planes, pose.room_id)
+                own = room_id == pose.room_id
+                edges = sight.edge[mine] if own and surface == "wall" else np.zeros(0, int)
+                walls = _walls_of(shapes[room_id], edges)
+                planes.append(PhotoPlane((room_id,), replace(bare, mask=mask), own, walls))
+        planes_of_photo += _numbered(planes)
     surfaces = np.isin(labels, (FLOOR, CEILING, WALL)).sum()
-    explained = sum(int(item.plane.mask.sum()) for item in found)
-    return found if explained >= MIN_EXPLAINED * surfaces else []
+    explained = sum(int(item.plane.mask.sum()) for item in planes_of_photo)
+    return planes_of_photo if explained >= LOCATE.min_explained * surfaces else []
 
 
 def _walls_of(shape: RoomShape, edges: np.ndarray) -> tuple[str, ...]:
@@ -108,32 +95,32 @@ def _walls_of(shape: RoomShape, edges: np.ndarray) -> tuple[str, ...]:
     return tuple(sorted({shape.walls[edge] for edge in np.unique(edges)} - {""}))
 
 
-def _numbered(planes: list[SeenPlane], own: str) -> list[SeenPlane]:
-    """Return at most `MAX_WALLS` planes of a surface, own ones first, then by size, numbered."""
-    order = sorted(planes, key=lambda item: (item.room_id != own, -int(item.plane.mask.sum())))
+def _numbered(planes: list[PhotoPlane]) -> list[PhotoPlane]:
+    """Return at most `PLANES.max_walls` planes of a surface, numbered: own first, then by size."""
+    order = sorted(planes, key=lambda item: (not item.own, -int(item.plane.mask.sum())))
     return [
         replace(item, plane=replace(item.plane, index=index))
-        for index, item in enumerate(order[:MAX_WALLS])
+        for index, item in enumerate(order[: PLANES.max_walls])
     ]
 
 
 def _flat_owners(seen: _Seen) -> Iterator[tuple[str, Plane, np.ndarray]]:
     """Yield (room, its plane without a mask, pixels (n,) bool) of floor or ceiling pixels."""
     pose, sight, slope, shape = seen.pose, seen.sight, seen.slope, seen.room
-    slack = OFF_SHARE * sight.reach + OFF_M
+    slack = LOCATE.off_share * sight.reach + LOCATE.off_m
     open_ = _open_to(shape, sight)
     tops = np.array([*(hole.top for hole in shape.holes), 0.0])[sight.hole]
-    below_top = pose.position[1] + slope * sight.reach < tops - OFF_M
+    below_top = pose.position[1] + slope * sight.reach < tops - LOCATE.off_m
     for room_id in (pose.room_id, *_rooms_behind(shape)):
         level = 0.0 if seen.surface == "floor" else seen.shapes[room_id].height
         rise = level - pose.position[1]
         meets = slope * rise > 1e-9
         away = np.where(meets, rise / np.where(meets, slope, 1.0), np.inf)
         if room_id == pose.room_id:
-            mine = away < np.where(open_ == "", sight.reach + slack, sight.reach - OFF_M)
+            mine = away < np.where(open_ == "", sight.reach + slack, sight.reach - LOCATE.off_m)
         else:
-            mine = (open_ == room_id) & below_top & (away > sight.reach + OFF_M)
-            mine &= away < sight.beyond * (1 + OFF_SHARE)
+            mine = (open_ == room_id) & below_top & (away > sight.reach + LOCATE.off_m)
+            mine &= away < sight.beyond * (1 + LOCATE.off_share)
         up = 1.0 if seen.surface == "floor" else -1.0
         yield room_id, _plane(seen.surface, (0.0, up, 0.0), up * rise, pose), mine
 
@@ -145,7 +132,7 @@ def _wall_owners(seen: _Seen) -> Iterator[tuple[str, Plane, np.ndarray]]:
     near_hole = np.zeros(len(level), bool)
     well_inside = np.zeros(len(level), bool)
     for hole in shape.holes:
-        for margin, inside in ((OFF_M, near_hole), (-OFF_M, well_inside)):
+        for margin, inside in ((LOCATE.off_m, near_hole), (-LOCATE.off_m, well_inside)):
             inside |= (
                 (sight.edge == hole.edge)
                 & (sight.at > hole.start - margin)
@@ -153,7 +140,7 @@ def _wall_owners(seen: _Seen) -> Iterator[tuple[str, Plane, np.ndarray]]:
                 & (level > hole.bottom - margin)
                 & (level < hole.top + margin)
             )
-    corner = np.minimum(sight.at, shape.length[sight.edge] - sight.at) < CORNER_M
+    corner = np.minimum(sight.at, shape.length[sight.edge] - sight.at) < LOCATE.corner_m
     for plane, edges in _wall_planes(pose, shape):
         yield pose.room_id, plane, np.isin(sight.edge, edges) & ~near_hole & ~corner
     open_ = _open_to(shape, sight)

@@ -7,24 +7,18 @@ into the room, so offsets are negative.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 
 from plan2scene.camera import Camera
-from plan2scene.photos.camera.lines import detect_segments
+from plan2scene.io import read_parquet, write_parquet
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
-from plan2scene.photos.planes.beyond import within_room
-from plan2scene.photos.planes.room_size import RoomSize
-from plan2scene.photos.planes.walls import TracedWalls, trace_walls
-
-#: Walls kept per photo, the largest first (paper: the 10 largest planes).
-MAX_WALLS = 10
-#: Smallest plane, share of the photo's pixels.
-MIN_SHARE = 0.002
-DEFAULT_CAMERA_HEIGHT_M = 1.5
-DEFAULT_ROOM_HEIGHT_M = 2.6
+from plan2scene.photos.planes.walls import PLANES, RoomSize, TracedWalls, trace_walls, within_room
 
 
 @dataclass(frozen=True)
@@ -48,15 +42,33 @@ class Plane:
     #: that tells it).
     scale_source: str
     #: Height of the camera above the floor, metres.
-    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M
+    camera_height_m: float = PLANES.camera_height_m
+
+
+@dataclass(frozen=True)
+class PhotoPlane:
+    """A plane of a photo and the rooms that it may belong to."""
+
+    #: Rooms of one size, or the one that the photo's place tells.
+    rooms: tuple[str, ...]
+    plane: Plane
+    #: Whether the photo was taken within that room.
+    own: bool = True
+    #: Ids of the walls on the plane, where the place tells them.
+    walls: tuple[str, ...] = ()
+
+    @property
+    def in_plan(self) -> bool:
+        """Whether the plane is in the plan's frame, else in the photo's Manhattan frame."""
+        return self.plane.scale_source == "plan"
 
 
 def split_planes(
     labels: np.ndarray,
     camera: Camera,
     *,
-    image: np.ndarray | None = None,
-    camera_height_m: float = DEFAULT_CAMERA_HEIGHT_M,
+    segments: np.ndarray | None = None,
+    camera_height_m: float = PLANES.camera_height_m,
     room_height_m: float | None = None,
     room_extent_m: tuple[float, float] | None = None,
 ) -> list[Plane]:
@@ -68,22 +80,20 @@ def split_planes(
         0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore; the camera's size.
     camera : Camera
         Rotation and focal length of the photo.
-    image : (h, w, 3) uint8, optional
-        The photo, sRGB: its lines tell which way a wall faces that shows neither foot nor top.
+    segments : (n, 4) float64, optional
+        Line segments of the photo, pixels (`lines.find_segments`, those of walls): they tell which
+        way a wall faces that shows neither foot nor top.
     camera_height_m : float
         Height of the camera above the floor where nothing in the photo tells it, metres.
     room_height_m : float, optional
         Height of the room from the plan. Where one wall shows both its foot and its top, it
         gives the camera's height.
     room_extent_m : (float, float), optional
-        Sides of the room's rectangle in the plan (`room_size.room_extent`). They bound the
+        Sides of the room's rectangle in the plan (`walls.room_extent`). They bound the
         camera's height, or give it where opposite walls are seen, unless `room_height_m` does.
     """
-    room = DEFAULT_ROOM_HEIGHT_M if room_height_m is None else room_height_m
+    room = PLANES.room_height_m if room_height_m is None else room_height_m
     prior = min(camera_height_m, 0.8 * room)
-    segments = None
-    if image is not None:
-        segments = detect_segments(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), camera.width / 25)
     known, size = room_height_m is not None, RoomSize(room, room_extent_m)
     traced = trace_walls(labels, camera, prior, size, solve_height=known, segments=segments)
     return [*_flat_planes(labels, camera, traced, size, known=known), *_wall_planes(labels, traced)]
@@ -115,7 +125,7 @@ def _wall_planes(labels: np.ndarray, traced: TracedWalls) -> list[Plane]:
     masks = [without_specks(wall & (traced.owner == k)) for k in range(len(traced.lines))]
     walls = sorted(zip(traced.lines, masks, strict=True), key=lambda item: -int(item[1].sum()))
     planes = []
-    for index, (line, mask) in enumerate(walls[:MAX_WALLS]):
+    for index, (line, mask) in enumerate(walls[: PLANES.max_walls]):
         if not mask.any():
             break
         source = traced.scale_source if line.seen else "prior"
@@ -126,8 +136,81 @@ def _wall_planes(labels: np.ndarray, traced: TracedWalls) -> list[Plane]:
 
 
 def without_specks(mask: np.ndarray) -> np.ndarray:
-    """Return a mask without connected parts smaller than `MIN_SHARE` of the photo."""
+    """Return a mask without connected parts smaller than `PLANES.min_share` of the photo."""
     count, parts, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
-    keep = stats[:, cv2.CC_STAT_AREA] >= max(1.0, MIN_SHARE * mask.size)
+    keep = stats[:, cv2.CC_STAT_AREA] >= max(1.0, PLANES.min_share * mask.size)
     keep[0] = False
     return np.asarray(keep[parts]) if count > 1 else np.zeros_like(mask)
+
+
+#: Columns of planes.parquet (docs/conventions.md).
+_COLUMNS = {
+    "photo": "str",
+    "rooms": "str",
+    "surface": "str",
+    "plane": "int64",
+    "own": "bool",
+    "walls": "str",
+    "normal": "object",
+    "offset": "float64",
+    "scale_source": "str",
+    "camera_height_m": "float64",
+    "polygons": "object",
+}
+
+
+def plane_row(photo: str, item: PhotoPlane) -> dict[str, Any]:
+    """Return a plane's row of planes.parquet; its pixels are written as polygons."""
+    plane = item.plane
+    mask = plane.mask.astype(np.uint8)
+    contours, _ = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
+    return {
+        "photo": photo,
+        "rooms": "|".join(item.rooms),
+        "surface": plane.surface,
+        "plane": plane.index,
+        "own": item.own,
+        "walls": "|".join(item.walls),
+        "normal": list(plane.normal),
+        "offset": plane.offset,
+        "scale_source": plane.scale_source,
+        "camera_height_m": plane.camera_height_m,
+        "polygons": [contour.ravel().tolist() for contour in contours],
+    }
+
+
+def write_planes(
+    path: str | Path, rows: Sequence[Mapping[str, Any]], *, dataset: str, house_id: str
+) -> None:
+    """Write the planes of a house's photos; `rows` as of :func:`plane_row`."""
+    import pandas as pd
+
+    table = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
+    write_parquet(path, table, {"dataset": dataset, "house": house_id})
+
+
+def read_planes(path: str | Path) -> dict[str, list[dict[str, Any]]]:
+    """Return photo -> rows of planes.parquet."""
+    table, _ = read_parquet(path)
+    rows: dict[str, list[dict[str, Any]]] = {}
+    for row in table.to_dict("records"):
+        rows.setdefault(row["photo"], []).append(row)
+    return rows
+
+
+def plane_of_row(row: Mapping[str, Any], size: tuple[int, int]) -> PhotoPlane:
+    """Return the plane of a row of planes.parquet; `size` is (height, width) of the photo."""
+    mask = np.zeros(size, np.uint8)
+    cv2.fillPoly(mask, [np.array(ring, np.int32).reshape(-1, 2) for ring in row["polygons"]], 1)
+    x, y, z = (float(value) for value in row["normal"])
+    plane = Plane(
+        row["surface"],
+        int(row["plane"]),
+        (x, y, z),
+        float(row["offset"]),
+        mask > 0,
+        row["scale_source"],
+        float(row["camera_height_m"]),
+    )
+    rooms, walls = (tuple(filter(None, row[key].split("|"))) for key in ("rooms", "walls"))
+    return PhotoPlane(rooms, plane, bool(row["own"]), walls)

@@ -15,17 +15,7 @@ import numpy as np
 
 from plan2scene.camera import Camera
 from plan2scene.photos.planes.planes import Plane
-
-#: Largest side of a rectified image, pixels.
-MAX_SIDE = 2048
-#: Rays flatter than this to the plane are of no use, degrees.
-MIN_GRAZING_DEG = 15.0
-#: Resolution bounds, pixels per metre.
-RESOLUTION_RANGE = (60.0, 512.0)
-#: Walls are left out below this height above the floor: skirting boards, metres.
-SKIRTING_M = 0.12
-#: Pixels shaved off the mask's border, share of the photo's width.
-BORDER_SHARE = 0.005
+from plan2scene.photos.planes.walls import PLANES
 
 
 @dataclass(frozen=True)
@@ -104,7 +94,7 @@ class PlanePixels:
 
 def plane_pixels(camera: Camera, plane: Plane) -> PlanePixels:
     """Return the pixels of a plane with what decides whether they are worth rectifying."""
-    border = max(1, round(BORDER_SHARE * camera.width))
+    border = max(1, round(PLANES.border_share * camera.width))
     kernel = np.ones((2 * border + 1, 2 * border + 1), np.uint8)
     mask = cv2.erode(plane.mask.astype(np.uint8), kernel) > 0
     rows, columns = np.nonzero(mask)
@@ -112,10 +102,10 @@ def plane_pixels(camera: Camera, plane: Plane) -> PlanePixels:
     facing = -(rays @ np.array(plane.normal))
     reach = -plane.offset / np.maximum(facing, 1e-6)
     density = camera.focal_px / reach * np.sqrt(np.maximum(facing, 0.0))
-    good = facing >= np.sin(np.radians(MIN_GRAZING_DEG))
+    good = facing >= np.sin(np.radians(PLANES.min_grazing_deg))
     points = (rays * reach[:, None]) @ plane_axes(plane)[:2].T
     if plane.surface == "wall":
-        good &= points[:, 1] < plane.camera_height_m - SKIRTING_M
+        good &= points[:, 1] < plane.camera_height_m - PLANES.skirting_m
     return PlanePixels(mask, (rows, columns), points, density, good)
 
 
@@ -153,8 +143,8 @@ def rectify(
     mask[pixels.places[0][~good], pixels.places[1][~good]] = False
     low, high = points.min(axis=0), points.max(axis=0)
     extent = float(max((high - low).max(), 1e-3))
-    resolution = float(np.clip(np.percentile(density, 90), *RESOLUTION_RANGE))
-    resolution = min(resolution, MAX_SIDE / extent)
+    resolution = float(np.clip(np.percentile(density, 90), *PLANES.resolution_range))
+    resolution = min(resolution, PLANES.max_side_px / extent)
     step = 1.0 / resolution
     size = np.maximum(1, np.ceil((high - low) / step).astype(int))
     axes = plane_axes(plane)

@@ -5,51 +5,524 @@ window's or a slanted one has a normal of its own where its foot shows it. The f
 wall, where wall pixels stand on floor pixels, lies on the floor plane, so its slope below the
 horizon gives the distance; its top under the ceiling likewise. Viewing directions are binned by
 azimuth (not by image column: with a pitched camera a vertical crease is no column), and the
-cheapest sequence of walls over the bins is found by dynamic programming.
+cheapest sequence of walls over the bins is found by dynamic programming. The room's size in the
+plan gives the scale. A door shows as floor that runs on beyond the foot of a wall, or as a stretch
+of wall farther away between two stretches of one wall; what lies behind it is not the room's.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from plan2scene.camera import Camera
-from plan2scene.photos.planes.beyond import room_reach
-from plan2scene.photos.planes.room_size import RoomSize, extent_misfit, wall_spans
-from plan2scene.photos.planes.wall_borders import N_BINS, Borders, facing_votes, find_borders
-from plan2scene.photos.planes.wall_lines import (
-    DISTANCE_RANGE_M,
-    MIN_FACING,
-    OWN,
-    UNSEEN_LINES,
-    WallLine,
-    likely_walls,
+from plan2scene.house import Room
+from plan2scene.photos.camera.lines import Segments, residuals
+from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL
+
+
+@dataclass(frozen=True)
+class PlaneSettings:
+    """Constants of the planes of a photo.
+
+    Source, where a field names no other: set by hand; ``benchmarks/cameras.py`` scores the planes
+    of synthetic homes against their truth.
+    """
+
+    # Borders of the wall mask.
+    #: Azimuth bins over the width of a photo.
+    bins: int = 240
+    #: Widest strip of other things (cornice, skirting) between a wall and its floor or ceiling:
+    #: share of the photo's height.
+    gap_share: float = 0.03
+    #: Angle within which a line segment runs along an axis, radians.
+    segment_noise: float = float(np.radians(2.0))
+
+    # Walls that feet and tops suggest.
+    #: Walls that face a Manhattan direction, at most.
+    max_candidates: int = 8
+    #: Bins with a foot or top that suggest a wall.
+    min_support: int = 4
+    #: Distances of walls of which neither foot nor top is seen, metres.
+    unseen_distances_m: tuple[float, ...] = (3.0, 2.2, 1.6, 1.1, 0.7, 0.4)
+    #: Distances that are believed, metres.
+    distance_range_m: tuple[float, float] = (0.3, 15.0)
+    #: Cosine to a wall's direction below which no wall is believed (about 85 degrees from its
+    #: normal).
+    min_facing: float = 0.08
+    #: A wall that faces neither Manhattan direction: neighbouring bins that must show a straight
+    #: foot (a tenth of all).
+    slanted_bins: int = 24
+    #: How far from straight that foot may be, radians as seen.
+    slanted_noise: float = float(np.radians(0.4))
+    #: Least angle of such a wall to the Manhattan directions, radians.
+    slanted_angle: float = float(np.radians(12.0))
+    #: Such walls, at most.
+    max_slanted: int = 4
+
+    # The cheapest sequence of walls over the bins.
+    #: Angular noise of a mask's border, radians.
+    border_noise: float = float(np.radians(0.5))
+    #: Cost at which a point counts as an outlier (squared residual over noise).
+    outlier: float = 9.0
+    #: How far wall pixels may reach beyond a wall's foot or top, radians.
+    beyond_noise: float = float(np.radians(1.5))
+    #: Cost of a corner.
+    crease: float = 14.0
+    #: Cost of a jump between parallel walls.
+    jump: float = 28.0
+    #: Cost per bin of a wall that no foot or top supports.
+    unseen: float = 0.4
+    #: Further cost of a crease with a wall that faces neither Manhattan direction.
+    slant: float = 16.0
+    #: Bins on both sides of a crease that must show something for it to be believed.
+    crease_bins: int = 6
+    #: Cost per bin of each segment that runs along the other kind of wall.
+    vote: float = 0.5
+    #: Bound of that cost.
+    max_votes: float = 1.5
+
+    # Scale: the camera's height.
+    #: Heights that are believed, metres.
+    height_range_m: tuple[float, float] = (0.8, 2.1)
+    #: Standard deviation of the height about its prior, metres.
+    height_spread_m: float = 0.25
+    #: Bins that must show feet and tops to tell the height.
+    min_height_bins: int = 8
+    #: Height above the camera of walls whose top is not used, metres.
+    tall_m: float = 10.0
+    #: Height where nothing tells it, metres.
+    camera_height_m: float = 1.5
+    #: Height of a room where the plan tells none, metres.
+    room_height_m: float = 2.6
+
+    # Scale: the room's extent in the plan.
+    #: Share of its bounding rectangle that a room must fill for its extent to mean something.
+    min_filled: float = 0.9
+    #: Bins in which a wall must be seen to count.
+    min_wall_bins: int = 8
+    #: Least distance of a camera from the wall behind it, metres.
+    clearance_m: float = 0.3
+    #: Spread of the log ratio between a span seen and the plan's.
+    extent_spread: float = 0.06
+    #: Bound of a span's cost.
+    extent_bound: float = 9.0
+
+    # What lies beyond the room.
+    #: How much farther than a wall what is seen through its door is, metres.
+    min_step_m: float = 0.3
+    #: Widest opening that counts as a door, metres.
+    max_door_m: float = 2.6
+    #: Margin of distances, share.
+    margin_share: float = 0.1
+    #: Margin of distances, metres.
+    margin_m: float = 0.1
+    #: Where less than this share of a surface is left all of it is kept: its distances are wrong.
+    min_left: float = 0.1
+
+    # Planes.
+    #: Walls kept of a photo, the largest first. Source: the paper's 10 largest planes.
+    max_walls: int = 10
+    #: Smallest plane, share of the photo's pixels.
+    min_share: float = 0.002
+
+    # Rectification.
+    #: Largest side of a rectified image, pixels.
+    max_side_px: int = 2048
+    #: Rays flatter than this to the plane are of no use, degrees.
+    min_grazing_deg: float = 15.0
+    #: Bounds of the resolution, pixels per metre.
+    resolution_range: tuple[float, float] = (60.0, 512.0)
+    #: Walls are left out below this height above the floor (skirting boards), metres.
+    skirting_m: float = 0.12
+    #: Pixels shaved off the mask's border, share of the photo's width.
+    border_share: float = 0.005
+
+
+PLANES = PlaneSettings()
+
+
+@dataclass(frozen=True)
+class Borders:
+    """Borders of the wall mask per azimuth bin."""
+
+    #: (b, 2) float64: Unit (x, z) of the bin's middle.
+    direction: np.ndarray
+    #: foot, top: (b,) float64: Slope (rise over horizontal distance) of the wall's foot (< 0) and
+    #: top (> 0); NaN where not seen.
+    foot: np.ndarray
+    top: np.ndarray
+    #: (b, 2) float64: Lowest and highest slope of wall pixels; NaN where there are none.
+    reach: np.ndarray
+    #: (h, w) int: Bin of each pixel.
+    bins: np.ndarray
+
+    @property
+    def azimuth(self) -> np.ndarray:
+        """Return the azimuth (b,) of each bin's middle, radians from z towards x."""
+        return np.arctan2(self.direction[:, 0], self.direction[:, 1])
+
+
+def find_borders(labels: np.ndarray, camera: Camera) -> Borders:
+    """Return feet and tops of the wall mask by azimuth."""
+    rows, columns = labels.shape
+    x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
+    rays = camera.rays(np.stack([x, y], axis=-1))
+    azimuth = np.arctan2(rays[..., 0], rays[..., 2])
+    slope = rays[..., 1] / np.maximum(np.hypot(rays[..., 0], rays[..., 2]), 1e-9)
+    low, high = float(azimuth.min()), float(azimuth.max())
+    width = max((high - low) / PLANES.bins, 1e-9)
+    bins = np.clip(((azimuth - low) / width).astype(int), 0, PLANES.bins - 1)
+    middle = low + (np.arange(PLANES.bins) + 0.5) * width
+    wall = labels == WALL
+    gap = max(1, round(PLANES.gap_share * rows))
+    foot = _borders_on(labels, FLOOR, gap)
+    top = _borders_on(labels[::-1], CEILING, gap)[::-1]
+    foot &= slope < -0.02
+    top &= slope > 0.02
+    reach = np.stack([_by_bin(bins, slope, wall, 2.0), _by_bin(bins, slope, wall, 98.0)], axis=1)
+    return Borders(
+        direction=np.stack([np.sin(middle), np.cos(middle)], axis=1),
+        foot=_by_bin(bins, slope, foot, 50.0),
+        top=_by_bin(bins, slope, top, 50.0),
+        reach=reach,
+        bins=bins,
+    )
+
+
+def _borders_on(labels: np.ndarray, below: int, gap: int) -> np.ndarray:
+    """Return the wall pixels (h, w) with label `below` under them, at most `gap` rows further.
+
+    What is between is another thing or ignored: skirting, cornice, a cable.
+    """
+    wall = labels == WALL
+    found = np.zeros_like(wall)
+    between = wall[:-1].copy()
+    for step in range(1, gap + 1):
+        reached = labels[step:]
+        found[:-step] |= between & (reached == below)
+        between = (between & ((reached == OTHER) | (reached == IGNORE)))[:-1]
+    return found
+
+
+def _by_bin(bins: np.ndarray, values: np.ndarray, chosen: np.ndarray, q: float) -> np.ndarray:
+    """Return the q-th percentile of the chosen values of each bin, NaN where there are none."""
+    result = np.full(PLANES.bins, np.nan)
+    where, value = bins[chosen], values[chosen]
+    order = np.lexsort((value, where))
+    where, value = where[order], value[order]
+    found, start, count = np.unique(where, return_index=True, return_counts=True)
+    result[found] = value[start + ((count - 1) * q / 100.0).round().astype(int)]
+    return result
+
+
+def facing_votes(
+    segments: np.ndarray | None, labels: np.ndarray, camera: Camera, bins: np.ndarray
+) -> np.ndarray:
+    """Return (b, 2): horizontal segments along z and along x on walls, by bin.
+
+    A segment along z lies on a wall that faces x (axis 0), one along x on a wall that faces z.
+    """
+    votes = np.zeros((PLANES.bins, 2))
+    if segments is None or not len(segments):
+        return votes
+    lines = Segments(segments, (camera.cx, camera.cy), np.ones(len(segments)))
+    off = np.abs(residuals(*lines.rays(camera.focal_px), camera.matrix))
+    rows, columns = labels.shape
+    start, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1) / lines.length[:, None]
+    middle = start + along / 2
+    touches = np.zeros(len(segments), dtype=bool)
+    for side in (-4.0, 4.0):
+        point = np.round(middle + side * across).astype(int)
+        x, y = np.clip(point[:, 0], 0, columns - 1), np.clip(point[:, 1], 0, rows - 1)
+        touches |= labels[y, x] == WALL
+    for axis, other in ((2, 0), (0, 2)):
+        clear = (off[:, axis] < PLANES.segment_noise) & (off[:, other] > 3 * PLANES.segment_noise)
+        clear &= touches & (off[:, 1] > 3 * PLANES.segment_noise)
+        for first, last in segments[clear].reshape(-1, 2, 2).round().astype(int):
+            ends = [
+                bins[np.clip(y, 0, rows - 1), np.clip(x, 0, columns - 1)] for x, y in (first, last)
+            ]
+            votes[min(ends) : max(ends) + 1, 0 if axis == 2 else 1] += 1.0
+    return votes
+
+
+#: `WallLine.axis` of a wall that faces neither Manhattan direction.
+OWN = 2
+
+
+@dataclass(frozen=True)
+class WallLine:
+    """The wall ``outward . (x, z) = distance``, metres from the camera.
+
+    `outward` is a unit vector away from the camera; `seen` tells whether the wall's foot or top
+    was seen.
+    """
+
+    outward: tuple[float, float]
+    distance: float
+    seen: bool
+
+    @property
+    def axis(self) -> int:
+        """Return 0 for a wall x = +-d, 1 for z = +-d, `OWN` for another."""
+        return next((axis for axis in (0, 1) if abs(self.outward[axis]) == 1.0), OWN)
+
+    def meets(self, other: WallLine) -> np.ndarray | None:
+        """Return the corner (x, z) with another wall; None for (nearly) parallel ones."""
+        normals = np.array([self.outward, other.outward])
+        if abs(float(np.linalg.det(normals))) < 0.1:
+            return None
+        return np.asarray(np.linalg.solve(normals, [self.distance, other.distance]))
+
+
+#: Outward directions of Manhattan walls.
+DIRECTIONS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+#: Walls for where neither foot nor top is seen: the farthest that no wall pixel contradicts fits.
+UNSEEN_LINES = tuple(
+    WallLine(outward, distance, False)
+    for outward in DIRECTIONS
+    for distance in PLANES.unseen_distances_m
 )
 
-#: Angular noise of a mask's border (radians), and the cost at which a point is an outlier.
-BORDER_NOISE = np.radians(0.5)
-OUTLIER = 9.0
-#: How far wall pixels may reach beyond a wall's foot or top, radians.
-BEYOND_NOISE = np.radians(1.5)
-#: Cost of a corner, of a jump between parallel walls, and of a wall that no foot or top supports
-#: (per bin).
-CREASE = 14.0
-JUMP = 28.0
-UNSEEN = 0.4
-#: Further cost of a crease with a wall that faces neither Manhattan direction.
-SLANT = 16.0
-#: Bins on both sides of a crease that must show something for it to be believed.
-CREASE_BINS = 6
-#: Cost per bin of each segment that runs along the other kind of wall, and its bound.
-VOTE = 0.5
-MAX_VOTES = 1.5
-#: Heights of a camera that are believed, the spread of its prior, and the bins that give one.
-HEIGHT_RANGE_M = (0.8, 2.1)
-HEIGHT_SPREAD_M = 0.25
-MIN_BINS = 8
-#: Height above the camera of walls whose top is not asked, metres.
-TALL_M = 10.0
+
+def likely_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
+    """Return the walls that most feet and tops lie on, the best supported first.
+
+    `distances` (b, 2) are those of foot and top from the camera on the plan, metres, NaN where
+    not seen. Walls with a normal of their own come last.
+    """
+    found: list[tuple[float, WallLine]] = []
+    for outward in DIRECTIONS:
+        facing = borders.direction @ np.array(outward)
+        offset = (distances * facing[:, None])[facing > PLANES.min_facing]
+        offset = np.sort(offset[~np.isnan(offset)])
+        low, high = PLANES.distance_range_m
+        offset = offset[(offset >= low) & (offset <= high)]
+        found += [
+            (count, WallLine(outward, distance, True))
+            for count, distance in _peaks(offset)
+            if count >= PLANES.min_support
+        ]
+    found.sort(key=lambda item: -item[0])
+    return [line for _, line in found[: PLANES.max_candidates]] + _own_walls(borders, distances)
+
+
+def _peaks(offset: np.ndarray) -> list[tuple[int, float]]:
+    """Return (count, median) of the densest groups of sorted distances within +-6 %."""
+    groups: list[tuple[int, float]] = []
+    left = offset
+    while len(left) >= PLANES.min_support and len(groups) < 4:
+        first = np.searchsorted(left, left / 1.06)
+        last = np.searchsorted(left, left * 1.06, side="right")
+        best = int(np.argmax(last - first))
+        group = left[first[best] : last[best]]
+        groups.append((len(group), float(np.median(group))))
+        left = np.concatenate([left[: first[best]], left[last[best] :]])
+    return groups
+
+
+def _own_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
+    """Return walls with normals of their own: straight feet along a third direction.
+
+    Tops are not asked: masks round off the corners of a ceiling, where nothing stands before it.
+    """
+    reach = distances[:, 0]
+    points = borders.direction * reach[:, None]
+    known = np.isfinite(reach) & (reach < PLANES.distance_range_m[1])
+    found: list[tuple[int, WallLine]] = []
+    for start in range(0, PLANES.bins - PLANES.slanted_bins + 1, PLANES.slanted_bins // 4):
+        inside = known.copy()
+        inside[:start] = inside[start + PLANES.slanted_bins :] = False
+        if inside.sum() < 0.8 * PLANES.slanted_bins:
+            continue
+        line = _straight(points[inside])
+        if line is None:
+            continue
+        facing = borders.direction @ np.array(line.outward)
+        expected = line.distance / np.where(facing > PLANES.min_facing, facing, np.nan)
+        off = np.abs(np.arctan(borders.foot) - np.arctan(borders.foot * reach / expected))
+        if (off[inside] < PLANES.slanted_noise).mean() > 0.8:
+            found.append((int((known & (off < 2 * PLANES.slanted_noise)).sum()), line))
+    found.sort(key=lambda item: -item[0])
+    kept: list[WallLine] = []
+    for _, line in found:
+        if len(kept) < PLANES.max_slanted and not any(_alike(line, other) for other in kept):
+            kept.append(line)
+    return kept
+
+
+def _straight(points: np.ndarray) -> WallLine | None:
+    """Return the line through points (n, 2); None for one along a Manhattan direction."""
+    centre = points.mean(axis=0)
+    normal = np.linalg.svd(points - centre, full_matrices=False)[2][1]
+    distance = float(normal @ centre)
+    if distance < 0:
+        normal, distance = -normal, -distance
+    low, high = PLANES.distance_range_m
+    if np.abs(normal).max() > np.cos(PLANES.slanted_angle) or not low <= distance <= high:
+        return None
+    return WallLine((float(normal[0]), float(normal[1])), distance, True)
+
+
+def _alike(line: WallLine, other: WallLine) -> bool:
+    """Tell whether two walls are one: within 8 degrees and 8 % of the distance."""
+    turn = float(np.dot(line.outward, other.outward))
+    return turn > np.cos(np.radians(8.0)) and abs(line.distance / other.distance - 1) < 0.08
+
+
+@dataclass(frozen=True)
+class RoomSize:
+    """A room's height and extent (the sides of its rectangle, None where unknown), metres."""
+
+    height_m: float
+    extent_m: tuple[float, float] | None = None
+
+    @classmethod
+    def of(cls, room: Room) -> RoomSize:
+        """Return the size of a room of the plan."""
+        return cls(room.height, room_extent(room))
+
+
+def room_extent(room: Room) -> tuple[float, float] | None:
+    """Return the sides in metres of a room's rectangle; None for one that is no rectangle."""
+    from plan2scene.plans.geometry import room_polygon
+
+    outline = room_polygon(room)
+    box = outline.minimum_rotated_rectangle
+    if (
+        outline.area <= 0.0
+        or box.geom_type != "Polygon"
+        or outline.area < PLANES.min_filled * box.area
+    ):
+        return None
+    corners = np.array(box.exterior.coords)
+    first, second = np.linalg.norm(np.diff(corners, axis=0), axis=1)[:2].tolist()
+    return float(first), float(second)
+
+
+def wall_spans(
+    lines: Sequence[WallLine], path: np.ndarray, foot: np.ndarray
+) -> list[tuple[float, bool]]:
+    """Return per Manhattan axis how far the walls reach, and whether on both sides.
+
+    `path` (b,) int is the wall, of `lines`, of each bin of azimuth; `foot` (b,) bool the bins that
+    show a wall's foot: only those count. Returns the distance in metres between opposite walls and
+    True, that of the only wall from the camera and False, or (0, False).
+    """
+    count = np.bincount(path[foot], minlength=len(lines))
+    spans: list[tuple[float, bool]] = []
+    for axis in (0, 1):
+        sides = []
+        for sign in (1.0, -1.0):
+            seen = [
+                (int(count[index]), line.distance)
+                for index, line in enumerate(lines)
+                if line.seen and line.outward[axis] == sign and count[index] >= PLANES.min_wall_bins
+            ]
+            sides += [max(seen)[1]] if seen else []
+        spans.append((float(sum(sides)), len(sides) == 2))
+    return spans
+
+
+def extent_misfit(
+    spans: Sequence[tuple[float, bool]], extent_m: tuple[float, float], scale: float
+) -> float:
+    """Return how badly spans (`wall_spans`) times `scale` fit the sides of a room, 0 if they may.
+
+    Two opposite walls must be as far apart as the plan says; a single one must be nearer than
+    that by `PLANES.clearance_m`, because the camera is inside. Which side lies along which axis is
+    not known: the better way counts.
+    """
+    return min(
+        sum(
+            _misfit(scale * span, both, side) for (span, both), side in zip(spans, way, strict=True)
+        )
+        for way in (extent_m, extent_m[::-1])
+    )
+
+
+def _misfit(span: float, both: bool, side: float) -> float:
+    """Return the bounded cost of a span against a side of the room."""
+    limit = side if both else max(side - PLANES.clearance_m, 0.1)
+    if span <= 0.0 or (not both and span <= limit):
+        return 0.0
+    return min((float(np.log(span / limit)) / PLANES.extent_spread) ** 2, PLANES.extent_bound)
+
+
+def room_reach(
+    lines: Sequence[WallLine], path: np.ndarray, direction: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return metres (b,) that a room reaches in each direction, inf where no wall tells it.
+
+    With the directions (b,) bool that look through a door whose wall goes on on both sides.
+
+    Parameters
+    ----------
+    lines : sequence of WallLine
+        Walls of the photo.
+    path : (b,) int
+        Wall that each bin of azimuth meets; -1 for none.
+    direction : (b, 2) float64
+        Unit (x, z) of each bin's middle.
+    """
+    seen = np.array([*(line.seen for line in lines), False])
+    outward = np.array([line.outward for line in lines]).reshape(-1, 2)
+    distance = np.array([line.distance for line in lines])
+    away = distance / np.maximum(direction @ outward.T, 1e-3)
+    met = np.column_stack([away, np.zeros(len(path))])[np.arange(len(path)), path]
+    reach = np.where(seen[path], met, np.inf)
+    through = np.zeros(len(path), bool)
+    for index in np.flatnonzero(seen):
+        own = np.flatnonzero(path == index)
+        between = np.arange(own[0], own[-1] + 1) if len(own) else own
+        for run in _runs(between[met[between] > away[between, index] + PLANES.min_step_m]):
+            ends = direction[run[[0, -1]]] * away[run[[0, -1]], index, None]
+            if np.linalg.norm(ends[1] - ends[0]) < PLANES.max_door_m:
+                reach[run] = np.minimum(reach[run], away[run, index])
+                through[run] = True
+    return reach, through
+
+
+def within_room(
+    mask: np.ndarray, camera: Camera, drop_m: float, reach: np.ndarray, longest_m: float
+) -> np.ndarray:
+    """Return the pixels (h, w) bool of a floor's or ceiling's mask that are not beyond the room.
+
+    Parameters
+    ----------
+    mask : (h, w) bool
+        Pixels of the surface.
+    drop_m : float
+        How far it is below the camera, metres; negative for a ceiling.
+    reach : (h, w) float64
+        `room_reach` of each pixel's direction.
+    longest_m : float
+        Longest line in the room, metres.
+    """
+    rows, columns = np.nonzero(mask)
+    if not len(rows):
+        return mask
+    rays = camera.rays(np.stack([columns, rows], axis=-1))
+    fall = np.maximum(-rays[:, 1] * np.sign(drop_m), 1e-9)
+    away = abs(drop_m) * np.hypot(rays[:, 0], rays[:, 2]) / fall
+    limit = np.minimum(
+        reach[rows, columns] + PLANES.margin_m, longest_m * (1 + PLANES.margin_share)
+    )
+    near = away < limit
+    if near.mean() < PLANES.min_left:
+        return mask
+    kept = np.zeros_like(mask)
+    kept[rows[near], columns[near]] = True
+    return kept
+
+
+def _runs(numbers: np.ndarray) -> list[np.ndarray]:
+    """Return sorted integers as runs of consecutive ones."""
+    return [run for run in np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(run)]
 
 
 @dataclass(frozen=True)
@@ -116,20 +589,23 @@ def _camera_height(
     The height at which feet and tops agree best on common walls; directions that show both
     then tell it exactly.
     """
-    low, high = HEIGHT_RANGE_M[0], min(HEIGHT_RANGE_M[1], 0.9 * room_height_m)
+    low, high = PLANES.height_range_m[0], min(PLANES.height_range_m[1], 0.9 * room_height_m)
     if high <= low:
         return None
-    if min(np.isfinite(borders.foot).sum(), np.isfinite(borders.top).sum()) < MIN_BINS:
+    if (
+        min(np.isfinite(borders.foot).sum(), np.isfinite(borders.top).sum())
+        < PLANES.min_height_bins
+    ):
         return None
 
     def cost(height: float) -> float:
-        unlikely = 2.0 * ((height - prior) / HEIGHT_SPREAD_M) ** 2
+        unlikely = 2.0 * ((height - prior) / PLANES.height_spread_m) ** 2
         return _solve(borders, facing, height, room_height_m - height)[2] + unlikely
 
     best = min(np.arange(low, high, 0.1).tolist(), key=cost)
     each = room_height_m / (1.0 + borders.top / -borders.foot)
     each = each[np.abs(each - best) < 0.15]
-    if len(each) >= MIN_BINS:
+    if len(each) >= PLANES.min_height_bins:
         return float(np.clip(np.median(each), low, high))
     finer = np.arange(max(low, best - 0.08), min(high, best + 0.09), 0.02)
     return float(min(finer.tolist(), key=cost))
@@ -144,15 +620,17 @@ def _height_by_extent(
     """
     if room.extent_m is None:
         return None
-    feet = replace(borders, top=np.full(N_BINS, np.nan))
-    lines, path, _ = _solve(feet, facing, prior, TALL_M)
+    feet = replace(borders, top=np.full(PLANES.bins, np.nan))
+    lines, path, _ = _solve(feet, facing, prior, PLANES.tall_m)
     spans = wall_spans(lines, path, np.isfinite(borders.foot))
-    low, high = HEIGHT_RANGE_M[0], min(HEIGHT_RANGE_M[1], 0.9 * room.height_m)
+    low, high = PLANES.height_range_m[0], min(PLANES.height_range_m[1], 0.9 * room.height_m)
     heights = np.append(np.arange(low, high, 0.01), prior)
     misfit = np.array([extent_misfit(spans, room.extent_m, h / prior) for h in heights.tolist()])
     if misfit[-1] == 0.0:
         return None
-    return float(heights[int(np.argmin(misfit + ((heights - prior) / HEIGHT_SPREAD_M) ** 2))])
+    return float(
+        heights[int(np.argmin(misfit + ((heights - prior) / PLANES.height_spread_m) ** 2))]
+    )
 
 
 def _solve(
@@ -164,39 +642,39 @@ def _solve(
     costs = _costs(borders, lines, height, above)
     axes = np.array([line.axis for line in lines])
     contrary = np.column_stack([facing[:, ::-1], facing.max(axis=1)])
-    against = np.minimum(VOTE * contrary, MAX_VOTES)[:, axes]
+    against = np.minimum(PLANES.vote * contrary, PLANES.max_votes)[:, axes]
     path, total = _cheapest(costs + np.where(np.isnan(borders.reach[:, :1]), 0.0, against), axes)
     return lines, path, total
 
 
 def _costs(borders: Borders, lines: list[WallLine], height: float, above: float) -> np.ndarray:
     """Return the cost (b, k) of each wall in each bin."""
-    costs = np.zeros((N_BINS, len(lines)))
+    costs = np.zeros((PLANES.bins, len(lines)))
     has_wall = ~np.isnan(borders.reach[:, 0])
     for index, line in enumerate(lines):
         facing = borders.direction @ np.array(line.outward)
-        visible = facing > MIN_FACING
+        visible = facing > PLANES.min_facing
         reach = line.distance / np.where(visible, facing, 1.0)
         for slope, expected in ((borders.foot, -height / reach), (borders.top, above / reach)):
-            off = (np.arctan(slope) - np.arctan(expected)) / BORDER_NOISE
-            costs[:, index] += np.where(np.isnan(off), 0.0, np.minimum(off**2, OUTLIER))
+            off = (np.arctan(slope) - np.arctan(expected)) / PLANES.border_noise
+            costs[:, index] += np.where(np.isnan(off), 0.0, np.minimum(off**2, PLANES.outlier))
         # Wall pixels under its foot or over its top cannot be of this wall.
         low, high = np.arctan(-height / reach), np.arctan(above / reach)
         beyond = np.fmax(low - np.arctan(borders.reach[:, 0]), 0.0)
-        beyond = np.fmax(beyond, np.arctan(borders.reach[:, 1]) - high) / BEYOND_NOISE
-        costs[:, index] += np.where(has_wall, np.minimum(beyond**2, OUTLIER), 0.0)
+        beyond = np.fmax(beyond, np.arctan(borders.reach[:, 1]) - high) / PLANES.beyond_noise
+        costs[:, index] += np.where(has_wall, np.minimum(beyond**2, PLANES.outlier), 0.0)
         # Of two walls that nothing tells apart, the one that is looked at more squarely.
         costs[:, index] += np.where(
-            has_wall, (0.0 if line.seen else UNSEEN) + 0.2 * (1 - facing), 0
+            has_wall, (0.0 if line.seen else PLANES.unseen) + 0.2 * (1 - facing), 0
         )
-        costs[~visible, index] = 4 * OUTLIER
+        costs[~visible, index] = 4 * PLANES.outlier
     return costs
 
 
 def _cheapest(costs: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, float]:
     """Return the wall (b,) of each bin on the path of least cost, creases included; the cost."""
-    turn = np.where((axes[:, None] == axes[None]) & (axes != OWN), JUMP, CREASE)
-    turn = turn + SLANT * ((axes[:, None] == OWN) | (axes[None] == OWN))
+    turn = np.where((axes[:, None] == axes[None]) & (axes != OWN), PLANES.jump, PLANES.crease)
+    turn = turn + PLANES.slant * ((axes[:, None] == OWN) | (axes[None] == OWN))
     np.fill_diagonal(turn, 0.0)
     total = costs[0].copy()
     back = np.zeros(costs.shape, dtype=int)
@@ -251,7 +729,7 @@ def _joined(
         crease = next((c for c in creases if path[c] in done or path[c + 1] in done), creases[0])
         creases.remove(crease)
         known, other = int(path[crease]), int(path[crease + 1])
-        near = slice(max(0, crease - CREASE_BINS), crease + 1 + CREASE_BINS)
+        near = slice(max(0, crease - PLANES.crease_bins), crease + 1 + PLANES.crease_bins)
         if known in done and other in done:
             continue
         if known not in done and other not in done:
@@ -263,7 +741,7 @@ def _joined(
         toward = np.array([np.sin(angle), np.cos(angle)])
         share = [abs(float(toward @ np.array(joined[i].outward))) for i in (known, other)]
         reach = joined[known].distance / max(share[0], 1e-3)
-        distance = float(np.clip(reach * share[1], *DISTANCE_RANGE_M))
+        distance = float(np.clip(reach * share[1], *PLANES.distance_range_m))
         joined[other] = replace(joined[other], distance=distance, seen=joined[known].seen)
         done.add(other)
     return joined

@@ -31,8 +31,7 @@ import numpy as np
 
 from plan2scene.colour import as_uint8, median_colour
 from plan2scene.house import House, SurfaceKey
-from plan2scene.images import image_from_bytes
-from plan2scene.photos.crops.sampling import medoid_index
+from plan2scene.images import image_from_bytes, medoid_index
 from plan2scene.seeds import generator
 
 #: Substance of a surface that nothing is known of, by surface; wet rooms have tiled floors.

@@ -13,8 +13,7 @@ from typing import Any
 import torch
 
 from plan2scene.errors import InputError
-from plan2scene.photos.labels.ensemble import ensemble_of
-from plan2scene.photos.labels.network import SegmentationNet
+from plan2scene.photos.labels.network import SegmentationNet, ensemble_of
 from plan2scene.photos.labels.palette import LABELS, LABELS_AND_OPENINGS
 from plan2scene.photos.labels.segmentation import SCALES, Network, load_segmenter
 from plan2scene.provenance import file_hash

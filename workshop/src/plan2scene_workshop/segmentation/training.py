@@ -14,10 +14,15 @@ from torch import nn
 
 from plan2scene.camera import Camera
 from plan2scene.photos.camera.calibration import estimate_camera
-from plan2scene.photos.labels.elevation import elevation_map
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import IGNORE
-from plan2scene.photos.labels.segmentation import Network, Segmenter, labels_of, load_segmenter
+from plan2scene.photos.labels.segmentation import (
+    Network,
+    Segmenter,
+    elevation_map,
+    labels_of,
+    load_segmenter,
+)
 from plan2scene.seeds import generator
 from plan2scene_workshop.segmentation.augment import Batch, training_batch
 from plan2scene_workshop.segmentation.data import LabelledPhoto, Scores, confusion, digest, scores

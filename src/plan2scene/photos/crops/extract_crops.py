@@ -1,12 +1,12 @@
-"""The crops stage: photos, masks and cameras of one house -> the tables of its crops."""
+"""The crops stage: photos, masks and places of a house -> its crops, planes, colours, light."""
 
 from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,55 +20,66 @@ from plan2scene.io import read_json, write_json
 from plan2scene.paint.light import estimate_light, house_gains, relight
 from plan2scene.paint.observations import PlaneColours, SurfaceColour, relit, write_colours
 from plan2scene.parallel import each
+from plan2scene.photos.camera.lines import SEGMENTS, read_segments
 from plan2scene.photos.crops.candidates import (
     CropSettings,
-    Naming,
+    WindowSeed,
     candidates_of_photo,
-    planes_of_located,
     planes_of_photo,
     rooms_by_size,
 )
 from plan2scene.photos.crops.colours import colours_of_photo, surface_colours
-from plan2scene.photos.crops.filter import inner_mask, strong_edges
-from plan2scene.photos.crops.house import agreeing
-from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop
-from plan2scene.photos.crops.tables import PhotoCandidate, write_tables
-from plan2scene.photos.crops.verdict import Verdict
+from plan2scene.photos.crops.filter import inner_mask, mark_outvoted, strong_edges
+from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Verdict
+from plan2scene.photos.crops.selection import write_tables
 from plan2scene.photos.labels.palette import read_label_png
 from plan2scene.photos.locate.plan_view import RoomShape, room_shapes
-from plan2scene.photos.locate.pose import Pose
-from plan2scene.photos.locate.stage import read_poses
+from plan2scene.photos.locate.pose import Pose, read_poses
+from plan2scene.photos.locate.seen_planes import seen_planes
 from plan2scene.photos.photo_files import read_photo
+from plan2scene.photos.planes.planes import plane_row, write_planes
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _log = logging.getLogger("plan2scene")
-
 _CROP_NAME = re.compile(r"(?P<stem>.+)_(?P<mask>\d+)_crop(?P<index>\d+)\.png")
 
 
 @dataclass(frozen=True)
 class CropFiles:
-    """What the stage writes: three Parquet files and light.json, ``docs/conventions.md``."""
+    """What the stage writes: four Parquet files and light.json, ``docs/conventions.md``."""
 
     crops: str | Path
     candidates: str | Path
+    planes: str | Path
     colours: str | Path
     light: str | Path
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
-    """What photos of a house show, as photographed, and each photo's gains (3,)."""
+class PhotoCrops:
+    """What a photo gives, in its own colours."""
 
-    candidates: list[PhotoCandidate]
+    candidates: list[Candidate]
+    #: Rows of planes.parquet.
+    planes: list[dict[str, Any]]
     colours: list[PlaneColours]
-    #: As of :func:`plan2scene.paint.light.house_gains`.
+    surfaces: list[SurfaceColour]
+
+
+@dataclass(frozen=True, eq=False)
+class HouseCrops:
+    """What the photos of a house give, in their own colours."""
+
+    candidates: list[Candidate]
+    planes: list[dict[str, Any]]
+    colours: list[PlaneColours]
+    #: Photo -> gains (3,), as of :func:`plan2scene.paint.light.house_gains`.
     gains: dict[str, np.ndarray]
 
 
-def make_crops(
+def extract_crops(
     house: House,
     rooms_of_photo: Mapping[str, Sequence[str]],
     photos: Mapping[str, Path],
@@ -88,9 +99,9 @@ def make_crops(
     house : House
         The plan; gives the rooms' heights.
     rooms_of_photo : mapping
-        Photo name to the rooms of the house that it shows (`datasets.rooms_of_photos`); a photo
-        of several rooms gives rows for each, with the planes at the distance that each room's own
-        height tells.
+        Photo name to the rooms of the house that it shows (``photo_rooms.json``). A photo of
+        several rooms gives rows for each, with the planes at the distance that each room's own
+        height gives.
     photos : mapping
         Photo name to its file.
     masks_dir : path
@@ -104,30 +115,31 @@ def make_crops(
     settings : CropSettings, optional
         How windows are drawn and corrected.
     cameras : path, optional
-        ``cameras.json`` of the locate stage: located photos give each room in sight its own.
+        ``cameras.json`` of the places stage: located photos give each room in sight its own crops.
     threads : int
         Photos worked on at a time; the result does not depend on it.
 
     Returns
     -------
     pandas.DataFrame
-        The crops that were written.
+        The crop table.
     """
     chosen = CropSettings() if settings is None else settings
-    shown = (house, rooms_of_photo, photos, masks_dir)
-    drawn = draw_candidates(*shown, seed=seed, settings=chosen, cameras=cameras, threads=threads)
-    candidates, colours = drawn.candidates, drawn.colours
+    inputs = (house, rooms_of_photo, photos, masks_dir)
+    made = crops_of_house(*inputs, seed=seed, settings=chosen, cameras=cameras, threads=threads)
+    candidates, colours = made.candidates, made.colours
     if chosen.colours == "corrected":
-        candidates, colours = corrected(candidates, drawn.gains), relit(colours, drawn.gains)
-    _write_light(output.light, drawn.gains, chosen)
-    names = {"dataset": dataset, "house_id": house.id, "colours": chosen.colours}
-    write_colours(output.colours, colours, **names)
+        candidates, colours = corrected(candidates, made.gains), relit(colours, made.gains)
+    _write_light(output.light, made.gains, chosen)
+    names = {"dataset": dataset, "house_id": house.id}
+    write_planes(output.planes, made.planes, **names)
+    write_colours(output.colours, colours, **names, colours=chosen.colours)
     return write_tables(
         candidates, output.crops, output.candidates, dataset=dataset, house_id=house.id
     )
 
 
-def draw_candidates(
+def crops_of_house(
     house: House,
     rooms_of_photo: Mapping[str, Sequence[str]],
     photos: Mapping[str, Path],
@@ -137,39 +149,42 @@ def draw_candidates(
     settings: CropSettings,
     cameras: str | Path | None = None,
     threads: int = 1,
-) -> Drawn:
-    """Return what all photos of a house show. Parameters as in :func:`make_crops`."""
-    known = read_json(Path(masks_dir) / "cameras.json")
-    shown = []
+) -> HouseCrops:
+    """Return what the photos of a house give. Parameters as in :func:`extract_crops`."""
+    masks_dir = Path(masks_dir)
+    known = read_json(masks_dir / "cameras.json")
+    labelled = []
     for photo in sorted(rooms_of_photo):
         if photo in known:
-            shown.append(photo)
+            labelled.append(photo)
         else:
             _log.info("photo %s of house %s has no mask: skipped", photo, house.id)
     one = partial(
-        _of_photo,
+        _crops_of_photo,
         house=house,
-        masks_dir=Path(masks_dir),
+        masks_dir=masks_dir,
         known=known,
+        segments=cache(partial(read_segments, masks_dir / SEGMENTS, "walls")),
         poses={} if cameras is None else read_poses(cameras),
         shapes=room_shapes(house),
         seed=seed,
         settings=settings,
     )
-    drawn: list[PhotoCandidate] = []
-    seen: list[PlaneColours] = []
-    colours: list[SurfaceColour] = []
-    found = each(lambda photo: one(photo, photos[photo], rooms_of_photo[photo]), shown, threads)
-    for of_photo, seen_here, of_surfaces in found:
-        drawn += of_photo
-        seen += seen_here
-        colours += of_surfaces
-    lights = estimate_light(colours)
-    gains = house_gains(lights, colours)
-    return Drawn(agreeing(drawn, lights) if settings.filter else drawn, seen, gains)
+    photo_crops = list(
+        each(lambda photo: one(photo, photos[photo], rooms_of_photo[photo]), labelled, threads)
+    )
+    candidates = [candidate for item in photo_crops for candidate in item.candidates]
+    surfaces = [surface for item in photo_crops for surface in item.surfaces]
+    lights = estimate_light(surfaces)
+    return HouseCrops(
+        mark_outvoted(candidates, lights) if settings.filter else candidates,
+        [row for item in photo_crops for row in item.planes],
+        [colours for item in photo_crops for colours in item.colours],
+        house_gains(lights, surfaces),
+    )
 
 
-def _of_photo(
+def _crops_of_photo(
     photo: str,
     path: Path,
     rooms: Sequence[str],
@@ -177,53 +192,58 @@ def _of_photo(
     house: House,
     masks_dir: Path,
     known: Mapping[str, Any],
+    segments: Callable[[], Mapping[str, np.ndarray]],
     poses: Mapping[str, Pose],
     shapes: Mapping[str, RoomShape],
     seed: int,
     settings: CropSettings,
-) -> tuple[list[PhotoCandidate], list[PlaneColours], list[SurfaceColour]]:
-    """Return what one photo shows."""
+) -> PhotoCrops:
+    """Return what one photo gives."""
     camera = Camera.from_json(known[photo], file=masks_dir / "cameras.json")
     labels = read_label_png(masks_dir / f"{Path(photo).stem}.png", house_id=house.id)
     image = read_photo(path, house_id=house.id)
     _check_sizes(image, labels, camera, path, house.id)
-    names = Naming(seed, house.id, photo)
     rooms = list(dict.fromkeys(rooms))
-    planes = planes_of_located(labels, poses[photo], shapes) if photo in poses else []
+    planes = seen_planes(labels, poses[photo], shapes) if photo in poses else []
     if planes:
         camera = poses[photo].camera
     else:
-        planes = planes_of_photo(image, labels, camera, rooms_by_size(house, rooms), settings)
+        sizes = rooms_by_size(house, rooms)
+        planes = planes_of_photo(
+            labels, camera, segments().get(photo), sizes, settings.camera_height_m
+        )
     edges = strong_edges(image)
-    inner = [inner_mask(shown.plane.mask, edges) for shown in planes]
-    drawn = candidates_of_photo(image, camera, planes, settings, names, inner)
-    _log.info("%s: %d candidates, camera %s", photo, len(drawn), camera.focal_source)
-    seen = colours_of_photo(image, camera, planes, photo, inner)
-    return drawn, seen, surface_colours(image, labels, photo, rooms, edges)
+    inner = [inner_mask(item.plane.mask, edges) for item in planes]
+    window_seed = WindowSeed(seed, house.id, photo)
+    candidates = candidates_of_photo(image, camera, planes, settings, window_seed, inner)
+    _log.info("%s: %d candidates, camera %s", photo, len(candidates), camera.focal_source)
+    return PhotoCrops(
+        candidates,
+        [plane_row(photo, item) for item in planes],
+        colours_of_photo(image, camera, planes, photo, inner),
+        surface_colours(image, labels, photo, rooms, edges),
+    )
 
 
-def corrected(
-    drawn: Sequence[PhotoCandidate], gains: Mapping[str, np.ndarray]
-) -> list[PhotoCandidate]:
+def corrected(candidates: Sequence[Candidate], gains: Mapping[str, np.ndarray]) -> list[Candidate]:
     """Return the candidates with the linear RGB of their images times their photo's gains (3,)."""
-    return [_under(item, gains.get(item.photo, np.ones(3))) for item in drawn]
+    return [_under(candidate, gains.get(candidate.photo, np.ones(3))) for candidate in candidates]
 
 
-def _under(item: PhotoCandidate, gains: np.ndarray) -> PhotoCandidate:
+def _under(candidate: Candidate, gains: np.ndarray) -> Candidate:
     """Return a candidate whose image's linear RGB is multiplied by `gains` (3,)."""
-    crop = item.candidate.crop
+    crop = candidate.crop
     detail = crop.detail
     if detail:
         even = relight(image_from_bytes(detail), gains)
         detail = jpeg_bytes(even, quality=95, full_colour=True)
-    crop = replace(crop, image=relight(crop.image, gains), detail=detail)
-    return replace(item, candidate=replace(item.candidate, crop=crop))
+    return replace(candidate, crop=replace(crop, image=relight(crop.image, gains), detail=detail))
 
 
 def _write_light(
     path: str | Path, gains: Mapping[str, np.ndarray], settings: CropSettings | None
 ) -> None:
-    """Write light.json; `settings` None where crops are taken as they are."""
+    """Write light.json; `settings` None for precomputed crops."""
     used = {
         "filter": settings is not None and settings.filter,
         "colours": "photo" if settings is None else settings.colours,
@@ -232,7 +252,7 @@ def _write_light(
     write_json(path, {**used, "gains": photos})
 
 
-def load_crops(
+def read_precomputed_crops(
     house: House,
     rooms_of_photo: Mapping[str, Sequence[str]],
     folder: str | Path,
@@ -240,7 +260,7 @@ def load_crops(
     *,
     dataset: str,
 ) -> pd.DataFrame:
-    """Write the stage's files from ready crops in Rent3D++'s ``surface_crops`` layout.
+    """Write the stage's files from precomputed crops in Rent3D++'s ``surface_crops`` layout.
 
     `folder` has ``{floor,wall,ceiling}/{photo stem}_{mask}_crop{k}.png`` of 128x128; their size
     in metres, window, sharpness and grazing angle are unknown (NaN). Raises InputError when
@@ -249,32 +269,28 @@ def load_crops(
     root = Path(folder)
     if not root.is_dir():
         raise InputError("a folder of surface crops", "no such folder", file=root, house=house.id)
-    found: list[PhotoCandidate] = []
+    candidates: list[Candidate] = []
     photo_of_stem = {Path(photo).stem: photo for photo in rooms_of_photo}
     for surface in SURFACES:
         for path in sorted((root / surface).glob("*.png")):
             match = _CROP_NAME.fullmatch(path.name)
             if match is None or match["stem"] not in photo_of_stem:
                 continue
-            crop = _ready_crop(path, int(match["index"]), house.id)
+            crop = _precomputed_crop(path, int(match["index"]), house.id)
             photo = photo_of_stem[match["stem"]]
             rooms = tuple(dict.fromkeys(rooms_of_photo[photo]))
-            ready = Candidate(crop, Verdict())
-            found.append(PhotoCandidate(photo, rooms, surface, int(match["mask"]), ready))
-    found.sort(key=lambda item: item.photo)
+            mask = int(match["mask"])
+            candidates.append(Candidate(crop, Verdict(), surface, mask, photo, rooms))
+    candidates.sort(key=lambda candidate: candidate.photo)
+    names = {"dataset": dataset, "house_id": house.id}
     _write_light(output.light, {}, None)
-    write_colours(output.colours, [], dataset=dataset, house_id=house.id)
-    return write_tables(
-        found,
-        output.crops,
-        output.candidates,
-        dataset=dataset,
-        house_id=house.id,
-        keep_index=True,
-    )
+    write_planes(output.planes, [], **names)
+    write_colours(output.colours, [], **names)
+    tables = (output.crops, output.candidates)
+    return write_tables(candidates, *tables, dataset=dataset, house_id=house.id, keep_index=True)
 
 
-def _ready_crop(path: Path, index: int, house_id: str) -> Crop:
+def _precomputed_crop(path: Path, index: int, house_id: str) -> Crop:
     """Return a crop read from a file."""
     image = read_image(path, house_id=house_id)
     if image.shape != (CROP_PX, CROP_PX, 3):

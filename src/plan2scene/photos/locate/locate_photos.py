@@ -1,0 +1,239 @@
+"""The places stage: masks and plan of a house -> cameras.json and photo_rooms.json.
+
+Each photo is searched alone, then again under the height that the photos share.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from plan2scene.camera import Camera
+from plan2scene.errors import InputError
+from plan2scene.house import House
+from plan2scene.io import read_json, write_json
+from plan2scene.parallel import each
+from plan2scene.photos.labels.palette import (
+    DOOR,
+    PROBABILITIES,
+    read_label_png,
+    read_probability_png,
+)
+from plan2scene.photos.locate.likelihood import OPENING, log_table, make_profile
+from plan2scene.photos.locate.locate_settings import LOCATE
+from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.pose import Pose, pose_to_json, read_poses, turned
+from plan2scene.photos.locate.search import HeightPrior, Hypothesis, RoomSearch
+from plan2scene.plans.geometry import room_polygon
+
+_log = logging.getLogger("plan2scene")
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What is known of a best pose."""
+
+    #: Lead in score over the best pose of another heading or room, and at another position.
+    heading: float
+    elsewhere: float
+    #: Which openings the masks label, of `likelihood.LABELLED_OPENINGS`.
+    openings: str
+    #: How many rooms it may have been taken in.
+    rooms: int = 1
+
+
+def probability(evidence: Evidence) -> float:
+    """Return the probability that heading and position are right."""
+    leads = np.maximum([evidence.heading, evidence.elsewhere], 0.0)
+    logit = LOCATE.weights[0] + float(
+        np.log10(leads + LOCATE.lead_floor) @ np.array(LOCATE.weights[1:])
+    )
+    logit -= LOCATE.fewer_openings[evidence.openings] + LOCATE.more_rooms * float(
+        np.log(evidence.rooms)
+    )
+    return float(1.0 / (1.0 + np.exp(-logit)))
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A photo to locate: its camera, its labels, and the rooms that it may have been taken in."""
+
+    camera: Camera
+    #: (h, w) uint8, the camera's size: labels of `likelihood`; others say nothing.
+    labels: np.ndarray
+    rooms: tuple[str, ...]
+    #: (6, h', w') float32 over the same view: how likely each label is, where that is known.
+    probabilities: np.ndarray | None = None
+
+
+def locate_shots(house: House, shots: Mapping[str, Shot], threads: int = 1) -> dict[str, Pose]:
+    """Return the best pose of each photo that has a frame and a room, with its probability.
+
+    `threads` photos are searched at a time; the result does not depend on it.
+    """
+    shapes = room_shapes(house)
+    openings = labelled_openings(shots.values())
+    table = log_table(openings)
+
+    def search(shot: Shot) -> tuple[list[RoomSearch], list[Hypothesis]]:
+        coarse, fine = (
+            make_profile(shot.labels, shot.camera, table, blur, shot.probabilities)
+            for blur in (LOCATE.coarse_blur, LOCATE.fine_blur)
+        )
+        rooms = [
+            RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), coarse, fine)
+            for room_id in shot.rooms
+        ]
+        return rooms, _best(rooms, HeightPrior())
+
+    names = [name for name, shot in shots.items() if shot.rooms and not shot.camera.fallback]
+    searched = list(each(search, [shots[name] for name in names], threads))
+    hypotheses = [poses for _, poses in searched]
+    prior = shared_height([poses for poses in hypotheses if poses])
+    if prior is not None:
+        hypotheses = list(
+            each(lambda rooms: _best(rooms, prior), (s for s, _ in searched), threads)
+        )
+    return {
+        name: _pose(shots[name], poses, openings)
+        for name, poses in zip(names, hypotheses, strict=True)
+        if poses
+    }
+
+
+def labelled_openings(shots: Iterable[Shot]) -> str:
+    """Return which openings the masks of a house label, of `likelihood.LABELLED_OPENINGS`."""
+    every = list(shots)
+    if any(shot.probabilities is not None for shot in every):
+        return "windows"
+    drawn = (((shot.labels >= DOOR) & (shot.labels <= OPENING)).any() for shot in every)
+    return "all" if any(drawn) else "nothing"
+
+
+def shared_height(hypotheses: Sequence[Sequence[Hypothesis]]) -> HeightPrior | None:
+    """Return the heights of all photos by those of clearly located ones (best pose first)."""
+    clear = [
+        poses[0].position[1] for poses in hypotheses if margins(poses)[0] >= LOCATE.clear_margin
+    ]
+    if len(clear) < LOCATE.min_clear:
+        return None
+    middle = float(np.median(clear))
+    spread = 1.5 * float(np.median(np.abs(np.array(clear) - middle)))
+    return HeightPrior(middle, max(spread, LOCATE.min_spread_m))
+
+
+def margins(poses: Sequence[Hypothesis]) -> tuple[float, float]:
+    """Return by how much the first pose beats the best of another heading or room, and elsewhere.
+
+    Elsewhere is the same heading and room at another position.
+    """
+    best = poses[0]
+    heading = elsewhere = 1.0
+    for pose in poses[1:]:
+        lead = best.score - pose.score
+        off = np.angle(np.exp(1j * (pose.turn - best.turn)))
+        if pose.room_id != best.room_id or abs(off) > np.pi / 4:
+            heading = min(heading, lead)
+        elif np.hypot(*(np.array(pose.position) - best.position)[[0, 2]]) > LOCATE.elsewhere_m:
+            elsewhere = min(elsewhere, lead)
+    return heading, elsewhere
+
+
+def _best(searches: Sequence[RoomSearch], prior: HeightPrior) -> list[Hypothesis]:
+    """Return the poses in all rooms, the best first."""
+    hypotheses = [pose for search in searches for pose in search.best(prior)]
+    return sorted(hypotheses, key=lambda pose: -pose.score)
+
+
+def _pose(shot: Shot, poses: Sequence[Hypothesis], openings: str) -> Pose:
+    """Return the best of the poses and its probability."""
+    best, (heading, elsewhere) = poses[0], margins(poses)
+    located = probability(Evidence(heading, elsewhere, openings, len(shot.rooms)))
+    return Pose(best.room_id, best.position, turned(shot.camera, best.turn), located)
+
+
+def locate_photos(
+    house: House,
+    rooms_of_photo: Mapping[str, Sequence[str]],
+    masks_dir: str | Path,
+    output: str | Path,
+    *,
+    threads: int = 1,
+) -> dict[str, Pose]:
+    """Write a house's cameras.json and return the best pose of each photo that has one.
+
+    Parameters
+    ----------
+    house : House
+        The plan.
+    rooms_of_photo : mapping
+        Photo name to the rooms of the house that it shows: one of them it was taken in. Any
+        room of the house where none is named.
+    masks_dir : path
+        Output of the masks stage.
+    output : path
+        The cameras of the masks stage with their places (``docs/conventions.md``).
+    threads : int
+        Photos searched at a time; the result does not depend on it.
+    """
+    folder = Path(masks_dir)
+    file = folder / "cameras.json"
+    cameras = {name: Camera.from_json(value, file=file) for name, value in read_json(file).items()}
+    anywhere = [room.id for room in house.rooms]
+    shots = {
+        name: Shot(
+            camera,
+            read_label_png(folder / f"{Path(name).stem}.png", house_id=house.id, openings=True),
+            tuple(dict.fromkeys(rooms_of_photo[name] or anywhere)),
+            _probabilities(folder / PROBABILITIES / f"{Path(name).stem}.png", house.id),
+        )
+        for name, camera in sorted(cameras.items())
+        if name in rooms_of_photo
+    }
+    poses = locate_shots(house, shots, threads)
+    entries = {name: pose_to_json(cameras[name], poses.get(name)) for name in sorted(cameras)}
+    write_json(output, entries)
+    count = sum(pose.believed for pose in poses.values())
+    _log.info("%d of %d photos located", count, len(cameras))
+    return poses
+
+
+def _probabilities(path: Path, house_id: str) -> np.ndarray | None:
+    """Return how likely each label of a photo is, None where the masks stage left nothing."""
+    return read_probability_png(path, house_id=house_id) if path.exists() else None
+
+
+def write_photo_rooms(
+    house: House,
+    rooms_of_photo: Mapping[str, Sequence[str]],
+    cameras: str | Path | None,
+    output: str | Path,
+) -> dict[str, list[str]]:
+    """Write photo_rooms.json and return it: photo -> the rooms that it shows.
+
+    These are the rooms of the photo table; for a photo without any, the room that it was located
+    in. `cameras` is the cameras.json of `locate_photos`, None where photos have no camera. A photo
+    without a room is left out; if it has a camera, one line asks for its room. InputError where no
+    photo of the house has a room.
+    """
+    located = {} if cameras is None else read_poses(cameras)
+    rooms = {
+        photo: list(named) or ([located[photo].room_id] if photo in located else [])
+        for photo, named in rooms_of_photo.items()
+    }
+    known = rooms if cameras is None else read_json(cameras)
+    asked = sorted(photo for photo, named in rooms.items() if not named and photo in known)
+    if asked:
+        names = ", ".join(asked[:8]) + (f" and {len(asked) - 8} more" if len(asked) > 8 else "")
+        expected = "a room_id in the photo table where a photo's place in the plan is not clear"
+        fault = InputError(expected, f"none for {names}", house=house.id)
+        if not any(rooms.values()):
+            raise fault
+        _log.warning("%s; left out", fault)
+    rooms = {photo: named for photo, named in rooms.items() if named}
+    write_json(output, rooms)
+    return rooms

@@ -1,0 +1,26 @@
+"""Rule contact_sheet: what became of a house's photos -> a picture to look at."""
+
+from pathlib import Path
+
+from plan2scene.io import read_json
+from plan2scene.photos.contact_sheet.sheet import SheetFiles, write_contact_sheet
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.workflow.jobs import job
+
+with job(snakemake.log[0]):
+    inputs, params = snakemake.input, snakemake.params
+    files = SheetFiles(
+        inputs.crops,
+        inputs.candidates,
+        inputs.planes,
+        inputs.get("masks"),
+        inputs.get("cameras"),
+    )
+    write_contact_sheet(
+        snakemake.output[0],
+        {photo: Path(params.photo_folder) / photo for photo in params.names},
+        read_json(inputs.rooms),
+        files,
+        house=read_scene_json(inputs.scene, snakemake.wildcards.house),
+        threads=snakemake.threads,
+    )
