@@ -2,46 +2,39 @@
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import ExifTags, Image
 from PIL.TiffImagePlugin import IFDRational
 
-from plan2scene.photos.camera.exif import (
-    EXIF_IFD,
-    FOCAL_LENGTH,
-    FOCAL_LENGTH_35MM,
-    FOCAL_PLANE_RESOLUTION,
-    FOCAL_PLANE_UNIT,
-    PIXEL_DIMENSIONS,
-    ExifFocal,
-    read_exif_focal,
-)
+from plan2scene.photos.camera.exif import ExifFocal, read_exif_focal
 
 SIZE = (300, 400)
+Tag = ExifTags.Base
+EQUIVALENT = Tag.FocalLengthIn35mmFilm
 
 
 def photo(path, tags, size=SIZE, orientation=1):
     """Write a photo with tags of the Exif block."""
     exif = Image.Exif()
-    exif[0x0112] = orientation
-    exif.get_ifd(EXIF_IFD).update(tags)
+    exif[Tag.Orientation] = orientation
+    exif.get_ifd(ExifTags.IFD.Exif).update(tags)
     Image.new("RGB", (size[1], size[0]), (90, 120, 150)).save(path, exif=exif)
     return path
 
 
 def noted(width, height):
-    return dict(zip(PIXEL_DIMENSIONS, (width, height), strict=True))
+    return dict(zip((Tag.ExifImageWidth, Tag.ExifImageHeight), (width, height), strict=True))
 
 
 @pytest.mark.parametrize("name", ["a.jpg", "a.webp"])
 def test_equivalent_is_by_the_diagonal(tmp_path, name):
-    file = photo(tmp_path / name, {FOCAL_LENGTH_35MM: 26, **noted(4000, 3000)})
+    file = photo(tmp_path / name, {EQUIVALENT: 26, **noted(4000, 3000)})
     found = read_exif_focal(file, SIZE)
     assert found == ExifFocal(pytest.approx(26 / np.hypot(36, 24) * 500, rel=1e-4))
     assert not found.cropped
 
 
 def test_orientation_changes_nothing(tmp_path):
-    tags = {FOCAL_LENGTH_35MM: 26, **noted(4000, 3000)}
+    tags = {EQUIVALENT: 26, **noted(4000, 3000)}
     upright = read_exif_focal(photo(tmp_path / "a.jpg", tags, orientation=6), (400, 300))
     assert upright == read_exif_focal(tmp_path / "a.jpg", SIZE)
 
@@ -49,10 +42,10 @@ def test_orientation_changes_nothing(tmp_path):
 def test_sensor_resolution_where_there_is_no_equivalent(tmp_path):
     # 5 mm lens, 6.4 mm wide sensor of 4000 pixels, photo reduced to 400.
     tags = {
-        FOCAL_LENGTH: IFDRational(5, 1),
-        FOCAL_PLANE_RESOLUTION: IFDRational(4000, 6),
-        FOCAL_PLANE_UNIT: 4,
-        FOCAL_LENGTH_35MM: 0,
+        Tag.FocalLength: IFDRational(5, 1),
+        Tag.FocalPlaneXResolution: IFDRational(4000, 6),
+        Tag.FocalPlaneResolutionUnit: 4,
+        EQUIVALENT: 0,
     }
     file = photo(tmp_path / "a.jpg", tags | noted(4000, 3000))
     assert read_exif_focal(file, SIZE).focal_px == pytest.approx(5 * 4000 / 6 / 10)
@@ -61,27 +54,33 @@ def test_sensor_resolution_where_there_is_no_equivalent(tmp_path):
 
 
 def test_another_aspect_means_a_crop(tmp_path):
-    file = photo(tmp_path / "a.jpg", {FOCAL_LENGTH_35MM: 26, **noted(4000, 3000)}, (300, 300))
+    file = photo(tmp_path / "a.jpg", {EQUIVALENT: 26, **noted(4000, 3000)}, (300, 300))
     assert read_exif_focal(file, (300, 300)).cropped
-    assert not read_exif_focal(photo(tmp_path / "b.jpg", {FOCAL_LENGTH_35MM: 26}), SIZE).cropped
+    assert not read_exif_focal(photo(tmp_path / "b.jpg", {EQUIVALENT: 26}), SIZE).cropped
 
 
 @pytest.mark.parametrize("equivalent", [2, 900])
 def test_absurd_values_are_refused_with_a_line(tmp_path, equivalent):
-    found = read_exif_focal(photo(tmp_path / "a.jpg", {FOCAL_LENGTH_35MM: equivalent}), SIZE)
+    found = read_exif_focal(photo(tmp_path / "a.jpg", {EQUIVALENT: equivalent}), SIZE)
     assert found.focal_px is None
     assert f"{equivalent} mm not used" in found.warning
 
 
 @pytest.mark.parametrize(
-    "tags", [{}, {FOCAL_LENGTH_35MM: 0}, {FOCAL_LENGTH: IFDRational(4, 0)}, {FOCAL_LENGTH: 4.2}]
+    "tags",
+    [
+        {},
+        {EQUIVALENT: 0},
+        {Tag.FocalLength: IFDRational(4, 0)},
+        {Tag.FocalLength: 4.2},
+    ],
 )
 def test_nothing_known(tmp_path, tags):
     assert read_exif_focal(photo(tmp_path / "a.jpg", tags), SIZE) == ExifFocal()
 
 
 def test_damage_never_raises(tmp_path):
-    file = photo(tmp_path / "a.jpg", {FOCAL_LENGTH_35MM: 26, **noted(4000, 3000)})
+    file = photo(tmp_path / "a.jpg", {EQUIVALENT: 26, **noted(4000, 3000)})
     good = file.read_bytes()
     rng = np.random.default_rng(0)
     for index in range(60):

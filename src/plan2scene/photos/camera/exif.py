@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from PIL import ExifTags
 
 from plan2scene.errors import InputError
 from plan2scene.images import MAX_PHOTO_PIXELS, decode_image
@@ -21,6 +22,7 @@ from plan2scene.images import MAX_PHOTO_PIXELS, decode_image
 if TYPE_CHECKING:
     from PIL import Image
 
+Tag = ExifTags.Base
 _log = logging.getLogger("plan2scene")
 #: Formats of cameras whose EXIF block Pillow finds without decoding pixels.
 FORMATS = ("JPEG", "MPO", "WEBP")
@@ -30,13 +32,6 @@ FRAME_DIAGONAL_MM = 43.2666
 FOV_RANGE_DEG = (30.0, 120.0)
 #: Relative difference of aspect ratios above which a photo counts as cropped.
 ASPECT_TOLERANCE = 0.02
-#: Tags of the Exif block.
-EXIF_IFD = 0x8769
-FOCAL_LENGTH = 0x920A
-FOCAL_LENGTH_35MM = 0xA405
-PIXEL_DIMENSIONS = (0xA002, 0xA003)
-FOCAL_PLANE_RESOLUTION = 0xA20E
-FOCAL_PLANE_UNIT = 0xA210
 #: Millimetres per focal plane resolution unit (inch, centimetre, millimetre).
 UNIT_MM = {2: 25.4, 3: 10.0, 4: 1.0}
 
@@ -71,14 +66,14 @@ def read_exif_focal(path: str | os.PathLike[str], size: tuple[int, int]) -> Exif
     """
     tags = _tags(path)
     height, width = size
-    noted = [_number(tags.get(tag)) for tag in PIXEL_DIMENSIONS]
-    equivalent = _number(tags.get(FOCAL_LENGTH_35MM))
+    noted = [_number(tags.get(tag)) for tag in (Tag.ExifImageWidth, Tag.ExifImageHeight)]
+    equivalent = _number(tags.get(Tag.FocalLengthIn35mmFilm))
     if equivalent > 0:
         focal = equivalent / FRAME_DIAGONAL_MM * float(np.hypot(width, height))
         text = f"35 mm equivalent focal length {equivalent:g} mm"
     else:
         focal = _focal_of_sensor(tags, noted, size)
-        text = f"focal length {_number(tags.get(FOCAL_LENGTH)):g} mm"
+        text = f"focal length {_number(tags.get(Tag.FocalLength)):g} mm"
     if focal <= 0:
         return ExifFocal()
     fov = float(np.degrees(2 * np.arctan(width / 2 / focal)))
@@ -100,7 +95,7 @@ def _tags(path: str | os.PathLike[str]) -> dict[int, Any]:
 
 
 def _exif_block(image: Image.Image) -> dict[int, Any]:
-    return dict(image.getexif().get_ifd(EXIF_IFD)) if image.format in FORMATS else {}
+    return dict(image.getexif().get_ifd(ExifTags.IFD.Exif)) if image.format in FORMATS else {}
 
 
 def _number(value: Any) -> float:
@@ -118,8 +113,11 @@ def _focal_of_sensor(tags: dict[int, Any], noted: list[float], size: tuple[int, 
     The pitch is that of the camera's own pixels, so their noted number must be there to tell a
     reduced photo.
     """
-    focal, unit = _number(tags.get(FOCAL_LENGTH)), UNIT_MM.get(tags.get(FOCAL_PLANE_UNIT, 2))
-    density = _number(tags.get(FOCAL_PLANE_RESOLUTION))
+    focal, unit = (
+        _number(tags.get(Tag.FocalLength)),
+        UNIT_MM.get(tags.get(Tag.FocalPlaneResolutionUnit, 2)),
+    )
+    density = _number(tags.get(Tag.FocalPlaneXResolution))
     if unit is None or min(noted) <= 0 or focal <= 0 or density <= 0:
         return 0.0
     return focal * density / unit * max(size) / max(noted)
