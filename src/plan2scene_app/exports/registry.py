@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     Write = Callable[[House, Textures, Path], None]
 
 #: Entry points of this group name an :class:`Export`.
-GROUP = "plan2scene_app.exports"
+GROUP = "plan2scene.exports"
 
 
 @dataclass(frozen=True)
