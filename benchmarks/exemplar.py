@@ -28,9 +28,8 @@ from plan2scene.materials import load_texture_folder, random_material
 from plan2scene.materials.material import Material
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 from plan2scene.seeds import derive_seed
-from plan2scene.textures.baselines.retrieval import generated_library
-from plan2scene.textures.exemplar.choice import ExemplarCrop
-from plan2scene.textures.exemplar.make import make_exemplar
+from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+from plan2scene.textures.library import generated_library
 from plan2scene.textures.seams import make_seamless, wrap_ratio
 from plan2scene.textures.single import CROP_PX, LIBRARY_TILES
 from plan2scene_workshop.texture.degradation import DegradedCrop, degrade
@@ -128,10 +127,9 @@ def exemplar_method(crops: Sequence[DegradedCrop], known: bool) -> np.ndarray:
 def decoders() -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
     """Return the methods that decode, with the shipped models."""
     from plan2scene.colour import clipped_share
-    from plan2scene.textures.constrained import even_crop, match_statistics
+    from plan2scene.textures.decoding import even_crop, match_statistics
     from plan2scene.textures.model.embedding import embed_crops
-    from plan2scene.textures.model.network import load_texture_model
-    from plan2scene.textures.model.synthesis import decode_textures
+    from plan2scene.textures.model.network import decode_textures, load_texture_model
     from plan2scene.textures.selection import surface_embedding
     from plan2scene.weights import MODELS
 

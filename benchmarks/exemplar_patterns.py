@@ -6,8 +6,7 @@ import numpy as np
 
 from plan2scene.materials import layout
 from plan2scene.seeds import derive_seed
-from plan2scene.textures.exemplar.choice import ExemplarCrop
-from plan2scene.textures.exemplar.make import Exemplar, make_exemplar
+from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
 from plan2scene_workshop.texture.degradation import Degradation, degrade
 
 KINDS = ("grid", "brick", "planks")

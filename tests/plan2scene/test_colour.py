@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from plan2scene import colour
-from plan2scene.textures.model import colour as colour_torch
+from plan2scene.textures.model import hsv as hsv_space
 
 
 @pytest.fixture
@@ -30,27 +30,27 @@ def to_numpy(image: torch.Tensor) -> np.ndarray:
 
 def test_hsv_is_the_standard_library_s(rgb) -> None:
     expected = [colorsys.rgb_to_hsv(*pixel) for pixel in rgb.reshape(-1, 3).astype(float)]
-    hsv = to_numpy(colour_torch.rgb_to_hsv(to_torch(rgb)))
+    hsv = to_numpy(hsv_space.rgb_to_hsv(to_torch(rgb)))
     np.testing.assert_allclose(hsv.reshape(-1, 3), expected, atol=1e-5)
 
 
 def test_hsv_round_trip_and_hue_wraps(rgb) -> None:
-    hsv = colour_torch.rgb_to_hsv(to_torch(rgb))
-    np.testing.assert_allclose(to_numpy(colour_torch.hsv_to_rgb(hsv)), rgb, atol=1e-6)
+    hsv = hsv_space.rgb_to_hsv(to_torch(rgb))
+    np.testing.assert_allclose(to_numpy(hsv_space.hsv_to_rgb(hsv)), rgb, atol=1e-6)
     turned = hsv + torch.tensor([1.0, 0.0, 0.0]).view(1, 3, 1, 1)
-    np.testing.assert_allclose(to_numpy(colour_torch.hsv_to_rgb(turned)), rgb, atol=1e-5)
+    np.testing.assert_allclose(to_numpy(hsv_space.hsv_to_rgb(turned)), rgb, atol=1e-5)
 
 
 def test_median_is_the_lower_of_the_middle_values() -> None:
     image = np.array([[[0, 10, 7], [255, 20, 7]], [[10, 30, 7], [20, 40, 7]]], np.uint8)
     np.testing.assert_allclose(colour.median_colour(image) * 255, [10, 20, 7], atol=1e-4)
-    torch_median = colour_torch.median_colour(to_torch(colour.as_float(image)))
+    torch_median = hsv_space.median_colour(to_torch(colour.as_float(image)))
     np.testing.assert_allclose(torch_median[0] * 255, [10, 20, 7], atol=1e-4)
 
 
 def test_delta_hsv_of_reds_does_not_jump() -> None:
     hsv = torch.tensor([[0.99, 0.5, 0.6], [0.01, 0.5, 0.7]]).T.reshape(1, 3, 1, 2)
-    wrapped = to_numpy(colour_torch.wrap_hue(hsv - hsv[..., :1]))
+    wrapped = to_numpy(hsv_space.wrap_hue(hsv - hsv[..., :1]))
     np.testing.assert_allclose(wrapped[0], [[0, 0, 0], [0.02, 0, 0.1]], atol=1e-6)
 
 
@@ -61,7 +61,7 @@ def test_uint8_round_trip() -> None:
 
 def test_gradient_of_hsv_to_rgb_reaches_every_channel() -> None:
     hsv = torch.tensor([0.3, 0.5, 0.6]).view(1, 3, 1, 1).requires_grad_()
-    colour_torch.hsv_to_rgb(hsv)[0, 0].sum().backward()
+    hsv_space.hsv_to_rgb(hsv)[0, 0].sum().backward()
     assert hsv.grad is not None
     assert float(hsv.grad.abs().min()) > 0
 

@@ -1,6 +1,6 @@
 """Rule crop_pool: crops of the pool's houses -> one crop per surface of them."""
 
-from plan2scene.textures.baselines.crop_pool import write_pool
+from plan2scene.textures.crops import write_pool
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):

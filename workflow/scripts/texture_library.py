@@ -1,6 +1,6 @@
 """Rule texture_library: procedural materials or a user's folder -> tiles to retrieve from."""
 
-from plan2scene.textures.baselines.retrieval import write_library
+from plan2scene.textures.library import write_library
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):

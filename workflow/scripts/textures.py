@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from plan2scene.textures.house_textures import make_textures
 from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
-from plan2scene.textures.stage import make_textures
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):

@@ -8,8 +8,8 @@ from pathlib import Path
 from plan2scene.evaluation.houses import EvaluatedHouse, measured, write_measured
 from plan2scene.evaluation.measure import reference_images
 from plan2scene.io import atomic_directory
+from plan2scene.textures.house_textures import house_tiles
 from plan2scene.textures.inputs import HouseData, Visible
-from plan2scene.textures.stage import house_tiles
 from plan2scene.textures.tiles import read_tiles, write_tiles
 
 

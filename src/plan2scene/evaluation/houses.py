@@ -16,6 +16,7 @@ from plan2scene.evaluation.measure import Networks, References, measure_tiles
 from plan2scene.io import write_parquet
 from plan2scene.propagation.propagate import propagate_house
 from plan2scene.textures.decoding import further_images
+from plan2scene.textures.house_textures import house_tiles
 from plan2scene.textures.inputs import (
     HouseData,
     HouseFiles,
@@ -25,7 +26,6 @@ from plan2scene.textures.inputs import (
 )
 from plan2scene.textures.methods import method_named
 from plan2scene.textures.selection import select_surfaces
-from plan2scene.textures.stage import house_tiles
 from plan2scene.textures.tiles import Tile
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from plan2scene.io import read_parquet
 from plan2scene.paint.light import recoloured
 from plan2scene.paint.observations import usual_colour
 from plan2scene.plans.parse import ID_PATTERN
-from plan2scene.textures.exemplar.house import PLAIN, exemplar_of
+from plan2scene.textures.exemplar.house_tiles import PLAIN, exemplar_of
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.tiles import Tile
 

@@ -14,9 +14,8 @@ from plan2scene.errors import InputError
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import read_parquet
 from plan2scene.plans.scene_json import read_scene_json
-from plan2scene.textures.baselines.crop_pool import read_pool
-from plan2scene.textures.baselines.nearest import Crop, PoolCrop
-from plan2scene.textures.baselines.retrieval import TextureLibrary, read_library
+from plan2scene.textures.crops import Crop, PoolCrop, read_pool
+from plan2scene.textures.library import TextureLibrary, read_library
 
 if TYPE_CHECKING:
     import pandas as pd

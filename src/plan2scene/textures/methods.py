@@ -108,13 +108,13 @@ def methods_table() -> str:
 
 
 def _crop(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
-    from plan2scene.textures.baselines.copying import crop_tiles
+    from plan2scene.textures.copying import crop_tiles
 
     return crop_tiles(inputs)
 
 
 def _retrieve(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
-    from plan2scene.textures.baselines.copying import retrieved_tiles
+    from plan2scene.textures.copying import retrieved_tiles
 
     return retrieved_tiles(inputs)
 
@@ -132,25 +132,25 @@ def _synth(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
 
 
 def _synth_large(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
-    from plan2scene.textures.constrained import constrained_tiles
+    from plan2scene.textures.decoding import constrained_tiles
 
     return constrained_tiles(inputs, _synth(inputs))
 
 
 def _exemplar(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile | NoTile]:
-    from plan2scene.textures.exemplar.house import exemplar_tiles
+    from plan2scene.textures.exemplar.house_tiles import exemplar_tiles
 
     return exemplar_tiles(inputs)
 
 
 def _medoid_colour(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
-    from plan2scene.textures.baselines.copying import flat_tiles
+    from plan2scene.textures.copying import flat_tiles
 
     return flat_tiles(inputs)
 
 
 def _projection(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
-    from plan2scene.textures.baselines.copying import projected_tiles
+    from plan2scene.textures.copying import projected_tiles
 
     return projected_tiles(inputs)
 

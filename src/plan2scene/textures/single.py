@@ -13,8 +13,7 @@ import numpy as np
 
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.textures.baselines.nearest import Crop
-from plan2scene.textures.baselines.retrieval import TextureLibrary, generated_library
+from plan2scene.textures.crops import Crop
 from plan2scene.textures.inputs import (
     HouseData,
     HouseFiles,
@@ -22,6 +21,7 @@ from plan2scene.textures.inputs import (
     TextureInputs,
     TextureSettings,
 )
+from plan2scene.textures.library import TextureLibrary, generated_library
 from plan2scene.textures.methods import TextureMethod, method_named
 from plan2scene.textures.tiles import NoTile
 from plan2scene.weights import MODELS

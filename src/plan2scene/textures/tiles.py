@@ -17,7 +17,7 @@ from plan2scene.textures.seams import make_seamless, with_calm_border
 if TYPE_CHECKING:
     from plan2scene.textures.exemplar.make import Pattern
     from plan2scene.textures.inputs import KnownSurface
-    from plan2scene.textures.maps.house import SurfaceMap
+    from plan2scene.textures.maps import SurfaceMap
 
 
 @dataclass(frozen=True, eq=False)

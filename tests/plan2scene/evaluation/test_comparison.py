@@ -13,9 +13,9 @@ from plan2scene.evaluation.measure import measure_tiles, reference_images
 from plan2scene.house import SurfaceKey
 from plan2scene.images import read_image
 from plan2scene.io import read_json, read_parquet
+from plan2scene.textures.house_textures import make_textures
 from plan2scene.textures.inputs import HouseData, TextureSettings, Visible
 from plan2scene.textures.methods import texture_methods
-from plan2scene.textures.stage import make_textures
 
 COMPARED = ("crop", "naivesynth", "synth", "synth-large", "exemplar")
 HIDDEN = {"0.0": [], "0.6": ["p2.jpg"]}

@@ -9,6 +9,7 @@ import torch
 from plan2scene.house import SurfaceKey
 from plan2scene.metrics.feature_sets import SurfaceDistances, frechet_distance, kernel_distance
 from plan2scene.textures.decoding import further_images
+from plan2scene.textures.house_textures import house_tiles
 from plan2scene.textures.inputs import (
     HouseData,
     HouseFiles,
@@ -19,7 +20,6 @@ from plan2scene.textures.inputs import (
 from plan2scene.textures.methods import texture_methods
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.textures.seams import make_seamless
-from plan2scene.textures.stage import house_tiles
 from plan2scene.weights import save_model_file
 
 KEYS = [SurfaceKey("r1", "floor"), SurfaceKey("r1", "wall"), SurfaceKey("r2", "floor")]

@@ -13,9 +13,9 @@ from plan2scene.evaluation.sweep import sweep_house, sweep_table
 from plan2scene.images import metric_image, read_image
 from plan2scene.io import read_json, read_parquet
 from plan2scene.metrics.color_freq_tile import color_distance
+from plan2scene.textures.house_textures import make_textures
 from plan2scene.textures.inputs import HouseData, Visible
 from plan2scene.textures.methods import texture_methods
-from plan2scene.textures.stage import make_textures
 
 HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}
 

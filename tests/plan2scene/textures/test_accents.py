@@ -15,8 +15,8 @@ from plan2scene.mesh import build_parts
 from plan2scene.mesh.textures import textured
 from plan2scene.plans.scene_writer import house_to_scene, write_scene_json
 from plan2scene.textures.accents import find_accents
+from plan2scene.textures.house_textures import make_textures
 from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
-from plan2scene.textures.stage import make_textures
 
 WHITE, BLUE, SHADE = (0.8, 0.8, 0.78), (0.2, 0.3, 0.6), (0.5, 0.5, 0.5)
 SETTINGS = TextureSettings(seed=0, size_px=128)

@@ -6,7 +6,7 @@ from scipy.ndimage import gaussian_filter
 
 from plan2scene.materials import random_material
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance
-from plan2scene.textures.constrained import match_statistics
+from plan2scene.textures.decoding import match_statistics
 from plan2scene.textures.seams import wrap_ratio
 
 

@@ -7,13 +7,11 @@ import pytest
 
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.textures.baselines.nearest import Crop
-from plan2scene.textures.exemplar.choice import ExemplarCrop
-from plan2scene.textures.exemplar.house import exemplar_tiles
-from plan2scene.textures.exemplar.make import find_surface, make_exemplar
+from plan2scene.textures.crops import Crop
+from plan2scene.textures.exemplar.house_tiles import exemplar_tiles
+from plan2scene.textures.exemplar.make import ExemplarCrop, find_surface, make_exemplar
 from plan2scene.textures.inputs import KnownSurface, TextureInputs, TextureSettings
-from plan2scene.textures.maps.detail import detail_of_pattern
-from plan2scene.textures.maps.patches import cut_patches
+from plan2scene.textures.maps import cut_patches, detail_of_pattern
 
 SIDE_M, CROP_M = 0.4, 0.5
 

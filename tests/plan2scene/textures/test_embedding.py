@@ -10,8 +10,13 @@ from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.textures.model.embedding import embed_crops, make_embeddings
-from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
-from plan2scene.textures.model.synthesis import decode_textures, noise_seeds
+from plan2scene.textures.model.network import (
+    Architecture,
+    TextureModel,
+    architecture_header,
+    decode_textures,
+    noise_seeds,
+)
 from plan2scene.weights import save_model_file
 
 

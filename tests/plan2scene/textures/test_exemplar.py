@@ -6,9 +6,14 @@ import pytest
 from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.metrics.color_freq_tile import color_distance
 from plan2scene.paint.shading import consensus, flatten, highlights, log_luma
-from plan2scene.textures.exemplar.choice import ExemplarCrop, alike
 from plan2scene.textures.exemplar.lattice import find_lattice, whole_periods
-from plan2scene.textures.exemplar.make import enlarged, make_exemplar, tile_scale
+from plan2scene.textures.exemplar.make import (
+    ExemplarCrop,
+    alike,
+    enlarged,
+    make_exemplar,
+    tile_scale,
+)
 from plan2scene.textures.quilting import Source, minimum_cut, quilt
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene_workshop.texture.degradation import Degradation, degrade, window

@@ -5,15 +5,8 @@ import numpy as np
 import pytest
 
 from plan2scene.paint.shading import flatten
-from plan2scene.textures.exemplar.choice import ExemplarCrop, blur_octaves, sharper
-from plan2scene.textures.exemplar.grain import (
-    faintness,
-    grain,
-    grains_of,
-    one_way,
-    quarter_turns,
-)
-from plan2scene.textures.exemplar.make import make_exemplar
+from plan2scene.textures.exemplar.lattice import faintness, grain, grains_of, one_way, quarter_turns
+from plan2scene.textures.exemplar.make import ExemplarCrop, blur_octaves, make_exemplar, sharper
 from plan2scene.textures.exemplar.things import oddness
 
 

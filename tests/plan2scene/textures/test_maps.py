@@ -12,18 +12,20 @@ from plan2scene.mesh import build_parts, load_textures
 from plan2scene.mesh.areas import Area, areas_of
 from plan2scene.metrics.repetition import repetition
 from plan2scene.paint.shading import log_luma
-from plan2scene.textures.exemplar.choice import ExemplarCrop
 from plan2scene.textures.exemplar.lattice import find_lattice
-from plan2scene.textures.exemplar.make import make_exemplar
-from plan2scene.textures.maps.detail import (
+from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+from plan2scene.textures.maps import (
     Detail,
+    Wanted,
+    cell,
+    cut_patches,
     detail_of_pattern,
     detail_of_tile,
+    house_maps,
+    joined,
     seen_share,
     various,
 )
-from plan2scene.textures.maps.house import Wanted, house_maps, joined
-from plan2scene.textures.maps.patches import cell, cut_patches
 from plan2scene.textures.quilting import Source, quilted
 from plan2scene.textures.tiles import Tile, write_tiles
 

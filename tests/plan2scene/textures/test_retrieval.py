@@ -6,7 +6,7 @@ import pytest
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import write_png
-from plan2scene.textures.baselines.retrieval import (
+from plan2scene.textures.library import (
     TextureLibrary,
     generated_library,
     read_library,

@@ -16,21 +16,22 @@ from plan2scene.io import write_parquet
 from plan2scene.mesh.house_mesh import build_parts
 from plan2scene.mesh.textures import load_textures
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene.textures.baselines.crop_pool import read_pool, write_pool
-from plan2scene.textures.baselines.nearest import (
+from plan2scene.textures.crops import (
     Crop,
     choose_crop,
     largest_crop,
+    read_pool,
     surface_extent,
     usual_substance,
+    write_pool,
 )
-from plan2scene.textures.baselines.retrieval import read_library, write_library
-from plan2scene.textures.constrained import even_crop
+from plan2scene.textures.decoding import even_crop
+from plan2scene.textures.house_textures import make_textures
 from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
+from plan2scene.textures.library import read_library, write_library
 from plan2scene.textures.methods import texture_methods
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.textures.seams import wrap_ratio
-from plan2scene.textures.stage import make_textures
 from plan2scene.weights import save_model_file
 
 SIZE = 128

@@ -7,13 +7,13 @@ from formula import formula_crop, formula_state
 from PIL import Image
 
 from plan2scene.errors import InputError
-from plan2scene.textures.model.decoder import low_precision_is_fast
 from plan2scene.textures.model.network import (
     Architecture,
     TextureModel,
     architecture_header,
     fast_decoding,
     load_texture_model,
+    low_precision_is_fast,
 )
 from plan2scene.weights import save_model_file
 

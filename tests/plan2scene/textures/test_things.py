@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from plan2scene.paint.shading import log_luma
-from plan2scene.textures.exemplar.choice import ExemplarCrop
-from plan2scene.textures.exemplar.make import make_exemplar
+from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.exemplar.things import oddness, things
 
 SIZE = 128

@@ -6,7 +6,7 @@ import pytest
 from plan2scene.colour import median_colour
 from plan2scene.house import SUBSTANCES, SurfaceKey
 from plan2scene.materials import KINDS
-from plan2scene.textures.exemplar.usual import FLOOR_KINDS, OTHER_KINDS, usual_tile
+from plan2scene.textures.exemplar.house_tiles import FLOOR_KINDS, OTHER_KINDS, usual_tile
 from plan2scene.textures.seams import wrap_ratio
 
 FLOOR = SurfaceKey("bath", "floor")

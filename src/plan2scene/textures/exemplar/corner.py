@@ -17,17 +17,7 @@ import numpy as np
 from plan2scene.images import jpeg_bytes
 from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.lattice import CropLattice
-
-#: How much straighter than the rest a joint is both ways, in the median of the crops. (Of the
-#: demo's surfaces without a period large tiles have 3.1 to 4.3 and all others less than 2.0.)
-STRAIGHT = 2.5
-#: A second joint is so straight, and so far from the first, in sides of a crop.
-_SECOND, _APART = 2.2, 0.3
-_RIM = 10  # pixels at a crop's border where no joint is looked for
-_BANDS = 8
-_MOST_TURN_DEG = 12.0
-#: The completed crop shows so many squares each way, and has so many pixels at most.
-SQUARES, MOST_PX = 6, 768
+from plan2scene.textures.exemplar.settings import EXEMPLAR
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +29,7 @@ class Corner:
     crop : int
         Which of the crops it was made of.
     image : (n, n, 3) uint8
-        sRGB, `SQUARES` x `SQUARES` squares.
+        sRGB, so many squares each way as the settings say.
     side : float
         Side of what it shows, in the tile's sides.
     """
@@ -78,7 +68,7 @@ def completed(
     upright = {k: _upright(flat[k], lattices[k].angle_deg) for k in order}
     joints = {k: [_joints(upright[k], axis) for axis in (0, 1)] for k in order}
     straight = np.median([[found[0][1] for found in joints[k]] for k in order], axis=0)
-    if straight.min() < STRAIGHT:
+    if straight.min() < EXEMPLAR.straight:
         return None
     size = flat.shape[1]
     square = _square(joints, sides, size)
@@ -93,12 +83,12 @@ def completed(
     at = [found[0][0] for found in joints[best]]
     own = _upright(images[best] / 255.0, lattices[best].angle_deg)
     image = _folded(own, at, square / sides[best] * size)
-    return Corner(best, image, SQUARES * square)
+    return Corner(best, image, EXEMPLAR.squares * square)
 
 
 def _upright(image: np.ndarray, angle_deg: float) -> np.ndarray:
     """Return a crop with its joints along its sides."""
-    if abs(angle_deg) > _MOST_TURN_DEG:
+    if abs(angle_deg) > EXEMPLAR.upright_deg:
         return image
     middle = ((image.shape[1] - 1) / 2,) * 2
     matrix = cv2.getRotationMatrix2D(middle, angle_deg, 1.0)
@@ -118,12 +108,14 @@ def _joints(image: np.ndarray, axis: int) -> list[tuple[float, float]]:
     Of bands along the joint the mean slopes count, whatever their sign: colours change in turn.
     """
     luma = cv2.GaussianBlur(log_luma(image).astype(np.float64), (0, 0), 1.5)
-    slope = np.diff(luma if axis == 1 else luma.T, axis=1)[_RIM:-_RIM]
-    slope[:, :_RIM] = slope[:, -_RIM:] = 0.0
-    bands = np.stack([band.mean(axis=0) for band in np.array_split(slope, _BANDS)])
+    slope = np.diff(luma if axis == 1 else luma.T, axis=1)[
+        EXEMPLAR.joint_rim_px : -EXEMPLAR.joint_rim_px
+    ]
+    slope[:, : EXEMPLAR.joint_rim_px] = slope[:, -EXEMPLAR.joint_rim_px :] = 0.0
+    bands = np.stack([band.mean(axis=0) for band in np.array_split(slope, EXEMPLAR.joint_bands)])
     straight = np.abs(bands).mean(axis=0) / max(float(np.sqrt((slope**2).mean())), 1e-9)
     found: list[tuple[float, float]] = []
-    reach = round(_APART * image.shape[0])
+    reach = round(EXEMPLAR.joints_apart * image.shape[0])
     while len(found) < 2:
         place = int(straight.argmax())
         found.append((place + 0.5, float(straight[place])))
@@ -138,16 +130,16 @@ def _square(
     between, reach = [], 0.0
     for k, both in joints.items():
         for (first, _), (second, straight) in both:
-            if straight > _SECOND:
+            if straight > EXEMPLAR.second:
                 between.append(abs(second - first) / size * sides[k])
             reach = max(reach, max(first, size - first) / size * float(sides[k]))
     return float(np.median(between)) if between else reach
 
 
 def _folded(image: np.ndarray, at: Sequence[float], square: float) -> np.ndarray:
-    """Return `SQUARES` squares each way of `square` px around the corner at (row, column)."""
-    count = min(MOST_PX, round(SQUARES * square))
-    steps = (np.arange(count) + 0.5) / count * SQUARES * square
+    """Return whole squares of `square` px around the corner at (row, column)."""
+    count = min(EXEMPLAR.completed_px, round(EXEMPLAR.squares * square))
+    steps = (np.arange(count) + 0.5) / count * EXEMPLAR.squares * square
     inside = np.mod(steps, 2 * square) - square  # a joint at 0 and at both ends
     fold = np.sign(inside) * np.minimum(np.abs(inside), square - np.abs(inside))
     y, x = (np.clip(place + fold, 1, image.shape[0] - 2).astype(np.float32) for place in at)

@@ -1,30 +1,26 @@
-"""Orientation and period of a regular pattern: tiles, bricks, planks.
+"""Direction and period of a pattern: tiles, bricks, planks; crops straightened by them.
 
 Joints and grain concentrate a crop's spectrum on two perpendicular lines, which give the angle;
 along them the normalised autocorrelation peaks at the periods. A period counts where several
 crops of the surface agree on it. Either direction may have one without the other (planks of one
-width and random lengths).
+width and random lengths). Crops are then brought to one scale and orientation, so that whole
+periods fill the tile.
+
+A photo's frame is known up to quarter turns, so the same floor runs along x in one crop and along
+y in the next. Planks, boards and grain vary across much more than along: that decides which crops
+are turned.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-_STEP_DEG = 0.25
-_SPECTRUM = 256  # side of the padded spectrum
-_BANDS = (8, 90)  # radii of it that hold patterns
-_COARSE = 5  # least radius for a checkerboard, whose first frequencies are low
-_LEAST_PEAK = 0.25  # autocorrelation that a period needs, over the root of the overlap's share
-_LEAST_RISE = 0.15  # and its rise over the valley before it
-_ACROSS = 0.1  # autocorrelation that is left of a period without the lines along its direction
-_SHARE_OF_BEST = 0.8  # the smallest lag this near to the best one is the period
-_DIAGONAL = 0.85  # share of the upright pattern's peaks that a diagonal one needs
-_SQUARE = 0.08  # log ratio of the sides of square tiles
-_SHORTEST = 5.0  # px
-_LONGEST = 0.8  # of the side
+from plan2scene.paint.shading import log_luma
+from plan2scene.textures.exemplar.settings import EXEMPLAR
+from plan2scene.textures.quilting import Source
 
 
 @dataclass(frozen=True)
@@ -63,11 +59,11 @@ def find_lattice(luma: np.ndarray, mask: np.ndarray) -> CropLattice:
     weight = (~mask).astype(np.float64)
     values = _band(luma, weight)
     power = _spectrum(values, weight)
-    angle, clear = _orientation(power, _BANDS[0])
+    angle, clear = _orientation(power, EXEMPLAR.bands[0])
     if clear:
         return _lattice(values, weight, angle)
     # Without its first frequencies a checkerboard of two colours seems to lie at atan(1/3).
-    other, clear = _orientation(power, _COARSE)
+    other, clear = _orientation(power, EXEMPLAR.coarse)
     if clear:
         coarse = _lattice(values, weight, other)
         if np.isfinite(coarse.periods).all():
@@ -78,11 +74,13 @@ def find_lattice(luma: np.ndarray, mask: np.ndarray) -> CropLattice:
 def _lattice(values: np.ndarray, weight: np.ndarray, angle: float) -> CropLattice:
     """Return the lattice of a pattern whose axes are clearly turned by `angle` degrees."""
     periods, peaks = _periods(*_turned(values, weight, angle))
-    if abs(angle) > 22.5 and abs(np.log(periods[0] / periods[1])) < _SQUARE:  # False for NaN
+    if (
+        abs(angle) > 22.5 and abs(np.log(periods[0] / periods[1])) < EXEMPLAR.square
+    ):  # False for NaN
         # Square tiles laid diagonally repeat along the crop's axes, too: they stay so.
         less = angle - 45.0 if angle > 0 else angle + 45.0
         others, heights = _periods(*_turned(values, weight, less))
-        if max(others) < 1.6 * max(periods) and sum(heights) >= _DIAGONAL * sum(peaks):
+        if max(others) < 1.6 * max(periods) and sum(heights) >= EXEMPLAR.diagonal * sum(peaks):
             angle, periods, peaks = less, others, heights
     return CropLattice(angle, True, periods, peaks)
 
@@ -112,7 +110,7 @@ def agreed_periods(
             near = known[apart[int(closeness.argmax())] < tolerance]
             # Crops that are too small for a period have no say on it; those that are not two
             # periods large show a joint twice by chance.
-            large = sides[_LONGEST * sides > np.median(near)]
+            large = sides[EXEMPLAR.longest * sides > np.median(near)]
             voters = float(np.minimum(large / np.median(near) - 1.0, 1.0).sum())
             if len(near) >= max(voters, 2 if len(periods) > 2 else 1) / 2:
                 period = float(np.median(near))
@@ -158,9 +156,11 @@ def _band(luma: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
 
 def _spectrum(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Return the amplitudes (_SPECTRUM, _SPECTRUM) float32 of the windowed values, 0 amid them."""
+    """Return the amplitudes (n, n) float32 of the windowed values, frequency 0 amid them."""
     window = np.hanning(values.shape[0] + 2)[1:-1]
-    spectrum = np.fft.fft2(values * weight * np.outer(window, window), (_SPECTRUM, _SPECTRUM))
+    spectrum = np.fft.fft2(
+        values * weight * np.outer(window, window), (EXEMPLAR.spectrum_px, EXEMPLAR.spectrum_px)
+    )
     return np.fft.fftshift(np.abs(spectrum)).astype(np.float32)
 
 
@@ -169,11 +169,11 @@ def _orientation(power: np.ndarray, least: int) -> tuple[float, bool]:
 
     `least` is the smallest radius of the spectrum that counts.
     """
-    angles = np.arange(-45.0, 135.0, _STEP_DEG)
-    radii = np.arange(least, _BANDS[1], dtype=np.float64)
+    angles = np.arange(-45.0, 135.0, EXEMPLAR.step_deg)
+    radii = np.arange(least, EXEMPLAR.bands[1], dtype=np.float64)
     radians = np.radians(angles)[:, None]
-    x = (_SPECTRUM // 2 + radii * np.cos(radians)).astype(np.float32)
-    y = (_SPECTRUM // 2 + radii * np.sin(radians)).astype(np.float32)
+    x = (EXEMPLAR.spectrum_px // 2 + radii * np.cos(radians)).astype(np.float32)
+    y = (EXEMPLAR.spectrum_px // 2 + radii * np.sin(radians)).astype(np.float32)
     polar = cv2.remap(power, x, y, cv2.INTER_LINEAR).astype(np.float64)
     energy = (polar**2).sum(axis=1)
     half = len(angles) // 2
@@ -183,7 +183,7 @@ def _orientation(power: np.ndarray, least: int) -> tuple[float, bool]:
     around = np.arange(top - 6, top + 7)
     local = np.maximum(smooth[around % half] - 0.5 * smooth[top], 0.0)
     centre = float((local * around).sum() / local.sum())
-    angle = (angles[0] + centre * _STEP_DEG + 45.0) % 90.0 - 45.0
+    angle = (angles[0] + centre * EXEMPLAR.step_deg + 45.0) % 90.0 - 45.0
     return angle, bool(smooth[top] > 2.0 * np.median(smooth))
 
 
@@ -207,7 +207,7 @@ def _periods(
     """
     spectrum, overlap = _overlap(weight)
     score = _autocorrelation(values, weight, spectrum, overlap)
-    least = _LEAST_PEAK / np.sqrt(np.maximum(overlap / weight.sum(), 0.01))
+    least = EXEMPLAR.least_peak / np.sqrt(np.maximum(overlap / weight.sum(), 0.01))
     found = []
     for axis in (1, 0):
         period, peak = _first_period(_along(score, axis), _along(least, axis, width=1))
@@ -216,7 +216,7 @@ def _periods(
             lines = (values * weight).sum(axis=axis, keepdims=True) / share
             without = _autocorrelation(values - lines, weight, spectrum, overlap)
             lag = round(period)
-            if _along(without, axis)[lag - 1 : lag + 2].max() < _ACROSS:
+            if _along(without, axis)[lag - 1 : lag + 2].max() < EXEMPLAR.across:
                 period, peak = float("nan"), 0.0
         found.append((period, peak))
     (x, at_x), (y, at_y) = found
@@ -226,7 +226,7 @@ def _periods(
 def _along(score: np.ndarray, axis: int, width: int = 3) -> np.ndarray:
     """Return a curve over lags 0.. along an axis (1: x), the best of `width` lags across it."""
     near = np.r_[0, 1, -1][:width]
-    longest = int(_LONGEST * len(score) / 2)
+    longest = int(EXEMPLAR.longest * len(score) / 2)
     return np.asarray(np.take(score, near, axis=1 - axis).max(axis=1 - axis))[: longest + 1]
 
 
@@ -261,12 +261,14 @@ def _first_period(curve: np.ndarray, least: np.ndarray) -> tuple[float, float]:
     `least`: the height that a period needs at each lag.
     """
     lags = np.arange(1, len(curve) - 1)
-    tops = lags[(curve[1:-1] >= curve[:-2]) & (curve[1:-1] > curve[2:]) & (lags >= _SHORTEST)]
+    tops = lags[
+        (curve[1:-1] >= curve[:-2]) & (curve[1:-1] > curve[2:]) & (lags >= EXEMPLAR.shortest_px)
+    ]
     valley = np.minimum.accumulate(curve)
-    tops = tops[(curve[tops] > least[tops]) & (curve[tops] - valley[tops] > _LEAST_RISE)]
+    tops = tops[(curve[tops] > least[tops]) & (curve[tops] - valley[tops] > EXEMPLAR.least_rise)]
     if not len(tops):
         return float("nan"), 0.0
-    first = int(tops[curve[tops] >= _SHARE_OF_BEST * curve[tops].max()][0])
+    first = int(tops[curve[tops] >= EXEMPLAR.share_of_best * curve[tops].max()][0])
     period = _summit(curve, first)
     multiple = 2
     while multiple * period < len(curve) - 2:
@@ -283,3 +285,203 @@ def _summit(curve: np.ndarray, lag: int) -> float:
     before, at, after = curve[lag - 1 : lag + 2]
     bend = before - 2.0 * at + after
     return lag + (0.5 * (before - after) / bend if bend < 0 else 0.0)
+
+
+@dataclass(frozen=True)
+class Cut:
+    """What the tile holds.
+
+    Attributes
+    ----------
+    columns, rows : int
+        Whole periods along x and y; 0 without one.
+    wide, high : float
+        Sides in sides of the tile asked for.
+    """
+
+    columns: int
+    rows: int
+    wide: float
+    high: float
+
+
+def find_pattern(
+    flat: np.ndarray, masks: np.ndarray, sides: np.ndarray, *, known: bool
+) -> tuple[list[CropLattice], Cut, np.ndarray]:
+    """Return the crops' lattices, the cut, and which crops show its pattern, (n,) bool.
+
+    Parameters
+    ----------
+    flat, masks : (n, s, s, 3) float and (n, s, s) bool
+        Crops under even light, and their spoiled pixels.
+    sides : (n,) float
+        Sides of the crops in sides of the tile asked for.
+    known : bool
+        Whether the crops' scales are known.
+    """
+    lattices = [find_lattice(log_luma(i), m) for i, m in zip(flat, masks, strict=True)]
+    lattices = _usual_turns(lattices)
+    size = flat.shape[1]
+    tolerance = EXEMPLAR.same_period if known else EXEMPLAR.alike_period
+    periods = agreed_periods(lattices, sides, size, tolerance)
+    cut = Cut(*whole_periods(periods))
+    fits = np.ones(len(lattices), dtype=bool)
+    checked = []
+    for k, lattice in enumerate(lattices):
+        own = [
+            p
+            if np.isfinite(period) and abs(np.log(p * sides[k] / size / period)) < tolerance
+            # a crop without the period is scaled by its metres
+            else period * size / sides[k]
+            for p, period in zip(lattice.periods, periods, strict=True)
+        ]
+        fits[k] = all(
+            not np.isfinite(period)
+            or p == lattice.periods[axis]
+            # one that is not two periods large shows a joint twice by chance only
+            or (not np.isfinite(lattice.periods[axis]) and known and sides[k] < 2.0 * period)
+            for axis, (p, period) in enumerate(zip(own, periods, strict=True))
+        )
+        checked.append(replace(lattice, periods=(own[0], own[1])))
+    if fits.sum() < EXEMPLAR.enough_periods:
+        fits[:] = True
+    return checked, cut, fits
+
+
+def _usual_turns(lattices: list[CropLattice]) -> list[CropLattice]:
+    """Return the lattices with angles near the usual one; it replaces unclear and odd ones.
+
+    Angles are known up to quarter turns: one that is nearer after a quarter turn takes it, its
+    axes exchanged. Without a usual angle it is 0.
+    """
+    quarters = np.radians([4.0 * lattice.angle_deg for lattice in lattices if lattice.clear])
+    usual = 0.0
+    if 2 * len(quarters) >= len(lattices):
+        usual = float(np.degrees(np.angle(np.exp(1j * quarters).mean())) / 4.0)
+    result = []
+    for lattice in lattices:
+        away = (lattice.angle_deg - usual + 45.0) % 90.0 - 45.0
+        if not lattice.clear or abs(away) > EXEMPLAR.odd_turn_deg:
+            nothing = (float("nan"), float("nan"))
+            result.append(replace(lattice, angle_deg=usual, periods=nothing, peaks=(0.0, 0.0)))
+        elif abs(usual + away - lattice.angle_deg) > 1.0:
+            turned = replace(lattice, periods=lattice.periods[::-1], peaks=lattice.peaks[::-1])
+            result.append(replace(turned, angle_deg=usual + away))
+        else:
+            result.append(lattice)
+    return result
+
+
+def straightened(
+    image: np.ndarray, mask: np.ndarray, side: float, lattice: CropLattice, cut: Cut, size: int
+) -> Source:
+    """Return a crop turned and scaled to a tile of `size` px that holds the cut.
+
+    Parameters
+    ----------
+    image, mask : (s, s, 3) float and (s, s) bool
+        Crop and its spoiled pixels.
+    side : float
+        Its side in sides of the tile asked for.
+    """
+    px = image.shape[0]
+    steps = []  # crop pixels per tile pixel
+    for count, extent, period in zip(
+        (cut.columns, cut.rows), (cut.wide, cut.high), lattice.periods, strict=True
+    ):
+        steps.append(count * period / size if count else extent * px / (side * size))
+    turn = np.radians(lattice.angle_deg)
+    x_axis = steps[0] * np.array([np.cos(turn), np.sin(turn)])
+    y_axis = steps[1] * np.array([-np.sin(turn), np.cos(turn)])
+    matrix = np.stack([x_axis, y_axis], axis=1)  # tile offset -> crop offset
+    middle = (px - 1) / 2
+    corners = np.linalg.inv(matrix) @ (middle * np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]))
+    out = [min(size, max(8, 2 * int(np.floor(np.abs(corners[axis]).max())))) for axis in (0, 1)]
+    centre = np.array([(n - 1) / 2 for n in out])
+    affine = np.column_stack([matrix, middle - matrix @ centre])
+    flags = cv2.WARP_INVERSE_MAP
+    size_xy = (out[0], out[1])
+    if max(steps) > 1.6:
+        image = cv2.GaussianBlur(image, (0, 0), 0.4 * float(np.sqrt(max(steps) ** 2 - 1.0)))
+    warped = cv2.warpAffine(
+        image.astype(np.float32), affine, size_xy, flags=flags | cv2.INTER_CUBIC
+    )
+    inside = (~mask).astype(np.float32)
+    inside[[0, -1]] = inside[:, [0, -1]] = 0.0
+    valid = cv2.warpAffine(inside, affine, size_xy, flags=flags | cv2.INTER_LINEAR) > 0.99
+    valid[[0, -1]] = valid[:, [0, -1]] = False  # its borders do not join each other
+    return Source(np.clip(warped, 0.0, 1.0), valid)
+
+
+def grain(luma: np.ndarray, mask: np.ndarray) -> float:
+    """Return how much a crop runs along x (to 1) or along y (to -1); 0 for neither.
+
+    The structure tensor's energies along both axes: (Jyy - Jxx) / (Jxx + Jyy).
+
+    Parameters
+    ----------
+    luma : (s, s) float
+        Log grey values.
+    mask : (s, s) bool
+        Pixels to leave out.
+    """
+    band = pattern_band(luma)
+    used = cv2.dilate(mask.astype(np.uint8), np.ones((9, 9), np.uint8)) == 0
+    across, down = (cv2.Sobel(band, cv2.CV_64F, dx, 1 - dx)[used] for dx in (1, 0))
+    energy = float((across**2).sum() + (down**2).sum())
+    return float((down**2).sum() - (across**2).sum()) / energy if energy > 0 else 0.0
+
+
+def directed(grains: np.ndarray) -> bool:
+    """Return whether crops of grains (n,) run one way: not tiles, plaster, carpets."""
+    return bool((np.abs(grains) >= EXEMPLAR.clear).sum() >= EXEMPLAR.directed * len(grains))
+
+
+def quarter_turns(grains: np.ndarray) -> np.ndarray:
+    """Return which crops have to be turned by 90 degrees to run as most do, (n,) bool.
+
+    None where too few crops have a direction.
+    """
+    clear = np.abs(grains) >= EXEMPLAR.clear
+    if not directed(grains):
+        return np.zeros(len(grains), dtype=bool)
+    usual = np.sign(grains[clear].sum()) or 1.0
+    return np.asarray(clear & (np.sign(grains) != usual))
+
+
+def faintness(luma: np.ndarray, masks: np.ndarray, grains: np.ndarray) -> np.ndarray:
+    """Return by how much (n,) log crops' patterns are fainter than that of the better ones.
+
+    0 for the quarter of the strongest contrast. A view at a flat angle into a window shows a gleam
+    and hardly a plank. 0 for all where the surface does not run one way: there contrast is things
+    more than pattern. `luma` (n, s, s) log grey values, `masks` (n, s, s) as of :func:`grain`.
+    """
+    if not directed(grains):
+        return np.zeros(len(grains))
+    band = [pattern_band(one)[~mask].std() for one, mask in zip(luma, masks, strict=True)]
+    contrast = np.maximum(np.nan_to_num(band), 1e-4)
+    return np.maximum(np.log(np.percentile(contrast, 75) / contrast), 0.0)
+
+
+def pattern_band(luma: np.ndarray) -> np.ndarray:
+    """Return the scales of log grey values (s, s) between which a pattern lies."""
+    values = luma.astype(np.float64)
+    return cv2.GaussianBlur(values, (0, 0), EXEMPLAR.fine) - cv2.GaussianBlur(
+        values, (0, 0), EXEMPLAR.slow
+    )
+
+
+def grains_of(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
+    """Return the :func:`grain` (n,) of crops (n, s, s)."""
+    return np.array([grain(one, mask) for one, mask in zip(luma, masks, strict=True)])
+
+
+def one_way(
+    flat: np.ndarray, masks: np.ndarray, grains: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return crops (n, s, s, 3), masks (n, s, s) with planks running one way, and which turned."""
+    turned = quarter_turns(grains)
+    flat, masks = flat.copy(), masks.copy()
+    flat[turned] = np.rot90(flat[turned], axes=(1, 2))
+    masks[turned] = np.rot90(masks[turned], axes=(1, 2))
+    return flat, masks, turned

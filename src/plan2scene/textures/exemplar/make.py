@@ -14,27 +14,115 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from plan2scene.colour import as_uint8
+from plan2scene.colour import as_uint8, clipped_share, delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.paint.shading import consensus, flatten, highlights, log_luma
-from plan2scene.textures.exemplar.choice import ExemplarCrop, alike, blur_octaves, sharper, usable
-from plan2scene.textures.exemplar.corner import SQUARES, as_detail, completed
-from plan2scene.textures.exemplar.grain import faintness, grains_of, one_way
-from plan2scene.textures.exemplar.lattice import CropLattice, whole_periods
-from plan2scene.textures.exemplar.straighten import Cut, find_pattern, straightened
+from plan2scene.textures.exemplar.corner import as_detail, completed
+from plan2scene.textures.exemplar.lattice import (
+    CropLattice,
+    Cut,
+    faintness,
+    find_pattern,
+    grains_of,
+    one_way,
+    straightened,
+    whole_periods,
+)
+from plan2scene.textures.exemplar.settings import EXEMPLAR
 from plan2scene.textures.exemplar.things import oddness, things
-from plan2scene.textures.exemplar.tone import enlarged, toned
 from plan2scene.textures.quilting import Source, quilt
 from plan2scene.textures.seams import with_calm_border
 
-#: Side of the torus in pixels for tiles of up to this size; larger ones get twice as much.
-WORK_PX = 128
-#: Crops that take part, the best first.
-MAX_CROPS = 10
-_LARGEST = 2.0  # side of the tile over the side of a crop
-_SMALLEST_PX = 32  # crops that fill less of the tile only make seams
-_BLUR = 0.1  # what an octave fewer photo pixels a metre weighs, in log repair of the light
-_FAINT = 0.2  # what a pattern e times fainter than the better ones weighs
-_ODD = 0.5  # what things e times stronger than a plain surface's pattern weigh
+
+@dataclass(frozen=True, eq=False)
+class ExemplarCrop:
+    """A crop to learn a surface from.
+
+    Attributes
+    ----------
+    image : (128, 128, 3) uint8
+        sRGB.
+    size_m : float
+        Side of the square that it covers; NaN when unknown.
+    sharpness : float
+        Photo pixels per crop pixel; NaN when unknown.
+    detail : bytes
+        JPEG at the photo's own resolution; empty where the crop holds as much.
+    plane : str
+        Name of the photo's plane that it was cut from; empty when unknown.
+    centre : (float, float)
+        Its middle on that plane, metres (right, down).
+    """
+
+    image: np.ndarray
+    size_m: float
+    sharpness: float
+    detail: bytes = b""
+    plane: str = ""
+    centre: tuple[float, float] = (0.0, 0.0)
+
+
+def usable(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
+    """Return the crops that show a texture: neither burned out nor enlarged beyond use."""
+    return [
+        crop
+        for crop in crops
+        if not crop.sharpness < EXEMPLAR.least_sharp
+        and clipped_share(crop.image) < EXEMPLAR.most_spoiled
+    ]
+
+
+def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list[ExemplarCrop]:
+    """Return the crops whose colour is near that of the one nearest to `tone`.
+
+    Where masks err, or the walls of a room are of two paints, crops of one surface show different
+    things; patches of a rug in a floor are worse than fewer crops. Without a tone (3,), sRGB in
+    [0, 1], the crop most like all others decides.
+    """
+    labs = np.stack([rgb_to_lab(median_colour(crop.image)) for crop in crops])
+    apart = delta_e_2000(labs[:, None], labs[None])
+    far = apart.sum(axis=1) if tone is None else delta_e_2000(labs, rgb_to_lab(tone)[None])
+    middle = int(far.argmin())
+    return [
+        crop for crop, far in zip(crops, apart[middle], strict=True) if far <= EXEMPLAR.alike_de
+    ]
+
+
+def blur_octaves(crops: Sequence[ExemplarCrop]) -> np.ndarray:
+    """Return by how many octaves crops have fewer photo pixels a metre than the best, (n,)."""
+    detail = np.array([crop.sharpness / crop.size_m for crop in crops], dtype=np.float64)
+    detail = np.where(np.isfinite(detail) & (detail > 0), detail, np.nan)
+    if np.isnan(detail).all():
+        return np.zeros(len(crops))
+    return np.nan_to_num(np.log2(np.nanmax(detail) / detail))
+
+
+def sharper(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
+    """Return the crops without those far blurrier than the best few: near ones show more."""
+    behind = blur_octaves(crops)
+    if len(crops) <= EXEMPLAR.enough_sharp:
+        return list(crops)
+    limit = float(np.sort(behind)[EXEMPLAR.enough_sharp - 1]) + EXEMPLAR.few_octaves
+    return [crop for crop, octaves in zip(crops, behind, strict=True) if octaves <= limit]
+
+
+def enlarged(image: np.ndarray, size_px: int) -> np.ndarray:
+    """Return a periodic (s, s, 3) image at `size_px`, still periodic (cubic interpolation)."""
+    if image.shape[0] == size_px:
+        return image
+    pad = 8
+    side = image.shape[0]
+    wide = np.pad(image, ((pad, pad), (pad, pad), (0, 0)), mode="wrap").astype(np.float32)
+    position = (np.arange(size_px) + 0.5) * side / size_px - 0.5 + pad
+    across, down = np.meshgrid(position.astype(np.float32), position.astype(np.float32))
+    if size_px < side:
+        wide = cv2.GaussianBlur(wide, (0, 0), 0.45 * side / size_px)
+    return cv2.remap(wide, across, down, cv2.INTER_CUBIC)
+
+
+def toned(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
+    """Return an sRGB image in [0, 1] scaled to the median colour `tone`, (3,)."""
+    median = np.median(image.reshape(-1, 3), axis=0)
+    return np.clip(image * (tone / np.maximum(median, 1 / 255)), 0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +195,7 @@ class Pattern:
     @property
     def used(self) -> list[ExemplarCrop]:
         """Return the crops of a tile, the best first."""
-        return [self.crops[k] for k in self.order[:MAX_CROPS]]
+        return [self.crops[k] for k in self.order[: EXEMPLAR.max_crops]]
 
     @property
     def covered_m(self) -> float:
@@ -147,7 +235,7 @@ def find_surface(
     sharpness = own.sharpness * size_m / own.size_m
     whole = ExemplarCrop(image, size_m, sharpness, as_detail(corner.image))
     pattern, work = _pattern([whole], size_px)
-    period = 2.0 / SQUARES
+    period = 2.0 / EXEMPLAR.squares
     lattice = CropLattice(0.0, True, (period * image.shape[1],) * 2, (1.0, 1.0))
     cut = Cut(*whole_periods((period * float(pattern.sides[0]),) * 2))
     return replace(pattern, completed=own, lattices=[lattice], cut=cut), work
@@ -161,15 +249,19 @@ def _pattern(
     flat, masks, colour, faults = _evened(good)
     luma = log_luma(flat)
     grains = grains_of(luma, masks)
-    faults = faults + _FAINT * faintness(luma, masks, grains) + _ODD * oddness(luma, masks)
+    faults = (
+        faults
+        + EXEMPLAR.faint * faintness(luma, masks, grains)
+        + EXEMPLAR.odd * oddness(luma, masks)
+    )
     flat, masks, turned = one_way(flat, masks, grains)
-    sides, size_m = tile_scale(good, work / WORK_PX)
+    sides, size_m = tile_scale(good, work / EXEMPLAR.work_px)
     known = np.isfinite([crop.size_m for crop in good]).all()
     lattices, cut, fits = find_pattern(flat, masks, sides, known=bool(known))
     if plain and not (cut.columns or cut.rows):
         masks = masks | things(log_luma(flat), masks)
     order = [int(k) for k in np.argsort(faults, kind="stable")]
-    large = [k for k in order if fits[k] and sides[k] * work >= _SMALLEST_PX]
+    large = [k for k in order if fits[k] and sides[k] * work >= EXEMPLAR.smallest_px]
     order = large or [int(sides.argmax())]
     return Pattern(
         list(good), flat, masks, turned, colour, order, sides, size_m, lattices, cut
@@ -205,7 +297,7 @@ def make_exemplar(
     pattern, work = found
     cut, size_m = pattern.cut, pattern.size_m
     used = pattern.used if pattern.completed is None else [pattern.completed]
-    sources = [pattern.source(k, work) for k in pattern.order[:MAX_CROPS]]
+    sources = [pattern.source(k, work) for k in pattern.order[: EXEMPLAR.max_crops]]
     canvas = quilt(sources, work, (cut.columns, cut.rows))
     image = with_calm_border(as_uint8(toned(canvas.solve(), pattern.colour)))
     return Exemplar(
@@ -234,7 +326,7 @@ def _evened(
     tone = consensus(tones, repair)
     flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
     spoiled = masks.mean(axis=(1, 2))
-    return flat, masks, tone, 2.0 * spoiled + repair + _BLUR * blur_octaves(crops)
+    return flat, masks, tone, 2.0 * spoiled + repair + EXEMPLAR.blur * blur_octaves(crops)
 
 
 def work_size(size_px: int, crops: int) -> int:
@@ -243,7 +335,7 @@ def work_size(size_px: int, crops: int) -> int:
     A tile of more pixels than it has is enlarged: crops hold no more detail. One crop alone has
     nothing to cover more metres with than itself.
     """
-    return 2 * WORK_PX if size_px > WORK_PX and crops >= 2 else WORK_PX
+    return 2 * EXEMPLAR.work_px if size_px > EXEMPLAR.work_px and crops >= 2 else EXEMPLAR.work_px
 
 
 def tile_scale(crops: Sequence[ExemplarCrop], extent: float = 1.0) -> tuple[np.ndarray, float]:
@@ -256,6 +348,6 @@ def tile_scale(crops: Sequence[ExemplarCrop], extent: float = 1.0) -> tuple[np.n
     known = np.isfinite(sides)
     usual = float(np.median(sides[known])) if known.any() else 1.0
     sides = np.where(known, sides, usual)
-    sharp = np.clip(np.where(np.isfinite(sharp), sharp, 1.0), 1.0 / _LARGEST, 1.0)
+    sharp = np.clip(np.where(np.isfinite(sharp), sharp, 1.0), 1.0 / EXEMPLAR.largest, 1.0)
     size = max(float(np.median(sides / sharp)), float(sides.max())) * extent
     return sides / size, size if known.any() else float("nan")

@@ -6,22 +6,8 @@ import cv2
 import numpy as np
 
 from plan2scene.paint.shading import filled
-from plan2scene.textures.exemplar.grain import pattern_band
-
-#: High percentile over the median of what a crop's pattern varies by: noise and plaster have 5 to
-#: 10, a thing on them more, as do joints of tiles (from 12 on).
-PLAIN = 10.0
-#: That percentile: an outlet has a few pixels of a crop.
-_HIGH = 99.97
-#: Share of the crops that have to be plain for their surface to be so.
-_SOME = 0.25
-_FAINT = 0.5  # of what makes a thing its fainter parts have at least: a switch's plate
-_HALO = 0.4  # of a part's peak, under which it is a halo
-_AROUND = 9  # pixels over which a part spreads: the pattern's band is blurred
-_RIM = 4  # pixels about a thing's box that go with it
-_ROUNDS = 12  # parts of all things
-_FEW = 4  # things in a crop at most; a pattern has more
-_SMALL = 0.35  # side of a thing over the crop's, at most; joints are longer
+from plan2scene.textures.exemplar.lattice import pattern_band
+from plan2scene.textures.exemplar.settings import EXEMPLAR
 
 
 def oddness(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
@@ -31,9 +17,9 @@ def oddness(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
     """
     pairs = zip(luma, masks, strict=True)
     ratio = np.array([_most(_away(one, mask), mask) for one, mask in pairs])
-    if not len(ratio) or np.quantile(ratio, _SOME) > PLAIN:
+    if not len(ratio) or np.quantile(ratio, EXEMPLAR.some) > EXEMPLAR.plain:
         return np.zeros(len(ratio))
-    return np.asarray(np.maximum(np.log(ratio / PLAIN), 0.0))
+    return np.asarray(np.maximum(np.log(ratio / EXEMPLAR.plain), 0.0))
 
 
 def things(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
@@ -58,7 +44,7 @@ def _away(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 def _most(away: np.ndarray, mask: np.ndarray) -> float:
     """Return the high percentile of :func:`_away`; 1 where all is masked."""
-    return float(np.percentile(away[~mask], _HIGH)) if not mask.all() else 1.0
+    return float(np.percentile(away[~mask], EXEMPLAR.high)) if not mask.all() else 1.0
 
 
 def _things(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -67,10 +53,10 @@ def _things(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
     The strongest part goes first: it throws a halo into the band that the next is found in.
     """
     found = np.zeros_like(mask)
-    for _ in range(_ROUNDS):
+    for _ in range(EXEMPLAR.parts):
         out = mask | found
         away = _away(luma, out)
-        if _most(away, out) <= PLAIN:
+        if _most(away, out) <= EXEMPLAR.plain:
             return _boxed(found)
         found |= _strongest(away)
         if not _few_and_small(found):
@@ -81,10 +67,15 @@ def _things(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
 def _strongest(away: np.ndarray) -> np.ndarray:
     """Return the pixels (s, s) bool of the part that is farthest away."""
     peak = float(away.max())
-    parts = (away > max(_FAINT * PLAIN, _HALO * peak)).astype(np.uint8)
+    parts = (away > max(EXEMPLAR.part * EXEMPLAR.plain, EXEMPLAR.halo * peak)).astype(np.uint8)
     _, places = cv2.connectedComponents(parts, connectivity=8)
     one = places == places[np.unravel_index(int(away.argmax()), away.shape)]
-    return cv2.dilate(one.astype(np.uint8), np.ones((_AROUND, _AROUND), np.uint8)) > 0
+    return (
+        cv2.dilate(
+            one.astype(np.uint8), np.ones((EXEMPLAR.around_px, EXEMPLAR.around_px), np.uint8)
+        )
+        > 0
+    )
 
 
 def _boxes(found: np.ndarray) -> np.ndarray:
@@ -97,12 +88,12 @@ def _boxed(found: np.ndarray) -> np.ndarray:
     """Return the boxes about things (s, s) bool: a plate is fainter than what is on it."""
     mask = np.zeros_like(found)
     for left, top, width, height in _boxes(found):
-        rows = slice(max(0, top - _RIM), top + height + _RIM)
-        mask[rows, max(0, left - _RIM) : left + width + _RIM] = True
+        rows = slice(max(0, top - EXEMPLAR.box_rim_px), top + height + EXEMPLAR.box_rim_px)
+        mask[rows, max(0, left - EXEMPLAR.box_rim_px) : left + width + EXEMPLAR.box_rim_px] = True
     return mask
 
 
 def _few_and_small(found: np.ndarray) -> bool:
     """Return whether pixels (s, s) bool are few things, none of them long."""
     boxes = _boxes(found)
-    return len(boxes) <= _FEW and bool((boxes[:, 2:] <= _SMALL * len(found)).all())
+    return len(boxes) <= EXEMPLAR.few and bool((boxes[:, 2:] <= EXEMPLAR.small * len(found)).all())

@@ -16,10 +16,14 @@ from plan2scene.io import read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
 from plan2scene.substances import on_surfaces
-from plan2scene.textures.model.encoder import StatisticsEncoder
-from plan2scene.textures.model.network import TextureModel, fast_decoding, load_texture_model
+from plan2scene.textures.model.network import (
+    StatisticsEncoder,
+    TextureModel,
+    fast_decoding,
+    load_texture_model,
+    noise_seeds,
+)
 from plan2scene.textures.model.statistics import FilterBankStatistics, gram_distance, grams_of
-from plan2scene.textures.model.synthesis import noise_seeds
 
 #: Crops at a time: few, whose responses stay in the processor's cache.
 _BATCH = 4

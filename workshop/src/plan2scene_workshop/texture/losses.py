@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import torch
 
 from plan2scene.metrics.color_freq_tile import periodic_component
-from plan2scene.textures.model.colour import rgb_to_hsv
+from plan2scene.textures.model.hsv import rgb_to_hsv
 from plan2scene.textures.model.statistics import OPPONENT, opponent
 
 #: Inner edges of the COLOR metric's bins of lightness and saturation, and how soft they are here.

@@ -12,10 +12,14 @@ from plan2scene.errors import InputError
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed, generator
-from plan2scene.textures.model.decoder import low_precision_is_fast
 from plan2scene.textures.model.embedding import embed_crops
-from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
-from plan2scene.textures.model.synthesis import decode_textures
+from plan2scene.textures.model.network import (
+    Architecture,
+    TextureModel,
+    architecture_header,
+    decode_textures,
+    low_precision_is_fast,
+)
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene.weights import save_model_file
 from plan2scene_workshop.texture.data import TextureSet, random_crop, read_materials, seen_textures

@@ -14,8 +14,12 @@ from torch import nn
 from torch.nn import functional
 
 from plan2scene.seeds import derive_seed, generator
-from plan2scene.textures.model.encoder import StatisticsEncoder
-from plan2scene.textures.model.network import Architecture, Encoding, TextureModel
+from plan2scene.textures.model.network import (
+    Architecture,
+    Encoding,
+    StatisticsEncoder,
+    TextureModel,
+)
 from plan2scene.textures.model.noise import CHANNELS, OCTAVES
 from plan2scene.textures.model.statistics import SpectrumStatistics
 from plan2scene_workshop.texture.data import TextureSet, draw_crops, sampling_weights

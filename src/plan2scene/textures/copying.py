@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from plan2scene.house import House, SurfaceKey
 from plan2scene.seeds import generator
-from plan2scene.textures.baselines.nearest import (
+from plan2scene.textures.crops import (
     Choice,
     Crop,
     choose_crop,
@@ -19,8 +19,8 @@ from plan2scene.textures.baselines.nearest import (
     surface_extent,
     usual_substance,
 )
-from plan2scene.textures.baselines.retrieval import TextureLibrary
 from plan2scene.textures.inputs import TextureInputs
+from plan2scene.textures.library import TextureLibrary
 from plan2scene.textures.tiles import Tile
 
 _Tiles: TypeAlias = dict[SurfaceKey, Tile]

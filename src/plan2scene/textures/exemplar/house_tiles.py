@@ -2,12 +2,12 @@
 
 Observed surfaces get a tile of their own crops; those that share a material of the house get one
 pattern of all its crops, each in its own colour. An unobserved one, and one whose crops do not have
-the colour that all of its pixels tell, gets the exemplar of the house that is nearest to what is
-predicted for it (same kind of surface and substance, nearest embedding), since a house repeats its
-materials, in its own colour. Where none of the kind has the predicted substance, a usual tile of it
-is made up. Large squares that one crop was completed to go on tiled surfaces alone. Only where the
-house shows none of the kind the predicted embedding is decoded.
-Each tile's source says which way it went.
+the colour of all of its pixels, gets the exemplar of the house that is nearest to its prediction
+(same kind of surface and substance, nearest embedding), since a house repeats its materials, in its
+own colour. Where none of the kind has the predicted substance, a procedural tile of it is made up.
+Large squares that were completed from one crop go on tiled surfaces alone. Only where the house
+shows none of the kind the predicted embedding is decoded. Each tile's source says which way it was
+made.
 """
 
 from __future__ import annotations
@@ -19,15 +19,22 @@ from typing import Any
 
 import numpy as np
 
-from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
+from plan2scene.colour import as_uint8, delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.house import SurfaceKey
+from plan2scene.materials import random_material
 from plan2scene.paint.light import recoloured
 from plan2scene.parallel import each
-from plan2scene.textures.baselines.nearest import Crop
-from plan2scene.textures.exemplar.choice import ALIKE_DE, ExemplarCrop
-from plan2scene.textures.exemplar.make import Exemplar, make_exemplar
-from plan2scene.textures.exemplar.usual import usual_tile
+from plan2scene.seeds import derive_seed
+from plan2scene.textures.crops import Crop
+from plan2scene.textures.exemplar.make import (
+    Exemplar,
+    ExemplarCrop,
+    enlarged,
+    make_exemplar,
+)
+from plan2scene.textures.exemplar.settings import EXEMPLAR
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
+from plan2scene.textures.seams import with_calm_border
 from plan2scene.textures.tiles import NoTile, Tile
 
 #: Substance without spots of its own.
@@ -100,7 +107,7 @@ def _of_another_thing(crops: Sequence[Crop], colour: np.ndarray | None) -> bool:
     if colour is None:
         return False
     tone = np.clip(colour, 0.0, 1.0)
-    return all(colour_difference(crop.image(), tone) > ALIKE_DE for crop in crops)
+    return all(colour_difference(crop.image(), tone) > EXEMPLAR.alike_de for crop in crops)
 
 
 def exemplar_of(
@@ -209,3 +216,29 @@ def _code(surface: KnownSurface) -> np.ndarray:
 def colour_difference(image: np.ndarray, tone: np.ndarray) -> float:
     """Return the CIEDE2000 difference of a uint8 image's median colour to sRGB `tone` (3,)."""
     return float(delta_e_2000(rgb_to_lab(median_colour(image)), rgb_to_lab(tone)))
+
+
+#: The kind of each substance (``materials.KINDS``), on floors and on what is not a floor.
+FLOOR_KINDS = {"wood": "planks", "plaster": "concrete", "carpet": "cut", "tile": "grid"}
+OTHER_KINDS = {**FLOOR_KINDS, "plaster": "paint"}
+#: Materials of these kinds, of :data:`_SIZE_PX`, that were looked at and are quite ordinary.
+_SEEDS = {"wood": (6, 9, 14), "plaster": (0, 1, 2), "carpet": (0, 1, 2), "tile": (9, 25, 33)}
+_SIZE_PX = 256
+
+
+def usual_tile(
+    key: SurfaceKey, substance: str, tone: np.ndarray, *, house: str, seed: int, size_px: int
+) -> Tile:
+    """Return a made-up tile of a substance in about the colour `tone` (3,), sRGB in [0, 1].
+
+    The pattern of all surfaces of that kind and substance in the house; `seed` is the global one.
+    """
+    kind = (FLOOR_KINDS if key.kind == "floor" else OTHER_KINDS)[substance]
+    seeds = _SEEDS[substance]
+    own = seeds[derive_seed(seed, "usual tile", house, key.kind, substance) % len(seeds)]
+    red, green, blue = (int(level) for level in np.round(np.clip(tone, 0.0, 1.0) * 255))
+    colour = red, green, blue
+    made = random_material(substance, own, kind=kind, size_px=_SIZE_PX, colour_rgb=colour)
+    image = with_calm_border(as_uint8(enlarged(made.albedo / 255.0, size_px)))
+    source = f"made up: no exemplar of a {key.kind} of {substance} in the house"
+    return Tile(image, made.size_m, source, tiles_by_construction=True)

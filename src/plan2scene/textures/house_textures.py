@@ -46,7 +46,7 @@ def make_textures(
         house, surfaces, tiles = with_accents(inputs, tiles, find_accents(files.colours))
     whole = None
     if maps:
-        from plan2scene.textures.maps.house import house_maps
+        from plan2scene.textures.maps import house_maps
 
         materials = {surface.key: surface.material for surface in surfaces}
         whole = house_maps(house, tiles, materials, seed=inputs.settings.seed)

@@ -1,1 +1,0 @@
-"""Textures that are copied: reference crops and retrieved tiles."""

@@ -1,1 +1,0 @@
-"""Surface maps: one image for a whole surface, quilted from crops without repeating."""
