@@ -18,9 +18,8 @@ from shapely.geometry import Polygon
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.seeds import generator
-from plan2scene_app.tracing.output import overlay
-from plan2scene_app.tracing.scale import SURE
-from plan2scene_app.tracing.trace import TracedPlan, trace_picture
+from plan2scene_app.tracing.settings import SETTINGS
+from plan2scene_app.tracing.trace import TracedPlan, overlay, trace_picture
 from plan2scene_workshop.plans.drawing import DrawnPlan
 from plan2scene_workshop.plans.paper import bend, homography, worn
 from plan2scene_workshop.plans.views import other_drawing
@@ -192,7 +191,7 @@ def print_table(results: dict[str, list[dict[str, float]]]) -> None:
     groups = [*results.items(), ("all", [row for rows in results.values() for row in rows])]
     for name, rows in groups:
         told = [row for row in rows if "scale" in row]
-        sure = [row for row in told if row["sure"] >= SURE]
+        sure = [row for row in told if row["sure"] >= SETTINGS.sure]
         cells = [
             f"{np.mean([row[key] for row in rows]):.3f}" for key in ("rooms", "corners", "openings")
         ]

@@ -177,7 +177,7 @@ def edit_plan(
 ) -> None:
     """Write a page that draws a plan, offline: open it in a browser."""
     from plan2scene.io import keep_inputs
-    from plan2scene_app.editor import write_editor
+    from plan2scene_app.editor.editor_page import write_editor
 
     keep_inputs(out, [source] if source else [])
     name = _house_id(source or Path("my_home"), house)

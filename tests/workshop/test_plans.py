@@ -7,7 +7,7 @@ import torch
 
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.seeds import generator
-from plan2scene_app.tracing.labels import DOOR, LABEL_OF_TYPE, PLAN_LABELS, ROOM, WALL, WINDOW
+from plan2scene_app.tracing.settings import DOOR, LABEL_OF_TYPE, PLAN_LABELS, ROOM, WALL, WINDOW
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.plans.drawing import draw_plan
 from plan2scene_workshop.plans.lettering import area_text, length_text

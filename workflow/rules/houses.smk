@@ -55,7 +55,7 @@ rule house:
         objects=config["house"]["objects"],
         relief=config["house"]["relief"],
         traced=config["house"]["pictures"] == "traced",
-        code=code_hash("plan2scene.mesh.build", "plan2scene_app.viewer"),
+        code=code_hash("plan2scene.mesh.build", "plan2scene_app.viewer.viewer_page"),
     script:
         "../scripts/house.py"
 

@@ -3,7 +3,7 @@
 from plan2scene.mesh.build import build_house
 from plan2scene.plans import read_scene_json
 from plan2scene.workflow.jobs import job
-from plan2scene_app.viewer import build_viewer, read_facts
+from plan2scene_app.viewer.viewer_page import build_viewer, read_facts
 
 with job(snakemake.log[0]):
     house_id, given, made = snakemake.wildcards.house, snakemake.input, snakemake.output

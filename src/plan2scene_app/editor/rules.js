@@ -1,5 +1,5 @@
 // What the reader of plan.json refuses and warns of, in its words. The schema, names and limits
-// are the reader's own (rules.py puts them into the page); tests/plan2scene_app/editor holds both to
+// are the reader's own (editor_page.py puts them into the page); tests/plan2scene_app/editor holds both to
 // the same verdicts.
 
 import { checkLevel, isOnLevel, readLevels, readStairs, storeyOddities, usedLevels } from "./storey_rules.js";

@@ -76,7 +76,7 @@ def _simulator(house: House, textures: Textures, folder: Path) -> None:
 
 
 def _ifc(house: House, textures: Textures, folder: Path) -> None:
-    from plan2scene_app.exports.ifc import write_ifc
+    from plan2scene_app.exports.ifc4 import write_ifc
 
     write_ifc(house, textures, folder)
 

@@ -1,4 +1,4 @@
-"""Rooms out of walls that are drawn as axes with a thickness."""
+"""Walls as axes with a thickness: of areas, of openings in them, and the rooms that they close."""
 
 from __future__ import annotations
 
@@ -8,25 +8,65 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from shapely import unary_union
-from shapely.geometry import LineString, Polygon
+from shapely.geometry import LineString, Point, Polygon
 from shapely.ops import polygonize
 from shapely.strtree import STRtree
 
-from plan2scene.house import Point
+from plan2scene import house
+from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import MAX_ITEMS, Source
 
 #: Thickness in metres of a wall that has none.
 DEFAULT_THICKNESS = 0.1
 #: Most wall axes of a plan.
 MAX_AXES = 5000
-#: Ends of axes nearer than this (metres) meet.
-JOIN = 0.02
-#: A loose end reaches at least this far (metres), however thin the walls.
-LEAST_REACH = 0.08
-#: Crossings are rounded to this grid (metres).
-GRID = 1e-3
-#: Faces with less area (square metres) or width (metres) are the inside of walls, not rooms.
-LEAST_AREA, LEAST_WIDTH = 0.3, 0.3
+#: Bottom and top in metres of an opening whose file tells none.
+HEIGHTS = {"door": (0.0, 2.05), "passage": (0.0, 2.2), "window": (0.9, 2.1)}
+
+
+@dataclass(frozen=True)
+class DrawingSettings:
+    """The tuned numbers of reading other programs' drawings.
+
+    Metres and square metres as buildings and their drawings usually have them, set by hand; which
+    files of other programs are read with them is in docs/measurements/formats.md.
+    """
+
+    # Walls as axes.
+    join: float = 0.02  #: m within which ends of axes meet
+    least_reach: float = 0.08  #: m that a loose end reaches at least, however thin the walls
+    grid: float = 1e-3  #: m that crossings are rounded to
+    room_area: float = 0.3  #: m2: smaller faces are the inside of walls
+    room_width: float = 0.3  #: m: narrower ones, too
+    wall_angle: float = math.radians(10)  #: rad between a room's edge and the wall along it
+    # Walls as lines.
+    faces: tuple[float, float] = (0.04, 0.6)  #: m between the two faces of a wall
+    face_angle: float = math.radians(2.0)  #: rad between them
+    shared: float = 0.5  #: share of the shorter face that the other goes along
+    covered: float = 0.7  #: share of a line with faces opposite from which it needs no other
+    touch: float = 0.05  #: m within which lines of one door or window touch
+    panes: float = 0.4  #: m between its parallel lines
+    overlap: float = 0.05  #: m that a wall through an opening goes on into the wall beside it
+    thin: float = 0.5  #: m: a thinner face between lines is a wall's body
+    rectangle: float = 0.85  #: share of the rectangle around it that a wall's outline fills
+    flat: float = 0.02  #: m between a curve and the lines that it is cut into
+    arc_step: float = math.radians(15.0)  #: rad that a piece of a curved wall turns at most
+    # Rooms and openings.
+    drawn_share: float = 0.1  #: share of a face that drawn rooms cover, below which it is a room
+    agreement: float = 0.1  #: share by which scales of areas written in rooms may differ
+    same_opening: float = 0.4  #: m between the middles of two openings that are one
+    opening_side: float = 0.35  #: m of an opening's shortest side along its wall
+    at_hinge: float = 0.1  #: m between a hinge and a side that goes through it
+    opening_slack: float = 0.1  #: m between an opening and the face of its wall
+    opening_reach: float = 0.3  #: m between it and a wall of unknown thickness
+    widths: tuple[float, float] = (0.4, 6.0)  #: m of doors and windows in DXF
+    sill: float = 0.3  #: m: an opening that begins higher is a window
+    walled: float = 0.2  #: share of a line between two rooms with walls, below which it is open
+    passage: float = 0.5  #: m of the shortest such passage
+    far: float = 20.0  #: m from 0 beyond which the lowest floor is taken for 0
+
+
+SETTINGS = DrawingSettings()
 
 
 @dataclass(frozen=True)
@@ -36,8 +76,8 @@ class WallAxis:
     Thickness 0: the segment is the wall's face, as scans have it. Height 0: not told.
     """
 
-    start: Point
-    end: Point
+    start: house.Point
+    end: house.Point
     thickness: float = DEFAULT_THICKNESS
     height: float = 0.0
 
@@ -52,12 +92,12 @@ def rooms_of_axes(source: Source, axes: Sequence[WallAxis]) -> list[Polygon]:
     """
     if len(axes) > MAX_AXES:
         raise source.fault(f"at most {MAX_AXES} walls", len(axes))
-    axes = [axis for axis in axes if math.dist(axis.start, axis.end) > JOIN]
+    axes = [axis for axis in axes if math.dist(axis.start, axis.end) > SETTINGS.join]
     if not axes:
         return []
     joined = _joined(axes)
     network = unary_union(
-        [LineString([a.start, a.end]) for a in joined if a.start != a.end], grid_size=GRID
+        [LineString([a.start, a.end]) for a in joined if a.start != a.end], grid_size=SETTINGS.grid
     )
     pieces = len(getattr(network, "geoms", [network]))
     if pieces > MAX_ITEMS:
@@ -75,7 +115,7 @@ def rooms_of_axes(source: Source, axes: Sequence[WallAxis]) -> list[Polygon]:
 
 def is_floor(face: Polygon) -> bool:
     """Return whether a face between walls is large and wide enough for a room."""
-    return face.area >= LEAST_AREA and not face.buffer(-LEAST_WIDTH / 2).is_empty
+    return face.area >= SETTINGS.room_area and not face.buffer(-SETTINGS.room_width / 2).is_empty
 
 
 def _joined(axes: Sequence[WallAxis]) -> list[WallAxis]:
@@ -84,7 +124,7 @@ def _joined(axes: Sequence[WallAxis]) -> list[WallAxis]:
 
     points = np.array([end for axis in axes for end in (axis.start, axis.end)], dtype=np.float64)
     nodes = np.arange(len(points))
-    for i, j in sorted(cKDTree(points).query_pairs(JOIN)):
+    for i, j in sorted(cKDTree(points).query_pairs(SETTINGS.join)):
         nodes[j] = min(nodes[i], nodes[j])
     points = points[nodes]
     counts = np.bincount(nodes, minlength=len(points))
@@ -118,7 +158,9 @@ def _touched(
     direction = direction / max(float(np.linalg.norm(direction)), 1e-9)
     half = axes[own].thickness / 2
     best: tuple[float, np.ndarray | None] = (math.inf, None)
-    reach = max(half + max(axis.thickness for axis in axes) / 2, LEAST_REACH) + JOIN
+    reach = (
+        max(half + max(axis.thickness for axis in axes) / 2, SETTINGS.least_reach) + SETTINGS.join
+    )
     for k in tree.query(lines[own].buffer(reach)):
         if k == own:
             continue
@@ -130,7 +172,7 @@ def _touched(
         offset = a - here
         step = (offset[0] * across[1] - offset[1] * across[0]) / turn
         place = here + step * direction
-        limit = max(half + axes[k].thickness / 2, LEAST_REACH) + JOIN
+        limit = max(half + axes[k].thickness / 2, SETTINGS.least_reach) + SETTINGS.join
         off = lines[k].distance(LineString([place, place]))
         if abs(step) <= limit and off <= limit and abs(step) < best[0]:
             best = (abs(step), place)
@@ -144,5 +186,99 @@ def _body(axis: WallAxis) -> Polygon:
 
 def _plain(room: Polygon) -> Polygon:
     """Return a room without points on straight lines and slivers of the grid."""
-    plain = room.simplify(2 * GRID)
+    plain = room.simplify(2 * SETTINGS.grid)
     return plain if plain.is_valid and plain.area > 0 else room
+
+
+def axis_of_area(area: Polygon, height: float = 0.0) -> WallAxis | None:
+    """Return a wall's axis: along the longer side of the rectangle around its area.
+
+    It ends half a thickness before the rectangle does, where the axes of a corner cross. None for
+    an area without a width.
+    """
+    sides = _middle_lines(area)
+    if sides is None:
+        return None
+    (start, end), thickness = sides[0]
+    length = float(np.linalg.norm(end - start))
+    inset = min(thickness, length * 0.9) / 2 * (end - start) / length
+    return WallAxis(
+        tuple((start + inset).tolist()), tuple((end - inset).tolist()), thickness, height
+    )
+
+
+def _middle_lines(area: Polygon) -> list[tuple[tuple[np.ndarray, np.ndarray], float]] | None:
+    """Return both middle lines of the rectangle around an area, each with the width across it.
+
+    The longer comes first; None where the area has no width.
+    """
+    box = area.minimum_rotated_rectangle
+    if not isinstance(box, Polygon) or box.area < 1e-6:
+        return None
+    a, b, c, d = (np.array(point) for point in list(box.exterior.coords)[:4])
+    lines = [
+        (((a + d) / 2, (b + c) / 2), float(np.linalg.norm(d - a))),
+        (((a + b) / 2, (d + c) / 2), float(np.linalg.norm(b - a))),
+    ]
+    return sorted(lines, key=lambda line: line[1])
+
+
+class NearestAxis:
+    """Finds the wall that an opening's area lies in."""
+
+    def __init__(self, axes: list[WallAxis]) -> None:
+        self._axes = axes
+        self._lines = [LineString([axis.start, axis.end]) for axis in axes]
+        self._tree = STRtree(self._lines)
+
+    def segment(self, area: Polygon, name: str, kind: str) -> Segment | None:
+        """Return an opening's segment: the middle line of its area that runs along the wall."""
+        sides = _middle_lines(area)
+        if sides is None:
+            return None
+        start, end = sides[0][0]
+        if self._axes:
+            axis = self._axes[int(self._tree.nearest(Point(area.centroid)))]
+            way = np.subtract(axis.end, axis.start)
+            start, end = max((line for line, _ in sides), key=lambda line: _along(line, way))
+        bottom, top = HEIGHTS[kind]
+        return Segment(name, kind, tuple(start.tolist()), tuple(end.tolist()), bottom, top)
+
+    def edge_segment(
+        self, area: Polygon, name: str, kind: str, anchor: Point | None = None
+    ) -> Segment | None:
+        """Return the segment of an opening whose area may stand out of its wall, as a swing does.
+
+        That is the side or middle line of the area nearest to a wall that runs its way; of those
+        that go through the `anchor` (a hinge), where there are some.
+        """
+        box = area.minimum_rotated_rectangle
+        sides = _middle_lines(area)
+        if sides is None or not isinstance(box, Polygon):
+            return None
+        corners = np.array(box.exterior.coords)
+        lines = [line for line, _ in sides] + [(corners[k], corners[k + 1]) for k in range(4)]
+        if anchor is not None:
+            at_anchor = [
+                line for line in lines if LineString(line).distance(anchor) < SETTINGS.at_hinge
+            ]
+            lines = at_anchor or lines
+        best: tuple[float, int] = (np.inf, 0)
+        for number, (start, end) in enumerate(lines):
+            if np.linalg.norm(end - start) < SETTINGS.opening_side:
+                continue
+            for k in self._tree.query(LineString([start, end]), predicate="dwithin", distance=0.5):
+                first = np.array(self._axes[k].start)
+                way = np.subtract(self._axes[k].end, first)
+                if _along((start, end), way) > 0.98:
+                    offset = (start + end) / 2 - first
+                    across = abs(way[0] * offset[1] - way[1] * offset[0]) / np.hypot(*way)
+                    best = min(best, (round(float(across), 3), number))
+        start, end = lines[best[1]]
+        return Segment(name, kind, tuple(start.tolist()), tuple(end.tolist()), *HEIGHTS[kind])
+
+
+def _along(line: tuple[np.ndarray, np.ndarray], way: np.ndarray) -> float:
+    """Return the cosine between a line and a direction."""
+    step = line[1] - line[0]
+    return float(abs(step @ way) / max(np.linalg.norm(step) * np.linalg.norm(way), 1e-12))

@@ -19,8 +19,7 @@ from shapely.geometry import Polygon
 from plan2scene.house import House, IconBox
 from plan2scene.plans.formats import PlanFormat, Unscaled
 from plan2scene.plans.parse import MAX_ROOMS, Source
-from plan2scene_app.plan_formats.areas import NearestAxis, axis_of_area
-from plan2scene_app.plan_formats.axes import MAX_AXES
+from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, axis_of_area
 from plan2scene_app.plan_formats.containers import parse_xml
 from plan2scene_app.plan_formats.drawing import (
     Drawing,
@@ -35,8 +34,6 @@ _LENGTH = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*(mm|cm|m|in)\s*")
 _AREA = re.compile(r"(\d+(?:[.,]\d+)?)\s*(m2|m²|sqm|sq\.?\s?m|ft2|ft²|sq\.?\s?ft)", re.IGNORECASE)
 _METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
 _SQUARE_FOOT = 0.09290304
-#: Areas written in rooms must give scales that differ by less than this share.
-AGREEMENT = 0.1
 #: Deepest nesting of groups.
 MAX_DEPTH = 100
 #: Least and largest scale in metres a pixel.
@@ -217,7 +214,7 @@ def _written_scale(source: Source, storey: _Storey) -> float | None:
     if not found:
         return None
     middle = median(found)
-    if sum(abs(value - middle) <= AGREEMENT * middle for value in found) <= len(found) / 2:
+    if sum(abs(value - middle) <= SETTINGS.agreement * middle for value in found) <= len(found) / 2:
         raise source.fault("areas written in the rooms that agree", f"scales {found[:5]}")
     source.warn("metres_per_pixel", f"none; {middle:.5f} read from {len(found)} written areas")
     return middle

@@ -1,4 +1,4 @@
-"""A plan as other programs draw it, and the house that it means.
+"""A plan as other programs draw it, of one storey or several, and the house that it means.
 
 A drawing has rooms as outlines, walls as axes with a thickness, or both; openings are segments.
 Rooms without walls get walls along their outlines, walls without rooms get the rooms that they
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -22,6 +22,7 @@ from plan2scene.house import (
     DEFAULT_HEIGHT,
     House,
     IconBox,
+    Level,
     Opening,
     Point,
     Ring,
@@ -33,24 +34,11 @@ from plan2scene.plans.geometry import find_doors, walls_of_rooms
 from plan2scene.plans.names import room_types
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import MAX_ROOMS, Source
-from plan2scene_app.plan_formats.axes import DEFAULT_THICKNESS, WallAxis, rooms_of_axes
+from plan2scene.plans.storeys import LEAST_FLIGHT, LEAST_RISE, linked
+from plan2scene_app.plan_formats.axes import DEFAULT_THICKNESS, SETTINGS, WallAxis, rooms_of_axes
 
 #: Most openings of a plan.
 MAX_OPENINGS = 2000
-#: Openings whose middles are nearer (metres) are one, seen from both sides of its wall.
-SAME_OPENING = 0.4
-#: A face of the walls is a room of its own where drawn rooms cover less of it than this share.
-COVERED_SHARE = 0.1
-#: An opening may be this far (metres) from the face of its wall, ...
-OPENING_SLACK = 0.1
-#: ... and from a wall whose thickness nothing tells.
-OPENING_REACH = 0.3
-#: A line between two rooms is open where walls follow less of it than this share, ...
-WALLED_SHARE = 0.2
-#: ... if it is at least this long (metres).
-LEAST_PASSAGE = 0.5
-#: A wall follows a room's edge when their directions differ by less than this (radians).
-PARALLEL = math.radians(10.0)
 
 
 @dataclass(frozen=True)
@@ -92,7 +80,7 @@ class Drawing:
         offsets = (
             np.add(o.start, o.end) / 2 - middle for o in self.openings if kind in (None, o.kind)
         )
-        return any(float(np.hypot(*offset)) < SAME_OPENING for offset in offsets)
+        return any(float(np.hypot(*offset)) < SETTINGS.same_opening for offset in offsets)
 
 
 def largest_storey(source: Source, storeys: Sequence[tuple[str, float]]) -> int:
@@ -141,7 +129,7 @@ def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
     faces = rooms_of_axes(source, drawing.axes) if drawing.axes else []
     for face in faces:
         covered = sum(face.intersection(polygons[k]).area for k in tree.query(face))
-        if covered <= COVERED_SHARE * face.area:
+        if covered <= SETTINGS.drawn_share * face.area:
             rings = (face.exterior, *face.interiors)
             drawn.append(DrawnRoom("", tuple(_ring(ring) for ring in rings)))
     if not drawn:
@@ -183,7 +171,9 @@ class _Axes:
         self.axes = axes
         self._lines = [LineString([axis.start, axis.end]) for axis in axes]
         self._tree = STRtree(self._lines)
-        self._reach = max((axis.thickness for axis in axes), default=0.0) / 2 + OPENING_SLACK
+        self._reach = (
+            max((axis.thickness for axis in axes), default=0.0) / 2 + SETTINGS.opening_slack
+        )
 
     def near(self, start: tuple[float, float], end: tuple[float, float]) -> list[tuple[float, int]]:
         """Return (metres of the segment that the axis follows, axis), longest first."""
@@ -193,7 +183,9 @@ class _Axes:
             axis = self.axes[k]
             if not _parallel(start, end, axis):
                 continue
-            band = self._lines[k].buffer(axis.thickness / 2 + OPENING_SLACK / 2, cap_style="flat")
+            band = self._lines[k].buffer(
+                axis.thickness / 2 + SETTINGS.opening_slack / 2, cap_style="flat"
+            )
             length = line.intersection(band).length
             if length > 0:
                 found.append((float(length), int(k)))
@@ -222,7 +214,7 @@ def _parallel(start: tuple[float, float], end: tuple[float, float], axis: WallAx
     """Return whether a segment and an axis run one way."""
     a, b = np.subtract(end, start), np.subtract(axis.end, axis.start)
     cross = abs(a[0] * b[1] - a[1] * b[0])
-    return bool(cross <= math.sin(PARALLEL) * float(np.hypot(*a) * np.hypot(*b)))
+    return bool(cross <= math.sin(SETTINGS.wall_angle) * float(np.hypot(*a) * np.hypot(*b)))
 
 
 def _with_openings(
@@ -233,7 +225,9 @@ def _with_openings(
     tree = STRtree([LineString([wall.start, wall.end]) for wall in walls])
     for segment in openings:
         thickness = along.thickness(segment)
-        reach = OPENING_REACH if thickness is None else thickness / 2 + OPENING_SLACK
+        reach = (
+            SETTINGS.opening_reach if thickness is None else thickness / 2 + SETTINGS.opening_slack
+        )
         line = LineString([segment.start, segment.end])
         near = sorted(tree.query(line, predicate="dwithin", distance=2 * reach).tolist())
         try:
@@ -257,8 +251,148 @@ def _cut_to_height(wall: Wall) -> Wall:
 
 def _opened(wall: Wall, along: _Axes, number: int) -> Wall:
     """Return a line between two rooms that no wall follows as a passage, others as they are."""
-    open_line = len(wall.room_ids) == 2 and not wall.openings and wall.length >= LEAST_PASSAGE
-    if not open_line or along.share(wall) >= WALLED_SHARE:
+    open_line = len(wall.room_ids) == 2 and not wall.openings and wall.length >= SETTINGS.passage
+    if not open_line or along.share(wall) >= SETTINGS.walled:
         return wall
     passage = Opening(f"open_{number}", "passage", 0.0, wall.length, 0.0, wall.height)
     return replace(wall, openings=(passage,))
+
+
+#: Words of a piece's name that mean stairs.
+STAIR_WORDS = frozenset(
+    {"stairs", "staircase", "stair", "treppe", "escalier", "escalera", "scala", "scale", "trap"}
+)
+
+
+@dataclass(frozen=True)
+class DrawnStorey:
+    """A storey's name as written, its floor's elevation in metres, and what is drawn on it."""
+
+    name: str
+    elevation: float
+    drawing: Drawing
+
+
+def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
+    """Return the house of drawings one above the other; one drawing is a house without levels.
+
+    Of storeys at nearly one elevation the largest is read; the others, and storeys on which
+    nothing is a room, are left out with a warning. Raises InputError where none has rooms.
+    """
+    given = _apart(source, sorted(storeys, key=lambda storey: storey.elevation))
+    if len(given) == 1:
+        return house_of_drawing(source, given[0].drawing)
+    found: list[tuple[Level, House]] = []
+    stairs: list[Stairs] = []
+    taken: set[str] = set()
+    names: set[str] = set()
+    fault: InputError | None = None
+    base = given[0].elevation if given and abs(given[0].elevation) > SETTINGS.far else 0.0
+    for storey in given:
+        try:
+            house = house_of_drawing(source, storey.drawing, taken)
+        except InputError as error:
+            fault = error
+            source.warnings.append(f"{error} on level {storey.name}; left out")
+            continue
+        height = storey.drawing.height
+        level = Level(free_id(storey.name, names), storey.name, storey.elevation - base, height)
+        found.append((level, house))
+        stairs += [replace(flight, level=level.id) for flight in storey.drawing.stairs]
+    if not found:
+        raise fault or source.fault("storeys with rooms", "none")
+    return _joined(source, found, stairs)
+
+
+def _apart(source: Source, storeys: Sequence[DrawnStorey]) -> list[DrawnStorey]:
+    """Return storeys, which come by elevation, without those beside a larger one."""
+    kept: list[DrawnStorey] = []
+    for storey in storeys:
+        if not kept or storey.elevation - kept[-1].elevation >= LEAST_RISE:
+            kept.append(storey)
+            continue
+        small, large = sorted((kept[-1], storey), key=lambda one: one.drawing.size())
+        kept[-1] = large
+        expected = f"levels at least {LEAST_RISE:g} m apart"
+        source.warn(expected, f"{small.name} beside {large.name}; left out")
+    return kept
+
+
+def _joined(
+    source: Source, storeys: Sequence[tuple[Level, House]], stairs: Sequence[Stairs]
+) -> House:
+    """Return one house of those of several levels; a single one stays without levels."""
+    if len(storeys) == 1:
+        return replace(storeys[0][1], warnings=tuple(source.warnings))
+    levels = tuple(level for level, _ in storeys)
+    renamed = [_on_level(level, house) for level, house in storeys]
+    rooms = [room for house in renamed for room in house.rooms]
+    pieces = [icon for house in renamed for icon in house.icons]
+    known = [flight for flight in stairs if flight.level != levels[-1].id]
+    flights = (*linked(known, rooms, levels), *flights_of(pieces, rooms, levels))
+    flights = tuple(replace(flight, id=f"stairs_{k}") for k, flight in enumerate(flights))
+    return House(
+        id=source.house_id,
+        rooms=tuple(rooms),
+        walls=tuple(wall for house in renamed for wall in house.walls),
+        doors=tuple(door for house in renamed for door in house.doors),
+        icons=tuple(icon for icon in pieces if not _climbs(icon, levels)),
+        levels=levels,
+        stairs=flights,
+        warnings=tuple(source.warnings),
+    )
+
+
+def _on_level(level: Level, house: House) -> House:
+    """Return a house with all on a level, and openings named after it."""
+
+    def named(opening_id: str) -> str:
+        return f"{level.id}_{opening_id}"
+
+    walls = [
+        replace(wall, openings=tuple(replace(o, id=named(o.id)) for o in wall.openings))
+        for wall in house.walls
+    ]
+    return replace(
+        house,
+        rooms=tuple(replace(room, level=level.id) for room in house.rooms),
+        walls=tuple(walls),
+        doors=tuple(replace(door, opening_id=named(door.opening_id)) for door in house.doors),
+        icons=tuple(replace(icon, level=level.id) for icon in house.icons),
+    )
+
+
+def _climbs(icon: IconBox, levels: Sequence[Level]) -> bool:
+    """Return whether a piece is stairs to a level above its own."""
+    words = re.findall(r"[a-zäöüéè]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", icon.type).lower())
+    sides = (abs(icon.p2[0] - icon.p1[0]), abs(icon.p2[1] - icon.p1[1]))
+    return (
+        bool(STAIR_WORDS.intersection(words))
+        and icon.level != levels[-1].id
+        and max(sides) >= LEAST_FLIGHT
+        and min(sides) > 0
+    )
+
+
+def flights_of(
+    icons: Iterable[IconBox], rooms: Sequence[Room], levels: Sequence[Level]
+) -> tuple[Stairs, ...]:
+    """Return the stairs among pieces of furniture as flights along their longer side.
+
+    Files do not tell which end is up: it is the one from which more rooms are reached.
+    """
+    flights: list[Stairs] = []
+    for icon in icons:
+        if not _climbs(icon, levels):
+            continue
+        (x0, z0), (x1, z1) = icon.p1, icon.p2
+        if abs(x1 - x0) >= abs(z1 - z0):
+            middle = (z0 + z1) / 2
+            start, end, width = (x0, middle), (x1, middle), abs(z1 - z0)
+        else:
+            middle = (x0 + x1) / 2
+            start, end, width = (middle, z0), (middle, z1), abs(x1 - x0)
+        both = [Stairs("", icon.level, *ends, width) for ends in ((start, end), (end, start))]
+        ways = linked(both, rooms, levels)
+        flights.append(min(ways, key=lambda way: way.room_ids.count(None)))
+    return tuple(flights)

@@ -8,21 +8,22 @@ and windows, or is a block named so, is an opening. The drawing's y goes up: (x,
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from shapely.affinity import affine_transform
-from shapely.geometry import LineString, Point, Polygon
+from shapely.geometry import LineString, Point, Polygon, box
 
 from plan2scene.house import House
+from plan2scene.plans.formats import PlanFile, PlanFormat, Unscaled
 from plan2scene.plans.parse import MAX_ROOMS, Source
-from plan2scene_app.plan_formats.areas import NearestAxis, axis_of_area
-from plan2scene_app.plan_formats.axes import MAX_AXES, WallAxis
+from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, WallAxis, axis_of_area
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, house_of_drawing
-from plan2scene_app.plan_formats.dxf_curves import CURVES, MAX_ENTITIES, Curves
-from plan2scene_app.plan_formats.dxf_layers import LAYERS, LayerKinds
+from plan2scene_app.plan_formats.dxf_layers import LAYERS, LayerKinds, names_of
 from plan2scene_app.plan_formats.lines import (
     axes_of_lines,
     bridges,
@@ -30,12 +31,80 @@ from plan2scene_app.plan_formats.lines import (
     rooms_of_outlines,
 )
 
+#: Most entities of a block, points of one curve, nesting of blocks.
+MAX_ENTITIES = 100_000
+MAX_POINTS = 2000
+MAX_NESTING = 12
+CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
+
+
+class Curves:
+    """Reads the curves of a parsed document whose unit is `metres` long."""
+
+    def __init__(self, source: Source, document: Any, metres: float) -> None:
+        self.source, self.document, self.metres = source, document, metres
+        self.boxes: dict[str, Polygon | None] = {}
+
+    def line(self, entity: Any) -> LineString | None:
+        """Return a curve in metres, (x, -y), closed ones with the first point repeated."""
+        from ezdxf import path
+
+        try:
+            curve = path.make_path(entity)
+            points = [(p.x, -p.y) for p in curve.flattening(SETTINGS.flat / self.metres, 4)]
+        except (TypeError, ValueError, ArithmeticError, AttributeError):
+            return None
+        if len(points) > MAX_POINTS:
+            raise self.source.fault(f"at most {MAX_POINTS} points of a curve", len(points))
+        array = np.array(points, dtype=np.float64).reshape(-1, 2) * self.metres
+        if len(array) < 2 or not np.isfinite(array).all():
+            return None
+        closed = bool(getattr(entity, "is_closed", False) or getattr(entity, "closed", False))
+        if (closed or np.hypot(*(array[0] - array[-1])) < 1e-3) and len(array) > 2:
+            array = np.vstack(
+                [array[:-1] if np.allclose(array[0], array[-1], atol=1e-3) else array, array[:1]]
+            )
+        return LineString(array)
+
+    def block_area(self, insert: Any, depth: int = 0) -> Polygon | None:
+        """Return the box around what an inserted block draws, as the insert turns it."""
+        name = str(insert.dxf.get("name", ""))
+        if name not in self.boxes:
+            self.boxes[name] = None
+            self.boxes[name] = self._block_box(name, depth)
+        area = self.boxes[name]
+        if area is None:
+            return None
+        m = insert.matrix44()
+        corners = [m.transform((x, -y, 0)) for x, y in list(area.exterior.coords)[:4]]
+        points = np.array([(p.x, -p.y) for p in corners]) * (self.metres if depth == 0 else 1.0)
+        polygon = Polygon(points) if np.isfinite(points).all() else None
+        return polygon if polygon is not None and polygon.area > 0 else None
+
+    def _block_box(self, name: str, depth: int) -> Polygon | None:
+        """Return the box around a block's curves in its own units, (x, -y)."""
+        if depth > MAX_NESTING:
+            raise self.source.fault(f"blocks at most {MAX_NESTING} deep", "deeper")
+        bounds = []
+        for count, entity in enumerate(self.document.blocks.get(name) or ()):
+            if count >= MAX_ENTITIES:
+                raise self.source.fault(f"at most {MAX_ENTITIES} entities of block {name}", "more")
+            if entity.dxftype() == "INSERT":
+                area = self.block_area(entity, depth + 1)
+                bounds += [] if area is None else [area.bounds]
+            elif entity.dxftype() in CURVES:
+                line = self.line(entity)
+                if line is not None:
+                    bounds.append(tuple(v / self.metres for v in line.bounds))
+        if not bounds:
+            return None
+        array = np.array(bounds)
+        low, high = array[:, :2].min(axis=0), array[:, 2:].max(axis=0)
+        return box(*low, *np.maximum(high, low + 1e-9))
+
+
 #: Most bytes of a drawing.
 MAX_BYTES = 100_000_000
-#: Openings are this wide (metres).
-WIDTHS = (0.4, 6.0)
-#: A closed outline that fills less of the rectangle around it is no wall's body.
-RECTANGLE = 0.85
 _HEAD = re.compile(rb"\s*(?:999\s*\r?\n[^\n]*\n\s*)*0\s*\r?\n\s*SECTION\b")
 
 
@@ -189,10 +258,12 @@ class _Drawing:
             if segment is None:
                 continue
             width = float(np.hypot(*np.subtract(segment.end, segment.start)))
-            if WIDTHS[0] <= width <= WIDTHS[1]:
+            if SETTINGS.widths[0] <= width <= SETTINGS.widths[1]:
                 found.openings.append(segment)
             else:
-                expected = f"doors and windows {WIDTHS[0]:g} to {WIDTHS[1]:g} m wide"
+                expected = (
+                    f"doors and windows {SETTINGS.widths[0]:g} to {SETTINGS.widths[1]:g} m wide"
+                )
                 self.source.warn(expected, f"{width:.2f} m, left out")
 
     def _text(self, entity: Any) -> list[tuple[str, Point]]:
@@ -227,6 +298,66 @@ def _body_axis(line: LineString) -> WallAxis | None:
     area = Polygon(line)
     frame = area.minimum_rotated_rectangle
     axis = axis_of_area(area)
-    if axis is None or area.area < RECTANGLE * frame.area or axis.thickness > 1.0:
+    if axis is None or area.area < SETTINGS.rectangle * frame.area or axis.thickness > 1.0:
         return None
     return axis
+
+
+#: Most layers and blocks that are told, those with the most entities first.
+MAX_NAMES = 200
+#: Metres of a unit by which curves are cut while the unit is unknown.
+TRIAL = 1e-3
+
+
+@dataclass(frozen=True)
+class DxfName:
+    """A layer, or a block that is inserted."""
+
+    name: str
+    count: int  #: entities
+    block: bool
+    kind: str  #: rooms, walls, doors or windows as it is read now; empty: left out
+
+
+def contents_of_dxf(
+    path: Path, house_id: str, layers: Mapping[str, str] | None = None
+) -> tuple[list[DxfName], tuple[float, float] | None]:
+    """Return the names in the model space, and width and depth of its rooms and walls.
+
+    The size is in units of the drawing; None where no layer is of rooms or walls.
+    """
+    source = Source(str(path), house_id)
+    document = load_dxf(source, path)
+    kinds, curves = LayerKinds(source, layers or {}), Curves(source, document, TRIAL)
+    counts: Counter[tuple[str, bool]] = Counter()
+    bounds = []
+    for entity in entities_of(source, document):
+        *block, layer = names_of(entity)
+        counts.update([(layer, False), *((name, True) for name in block)])
+        if entity.dxftype() in CURVES and kinds.of(entity) in ("rooms", "walls"):
+            line = curves.line(entity)
+            bounds += [] if line is None else [line.bounds]
+    names = [
+        DxfName(name, count, block, kinds.of_name(name))
+        for (name, block), count in counts.most_common(MAX_NAMES)
+    ]
+    if not bounds:
+        return names, None
+    array = np.array(bounds)
+    width, depth = (array[:, 2:].max(axis=0) - array[:, :2].min(axis=0)) / TRIAL
+    return names, (float(width), float(depth))
+
+
+def _look(plan: PlanFile) -> Unscaled:
+    names, size = contents_of_dxf(plan.path, plan.house_id, plan.dxf_layers)
+    return Unscaled("unit", size, tuple(names))
+
+
+PLAN_FORMAT = PlanFormat(
+    "DXF",
+    lambda plan: is_dxf(plan.head),
+    lambda plan: house_of_dxf(plan.path, plan.house_id, plan.metres_per_pixel, plan.dxf_layers),
+    suffixes=(".dxf",),
+    needs="plan2scene[formats]",
+    look=_look,
+)

@@ -20,16 +20,12 @@ from plan2scene.house import House, Stairs
 from plan2scene.plans.formats import PlanFormat
 from plan2scene.plans.parse import MAX_COORDINATE, MAX_ROOMS, Source
 from plan2scene.plans.storeys import LEAST_FLIGHT
-from plan2scene_app.plan_formats.areas import NearestAxis, axis_of_area
-from plan2scene_app.plan_formats.axes import MAX_AXES
-from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom
-from plan2scene_app.plan_formats.storeys import DrawnStorey, house_of_storeys
+from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, axis_of_area
+from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys
 
 #: Most bytes of a model, and triangles of one body.
 MAX_BYTES = 200_000_000
 MAX_TRIANGLES = 20_000
-#: An unfilled hole whose bottom is higher (metres) is a window.
-SILL = 0.3
 
 
 @dataclass(frozen=True)
@@ -168,7 +164,7 @@ class _Model:
             if body is None:
                 continue
             low = max(body.low - base, 0.0)
-            named = kind or ("window" if low > SILL else "passage")
+            named = kind or ("window" if low > SETTINGS.sill else "passage")
             name = f"opening_{len(found.openings)}"
             segment = nearest.segment(body.area, name, named)
             if segment is None:

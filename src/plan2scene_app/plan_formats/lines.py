@@ -15,25 +15,10 @@ from shapely.strtree import STRtree
 from plan2scene.plans.openings import Segment
 from plan2scene_app.plan_formats.axes import (
     DEFAULT_THICKNESS,
-    GRID,
+    SETTINGS,
     WallAxis,
     is_floor,
 )
-
-#: Two lines this far apart (metres) may be the faces of one wall, ...
-FACES = (0.04, 0.6)
-#: ... when they run one way (radians) and each goes along the other for this share of the shorter.
-PARALLEL = math.radians(2.0)
-SHARED = 0.5
-#: A line that faces others along this share of its length needs no other.
-COVERED = 0.7
-#: Lines of one door or window touch (metres), or run beside each other at most this far apart.
-TOUCH = 0.05
-PANES = 0.4
-#: A piece of wall through an opening goes on by this far (metres) into the wall on either side.
-OVERLAP = 0.05
-#: A face between lines that is thinner than this (metres) everywhere is a wall's body.
-THIN = 0.5
 
 
 def axes_of_lines(lines: Sequence[LineString]) -> list[WallAxis]:
@@ -55,7 +40,7 @@ def axes_of_lines(lines: Sequence[LineString]) -> list[WallAxis]:
     axes = []
     for distance, i, j in sorted(_pairs(pieces)):
         short, long = (i, j) if lengths[i] <= lengths[j] else (j, i)
-        if max(covered[short] / lengths[short], covered[long] / lengths[long]) < COVERED:
+        if max(covered[short] / lengths[short], covered[long] / lengths[long]) < SETTINGS.covered:
             covered[[short, long]] += lengths[short]
             axes.append(_middle(pieces[short], pieces[long], distance))
     single = [k for k in range(len(pieces)) if covered[k] == 0]
@@ -73,13 +58,13 @@ def _pairs(pieces: Sequence[LineString]) -> list[tuple[float, int, int]]:
     A wall is longer than thick: the ends of a stub are no faces.
     """
     tree = STRtree(pieces)
-    left, right = tree.query(pieces, predicate="dwithin", distance=FACES[1])
+    left, right = tree.query(pieces, predicate="dwithin", distance=SETTINGS.faces[1])
     found = []
     for i, j in zip(left.tolist(), right.tolist(), strict=True):
         if i >= j:
             continue
         a, b = _unit(pieces[i]), _unit(pieces[j])
-        if abs(a[0] * b[1] - a[1] * b[0]) > math.sin(PARALLEL):
+        if abs(a[0] * b[1] - a[1] * b[0]) > math.sin(SETTINGS.face_angle):
             continue
         start = np.array(pieces[i].coords[0])
         offsets = np.array(pieces[j].coords) - start
@@ -87,8 +72,8 @@ def _pairs(pieces: Sequence[LineString]) -> list[tuple[float, int, int]]:
         low, high = sorted((offsets @ a).tolist())
         shared = min(high, pieces[i].length) - max(low, 0.0)
         shorter = min(pieces[i].length, pieces[j].length)
-        thin = FACES[0] <= abs(across) <= min(FACES[1], shorter)
-        if thin and shared >= SHARED * shorter:
+        thin = SETTINGS.faces[0] <= abs(across) <= min(SETTINGS.faces[1], shorter)
+        if thin and shared >= SETTINGS.shared * shorter:
             found.append((round(abs(across), 3), i, j))
     return found
 
@@ -122,12 +107,12 @@ def bridges(axes: Sequence[WallAxis], openings: Sequence[Segment]) -> list[WallA
         best = None
         for k in tree.query(segment, predicate="dwithin", distance=1.0):
             other = _unit(lines[k])
-            if abs(way[0] * other[1] - way[1] * other[0]) > math.sin(5 * PARALLEL):
+            if abs(way[0] * other[1] - way[1] * other[0]) > math.sin(5 * SETTINGS.face_angle):
                 continue
             offset = np.array(segment.centroid.coords[0]) - np.array(lines[k].coords[0])
             across = abs(float(offset @ np.array([-other[1], other[0]])))
             key = (round(across, 3), lines[k].distance(segment), int(k))
-            if across <= axes[k].thickness / 2 + OVERLAP and (best is None or key < best):
+            if across <= axes[k].thickness / 2 + SETTINGS.overlap and (best is None or key < best):
                 best = key
         if best is None:
             continue
@@ -136,7 +121,9 @@ def bridges(axes: Sequence[WallAxis], openings: Sequence[Segment]) -> list[WallA
         along = sorted(float((np.array(p) - start) @ unit) for p in segment.coords)
         if along[0] >= -1e-6 and along[1] <= line.length + 1e-6:
             continue
-        ends = [start + at * unit for at in (along[0] - OVERLAP, along[1] + OVERLAP)]
+        ends = [
+            start + at * unit for at in (along[0] - SETTINGS.overlap, along[1] + SETTINGS.overlap)
+        ]
         piece = WallAxis(tuple(ends[0].tolist()), tuple(ends[1].tolist()), axis.thickness)
         added.append(piece)
     return added
@@ -147,14 +134,14 @@ def rooms_of_outlines(lines: Sequence[LineString], gaps: Sequence[WallAxis]) -> 
 
     `gaps` are the pieces of wall over openings, where outlines end.
     """
-    network = unary_union(list(lines), grid_size=GRID)
-    thin = [face for face in polygonize(network) if face.buffer(-THIN / 2).is_empty]
+    network = unary_union(list(lines), grid_size=SETTINGS.grid)
+    thin = [face for face in polygonize(network) if face.buffer(-SETTINGS.thin / 2).is_empty]
     over = [
         LineString([gap.start, gap.end]).buffer(gap.thickness / 2, cap_style="flat") for gap in gaps
     ]
-    solid = unary_union([*thin, *over], grid_size=GRID)
+    solid = unary_union([*thin, *over], grid_size=SETTINGS.grid)
     rooms = [
-        Polygon(ring).simplify(2 * GRID)
+        Polygon(ring).simplify(2 * SETTINGS.grid)
         for part in getattr(solid, "geoms", [solid])
         for ring in part.interiors
     ]
@@ -170,7 +157,9 @@ def groups_of_lines(lines: Sequence[LineString]) -> list[Polygon]:
         return []
     tree = STRtree(lines)
     group = list(range(len(lines)))
-    for i, j in sorted(zip(*tree.query(lines, predicate="dwithin", distance=PANES), strict=True)):
+    for i, j in sorted(
+        zip(*tree.query(lines, predicate="dwithin", distance=SETTINGS.panes), strict=True)
+    ):
         if i < j and group[i] != group[j] and _together(lines[i], lines[j]):
             old, new = group[j], group[i]
             group = [new if name == old else name for name in group]
@@ -187,12 +176,12 @@ def groups_of_lines(lines: Sequence[LineString]) -> list[Polygon]:
 
 def _together(one: LineString, other: LineString) -> bool:
     """Return whether two lines are of one door or window."""
-    if one.distance(other) <= TOUCH:
+    if one.distance(other) <= SETTINGS.touch:
         return True
     if len(one.coords) != 2 or len(other.coords) != 2 or min(one.length, other.length) < 1e-6:
         return False
     a, b = _unit(one), _unit(other)
     along = (np.array(other.coords) - np.array(one.coords[0])) @ a
     shared = min(along.max(), one.length) - max(along.min(), 0.0)
-    parallel = abs(a[0] * b[1] - a[1] * b[0]) <= math.sin(PARALLEL)
-    return bool(parallel and shared >= SHARED * min(one.length, other.length))
+    parallel = abs(a[0] * b[1] - a[1] * b[0]) <= math.sin(SETTINGS.face_angle)
+    return bool(parallel and shared >= SETTINGS.shared * min(one.length, other.length))

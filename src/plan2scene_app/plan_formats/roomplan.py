@@ -19,8 +19,7 @@ from plan2scene.plans.names import room_types
 from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import Source
 from plan2scene_app.plan_formats.axes import MAX_AXES, WallAxis
-from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom
-from plan2scene_app.plan_formats.storeys import DrawnStorey, house_of_storeys
+from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys
 
 _KINDS = {"doors": "door", "windows": "window", "openings": "passage"}
 

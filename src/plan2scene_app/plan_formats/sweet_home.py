@@ -16,18 +16,13 @@ from plan2scene.house import House, IconBox, Point, Ring
 from plan2scene.plans.formats import PlanFormat
 from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import MAX_ITEMS, Source
-from plan2scene_app.plan_formats.axes import MAX_AXES, WallAxis
+from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, WallAxis
 from plan2scene_app.plan_formats.containers import attribute, parse_xml, zip_entry, zip_names
-from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom
-from plan2scene_app.plan_formats.storeys import DrawnStorey, house_of_storeys
+from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys
 
 ENTRY = "Home.xml"
 #: Metres of the file's unit.
 CM = 0.01
-#: An opening whose bottom is higher (metres) is a window, whatever its name.
-SILL = 0.3
-#: Curved walls are cut into pieces of at most this turn (radians).
-ARC_STEP = math.radians(15.0)
 #: A curved wall turns by less than a full circle.
 MAX_TURN = math.radians(350.0)
 _WINDOWS = ("window", "fenster", "fenêtre", "fenetre", "ventana", "finestra", "raam")
@@ -216,7 +211,7 @@ class _Home:
 
 def _kind(piece: Element, bottom: float) -> str:
     """Return the kind of opening that a door or window is."""
-    if bottom >= SILL:
+    if bottom >= SETTINGS.sill:
         return "window"
     name = f"{piece.get('catalogId', '')} {piece.get('name', '')}".lower()
     if any(word in name for word in _WINDOWS):
@@ -238,7 +233,7 @@ def _arc(start: Point, end: Point, extent: float) -> list[Point]:
     nx, nz = -(end[1] - start[1]) / chord, (end[0] - start[0]) / chord
     cx, cz = middle[0] + away * nx, middle[1] + away * nz
     first = math.atan2(start[1] - cz, start[0] - cx)
-    steps = max(2, math.ceil(abs(extent) / ARC_STEP))
+    steps = max(2, math.ceil(abs(extent) / SETTINGS.arc_step))
     inner = (first + extent * k / steps for k in range(1, steps))
     points = [(cx + radius * math.cos(a), cz + radius * math.sin(a)) for a in inner]
     return [start, *points, end]

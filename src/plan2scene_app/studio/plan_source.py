@@ -20,7 +20,7 @@ from plan2scene.io import atomic_path, read_json, write_json
 from plan2scene.plans import PlanFile
 from plan2scene.plans.formats import Unscaled, format_of
 from plan2scene.plugins import installed
-from plan2scene_app.editor.page import opened, picture_bytes
+from plan2scene_app.editor.editor_page import opened, picture_bytes
 from plan2scene_app.plan_formats.dxf_layers import LAYERS, MAX_PATTERN
 from plan2scene_app.studio.projects import PICTURE, Project
 

@@ -35,12 +35,16 @@ _GRACE = 3.0
 RECORD, EVENTS, LOG = "run.json", "run_events.jsonl", "run.log"
 #: What people call the rules, in the order of the work.
 STAGES = {
+    "trace": "The picture of the plan",
     "floorplan": "Plan",
     "masks": "What the photos show",
     "places": "Where the photos were taken",
     "crops": "Crops of floors, walls and ceilings",
     "contact_sheet": "Photos to crops",
-    "embeddings": "Materials of all rooms",
+    "surfaces": "Surfaces of the photos",
+    "embeddings": "What the crops look like",
+    "materials": "Materials of what is seen",
+    "propagated": "Materials of all rooms",
     "textures": "Textures",
     "house": "The house in 3D",
 }

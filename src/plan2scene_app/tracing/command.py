@@ -18,7 +18,7 @@ def trace_plan(
 ) -> None:
     """Read a plan from its picture; say what is doubtful, to be mended in the editor."""
     from plan2scene.io import keep_inputs
-    from plan2scene_app.tracing.output import traced_files, write_trace
+    from plan2scene_app.tracing.trace import traced_files, write_trace
 
     for path in traced_files(out):
         keep_inputs(path, [picture, *([model] if model else [])])

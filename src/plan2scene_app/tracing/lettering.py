@@ -11,10 +11,7 @@ import cv2
 import numpy as np
 from scipy import ndimage
 
-#: Longer side in pixels that a picture is brought to: small letters are enlarged.
-LONG_SIDE = (1300, 2000)
-#: Texts that the reader is less sure of are not used.
-LEAST_SCORE = 0.6
+from plan2scene_app.tracing.settings import SETTINGS
 
 
 @dataclass(frozen=True)
@@ -42,7 +39,7 @@ def reader_installed() -> bool:
 def read_lines(image: np.ndarray) -> list[TextLine]:
     """Return the lines of text of a picture (h, w, 3) uint8 sRGB."""
     side = max(image.shape[:2])
-    factor = min(max(1.0, LONG_SIDE[0] / side), LONG_SIDE[1] / side)
+    factor = min(max(1.0, SETTINGS.text_px[0] / side), SETTINGS.text_px[1] / side)
     if factor != 1:
         how = cv2.INTER_AREA if factor < 1 else cv2.INTER_CUBIC
         image = cv2.resize(image, None, fx=factor, fy=factor, interpolation=how)
@@ -51,7 +48,7 @@ def read_lines(image: np.ndarray) -> list[TextLine]:
         return []
     lines = []
     for box, text, score in zip(found.boxes, found.txts, found.scores, strict=True):
-        if score >= LEAST_SCORE and text.strip():
+        if score >= SETTINGS.text_score and text.strip():
             x, y = (np.asarray(box, float).mean(0) / factor).tolist()
             w, h = (np.ptp(np.asarray(box, float), axis=0) / factor).tolist()
             lines.append(TextLine(text.strip(), (x, y), (w, h), float(score)))

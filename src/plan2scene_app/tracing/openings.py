@@ -9,15 +9,8 @@ from scipy import ndimage
 from shapely.geometry import Polygon
 
 from plan2scene.plans.geometry import ring_edges
-from plan2scene_app.tracing.labels import OPENINGS, PASSAGE
 from plan2scene_app.tracing.regions import Regions, touches_open_floor
-
-#: Metres: narrower openings are none, those nearer to one another on a wall are one.
-LEAST, JOINED = 0.4, 0.2
-#: Metres from an outline to the middle of an opening in its wall, beyond the wall's thickness.
-NEAR = 0.3
-#: Metres of open floor between two rooms that are a passage.
-OPEN_FLOOR = 0.4
+from plan2scene_app.tracing.settings import OPENINGS, PASSAGE, SETTINGS
 
 
 @dataclass(frozen=True)
@@ -63,7 +56,7 @@ def find_openings(
         places, count = ndimage.label(regions.structure == label, np.ones((3, 3)))
         for number, box in enumerate(ndimage.find_objects(places, count), start=1):
             rows, columns = np.nonzero(places[box] == number)
-            if len(rows) < LEAST * regions.ppm:
+            if len(rows) < SETTINGS.opening * regions.ppm:
                 continue
             points = np.c_[columns + box[1].start, rows + box[0].start].astype(float)
             sure = float(probabilities[label][box][places[box] == number].mean())
@@ -102,7 +95,7 @@ def _on_edge(
     spread = np.cov((points - centre).T) + 1e-6 * np.eye(2)
     values, vectors = np.linalg.eigh(spread)
     longish = values[1] > 2.5 * values[0]
-    best, nearest = None, NEAR * regions.ppm + regions.wall_px
+    best, nearest = None, SETTINGS.off_wall * regions.ppm + regions.wall_px
     for edge in edges:
         if longish and abs(edge.way @ vectors[:, 1]) < 0.9:
             continue
@@ -116,7 +109,7 @@ def _on_edge(
     along, _ = best.place(points)
     low, high = np.percentile(along, [1.5, 98.5]) + (-0.5, 0.5)
     low, high = max(0.0, float(low)), min(best.length, float(high))
-    if high - low < LEAST * regions.ppm:
+    if high - low < SETTINGS.opening * regions.ppm:
         return None
     return _opening(best, low, high, kind, sure, polygons, regions)
 
@@ -150,7 +143,7 @@ def _undrawn_passages(
     """Return passages where floor goes on from one room to the next without a wall."""
     found = []
     for edge in edges:
-        if edge.length < OPEN_FLOOR * regions.ppm:
+        if edge.length < SETTINGS.open_floor * regions.ppm:
             continue
         steps = np.arange(0.5, edge.length, 1.0)
         line = edge.start + steps[:, None] * edge.way
@@ -158,7 +151,7 @@ def _undrawn_passages(
         runs, count = ndimage.label(is_open)
         for (run,) in ndimage.find_objects(runs, count):
             low, high = float(steps[run.start]) - 0.5, float(steps[run.stop - 1]) + 0.5
-            if high - low < OPEN_FLOOR * regions.ppm:
+            if high - low < SETTINGS.open_floor * regions.ppm:
                 continue
             opening = _opening(edge, low, high, OPENINGS[PASSAGE], 0.5, polygons, regions)
             if opening.other > edge.room and not any(_same(opening, o) for o in known):
@@ -181,7 +174,7 @@ def _joined(found: list[TracedOpening], ppm: float) -> list[TracedOpening]:
     kept: list[TracedOpening] = []
     for opening in sorted(found, key=lambda o: -o.width):
         for k, other in enumerate(kept):
-            joined = _union(other, opening, JOINED * ppm)
+            joined = _union(other, opening, SETTINGS.joined * ppm)
             if joined is not None:
                 kept[k] = joined
                 break

@@ -1,4 +1,4 @@
-"""Pictures of plans: how they are read, and what is told from a plan before it is traced."""
+"""Pictures of plans: how they are read and turned straight, and which are refused."""
 
 from __future__ import annotations
 
@@ -8,28 +8,13 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from scipy import ndimage
 from shapely.geometry import Polygon
 
 from plan2scene.errors import InputError
 from plan2scene.images import read_reduced_image
-from plan2scene_app.tracing.labels import ROOM
 from plan2scene_app.tracing.regions import Regions
-
-#: Longer side in pixels that pictures are worked on at, and the least that one may have.
-LONG_SIDE, LEAST_SIDE = 2000, 120
-#: Grey values that a page must span to have something drawn on it.
-CONTRAST = 25
-#: A page darker than this in the middle of its grey values may be light lines on dark paper, ...
-DARK_PAGE = 128
-#: ... and has when its lightest marks are so many times further from it than its darkest.
-LIGHT_LINES = 1.5
-#: Drawings are flat (:func:`flat_share`) at least to this share; most photos of dark rooms are not.
-DRAWN_FLAT = 0.42
-# Chosen on 34 plans, four of them real, and 40 photos of rooms: no plan and 39 photos are refused.
-#: Less sure rooms with more corners on average are none.
-RAGGED = (0.82, 11.0)
-#: Less sure rooms in a picture with a smaller flat share are none.
-BUSY = (0.78, 0.65)
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTINGS, WINDOW
 
 
 @dataclass(frozen=True)
@@ -41,17 +26,17 @@ class PlanPicture:
 
 
 def read_plan_picture(path: str | Path) -> PlanPicture:
-    """Return a picture of at most `LONG_SIDE` pixels a side; InputError for an empty page."""
-    image, (height, width) = read_reduced_image(path, LONG_SIDE)
-    if min(height, width) < LEAST_SIDE:
-        expected = f"a plan of at least {LEAST_SIDE} pixels a side"
+    """Return a picture of at most `long_side_px` pixels a side; InputError for an empty page."""
+    image, (height, width) = read_reduced_image(path, SETTINGS.long_side_px)
+    if min(height, width) < SETTINGS.least_side_px:
+        expected = f"a plan of at least {SETTINGS.least_side_px} pixels a side"
         raise InputError(expected, f"{width}x{height}", file=path)
-    zoom = min(1.0, LONG_SIDE / max(image.shape[:2]))
+    zoom = min(1.0, SETTINGS.long_side_px / max(image.shape[:2]))
     if zoom < 1:
         image = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     low, high = np.percentile(cv2.blur(grey, (3, 3)), [0.2, 99.8])
-    if high - low < CONTRAST:
+    if high - low < SETTINGS.contrast:
         raise InputError("a picture of a floorplan", "an empty page", file=path)
     return PlanPicture(image, max(height, width) / max(image.shape[:2]))
 
@@ -63,8 +48,8 @@ def dark_on_light(image: np.ndarray) -> np.ndarray:
     """
     grey = cv2.blur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (3, 3))
     low, paper, high = np.percentile(grey, [1, 50, 99])
-    light = paper < DARK_PAGE and high - paper > LIGHT_LINES * (paper - low)
-    return np.asarray(255 - image) if light and flat_share(image) > DRAWN_FLAT else image
+    light = paper < SETTINGS.dark_page and high - paper > SETTINGS.light_lines * (paper - low)
+    return np.asarray(255 - image) if light and flat_share(image) > SETTINGS.drawn_flat else image
 
 
 def how_sure(probabilities: np.ndarray, regions: Regions) -> float:
@@ -94,11 +79,11 @@ def refuse_other_pictures(
         found = "areas without any door or window"
     else:
         corners = np.mean([len(p.exterior.coords) - 1 for p in polygons.values()])
-        ragged = sure < RAGGED[0] and corners > RAGGED[1]
-        if ragged or (sure < BUSY[0] and flat_share(image) < BUSY[1]):
+        ragged = sure < SETTINGS.ragged[0] and corners > SETTINGS.ragged[1]
+        if ragged or (sure < SETTINGS.busy[0] and flat_share(image) < SETTINGS.busy[1]):
             found = f"areas that are {sure:.0%} sure to be rooms"
     if found:
-        if flat_share(image) < BUSY[1]:
+        if flat_share(image) < SETTINGS.busy[1]:
             found = f"a photo? ({found})"
         raise InputError("a picture of a floorplan", found, file=path)
 
@@ -111,3 +96,112 @@ def flat_share(image: np.ndarray) -> float:
     light = cv2.cvtColor(small, cv2.COLOR_RGB2LAB)[..., 0].astype(np.float32)
     slope = np.hypot(cv2.Sobel(light, cv2.CV_32F, 1, 0), cv2.Sobel(light, cv2.CV_32F, 0, 1)) / 8
     return float(np.mean(slope < 1))
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A straightened part of a picture; `matrix` (2, 3) takes the picture's pixels to its own."""
+
+    image: np.ndarray  #: (h, w, 3) uint8
+    matrix: np.ndarray
+
+    @property
+    def zoom(self) -> float:
+        """Pixels of the frame for one of the picture."""
+        return float(np.sqrt(abs(np.linalg.det(self.matrix[:, :2]))))
+
+    def of_picture(self, points: np.ndarray) -> np.ndarray:
+        """Return points (n, 2) of the picture in the frame."""
+        return np.asarray(points @ self.matrix[:, :2].T + self.matrix[:, 2])
+
+    def to_picture(self, points: np.ndarray) -> np.ndarray:
+        """Return points (n, 2) of the frame in the picture."""
+        return np.asarray((points - self.matrix[:, 2]) @ np.linalg.inv(self.matrix[:, :2]).T)
+
+
+def whole(image: np.ndarray, long_side: int) -> Frame:
+    """Return a whole picture with its longer side at `long_side` pixels."""
+    zoom = long_side / max(image.shape[:2])
+    how = cv2.INTER_AREA if zoom < 1 else cv2.INTER_CUBIC
+    small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=how)
+    return Frame(small, np.array([[zoom, 0, 0], [0, zoom, 0]], float))
+
+
+def main_direction(walls: np.ndarray) -> float:
+    """Return by how many degrees, -45 to 45, walls (h, w; probabilities) are turned clockwise."""
+    smooth = cv2.GaussianBlur(walls.astype(np.float32), (0, 0), 1.2)
+    gx, gy = cv2.Sobel(smooth, cv2.CV_32F, 1, 0), cv2.Sobel(smooth, cv2.CV_32F, 0, 1)
+    strength = gx**2 + gy**2
+    angles = np.degrees(np.arctan2(gy, gx)) % 90
+    counts, edges = np.histogram(angles, bins=360, range=(0, 90), weights=strength)
+    kernel = np.exp(-0.5 * (np.arange(-12, 13) / 4) ** 2)
+    padded = np.concatenate([counts[-12:], counts, counts[:12]])
+    peak = edges[int(np.convolve(padded, kernel, "valid").argmax())]
+    off = (angles - peak + 45) % 90 - 45
+    near = np.abs(off) < 3
+    total = float(strength[near].sum())
+    angle = peak + (float((off * strength)[near].sum()) / total if total else 0.0)
+    return float((angle + 45) % 90 - 45)
+
+
+def first_scale(structure: np.ndarray) -> float:
+    """Return about how many pixels a metre of a structure (h, w) has: by its doors and its size."""
+    places, count = ndimage.label(structure == DOOR, np.ones((3, 3)))
+    widths = [max(b.stop - b.start for b in box) for box in ndimage.find_objects(places, count)]
+    widths = [width for width in widths if width >= 6]
+    rows, columns = np.nonzero(_largest_part(structure != OUTSIDE))
+    size = max(float(np.ptp(rows)), float(np.ptp(columns)), 1.0) if len(rows) else 1.0
+    usual, spread = np.log(size / SETTINGS.home_size[0]), SETTINGS.home_size[1]
+    if not widths:
+        return float(np.exp(usual))
+    # Half of a door is found more often than two doors as one.
+    doors, unsure = (
+        np.log(np.percentile(widths, 70) / SETTINGS.door_width[0]),
+        0.15 + 0.4 / len(widths),
+    )
+    weights = np.array([1 / spread**2, 1 / unsure**2])
+    return float(np.exp((weights * [usual, doors]).sum() / weights.sum()))
+
+
+def straightened(image: np.ndarray, first: Frame, structure: np.ndarray, angle: float) -> Frame:
+    """Return the plan of a picture at the network's size, by its structure in a first frame."""
+    shown = np.isin(structure, (DOOR, WINDOW, PASSAGE)) | (structure > PASSAGE) | (structure == 1)
+    rows, columns = np.nonzero(_largest_part(shown))
+    points = first.to_picture(np.c_[columns, rows].astype(float))
+    ppm = first_scale(structure) / first.zoom
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    turn = np.array([[c, s], [-s, c]]) if abs(angle) >= SETTINGS.least_turn else np.eye(2)
+    turned = points @ turn.T
+    low, high = turned.min(0) - SETTINGS.paper * ppm, turned.max(0) + SETTINGS.paper * ppm
+    zoom = min(SETTINGS.ppm / ppm, SETTINGS.largest_px / float((high - low).max()), 3.0)
+    return warped(image, turn, low, high, zoom)
+
+
+def warped(
+    image: np.ndarray, turn: np.ndarray, low: np.ndarray, high: np.ndarray, zoom: float
+) -> Frame:
+    """Return what lies between two corners of a turned picture, `zoom` times as large."""
+    size = np.maximum(32, np.ceil((high - low) * zoom)).astype(int)
+    how = cv2.INTER_AREA if zoom < 1 else cv2.INTER_CUBIC
+    small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=how)
+    matrix = np.c_[turn, -low * zoom]
+    paper = np.median(np.r_[image[0], image[-1], image[:, 0], image[:, -1]], axis=0)
+    seen = cv2.warpAffine(
+        small,
+        matrix,
+        (int(size[0]), int(size[1])),
+        flags=cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_CONSTANT,
+        borderValue=[float(v) for v in paper],
+    )
+    return Frame(seen, np.c_[turn * zoom, -low * zoom])
+
+
+def _largest_part(shown: np.ndarray) -> np.ndarray:
+    """Return the pixels of parts that are not small beside the largest (letters, stains)."""
+    places, count = ndimage.label(shown, np.ones((3, 3)))
+    if count < 2:
+        return shown
+    sizes = np.bincount(places.ravel())[1:]
+    kept = np.flatnonzero(sizes >= 0.12 * sizes.max()) + 1
+    return np.isin(places, kept)

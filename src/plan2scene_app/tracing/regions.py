@@ -1,4 +1,8 @@
-"""From labels of pixels to which room each pixel belongs to."""
+"""From labels of pixels to the room that each pixel belongs to.
+
+Passages that nothing marks are found first: a wall that ends in the middle of a floor goes on to an
+end that faces it, or to the wall across, where that parts two floors that are both large enough.
+"""
 
 from __future__ import annotations
 
@@ -9,18 +13,7 @@ import numpy as np
 from scipy import ndimage
 from skimage.segmentation import watershed
 
-from plan2scene_app.tracing.labels import DOOR, OUTSIDE, PASSAGE, ROOM
-
-#: Metres, as far as doors tell the scale: a neck of a room narrower than this parts two rooms.
-NECK = 0.5
-#: Rooms with less floor (m2), or nowhere wider (metres) than this, are none.
-LEAST_FLOOR, LEAST_WIDTH = 0.6, 0.5
-#: A gap between rooms up to this wide (metres) is a wall that both share.
-THICKEST = 0.55
-#: A room has something behind this share of its border.
-CLOSED = 0.7
-#: Square metres up to which a room without an opening is part of another.
-ISLAND = 3.0
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTINGS
 
 
 @dataclass(frozen=True)
@@ -58,7 +51,7 @@ def _without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
     The outside is what one can walk to from the picture's border by ways wider than a neck.
     """
     outside = np.pad(structure == OUTSIDE, 1, constant_values=True).astype(np.uint8)
-    side = 2 * round(NECK * ppm / 2) + 1
+    side = 2 * round(SETTINGS.neck * ppm / 2) + 1
     walker = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
     padded = cv2.copyMakeBorder(outside, side, side, side, side, cv2.BORDER_CONSTANT, value=1)
     places, _ = ndimage.label(cv2.erode(padded, walker))
@@ -78,13 +71,13 @@ def _without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
 def _floors(mask: np.ndarray, ppm: float) -> np.ndarray:
     """Return numbered floors (h, w) int32 of a mask of room pixels, parted at narrow necks."""
     depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 3)
-    seeds, count = ndimage.label(depth > NECK / 2 * ppm)
+    seeds, count = ndimage.label(depth > SETTINGS.neck / 2 * ppm)
     if not count:
         return np.zeros(mask.shape, np.int32)
     floors = watershed(-depth, seeds, mask=mask)
     sizes = np.bincount(floors.ravel(), minlength=count + 1)
     widest = np.asarray(ndimage.maximum(depth, floors, np.arange(count + 1))) * 2
-    kept = (sizes >= LEAST_FLOOR * ppm**2) & (widest >= LEAST_WIDTH * ppm)
+    kept = (sizes >= SETTINGS.room_floor * ppm**2) & (widest >= SETTINGS.room_width * ppm)
     kept[0] = False
     numbers = np.where(kept, np.cumsum(kept), 0)
     return np.asarray(numbers[floors], np.int32)
@@ -101,7 +94,7 @@ def _wall_thickness(structure: np.ndarray, floors: np.ndarray, ppm: float) -> fl
                 continue
             gaps = np.diff(inside) - 1
             ends = line[inside[:-1]] != line[inside[1:]]
-            found.append(gaps[(gaps > 0) & ends & (gaps < THICKEST * ppm)])
+            found.append(gaps[(gaps > 0) & ends & (gaps < SETTINGS.shared_wall * ppm)])
     gaps = np.concatenate(found) if found else np.zeros(0)
     return float(np.median(gaps)) if len(gaps) > 5 else 0.12 * ppm
 
@@ -112,7 +105,7 @@ def _grown(floors: np.ndarray, wall_px: float, ppm: float) -> np.ndarray:
     Towards the outside they reach half of an inner wall beyond their floor.
     """
     half = max(1, round(wall_px / 2))
-    reach = round(THICKEST * ppm / 2)
+    reach = round(SETTINGS.shared_wall * ppm / 2)
     square = cv2.getStructuringElement(cv2.MORPH_RECT, (2 * half + 1, 2 * half + 1))
     body = cv2.dilate((floors > 0).astype(np.uint8), square)
     pad = reach + 1
@@ -146,13 +139,13 @@ def without_islands(regions: Regions) -> Regions:
     square = np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)
     owner = np.arange(regions.count + 1)
     for number in np.argsort(sizes).tolist():
-        if not number or sizes[number] >= ISLAND * regions.ppm**2:
+        if not number or sizes[number] >= SETTINGS.island * regions.ppm**2:
             continue
         rim = cv2.dilate((regions.floors == number).astype(np.uint8), square) > 0
         behind = np.isin(regions.structure[rim], (DOOR, PASSAGE)).sum()
         beside = np.bincount(regions.floors[rim], minlength=regions.count + 1)
         beside[[0, number]] = 0
-        if behind < LEAST_WIDTH * regions.ppm and beside.max() > 0:
+        if behind < SETTINGS.room_width * regions.ppm and beside.max() > 0:
             owner[number] = int(beside.argmax())
     for _ in range(3):  # an island in an island
         owner = owner[owner]
@@ -167,7 +160,7 @@ def without_islands(regions: Regions) -> Regions:
 def without_open_rooms(regions: Regions) -> Regions:
     """Return the regions without those that nothing closes."""
     numbers = np.arange(regions.count + 1)
-    kept = np.array([n > 0 and closed_share(regions, int(n)) >= CLOSED for n in numbers])
+    kept = np.array([n > 0 and closed_share(regions, int(n)) >= SETTINGS.closed for n in numbers])
     if kept[1:].all():
         return regions
     renumbered = np.where(kept, np.cumsum(kept), 0).astype(np.int32)
@@ -185,3 +178,124 @@ def touches_open_floor(regions: Regions, line: np.ndarray) -> np.ndarray:
     x = np.clip(np.round(line[:, 0]).astype(int), 0, w - 1)
     y = np.clip(np.round(line[:, 1]).astype(int), 0, h - 1)
     return np.isin(regions.structure[y, x], (ROOM, PASSAGE))
+
+
+@dataclass(frozen=True)
+class _Gap:
+    """Floor between two ends: `rows` of the wall's thickness, `columns` of the gap."""
+
+    rows: tuple[int, int]
+    columns: tuple[int, int]
+    turned: bool  #: whether rows are columns of the picture
+
+    @property
+    def place(self) -> tuple[slice, slice]:
+        """Where it is in the picture."""
+        along, across = slice(*self.columns), slice(*self.rows)
+        return (along, across) if self.turned else (across, along)
+
+    def sides(self, floors: np.ndarray) -> tuple[int, int]:
+        """Return the floors on both sides, 0 for none; `floors` (h, w) are numbered."""
+        plane = floors.T if self.turned else floors
+        found = []
+        for row in (self.rows[0] - 1, self.rows[1]):
+            near = plane[row, slice(*self.columns)] if 0 <= row < len(plane) else np.zeros(1, int)
+            found.append(int(np.bincount(near).argmax()))
+        return found[0], found[1]
+
+
+def with_passages(structure: np.ndarray, ppm: float) -> np.ndarray:
+    """Return the structure (h, w) uint8 with passages where floors go on between ends of walls."""
+    gaps = [gap for turned in (False, True) for gap in _gaps(structure, ppm, turned=turned)]
+    while gaps:
+        found = structure.copy()
+        for gap in gaps:
+            part = found[gap.place]
+            part[part == ROOM] = PASSAGE
+        floors, count = ndimage.label(found == ROOM)
+        sizes = np.bincount(floors.ravel(), minlength=count + 1)
+        sizes[0] = 0
+        kept = []
+        for gap in gaps:
+            one, other = gap.sides(floors)
+            if one != other and min(sizes[one], sizes[other]) >= SETTINGS.parted_floor * ppm**2:
+                kept.append(gap)
+        if len(kept) == len(gaps):
+            return found
+        gaps = kept
+    return structure
+
+
+def _gaps(structure: np.ndarray, ppm: float, *, turned: bool) -> list[_Gap]:
+    """Return the gaps along the rows, or along the columns where `turned`."""
+    plane = structure.T if turned else structure
+    solid = ndimage.binary_closing((plane != ROOM) & (plane != OUTSIDE), np.ones((3, 3)))
+    floors, _ = ndimage.label((plane == ROOM) & ~solid)
+    thin = np.where(_standing(solid, ppm), 0, _thin(floors, solid, ppm))
+    marks = np.zeros(plane.shape, np.int8)  # of gaps: 0 none, else one
+    for y, row in enumerate(solid):
+        if row.any():
+            _mark_row(marks[y], floors[y], row, thin[y], ppm)
+    places, count = ndimage.label(marks)
+    found = []
+    for box in ndimage.find_objects(places, count):
+        rows, columns = box
+        if rows.stop - rows.start <= SETTINGS.ending_wall * ppm:
+            thick = (max(0, rows.start - 1), rows.stop + 1)
+            found.append(_Gap(thick, (columns.start, columns.stop), turned))
+    return found
+
+
+def _standing(solid: np.ndarray, ppm: float) -> np.ndarray:
+    """Return what stands alone in a floor (h, w) bool: furniture, pillars, screens."""
+    places, count = ndimage.label(solid, np.ones((3, 3)))
+    boxes = ndimage.find_objects(places, count)
+    small = [max(s.stop - s.start for s in box) < SETTINGS.standing * ppm for box in boxes]
+    return np.asarray(np.array([False, *small])[places])
+
+
+def _thin(floors: np.ndarray, solid: np.ndarray, ppm: float) -> np.ndarray:
+    """Return the floor (h, w; 0 for none) on both sides of walls that columns cross.
+
+    A wall with one floor on both sides, no thicker than usual, is one that ends somewhere.
+    """
+    found = np.zeros(solid.shape, np.int32)
+    height = len(floors)
+    for x in range(solid.shape[1]):
+        edges = np.flatnonzero(np.diff(np.r_[0, solid[:, x].astype(np.int8), 0]))
+        for start, stop in zip(edges[::2], edges[1::2], strict=True):
+            free = start > 0 and stop < height
+            if free and stop - start <= SETTINGS.ending_wall * ppm:
+                one, other = floors[start - 1, x], floors[stop, x]
+                found[start:stop, x] = one if one == other else 0
+    return found
+
+
+def _mark_row(
+    marks: np.ndarray, floors: np.ndarray, solid: np.ndarray, thin: np.ndarray, ppm: float
+) -> None:
+    """Mark the gaps of one row: all floor, from an end of a wall to an end or a wall."""
+    edges = np.flatnonzero(np.diff(np.r_[0, solid.astype(np.int8), 0]))
+    starts, stops = edges[::2], edges[1::2]
+    least = max(2, round(SETTINGS.free_end * ppm))
+    for k in range(len(starts) - 1):
+        low, high = int(stops[k]), int(starts[k + 1])
+        floor = floors[low]
+        if not floor or not (floors[low:high] == floor).all():
+            continue
+        before, after = _run(thin[:low][::-1] == floor), _run(thin[high:] == floor)
+        ends = (before >= least) + (after >= least)
+        if not ends:
+            continue
+        facing = ends == 2
+        shortest, longest = SETTINGS.facing if facing else SETTINGS.across
+        least_share = SETTINGS.facing_walled if facing else SETTINGS.across_walled
+        gap = high - low
+        walled = (before + after) / (before + after + gap)
+        if shortest * ppm <= gap <= longest * ppm and walled >= least_share:
+            marks[low:high] = 1
+
+
+def _run(values: np.ndarray) -> int:
+    """Return how many values are true before the first that is not."""
+    return int(len(values) if values.all() else np.argmin(values))

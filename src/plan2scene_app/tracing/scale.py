@@ -1,23 +1,92 @@
-"""The scale of a plan: what its texts, rooms, walls and doors agree on."""
+"""The scale of a plan: what its texts, rooms, walls and doors agree on.
+
+Lengths and areas are read as plans write them: 3.20 m, 3200, 12'6", 14,5 m2, 3x4.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from plan2scene_app.tracing.lettering import TextLine
-from plan2scene_app.tracing.measures import read_area, read_length, read_sides
+from plan2scene_app.tracing.settings import SETTINGS
 
-#: Usual width of a door in metres, and how far (natural logarithm) one home's doors are from it.
-DOOR_WIDTH, DOOR_SPREAD = 0.85, 0.18
-#: Usual floor of a room in m2, and how far (of the scale's logarithm) homes are from it.
-ROOM_FLOOR, FLOOR_SPREAD = 12.0, 0.35
-#: Evidence agrees that is nearer than this many of its own deviations.
-AGREES = 2.5
-#: Below this confidence the scale is a guess, and is said to be one.
-SURE = 0.6
+_FOOT = 0.3048
+_NUMBER = r"\d{1,5}(?:[.,]\d{1,3})?"
+_AREA = re.compile(
+    rf"({_NUMBER})\s*(m\s?[2²]|m\^2|㎡|qm|mq|sq\.?\s?m|sq\.?\s?ft|sq\.?\s?feet|ft\.?\s?[2²]|sf)(?![a-z])",
+    re.IGNORECASE,
+)
+_FEET = re.compile(
+    r"""^(\d{1,3})\s*(?:'|’|′|`|ft\.?|feet)\s*-?\s*(?:(\d{1,2}(?:[.,]\d)?)\s*(?:"|''|”|″|“|in\.?)?)?$""",
+    re.IGNORECASE,
+)
+_METRIC = re.compile(rf"^({_NUMBER})\s*(mm|cm|m)?\.?$", re.IGNORECASE)
+_CROSS = re.compile(r"(?<=[\d'\"m”″’ ])\s*[x×X*]\s*(?=\d)")
+#: Lengths (metres) and areas (m2) that rooms and homes have.
+_LENGTHS, _AREAS = (0.3, 60.0), (0.5, 600.0)
+
+
+def read_area(text: str) -> tuple[float, float] | None:
+    """Return an area in m2 and what its last digit is worth; None where the text has none."""
+    found = _AREA.search(text)
+    if found is None:
+        return None
+    value, digit = _value(found[1])
+    unit = found[2].lower().replace(".", "").replace(" ", "")
+    if "f" in unit:
+        value, digit = value * _FOOT**2, digit * _FOOT**2
+    return (value, digit) if _AREAS[0] <= value <= _AREAS[1] else None
+
+
+def read_length(text: str) -> list[float]:
+    """Return what a text may mean as a length, in metres: no unit leaves several meanings."""
+    plain = text.strip().strip("()[]")
+    feet = _FEET.match(plain)
+    if feet is not None:
+        inches = _value(feet[2])[0] if feet[2] else 0.0
+        return _possible([(int(feet[1]) + inches / 12) * _FOOT]) if inches < 12 else []
+    metric = _METRIC.match(plain)
+    if metric is None:
+        return []
+    value, digit = _value(metric[1])
+    unit = (metric[2] or "").lower()
+    if unit:
+        return _possible([value * {"mm": 0.001, "cm": 0.01, "m": 1.0}[unit]])
+    if digit < 1:
+        return _possible([value, value / 100])
+    if value < 30:  # a number of a room or a storey
+        return []
+    return _possible([value / 1000, value / 100])
+
+
+def read_sides(text: str) -> list[tuple[float, float]]:
+    """Return what a text may mean as the two sides of a room, in metres."""
+    plain = re.sub(r"\s*(mm|cm|m|ft)\.?$", r"\1", text.strip(), flags=re.IGNORECASE)
+    parts = _CROSS.split(plain)
+    if len(parts) != 2:
+        return []
+    unit = re.search(r"(mm|cm|m)$", parts[1], re.IGNORECASE)
+    if unit and not re.search(r"m$", parts[0].strip(), re.IGNORECASE):
+        parts[0] += unit[1]
+    first, second = (read_length(part) for part in parts)
+    if len(first) == len(second):
+        return list(zip(first, second, strict=True))
+    return [(a, b) for a in first for b in second if 0.2 < a / b < 5]
+
+
+def _value(text: str) -> tuple[float, float]:
+    """Return a number and what its last digit is worth."""
+    whole, _, digits = text.replace(",", ".").partition(".")
+    return float(f"{whole}.{digits or 0}"), 10.0 ** -len(digits)
+
+
+def _possible(lengths: list[float]) -> list[float]:
+    """Return lengths that something in a home can have."""
+    return [length for length in lengths if _LENGTHS[0] <= length <= _LENGTHS[1]]
 
 
 @dataclass(frozen=True)
@@ -128,20 +197,22 @@ def find_scale(
 
 def _prior(door_widths: Sequence[float], floors: Sequence[float]) -> tuple[float, float, str]:
     """Return logarithm, deviation and source of the scale as doors and rooms' sizes tell it."""
-    by_rooms = 0.5 * float(np.log(ROOM_FLOOR / np.mean(floors)))
+    by_rooms = 0.5 * float(np.log(SETTINGS.floor[0] / np.mean(floors)))
     if not door_widths:
-        return by_rooms, FLOOR_SPREAD, f"a guess: rooms of {ROOM_FLOOR:g} m2"
-    by_doors = float(np.log(DOOR_WIDTH / np.median(door_widths)))
-    weights = np.array([1 / (DOOR_SPREAD + 0.2 / len(door_widths)) ** 2, 1 / FLOOR_SPREAD**2])
+        return by_rooms, SETTINGS.floor[1], f"a guess: rooms of {SETTINGS.floor[0]:g} m2"
+    by_doors = float(np.log(SETTINGS.door_width[0] / np.median(door_widths)))
+    weights = np.array(
+        [1 / (SETTINGS.door_width[1] + 0.2 / len(door_widths)) ** 2, 1 / SETTINGS.floor[1] ** 2]
+    )
     mean = float((weights * [by_doors, by_rooms]).sum() / weights.sum())
-    source = f"a guess: doors of {DOOR_WIDTH} m, rooms of {ROOM_FLOOR:g} m2"
+    source = f"a guess: doors of {SETTINGS.door_width[0]} m, rooms of {SETTINGS.floor[0]:g} m2"
     return mean, float(weights.sum() ** -0.5), source
 
 
 def _nearest(evidence: Evidence, scale: float) -> float | None:
     """Return the meaning that agrees best with a scale; None where none does."""
     meaning = min(evidence.meanings, key=lambda m: abs(m - scale))
-    return meaning if abs(meaning - scale) < AGREES * evidence.deviation else None
+    return meaning if abs(meaning - scale) < SETTINGS.agrees * evidence.deviation else None
 
 
 def _support(evidence: Sequence[Evidence], scale: float) -> float:

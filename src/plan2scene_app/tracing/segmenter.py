@@ -12,7 +12,7 @@ from torch.nn import functional as F
 from plan2scene.photos.labels.network import SegmentationNet, folded
 from plan2scene.photos.labels.segmentation import STRIDE, to_tensor
 from plan2scene.weights import filled, fitting, load_model_file
-from plan2scene_app.tracing.labels import PLAN_LABELS
+from plan2scene_app.tracing.settings import PLAN_LABELS
 
 
 class PlanSegmenter:

@@ -7,7 +7,7 @@ from plan2scene.camera import Camera
 from plan2scene.photos.contact_sheet.panels import OWN_ROOM, plan_panel
 from plan2scene.photos.locate.plan_view import look, room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_to_json
-from plan2scene_app.viewer.facts import _camera
+from plan2scene_app.viewer.viewer_page import _camera
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import pytest
 from browser import Drawing, chromium
 
-from plan2scene_app.editor import write_editor
+from plan2scene_app.editor.editor_page import write_editor
 
 
 @pytest.fixture(scope="module")

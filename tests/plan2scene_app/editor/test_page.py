@@ -17,9 +17,8 @@ from shapely.geometry import Polygon
 from plan2scene.errors import InputError
 from plan2scene.plans import read_plan, write_scene_json
 from plan2scene.plans.plan_json import house_of_plan
-from plan2scene_app.editor import write_editor
-from plan2scene_app.editor.page import joined_program, opened, picture_bytes
-from plan2scene_app.tracing.frame import Frame
+from plan2scene_app.editor.editor_page import joined_program, opened, picture_bytes, write_editor
+from plan2scene_app.tracing.picture import Frame
 from plan2scene_app.tracing.scale import Scale
 from plan2scene_app.tracing.trace import TracedPlan
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from plan2scene_app.exports.ifc import write_ifc
+from plan2scene_app.exports.ifc4 import write_ifc
 
 ifcopenshell = pytest.importorskip("ifcopenshell")
 

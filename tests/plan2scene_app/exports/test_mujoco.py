@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from plan2scene_app.exports.mjcf import mjcf_text
+from plan2scene_app.exports.simulator import mjcf_text
 from plan2scene_app.exports.solids import house_solids
 
 mujoco = pytest.importorskip("mujoco")

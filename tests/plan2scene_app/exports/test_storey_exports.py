@@ -12,11 +12,10 @@ from plan2scene.mesh import build_parts
 from plan2scene.mesh.obj import write_obj
 from plan2scene.plans import write_scene_json
 from plan2scene.plans.storeys import flight_area
-from plan2scene_app.exports.ifc import write_ifc
-from plan2scene_app.exports.mjcf import mjcf_text
+from plan2scene_app.exports.ifc4 import write_ifc
 from plan2scene_app.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M
 from plan2scene_app.exports.registry import export_house
-from plan2scene_app.exports.simulator import write_simulator
+from plan2scene_app.exports.simulator import mjcf_text, write_simulator
 from plan2scene_app.exports.solids import house_solids
 
 

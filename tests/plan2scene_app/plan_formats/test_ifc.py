@@ -9,7 +9,7 @@ from shapely.geometry import LineString
 
 from plan2scene.errors import InputError
 from plan2scene.plans import house_faults, read_plan
-from plan2scene_app.exports.ifc import write_ifc
+from plan2scene_app.exports.ifc4 import write_ifc
 
 ifcopenshell = pytest.importorskip("ifcopenshell")
 ROOT = Path(__file__).parents[3]

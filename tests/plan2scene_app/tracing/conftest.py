@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plan2scene_app.tracing.labels import DOOR, PLAN_LABELS, WALL, WINDOW
+from plan2scene_app.tracing.settings import DOOR, PLAN_LABELS, WALL, WINDOW
 
 PPM = 30
 #: Rooms of the flat: label and floor in metres (x0, y0, x1, y1); walls are .1 m.

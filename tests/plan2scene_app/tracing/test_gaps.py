@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from plan2scene_app.tracing.gaps import with_passages
-from plan2scene_app.tracing.labels import PASSAGE, ROOM, WALL
 from plan2scene_app.tracing.openings import find_openings
-from plan2scene_app.tracing.outlines import room_polygons
-from plan2scene_app.tracing.regions import find_regions
+from plan2scene_app.tracing.regions import find_regions, with_passages
+from plan2scene_app.tracing.rooms import room_polygons
+from plan2scene_app.tracing.settings import PASSAGE, ROOM, WALL
 
 from .conftest import PPM, as_probabilities
 

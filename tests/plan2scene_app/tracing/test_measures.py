@@ -1,6 +1,6 @@
 import pytest
 
-from plan2scene_app.tracing.measures import read_area, read_length, read_sides
+from plan2scene_app.tracing.scale import read_area, read_length, read_sides
 
 
 @pytest.mark.parametrize(

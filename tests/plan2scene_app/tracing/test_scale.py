@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from plan2scene_app.tracing.lettering import TextLine
-from plan2scene_app.tracing.scale import SURE, RoomSize, chain_evidence, find_scale, room_evidence
+from plan2scene_app.tracing.scale import RoomSize, chain_evidence, find_scale, room_evidence
+from plan2scene_app.tracing.settings import SETTINGS
 
 #: Metres of a pixel in these tests.
 TRUE = 0.02
@@ -24,7 +25,7 @@ def test_areas_and_sides_agree():
     ]
     found = find_scale(evidence, [0.9 / TRUE], [30000.0])
     assert found.metres_per_pixel == pytest.approx(TRUE, rel=0.01)
-    assert found.confidence > SURE
+    assert found.confidence > SETTINGS.sure
     assert set(found.agree) == {"12 m2", "400 x 300", "6.0 m2"}
 
 
@@ -63,7 +64,7 @@ def test_upright_lengths_are_of_the_other_axis():
 def test_without_text_doors_tell_and_it_is_a_guess():
     found = find_scale([], [42.0, 43.0, 40.0], [30000.0])
     assert found.metres_per_pixel == pytest.approx(0.85 / 42, rel=0.01)
-    assert found.confidence < SURE and "guess" in found.source
+    assert found.confidence < SETTINGS.sure and "guess" in found.source
     assert find_scale([], [], [30000.0]).confidence < 0.2
 
 
@@ -71,4 +72,4 @@ def test_a_scale_far_from_what_doors_say_is_not_believed():
     evidence = room_evidence(room(4.0, 3.0, "1200 m2", "120 m2"))
     found = find_scale(evidence, [0.85 / TRUE] * 3, [30000.0])
     assert found.metres_per_pixel == pytest.approx(TRUE, rel=0.01)
-    assert found.confidence < SURE
+    assert found.confidence < SETTINGS.sure

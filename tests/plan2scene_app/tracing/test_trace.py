@@ -15,8 +15,8 @@ from plan2scene.plans import read_plan
 from plan2scene_app.cli import app
 from plan2scene_app.tracing import trace
 from plan2scene_app.tracing.lettering import TextLine, read_lines
-from plan2scene_app.tracing.output import traced_files, write_trace
 from plan2scene_app.tracing.picture import dark_on_light, read_plan_picture
+from plan2scene_app.tracing.trace import traced_files, write_trace
 
 
 @pytest.fixture

@@ -5,13 +5,12 @@ import pytest
 from scipy import ndimage
 from shapely.geometry import Point, Polygon
 
-from plan2scene_app.tracing.frame import first_scale, main_direction, straightened, whole
-from plan2scene_app.tracing.labels import ROOM
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
-from plan2scene_app.tracing.outlines import room_polygons
+from plan2scene_app.tracing.picture import first_scale, main_direction, straightened, whole
 from plan2scene_app.tracing.regions import find_regions, structure_of
-from plan2scene_app.tracing.rooms import describe_rooms, without_inner_windows
+from plan2scene_app.tracing.rooms import describe_rooms, room_polygons, without_inner_windows
+from plan2scene_app.tracing.settings import ROOM
 
 from .conftest import FLOORS, PPM, as_probabilities, flat_labels
 

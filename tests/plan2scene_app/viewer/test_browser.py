@@ -12,8 +12,8 @@ from plan2scene.house import IconBox, SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh import TileTexture, write_glb
 from plan2scene.plans import write_scene_json
-from plan2scene_app.viewer import build_viewer
 from plan2scene_app.viewer.index_page import write_index
+from plan2scene_app.viewer.viewer_page import build_viewer
 
 NAME = (
     '"></script><script>document.body.remove()</script><img src=x onerror=document.body.remove()>'

@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene_app.viewer import build, build_viewer
+from plan2scene_app.viewer import viewer_page
+from plan2scene_app.viewer.viewer_page import build_viewer
 
-FOLDER = Path(build.__file__).parent
+FOLDER = Path(viewer_page.__file__).parent
 
 
 @pytest.fixture

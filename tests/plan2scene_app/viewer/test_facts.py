@@ -8,7 +8,7 @@ import pandas as pd
 
 from plan2scene.images import png_bytes
 from plan2scene.io import write_json
-from plan2scene_app.viewer import read_facts
+from plan2scene_app.viewer.viewer_page import read_facts
 
 
 def tables(tmp_path):

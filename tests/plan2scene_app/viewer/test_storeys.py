@@ -7,7 +7,7 @@ from viewer_page import ViewerPage
 
 from plan2scene.mesh import write_glb
 from plan2scene.plans import read_plan
-from plan2scene_app.viewer import build_viewer
+from plan2scene_app.viewer.viewer_page import build_viewer
 
 PLAN = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
 STATE = "[eye.feet.x, eye.feet.y, eye.feet.z, eye.room]"

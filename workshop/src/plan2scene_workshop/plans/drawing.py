@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from plan2scene.house import House
-from plan2scene_app.tracing.labels import DOOR, LABEL_OF_TYPE, OUTSIDE, PASSAGE, WALL, WINDOW
+from plan2scene_app.tracing.settings import DOOR, LABEL_OF_TYPE, OUTSIDE, PASSAGE, WALL, WINDOW
 from plan2scene_workshop.plans.clutter import draw_clutter
 from plan2scene_workshop.plans.furnish import furnish
 from plan2scene_workshop.plans.lettering import dimension_chains, name_rooms, surroundings

@@ -10,7 +10,7 @@ from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
 from plan2scene.weights import filled, load_model_file, save_model_file
-from plan2scene_app.tracing.labels import MODEL, PLAN_LABELS
+from plan2scene_app.tracing.settings import MODEL, PLAN_LABELS
 from plan2scene_workshop.plans.settings import PlanSettings
 from plan2scene_workshop.plans.training import (
     STRUCTURE,

@@ -10,7 +10,7 @@ from torch.nn import functional as F
 
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.seeds import generator
-from plan2scene_app.tracing.labels import PLAN_LABELS, ROOM, WALL
+from plan2scene_app.tracing.settings import PLAN_LABELS, ROOM, WALL
 from plan2scene_workshop.plans.paper import worn
 from plan2scene_workshop.plans.settings import PlanSettings
 from plan2scene_workshop.plans.views import Drawings, draw_batch, other_drawing

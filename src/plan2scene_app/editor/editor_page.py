@@ -12,13 +12,25 @@ from typing import Any
 import numpy as np
 
 from plan2scene.errors import InputError
+from plan2scene.house import ROOM_TYPES
 from plan2scene.html_page import html_page, inline_json, source_hash
 from plan2scene.image_modes import to_small_srgb
 from plan2scene.images import decode_image, png_bytes
 from plan2scene.io import atomic_path
-from plan2scene.plans import PlanFile, read_plan, validate_house
+from plan2scene.plans import (
+    PlanFile,
+    openings,
+    parse,
+    plan_json,
+    plausible,
+    read_plan,
+    storeys,
+    validate,
+    validate_house,
+)
+from plan2scene.plans.geometry import SHARED_TOLERANCE
 from plan2scene.plans.plan_writer import house_to_plan
-from plan2scene_app.editor.rules import page_rules
+from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.tracing.picture import read_plan_picture
 
 FOLDER = Path(__file__).parent
@@ -98,9 +110,8 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
     import cv2
 
     read_plan_picture(source)  # an empty page is told before torch is imported
-    from plan2scene_app.tracing.output import doubts, plan_document, plan_origin
-    from plan2scene_app.tracing.scale import SURE
-    from plan2scene_app.tracing.trace import trace_picture
+    from plan2scene_app.tracing.settings import SETTINGS
+    from plan2scene_app.tracing.trace import doubts, plan_document, plan_origin, trace_picture
 
     found = trace_picture(source, metres_per_pixel=metres_per_pixel)
     # As fine as the picture was, within what a page holds.
@@ -122,7 +133,7 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
         "notes": lines,
         "scale": {
             "size": _size(plan, found.file_metres),
-            "doubt": lines[0] if found.scale.confidence < SURE else "",
+            "doubt": lines[0] if found.scale.confidence < SETTINGS.sure else "",
             "shown": place["metres_per_pixel"] / found.file_metres,
         },
     }
@@ -200,3 +211,63 @@ def joined_program(entry: str, folders: Sequence[Path] = (FOLDER,)) -> str:
             texts[name] = re.sub(r"^export (?=\w)", "", _IMPORT.sub("", text), flags=re.MULTILINE)
             queue += needs[name]
     return "\n".join(texts[name] for name in TopologicalSorter(needs).static_order())
+
+
+#: Width in metres of an opening that a click makes.
+WIDTHS = {"door": 0.9, "window": 1.2, "passage": 1.2}
+#: Width in metres of a flight of stairs that is drawn.
+FLIGHT = 0.9
+
+
+def page_rules() -> dict[str, Any]:
+    """Return the rules that ``rules.js`` follows, as plain JSON.
+
+    Lengths are metres, areas square metres, angles radians. Every value is the reader's own, so
+    that the page and ``plan2scene run`` agree.
+    """
+    return {
+        "schema": plan_json.plan_schema(),
+        "format": plan_json.FORMAT,
+        "room_types": list(ROOM_TYPES),
+        "types": dict(parse.TYPE_NAMES),
+        "devices": sorted(plausible.DEVICES),
+        "openings": {
+            kind: {"width": WIDTHS[kind], "bottom": bottom, "top": top}
+            for kind, (bottom, top) in HEIGHTS.items()
+        },
+        "flight_width": FLIGHT,
+        "limits": _limits(),
+    }
+
+
+def _limits() -> dict[str, Any]:
+    """Return the limits of the reader's checks."""
+    return {
+        "default_height": plan_json.DEFAULT_HEIGHT,
+        "default_depth": plan_json.DEFAULT_DEPTH,
+        "snap_tolerance": plan_json.SNAP_TOLERANCE,
+        "shared_tolerance": SHARED_TOLERANCE,
+        "max_angle": openings.MAX_ANGLE,
+        "min_share": openings.MIN_SHARE,
+        "max_coordinate": parse.MAX_COORDINATE,
+        "max_corners": parse.MAX_CORNERS,
+        "same_point": parse.SAME_POINT,
+        "min_area": validate.MIN_AREA,
+        "overlap_share": validate.OVERLAP_SHARE,
+        "rounding": validate.ROUNDING,
+        "max_extent": plausible.MAX_EXTENT,
+        "max_usual_area": plausible.MAX_USUAL_AREA,
+        "heights": plausible.HEIGHTS,
+        "usual_heights": plausible.USUAL_HEIGHTS,
+        "usual_extent": plausible.USUAL_EXTENT,
+        "usual_area": plausible.USUAL_AREA,
+        "usual_door": plausible.USUAL_DOOR,
+        "narrow": plausible.NARROW,
+        "apart": plausible.APART,
+        "least_rise": storeys.LEAST_RISE,
+        "least_flight": storeys.LEAST_FLIGHT,
+        "step_off": storeys.STEP_OFF,
+        "riser": storeys.RISER,
+        "tread": storeys.TREAD,
+        "flight_margin": storeys.MARGIN,
+    }

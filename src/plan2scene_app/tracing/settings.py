@@ -1,0 +1,114 @@
+"""The labels of the plan network, and the tuned numbers of tracing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+#: In the order of the network's logits. What is a room says which kind, as furniture tells it.
+PLAN_LABELS = (
+    "outside",
+    "wall",
+    "door",
+    "window",
+    "passage",
+    "room",
+    "reception",
+    "bedroom",
+    "kitchen",
+    "bathroom",
+    "corridor",
+    "closet",
+    "outdoor",
+    "staircase",
+)
+OUTSIDE, WALL, DOOR, WINDOW, PASSAGE, ROOM = range(6)
+#: Kinds of opening, by label.
+OPENINGS = {DOOR: "door", WINDOW: "window", PASSAGE: "passage"}
+#: Label of each room type; labels above `ROOM` are read back as the first type that has them.
+LABEL_OF_TYPE = {
+    "Reception": 6,
+    "Bedroom": 7,
+    "Kitchen": 8,
+    "Bathroom": 9,
+    "Corridor": 10,
+    "Entrance": 10,
+    "Closet": 11,
+    "Balcony": 12,
+    "Terrace": 12,
+    "Outdoor": 12,
+    "Staircase": 13,
+    "Unknown": ROOM,
+}
+#: Name of the network's weights in the folder of models.
+MODEL = "plans"
+
+
+@dataclass(frozen=True)
+class TraceSettings:
+    """The tuned numbers of tracing.
+
+    Sizes are metres and square metres as homes usually have them, set by hand; what they give
+    together is measured by ``benchmarks/trace.py`` (docs/measurements/trace.md). Those of the whole
+    picture were chosen on 34 plans, four of them real, and 40 photos of rooms: no plan and 39
+    photos are refused. "Logarithm" is the natural one.
+    """
+
+    # The picture.
+    long_side_px: int = 2000  #: of the picture that is worked on
+    least_side_px: int = 120
+    contrast: int = 25  #: grey values that a page spans at least when something is drawn on it
+    dark_page: int = 128  #: median grey value below which lines may be light on dark paper, ...
+    light_lines: float = 1.5  #: ... if the lightest marks are so many times further from it
+    drawn_flat: float = 0.42  #: share of a drawing that is flat (`picture.flat_share`)
+    ragged: tuple[float, float] = (0.82, 11.0)  #: probability below and mean corners above: a photo
+    busy: tuple[float, float] = (0.78, 0.65)  #: probability and flat share below: a photo
+    # Straight and at the network's size.
+    ppm: float = 32.0  #: pixels a metre at which the network is best
+    largest_px: int = 1280  #: of a side that the network sees
+    paper: float = 1.2  #: m of paper kept around a plan
+    home_size: tuple[float, float] = (11.0, 0.4)  #: m of the longer side, spread of its logarithm
+    least_turn: float = 0.25  #: degrees below which a plan is not turned
+    first_views: int = 2  #: of the whole picture (`segmenter.PlanSegmenter`)
+    views: int = 4  #: of the straight plan
+    # Passages that nothing marks.
+    facing: tuple[float, float] = (0.6, 4.0)  #: m between two ends of walls
+    across: tuple[float, float] = (0.6, 3.6)  #: m between an end and the wall across
+    facing_walled: float = 0.15  #: share of the line from wall to wall that walls follow
+    across_walled: float = 0.4
+    ending_wall: float = 0.5  #: m: a wall that ends is no thicker
+    free_end: float = 0.08  #: m that a wall's end is free on both sides
+    standing: float = 1.8  #: m: what joins no wall and is shorter is furniture
+    parted_floor: float = 3.0  #: m2 on both sides of such a passage
+    # Rooms.
+    neck: float = 0.5  #: m: a narrower neck parts two rooms
+    room_floor: float = 0.6  #: m2 of the smallest room
+    room_width: float = 0.5  #: m of the narrowest room
+    shared_wall: float = 0.55  #: m: a gap up to this between rooms is a wall that both share
+    closed: float = 0.7  #: share of a room's border with a wall, an opening or a room behind it
+    island: float = 3.0  #: m2 up to which a room without an opening is part of another
+    furniture_share: float = 0.55  #: share of a room's pixels by which furniture tells its type
+    # Outlines.
+    tolerance: float = 0.13  #: m between pixels and the straight pieces of an outline
+    shortest: float = 0.3  #: m of a piece that gives a line
+    along_axis: float = 12.0  #: degrees up to which a piece runs along the picture
+    merged: float = 0.1  #: m within which lines are one
+    # Openings.
+    opening: float = 0.4  #: m of the narrowest one that is looked for
+    joined: float = 0.2  #: m within which two on a wall are one
+    off_wall: float = 0.3  #: m from an outline to an opening's middle, beyond the wall's thickness
+    open_floor: float = 0.4  #: m of floor between two rooms that are a passage
+    least_door: float = 0.45  #: m
+    least_window: float = 0.3  #: m
+    least_passage: float = 0.5  #: m
+    widest_door: float = 1.2  #: m: a wider gap between rooms is a passage
+    # Text and scale.
+    text_px: tuple[int, int] = (1300, 2000)  #: longer side that text is read at
+    text_score: float = 0.6  #: of the reader, below which text is not used
+    door_width: tuple[float, float] = (0.85, 0.18)  #: m, spread of its logarithm between homes
+    floor: tuple[float, float] = (12.0, 0.35)  #: m2 of a room, spread of the scale's logarithm
+    agrees: float = 2.5  #: deviations within which evidence agrees
+    sure: float = 0.6  #: confidence below which the scale is a guess
+    doubtful: float = 0.6  #: probability below which rooms and openings are doubts
+
+
+SETTINGS = TraceSettings()
