@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import re
 import sys
@@ -12,12 +13,10 @@ from typing import Annotated
 import typer
 
 from plan2scene.errors import InputError, WorkflowError, told_in_a_line
-from plan2scene_app.cli_parts import known_method, method_names, parts
+from plan2scene.textures.methods import methods_table, texture_methods
 from plan2scene_app.exports.registry import export_house, exports
-from plan2scene_app.tracing.command import trace_plan
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
-app.add_typer(parts)
 
 
 class Colours(StrEnum):
@@ -63,6 +62,23 @@ def _layers(pairs: list[str] | None) -> dict[str, str]:
     return layers_of(pairs or ())
 
 
+def _known_method(name: str) -> str:
+    """Return the name of a registered texture method; refuse another one."""
+    if name not in texture_methods():
+        raise typer.BadParameter(f"{name!r} is not one of {', '.join(texture_methods())}")
+    return name
+
+
+_Method = Annotated[
+    str,
+    typer.Option(
+        parser=_known_method,
+        metavar=f"[{'|'.join(texture_methods())}]",
+        help="How textures are made.",
+    ),
+]
+
+
 @app.command("run")
 def run_house(
     plan: Annotated[Path, typer.Option(help="Floorplan in any format that is read.")],
@@ -71,10 +87,7 @@ def run_house(
     photos_dir: Annotated[
         Path | None, typer.Option(help="Folder of the photos; default: beside the table.")
     ] = None,
-    method: Annotated[
-        str,
-        typer.Option(parser=known_method, metavar=method_names(), help="How textures are made."),
-    ] = "exemplar",
+    method: _Method = "exemplar",
     cores: Annotated[int, typer.Option(min=1)] = 2,
     house: _HouseId = None,
     metres_per_pixel: _Scale = None,
@@ -192,7 +205,33 @@ def edit_plan(
     print(out)
 
 
-app.command("trace")(trace_plan)
+@app.command("trace")
+def trace_plan(
+    picture: Annotated[Path, typer.Argument(help="Picture of a plan, of one storey.")],
+    out: Annotated[Path, typer.Option(help="The plan JSON to write.")],
+    metres_per_pixel: Annotated[
+        float | None, typer.Option(min=1e-6, help="Scale of the picture, where known.")
+    ] = None,
+    model: Annotated[Path | None, typer.Option(help="Other weights of the plan network.")] = None,
+) -> None:
+    """Read a plan from its picture; say what is doubtful, to be mended in the editor."""
+    from plan2scene.io import keep_inputs
+    from plan2scene_app.tracing.trace import traced_files, write_trace
+
+    for path in traced_files(out):
+        keep_inputs(path, [picture, *([model] if model else [])])
+    plan, lines = write_trace(picture, out, metres_per_pixel=metres_per_pixel, model=model)
+    for line in lines:
+        print(f"doubt: {line}")
+    print(
+        f"{len(plan.rooms)} rooms, {len(plan.openings)} openings; "
+        f"{100 * plan.file_metres:.3g} cm a pixel "
+        f"({plan.scale.source}, {plan.scale.confidence:.0%} sure); {len(lines)} doubts"
+    )
+    for path in traced_files(out):
+        print(path)
+    if lines:
+        print(f"to mend it: plan2scene edit {picture} --out editor.html")
 
 
 @app.command("studio")
@@ -222,6 +261,109 @@ def export(
     folder = out or house / to
     for path in export_house(scene, textures, folder, to, house_id=house.resolve().name):
         print(path)
+
+
+@app.command("masks")
+def label_photos(
+    photos: Annotated[list[Path], typer.Argument(help="Photos.")],
+    out: Annotated[Path, typer.Option(help="Folder for the label images.")],
+    model: Annotated[Path | None, typer.Option(help="Other segmentation weights.")] = None,
+    openings: Annotated[
+        bool, typer.Option("--openings", help="Doors as 4 and windows as 5, not as other.")
+    ] = False,
+) -> None:
+    """Write label images (0 other, 1 floor, 2 wall, 3 ceiling) at the photos' size."""
+    from plan2scene.images import is_label_image, read_image, write_png
+    from plan2scene.io import keep_inputs
+    from plan2scene.photos.camera.exif import read_exif_focal
+    from plan2scene.photos.labels.labeller import labeller
+    from plan2scene.weights import MODELS
+
+    targets = [out / f"{photo.stem}.png" for photo in photos]
+    for i, target in enumerate(targets):
+        if target in targets[:i]:
+            raise InputError("photos of different names", f"{photos[i].stem} twice", file=photos[i])
+        keep_inputs(target, photos)
+        if target.exists() and not is_label_image(target):
+            raise InputError("a folder without other pictures", target.name, file=out)
+    weights = model or MODELS / "segmentation.safetensors"
+    label = labeller("embedded", model=weights, openings=openings)
+    failed = 0
+    for photo, target in zip(photos, targets, strict=True):
+        try:
+            image = read_image(photo)
+            exif = read_exif_focal(photo, (image.shape[0], image.shape[1]))
+            write_png(target, label.labelled(photo.name, image, exif=exif).labels)
+            print(target)
+        except InputError as error:
+            print(f"ERROR {error}", file=sys.stderr)
+            failed += 1
+    if failed:
+        raise typer.Exit(1)
+
+
+@app.command("texture")
+def make_texture(
+    crops: Annotated[list[Path], typer.Argument(help="Crops of one surface.")],
+    out: Annotated[Path, typer.Option(help="The tile (PNG).")],
+    method: _Method = "exemplar",
+    size: Annotated[int, typer.Option(min=64, max=1024, help="Pixels of the tile.")] = 128,
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+) -> None:
+    """Make one seamless tile from crops of one surface."""
+    from plan2scene.images import read_image, write_png
+    from plan2scene.io import keep_inputs
+    from plan2scene.textures.single import tile_from_crops
+
+    keep_inputs(out, crops)
+    images = [read_image(path) for path in crops]
+    write_png(out, tile_from_crops(images, method, size_px=size, seed=seed))
+    print(out)
+
+
+@app.command("methods")
+def list_methods() -> None:
+    """List the texture methods as a Markdown table."""
+    print(methods_table(), end="")
+
+
+@app.command("metrics")
+def compare(prediction: Path, reference: Path) -> None:
+    """Print COLOR, FREQ, TILE (of the prediction) and SUBS of a texture against a reference."""
+    from plan2scene.evaluation.measure import pair_metrics
+    from plan2scene.images import read_image
+
+    print(json.dumps(pair_metrics(read_image(prediction), read_image(reference))))
+
+
+@app.command("convert-checkpoint")
+def convert(
+    network: Annotated[
+        str, typer.Argument(help="One of texture, naivesynth, propagation, vgg16, inception.")
+    ],
+    checkpoint: Annotated[Path, typer.Argument(help="A file the paper's authors released.")],
+    out: Annotated[Path, typer.Option(help="The safetensors file to write.")],
+    substances: Annotated[
+        str, typer.Option(help="Order of its substance classes.")
+    ] = "wood,plaster,carpet,tile",
+    means: Annotated[
+        Path | None, typer.Option(help="Weights of a propagation network to take the means of.")
+    ] = None,
+) -> None:
+    """Convert released weights; a file that carries code is refused."""
+    from plan2scene.checkpoints.convert import convert_checkpoint
+    from plan2scene.io import keep_inputs
+    from plan2scene.propagation.networks import load_propagation
+
+    keep_inputs(out, [checkpoint, *([means] if means else [])])
+    convert_checkpoint(
+        network,
+        checkpoint,
+        out,
+        substances=[name.strip() for name in substances.split(",")],
+        means=load_propagation(means)[1] if means else None,
+    )
+    print(out)
 
 
 def main() -> None:
