@@ -56,7 +56,7 @@ def find_accents(colours: str | Path, hidden_photos: Collection[str] = ()) -> li
     table, _ = read_parquet(colours)
     seen = table[(table["surface"] == "wall") & table["own"] & (table["walls"] != "")]
     seen = seen[~seen["photo"].isin(set(hidden_photos))]
-    found = []
+    accents = []
     for room_id, of_room in seen.groupby("room_id", sort=True):
         while (walls := _most_apart(of_room)) is not None:
             mine = of_room[of_room["walls"] == walls]
@@ -64,8 +64,8 @@ def find_accents(colours: str | Path, hidden_photos: Collection[str] = ()) -> li
             of_room = of_room[of_room["walls"] != walls]
             keys = tuple(SurfaceKey(str(room_id), f"wall.{name}") for name in walls.split("|"))
             planes = frozenset(f"wall/{Path(r.photo).stem}_{r.plane}" for r in mine.itertuples())
-            found.append(Accent(keys, linear_to_srgb(_usual(mine)), planes))
-    return found
+            accents.append(Accent(keys, linear_to_srgb(_usual(mine)), planes))
+    return accents
 
 
 def _most_apart(of_room: pd.DataFrame) -> str | None:

@@ -86,7 +86,7 @@ class PoolCrop:
 
 @dataclass(frozen=True)
 class Choice:
-    """The crop chosen for a surface, and how it was found."""
+    """The crop chosen for a surface, and from which pool it is."""
 
     crop: Crop
     source: str

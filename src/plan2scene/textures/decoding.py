@@ -140,13 +140,13 @@ def match_statistics(tile: np.ndarray, crop: np.ndarray, seed: int) -> np.ndarra
     if tile.shape != crop.shape or tile.shape[0] != tile.shape[1]:
         raise ValueError(f"expected equal square shapes, found {tile.shape} and {crop.shape}")
     rng = np.random.default_rng(seed)
-    wanted = crop.reshape(-1, 3).astype(np.float64)
-    mean, axes = _principal_axes(wanted)
+    target = crop.reshape(-1, 3).astype(np.float64)
+    mean, axes = _principal_axes(target)
     power = _sector_power((crop.astype(np.float64) - mean) @ axes)
     values = tile.astype(np.float64)
     for _ in range(_S.rounds):
         values = _with_power((values - mean) @ axes, power) @ axes.T + mean
-        flat = _with_colours(values.reshape(-1, 3), wanted, rng)
+        flat = _with_colours(values.reshape(-1, 3), target, rng)
         values = flat.reshape(tile.shape)
     return np.clip(np.rint(values), 0, 255).astype(np.uint8)
 
@@ -223,12 +223,12 @@ def _with_power(values: np.ndarray, power: np.ndarray) -> np.ndarray:
     return np.fft.irfft2(spectrum * gain[_sectors(values.shape[0])], values.shape[:2], axes=(0, 1))
 
 
-def _with_colours(values: np.ndarray, wanted: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def _with_colours(values: np.ndarray, target: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Return colours (n, 3) whose distribution is nearly that of `wanted` (n, 3)."""
     values = values.copy()
     for _ in range(_S.turns):
         turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-        mine, theirs = values @ turn, wanted @ turn
+        mine, theirs = values @ turn, target @ turn
         for axis in range(3):
             order = np.argsort(mine[:, axis], kind="stable")
             mine[order, axis] = np.sort(theirs[:, axis])

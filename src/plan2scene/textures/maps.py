@@ -118,24 +118,24 @@ def various(pattern: Pattern) -> list[int]:
     planes: dict[str, list[int]] = {}
     for k in pattern.order:
         planes.setdefault(pattern.crops[k].plane, []).append(k)
-    areas = {name: _shown_m2(pattern, members) for name, members in planes.items()}
+    areas = {name: _covered_m2(pattern, members) for name, members in planes.items()}
 
     def worth(name: str) -> float:
         density = float(np.median([_resolved(pattern, k) for k in planes[name]]))
         return -min(areas[name], MAPS.enough_m2) * density
 
     chosen: list[int] = []
-    shown = 0.0
+    covered_m2 = 0.0
     for name in sorted(planes, key=worth):
         sides = {k: -round(float(pattern.sides[k]), 1) for k in planes[name]}
         chosen += sorted(planes[name], key=lambda k: sides[k])[: MAPS.most_crops - len(chosen)]
-        shown += areas[name]
-        if shown >= MAPS.enough_m2 or len(chosen) >= MAPS.most_crops:
+        covered_m2 += areas[name]
+        if covered_m2 >= MAPS.enough_m2 or len(chosen) >= MAPS.most_crops:
             break
     return chosen
 
 
-def _shown_m2(pattern: Pattern, members: Sequence[int]) -> float:
+def _covered_m2(pattern: Pattern, members: Sequence[int]) -> float:
     """Return the area of the rectangle around crops of a plane, square metres."""
     middles = np.array([pattern.crops[k].centre for k in members])
     half = pattern.size_m * np.array([pattern.sides[k] for k in members])[:, None] / 2
@@ -295,17 +295,19 @@ def cut_patches(detail: Detail, rng: np.random.Generator) -> Patches | None:
         inside = total[r + down.side, c + across.side] - total[r, c + across.side]
         inside += total[r, c] - total[r + down.side, c]
         whole = inside == down.side * across.side
-        found = np.stack([np.full(int(whole.sum()), k), r[whole], c[whole]], axis=1)
-        places.append(_drawn(found, max(1, math.ceil(2 * MAPS.most_patches / len(sources))), rng))
-    found = np.concatenate(places) if places else np.zeros((0, 3), int)
-    if not len(found):
+        of_source = np.stack([np.full(int(whole.sum()), k), r[whole], c[whole]], axis=1)
+        places.append(
+            _drawn(of_source, max(1, math.ceil(2 * MAPS.most_patches / len(sources))), rng)
+        )
+    corners = np.concatenate(places) if places else np.zeros((0, 3), int)
+    if not len(corners):
         return None
     images = [np.rint(255 * np.clip(s.image, 0, 1)).astype(np.uint8) for s in sources]
-    found = _drawn(found, MAPS.most_patches, rng)
-    return Patches(images, found, _shown(detail, found, down, across), down, across)
+    corners = _drawn(corners, MAPS.most_patches, rng)
+    return Patches(images, corners, _middles(detail, corners, down, across), down, across)
 
 
-def _shown(detail: Detail, places: np.ndarray, down: Cell, across: Cell) -> np.ndarray:
+def _middles(detail: Detail, places: np.ndarray, down: Cell, across: Cell) -> np.ndarray:
     """Return plane and middle (n, 3) of patches (n, 3)."""
     source = places[:, 0]
     sizes = np.array([s.valid.shape for s in detail.sources])[source]
@@ -395,8 +397,8 @@ class SurfaceMap:
 
 
 @dataclass(frozen=True, eq=False)
-class Wanted:
-    """A surface that wants a map: its tile, where it lies, the material that it shares."""
+class MappedSurface:
+    """A surface that gets a map: its tile, where it lies, the material that it shares."""
 
     key: SurfaceKey
     tile: Tile
@@ -426,14 +428,14 @@ def house_maps(
         Patches are drawn by (seed, house, room, surface).
     """
     areas = areas_of(build_parts(house))
-    wanted = [
-        Wanted(key, tiles[key], areas[key], materials.get(key, ""))
+    surfaces = [
+        MappedSurface(key, tiles[key], areas[key], materials.get(key, ""))
         for key in house.surface_keys()
         if key in tiles and key in areas
     ]
     maps: dict[SurfaceKey, SurfaceMap] = {}
     details: dict[int, Detail] = {}
-    for group in joined(wanted):
+    for group in joined(surfaces):
         detail = _detail(group[0].tile, details)
         rng = generator(seed, "maps", house.id, *group[0].key)
         maps |= dict(_maps(group, detail, rng))
@@ -443,14 +445,14 @@ def house_maps(
     return maps
 
 
-def joined(wanted: Iterable[Wanted]) -> list[list[Wanted]]:
+def joined(surfaces: Iterable[MappedSurface]) -> list[list[MappedSurface]]:
     """Return the surfaces by the map that they share: a floor or ceiling that runs on.
 
     They are of one material and pattern, and near each other. Walls are unrolled room by room and
     share nothing.
     """
-    groups: list[list[Wanted]] = []
-    for surface in wanted:
+    groups: list[list[MappedSurface]] = []
+    for surface in surfaces:
         for group in groups:
             if _runs_on(group[0], surface):
                 areas = [member.area for member in (*group, surface)]
@@ -463,7 +465,7 @@ def joined(wanted: Iterable[Wanted]) -> list[list[Wanted]]:
     return groups
 
 
-def _runs_on(first: Wanted, second: Wanted) -> bool:
+def _runs_on(first: MappedSurface, second: MappedSurface) -> bool:
     """Return whether two surfaces are of one material that runs through doors."""
     return (
         first.key.surface == second.key.surface != "wall"
@@ -482,7 +484,7 @@ def _detail(tile: Tile, made: dict[int, Detail]) -> Detail:
 
 
 def _maps(
-    group: Sequence[Wanted], detail: Detail, rng: np.random.Generator
+    group: Sequence[MappedSurface], detail: Detail, rng: np.random.Generator
 ) -> Iterator[tuple[SurfaceKey, SurfaceMap]]:
     """Yield the maps of a group's surfaces, parts of one quilt."""
     whole = reduce(Area.union, (surface.area for surface in group))

@@ -380,14 +380,14 @@ class Patches:
     sources : list of (h, w, 3) uint8
     places : (n, 3) int
         Source, row and column of each patch's corner.
-    shown : (n, 3) float
-        Number of the photo's plane that each shows, and its middle there, pixels (x, y).
+    middles : (n, 3) float
+        Number of each patch's plane in the photos, and its middle there, pixels (x, y).
     down, across : Cell
     """
 
     sources: list[np.ndarray]
     places: np.ndarray
-    shown: np.ndarray
+    middles: np.ndarray
     down: Cell
     across: Cell
 
@@ -453,7 +453,7 @@ def choose(patches: Patches, rows: int, columns: int, rng: np.random.Generator) 
 
 def _alike(patches: Patches) -> np.ndarray:
     """Return how much two patches show the same place, (n, n) float32: 1 the same, 0 apart."""
-    apart = np.abs(patches.shown[:, None] - patches.shown[None])
+    apart = np.abs(patches.middles[:, None] - patches.middles[None])
     sides = np.array([patches.across.side, patches.down.side])
     shared = np.clip(1 - apart[..., 1:] / sides, 0, 1).prod(axis=2)
     return np.where(apart[..., 0] == 0, shared, 0.0).astype(np.float32)

@@ -143,10 +143,10 @@ def _best_bands(
     spectrum = np.fft.rfft(values, axis=0)
     energy = (values**2).sum(axis=(0, 2))
     offsets = np.r_[0:overlap, band - overlap : band]
-    wanted = np.fft.rfft(target[:, offsets], axis=0)
+    target_spectrum = np.fft.rfft(target[:, offsets], axis=0)
     columns = np.arange(width - band + 1)
     index = columns[:, None] + offsets
-    product = np.einsum("fxoc,foc->fx", spectrum[:, index].conj(), wanted, optimize=True)
+    product = np.einsum("fxoc,foc->fx", spectrum[:, index].conj(), target_spectrum, optimize=True)
     correlation = np.fft.irfft(product, n=height, axis=0).T  # (columns, shifts)
     error = energy[index].sum(axis=1)[:, None] - 2.0 * correlation
     if not closed:

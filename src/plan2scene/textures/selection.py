@@ -65,11 +65,11 @@ def select_surfaces(
     table = crops.join(embeddings[own])
     table = table[~table["photo"].isin(set(hidden_photos))]
     groups = table.groupby(["room_id", "surface"], sort=True)
-    shown = dict(iter(groups))
-    chosen = each(_choose, shown.values(), threads)
+    of_surface = dict(iter(groups))
+    chosen = each(_choose, of_surface.values(), threads)
     rows = [
         {"room_id": room, "surface": surface, **row}
-        for (room, surface), row in zip(shown, chosen, strict=True)
+        for (room, surface), row in zip(of_surface, chosen, strict=True)
     ]
     frame = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
     models = {str(k): v for k, v in metadata.items() if k in ("model", "naive_model")}

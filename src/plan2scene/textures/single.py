@@ -120,8 +120,8 @@ def _embedding(crops: np.ndarray, model: Path, seed: int) -> tuple[int, np.ndarr
 
     network = load_texture_model(model)
     selects = network.architecture.delta_hsv
-    found = embed_crops(network, crops, seed=seed, textureness=selects)
+    embeddings = embed_crops(network, crops, seed=seed, textureness=selects)
     if not selects:
-        return 0, found.codes.mean(axis=0)
+        return 0, embeddings.codes.mean(axis=0)
     clipped = np.array([clipped_share(crop) for crop in crops])
-    return surface_embedding(found.codes, found.textureness, clipped)
+    return surface_embedding(embeddings.codes, embeddings.textureness, clipped)

@@ -1,9 +1,24 @@
 """Light of a house's photos: what the estimate recovers, and what it leaves alone."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from plan2scene.colour import CLIPPED_LEVELS, delta_e_2000, rgb_to_lab, srgb_to_linear
-from plan2scene.paint.light import GAINS, estimate_light, house_gains, relight
+from plan2scene.colour import (
+    CLIPPED_LEVELS,
+    delta_e_2000,
+    median_colour,
+    rgb_to_lab,
+    srgb_to_linear,
+)
+from plan2scene.paint.light import (
+    GAINS,
+    PHOTO_LIGHT,
+    estimate_light,
+    house_gains,
+    recoloured,
+    relight,
+)
 from plan2scene.paint.observations import SurfaceColour
 
 WHITE, GREEN, OAK = (0.83, 0.82, 0.8), (0.35, 0.5, 0.4), (0.3, 0.2, 0.1)
@@ -86,3 +101,18 @@ def test_relight_multiplies_linear_light_and_burns_nothing_out():
     clipped = CLIPPED_LEVELS[1]
     assert (red[:clipped] <= clipped).all() and red[200] < clipped
     assert relight(ramp, np.ones(3)) is ramp
+
+
+def test_robust_light_is_the_least_squares_one_where_nothing_is_far_off():
+    light = np.array([0.6, 0.65, 0.8])
+    colours = [c for k in range(3) for c in photo(f"p{k}", light)]
+    plain = estimate_light(colours, replace(PHOTO_LIGHT, huber=1e9))
+    robust = estimate_light(colours, replace(PHOTO_LIGHT, huber=50.0))
+    for name in plain:
+        np.testing.assert_allclose(robust[name], plain[name], rtol=1e-6)
+
+
+def test_one_table_recolours_every_pixel():
+    image = np.random.default_rng(0).integers(60, 120, (16, 16, 3), dtype=np.uint8)
+    colour = np.array([0.5, 0.3, 0.6])
+    np.testing.assert_allclose(median_colour(recoloured(image, colour)), colour, atol=0.01)

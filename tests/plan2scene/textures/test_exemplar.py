@@ -5,7 +5,7 @@ import pytest
 
 from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.metrics.color_freq_tile import color_distance
-from plan2scene.paint.shading import consensus, flatten, highlights, log_luma
+from plan2scene.paint.shading import highlights, log_luma
 from plan2scene.textures.exemplar.lattice import find_lattice, whole_periods
 from plan2scene.textures.exemplar.make import (
     ExemplarCrop,
@@ -14,7 +14,6 @@ from plan2scene.textures.exemplar.make import (
     make_exemplar,
     tile_scale,
 )
-from plan2scene.textures.quilting import Source, minimum_cut, quilt
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene_workshop.texture.degradation import Degradation, degrade, window
 
@@ -138,63 +137,6 @@ def test_whole_periods_fill_a_nearly_square_cut() -> None:
     assert whole_periods((float("nan"), float("nan"))) == (0, 0, 1.0, 1.0)
 
 
-def test_shading_goes_and_relief_stays() -> None:
-    rng = np.random.default_rng(0)
-    relief = rng.normal(0, 0.04, (4, 128, 128))
-    across = np.linspace(-0.25, 0.25, 128)
-    shading = np.stack([across[:, None] * (k - 1.5) + 0 * across for k in range(4)])
-    clean = np.exp(relief)[..., None] * np.array([0.5, 0.45, 0.4])
-    lit = clean * np.exp(shading)[..., None]
-    none = np.zeros((4, 128, 128), bool)
-    flat = flatten(lit, none)
-    left = log_luma(flat) - log_luma(clean)
-    left -= left.mean(axis=(1, 2), keepdims=True)
-    assert left.std() < 0.1 * shading.std()
-    assert log_luma(flat).std(axis=(1, 2)) == pytest.approx(relief.std(axis=(1, 2)), rel=0.1)
-
-
-def test_highlights_are_found_and_patterns_are_not() -> None:
-    tile = grid(5, 5)
-    crops = degrade(tile, 3)
-    found = highlights(np.stack([crop.image for crop in crops]) / 255.0)
-    for crop, mask in zip(crops, found, strict=True):
-        assert (mask.mean() > 0.1) == crop.highlight
-    checker = np.kron(np.indices((4, 4)).sum(0) % 2, np.ones((32, 32)))[..., None] * 0.6 + 0.2
-    assert not highlights(np.repeat(checker[None], 3, axis=3)[[0, 0, 0]]).any()
-
-
-def test_minimum_cut_goes_round_the_torus_where_it_is_cheap() -> None:
-    cost = np.ones((12, 12))
-    cost[:, 3] = cost[:, 8] = 0.001  # two cheap columns on both sides of what the patch must take
-    old, new = np.zeros((12, 12), bool), np.zeros((12, 12), bool)
-    old[:, 0], new[:, 6] = True, True
-    taken = minimum_cut((np.ones((12, 12)), cost), old, new)
-    assert (taken == (np.arange(12) > 3) & (np.arange(12) <= 8)).all()
-
-
-def test_quilt_of_a_periodic_source_is_the_source() -> None:
-    wave = 2 * np.pi * np.arange(96) / 16
-    image = np.repeat((0.5 + 0.2 * np.sin(wave)[:, None] * np.cos(wave))[..., None], 3, axis=2)
-    valid = np.ones((96, 96), bool)
-    valid[[0, -1]] = valid[:, [0, -1]] = False
-    canvas = quilt([Source(image.astype(np.float32), valid)], 128)
-    result = canvas.solve()
-    np.testing.assert_allclose(result, np.roll(result, 16, axis=0), atol=1e-3)
-    np.testing.assert_allclose(result, np.roll(result, 16, axis=1), atol=1e-3)
-    assert result.std() == pytest.approx(image.std(), rel=0.01)
-
-
-def test_quilted_joints_keep_the_step_that_the_periods_tell() -> None:
-    """A patch shows one joint each way: nothing that it covers tells where the next one is."""
-    image = np.random.default_rng(0).normal(0.6, 0.02, (38, 38, 3)).astype(np.float32)
-    image[18:20] = image[:, 18:20] = 0.1
-    made = quilt([Source(image, np.ones((38, 38), bool))], 64, (2, 2)).solve()
-    for axis in (0, 1):
-        line = made.mean(axis=(axis, 2))
-        (dark,) = np.nonzero(line < line.mean() - 0.2)
-        assert len(dark) == 4 and set(np.diff(dark)) == {1, 31}
-
-
 def test_tile_is_as_large_as_the_photo_s_pixels_allow() -> None:
     image = np.zeros((128, 128, 3), np.uint8)
     crops = [ExemplarCrop(image, 0.5, 0.5), ExemplarCrop(image, 1.0, 1.0)]
@@ -204,21 +146,6 @@ def test_tile_is_as_large_as_the_photo_s_pixels_allow() -> None:
     unknown = [ExemplarCrop(image, float("nan"), float("nan"))]
     assert np.isnan(tile_scale(unknown)[1])
     assert tile_scale(unknown)[0].tolist() == [1.0]
-
-
-def test_consensus_evens_casts_and_trusts_evenly_lit_crops() -> None:
-    level = np.array([0.5, 0.52, 0.48, 0.3])
-    repair = np.array([0.02, 0.02, 0.02, 0.5])  # the dark one lay in a shadow
-    cast = np.array([[1.05, 1.0, 0.96], [0.95, 1.0, 1.04], [1.04, 1.0, 1.05], [0.96, 1.0, 0.95]])
-    found = consensus(level[:, None] * cast, repair)
-    np.testing.assert_allclose(found, 0.5, atol=0.01)
-
-
-def test_consensus_leaves_out_burned_out_crops_unless_the_surface_is_white() -> None:
-    grey = np.array([[0.8, 0.8, 0.7]] * 4 + [[1.0, 1.0, 1.0]])
-    np.testing.assert_allclose(consensus(grey, np.zeros(5)), [0.8, 0.8, 0.7])
-    white = np.array([[0.95] * 3, [1.0] * 3, [1.0] * 3, [0.7] * 3, [0.97] * 3])
-    np.testing.assert_allclose(consensus(white, np.zeros(5)), 0.97)
 
 
 def test_enlarged_tiles_repeat() -> None:
@@ -282,3 +209,13 @@ def test_of_two_paints_the_surface_s_own_colour_decides():
     made = make_exemplar([*white, *green], size_px=128, tone=tone)
     assert len(made.crops) == 4
     assert np.abs(np.median(made.image, axis=(0, 1)) - (108, 122, 103)).max() < 6
+
+
+def test_highlights_are_found_and_patterns_are_not() -> None:
+    tile = grid(5, 5)
+    crops = degrade(tile, 3)
+    found = highlights(np.stack([crop.image for crop in crops]) / 255.0)
+    for crop, mask in zip(crops, found, strict=True):
+        assert (mask.mean() > 0.1) == crop.highlight
+    checker = np.kron(np.indices((4, 4)).sum(0) % 2, np.ones((32, 32)))[..., None] * 0.6 + 0.2
+    assert not highlights(np.repeat(checker[None], 3, axis=3)[[0, 0, 0]]).any()

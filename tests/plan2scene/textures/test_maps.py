@@ -16,7 +16,7 @@ from plan2scene.textures.exemplar.lattice import find_lattice
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.maps import (
     Detail,
-    Wanted,
+    MappedSurface,
     cell,
     cut_patches,
     detail_of_pattern,
@@ -133,7 +133,7 @@ def test_crops_of_many_places_take_part_and_the_same_place_is_known(floor) -> No
     # Patches of two crops of one plane that lie 30 cm apart show partly the same.
     middles = {tuple(np.round(origin, 3)) for origin in detail.origins}
     assert len(middles) == 3
-    spread = np.ptp(patches.shown[patches.shown[:, 0] == patches.shown[0, 0], 1])
+    spread = np.ptp(patches.middles[patches.middles[:, 0] == patches.middles[0, 0], 1])
     assert spread > 0.3 * detail.px_per_m
 
 
@@ -209,7 +209,7 @@ def test_a_material_runs_on_through_a_door(rug, gap_house) -> None:
 def test_what_shares_a_quilt(rug) -> None:
     def wanted(room, surface, material, low=0.0):
         area = Area((low, 0.0), (low + 3.0, 3.0))
-        return Wanted(SurfaceKey(room, surface), tile_of(rug), area, material)
+        return MappedSurface(SurfaceKey(room, surface), tile_of(rug), area, material)
 
     near = [wanted("a", "floor", "m"), wanted("b", "floor", "m", 3.0)]
     assert len(joined(near)) == 1

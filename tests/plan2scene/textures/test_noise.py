@@ -1,7 +1,5 @@
 """Noise values of the reference, and that the torus lattice repeats."""
 
-import itertools
-
 import numpy as np
 import pytest
 import torch
@@ -92,25 +90,6 @@ def test_no_deformation_gives_square_cells(seeds) -> None:
     assert len(maps[0, 9].unique()) > 40  # octave 3: 16 x 16 cells
 
 
-@pytest.mark.parametrize("rows", [[[2, 1], [0, 3]], [[0, 2], [3, 0]], [[4, 6], [2, 3]]])
-def test_triangular_basis_spans_the_same_lattice(rows) -> None:
-    matrix = torch.tensor(rows).view(1, 1, 2, 2)
-    a, b, d = (int(v) for v in noise._triangular_basis(matrix)[0, 0])
-    span = range(-4, 5)
-
-    def points(columns):
-        sums = (
-            (i * columns[0][0] + j * columns[1][0], i * columns[0][1] + j * columns[1][1])
-            for i, j in itertools.product(range(-40, 41), repeat=2)
-        )
-        return {p for p in sums if p[0] in span and p[1] in span}
-
-    original = points(list(zip(*rows, strict=True)))
-    assert points([(a, b), (0, d)]) == original
-    assert a >= 0
-    assert d >= 0
-
-
 def test_gradient_flows_through_the_bilinear_maps_only(seeds) -> None:
     coefficients = torch.zeros(3, 32, requires_grad=True)
     grid = noise.position_grid(16, periodic=True)
@@ -120,40 +99,3 @@ def test_gradient_flows_through_the_bilinear_maps_only(seeds) -> None:
     assert not maps[:, :24].requires_grad or torch.equal(
         torch.autograd.grad(maps[:, :24].sum(), coefficients)[0], torch.zeros_like(coefficients)
     )
-
-
-def _integer_hash(x: int, y: int, basis: tuple[int, int, int], offset: int) -> int:
-    """Return the hash of a cell in Python's integers, which know no rounding."""
-    a, b, d = basis
-    turns = x // a if a else 0
-    x, y = x - turns * a, y - turns * b
-    y = y % d if d else y
-    mask = 2**64 - 1
-
-    def shift(value: int, bits: int) -> int:
-        return (value >> bits) | ((mask << (64 - bits)) & mask if value >> 63 else 0)
-
-    index = (x * 73856093 + y * 19349663 + offset) & mask
-    for bits, factor in ((30, -4658895280553007687), (27, -7723592293110705685), (31, 1)):
-        index = ((index ^ shift(index, bits)) * factor) & mask
-    return index
-
-
-def test_hash_is_that_of_whole_numbers() -> None:
-    rng = np.random.default_rng(0)
-    sizes = rng.integers(0, 2**18, (40, 3))
-    sizes[:20, 0] = rng.integers(0, 4, 20)  # slim lattices: one turn of x is many of y
-    sizes[35:, 2] = 0
-    offsets = rng.integers(0, 2**52, 40)
-    cells = rng.integers(-(2**10), 2**10, (40, 2, 8, 8))
-    # Cells on the lattice's lines, and next to them.
-    cells[:, 0, 0] = sizes[:, :1] * rng.integers(-3, 3, (40, 8)) + rng.integers(-1, 2, (40, 8))
-    basis = torch.from_numpy(sizes).double().view(5, 8, 3)
-    x, y = torch.from_numpy(cells).double().view(5, 8, 2, 8, 8).unbind(2)
-    found = noise._hash(x, y, basis, torch.from_numpy(offsets).view(5, 8, 1, 1))
-    assert found.shape == (5, 8, 3, 8, 8)
-    for k, i, j in itertools.product(range(40), range(8), range(8)):
-        place = (int(cells[k, 0, i, j]), int(cells[k, 1, i, j]))
-        whole = _integer_hash(*place, tuple(map(int, sizes[k])), int(offsets[k]))
-        values = [(whole >> 16 * channel & 0xFFFF) / 65536 for channel in range(3)]
-        assert found[k // 8, k % 8, :, i, j].tolist() == values

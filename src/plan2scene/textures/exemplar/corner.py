@@ -67,7 +67,7 @@ def completed(
         return None
     upright = {k: _upright(flat[k], lattices[k].angle_deg) for k in order}
     joints = {k: [_joints(upright[k], axis) for axis in (0, 1)] for k in order}
-    straight = np.median([[found[0][1] for found in joints[k]] for k in order], axis=0)
+    straight = np.median([[lines[0][1] for lines in joints[k]] for k in order], axis=0)
     if straight.min() < EXEMPLAR.straight:
         return None
     size = flat.shape[1]
@@ -75,12 +75,12 @@ def completed(
     if not square:
         return None
 
-    def shown(k: int) -> float:
-        places = np.array([found[0][0] for found in joints[k]])
+    def visible(k: int) -> float:
+        places = np.array([lines[0][0] for lines in joints[k]])
         return float(np.minimum(places, size - places).min() * sides[k])
 
-    best = max(order, key=shown)
-    at = [found[0][0] for found in joints[best]]
+    best = max(order, key=visible)
+    at = [lines[0][0] for lines in joints[best]]
     own = _upright(images[best] / 255.0, lattices[best].angle_deg)
     image = _folded(own, at, square / sides[best] * size)
     return Corner(best, image, EXEMPLAR.squares * square)
@@ -114,13 +114,13 @@ def _joints(image: np.ndarray, axis: int) -> list[tuple[float, float]]:
     slope[:, : EXEMPLAR.joint_rim_px] = slope[:, -EXEMPLAR.joint_rim_px :] = 0.0
     bands = np.stack([band.mean(axis=0) for band in np.array_split(slope, EXEMPLAR.joint_bands)])
     straight = np.abs(bands).mean(axis=0) / max(float(np.sqrt((slope**2).mean())), 1e-9)
-    found: list[tuple[float, float]] = []
+    lines: list[tuple[float, float]] = []
     reach = round(EXEMPLAR.joints_apart * image.shape[0])
-    while len(found) < 2:
+    while len(lines) < 2:
         place = int(straight.argmax())
-        found.append((place + 0.5, float(straight[place])))
+        lines.append((place + 0.5, float(straight[place])))
         straight[max(0, place - reach) : place + reach + 1] = 0.0
-    return found
+    return lines
 
 
 def _square(

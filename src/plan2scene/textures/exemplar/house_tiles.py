@@ -39,7 +39,7 @@ from plan2scene.textures.tiles import NoTile, Tile
 
 #: Substance without spots of its own.
 PLAIN = "plaster"
-_Found = tuple[SurfaceKey, Tile | NoTile]
+_KeyedTile = tuple[SurfaceKey, Tile | NoTile]
 
 
 def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
@@ -56,26 +56,30 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
             groups.setdefault(crop.key, []).append(crop)
     shared = _shared_crops(surfaces, groups)
 
-    def of_one_material(keys: list[SurfaceKey]) -> tuple[list[_Found], dict[Hashable, Any]]:
+    def of_one_material(keys: list[SurfaceKey]) -> tuple[list[_KeyedTile], dict[Hashable, Any]]:
         known = set(inputs.data.exemplars)
         plain = all(surfaces[key].substance == PLAIN for key in keys)
-        found: list[_Found] = []
+        tiles_of_material: list[_KeyedTile] = []
         for key in keys:
             surface, group = surfaces[key], groups[key]
             if not surface.material and _of_another_thing(group, surface.colour):
                 continue
             others = shared.get(surface.material, ())
             made = exemplar_of(inputs, group, surface.tone, others, plain=plain)
-            found.append((key, made or NoTile(f"none of {len(group)} crops is sharp enough")))
-        return found, {k: made for k, made in inputs.data.exemplars.items() if k not in known}
+            tiles_of_material.append(
+                (key, made or NoTile(f"none of {len(group)} crops is sharp enough"))
+            )
+        return tiles_of_material, {
+            k: made for k, made in inputs.data.exemplars.items() if k not in known
+        }
 
     materials: dict[str, list[SurfaceKey]] = {}  # what shares a pattern makes it once
     for key in groups:
         materials.setdefault(surfaces[key].material or f"alone/{key.filename}", []).append(key)
     longest_first = sorted(materials.values(), key=lambda m: -sum(len(groups[key]) for key in m))
-    for found, exemplars in each(of_one_material, longest_first, inputs.settings.threads):
+    for material_tiles, exemplars in each(of_one_material, longest_first, inputs.settings.threads):
         inputs.data.exemplars.update(exemplars)
-        for key, tile in found:
+        for key, tile in material_tiles:
             if isinstance(tile, NoTile):
                 tiles[key] = tile
             else:
@@ -175,8 +179,8 @@ def _nearest(
     pool = [key for key in own if key.surface == kind]
     if not pool:
         return NoTile(f"no exemplar of a {kind} in the house")
-    wanted = _code(surface)
-    tone = np.clip(wanted[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
+    code = _code(surface)
+    tone = np.clip(code[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
     alike = [key for key in pool if _substance(surfaces[key], own[key]) == surface.substance]
     if not alike and not surface.observed:
         made = usual_tile(
@@ -191,7 +195,7 @@ def _nearest(
     pool = alike or [key for key in pool if not _guessed(own[key])]
     if not pool:
         return NoTile(f"no exemplar of a {kind} in the house but completed squares")
-    distances = [np.abs(_code(surfaces[key]) - wanted).mean() for key in pool]
+    distances = [np.abs(_code(surfaces[key]) - code).mean() for key in pool]
     nearest = pool[int(np.argmin(distances))]
     away = colour_difference(own[nearest].image, tone)
     source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 to the predicted colour"

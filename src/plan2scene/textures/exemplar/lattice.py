@@ -208,7 +208,7 @@ def _periods(
     spectrum, overlap = _overlap(weight)
     score = _autocorrelation(values, weight, spectrum, overlap)
     least = EXEMPLAR.least_peak / np.sqrt(np.maximum(overlap / weight.sum(), 0.01))
-    found = []
+    by_axis = []
     for axis in (1, 0):
         period, peak = _first_period(_along(score, axis), _along(least, axis, width=1))
         if np.isfinite(period):
@@ -218,8 +218,8 @@ def _periods(
             lag = round(period)
             if _along(without, axis)[lag - 1 : lag + 2].max() < EXEMPLAR.across:
                 period, peak = float("nan"), 0.0
-        found.append((period, peak))
-    (x, at_x), (y, at_y) = found
+        by_axis.append((period, peak))
+    (x, at_x), (y, at_y) = by_axis
     return (x, y), (at_x, at_y)
 
 

@@ -136,7 +136,7 @@ class Exemplar:
     size_m : float
         Metres that it covers; NaN when no crop knows its scale.
     crops : tuple of int
-        Which of the given crops it was made of.
+        Indices of the crops that it was made of.
     periods : (int, int)
         How often its pattern repeats in it along x and y; 0 where it has no period.
     period_m : (float, float)
@@ -291,10 +291,10 @@ def make_exemplar(
         Whether the surface is known to have no spots of its own, as plaster: small things on it,
         outlets and switches, are left out.
     """
-    found = find_surface(crops, size_px=size_px, tone=tone, plain=plain)
-    if found is None:
+    known = find_surface(crops, size_px=size_px, tone=tone, plain=plain)
+    if known is None:
         return None
-    pattern, work = found
+    pattern, work = known
     cut, size_m = pattern.cut, pattern.size_m
     used = pattern.used if pattern.completed is None else [pattern.completed]
     sources = [pattern.source(k, work) for k in pattern.order[: EXEMPLAR.max_crops]]

@@ -28,8 +28,8 @@ def things(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
     A thing is small, and there are few: what is long, or there many times, is the pattern.
     Parameters as of :func:`oddness`.
     """
-    found = np.stack([_things(*pair) for pair in zip(luma, masks, strict=True)])
-    return np.asarray(found & ~masks)
+    pixels = np.stack([_things(*pair) for pair in zip(luma, masks, strict=True)])
+    return np.asarray(pixels & ~masks)
 
 
 def _away(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -50,16 +50,16 @@ def _most(away: np.ndarray, mask: np.ndarray) -> float:
 def _things(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Return the pixels of things (s, s) bool on one crop; none where it is not plain without.
 
-    The strongest part goes first: it throws a halo into the band that the next is found in.
+    The strongest part goes first: it throws a halo into the band that shows the next.
     """
-    found = np.zeros_like(mask)
+    pixels = np.zeros_like(mask)
     for _ in range(EXEMPLAR.parts):
-        out = mask | found
+        out = mask | pixels
         away = _away(luma, out)
         if _most(away, out) <= EXEMPLAR.plain:
-            return _boxed(found)
-        found |= _strongest(away)
-        if not _few_and_small(found):
+            return _boxed(pixels)
+        pixels |= _strongest(away)
+        if not _few_and_small(pixels):
             break
     return np.zeros_like(mask)
 
@@ -78,22 +78,22 @@ def _strongest(away: np.ndarray) -> np.ndarray:
     )
 
 
-def _boxes(found: np.ndarray) -> np.ndarray:
+def _boxes(pixels: np.ndarray) -> np.ndarray:
     """Return left, top, width, height (n, 4) of the things that pixels (s, s) bool make up."""
-    _, _, boxes, _ = cv2.connectedComponentsWithStats(found.astype(np.uint8), connectivity=8)
+    _, _, boxes, _ = cv2.connectedComponentsWithStats(pixels.astype(np.uint8), connectivity=8)
     return np.asarray(boxes[1:, :4])
 
 
-def _boxed(found: np.ndarray) -> np.ndarray:
+def _boxed(pixels: np.ndarray) -> np.ndarray:
     """Return the boxes about things (s, s) bool: a plate is fainter than what is on it."""
-    mask = np.zeros_like(found)
-    for left, top, width, height in _boxes(found):
+    mask = np.zeros_like(pixels)
+    for left, top, width, height in _boxes(pixels):
         rows = slice(max(0, top - EXEMPLAR.box_rim_px), top + height + EXEMPLAR.box_rim_px)
         mask[rows, max(0, left - EXEMPLAR.box_rim_px) : left + width + EXEMPLAR.box_rim_px] = True
     return mask
 
 
-def _few_and_small(found: np.ndarray) -> bool:
+def _few_and_small(pixels: np.ndarray) -> bool:
     """Return whether pixels (s, s) bool are few things, none of them long."""
-    boxes = _boxes(found)
-    return len(boxes) <= EXEMPLAR.few and bool((boxes[:, 2:] <= EXEMPLAR.small * len(found)).all())
+    boxes = _boxes(pixels)
+    return len(boxes) <= EXEMPLAR.few and bool((boxes[:, 2:] <= EXEMPLAR.small * len(pixels)).all())

@@ -104,10 +104,10 @@ def embed_crops(
 
     batches = [crops[start : start + _BATCH] for start in range(0, len(crops), _BATCH)]
     with fast_decoding(model), ThreadPoolExecutor(threads) as pool:
-        found = list(pool.map(embed, batches))
+        by_batch = list(pool.map(embed, batches))
     codes, probabilities, scores, plain = (
-        ([part for part in parts if part is not None] for parts in zip(*found, strict=True))
-        if found
+        ([part for part in parts if part is not None] for parts in zip(*by_batch, strict=True))
+        if by_batch
         else ([], [], [], [])
     )
     return Embeddings(
@@ -154,7 +154,7 @@ def make_embeddings(
     distinct = table.drop_duplicates("crop_id")
     images = [image_from_bytes(data) for data in distinct["png"]]
     crops = np.stack(images) if images else np.zeros((0, 128, 128, 3), dtype=np.uint8)
-    found = embed_crops(
+    embeddings = embed_crops(
         load_texture_model(texture_model),
         crops,
         seed=derive_seed(seed, "textureness"),
@@ -163,16 +163,16 @@ def make_embeddings(
     )
     row_of = {crop_id: row for row, crop_id in enumerate(distinct["crop_id"])}
     rows = [row_of[crop_id] for crop_id in table["crop_id"]]
-    substances = on_surfaces(found.substance_probabilities[rows], list(table["surface"]))
+    substances = on_surfaces(embeddings.substance_probabilities[rows], list(table["surface"]))
     best = substances.argmax(1) if rows else np.zeros(0, dtype=int)
     frame = pd.DataFrame(
         {
             **{name: table[name] for name in ("crop_id", "photo", "room_id", "surface")},
-            "embedding": pd.Series([found.codes[i] for i in rows], dtype=object),
-            "naive_embedding": pd.Series([found.naive_codes[i] for i in rows], dtype=object),
+            "embedding": pd.Series([embeddings.codes[i] for i in rows], dtype=object),
+            "naive_embedding": pd.Series([embeddings.naive_codes[i] for i in rows], dtype=object),
             "substance": pd.Series([SUBSTANCES[i] for i in best], dtype=object),
             "substance_probabilities": pd.Series(list(substances), dtype=object),
-            "textureness": np.array([found.textureness[i] for i in rows], dtype=np.float64),
+            "textureness": np.array([embeddings.textureness[i] for i in rows], dtype=np.float64),
         }
     )
     metadata = {

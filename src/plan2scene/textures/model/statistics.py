@@ -194,7 +194,7 @@ def colour_quantiles(rgb: torch.Tensor) -> torch.Tensor:
     """
     levels = rgb.new_tensor([0.5, 0.02, 0.1, 0.25, 0.75, 0.9, 0.98])
     values = opponent(rgb).flatten(2)[:, :, ::4]
-    found = torch.quantile(values, levels, dim=2).permute(1, 2, 0)
-    median, away = found[:, :, 0], found[:, :, 1:] - found[:, :, :1]
+    quantiles = torch.quantile(values, levels, dim=2).permute(1, 2, 0)
+    median, away = quantiles[:, :, 0], quantiles[:, :, 1:] - quantiles[:, :, :1]
     roots = away.sign() * (away.abs() + 1e-3).sqrt()
     return torch.cat([median, roots.flatten(1)], dim=1)

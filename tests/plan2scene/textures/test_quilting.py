@@ -1,0 +1,60 @@
+"""Cuts between patches, and tiles quilted from periodic sources."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from plan2scene.textures.quilting import Source, cheapest_paths, minimum_cut, quilt
+
+
+def path_cost(error, path):
+    return error[np.arange(len(path)), path].sum()
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_cheapest_paths_are_the_best_of_all_paths(closed) -> None:
+    error = np.random.default_rng(0).random((5, 3, 4))
+    paths, costs = cheapest_paths(error, closed=closed)
+    for k in range(3):
+        allowed = [
+            path
+            for path in itertools.product(range(4), repeat=5)
+            if (np.abs(np.diff(path)) <= 1).all() and (not closed or abs(path[0] - path[-1]) <= 1)
+        ]
+        best = min(path_cost(error[:, k], np.array(path)) for path in allowed)
+        assert tuple(paths[:, k]) in allowed
+        assert path_cost(error[:, k], paths[:, k]) == pytest.approx(best)
+        assert costs[k] == pytest.approx(best)
+
+
+def test_minimum_cut_goes_round_the_torus_where_it_is_cheap() -> None:
+    cost = np.ones((12, 12))
+    cost[:, 3] = cost[:, 8] = 0.001  # two cheap columns on both sides of what the patch must take
+    old, new = np.zeros((12, 12), bool), np.zeros((12, 12), bool)
+    old[:, 0], new[:, 6] = True, True
+    taken = minimum_cut((np.ones((12, 12)), cost), old, new)
+    assert (taken == (np.arange(12) > 3) & (np.arange(12) <= 8)).all()
+
+
+def test_quilt_of_a_periodic_source_is_the_source() -> None:
+    wave = 2 * np.pi * np.arange(96) / 16
+    image = np.repeat((0.5 + 0.2 * np.sin(wave)[:, None] * np.cos(wave))[..., None], 3, axis=2)
+    valid = np.ones((96, 96), bool)
+    valid[[0, -1]] = valid[:, [0, -1]] = False
+    canvas = quilt([Source(image.astype(np.float32), valid)], 128)
+    result = canvas.solve()
+    np.testing.assert_allclose(result, np.roll(result, 16, axis=0), atol=1e-3)
+    np.testing.assert_allclose(result, np.roll(result, 16, axis=1), atol=1e-3)
+    assert result.std() == pytest.approx(image.std(), rel=0.01)
+
+
+def test_quilted_joints_keep_the_step_that_the_periods_tell() -> None:
+    """A patch shows one joint each way: nothing that it covers tells where the next one is."""
+    image = np.random.default_rng(0).normal(0.6, 0.02, (38, 38, 3)).astype(np.float32)
+    image[18:20] = image[:, 18:20] = 0.1
+    made = quilt([Source(image, np.ones((38, 38), bool))], 64, (2, 2)).solve()
+    for axis in (0, 1):
+        line = made.mean(axis=(axis, 2))
+        (dark,) = np.nonzero(line < line.mean() - 0.2)
+        assert len(dark) == 4 and set(np.diff(dark)) == {1, 31}
