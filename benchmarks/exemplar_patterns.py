@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from plan2scene.materials import layout
+from plan2scene.materials import bonds
 from plan2scene.seeds import derive_seed
 from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, make_exemplar
 from plan2scene_workshop.texture.degradation import Degradation, degrade
@@ -32,7 +32,7 @@ def draw(kind: str, rng: np.random.Generator) -> tuple[np.ndarray, list[tuple[fl
         columns, rows = int(rng.integers(1, 3)), int(rng.integers(4, 11))
         offsets = rng.uniform(0.0, 1.0, rows)
         periods = [(float("nan"), 1 / rows)]
-    plan = layout.bond(SIZE, int(columns), int(rows), 1.0, offsets)
+    plan = bonds.bond(SIZE, int(columns), int(rows), 1.0, offsets)
     tone = rng.uniform(60.0, 200.0, 3)
     joint = tone + rng.choice([-1.0, 1.0]) * rng.uniform(35.0, 55.0)
     share = plan.joint(float(rng.uniform(0.012, 0.03)))[..., None]

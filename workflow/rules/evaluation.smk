@@ -121,7 +121,7 @@ rule paper_table:
 
 onerror:
     # One bad house never stops the others: the table of what there is says who is missing.
-    from plan2scene.evaluation.aggregate import TableRequest
+    from plan2scene.evaluation.tables import TableRequest
     from plan2scene.evaluation.paper_table import partial_table
     from plan2scene.workflow.stale import remove_outdated
 

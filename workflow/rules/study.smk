@@ -1,6 +1,6 @@
 # On demand: the user study. `snakemake -j2 study` makes the form and its key; with the files that
 # people hand in under config["study"]["answers"], `snakemake study_result` their preferences.
-from plan2scene.evaluation.study_form import study_houses
+from plan2scene.evaluation.study import study_houses
 
 STUDY = config["study"]
 STUDY_METHODS = list(
@@ -72,7 +72,7 @@ rule study:
         houses=STUDY_HOUSES,
         pairs=STUDY["pairs"],
         seed=config["seed"],
-        code=code_hash("plan2scene.evaluation.study_form"),
+        code=code_hash("plan2scene.evaluation.study"),
     script:
         "../scripts/study.py"
 
@@ -96,6 +96,6 @@ rule study_result:
         mem_mb=500,
     params:
         pairs=STUDY["pairs"],
-        code=code_hash("plan2scene.evaluation.study_answers"),
+        code=code_hash("plan2scene.evaluation.study"),
     script:
         "../scripts/study_result.py"

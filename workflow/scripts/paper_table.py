@@ -1,7 +1,7 @@
 """Rule paper_table: metrics of all houses -> the paper's table 1."""
 
-from plan2scene.evaluation.aggregate import TableRequest
 from plan2scene.evaluation.paper_table import paper_table
+from plan2scene.evaluation.tables import TableRequest
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):

@@ -1,6 +1,6 @@
 """Rule study: what the study shows of each house -> the form and its key."""
 
-from plan2scene.evaluation.study_form import write_study
+from plan2scene.evaluation.study import write_study
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):

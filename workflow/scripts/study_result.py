@@ -1,6 +1,6 @@
 """Rule study_result: the study's key and answers -> preferences with their intervals."""
 
-from plan2scene.evaluation.study_answers import study_result
+from plan2scene.evaluation.study import study_result
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):

@@ -23,7 +23,7 @@ from plan2scene.plans import (
     read_plan,
     validate_house,
 )
-from plan2scene.plans.plausible import name_oddities
+from plan2scene.plans.validate import name_oddities
 
 if TYPE_CHECKING:
     from PIL import Image

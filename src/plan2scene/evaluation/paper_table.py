@@ -12,10 +12,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plan2scene.evaluation.aggregate import TableRequest, tidy_table, wide_table
-from plan2scene.evaluation.gather import Measurements
-from plan2scene.evaluation.latex import latex_table
+from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.plot import plot_table
+from plan2scene.evaluation.tables import TableRequest, latex_table, tidy_table, wide_table
 from plan2scene.io import write_csv, write_parquet, write_text
 
 if TYPE_CHECKING:

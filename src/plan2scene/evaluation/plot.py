@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plan2scene.evaluation.aggregate import metric_title
-from plan2scene.evaluation.published import TABLE_COLUMNS, comparable
+from plan2scene.evaluation.tables import TABLE_COLUMNS, comparable, metric_title
 from plan2scene.io import atomic_path
 from plan2scene.metrics.registry import METRICS
 

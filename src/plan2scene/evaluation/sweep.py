@@ -7,8 +7,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from plan2scene.evaluation.aggregate import TableRequest, tidy_table, wide_table
-from plan2scene.evaluation.gather import Measurements
 from plan2scene.evaluation.houses import (
     EvaluatedHouse,
     measured_at,
@@ -16,7 +14,9 @@ from plan2scene.evaluation.houses import (
     write_measured,
 )
 from plan2scene.evaluation.measure import reference_images
+from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.plot import plot_sweep
+from plan2scene.evaluation.tables import TableRequest, tidy_table, wide_table
 from plan2scene.io import write_csv
 from plan2scene.textures.inputs import HouseData, Visible
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from plan2scene.materials import carpet, colour, plaster, tile, wood
+from plan2scene.materials import carpet, palettes, plaster, tile, wood
 from plan2scene.materials.folder import load_texture_folder
 from plan2scene.materials.material import Look, Material
 from plan2scene.seeds import generator
@@ -83,7 +83,7 @@ def random_material(
         name=f"{substance}-{kind}-{int(rng.integers(2**32)):08x}",
         substance=substance,
         kind=kind,
-        albedo=colour.to_uint8(image),
+        albedo=palettes.to_uint8(image),
         size_m=size_m,
         roughness=roughness,
     )

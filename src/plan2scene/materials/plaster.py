@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.random import Generator
 
-from plan2scene.materials import colour, noise
+from plan2scene.materials import palettes, periodic_noise
 from plan2scene.materials.material import Look
 
 
@@ -14,11 +14,11 @@ def make(rng: Generator, kind: str, size: int, base: np.ndarray | None) -> Look:
     if base is not None:
         tone = base
     elif kind == "concrete":
-        tone = colour.vary(rng, np.full(3, rng.uniform(0.42, 0.78), np.float32), 2, 1.2)
+        tone = palettes.vary(rng, np.full(3, rng.uniform(0.42, 0.78), np.float32), 2, 1.2)
     else:
         accent = rng.random() < (0.35 if kind == "wallpaper" else 0.15)
-        tone = colour.pick(
-            rng, colour.ACCENTS if accent else colour.PAINTS, lightness=2.5, chroma=1.2
+        tone = palettes.pick(
+            rng, palettes.ACCENTS if accent else palettes.PAINTS, lightness=2.5, chroma=1.2
         )
     if kind == "paint":
         return _paint(rng, size, tone)
@@ -33,11 +33,11 @@ def _paint(rng: Generator, size: int, tone: np.ndarray) -> Look:
     """Return emulsion paint: nearly flat, with the stipple of the roller."""
     size_m = float(rng.uniform(0.4, 1.2))
     grain = float(rng.uniform(20, 70))
-    roller = noise.spectral_noise(rng, size, 0.6, low=grain * 0.5, high=grain * 1.8)
-    uneven = noise.spectral_noise(rng, size, 2.5, high=6)
+    roller = periodic_noise.spectral_noise(rng, size, 0.6, low=grain * 0.5, high=grain * 1.8)
+    uneven = periodic_noise.spectral_noise(rng, size, 2.5, high=6)
     amount: np.ndarray = roller * np.float32(rng.uniform(0.002, 0.016))
     amount = amount + uneven * np.float32(rng.uniform(0.0, 0.008))
-    return colour.shade(tone, amount), size_m, float(rng.uniform(0.55, 0.95))
+    return palettes.shade(tone, amount), size_m, float(rng.uniform(0.55, 0.95))
 
 
 def _plaster(rng: Generator, size: int, tone: np.ndarray) -> Look:
@@ -46,40 +46,44 @@ def _plaster(rng: Generator, size: int, tone: np.ndarray) -> Look:
     style = str(rng.choice(["trowel", "sand", "woodchip", "brush"], p=[0.4, 0.25, 0.2, 0.15]))
     if style == "trowel":
         bend = np.float32(rng.uniform(4, 14) * size / 256)
-        field = noise.spectral_noise(rng, size, float(rng.uniform(1.6, 2.4)), low=2)
-        dx, dy = (noise.spectral_noise(rng, size, 2.4, low=2) * bend for _ in range(2))
-        field = noise.warp(field, dx, dy)
+        field = periodic_noise.spectral_noise(rng, size, float(rng.uniform(1.6, 2.4)), low=2)
+        dx, dy = (periodic_noise.spectral_noise(rng, size, 2.4, low=2) * bend for _ in range(2))
+        field = periodic_noise.warp(field, dx, dy)
     elif style == "sand":
-        field = noise.spectral_noise(rng, size, float(rng.uniform(0.2, 0.9)), low=10)
+        field = periodic_noise.spectral_noise(rng, size, float(rng.uniform(0.2, 0.9)), low=10)
     elif style == "woodchip":
-        coarse = noise.spectral_noise(rng, size, 0.6, low=12, high=float(rng.uniform(30, 60)))
+        coarse = periodic_noise.spectral_noise(
+            rng, size, 0.6, low=12, high=float(rng.uniform(30, 60))
+        )
         field = np.clip(coarse - 0.7, -0.3, 1.5)
     else:
-        field = noise.spectral_noise(rng, size, 1.0, low=6, stretch=(1, float(rng.uniform(5, 14))))
+        field = periodic_noise.spectral_noise(
+            rng, size, 1.0, low=6, stretch=(1, float(rng.uniform(5, 14)))
+        )
     amount: np.ndarray = field * np.float32(rng.uniform(0.01, 0.06))
-    amount = amount + noise.spectral_noise(rng, size, 2.6, high=8) * np.float32(
+    amount = amount + periodic_noise.spectral_noise(rng, size, 2.6, high=8) * np.float32(
         rng.uniform(0, 0.02)
     )
-    return colour.shade(tone, amount), size_m, float(rng.uniform(0.75, 1.0))
+    return palettes.shade(tone, amount), size_m, float(rng.uniform(0.75, 1.0))
 
 
 def _concrete(rng: Generator, size: int, tone: np.ndarray) -> Look:
     """Return smooth concrete or micro-cement: clouds, pores, hairline marks."""
     size_m = float(rng.uniform(0.8, 2.0))
-    cloud = noise.spectral_noise(rng, size, float(rng.uniform(1.6, 2.6)), low=1.5)
-    fine = noise.spectral_noise(rng, size, 0.8, low=15)
-    pores = np.clip(noise.spectral_noise(rng, size, 0.6, low=25) - 2.2, 0, 1)
+    cloud = periodic_noise.spectral_noise(rng, size, float(rng.uniform(1.6, 2.6)), low=1.5)
+    fine = periodic_noise.spectral_noise(rng, size, 0.8, low=15)
+    pores = np.clip(periodic_noise.spectral_noise(rng, size, 0.6, low=25) - 2.2, 0, 1)
     amount = cloud * np.float32(rng.uniform(0.02, 0.08)) + fine * np.float32(
         rng.uniform(0.005, 0.025)
     )
-    image = colour.shade(tone, amount - pores * np.float32(rng.uniform(0.0, 0.4)))
+    image = palettes.shade(tone, amount - pores * np.float32(rng.uniform(0.0, 0.4)))
     return image, size_m, float(rng.uniform(0.4, 0.9))
 
 
 def _wallpaper(rng: Generator, size: int, tone: np.ndarray) -> Look:
     """Return paper with stripes, damask, sprigs, a trellis or a weave."""
     size_m = float(rng.uniform(0.4, 1.1))
-    second = colour.vary(rng, tone, float(rng.choice([4.0, 8.0, 16.0])), 3)
+    second = palettes.vary(rng, tone, float(rng.choice([4.0, 8.0, 16.0])), 3)
     style = str(rng.choice(["stripes", "damask", "sprigs", "trellis", "weave"]))
     if style == "stripes":
         cover = _stripes(rng, size)
@@ -91,14 +95,16 @@ def _wallpaper(rng: Generator, size: int, tone: np.ndarray) -> Look:
         width = float(rng.uniform(0.04, 0.12))
         cover = np.clip((width - np.minimum(p, q)) * size / count / 1.4 + 0.5, 0, 1)
     elif style == "weave":
-        threads = noise.spectral_noise(rng, size, 0.8, low=12, stretch=(14, 1))
-        threads = threads + noise.spectral_noise(rng, size, 0.8, low=12, stretch=(1, 14))
+        threads = periodic_noise.spectral_noise(rng, size, 0.8, low=12, stretch=(14, 1))
+        threads = threads + periodic_noise.spectral_noise(rng, size, 0.8, low=12, stretch=(1, 14))
         cover = np.clip(threads * 0.25 + 0.5, 0, 1)
     else:
         cover = _motifs(rng, size, mirrored=style == "damask")
-    image = colour.mix(tone, second, cover.astype(np.float32))
-    amount = noise.spectral_noise(rng, size, 0.5, low=30) * np.float32(rng.uniform(0.002, 0.012))
-    return colour.shade(image, amount), size_m, float(rng.uniform(0.5, 0.9))
+    image = palettes.mix(tone, second, cover.astype(np.float32))
+    amount = periodic_noise.spectral_noise(rng, size, 0.5, low=30) * np.float32(
+        rng.uniform(0.002, 0.012)
+    )
+    return palettes.shade(image, amount), size_m, float(rng.uniform(0.5, 0.9))
 
 
 def _stripes(rng: Generator, size: int) -> np.ndarray:
@@ -118,7 +124,7 @@ def _motifs(rng: Generator, size: int, *, mirrored: bool) -> np.ndarray:
     count = int(rng.choice([2, 4, 6], p=[0.4, 0.4, 0.2]))
     n = size // count * 2
     detail = float(rng.uniform(4, 8))
-    field = noise.spectral_noise(rng, n, 0.8, low=detail * 0.4, high=detail)
+    field = periodic_noise.spectral_noise(rng, n, 0.8, low=detail * 0.4, high=detail)
     if mirrored:
         field = field + field[:, ::-1]
     axis = np.abs((np.arange(n) + 0.5) / n - 0.5) * 2
@@ -130,4 +136,4 @@ def _motifs(rng: Generator, size: int, *, mirrored: bool) -> np.ndarray:
     scale = np.float32(n * count / 2 / size)
     x, y = xs * scale, ys * scale
     drop = np.mod(np.floor(x / n), 2) * n / 2 if (count // 2) % 2 == 0 else 0
-    return noise.sample(cover, x, y + drop)
+    return periodic_noise.sample(cover, x, y + drop)

@@ -15,7 +15,7 @@ from plan2scene.mesh.stairs import handrails, stair_parts, well_railings
 from plan2scene.mesh.storey import Storey, build_storey
 from plan2scene.mesh.walls import Above
 from plan2scene.plans.geometry import room_polygon
-from plan2scene.plans.storeys import flight_area, step_count
+from plan2scene.plans.levels import flight_area, step_count
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from shapely.ops import polylabel
 from plan2scene.house import House, Room, Stairs
 from plan2scene.mesh.parts import Colour
 from plan2scene.plans.geometry import room_polygon
-from plan2scene.plans.storeys import flight_area
+from plan2scene.plans.levels import flight_area
 
 SECTION_COLOUR: Colour = (52, 50, 48)
 STEP_COLOUR: Colour = (96, 88, 80)

@@ -16,7 +16,7 @@ from plan2scene.mesh.parts import MeshPart, PartBuilder
 from plan2scene.mesh.railings import BAR, COLOUR, POST, RAIL, add_railing
 from plan2scene.mesh.walls import LIFT, REVEAL_COLOUR
 from plan2scene.plans.geometry import room_polygon
-from plan2scene.plans.storeys import flight_area, step_count
+from plan2scene.plans.levels import flight_area, step_count
 
 #: Metres below a step's foot that its body goes down.
 WAIST = 0.1

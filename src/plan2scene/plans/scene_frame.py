@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from plan2scene.plans.names import room_types
 from plan2scene.plans.parse import Source
+from plan2scene.plans.room_names import room_types
 
 _UP = [0.0, 1.0, 0.0]
 

@@ -19,17 +19,16 @@ from plan2scene.images import decode_image, png_bytes
 from plan2scene.io import atomic_path
 from plan2scene.plans import (
     PlanFile,
+    levels,
     openings,
     parse,
     plan_json,
-    plausible,
     read_plan,
-    storeys,
     validate,
     validate_house,
 )
 from plan2scene.plans.geometry import SHARED_TOLERANCE
-from plan2scene.plans.plan_writer import house_to_plan
+from plan2scene.plans.plan_json import house_to_plan
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.tracing.picture import read_plan_picture
 
@@ -230,7 +229,7 @@ def page_rules() -> dict[str, Any]:
         "format": plan_json.FORMAT,
         "room_types": list(ROOM_TYPES),
         "types": dict(parse.TYPE_NAMES),
-        "devices": sorted(plausible.DEVICES),
+        "devices": sorted(validate.DEVICES),
         "openings": {
             kind: {"width": WIDTHS[kind], "bottom": bottom, "top": top}
             for kind, (bottom, top) in HEIGHTS.items()
@@ -255,19 +254,19 @@ def _limits() -> dict[str, Any]:
         "min_area": validate.MIN_AREA,
         "overlap_share": validate.OVERLAP_SHARE,
         "rounding": validate.ROUNDING,
-        "max_extent": plausible.MAX_EXTENT,
-        "max_usual_area": plausible.MAX_USUAL_AREA,
-        "heights": plausible.HEIGHTS,
-        "usual_heights": plausible.USUAL_HEIGHTS,
-        "usual_extent": plausible.USUAL_EXTENT,
-        "usual_area": plausible.USUAL_AREA,
-        "usual_door": plausible.USUAL_DOOR,
-        "narrow": plausible.NARROW,
-        "apart": plausible.APART,
-        "least_rise": storeys.LEAST_RISE,
-        "least_flight": storeys.LEAST_FLIGHT,
-        "step_off": storeys.STEP_OFF,
-        "riser": storeys.RISER,
-        "tread": storeys.TREAD,
-        "flight_margin": storeys.MARGIN,
+        "max_extent": validate.MAX_EXTENT,
+        "max_usual_area": validate.MAX_USUAL_AREA,
+        "heights": validate.HEIGHTS,
+        "usual_heights": validate.USUAL_HEIGHTS,
+        "usual_extent": validate.USUAL_EXTENT,
+        "usual_area": validate.USUAL_AREA,
+        "usual_door": validate.USUAL_DOOR,
+        "narrow": validate.NARROW,
+        "apart": validate.APART,
+        "least_rise": levels.LEAST_RISE,
+        "least_flight": levels.LEAST_FLIGHT,
+        "step_off": levels.STEP_OFF,
+        "riser": levels.RISER,
+        "tread": levels.TREAD,
+        "flight_margin": levels.MARGIN,
     }

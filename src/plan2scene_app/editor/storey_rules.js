@@ -1,4 +1,4 @@
-// What the reader says of floors and stairs (floorplans/storeys.py), in its words.
+// What the reader says of floors and stairs (plans/levels.py), in its words.
 
 import { dist, dot, inside, unit, sub, add, times } from "./geometry.js";
 import { levelsOf, riseOf, stepCount } from "./storeys.js";

@@ -31,10 +31,10 @@ from plan2scene.house import (
     Wall,
 )
 from plan2scene.plans.geometry import find_doors, walls_of_rooms
-from plan2scene.plans.names import room_types
+from plan2scene.plans.levels import LEAST_FLIGHT, LEAST_RISE, linked
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import MAX_ROOMS, Source
-from plan2scene.plans.storeys import LEAST_FLIGHT, LEAST_RISE, linked
+from plan2scene.plans.room_names import room_types
 from plan2scene_app.plan_formats.axes import DEFAULT_THICKNESS, SETTINGS, WallAxis, rooms_of_axes
 
 #: Most openings of a plan.

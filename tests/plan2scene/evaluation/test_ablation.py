@@ -7,16 +7,17 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plan2scene.evaluation.ablation import ablate_house, ablation_table
-from plan2scene.evaluation.houses import propagated_at
-from plan2scene.evaluation.variants import (
+from plan2scene.evaluation.ablation import (
     MISSING,
     VARIANTS,
     Variant,
+    ablate_house,
+    ablation_table,
     plane_noise_model,
     predicted,
     selected,
 )
+from plan2scene.evaluation.houses import propagated_at
 from plan2scene.house import ROOM_TYPES, SurfaceKey
 from plan2scene.io import read_parquet
 from plan2scene.propagation.networks import load_propagation

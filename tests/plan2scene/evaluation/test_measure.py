@@ -6,7 +6,6 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
-from plan2scene.evaluation.aggregate import TableRequest
 from plan2scene.evaluation.measure import (
     Networks,
     measure_tiles,
@@ -15,7 +14,7 @@ from plan2scene.evaluation.measure import (
     reference_images,
 )
 from plan2scene.evaluation.paper_table import paper_table, partial_table
-from plan2scene.evaluation.published import published_value
+from plan2scene.evaluation.tables import TableRequest, published_value
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from plan2scene.evaluation.plot import sweep_figure
-from plan2scene.evaluation.published import TABLE_COLUMNS
+from plan2scene.evaluation.tables import TABLE_COLUMNS
 from plan2scene.metrics.registry import METRICS
 
 

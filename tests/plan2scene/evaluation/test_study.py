@@ -16,8 +16,14 @@ import pytest
 from PIL import Image
 
 from plan2scene.errors import InputError
-from plan2scene.evaluation.study_answers import preferences, read_answers, study_result
-from plan2scene.evaluation.study_form import make_questions, study_houses, write_study
+from plan2scene.evaluation.study import (
+    make_questions,
+    preferences,
+    read_answers,
+    study_houses,
+    study_result,
+    write_study,
+)
 from plan2scene.evaluation.study_sheet import write_study_sheet
 from plan2scene.images import write_png
 from plan2scene.io import read_json, write_json

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plan2scene.evaluation.aggregate import TableRequest
 from plan2scene.evaluation.houses import propagated_at
 from plan2scene.evaluation.measure import reference_images
 from plan2scene.evaluation.sweep import sweep_house, sweep_table
+from plan2scene.evaluation.tables import TableRequest
 from plan2scene.images import metric_image, read_image
 from plan2scene.io import read_json, read_parquet
 from plan2scene.metrics.color_freq_tile import color_distance

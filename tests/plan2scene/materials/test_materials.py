@@ -8,8 +8,8 @@ import pytest
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import write_png
-from plan2scene.materials import KINDS, load_texture_folder, noise, random_material
-from plan2scene.materials.layout import basket, bond, diagonal_grid, herringbone, hexagons
+from plan2scene.materials import KINDS, load_texture_folder, periodic_noise, random_material
+from plan2scene.materials.bonds import basket, bond, diagonal_grid, herringbone, hexagons
 
 EVERY_KIND = [(substance, kind) for substance in KINDS for kind in KINDS[substance]]
 
@@ -84,10 +84,12 @@ def test_layouts_have_whole_units() -> None:
 
 
 def test_noise_is_normalised_and_periodic() -> None:
-    field = noise.spectral_noise(np.random.default_rng(0), 128, 2.0, low=2)
+    field = periodic_noise.spectral_noise(np.random.default_rng(0), 128, 2.0, low=2)
     assert abs(float(field.mean())) < 1e-3
     assert float(field.std()) == pytest.approx(1.0, abs=1e-3)
-    shifted = noise.sample(field, *np.meshgrid(np.arange(128.0) + 128, np.arange(128.0) - 128))
+    shifted = periodic_noise.sample(
+        field, *np.meshgrid(np.arange(128.0) + 128, np.arange(128.0) - 128)
+    )
     assert np.allclose(shifted, field, atol=1e-5)
 
 

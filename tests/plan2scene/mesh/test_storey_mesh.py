@@ -15,7 +15,7 @@ from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.stairs import WAIST
 from plan2scene.mesh.walls import CAP_COLOUR
 from plan2scene.plans.geometry import walls_of_rooms
-from plan2scene.plans.storeys import linked
+from plan2scene.plans.levels import linked
 
 WELL = 0.9 * 3.6
 OUTLINE = ((0.0, 0.0), (8.0, 0.0), (8.0, 6.0), (0.0, 6.0))

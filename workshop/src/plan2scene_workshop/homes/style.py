@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plan2scene.house import SURFACES, House, Room, SurfaceKey
-from plan2scene.materials import Material, colour, random_material
+from plan2scene.materials import Material, palettes, random_material
 from plan2scene.seeds import derive_seed, generator
 
 #: Floor of the home's main rooms, one material for all of them.
@@ -195,8 +195,8 @@ class _Stock:
         scan = self._scan("plaster", name) if kind == "plaster" else None
         if scan is not None:
             return scan
-        palette = colour.ACCENTS if rng.random() < strong else colour.PAINTS
-        return self._random("plaster", name, kind, colour.pick_uint8(rng, palette))
+        palette = palettes.ACCENTS if rng.random() < strong else palettes.PAINTS
+        return self._random("plaster", name, kind, palettes.pick_uint8(rng, palette))
 
     def _bedroom_floor(self, name: str) -> Material:
         carpet = self.rng(name, "substance").random() < BEDROOM_CARPET
@@ -287,7 +287,7 @@ def accent_walls(house: House, seed: int) -> dict[str, Material]:
         wall = (plain or walls)[int(rng.integers(0, len(plain or walls)))]
         pairs = {f"{substance} {kind}": p for (substance, kind), p in ACCENT_KINDS.items()}
         substance, kind = pick(rng, pairs).split()
-        tone = colour.pick_uint8(rng, colour.ACCENTS) if kind == "paint" else None
+        tone = palettes.pick_uint8(rng, palettes.ACCENTS) if kind == "paint" else None
         accents[wall.id] = random_material(
             substance, derive_seed(seed, "accent", house.id, wall.id), kind=kind, colour_rgb=tone
         )

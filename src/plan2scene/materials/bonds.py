@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plan2scene.materials.noise import sample
+from plan2scene.materials.periodic_noise import sample
 
 _TABLE = 8192  # size of the table of per-unit random values
 

@@ -3,7 +3,7 @@
 import pytest
 
 from plan2scene.house import ROOM_TYPES
-from plan2scene.plans.names import room_types
+from plan2scene.plans.room_names import room_types
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,337 @@
+"""Tables of metrics: means over surfaces of many methods and drops, tidy, wide and as LaTeX.
+
+Published figures are the paper's table 1 (CVPR 2021, test split of Rent3D++, 43 houses; lower is
+better). Sums of each method, column and drop are made over all houses in a stream.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import plan2scene
+from plan2scene.evaluation.measurements import MeasuredHouse, Measurements
+from plan2scene.metrics.feature_sets import MAX_MOMENTS_DIMENSION, SurfaceDistances
+from plan2scene.metrics.registry import METRICS
+from plan2scene.provenance import package_versions
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_PAPER_METRICS = ("COLOR", "FREQ", "SUBS", "FID", "TILE")
+#: The networks of the published figures; ours by another one are not of their scale.
+PUBLISHED_NETWORKS: Mapping[str, str] = {"SUBS": "vgg16", "FID": "inception"}
+#: Columns: surfaces observed at drop 0.0, and those unobserved and all at drop 0.6.
+TABLE_COLUMNS = ("observed", "unobserved", "all")
+#: ``_TABLE[method][column]`` in the paper's order. SUBS is by VGG-16 and FID by InceptionV3.
+_TABLE: Mapping[str, Mapping[str, tuple[float, ...]]] = {
+    "crop": {
+        "observed": (0.0, 0.0, 0.0, 0.0, 38.1),
+        "unobserved": (0.768, 0.026, 0.345, 57.2, 40.6),
+        "all": (0.459, 0.016, 0.208, 35.6, 39.5),
+    },
+    "retrieve": {
+        "observed": (0.561, 0.054, 0.473, 238.2, 17.3),
+        "unobserved": (0.751, 0.040, 0.437, 261.5, 19.1),
+        "all": (0.680, 0.046, 0.458, 243.2, 18.3),
+    },
+    "naivesynth": {
+        "observed": (0.694, 0.046, 0.385, 239.3, 21.7),
+        "unobserved": (0.714, 0.044, 0.427, 245.4, 19.8),
+        "all": (0.709, 0.046, 0.404, 239.4, 20.6),
+    },
+    "synth": {
+        "observed": (0.431, 0.035, 0.350, 196.1, 16.4),
+        "unobserved": (0.653, 0.032, 0.393, 199.4, 18.6),
+        "all": (0.591, 0.034, 0.392, 196.2, 17.6),
+    },
+}
+
+
+def published_value(method: str, column: str, metric: str) -> float:
+    """Return the paper's figure; NaN for a method or metric that it does not have."""
+    if method not in _TABLE or metric not in _PAPER_METRICS:
+        return float("nan")
+    return _TABLE[method][column][_PAPER_METRICS.index(metric)]
+
+
+def comparable(metric: str, network: str) -> bool:
+    """Return whether a figure made with `network` is of the published figures' scale."""
+    return PUBLISHED_NETWORKS.get(metric, network) == network
+
+
+#: FID and KID are of the whole set; the others are means of a column of ``metrics.parquet``.
+MEANS = tuple(name for name in METRICS if name not in ("FID", "KID"))
+#: Cells that are summed in one reading of the files: each holds some megabytes of moments, those
+#: of features of many dimensions (InceptionV3's 2048) some hundred.
+_AT_ONCE, _AT_ONCE_WIDE = 48, 3
+
+
+@dataclass
+class Cell:
+    """Sums over the surfaces of a method, column and drop: a byte a house is held.
+
+    Attributes
+    ----------
+    present : bytearray
+        Of each house of the table: 1 with results of method and drop, 2 with surfaces counted.
+    """
+
+    method: str
+    column: str
+    drop: str
+    present: bytearray
+    n: int = 0
+    images: int = 0
+    sums: np.ndarray = field(default_factory=lambda: np.zeros((2, len(MEANS))))
+    distances: SurfaceDistances = field(default_factory=SurfaceDistances)
+
+    def add(self, place: int, house: MeasuredHouse) -> None:
+        """Add the surfaces of the house of that place in the table."""
+        columns = house.columns
+        chosen = (columns["method"] == self.method) & (columns["drop"] == self.drop)
+        if chosen.any():
+            self.present[place] = max(self.present[place], 1)
+        if self.column != "all":
+            chosen &= columns["observed"].astype(bool) == (self.column == "observed")
+        rows = np.flatnonzero(chosen)
+        if not len(rows):
+            return
+        self.present[place] = 2
+        self.n += len(rows)
+        images = [house.images[row] for row in rows]
+        self.images += sum(map(len, images))
+        values = np.array([columns[name.lower()][rows] for name in MEANS], dtype=np.float64)
+        self.sums += np.nansum(values, axis=1), (~np.isnan(values)).sum(axis=1)
+        surfaces = dict.fromkeys(house.surfaces[row] for row in rows)
+        crops = [house.crops[key] for key in surfaces if key in house.crops]
+        self.distances.add(images, crops)
+
+    def values(self) -> dict[str, float]:
+        """Return the value of each metric; NaN where no surface is counted."""
+        if not self.n:
+            return dict.fromkeys(METRICS, float("nan"))
+        total, count = self.sums
+        means = np.divide(total, count, out=np.full(len(MEANS), np.nan), where=count > 0)
+        return dict(zip(MEANS, means.tolist(), strict=True)) | self.distances.values()
+
+
+def summed(cells: Sequence[Cell], houses: Mapping[str, int], measured: Measurements) -> None:
+    """Add all measured houses, which have their place in the table, to the cells.
+
+    The files are read again for every few dozen cells.
+    """
+    left = list(cells)
+    while left:
+        own = left[:_AT_ONCE]
+        for house in measured.houses():
+            if house.images[0].shape[1] > MAX_MOMENTS_DIMENSION:
+                own = own[:_AT_ONCE_WIDE]
+            if house.name in houses:
+                for cell in own:
+                    cell.add(houses[house.name], house)
+        left = left[len(own) :]
+
+
+#: Packages whose versions a table names: those that its figures are computed with.
+_PACKAGES = ("numpy", "scipy", "opencv-python-headless", "pillow", "torch")
+
+
+@dataclass(frozen=True)
+class TableRequest:
+    """What a table is made of and stands for.
+
+    Attributes
+    ----------
+    houses : sequence of str
+        Houses that the table should cover; those without results are named in it.
+    drop : str
+        Drop fraction of Unobserved and All, one decimal; observed surfaces are those of 0.0.
+    drops : sequence of str
+        Of a sweep: every column is measured at each of them, not at `drop`.
+    """
+
+    dataset: str
+    houses: Sequence[str]
+    methods: Sequence[str]
+    drop: str
+    seed: int
+    drops: Sequence[str] = ()
+
+    def drops_of(self, column: str) -> Sequence[str]:
+        """Return the drop fractions at which a column is measured."""
+        return self.drops or ["0.0" if column == "observed" else self.drop]
+
+
+def tidy_table(measured: Measurements, request: TableRequest) -> pd.DataFrame:
+    """Return a row per method, column, drop and metric.
+
+    ``n`` surfaces, ``images`` of them for FID and KID, ``houses`` counted and ``missing``, the
+    metric's network (``features``), ``value`` (NaN where no surface falls into the column), the
+    ``published`` figure, and ours minus it where both are of one network.
+    """
+    import pandas as pd
+
+    networks = measured.networks()
+    cells = [
+        Cell(method, column, drop, bytearray(len(request.houses)))
+        for method in request.methods
+        for column in TABLE_COLUMNS
+        for drop in request.drops_of(column)
+    ]
+    summed(cells, {house: place for place, house in enumerate(request.houses)}, measured)
+    last = {
+        "seed": request.seed,
+        "version": plan2scene.__version__,
+        "packages": package_versions(*_PACKAGES),
+    }
+    rows: list[dict[str, object]] = []
+    for cell in cells:
+        pairs = zip(request.houses, cell.present, strict=True)
+        missing = sorted({house for house, present in pairs if not present})
+        common = {
+            "dataset": request.dataset,
+            "method": cell.method,
+            "column": cell.column,
+            "drop": cell.drop,
+            "n": cell.n,
+            "images": cell.images,
+            "houses": cell.present.count(2),
+            "missing": " ".join(missing) or "none",
+            **last,
+        }
+        rows += [common | figures for figures in _metric_rows(cell, networks)]
+    return pd.DataFrame(rows)
+
+
+def _metric_rows(cell: Cell, networks: Mapping[str, str]) -> list[dict[str, object]]:
+    """Return what a row says of each metric; NaN without any surface."""
+    values, figures = cell.values(), []
+    for name, network in networks.items():
+        value, published = values[name], published_value(cell.method, cell.column, name)
+        difference = value - published if comparable(name, network) else float("nan")
+        figure = {"metric": name, "features": network, "value": value}
+        figures.append({**figure, "published": published, "difference": difference})
+    return figures
+
+
+def wide_table(
+    tidy: pd.DataFrame,
+    first: Sequence[str] = ("method", "drop", "column", "n", "houses"),
+    last: Sequence[str] = ("missing", "dataset", "seed", "version"),
+    *,
+    published: bool = False,
+) -> pd.DataFrame:
+    """Return a row per method, drop and column, its metrics side by side as text.
+
+    Metrics of a network carry its name; no cell is empty: ``n=0`` where no surface is. With
+    `published`, the published figures and ours minus them follow.
+    """
+    import pandas as pd
+
+    rows = []
+    for _, group in tidy.groupby(["method", "drop", "column"], sort=False):
+        cells = list(group.itertuples())
+        row = {name: group.iloc[0][name] for name in first}
+        row |= {metric_title(cell.metric, cell.features): _figure(cell) for cell in cells}
+        if published:
+            row |= {f"{cell.metric} published": _published(cell) for cell in cells}
+            row |= {f"{cell.metric} difference": _difference(cell) for cell in cells}
+        rows.append(row | {name: group.iloc[0][name] for name in last})
+    return pd.DataFrame(rows)
+
+
+def metric_title(metric: str, features: str) -> str:
+    """Return a metric's name with its features network, where it has one."""
+    return metric if features == "none" else f"{metric} ({features})"
+
+
+def _figure(cell: Any) -> str:
+    """Return a cell's figure; how many surfaces there are where they are too few for one."""
+    known = cell.value == cell.value
+    return f"{round(cell.value, 4) + 0.0:.4f}" if known else f"n={cell.n}"  # never -0.0000
+
+
+def _published(cell: Any) -> str:
+    """Return the published figure, or that the paper does not have it."""
+    return f"{cell.published:g}" if cell.published == cell.published else "none"
+
+
+def _difference(cell: Any) -> str:
+    """Return ours minus the published figure, or why there is none."""
+    if cell.published != cell.published:
+        return "none"
+    if not comparable(cell.metric, cell.features):
+        return "other network"
+    return f"{cell.difference:+.4f}" if cell.difference == cell.difference else f"n={cell.n}"
+
+
+#: Decimals of FID by the embedded network, whose figures are small.
+_SMALL_FID = 3
+#: Crop's observed surfaces are compared with the very crop that they show: never the best.
+_COMPARED_WITH_ITSELF = ("crop", "observed")
+
+
+def latex_table(tidy: pd.DataFrame, notes: Sequence[str] = ()) -> str:
+    """Return a ``tabular`` of a table of :func:`tidy_table`; it needs package ``booktabs`` only.
+
+    A group of rows per column of the paper (observed, unobserved, all), a row per method. The
+    best value of a group is bold, a published one follows in brackets, and ``--`` stands where no
+    surface counts. What the table was made of, and `notes`, are in comments above it.
+    """
+    import pandas as pd
+
+    networks = tidy.drop_duplicates("metric").set_index("metric")["features"]
+    rows: dict[tuple[str, str], dict[str, str]] = {}
+    for column in TABLE_COLUMNS:
+        group = tidy[tidy["column"] == column]
+        head = f"{column.capitalize()} ({_counts(group)})"
+        cells = {name: _cells(group[group["metric"] == name]) for name in METRICS}
+        for method in dict.fromkeys(group["method"]):
+            row = {metric_title(name, networks[name]): cells[name][method] for name in METRICS}
+            rows[head, method] = row
+    frame = pd.DataFrame(rows.values(), pd.MultiIndex.from_tuples(rows))
+    styler = frame.style.format_index(escape="latex", axis=0).format_index(escape="latex", axis=1)
+    table = styler.to_latex(
+        column_format="ll" + "r" * len(METRICS),
+        hrules=True,
+        clines="skip-last;data",
+        multirow_align="naive",
+    )
+    first = tidy.iloc[0]
+    comments = [
+        f"data set {first['dataset']}, seed {first['seed']}, plan2scene {first['version']}",
+        first["packages"],
+        "lower is better; published values in brackets",
+        *notes,
+    ]
+    return "".join(f"% {line}\n" for line in comments) + table
+
+
+def _counts(group: pd.DataFrame) -> str:
+    """Return ``n = 48``, or the range where methods differ."""
+    low, high = group["n"].min(), group["n"].max()
+    return f"n = {low}" if low == high else f"n = {low} to {high}"
+
+
+def _cells(cells: pd.DataFrame) -> dict[str, str]:
+    """Return the text of each method's cell in one column of one metric."""
+    texts, shown = {}, {}
+    for cell in cells.itertuples():
+        small = cell.metric == "FID" and cell.features != "inception"
+        decimals = _SMALL_FID if small else METRICS[cell.metric].decimals
+        rounded = round(cell.value, decimals) + 0.0  # never -0.000
+        text = f"{rounded:.{decimals}f}" if cell.value == cell.value else "--"
+        published = f" ({cell.published:.{METRICS[cell.metric].decimals}f})"
+        texts[cell.method] = (text, published if cell.published == cell.published else "")
+        if text != "--" and (cell.method, cell.column) != _COMPARED_WITH_ITSELF:
+            shown[cell.method] = float(text)
+    best = min(shown.values(), default=None)
+    return {
+        method: (f"\\textbf{{{text}}}" if method in shown and shown[method] == best else text)
+        + rest
+        for method, (text, rest) in texts.items()
+    }
