@@ -45,11 +45,11 @@ _Layers = Annotated[
 _Scale = Annotated[float | None, typer.Option(min=1e-6, help="Metres of a pixel or drawing unit.")]
 
 
-def _house_id(plan: Path, given: str | None) -> str:
+def _house_id(plan: Path, chosen: str | None) -> str:
     """Return the house id: the one given, else made of the plan's file name."""
     own = re.sub(r"[^A-Za-z0-9_.-]+", "_", plan.name.split(".")[0]).lstrip(".-")
     # Of a name in other letters nothing that people could read is left.
-    name = given or (own if re.search("[A-Za-z0-9]", own) else "house")
+    name = chosen or (own if re.search("[A-Za-z0-9]", own) else "house")
     if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", name):
         raise InputError("a house id of letters, digits, '_', '.', '-'", repr(name))
     return name

@@ -98,8 +98,8 @@ def claimed_folder(path: Path, names: Sequence[str], inputs: Sequence[Path]) -> 
 def _delivered(work: Path) -> list[str]:
     """Return what earlier runs delivered."""
     record = work / _RECORD
-    found = read_json(record) if record.is_file() else {}
-    names = found.get("files") if isinstance(found, dict) else None
+    content = read_json(record) if record.is_file() else {}
+    names = content.get("files") if isinstance(content, dict) else None
     if not isinstance(names, list):
         raise InputError("the record of an earlier run", "another file", file=record)
     return [str(name) for name in names]
@@ -111,11 +111,11 @@ def _refuse_users_files(path: Path, names: Sequence[str], inputs: Sequence[Path]
     if os.path.lexists(work) and not (work / _LOCK).is_file() and (work.is_file() or _full(work)):
         raise InputError("no folder 'work' but an earlier run's", "another", file=work)
     taken = [path / name for name in (*names, WORK)]
-    for given in inputs:
-        real = given.resolve()
+    for source in inputs:
+        real = source.resolve()
         for target in taken:
             if real == target.resolve() or target.resolve() in real.parents:
-                raise InputError("an --out folder that doesn't overwrite the input", str(given))
+                raise InputError("an --out folder that doesn't overwrite the input", str(source))
     known = set(_delivered(work)) if (work / _RECORD).is_file() else set()
     for name in names:
         target = path / name

@@ -98,8 +98,8 @@ def read_input(request: SingleHouse) -> list[str]:
         except InputError as fault:
             faults.append(str(fault))
     if names and len(faults) == len(names):
-        found = f"none of {len(names)}; the first: {faults[0]}"
-        raise InputError("a photo that can be read", found, file=request.photo_table)
+        what = f"none of {len(names)}; the first: {faults[0]}"
+        raise InputError("a photo that can be read", what, file=request.photo_table)
     for line in faults:
         _LOG.warning("%s", line)
     if faults:
@@ -158,8 +158,8 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     }
     config["seed"] = request.seed
     config["drops"] = [0.0]
-    shown = {"method": request.method, "colours": request.colours, "walls": request.walls}
-    config["house"] |= shown
+    house = {"method": request.method, "colours": request.colours, "walls": request.walls}
+    config["house"] |= house
     config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
     config["floorplans"]["dxf_layers"] = dict(request.dxf_layers or {}) or None
     config["textures"]["size_px"] = request.texture_size
@@ -192,8 +192,8 @@ def run(
         raise WorkflowError(f"this installation lacks the workflow: no Snakefile in {WORKFLOW}")
     if request.texture_size not in TEXTURE_SIZES:
         raise InputError(f"a texture size of {TEXTURE_SIZES} pixels", str(request.texture_size))
-    given = (request.plan, request.photo_table, request.photos_dir)
-    inputs = [path for path in given if path is not None]
+    sources = (request.plan, request.photo_table, request.photos_dir)
+    inputs = [path for path in sources if path is not None]
     names = read_input(request)
     wanted = (*DELIVERED, CONTACT_SHEET) if names else DELIVERED
     wanted += TRACED if is_picture(request) else ()

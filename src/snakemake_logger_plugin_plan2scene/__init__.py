@@ -48,8 +48,8 @@ class _Job:
 
     def lines(self, level: str) -> list[str]:
         """Return what the job's logs say at a level, without its name."""
-        found = [line for log in self.logs if log.is_file() for line in _read(log)]
-        return [line.removeprefix(f"{level} ") for line in found if line.startswith(f"{level} ")]
+        lines = [line for log in self.logs if log.is_file() for line in _read(log)]
+        return [line.removeprefix(f"{level} ") for line in lines if line.startswith(f"{level} ")]
 
 
 def _read(log: Path) -> list[str]:
@@ -103,8 +103,8 @@ class LogHandler(LogHandlerBase):
         total = max(self._total, self._done)
         count = f"{self._done:>{len(str(total))}} of {total}"
         self._write(f"{count}  {job.rule:<15} {job.house}  {seconds:.1f} s")
-        told = {"rule": job.rule, "house": job.house, "seconds": round(seconds, 3)}
-        self._tell("finished", **told, warnings=job.lines("WARNING"))
+        values = {"rule": job.rule, "house": job.house, "seconds": round(seconds, 3)}
+        self._tell("finished", **values, warnings=job.lines("WARNING"))
 
     def _fail(self, fields: dict[str, Any], now: float) -> None:
         """Write what a job's log says went wrong, or where to look.

@@ -112,28 +112,28 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
     from plan2scene_app.tracing.settings import SETTINGS
     from plan2scene_app.tracing.trace import doubts, plan_document, plan_origin, trace_picture
 
-    found = trace_picture(source, metres_per_pixel=metres_per_pixel)
+    traced = trace_picture(source, metres_per_pixel=metres_per_pixel)
     # As fine as the picture was, within what a page holds.
-    zoom = min(1 / found.frame.zoom, PICTURE_SIDE / max(found.frame.image.shape[:2]))
-    height, width = (round(zoom * side) for side in found.frame.image.shape[:2])
+    zoom = min(1 / traced.frame.zoom, PICTURE_SIDE / max(traced.frame.image.shape[:2]))
+    height, width = (round(zoom * side) for side in traced.frame.image.shape[:2])
     pixels = cv2.warpAffine(
-        found.picture,
-        found.frame.matrix * zoom,
+        traced.picture,
+        traced.frame.matrix * zoom,
         (width, height),
         flags=cv2.INTER_AREA,
         borderValue=(255, 255, 255),
     )
-    x, z = -plan_origin(found) * found.metres
-    lines = [line.replace("give --metres-per-pixel", _BY_HAND) for line in doubts(found)]
-    place = {"x": float(x), "z": float(z), "metres_per_pixel": found.metres / zoom}
+    x, z = -plan_origin(traced) * traced.metres
+    lines = [line.replace("give --metres-per-pixel", _BY_HAND) for line in doubts(traced)]
+    place = {"x": float(x), "z": float(z), "metres_per_pixel": traced.metres / zoom}
     return {
-        "plan": (plan := plan_document(found)),
+        "plan": (plan := plan_document(traced)),
         "picture": _page_picture(pixels) | place,
         "notes": lines,
         "scale": {
-            "size": _size(plan, found.file_metres),
-            "doubt": lines[0] if found.scale.confidence < SETTINGS.sure else "",
-            "shown": place["metres_per_pixel"] / found.file_metres,
+            "size": _size(plan, traced.file_metres),
+            "doubt": lines[0] if traced.scale.confidence < SETTINGS.sure else "",
+            "shown": place["metres_per_pixel"] / traced.file_metres,
         },
     }
 
@@ -153,11 +153,11 @@ def _untraced(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
         return to_small_srgb(image, PICTURE_SIDE)
 
     pixels = decode_image(path, reduced)
-    shown = sizes[0] / max(pixels.shape[:2])
-    scale = {"metres_per_pixel": metres_per_pixel * shown} if metres_per_pixel else {}
+    file_pixels = sizes[0] / max(pixels.shape[:2])
+    scale = {"metres_per_pixel": metres_per_pixel * file_pixels} if metres_per_pixel else {}
     return {
         "picture": _page_picture(pixels) | scale,
-        "scale": {"size": None, "doubt": "", "shown": shown},
+        "scale": {"size": None, "doubt": "", "shown": file_pixels},
     }
 
 
@@ -204,8 +204,8 @@ def joined_program(entry: str, folders: Sequence[Path] = (FOLDER,)) -> str:
     while queue:
         name = queue.pop()
         if name not in texts:
-            found = (folder / f"{name}.js" for folder in folders)
-            text = next(path for path in found if path.is_file()).read_text(encoding="utf-8")
+            candidates = (folder / f"{name}.js" for folder in folders)
+            text = next(path for path in candidates if path.is_file()).read_text(encoding="utf-8")
             needs[name] = _IMPORT.findall(text)
             texts[name] = re.sub(r"^export (?=\w)", "", _IMPORT.sub("", text), flags=re.MULTILINE)
             queue += needs[name]

@@ -91,13 +91,13 @@ def instances_of(parts: list[MeshPart]) -> list[Instance]:
     """
     rooms = list(dict.fromkeys(part.extras.get("room_id") for part in parts))
     rooms = [room for room in rooms if room is not None]
-    found: list[Instance] = []
+    instances: list[Instance] = []
     for number, part in enumerate(parts, start=1):
         kind = str(part.extras.get("kind", ""))
         room = part.extras.get("room_id")
         region = rooms.index(room) if room is not None else -1
-        found.append((part, instance_colour(number), CATEGORIES.get(kind, kind), region))
-    return found
+        instances.append((part, instance_colour(number), CATEGORIES.get(kind, kind), region))
+    return instances
 
 
 def instance_colour(number: int) -> tuple[int, int, int]:

@@ -99,24 +99,24 @@ def _drawing(source: Source, storey: _Storey, m: float) -> Drawing:
     def metric(area: Polygon) -> Polygon:
         return scaled(area, m, m, origin=(0, 0))
 
-    found = Drawing()
+    drawing = Drawing()
     for words, area, _ in storey.of("Space"):
         ring = source.ring([(x * m, y * m) for x, y in area.exterior.coords], " ".join(words))
-        found.rooms.append(DrawnRoom(" ".join(words), (ring,)))
+        drawing.rooms.append(DrawnRoom(" ".join(words), (ring,)))
     for _, area, _ in storey.of("Wall", "Railing"):
         axis = axis_of_area(metric(area))
-        found.axes += [] if axis is None else [axis]
-    nearest = NearestAxis(found.axes)
+        drawing.axes += [] if axis is None else [axis]
+    nearest = NearestAxis(drawing.axes)
     for kind in ("Door", "Window"):
         for words, area, _ in storey.of(kind):
-            name = f"opening_{len(found.openings)}"
+            name = f"opening_{len(drawing.openings)}"
             leafless = kind == "Door" and bool({"None", "Opening"} & set(words))
             segment = nearest.segment(metric(area), name, "passage" if leafless else kind.lower())
-            found.openings += [] if segment is None else [segment]
+            drawing.openings += [] if segment is None else [segment]
     for words, area, _ in storey.of("FixedFurniture"):
         x0, z0, x1, z1 = metric(area).bounds
-        found.icons.append(IconBox(" ".join(words)[:100] or "furniture", (x0, z0), (x1, z1)))
-    return found
+        drawing.icons.append(IconBox(" ".join(words)[:100] or "furniture", (x0, z0), (x1, z1)))
+    return drawing
 
 
 def _read(source: Source, root: Element) -> list[_Storey]:
@@ -205,18 +205,21 @@ def _page_scale(root: Element) -> float | None:
 
 def _written_scale(source: Source, storey: _Storey) -> float | None:
     """Return metres a pixel by the areas written in rooms, where they agree."""
-    found = []
+    scales = []
     for _, area, text in storey.of("Space"):
         for value, unit in _AREA.findall(text):
             square = float(value.replace(",", ".")) * (1 if "m" in unit.lower() else _SQUARE_FOOT)
             if square > 0 and area.area > 0:
-                found.append(float(np.sqrt(square / area.area)))
-    if not found:
+                scales.append(float(np.sqrt(square / area.area)))
+    if not scales:
         return None
-    middle = median(found)
-    if sum(abs(value - middle) <= SETTINGS.agreement * middle for value in found) <= len(found) / 2:
-        raise source.fault("areas written in the rooms that agree", f"scales {found[:5]}")
-    source.warn("metres_per_pixel", f"none; {middle:.5f} read from {len(found)} written areas")
+    middle = median(scales)
+    if (
+        sum(abs(value - middle) <= SETTINGS.agreement * middle for value in scales)
+        <= len(scales) / 2
+    ):
+        raise source.fault("areas written in the rooms that agree", f"scales {scales[:5]}")
+    source.warn("metres_per_pixel", f"none; {middle:.5f} read from {len(scales)} written areas")
     return middle
 
 

@@ -133,8 +133,8 @@ def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
             rings = (face.exterior, *face.interiors)
             drawn.append(DrawnRoom("", tuple(_ring(ring) for ring in rings)))
     if not drawn:
-        found = f"{len(drawing.axes)} walls that close none" if drawing.axes else "none"
-        raise source.fault("rooms, or walls that close some", found)
+        what = f"{len(drawing.axes)} walls that close none" if drawing.axes else "none"
+        raise source.fault("rooms, or walls that close some", what)
     if len(drawn) > MAX_ROOMS:
         raise source.fault(f"at most {MAX_ROOMS} rooms", len(drawn))
     rooms = []
@@ -156,12 +156,12 @@ def free_id(name: str, taken: set[str]) -> str:
     """Return an id made of a room's name that is not taken yet, and take it."""
     plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
     stem = re.sub(r"[^a-z0-9]+", "_", plain.lower()).strip("_")[:40] or "room"
-    found, number = stem, 1
-    while found in taken:
+    name_id, number = stem, 1
+    while name_id in taken:
         number += 1
-        found = f"{stem}_{number}"
-    taken.add(found)
-    return found
+        name_id = f"{stem}_{number}"
+    taken.add(name_id)
+    return name_id
 
 
 class _Axes:
@@ -178,7 +178,7 @@ class _Axes:
     def near(self, start: tuple[float, float], end: tuple[float, float]) -> list[tuple[float, int]]:
         """Return (metres of the segment that the axis follows, axis), longest first."""
         line = LineString([start, end])
-        found = []
+        followed = []
         for k in self._tree.query(line, predicate="dwithin", distance=self._reach):
             axis = self.axes[k]
             if not _parallel(start, end, axis):
@@ -188,22 +188,22 @@ class _Axes:
             )
             length = line.intersection(band).length
             if length > 0:
-                found.append((float(length), int(k)))
-        return sorted(found, key=lambda pair: (-pair[0], pair[1]))
+                followed.append((float(length), int(k)))
+        return sorted(followed, key=lambda pair: (-pair[0], pair[1]))
 
     def applied(self, wall: Wall) -> Wall:
         """Return a wall with the thickness and height of the axis that it follows longest."""
-        found = self.near(wall.start, wall.end)
-        if not found:
+        followed = self.near(wall.start, wall.end)
+        if not followed:
             return wall
-        axis = self.axes[found[0][1]]
+        axis = self.axes[followed[0][1]]
         depth = axis.thickness or DEFAULT_THICKNESS
         return replace(wall, depth=depth, height=axis.height or wall.height)
 
     def thickness(self, segment: Segment) -> float | None:
         """Return the thickness of the wall that an opening is in; None when there is none."""
-        found = self.near(segment.start, segment.end)
-        return self.axes[found[0][1]].thickness or None if found else None
+        followed = self.near(segment.start, segment.end)
+        return self.axes[followed[0][1]].thickness or None if followed else None
 
     def share(self, wall: Wall) -> float:
         """Return how much of a wall's length axes follow."""
@@ -231,11 +231,11 @@ def _with_openings(
         line = LineString([segment.start, segment.end])
         near = sorted(tree.query(line, predicate="dwithin", distance=2 * reach).tolist())
         try:
-            found = place_openings(source, [placed[k] for k in near], [segment], tolerance=reach)
+            changed = place_openings(source, [placed[k] for k in near], [segment], tolerance=reach)
         except InputError as error:
             source.warnings.append(f"{error}; left out")
             continue
-        for k, wall in zip(near, found, strict=True):
+        for k, wall in zip(near, changed, strict=True):
             placed[k] = wall
     return placed
 
@@ -279,16 +279,16 @@ def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
     Of storeys at nearly one elevation the largest is read; the others, and storeys on which
     nothing is a room, are left out with a warning. Raises InputError where none has rooms.
     """
-    given = _apart(source, sorted(storeys, key=lambda storey: storey.elevation))
-    if len(given) == 1:
-        return house_of_drawing(source, given[0].drawing)
-    found: list[tuple[Level, House]] = []
+    apart = _apart(source, sorted(storeys, key=lambda storey: storey.elevation))
+    if len(apart) == 1:
+        return house_of_drawing(source, apart[0].drawing)
+    houses: list[tuple[Level, House]] = []
     stairs: list[Stairs] = []
     taken: set[str] = set()
     names: set[str] = set()
     fault: InputError | None = None
-    base = given[0].elevation if given and abs(given[0].elevation) > SETTINGS.far else 0.0
-    for storey in given:
+    base = apart[0].elevation if apart and abs(apart[0].elevation) > SETTINGS.far else 0.0
+    for storey in apart:
         try:
             house = house_of_drawing(source, storey.drawing, taken)
         except InputError as error:
@@ -297,11 +297,11 @@ def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
             continue
         height = storey.drawing.height
         level = Level(free_id(storey.name, names), storey.name, storey.elevation - base, height)
-        found.append((level, house))
+        houses.append((level, house))
         stairs += [replace(flight, level=level.id) for flight in storey.drawing.stairs]
-    if not found:
+    if not houses:
         raise fault or source.fault("storeys with rooms", "none")
-    return _joined(source, found, stairs)
+    return _joined(source, houses, stairs)
 
 
 def _apart(source: Source, storeys: Sequence[DrawnStorey]) -> list[DrawnStorey]:

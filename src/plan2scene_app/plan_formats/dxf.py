@@ -202,7 +202,7 @@ class _Drawing:
                 if pieces > 2 * MAX_AXES:
                     raise self.source.fault(f"at most {2 * MAX_AXES} lines of walls", "more")
         shift = _shift([*lines["rooms"], *lines["walls"]])
-        moved = {key: [_move(line, shift) for line in found] for key, found in lines.items()}
+        moved = {key: [_move(line, shift) for line in own] for key, own in lines.items()}
         texts = [(text, _move(point, shift)) for text, point in texts]
         marks = [(kind, _move(area, shift), at and _move(at, shift)) for kind, area, at in marks]
         return self._drawing(moved, marks, texts)
@@ -213,29 +213,29 @@ class _Drawing:
         marks: list[_Mark],
         texts: list[tuple[str, Point]],
     ) -> Drawing:
-        found = Drawing()
+        drawing = Drawing()
         for line in lines["rooms"]:
             if not line.is_closed or len(line.coords) < 4:
                 continue
-            found.rooms.append(self._room([list(line.coords)[:-1]], texts))
-            if len(found.rooms) > MAX_ROOMS:
+            drawing.rooms.append(self._room([list(line.coords)[:-1]], texts))
+            if len(drawing.rooms) > MAX_ROOMS:
                 raise self.source.fault(f"at most {MAX_ROOMS} rooms", "more")
         walls, loose = lines["walls"], []
         for line in walls:
             axis = _body_axis(line)
-            found.axes += [axis] if axis else []
+            drawing.axes += [axis] if axis else []
             loose += [] if axis else [line]
-        found.axes += axes_of_lines(loose)
+        drawing.axes += axes_of_lines(loose)
         for kind in ("doors", "windows"):
             marks += [(kind, area, None) for area in groups_of_lines(lines[kind])]
-        self._add_openings(found, marks)
-        gaps = bridges(found.axes, found.openings)
-        if not found.rooms:
+        self._add_openings(drawing, marks)
+        gaps = bridges(drawing.axes, drawing.openings)
+        if not drawing.rooms:
             for area in rooms_of_outlines(walls, gaps) if walls else ():
                 rings = (area.exterior, *area.interiors)
-                found.rooms.append(self._room([list(ring.coords)[:-1] for ring in rings], texts))
-        found.axes += gaps
-        return found
+                drawing.rooms.append(self._room([list(ring.coords)[:-1] for ring in rings], texts))
+        drawing.axes += gaps
+        return drawing
 
     def _room(self, rings: list[Any], texts: list[tuple[str, Point]]) -> DrawnRoom:
         """Return a room named by the texts inside it."""
@@ -244,22 +244,22 @@ class _Drawing:
         outlines = tuple(self.source.outline(ring, name[:40]) for ring in rings)
         return DrawnRoom(name, outlines)
 
-    def _add_openings(self, found: Drawing, marks: Sequence[_Mark]) -> None:
+    def _add_openings(self, drawing: Drawing, marks: Sequence[_Mark]) -> None:
         """Add the openings that the marks of doors and windows mean."""
         outlines = [
             WallAxis(a, b)
-            for room in found.rooms
+            for room in drawing.rooms
             for a, b in zip(room.rings[0], room.rings[0][1:] + room.rings[0][:1], strict=True)
         ]
-        nearest = NearestAxis(found.axes or outlines)
+        nearest = NearestAxis(drawing.axes or outlines)
         for kind, area, anchor in marks:
-            name = f"opening_{len(found.openings)}"
+            name = f"opening_{len(drawing.openings)}"
             segment = nearest.edge_segment(area, name, kind[:-1], anchor)
             if segment is None:
                 continue
             width = float(np.hypot(*np.subtract(segment.end, segment.start)))
             if SETTINGS.widths[0] <= width <= SETTINGS.widths[1]:
-                found.openings.append(segment)
+                drawing.openings.append(segment)
             else:
                 expected = (
                     f"doors and windows {SETTINGS.widths[0]:g} to {SETTINGS.widths[1]:g} m wide"

@@ -24,14 +24,14 @@ MAX_PATTERN = 300
 
 def layers_of(pairs: Sequence[str]) -> dict[str, str]:
     """Return the patterns of ``KIND=PATTERN`` lines, as `house_of_dxf` takes them."""
-    found: dict[str, str] = {}
+    patterns: dict[str, str] = {}
     for pair in pairs:
         kind, _, pattern = pair.partition("=")
         if kind not in LAYERS or not pattern:
             expected = f"a DXF layer as KIND=PATTERN, KIND one of {', '.join(LAYERS)}"
             raise InputError(expected, repr(pair))
-        found[kind] = pattern
-    return found
+        patterns[kind] = pattern
+    return patterns
 
 
 def names_of(entity: Any) -> list[str]:
@@ -59,12 +59,12 @@ class LayerKinds:
         """Return the kind of a layer or block; empty for none."""
         if name not in self._known:  # many entities, few names
             folded = name.casefold()
-            found = (
+            kinds = (
                 kind
                 for kind, patterns in self.patterns.items()
                 if any(fnmatchcase(folded, pattern) for pattern in patterns)
             )
-            self._known[name] = next(found, "")
+            self._known[name] = next(kinds, "")
         return self._known[name]
 
     def of(self, entity: Any) -> str:

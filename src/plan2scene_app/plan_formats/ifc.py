@@ -53,17 +53,19 @@ def house_of_ifc(path: Path, house_id: str) -> House:
     """
     source = Source(str(path), house_id)
     model = _Model(source, path)
-    found = {
+    by_storey = {
         name: items for name, items in model.storeys().items() if _has(items, "IfcSpace", "IfcWall")
     }
-    if not found:
+    if not by_storey:
         raise source.fault("IfcSpace or IfcWall in the model", "none")
     # Walls alone close foundations and attics, too.
-    lived_in = [n for n, items in found.items() if _has(items, "IfcSpace", "IfcDoor", "IfcWindow")]
-    for name in found if lived_in else ():
+    lived_in = [
+        n for n, items in by_storey.items() if _has(items, "IfcSpace", "IfcDoor", "IfcWindow")
+    ]
+    for name in by_storey if lived_in else ():
         if name not in lived_in:
             source.warn(f"spaces, doors or windows on storey {name}", "walls alone, left out")
-    storeys = (model.storey(name, found[name]) for name in lived_in or found)
+    storeys = (model.storey(name, by_storey[name]) for name in lived_in or by_storey)
     return house_of_storeys(source, storeys)
 
 
@@ -100,7 +102,7 @@ class _Model:
 
     def storeys(self) -> dict[str, list[Any]]:
         """Return spaces, walls, doors, windows and stairs by the name of their storey."""
-        found: dict[str, list[Any]] = defaultdict(list)
+        by_storey: dict[str, list[Any]] = defaultdict(list)
         kinds = {
             "IfcSpace": MAX_ROOMS,
             "IfcWall": MAX_AXES,
@@ -115,10 +117,10 @@ class _Model:
                 raise self.source.fault(f"at most {limit} {kind}", len(products))
             for product in products:
                 storey = self._storey(product)
-                found[
+                by_storey[
                     "no storey" if storey is None else f"{storey.Name or storey.GlobalId}"
                 ].append(product)
-        return dict(found)
+        return dict(by_storey)
 
     def _storey(self, product: Any) -> Any:
         """Return the storey that holds a product, however deep."""
@@ -138,7 +140,7 @@ class _Model:
         bodies = [(product, body) for product in products if (body := self._body(product))]
         floors = [body.low for product, body in bodies if product.is_a("IfcSpace")]
         base = min(floors or [body.low for _, body in bodies], default=0.0)
-        found = Drawing()
+        drawing = Drawing()
         for product, body in bodies:
             if product.is_a("IfcSpace"):
                 label = str(product.LongName or product.Name or "")[:100]
@@ -146,32 +148,34 @@ class _Model:
                 outlines = tuple(
                     self.source.outline(list(ring.coords)[:-1], label[:40]) for ring in rings
                 )
-                found.rooms.append(DrawnRoom(label, outlines, body.high - body.low))
+                drawing.rooms.append(DrawnRoom(label, outlines, body.high - body.low))
             elif product.is_a("IfcWall"):
                 axis = axis_of_area(body.area, body.high - base)
-                found.axes += [] if axis is None else [axis]
+                drawing.axes += [] if axis is None else [axis]
             elif product.is_a("IfcStair") or product.is_a("IfcStairFlight"):
-                found.stairs += [] if (flight := _flight(body)) is None else [flight]
-        found.height = max((axis.height for axis in found.axes), default=found.height)
-        self._add_openings(found, products, base)
-        return DrawnStorey(name[:100], base, found)
+                drawing.stairs += [] if (flight := _flight(body)) is None else [flight]
+        drawing.height = max((axis.height for axis in drawing.axes), default=drawing.height)
+        self._add_openings(drawing, products, base)
+        return DrawnStorey(name[:100], base, drawing)
 
-    def _add_openings(self, found: Drawing, products: list[Any], base: float) -> None:
+    def _add_openings(self, drawing: Drawing, products: list[Any], base: float) -> None:
         """Add filled openings, then unfilled ones that are no second hole of another."""
-        nearest = NearestAxis(found.axes)
+        nearest = NearestAxis(drawing.axes)
         for kind, product in sorted(self._holes(products), key=lambda pair: not pair[0]):
             body = self._body(product)
             if body is None:
                 continue
             low = max(body.low - base, 0.0)
             named = kind or ("window" if low > SETTINGS.sill else "passage")
-            name = f"opening_{len(found.openings)}"
+            name = f"opening_{len(drawing.openings)}"
             segment = nearest.segment(body.area, name, named)
             if segment is None:
                 continue
             # A hole in each of two layers of a wall is one.
-            if not found.shows(segment.start, segment.end):
-                found.openings.append(replace(segment, bottom=low, top=max(body.high - base, low)))
+            if not drawing.shows(segment.start, segment.end):
+                drawing.openings.append(
+                    replace(segment, bottom=low, top=max(body.high - base, low))
+                )
 
     def _holes(self, products: list[Any]) -> Iterator[tuple[str, Any]]:
         """Yield ("door", "window" or "", the product that shows the hole)."""
@@ -196,8 +200,8 @@ class _Model:
         points = np.array(shape.geometry.verts, dtype=np.float64).reshape(-1, 3)
         faces = np.array(shape.geometry.faces, dtype=np.int64).reshape(-1, 3)
         if not 1 <= len(faces) <= MAX_TRIANGLES:
-            found = f"{len(faces)} triangles, left out"
-            self.source.warn(f"1 to {MAX_TRIANGLES} triangles of {product.is_a()}", found)
+            what = f"{len(faces)} triangles, left out"
+            self.source.warn(f"1 to {MAX_TRIANGLES} triangles of {product.is_a()}", what)
             return None
         if not np.isfinite(points).all() or np.abs(points).max() > MAX_COORDINATE:
             raise self.source.fault(f"coordinates within {MAX_COORDINATE:g} m", "others")

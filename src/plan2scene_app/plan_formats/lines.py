@@ -59,7 +59,7 @@ def _pairs(pieces: Sequence[LineString]) -> list[tuple[float, int, int]]:
     """
     tree = STRtree(pieces)
     left, right = tree.query(pieces, predicate="dwithin", distance=SETTINGS.faces[1])
-    found = []
+    pairs = []
     for i, j in zip(left.tolist(), right.tolist(), strict=True):
         if i >= j:
             continue
@@ -74,8 +74,8 @@ def _pairs(pieces: Sequence[LineString]) -> list[tuple[float, int, int]]:
         shorter = min(pieces[i].length, pieces[j].length)
         thin = SETTINGS.faces[0] <= abs(across) <= min(SETTINGS.faces[1], shorter)
         if thin and shared >= SETTINGS.shared * shorter:
-            found.append((round(abs(across), 3), i, j))
-    return found
+            pairs.append((round(abs(across), 3), i, j))
+    return pairs
 
 
 def _unit(line: LineString) -> np.ndarray:
@@ -163,15 +163,15 @@ def groups_of_lines(lines: Sequence[LineString]) -> list[Polygon]:
         if i < j and group[i] != group[j] and _together(lines[i], lines[j]):
             old, new = group[j], group[i]
             group = [new if name == old else name for name in group]
-    found = []
+    groups = []
     for name in dict.fromkeys(group):
         inside = unary_union([line for line, own in zip(lines, group, strict=True) if own == name])
         area = inside.minimum_rotated_rectangle
         if isinstance(area, LineString):
             area = area.buffer(0.005, cap_style="flat")
         if isinstance(area, Polygon):
-            found.append(area)
-    return found
+            groups.append(area)
+    return groups
 
 
 def _together(one: LineString, other: LineString) -> bool:

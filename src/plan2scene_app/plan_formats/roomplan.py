@@ -66,32 +66,32 @@ def _story(source: Source, room: dict[str, Any]) -> int:
         *source.items(room.get("floors"), "floors"),
         *source.items(room.get("walls"), "walls"),
     ]
-    found = room.get(
+    story = room.get(
         "story", source.mapping(surfaces[0], "a surface").get("story", 0) if surfaces else 0
     )
-    return found if isinstance(found, int) else 0
+    return story if isinstance(story, int) else 0
 
 
 def _drawing(source: Source, rooms: list[dict[str, Any]]) -> Drawing:
     """Return what the rooms of one storey have."""
-    found = Drawing()
+    drawing = Drawing()
     for number, room in enumerate(rooms):
         base = _floor_height(source, room)
         heights = []
         for wall in source.items(room.get("walls"), "walls"):
             start, end, _, top = _upright(source, wall, "a wall")
-            found.axes.append(WallAxis(start, end, 0.0, top - base))
+            drawing.axes.append(WallAxis(start, end, 0.0, top - base))
             heights.append(top - base)
-        if len(found.axes) > MAX_AXES:
+        if len(drawing.axes) > MAX_AXES:
             raise source.fault(f"at most {MAX_AXES} walls", "more")
-        height = max(heights, default=found.height)
+        height = max(heights, default=drawing.height)
         for floor in source.items(room.get("floors"), "floors"):
-            found.rooms.append(_room(source, room, floor, height, f"room {number}"))
-        _add_openings(source, room, base, found)
+            drawing.rooms.append(_room(source, room, floor, height, f"room {number}"))
+        _add_openings(source, room, base, drawing)
         for item in source.items(room.get("objects"), "objects"):
-            found.icons.append(_icon(source, item))
-    found.height = max((axis.height for axis in found.axes), default=found.height)
-    return found
+            drawing.icons.append(_icon(source, item))
+    drawing.height = max((axis.height for axis in drawing.axes), default=drawing.height)
+    return drawing
 
 
 def _floor_height(source: Source, room: dict[str, Any]) -> float:
@@ -157,15 +157,15 @@ def _floor_ring(source: Source, floor: Any, name: str) -> Ring:
     return source.ring([(float(p[0]), float(p[2])) for p in points], name)
 
 
-def _add_openings(source: Source, room: dict[str, Any], base: float, found: Drawing) -> None:
+def _add_openings(source: Source, room: dict[str, Any], base: float, drawing: Drawing) -> None:
     """Add a room's doors, windows and openings that another room has not shown already."""
     for key, kind in _KINDS.items():
         for value in source.items(room.get(key), key):
             start, end, bottom, top = _upright(source, value, key)
-            if not found.shows(start, end, kind):
+            if not drawing.shows(start, end, kind):
                 low = max(bottom - base, 0.0)
-                name = f"opening_{len(found.openings)}"
-                found.openings.append(Segment(name, kind, start, end, low, max(top - base, low)))
+                name = f"opening_{len(drawing.openings)}"
+                drawing.openings.append(Segment(name, kind, start, end, low, max(top - base, low)))
 
 
 def _icon(source: Source, value: Any) -> IconBox:

@@ -49,14 +49,16 @@ def house_of_sweet_home(path: Path, house_id: str) -> House:
     if root.tag != "home":
         raise source.fault("<home> in Home.xml", f"<{root.tag}>")
     home = _Home(source, root)
-    return house_of_storeys(source, _with_layers(home.storey(level) for level in home.shown()))
+    return house_of_storeys(
+        source, _with_layers(home.storey(level) for level in home.drawn_levels())
+    )
 
 
 def _with_layers(storeys: Iterable[DrawnStorey]) -> list[DrawnStorey]:
     """Return storeys, a layer of rooms alone and one of walls at its elevation as one."""
-    found: list[DrawnStorey] = []
+    merged: list[DrawnStorey] = []
     for storey in storeys:
-        for k, other in enumerate(found):
+        for k, other in enumerate(merged):
             pair = sorted((storey, other), key=lambda one: not one.drawing.rooms)
             rooms, walls = pair[0].drawing, pair[1].drawing
             level = abs(storey.elevation - other.elevation) < CM
@@ -65,11 +67,11 @@ def _with_layers(storeys: Iterable[DrawnStorey]) -> list[DrawnStorey]:
                 rooms.openings += walls.openings
                 rooms.icons += walls.icons
                 rooms.height = walls.height
-                found[k] = pair[0]
+                merged[k] = pair[0]
                 break
         else:
-            found.append(storey)
-    return found
+            merged.append(storey)
+    return merged
 
 
 class _Home:
@@ -79,7 +81,7 @@ class _Home:
         self.source, self.root = source, root
         self.levels = {level.get("id", ""): level for level in root.findall("level")}
 
-    def shown(self) -> list[str]:
+    def drawn_levels(self) -> list[str]:
         """Return the ids of the levels on which anything is drawn; "" for a home without any."""
         drawn = {
             self._level(element.get("level", ""))
@@ -111,26 +113,26 @@ class _Home:
 
     def _drawing(self, level: str, height: float) -> Drawing:
         """Return what a level shows."""
-        found = Drawing(height=height)
+        drawing = Drawing(height=height)
         for element in self._on_level(("wall",), level):
-            found.axes += self._wall(element, height)
-            if len(found.axes) > MAX_AXES:
+            drawing.axes += self._wall(element, height)
+            if len(drawing.axes) > MAX_AXES:
                 raise self.source.fault(f"at most {MAX_AXES} walls", "more")
         for element in self._on_level(("room",), level):
             if len(element.findall("point")) < 3:
                 self.source.warn("rooms of at least 3 points", "one of fewer, left out")
                 continue
             ring = self._ring(element)
-            found.rooms.append(DrawnRoom(element.get("name", "").strip(), (ring,)))
+            drawing.rooms.append(DrawnRoom(element.get("name", "").strip(), (ring,)))
         for number, element in enumerate(self._on_level(("doorOrWindow",), level)):
-            found.openings.append(self._opening(element, f"opening_{number}"))
+            drawing.openings.append(self._opening(element, f"opening_{number}"))
         for element in self._on_level(_PIECES, level):
-            found.icons.append(self._box(element))
-        if len(found.icons) > MAX_ITEMS:
-            raise self.source.fault(f"at most {MAX_ITEMS} pieces of furniture", len(found.icons))
-        heights = [axis.height for axis in found.axes if axis.height > 0]
-        found.height = max(heights, default=height)
-        return found
+            drawing.icons.append(self._box(element))
+        if len(drawing.icons) > MAX_ITEMS:
+            raise self.source.fault(f"at most {MAX_ITEMS} pieces of furniture", len(drawing.icons))
+        heights = [axis.height for axis in drawing.axes if axis.height > 0]
+        drawing.height = max(heights, default=height)
+        return drawing
 
     def _on_level(self, tags: tuple[str, ...], level: str) -> Iterator[Element]:
         """Yield the visible elements of these tags on a level, out of groups too."""
@@ -157,8 +159,8 @@ class _Home:
         height = attribute(self.source, wall, "height", usual / CM, scale=CM)
         height = max(height, attribute(self.source, wall, "heightAtEnd", height / CM, scale=CM))
         if thickness < 0 or height <= 0:
-            found = f"{thickness:g} and {height:g} m"
-            raise self.source.fault("a wall's thickness and height above 0", found)
+            sizes = f"{thickness:g} and {height:g} m"
+            raise self.source.fault("a wall's thickness and height above 0", sizes)
         start, end = self._ends(wall)
         points = _arc(start, end, attribute(self.source, wall, "arcExtent", 0.0))
         return [WallAxis(a, b, max(thickness, 0.01), height) for a, b in pairwise(points)]

@@ -59,19 +59,19 @@ def house_of_zind(
 
 
 def _floor(
-    source: Source, parts: dict[str, dict[str, Any]], name: str, given: float | None
+    source: Source, parts: dict[str, dict[str, Any]], name: str, chosen: float | None
 ) -> Drawing:
     """Return the drawing of one floor."""
-    told = parts["scale_meters_per_coordinate"].get(name)
+    written = parts["scale_meters_per_coordinate"].get(name)
     redraw = source.mapping(parts["redraw"].get(name) or {}, "redraw")
     merger = source.mapping(parts["merger"].get(name) or {}, "merger")
     panoramas = list(_panoramas(source, merger))
     if not redraw and not panoramas:
         return Drawing()
-    if given is None and told is None:
+    if chosen is None and written is None:
         expected = f"scale_meters_per_coordinate of {name}, or metres_per_pixel for its unit"
         raise source.fault(expected, "none")
-    m = source.number(told, "scale_meters_per_coordinate") if given is None else given
+    m = source.number(written, "scale_meters_per_coordinate") if chosen is None else chosen
     if m <= 0:
         raise source.fault("scale_meters_per_coordinate above 0", m)
     heights = [
@@ -79,19 +79,19 @@ def _floor(
         for _, pano in panoramas
         if pano.get("ceiling_height") is not None
     ]
-    found = Drawing(height=median([h for h in heights if h > 0] or [DEFAULT_HEIGHT]))
+    drawing = Drawing(height=median([h for h in heights if h > 0] or [DEFAULT_HEIGHT]))
     for room in redraw.values():
         item = source.mapping(room, "a room")
         pins = [source.mapping(pin, "a pin") for pin in source.items(item.get("pins"), "pins")]
         label = " / ".join(str(pin.get("label", "")) for pin in pins)[:100]
-        _add_room(source, found, item, label, np.eye(2) * m, np.zeros(2), 2)
-    if not found.rooms:
+        _add_room(source, drawing, item, label, np.eye(2) * m, np.zeros(2), 2)
+    if not drawing.rooms:
         for label, pano in panoramas:
             layout = pano.get("layout_raw") or pano.get("layout_complete")
             scale, turn, move = _placing(source, pano)
             item = source.mapping(layout, "layout_raw")
-            _add_room(source, found, item, label, turn * scale * m, move * m, 3)
-    return found
+            _add_room(source, drawing, item, label, turn * scale * m, move * m, 3)
+    return drawing
 
 
 def _panoramas(source: Source, merger: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -122,19 +122,19 @@ def _points(
     source: Source, value: Any, matrix: np.ndarray, move: np.ndarray
 ) -> list[tuple[float, float]]:
     """Return points in metres, (x, -y)."""
-    found = []
+    points = []
     for item in source.items(value, "points"):
         pair = [source.number(v, "a coordinate") for v in source.items(item, "a point")]
         if len(pair) != 2:
             raise source.fault("points of 2 numbers", len(pair))
         x, y = matrix @ np.array(pair) + move
-        found.append((float(x), -float(y)))
-    return found
+        points.append((float(x), -float(y)))
+    return points
 
 
 def _add_room(
     source: Source,
-    found: Drawing,
+    drawing: Drawing,
     room: dict[str, Any],
     label: str,
     matrix: np.ndarray,
@@ -143,18 +143,18 @@ def _add_room(
 ) -> None:
     """Add a room and its openings: `step` points each, a third one is (bottom, top)."""
     ring = source.outline(_points(source, room.get("vertices"), matrix, move), label[:40])
-    found.rooms.append(DrawnRoom(label, (ring,)))
+    drawing.rooms.append(DrawnRoom(label, (ring,)))
     for key, kind in _KINDS.items():
         raw = source.items(room.get(key), key)
         if raw and isinstance(raw[0], list) and raw[0] and isinstance(raw[0][0], list):
             raw = [point for item in raw for point in source.items(item, key)]
         for k in range(0, len(raw) - 1, step):
             start, end = _points(source, raw[k : k + 2], matrix, move)
-            if len(found.openings) > MAX_OPENINGS:
+            if len(drawing.openings) > MAX_OPENINGS:
                 raise source.fault(f"at most {MAX_OPENINGS} doors and windows", "more")
-            if not found.shows(start, end, kind):
-                name = f"opening_{len(found.openings)}"
-                found.openings.append(Segment(name, kind, start, end, *HEIGHTS[kind]))
+            if not drawing.shows(start, end, kind):
+                name = f"opening_{len(drawing.openings)}"
+                drawing.openings.append(Segment(name, kind, start, end, *HEIGHTS[kind]))
 
 
 PLAN_FORMAT = PlanFormat(

@@ -109,7 +109,7 @@ class _Studio:
 
     async def home(self, request: Request) -> Response:
         """Show the list of projects."""
-        found = [
+        projects = [
             {
                 "name": name,
                 "state": runs.status(self.projects.get(name))["state"],
@@ -117,7 +117,7 @@ class _Studio:
             }
             for name in self.projects.names()
         ]
-        return _page(*home_page({"projects": found, "folder": str(self.projects.root)}))
+        return _page(*home_page({"projects": projects, "folder": str(self.projects.root)}))
 
     async def make(self, request: Request) -> Response:
         """Make a project."""
@@ -154,13 +154,13 @@ class _Studio:
 
     async def reading(self, request: Request) -> Response:
         """Give how the uploaded plan is read, and what may be given for it."""
-        found = await run_in_threadpool(plan_source.reading_of, self._of(request))
-        return JSONResponse(found)
+        reading = await run_in_threadpool(plan_source.reading_of, self._of(request))
+        return JSONResponse(reading)
 
     async def read_again(self, request: Request) -> Response:
         """Read the uploaded plan with a scale or layers."""
-        project, given = self._of(request), _object(await body(request, 10_000))
-        return JSONResponse(await run_in_threadpool(plan_source.read_again, project, given))
+        project, values = self._of(request), _object(await body(request, 10_000))
+        return JSONResponse(await run_in_threadpool(plan_source.read_again, project, values))
 
     async def picture(self, request: Request) -> Response:
         """Give the picture that lies under the plan."""
@@ -191,8 +191,8 @@ class _Studio:
 
     async def start(self, request: Request) -> Response:
         """Start a run."""
-        project, given = self._of(request), _object(await body(request, 10_000))
-        settings = runs.settings_of(given, self.cores)
+        project, values = self._of(request), _object(await body(request, 10_000))
+        settings = runs.settings_of(values, self.cores)
         await run_in_threadpool(runs.start, project, settings)
         return await self.status(request)
 
@@ -218,19 +218,19 @@ class _Studio:
     async def export(self, request: Request) -> Response:
         """Give the house in a form that other programs read."""
         form = request.path_params["form"]
-        found = await run_in_threadpool(results.exported, self._of(request), form)
-        return _download(*found)
+        file = await run_in_threadpool(results.exported, self._of(request), form)
+        return _download(*file)
 
 
 def _object(content: bytes) -> dict[str, Any]:
     """Return a JSON object out of a request."""
     try:
-        found = parse_json(content.decode("utf-8"), "the request")
+        document = parse_json(content.decode("utf-8"), "the request")
     except UnicodeDecodeError:
         raise InputError("UTF-8 text", "other bytes") from None
-    if not isinstance(found, dict):
+    if not isinstance(document, dict):
         raise InputError("a JSON object", "other JSON")
-    return found
+    return document
 
 
 def _download(name: str, content: bytes) -> Response:

@@ -53,21 +53,21 @@ def read_upload(project: Project, content: bytes) -> dict[str, Any]:
         file = Path(folder) / "plan"
         file.write_bytes(content)
         try:
-            found = _opened(project, file, _NOTHING)
+            start = _opened(project, file, _NOTHING)
         except UnreadPlanError:
             _keep(project, content, _NOTHING)
             raise
-    _keep(project, content, _NOTHING | {"picture": found.get("scale")})
-    return found
+    _keep(project, content, _NOTHING | {"picture": start.get("scale")})
+    return start
 
 
-def read_again(project: Project, given: Mapping[str, Any]) -> dict[str, Any]:
+def read_again(project: Project, changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return the kept file as it is read with these values, which are kept where it can be."""
     file = _file(project)
-    values = _values(project, given)
-    found = _opened(project, file, values)
-    write_json(project.path / READING, values | {"picture": found.get("scale")})
-    return found
+    values = _values(project, changes)
+    start = _opened(project, file, values)
+    write_json(project.path / READING, values | {"picture": start.get("scale")})
+    return start
 
 
 def keep_two_points(project: Project) -> None:
@@ -82,10 +82,10 @@ def keep_two_points(project: Project) -> None:
     if not is_kept(project) or values["picture"] is None:
         return
     place = project.state()["place"] or {}
-    shown = values["picture"]["shown"]
-    told = place["metres_per_pixel"] / shown if place.get("measured") else None
-    if told != values["two_points"]:
-        write_json(project.path / READING, values | {"two_points": told})
+    file_pixels = values["picture"]["shown"]
+    scale = place["metres_per_pixel"] / file_pixels if place.get("measured") else None
+    if scale != values["two_points"]:
+        write_json(project.path / READING, values | {"two_points": scale})
 
 
 def is_kept(project: Project) -> bool:
@@ -101,7 +101,7 @@ def reading_of(project: Project) -> dict[str, Any]:
 def _opened(project: Project, file: Path, values: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the editor makes of a file; a picture is kept in the project."""
     try:
-        found = opened(file, project.name, values["metres_per_pixel"], values["dxf_layers"])
+        start = opened(file, project.name, values["metres_per_pixel"], values["dxf_layers"])
     except InputError as error:
         fault = InputError(error.expected, error.found)
         try:
@@ -109,10 +109,10 @@ def _opened(project: Project, file: Path, values: Mapping[str, Any]) -> dict[str
         except InputError:
             raise fault from None
         raise UnreadPlanError(fault, reading) from None
-    if "picture" in found:
+    if "picture" in start:
         with atomic_path(project.path / PICTURE) as temporary:
-            temporary.write_bytes(picture_bytes(found["picture"]))
-    return found
+            temporary.write_bytes(picture_bytes(start["picture"]))
+    return start
 
 
 def _keep(project: Project, content: bytes, values: Mapping[str, Any]) -> None:
@@ -130,32 +130,32 @@ def _file(project: Project) -> Path:
 def _kept(project: Project) -> dict[str, Any]:
     """Return the values on disk, checked: other programs may have changed them."""
     file = project.path / READING
-    found = read_json(file) if file.is_file() else {}
+    document = read_json(file) if file.is_file() else {}
     try:
-        if not isinstance(found, dict):
+        if not isinstance(document, dict):
             raise InputError("a JSON object", "other JSON")
-        scales = {key: found.get(key) for key in ("metres_per_pixel", "two_points")}
+        scales = {key: document.get(key) for key in ("metres_per_pixel", "two_points")}
         return {
             **{
                 k: None if s is None else _number(s, "the scale", SCALES) for k, s in scales.items()
             },
-            "dxf_layers": _layers(found.get("dxf_layers") or {}),
-            "picture": _picture(found.get("picture")),
+            "dxf_layers": _layers(document.get("dxf_layers") or {}),
+            "picture": _picture(document.get("picture")),
         }
     except InputError as error:
         raise InputError(error.expected, error.found, file=READING) from None
 
 
-def _picture(found: Any) -> dict[str, Any] | None:
+def _picture(document: Any) -> dict[str, Any] | None:
     """Return how the picture was read, checked."""
-    if found is None:
+    if document is None:
         return None
-    size = found.get("size") if isinstance(found, dict) else ()
+    size = document.get("size") if isinstance(document, dict) else ()
     if size is not None and not (isinstance(size, list) and len(size) == 2):
-        raise InputError("size, doubt and shown of the picture", repr(found)[:60])
+        raise InputError("size, doubt and shown of the picture", repr(document)[:60])
     sides = [_number(side, "pixels of the plan", (0.0, 1e6)) for side in size or ()]
-    shown = _number(found.get("shown"), "pixels of the file for one shown", (1e-3, 1e3))
-    return {"size": sides or None, "doubt": str(found.get("doubt", "")), "shown": shown}
+    file_pixels = _number(document.get("shown"), "pixels of the file for one shown", (1e-3, 1e3))
+    return {"size": sides or None, "doubt": str(document.get("doubt", "")), "shown": file_pixels}
 
 
 def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unscaled]:
@@ -165,11 +165,11 @@ def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unsca
         picture = values["picture"] or {}
         size = picture.get("size")
         return "picture", Unscaled("pixel", tuple(size) if size else None)
-    found = format_of(plan)
-    if found is None or found.look is None:
+    plan_format = format_of(plan)
+    if plan_format is None or plan_format.look is None:
         raise InputError("a plan whose scale or layers may be given", "one that tells all itself")
-    with installed(found.needs, house):
-        return found.name, found.look(plan)
+    with installed(plan_format.needs, house):
+        return plan_format.name, plan_format.look(plan)
 
 
 def _reading(file: Path, house: str, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -186,13 +186,13 @@ def _reading(file: Path, house: str, values: Mapping[str, Any]) -> dict[str, Any
     }
 
 
-def _values(project: Project, given: Mapping[str, Any]) -> dict[str, Any]:
+def _values(project: Project, changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a user gave for the kept file, checked.
 
     ``width`` of the house stands for its scale, where it is known how wide it is drawn.
     """
-    scale, width = given.get("metres_per_pixel"), given.get("width")
-    values = _kept(project) | {"dxf_layers": _layers(given.get("dxf_layers") or {})}
+    scale, width = changes.get("metres_per_pixel"), changes.get("width")
+    values = _kept(project) | {"dxf_layers": _layers(changes.get("dxf_layers") or {})}
     if scale is not None and width is not None:
         raise InputError("the scale or the width of the house", "both")
     _, look = _look(_file(project), project.name, values)
@@ -219,12 +219,12 @@ def _number(value: Any, what: str, limits: tuple[float, float]) -> float:
     return float(number)
 
 
-def _layers(given: Any) -> dict[str, str]:
+def _layers(patterns: Any) -> dict[str, str]:
     """Return patterns of DXF layers; empty ones are left to the reader's own words."""
-    if not isinstance(given, dict) or not set(given) <= set(LAYERS):
+    if not isinstance(patterns, dict) or not set(patterns) <= set(LAYERS):
         raise InputError(f"patterns of {', '.join(LAYERS)}", "others")
-    for kind, pattern in given.items():
+    for kind, pattern in patterns.items():
         if not isinstance(pattern, str) or len(pattern) > MAX_PATTERN:
             expected = f"a pattern of at most {MAX_PATTERN} letters for {kind}"
             raise InputError(expected, repr(pattern)[:60])
-    return {kind: pattern for kind, pattern in given.items() if pattern}
+    return {kind: pattern for kind, pattern in patterns.items() if pattern}

@@ -135,8 +135,8 @@ class Project:
 
     def _extra(self) -> dict[str, Any]:
         file = self.path / EXTRA
-        found = read_json(file) if file.is_file() else {}
-        return found if isinstance(found, dict) else {}
+        extra = read_json(file) if file.is_file() else {}
+        return extra if isinstance(extra, dict) else {}
 
 
 class Projects:
@@ -197,8 +197,8 @@ def _place(place: Any) -> dict[str, Any] | None:
     if not isinstance(place, dict):
         return None
     try:
-        found = {key: float(place[key]) for key in ("x", "z", "metres_per_pixel", "opacity")}
+        numbers = {key: float(place[key]) for key in ("x", "z", "metres_per_pixel", "opacity")}
     except (KeyError, TypeError, ValueError):
         raise InputError("the place of the picture", "another") from None
-    found["visible"] = bool(place.get("visible"))
-    return found | ({"measured": True} if place.get("measured") is True else {})
+    numbers["visible"] = bool(place.get("visible"))
+    return numbers | ({"measured": True} if place.get("measured") is True else {})

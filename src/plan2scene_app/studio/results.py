@@ -24,14 +24,14 @@ THUMB = 240
 
 def results_of(project: Project) -> dict[str, Any]:
     """Return ``{files: {name: time}, tiles: [name]}`` of what lies ready."""
-    found = {}
+    times = {}
     for name in (*DELIVERED, CONTACT_SHEET):
         file = project.house / name
         if file.is_file():
-            found[name] = file.stat().st_mtime_ns
+            times[name] = file.stat().st_mtime_ns
     folder = project.house / "textures"
     tiles = sorted(path.name for path in folder.glob("*.png")) if folder.is_dir() else []
-    return {"files": found, "tiles": [name for name in tiles if _TILE.fullmatch(name)]}
+    return {"files": times, "tiles": [name for name in tiles if _TILE.fullmatch(name)]}
 
 
 def result_file(project: Project, name: str) -> Path:

@@ -52,10 +52,10 @@ STAGES = {
 _WARNINGS = 20
 
 
-def settings_of(given: Mapping[str, Any], cores: int) -> dict[str, Any]:
+def settings_of(chosen: Mapping[str, Any], cores: int) -> dict[str, Any]:
     """Return how a house is made, checked."""
     settings = {"method": "exemplar", "texture_size": 128, "colours": "photo"}
-    settings |= {key: given[key] for key in settings if key in given}
+    settings |= {key: chosen[key] for key in settings if key in chosen}
     method_named(str(settings["method"]))
     if settings["texture_size"] not in TEXTURE_SIZES:
         raise InputError(f"a texture size of {TEXTURE_SIZES}", repr(settings["texture_size"]))

@@ -43,11 +43,11 @@ def read_lines(image: np.ndarray) -> list[TextLine]:
     if factor != 1:
         how = cv2.INTER_AREA if factor < 1 else cv2.INTER_CUBIC
         image = cv2.resize(image, None, fx=factor, fy=factor, interpolation=how)
-    found = _reader()(np.ascontiguousarray(image[..., ::-1]))
-    if found.boxes is None or found.txts is None:
+    result = _reader()(np.ascontiguousarray(image[..., ::-1]))
+    if result.boxes is None or result.txts is None:
         return []
     lines = []
-    for box, text, score in zip(found.boxes, found.txts, found.scores, strict=True):
+    for box, text, score in zip(result.boxes, result.txts, result.scores, strict=True):
         if score >= SETTINGS.text_score and text.strip():
             x, y = (np.asarray(box, float).mean(0) / factor).tolist()
             w, h = (np.ptp(np.asarray(box, float), axis=0) / factor).tolist()

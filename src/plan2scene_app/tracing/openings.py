@@ -51,7 +51,7 @@ def find_openings(
 ) -> list[TracedOpening]:
     """Return the openings of traced rooms; of one between two rooms the wall is either's."""
     edges = _edges(polygons)
-    found: list[TracedOpening] = []
+    openings: list[TracedOpening] = []
     for label, kind in OPENINGS.items():
         places, count = ndimage.label(regions.structure == label, np.ones((3, 3)))
         for number, box in enumerate(ndimage.find_objects(places, count), start=1):
@@ -62,14 +62,14 @@ def find_openings(
             sure = float(probabilities[label][box][places[box] == number].mean())
             opening = _on_edge(edges, points, kind, sure, regions, polygons)
             if opening is not None:
-                found.append(opening)
-    found += _undrawn_passages(edges, regions, polygons, found)
-    return _joined(found, regions.ppm)
+                openings.append(opening)
+    openings += _undrawn_passages(edges, regions, polygons, openings)
+    return _joined(openings, regions.ppm)
 
 
 def _edges(polygons: dict[int, Polygon]) -> list[_Edge]:
     """Return the edges of all outlines."""
-    found = []
+    edges = []
     for number, polygon in polygons.items():
         ring = tuple(polygon.exterior.coords[:-1])
         clockwise = not polygon.exterior.is_ccw
@@ -78,8 +78,8 @@ def _edges(polygons: dict[int, Polygon]) -> list[_Edge]:
             length = float(np.linalg.norm(end - start))
             way = (end - start) / max(length, 1e-9)
             inwards = np.array([way[1], -way[0]]) * (1 if clockwise else -1)
-            found.append(_Edge(number, start, way, length, inwards))
-    return found
+            edges.append(_Edge(number, start, way, length, inwards))
+    return edges
 
 
 def _on_edge(
@@ -141,7 +141,7 @@ def _undrawn_passages(
     known: list[TracedOpening],
 ) -> list[TracedOpening]:
     """Return passages where floor goes on from one room to the next without a wall."""
-    found = []
+    passages = []
     for edge in edges:
         if edge.length < SETTINGS.open_floor * regions.ppm:
             continue
@@ -155,8 +155,8 @@ def _undrawn_passages(
                 continue
             opening = _opening(edge, low, high, OPENINGS[PASSAGE], 0.5, polygons, regions)
             if opening.other > edge.room and not any(_same(opening, o) for o in known):
-                found.append(opening)
-    return found
+                passages.append(opening)
+    return passages
 
 
 def _same(one: TracedOpening, other: TracedOpening) -> bool:
@@ -169,10 +169,10 @@ def _same(one: TracedOpening, other: TracedOpening) -> bool:
     return -other.width / 2 < along < one.width + other.width / 2 and off < one.width / 4
 
 
-def _joined(found: list[TracedOpening], ppm: float) -> list[TracedOpening]:
+def _joined(openings: list[TracedOpening], ppm: float) -> list[TracedOpening]:
     """Return openings with those of one kind in one line and hardly apart joined, largest first."""
     kept: list[TracedOpening] = []
-    for opening in sorted(found, key=lambda o: -o.width):
+    for opening in sorted(openings, key=lambda o: -o.width):
         for k, other in enumerate(kept):
             joined = _union(other, opening, SETTINGS.joined * ppm)
             if joined is not None:

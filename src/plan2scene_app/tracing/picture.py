@@ -72,20 +72,20 @@ def refuse_other_pictures(
     A network sees rooms in a photo, too: hardly sure ones, with ragged outlines, in a picture with
     little that is flat.
     """
-    found = ""
+    reason = ""
     if not polygons:
-        found = "no room that walls close"
+        reason = "no room that walls close"
     elif not openings:
-        found = "areas without any door or window"
+        reason = "areas without any door or window"
     else:
         corners = np.mean([len(p.exterior.coords) - 1 for p in polygons.values()])
         ragged = sure < SETTINGS.ragged[0] and corners > SETTINGS.ragged[1]
         if ragged or (sure < SETTINGS.busy[0] and flat_share(image) < SETTINGS.busy[1]):
-            found = f"areas that are {sure:.0%} sure to be rooms"
-    if found:
+            reason = f"areas that are {sure:.0%} sure to be rooms"
+    if reason:
         if flat_share(image) < SETTINGS.busy[1]:
-            found = f"a photo? ({found})"
-        raise InputError("a picture of a floorplan", found, file=path)
+            reason = f"a photo? ({reason})"
+        raise InputError("a picture of a floorplan", reason, file=path)
 
 
 def flat_share(image: np.ndarray) -> float:
@@ -165,8 +165,8 @@ def first_scale(structure: np.ndarray) -> float:
 
 def straightened(image: np.ndarray, first: Frame, structure: np.ndarray, angle: float) -> Frame:
     """Return the plan of a picture at the network's size, by its structure in a first frame."""
-    shown = np.isin(structure, (DOOR, WINDOW, PASSAGE)) | (structure > PASSAGE) | (structure == 1)
-    rows, columns = np.nonzero(_largest_part(shown))
+    drawn = np.isin(structure, (DOOR, WINDOW, PASSAGE)) | (structure > PASSAGE) | (structure == 1)
+    rows, columns = np.nonzero(_largest_part(drawn))
     points = first.to_picture(np.c_[columns, rows].astype(float))
     ppm = first_scale(structure) / first.zoom
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
@@ -197,11 +197,11 @@ def warped(
     return Frame(seen, np.c_[turn * zoom, -low * zoom])
 
 
-def _largest_part(shown: np.ndarray) -> np.ndarray:
+def _largest_part(drawn: np.ndarray) -> np.ndarray:
     """Return the pixels of parts that are not small beside the largest (letters, stains)."""
-    places, count = ndimage.label(shown, np.ones((3, 3)))
+    places, count = ndimage.label(drawn, np.ones((3, 3)))
     if count < 2:
-        return shown
+        return drawn
     sizes = np.bincount(places.ravel())[1:]
     kept = np.flatnonzero(sizes >= 0.12 * sizes.max()) + 1
     return np.isin(places, kept)

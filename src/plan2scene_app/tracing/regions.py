@@ -41,8 +41,8 @@ def find_regions(structure: np.ndarray, ppm: float) -> Regions:
     count = int(floors.max())
     wall_px = _wall_thickness(structure, floors, ppm)
     rooms = _grown(floors, wall_px, ppm) if count else floors
-    found = Regions(rooms, floors, structure, count, wall_px, ppm)
-    return without_open_rooms(without_islands(found)) if count else found
+    regions = Regions(rooms, floors, structure, count, wall_px, ppm)
+    return without_open_rooms(without_islands(regions)) if count else regions
 
 
 def _without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
@@ -58,14 +58,14 @@ def _without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
     reached = cv2.dilate((places == places[0, 0]).astype(np.uint8), walker)
     reached = reached[side + 1 : -side - 1, side + 1 : -side - 1]
     pockets, count = ndimage.label((structure == OUTSIDE) & (reached == 0))
-    found = structure.copy()
+    filled = structure.copy()
     for number, box in enumerate(ndimage.find_objects(pockets, count), start=1):
         rows, columns = (slice(max(0, s.start - 1), s.stop + 1) for s in box)
         own = pockets[rows, columns] == number
         rim = ndimage.binary_dilation(own) & ~own
         if np.mean(structure[rows, columns][rim] == ROOM) > 0.5:
-            found[rows, columns][own] = ROOM
-    return found
+            filled[rows, columns][own] = ROOM
+    return filled
 
 
 def _floors(mask: np.ndarray, ppm: float) -> np.ndarray:
@@ -85,7 +85,7 @@ def _floors(mask: np.ndarray, ppm: float) -> np.ndarray:
 
 def _wall_thickness(structure: np.ndarray, floors: np.ndarray, ppm: float) -> float:
     """Return the usual thickness in pixels of what parts two rooms."""
-    found = []
+    thicknesses = []
     for axis in (0, 1):
         lines = floors if axis else floors.T
         for line in lines[:: max(1, round(ppm / 8))]:
@@ -94,8 +94,8 @@ def _wall_thickness(structure: np.ndarray, floors: np.ndarray, ppm: float) -> fl
                 continue
             gaps = np.diff(inside) - 1
             ends = line[inside[:-1]] != line[inside[1:]]
-            found.append(gaps[(gaps > 0) & ends & (gaps < SETTINGS.shared_wall * ppm)])
-    gaps = np.concatenate(found) if found else np.zeros(0)
+            thicknesses.append(gaps[(gaps > 0) & ends & (gaps < SETTINGS.shared_wall * ppm)])
+    gaps = np.concatenate(thicknesses) if thicknesses else np.zeros(0)
     return float(np.median(gaps)) if len(gaps) > 5 else 0.12 * ppm
 
 
@@ -197,22 +197,22 @@ class _Gap:
     def sides(self, floors: np.ndarray) -> tuple[int, int]:
         """Return the floors on both sides, 0 for none; `floors` (h, w) are numbered."""
         plane = floors.T if self.turned else floors
-        found = []
+        beside = []
         for row in (self.rows[0] - 1, self.rows[1]):
             near = plane[row, slice(*self.columns)] if 0 <= row < len(plane) else np.zeros(1, int)
-            found.append(int(np.bincount(near).argmax()))
-        return found[0], found[1]
+            beside.append(int(np.bincount(near).argmax()))
+        return beside[0], beside[1]
 
 
 def with_passages(structure: np.ndarray, ppm: float) -> np.ndarray:
     """Return the structure (h, w) uint8 with passages where floors go on between ends of walls."""
     gaps = [gap for turned in (False, True) for gap in _gaps(structure, ppm, turned=turned)]
     while gaps:
-        found = structure.copy()
+        opened = structure.copy()
         for gap in gaps:
-            part = found[gap.place]
+            part = opened[gap.place]
             part[part == ROOM] = PASSAGE
-        floors, count = ndimage.label(found == ROOM)
+        floors, count = ndimage.label(opened == ROOM)
         sizes = np.bincount(floors.ravel(), minlength=count + 1)
         sizes[0] = 0
         kept = []
@@ -221,7 +221,7 @@ def with_passages(structure: np.ndarray, ppm: float) -> np.ndarray:
             if one != other and min(sizes[one], sizes[other]) >= SETTINGS.parted_floor * ppm**2:
                 kept.append(gap)
         if len(kept) == len(gaps):
-            return found
+            return opened
         gaps = kept
     return structure
 
@@ -237,13 +237,13 @@ def _gaps(structure: np.ndarray, ppm: float, *, turned: bool) -> list[_Gap]:
         if row.any():
             _mark_row(marks[y], floors[y], row, thin[y], ppm)
     places, count = ndimage.label(marks)
-    found = []
+    gaps = []
     for box in ndimage.find_objects(places, count):
         rows, columns = box
         if rows.stop - rows.start <= SETTINGS.ending_wall * ppm:
             thick = (max(0, rows.start - 1), rows.stop + 1)
-            found.append(_Gap(thick, (columns.start, columns.stop), turned))
-    return found
+            gaps.append(_Gap(thick, (columns.start, columns.stop), turned))
+    return gaps
 
 
 def _standing(solid: np.ndarray, ppm: float) -> np.ndarray:
@@ -259,7 +259,7 @@ def _thin(floors: np.ndarray, solid: np.ndarray, ppm: float) -> np.ndarray:
 
     A wall with one floor on both sides, no thicker than usual, is one that ends somewhere.
     """
-    found = np.zeros(solid.shape, np.int32)
+    thin = np.zeros(solid.shape, np.int32)
     height = len(floors)
     for x in range(solid.shape[1]):
         edges = np.flatnonzero(np.diff(np.r_[0, solid[:, x].astype(np.int8), 0]))
@@ -267,8 +267,8 @@ def _thin(floors: np.ndarray, solid: np.ndarray, ppm: float) -> np.ndarray:
             free = start > 0 and stop < height
             if free and stop - start <= SETTINGS.ending_wall * ppm:
                 one, other = floors[start - 1, x], floors[stop, x]
-                found[start:stop, x] = one if one == other else 0
-    return found
+                thin[start:stop, x] = one if one == other else 0
+    return thin
 
 
 def _mark_row(

@@ -67,7 +67,7 @@ def _pieces(regions: Regions, number: int) -> list[_Piece]:
     """Return the straight pieces of a room's outlines."""
     mask = np.pad(regions.rooms == number, 1).astype(np.float32)
     tolerance = max(1.5, SETTINGS.tolerance * regions.ppm)
-    found = []
+    pieces = []
     for contour in find_contours(mask, 0.5):
         ring = contour[:-1, ::-1] - 1
         if len(ring) < 8:
@@ -79,17 +79,17 @@ def _pieces(regions: Regions, number: int) -> list[_Piece]:
             if len(along) < 3:
                 continue
             trim = len(along) // 6
-            found.append(_Piece(ring[a], ring[b], along[trim : len(along) - trim]))
-    return found
+            pieces.append(_Piece(ring[a], ring[b], along[trim : len(along) - trim]))
+    return pieces
 
 
 def _coordinates(pieces: list[_Piece], across: int, shortest: float, least: float) -> list[float]:
     """Return the positions of lines along one axis, at least `least` pixels apart."""
-    found = sorted(
+    places = sorted(
         (float(np.median(p.points[:, across])), p.length) for p in pieces if p.length >= shortest
     )
     groups: list[list[tuple[float, float]]] = []
-    for place, length in found:
+    for place, length in places:
         if groups and place - _mean(groups[-1]) < least:
             groups[-1].append((place, length))
         else:
@@ -129,7 +129,7 @@ def _cells(
     count = regions.count + 1
     votes = np.bincount((plane * count + regions.rooms).ravel(), minlength=(len(cells) + 1) * count)
     winners = votes.reshape(-1, count)[: len(cells) + 1].argmax(1)
-    found = {}
+    polygons = {}
     for number in range(1, count):
         own = [cell for cell, winner in zip(cells, winners[1:], strict=True) if winner == number]
         shape = shapely.union_all(own, grid_size=1e-3) if own else Polygon()
@@ -139,8 +139,8 @@ def _cells(
         # What is mostly cells of another room is none of its own.
         floor = float((regions.floors == number).sum())
         if isinstance(shape, Polygon) and shape.is_valid and shape.area > floor / 2:
-            found[number] = shape
-    return found
+            polygons[number] = shape
+    return polygons
 
 
 _OPEN_AIR = ("Balcony", "Terrace", "Outdoor")
@@ -167,7 +167,7 @@ def describe_rooms(
     lines: Sequence[TextLine],
 ) -> list[TracedRoom]:
     """Return the rooms with names and types; `lines` of text are in the frame's pixels."""
-    found: list[TracedRoom] = []
+    rooms: list[TracedRoom] = []
     taken: set[str] = set()
     for number, polygon in polygons.items():
         own = tuple(line for line in lines if polygon.contains(Point(line.middle)))
@@ -175,12 +175,12 @@ def describe_rooms(
         types = room_types(_words(own))
         floor = regions.floors == number
         inside = probabilities[:, floor].mean(1)
-        told = types or _types_by_furniture(inside)
-        base = name if types else told[0]
+        kinds = types or _types_by_furniture(inside)
+        base = name if types else kinds[0]
         sure = float(inside[ROOM:].sum())
         identifier = free_id(base, taken)
-        found.append(TracedRoom(number, polygon, identifier, name, told, bool(types), sure, own))
-    return found
+        rooms.append(TracedRoom(number, polygon, identifier, name, kinds, bool(types), sure, own))
+    return rooms
 
 
 def without_inner_windows(
@@ -192,14 +192,14 @@ def without_inner_windows(
     passage; neither is sure.
     """
     indoors = {room.number for room in rooms if not set(room.types) & set(_OPEN_AIR)}
-    found = []
+    kept = []
     for opening in openings:
         if opening.kind == "window" and {opening.room, opening.other} <= indoors:
             kind = "door" if opening.width <= widest else "passage"
             sure = min(opening.confidence, 0.5)
             opening = replace(opening, kind=kind, confidence=sure)
-        found.append(opening)
-    return found
+        kept.append(opening)
+    return kept
 
 
 def _words(lines: Sequence[TextLine]) -> str:

@@ -32,11 +32,11 @@ _LENGTHS, _AREAS = (0.3, 60.0), (0.5, 600.0)
 
 def read_area(text: str) -> tuple[float, float] | None:
     """Return an area in m2 and what its last digit is worth; None where the text has none."""
-    found = _AREA.search(text)
-    if found is None:
+    match = _AREA.search(text)
+    if match is None:
         return None
-    value, digit = _value(found[1])
-    unit = found[2].lower().replace(".", "").replace(" ", "")
+    value, digit = _value(match[1])
+    unit = match[2].lower().replace(".", "").replace(" ", "")
     if "f" in unit:
         value, digit = value * _FOOT**2, digit * _FOOT**2
     return (value, digit) if _AREAS[0] <= value <= _AREAS[1] else None
@@ -121,13 +121,13 @@ class RoomSize:
 
 def room_evidence(room: RoomSize) -> list[Evidence]:
     """Return what the texts in a room say: its area, its sides."""
-    found = []
+    evidence = []
     for line in room.texts:
         area = read_area(line.text)
         if area is not None:
             deviation = max(0.02, 0.35 * area[1] / area[0])
             meaning = 0.5 * float(np.log(area[0] / room.area))
-            found.append(Evidence(line.text, (meaning,), deviation, 1.0))
+            evidence.append(Evidence(line.text, (meaning,), deviation, 1.0))
         meanings = []
         for a, b in read_sides(line.text):
             for first, second in ((a, b), (b, a)):
@@ -135,8 +135,8 @@ def room_evidence(room: RoomSize) -> list[Evidence]:
                 if abs(logs[0] - logs[1]) < 0.12:
                     meanings.append(float(logs.mean()))
         if meanings:
-            found.append(Evidence(line.text, tuple(meanings), 0.03, 1.0))
-    return found
+            evidence.append(Evidence(line.text, tuple(meanings), 0.03, 1.0))
+    return evidence
 
 
 def chain_evidence(

@@ -34,9 +34,9 @@ class PlanSegmenter:
             turns, mirrored = (0, 2, 1, 3, 2, 0, 3, 1)[view], view % 2 == 1
             seen = np.rot90(image, turns)
             seen = seen[:, ::-1] if mirrored else seen
-            found = self._seen(np.ascontiguousarray(seen))
-            found = found[:, :, ::-1] if mirrored else found
-            total += np.rot90(found, -turns, axes=(1, 2))
+            values = self._seen(np.ascontiguousarray(seen))
+            values = values[:, :, ::-1] if mirrored else values
+            total += np.rot90(values, -turns, axes=(1, 2))
         return total / views
 
     def _seen(self, image: np.ndarray) -> np.ndarray:

@@ -104,8 +104,8 @@ def trace_picture(
     lines = _in_frame(texts, frame)
     rooms = describe_rooms(regions, polygons, probabilities, lines)
     if metres_per_pixel is not None:
-        given = metres_per_pixel * picture.shrunk / frame.zoom
-        scale = Scale(given, 1.0, "as given")
+        frame_metres = metres_per_pixel * picture.shrunk / frame.zoom
+        scale = Scale(frame_metres, 1.0, "as given")
     else:
         scale = _scale(regions, rooms, openings, lines)
     widest = SETTINGS.widest_door / scale.metres_per_pixel
@@ -167,9 +167,9 @@ def _scale(
         evidence += room_evidence(RoomSize(float(areas[room.number]), sides, room.texts))
     xs, ys = _walls([room.polygon for room in rooms])
     for line in lines:
-        found = chain_evidence(line, xs, ys)
-        if found is not None:
-            evidence.append(found)
+        measure = chain_evidence(line, xs, ys)
+        if measure is not None:
+            evidence.append(measure)
     doors = [o.width for o in openings if o.kind == "door" and o.confidence > 0.5]
     return find_scale(evidence, doors, [float(areas[room.number]) for room in rooms])
 
@@ -251,7 +251,7 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
 def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:
     """Yield a line for each kind of doubt, with the rooms that have it."""
     ways = {n for o in plan.openings if o.kind != "window" for n in (o.room, o.other)}
-    found = {
+    kinds = {
         "nothing tells what they are": lambda r: r.types == ("Unknown",),
         "their furniture alone tells what they are": lambda r: (
             r.types != ("Unknown",) and not r.named
@@ -259,7 +259,7 @@ def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:
         "hardly sure that they are rooms": lambda r: r.confidence < SETTINGS.doubtful,
         "no door or passage found": lambda r: r.number not in ways,
     }
-    for what, has in found.items():
+    for what, has in kinds.items():
         names = [room.id for room in plan.rooms if has(room)]
         if names:
             yield f"rooms {', '.join(names)}: {what}"

@@ -107,5 +107,5 @@ def _cell(text: str) -> str:
         value = float(text)
     except ValueError:
         return f"<td>{html.escape(text)}</td>"
-    shown = text if text.lstrip("-").isdigit() else f"{value:.4g}"
-    return f'<td class="figure">{html.escape(shown)}</td>'
+    figure = text if text.lstrip("-").isdigit() else f"{value:.4g}"
+    return f'<td class="figure">{html.escape(figure)}</td>'

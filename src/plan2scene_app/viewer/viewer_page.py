@@ -117,9 +117,9 @@ def read_facts(
 
     columns = ["room_id", "surface", "observed", "source", "confidence"]
     rows = pq.ParquetFile(propagated).read(columns).to_pylist()
-    shown = {row["source"] for row in rows if row["observed"]}
+    chosen = {row["source"] for row in rows if row["observed"]}
     pictures = pq.ParquetFile(crops).read(["crop_id", "photo", "png"])
-    by_id = {row["crop_id"]: row for row in pictures.to_pylist() if row["crop_id"] in shown}
+    by_id = {row["crop_id"]: row for row in pictures.to_pylist() if row["crop_id"] in chosen}
     taken = {} if cameras is None else read_json(cameras)
     names = sorted(taken.keys() | set(pictures.column("photo").to_pylist()))
     return {
