@@ -26,14 +26,9 @@ from plane_errors import PlaneError, plane_errors
 
 from plan2scene.camera import Camera
 from plan2scene.images import read_image
-from plan2scene.photos.camera.calibration import (
-    DEFAULT_FOV_DEG,
-    HIGH_CONFIDENCE,
-    canonical,
-    estimate_camera,
-)
+from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, canonical, estimate_camera
 from plan2scene.photos.camera.exif import read_exif_focal
-from plan2scene.photos.camera.lines import find_segments
+from plan2scene.photos.camera.lines import CAMERA, find_segments
 from plan2scene.photos.labels.palette import read_label_png
 from plan2scene.photos.labels.segmentation import load_segmenter
 from plan2scene.photos.planes.planes import split_planes
@@ -223,10 +218,10 @@ def figures(results: Sequence[Result]) -> dict[str, str]:
     add("rotation, deg", [r.rotation_deg for r in results])
     add("tilt, deg", [r.tilt_deg for r in results])
     add("focal length, %", [100 * r.focal for r in results], 1)
-    high = [r for r in results if r.camera.confidence >= HIGH_CONFIDENCE]
+    high = [r for r in results if r.camera.confidence >= CAMERA.high_confidence]
     found["share of high confidence, %"] = f"{100 * len(high) / max(1, len(results)):.0f}"
     add("focal length at high confidence, %", [100 * r.focal for r in high], 1)
-    low = [r for r in results if r.camera.confidence < HIGH_CONFIDENCE]
+    low = [r for r in results if r.camera.confidence < CAMERA.high_confidence]
     add("focal length at low confidence, %", [100 * r.focal for r in low], 1)
     planes = [plane for r in results for plane in r.planes]
     if planes:

@@ -9,9 +9,9 @@ from views import camera_looking
 
 from plan2scene.camera import Camera
 from plan2scene.errors import InputError
-from plan2scene.photos.camera.calibration import HIGH_CONFIDENCE, canonical, estimate_camera
+from plan2scene.photos.camera.calibration import canonical, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal
-from plan2scene.photos.camera.lines import detect_segments
+from plan2scene.photos.camera.lines import CAMERA, detect_segments
 
 
 def rotation_of(heading_deg, pitch_deg, roll_deg):
@@ -155,7 +155,7 @@ def test_odd_photos_of_a_furnished_room(name):
     assert not camera.fallback
     assert angle_deg(camera.matrix, truth) < degrees
     assert abs(camera.focal_px / focal - 1) < share
-    assert camera.confidence >= HIGH_CONFIDENCE
+    assert camera.confidence >= CAMERA.high_confidence
 
 
 def test_one_point_view_keeps_rotation_but_not_focal():
@@ -164,7 +164,7 @@ def test_one_point_view_keeps_rotation_but_not_focal():
     camera = estimate_camera(image)
     assert not camera.fallback
     assert angle_deg(camera.matrix, truth) < 1.0
-    assert camera.confidence < HIGH_CONFIDENCE
+    assert camera.confidence < CAMERA.high_confidence
 
 
 def test_exif_gives_the_focal_length_of_a_one_point_view():
@@ -174,7 +174,7 @@ def test_exif_gives_the_focal_length_of_a_one_point_view():
     assert camera.focal_source == "exif"
     assert camera.focal_px == pytest.approx(focal, abs=1e-3)
     assert angle_deg(camera.matrix, truth) < 0.5
-    assert camera.confidence >= HIGH_CONFIDENCE
+    assert camera.confidence >= CAMERA.high_confidence
 
 
 def test_exif_goes_before_vanishing_points_unless_they_contradict_it():

@@ -1,4 +1,4 @@
-"""Contact sheet of a house: one row a photo, the same bytes each time, counts and colours drawn."""
+"""Contact sheet of a house: rows, counts, colours, and places that agree with the poses."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pandas as pd
 import pytest
+from box_room import DEEP, WIDE, box_house, rendered
+from box_room import SIZE as BOX_SIZE
 from PIL import Image
+from views import camera_looking
 
 from plan2scene.camera import Camera
 from plan2scene.house import House, Room
@@ -17,7 +21,17 @@ from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
 from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segments
 from plan2scene.photos.contact_sheet import panels
-from plan2scene.photos.contact_sheet.panels import LAST_RESORT, REJECTED, SELECTED
+from plan2scene.photos.contact_sheet.panels import (
+    DOOR_INK,
+    FRUSTUM,
+    LAST_RESORT,
+    OWN_ROOM,
+    REJECTED,
+    SELECTED,
+    WINDOW_INK,
+    edges_panel,
+    plan_panel,
+)
 from plan2scene.photos.contact_sheet.sheet import (
     CELL,
     COLUMNS,
@@ -34,7 +48,9 @@ from plan2scene.photos.contact_sheet.sheet import (
     write_contact_sheet,
 )
 from plan2scene.photos.crops.candidates import planes_of_photo, rooms_by_size
-from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, write_label_png
+from plan2scene.photos.labels.palette import CEILING, DOOR, FLOOR, WALL, write_label_png
+from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.pose import Pose
 from plan2scene.photos.planes.planes import plane_row, write_planes
 
 SIZE = (240, 320)
@@ -230,3 +246,47 @@ def test_a_smaller_photo_has_a_smaller_camera() -> None:
     point = np.array([[0.3, 0.2, 3.0]])
     expected = (camera().project(point) + 0.5) / 2 - 0.5
     assert half.project(point) == pytest.approx(expected)
+
+
+EYE = (1.0, 1.5, 1.8)
+SHAPES = room_shapes(box_house())
+
+
+def box_pose():
+    camera = camera_looking(BOX_SIZE, heading_deg=-100.0, pitch_deg=6.0, focal=150.0)
+    return Pose("room", EYE, camera, 0.9)
+
+
+def pixels_of(picture, colour):
+    """Rows and columns of a colour."""
+    return np.argwhere((picture == colour).all(axis=-1))
+
+
+def test_the_plan_shows_the_eye_where_it_is():
+    picture = plan_panel(SHAPES, box_pose(), (200, 300))
+    room = pixels_of(picture, OWN_ROOM)
+    top, left = room.min(axis=0)
+    bottom, right = room.max(axis=0)
+    row, column = pixels_of(picture, FRUSTUM).mean(axis=0)
+    assert abs((column - left) / (right - left) - EYE[0] / WIDE) < 0.03
+    assert abs((row - top) / (bottom - top) - EYE[2] / DEEP) < 0.05
+
+
+def test_the_plan_of_a_photo_that_is_not_located_has_no_frustum():
+    picture = plan_panel(SHAPES, None, (200, 300))
+    assert len(pixels_of(picture, DOOR_INK))
+    assert len(pixels_of(picture, WINDOW_INK))
+    assert not len(pixels_of(picture, FRUSTUM))
+    assert not len(pixels_of(picture, OWN_ROOM))
+
+
+def test_the_edges_lie_on_the_borders_of_the_door():
+    here = box_pose()
+    labels = rendered(box_house(), here.camera, np.array(EYE))
+    assert (labels == DOOR).mean() > 0.02
+    picture = edges_panel(np.full((*BOX_SIZE, 3), 120, np.uint8), here, SHAPES)
+    drawn = pixels_of(picture, DOOR_INK)
+    door = (labels == DOOR).astype(np.uint8)
+    border = cv2.morphologyEx(door, cv2.MORPH_GRADIENT, np.ones((5, 5), np.uint8)) > 0
+    assert len(drawn) > 30
+    assert border[drawn[:, 0], drawn[:, 1]].mean() > 0.95

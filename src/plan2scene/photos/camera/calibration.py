@@ -9,6 +9,7 @@ import numpy as np
 from plan2scene.camera import Camera, rounded_rows
 from plan2scene.photos.camera.exif import ExifFocal
 from plan2scene.photos.camera.lines import (
+    CAMERA,
     PhotoSegments,
     Segments,
     find_segments,
@@ -18,25 +19,6 @@ from plan2scene.photos.camera.manhattan import Manhattan, fit_manhattan, refine_
 
 #: Horizontal field of view where nothing tells it, degrees: that of the paper's reference.
 DEFAULT_FOV_DEG = 60.0
-#: A frame is believed with this many segments on the vertical and on the horizontal axes (or on
-#: each of the horizontal ones), ...
-MIN_VERTICAL = 3
-MIN_HORIZONTAL = 5
-#: ... with this share of the segments' weight; the focal length below this relative spread, which
-#: is nearly that of the prior alone.
-MIN_SHARE = 0.30
-FULL_SHARE = 0.7
-MAX_LOG_FOCAL_SD = 0.30
-#: From this confidence on a camera counts as well known: more likely than not its focal length is
-#: within 15 %. Later stages may rely on it.
-HIGH_CONFIDENCE = 0.5
-#: A focal length of EXIF data gives way to confident vanishing points beyond this ratio: the photo
-#: was cropped or its data are another photo's.
-EXIF_TOLERANCE = 1.2
-#: Factor of the confidence where the focal length is not measured at all: never high.
-GIVEN_CERTAINTY = 0.49
-#: Certainty of a focal length of EXIF data, as a factor of the confidence.
-EXIF_CERTAINTY = 0.95
 
 
 def estimate_camera(
@@ -68,7 +50,7 @@ def estimate_camera(
     Notes
     -----
     Precedence of the focal length: EXIF, vanishing points, `fov_deg`. EXIF data give way to
-    vanishing points of high confidence that differ by more than `EXIF_TOLERANCE`; those of a
+    vanishing points of high confidence that differ by more than `CAMERA.exif_tolerance`; those of a
     cropped photo only stand in for `fov_deg`.
     """
     height, width = image.shape[:2]
@@ -111,34 +93,34 @@ def _decide(frame: Manhattan | None, segments: Segments, prior: float, is_exif: 
     if frame is None or not _believed(frame):
         return _Pose(np.diag([-1.0, -1.0, 1.0]), prior, given, 0.0, True)
     confidence = frame.certainty * _support(frame)
-    if frame.log_focal_sd <= MAX_LOG_FOCAL_SD:
+    if frame.log_focal_sd <= CAMERA.max_log_focal_sd:
         return _Pose(frame.axes, frame.focal, "vanishing_points", confidence, False)
     axes = refine_rotation(segments, frame, prior)
-    return _Pose(axes, prior, given, GIVEN_CERTAINTY * confidence, False)
+    return _Pose(axes, prior, given, CAMERA.given_certainty * confidence, False)
 
 
 def _with_exif(pose: _Pose, frame: Manhattan | None, focal: float) -> _Pose:
     """Return the frame fitted with EXIF's focal length unless vanishing points contradict it."""
     ratio = max(pose.focal / focal, focal / pose.focal)
-    clear = pose.source == "vanishing_points" and pose.confidence >= HIGH_CONFIDENCE
-    if clear and ratio > EXIF_TOLERANCE:
+    clear = pose.source == "vanishing_points" and pose.confidence >= CAMERA.high_confidence
+    if clear and ratio > CAMERA.exif_tolerance:
         return pose
     if frame is None or not _believed(frame):
         return replace(pose, focal=focal, source="exif")
-    certainty = EXIF_CERTAINTY * _support(frame)
+    certainty = CAMERA.exif_certainty * _support(frame)
     return _Pose(frame.axes, focal, "exif", certainty, False)
 
 
 def _support(frame: Manhattan) -> float:
-    """Return 0..1: how much of a photo's lines follow the frame, 1 from `FULL_SHARE` on."""
-    return min(1.0, frame.share / FULL_SHARE)
+    """Return 0..1: how much of a photo's lines follow the frame, 1 from `CAMERA.full_share` on."""
+    return min(1.0, frame.share / CAMERA.full_share)
 
 
 def _believed(frame: Manhattan) -> bool:
     """Tell whether a frame has support: the vertical and a horizontal, or both horizontals."""
     x, y, z = frame.counts
-    upright = y >= MIN_VERTICAL and x + z >= MIN_HORIZONTAL
-    return frame.share >= MIN_SHARE and (upright or min(x, z) >= MIN_HORIZONTAL)
+    upright = y >= CAMERA.min_vertical and x + z >= CAMERA.min_horizontal
+    return frame.share >= CAMERA.min_share and (upright or min(x, z) >= CAMERA.min_horizontal)
 
 
 def canonical(axes: np.ndarray) -> np.ndarray:

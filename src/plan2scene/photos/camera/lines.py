@@ -17,33 +17,129 @@ import numpy as np
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL
 
+
+@dataclass(frozen=True)
+class CameraSettings:
+    """Constants of the estimate of a photo's camera.
+
+    Source, where a field names no other: set by hand; ``benchmarks/cameras.py`` scores the cameras
+    of synthetic homes against their truth.
+    """
+
+    # Line segments of the photo.
+    #: Photos are reduced to this width or height (the larger) before segments are found, pixels.
+    working_side_px: int = 800
+    #: Segments used, the longest.
+    max_segments: int = 320
+    #: Shorter segments carry no direction, pixels of the reduced photo.
+    min_length_px: float = 12.0
+    #: Error of a segment's ends, pixels.
+    end_noise_px: float = 1.0
+    #: Least angular noise of a segment, in the fit and for the first guesses, radians.
+    angle_noise: float = float(np.radians(0.35))
+    coarse_noise: float = float(np.radians(1.6))
+    #: Neighbours of nearly the same direction among which a segment still counts in full.
+    crowd: float = 2.0
+    #: Their distance, share of the photo's width, and difference of direction, radians.
+    crowd_reach: float = 0.2
+    crowd_angle: float = float(np.radians(8.0))
+
+    # Lines along borders of labels.
+    #: Lines used, the longest.
+    max_borders: int = 12
+    #: Shortest length, share of the photo's width.
+    border_length: float = 0.08
+    #: Width of the strip whose border pixels belong to one line, share of the photo's width.
+    border_width: float = 0.01
+    #: Weight of such a line, and of the photo's own lines there.
+    border_weight: float = 2.0
+    #: Error of its ends, pixels.
+    border_noise_px: float = 4.0
+
+    # First guesses.
+    #: Horizontal fields of view that are searched (and up to the prior's, if beyond), degrees.
+    fov_range_deg: tuple[float, float] = (30.0, 115.0)
+    #: Focal lengths, headings, pairs of upright segments, and vertical vanishing points kept.
+    n_focal: int = 19
+    n_heading: int = 45
+    n_pairs: int = 300
+    n_verticals: int = 5
+    #: Segments that vote, those of the largest weight.
+    n_voters: int = 160
+    #: Largest roll and pitch of a photo of a room, degrees, and how far a vertical line may lean in
+    #: the photo then.
+    max_roll_deg: float = 25.0
+    max_pitch_deg: float = 35.0
+    max_slant_deg: float = 45.0
+    #: Cost of an unlikely focal length (log ratio 0.3 to the prior), share of the votes.
+    focal_penalty: float = 0.02
+
+    # Refinement.
+    #: Guesses refined with their focal length free, the best of all.
+    n_free: int = 8
+    #: Standard deviations of the priors: log focal length, pitch and roll (radians; heavy tails).
+    sigma_log_focal: float = 0.35
+    sigma_pitch: float = float(np.radians(12.0))
+    sigma_roll: float = float(np.radians(5.0))
+    #: The same of the lens distortion (`Segments.bent_rays`), and its bounds.
+    sigma_bend: float = 0.03
+    bend_range: tuple[float, float] = (-0.4, 0.25)
+    #: Segments share errors (of the lens, of one texture): so many count as an independent one.
+    correlation: float = 1.4
+    #: Widths of the reweighting and of the cost, in noise of a segment.
+    reweighting: tuple[float, ...] = (5.0, 4.0, 3.0, 2.2, 1.5, 1.5, 1.5)
+    cost_width: float = 1.5
+    #: Step of the numeric derivatives.
+    difference: float = 1e-5
+    #: Residuals that count as agreement, in noise of a segment.
+    agrees: float = 2.5
+    #: Ratio of focal lengths within which one counts as right.
+    right_within: float = 1.15
+
+    # Belief.
+    #: A frame is believed with this many segments on the vertical and on the horizontal axes (or on
+    #: each of the horizontal ones), and this share of the segments' weight.
+    min_vertical: int = 3
+    min_horizontal: int = 5
+    min_share: float = 0.30
+    #: Share of the weight from which on a frame has full support.
+    full_share: float = 0.7
+    #: A focal length is measured below this standard deviation of its logarithm, which is nearly
+    #: that of the prior alone.
+    max_log_focal_sd: float = 0.30
+    #: From this confidence on a camera counts as well known: more likely than not its focal length
+    #: is within 15 %.
+    high_confidence: float = 0.5
+    #: A focal length of EXIF data gives way to confident vanishing points beyond this ratio: the
+    #: photo was cropped or its data are another photo's.
+    exif_tolerance: float = 1.2
+    #: Factor of the confidence where the focal length is not measured at all: never high.
+    given_certainty: float = 0.49
+    #: The same where EXIF data give it.
+    exif_certainty: float = 0.95
+
+
+CAMERA = CameraSettings()
+
+
 #: The segments' file in a masks folder.
 SEGMENTS = "segments.parquet"
-#: Photos are reduced to this width or height (the larger) before the camera's segments are found.
-WORKING_SIDE = 800
-#: Segments that give the camera, the longest.
-MAX_SEGMENTS = 320
-#: Segments shorter than this many pixels carry no direction and are dropped.
-MIN_LENGTH = 12.0
-#: Lines along label borders: at most so many, shortest length and width of the strip whose border
-#: pixels belong to one line, as shares of the photo's width.
-MAX_BORDERS = 12
-BORDER_LENGTH = 0.08
-BORDER_WIDTH = 0.01
 
 
-def detect_segments(grey: np.ndarray, min_length: float = MIN_LENGTH) -> np.ndarray:
+def detect_segments(grey: np.ndarray) -> np.ndarray:
     """Return the line segments of a grey image, longest first.
 
-    `grey` is (h, w) uint8, `min_length` pixels; the segments are (n, 4) float64, ``x1 y1 x2 y2``
-    in pixels, (0, 0) the centre of the top left pixel. OpenCV's detector (von Gioi et al., LSD,
-    2012).
+    `grey` is (h, w) uint8; the segments are (n, 4) float64, ``x1 y1 x2 y2`` in pixels, (0, 0) the
+    centre of the top left pixel. OpenCV's detector (von Gioi et al., LSD, 2012).
     """
     found = cv2.createLineSegmentDetector().detect(np.ascontiguousarray(grey))[0]
     segments = np.zeros((0, 4)) if found is None else found.reshape(-1, 4).astype(np.float64)
-    length = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
-    order = np.argsort(-length, kind="stable")
-    return segments[order[length[order] >= min_length]]
+    return segments[np.argsort(-_lengths(segments), kind="stable")]
+
+
+def _lengths(segments: np.ndarray) -> np.ndarray:
+    """Return the lengths (n,) of segments (n, 4)."""
+    return np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
 
 
 #: Columns of segments.parquet that hold a segment's ends.
@@ -67,14 +163,16 @@ class PhotoSegments:
 def find_segments(image: np.ndarray) -> PhotoSegments:
     """Return the line segments of a photo (h, w, 3) uint8 sRGB."""
     height, width = image.shape[:2]
-    scale = min(1.0, WORKING_SIDE / max(height, width))
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    whole = detect_segments(grey, width / 25)
+    every = reduced = detect_segments(grey)
+    scale = min(1.0, CAMERA.working_side_px / max(height, width))
     if scale < 1.0:
         size = (max(1, round(width * scale)), max(1, round(height * scale)))
         grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
-    camera = detect_segments(grey)[:MAX_SEGMENTS]
-    return PhotoSegments((grey.shape[0], grey.shape[1]), camera, whole, width / grey.shape[1])
+        reduced = detect_segments(grey)
+    camera = reduced[_lengths(reduced) >= CAMERA.min_length_px][: CAMERA.max_segments]
+    walls = every[_lengths(every) >= width / 25]
+    return PhotoSegments((grey.shape[0], grey.shape[1]), camera, walls, width / grey.shape[1])
 
 
 def write_segments(path: str | Path, segments: Mapping[str, PhotoSegments]) -> None:
@@ -105,7 +203,7 @@ def border_lines(labels: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.nda
 
     `labels` is (h, w) uint8, `pairs` are those whose common borders count. The lines are (n, 4)
     float64, ``x1 y1 x2 y2`` in pixels: least-squares lines through stretches of border, at most
-    `MAX_BORDERS`.
+    `CAMERA.max_borders`.
     """
     edges = np.zeros(labels.shape, dtype=np.uint8)
     for first, second in pairs:
@@ -114,13 +212,13 @@ def border_lines(labels: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.nda
             edges |= near & (labels == one).astype(np.uint8)
     size = labels.shape[1]
     lines: list[np.ndarray] = []
-    for _ in range(MAX_BORDERS):
+    for _ in range(CAMERA.max_borders):
         found = cv2.HoughLinesP(
             edges,
             1.0,
             np.pi / 180,
             threshold=max(8, round(0.03 * size)),
-            minLineLength=BORDER_LENGTH * size,
+            minLineLength=CAMERA.border_length * size,
             maxLineGap=0.04 * size,
         )
         if found is None:
@@ -129,7 +227,7 @@ def border_lines(labels: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.nda
         length = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
         rows, columns = np.nonzero(edges)
         points = np.stack([columns, rows], axis=1).astype(np.float64)
-        line, used = _refine(segments[int(np.argmax(length))], points, BORDER_WIDTH * size)
+        line, used = _refine(segments[int(np.argmax(length))], points, CAMERA.border_width * size)
         edges[rows[used], columns[used]] = 0
         lines.append(line)
         if not used.any():
@@ -160,12 +258,6 @@ def _refine(segment: np.ndarray, points: np.ndarray, width: float) -> tuple[np.n
     return np.concatenate(ends), near
 
 
-#: Angular noise of a segment: END_NOISE pixels over its length, and never below ANGLE_NOISE.
-END_NOISE = 1.0
-ANGLE_NOISE = np.radians(0.35)
-COARSE_NOISE = np.radians(1.6)
-
-
 class Segments:
     """Segments relative to the principal point with what every hypothesis needs of them.
 
@@ -188,7 +280,7 @@ class Segments:
         segments: np.ndarray,
         centre: tuple[float, float],
         weight: np.ndarray,
-        end_noise: np.ndarray | float = END_NOISE,
+        end_noise: np.ndarray | float = CAMERA.end_noise_px,
         level: np.ndarray | None = None,
     ):
         #: (s,) radians added to a segment's angle to the vertical: known horizontal lines.
@@ -202,8 +294,8 @@ class Segments:
         self.middle = (self.points[:, :2] + self.points[:, 2:]) / 2
         self.slant = np.arctan2(np.abs(delta[:, 0]), np.abs(delta[:, 1]))
         self.weight = weight
-        self.noise = np.hypot(end_noise * 2.0 / self.length, ANGLE_NOISE)
-        self.coarse_noise = np.hypot(end_noise * 2.0 / self.length, COARSE_NOISE)
+        self.noise = np.hypot(end_noise * 2.0 / self.length, CAMERA.angle_noise)
+        self.coarse_noise = np.hypot(end_noise * 2.0 / self.length, CAMERA.coarse_noise)
 
     def rays(self, focal: float) -> tuple[np.ndarray, np.ndarray]:
         """Return plane normals n and middle rays m, both (s, 3) unit, for a focal length."""
@@ -240,17 +332,6 @@ def residuals(normal: np.ndarray, middle: np.ndarray, directions: np.ndarray) ->
     return np.asarray(np.arcsin(np.clip(off / reach, -1.0, 1.0)))
 
 
-#: Weight of a line along a border between wall and floor or ceiling, and of the photo's own lines
-#: there; how far its ends may be off, pixels.
-BORDER_WEIGHT = 2.0
-BORDER_NOISE = 4.0
-#: Neighbours of nearly the same direction among which a segment still counts in full; how far they
-#: may be (share of the photo's width), and their direction (radians).
-CROWD = 2.0
-CROWD_REACH = 0.2
-CROWD_ANGLE = np.radians(8.0)
-
-
 def weighted_segments(
     lines: np.ndarray, size: tuple[int, int], labels: np.ndarray | None
 ) -> Segments:
@@ -262,17 +343,17 @@ def weighted_segments(
     """
     rows, columns = size
     weight = _label_weight(lines, labels, size)
-    noise, level = np.full(len(lines), END_NOISE), np.zeros(len(lines), dtype=bool)
+    noise, level = np.full(len(lines), CAMERA.end_noise_px), np.zeros(len(lines), dtype=bool)
     if labels is not None:
         small = cv2.resize(labels, (columns, rows), interpolation=cv2.INTER_NEAREST)
         borders = border_lines(small, ((WALL, FLOOR), (WALL, CEILING)))
         lines = np.vstack([lines, borders])
-        weight = np.concatenate([weight, np.full(len(borders), BORDER_WEIGHT)])
-        noise = np.concatenate([noise, np.full(len(borders), BORDER_NOISE)])
+        weight = np.concatenate([weight, np.full(len(borders), CAMERA.border_weight)])
+        noise = np.concatenate([noise, np.full(len(borders), CAMERA.border_noise_px)])
         level = np.concatenate([level, np.ones(len(borders), dtype=bool)])
     length = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
     weight = weight * np.sqrt(np.minimum(length / columns, 0.3) / 0.06)
-    weight = weight / np.sqrt(1.0 + _neighbours(lines, columns) / CROWD)
+    weight = weight / np.sqrt(1.0 + _neighbours(lines, columns) / CAMERA.crowd)
     return Segments(lines, ((columns - 1) / 2, (rows - 1) / 2), weight, noise, level)
 
 
@@ -281,8 +362,8 @@ def _neighbours(lines: np.ndarray, columns: int) -> np.ndarray:
     middle = (lines[:, :2] + lines[:, 2:]) / (2.0 * columns)
     along = lines[:, 2:] - lines[:, :2]
     angle = np.arctan2(along[:, 1], along[:, 0])
-    turn = np.abs((angle[:, None] - angle + np.pi / 2) % np.pi - np.pi / 2) / CROWD_ANGLE
-    apart = ((middle[:, None] - middle) ** 2).sum(axis=-1) / CROWD_REACH**2
+    turn = np.abs((angle[:, None] - angle + np.pi / 2) % np.pi - np.pi / 2) / CAMERA.crowd_angle
+    apart = ((middle[:, None] - middle) ** 2).sum(axis=-1) / CAMERA.crowd_reach**2
     return np.asarray(np.exp(-0.5 * (apart + turn**2)).sum(axis=1) - 1.0)
 
 
@@ -291,7 +372,7 @@ def _label_weight(
 ) -> np.ndarray:
     """Return each segment's weight.
 
-    `BORDER_WEIGHT` between wall, floor and ceiling, 1 on walls, 0.5 on floors and other things.
+    `CAMERA.border_weight` between wall, floor and ceiling, 1 on walls, 0.5 on floors and others.
     """
     if labels is None or not len(lines):
         return np.ones(len(lines))
@@ -312,4 +393,4 @@ def _label_weight(
         floor &= (seen == FLOOR).mean(axis=0) > 0.5
     border = (sides[0] != sides[1]) & (np.isin(sides, (FLOOR, WALL, CEILING)).all(axis=0))
     weight = np.where(other | floor, 0.5, 1.0)
-    return np.where(border.mean(axis=0) > 0.5, BORDER_WEIGHT, weight)
+    return np.where(border.mean(axis=0) > 0.5, CAMERA.border_weight, weight)

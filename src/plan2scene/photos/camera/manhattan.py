@@ -18,23 +18,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from plan2scene.photos.camera.lines import Segments, residuals
-
-#: Horizontal fields of view that are searched (and up to the prior's, if beyond), degrees.
-FOV_RANGE_DEG = (30.0, 115.0)
-N_FOCAL = 19
-N_HEADING = 45
-N_PAIRS = 300
-N_VERTICALS = 5
-#: Segments that vote for the first guesses, those that weigh most.
-N_VOTERS = 160
-#: Largest roll and pitch believed of a photo of a room, degrees, and how far a vertical line may
-#: lean in the photo then.
-MAX_ROLL_DEG = 25.0
-MAX_PITCH_DEG = 35.0
-MAX_SLANT_DEG = 45.0
-#: What an unlikely focal length (log ratio 0.3 to the prior) costs a guess, share of the votes.
-FOCAL_PENALTY = 0.02
+from plan2scene.photos.camera.lines import CAMERA, Segments, residuals
 
 
 @dataclass(frozen=True)
@@ -58,21 +42,21 @@ def first_guesses(
     is that of the pairs drawn for the vertical vanishing point.
     """
     verticals = _verticals(segments, width, np.random.default_rng(seed))
-    headings = np.linspace(0.0, np.pi / 2, N_HEADING, endpoint=False)
+    headings = np.linspace(0.0, np.pi / 2, CAMERA.n_heading, endpoint=False)
     weight = segments.weight * np.minimum(segments.length, 0.25 * width)
-    voters = np.argsort(-weight, kind="stable")[:N_VOTERS]
+    voters = np.argsort(-weight, kind="stable")[: CAMERA.n_voters]
     weight = weight[voters] / weight[voters].sum()
     noise, off_vertical = segments.coarse_noise[voters, None], segments.off_vertical[voters]
     found = []
     for focal in focals.tolist():
         normal, middle = (rays[voters] for rays in segments.rays(focal))
-        penalty = FOCAL_PENALTY * (np.log(focal / prior) / 0.3) ** 2
+        penalty = CAMERA.focal_penalty * (np.log(focal / prior) / 0.3) ** 2
         guesses = []
         for point in verticals:
             up, first, second = _frames(point, focal / width, headings)
             off = np.abs(residuals(normal, middle, np.hstack([first, second, up[:, None]])))
             upright = off[:, -1] + off_vertical
-            off = np.minimum(off[:, :N_HEADING], off[:, N_HEADING:-1])
+            off = np.minimum(off[:, : CAMERA.n_heading], off[:, CAMERA.n_heading : -1])
             off = np.minimum(off, upright[:, None])
             score = weight @ np.exp(-0.5 * (off / noise) ** 2)
             best = int(np.argmax(score))
@@ -98,7 +82,7 @@ def _frames(
 
 def _verticals(segments: Segments, width: int, rng: np.random.Generator) -> np.ndarray:
     """Return candidate vertical vanishing points (k, 3), homogeneous, in image widths."""
-    leaning = segments.slant < np.radians(MAX_SLANT_DEG)
+    leaning = segments.slant < np.radians(CAMERA.max_slant_deg)
     upright = np.nonzero(leaning & (segments.off_vertical == 0.0))[0]
     level = np.array([[0.0, 1.0, 0.0]])
     if len(upright) < 3:
@@ -107,14 +91,18 @@ def _verticals(segments: Segments, width: int, rng: np.random.Generator) -> np.n
     points = segments.points[upright] / width
     lines = np.cross(np.hstack([points[:, :2], one]), np.hstack([points[:, 2:], one]))
     chance = segments.length[upright] * segments.weight[upright]
-    pairs = rng.choice(len(upright), size=(N_PAIRS, 2), p=chance / chance.sum())
+    pairs = rng.choice(len(upright), size=(CAMERA.n_pairs, 2), p=chance / chance.sum())
     found = np.cross(lines[pairs[:, 0]], lines[pairs[:, 1]])
     found = found[np.linalg.norm(found, axis=1) > 1e-9]
     found /= np.linalg.norm(found, axis=1, keepdims=True)
     roll = np.arctan2(np.abs(found[:, 0]), np.abs(found[:, 1]))
     reach = np.hypot(found[:, 0], found[:, 1]) / np.maximum(np.abs(found[:, 2]), 1e-9)
-    nearest = 0.5 / np.tan(np.radians(FOV_RANGE_DEG[1]) / 2) / np.tan(np.radians(MAX_PITCH_DEG))
-    found = np.vstack([level, found[(roll < np.radians(MAX_ROLL_DEG)) & (reach > nearest)]])
+    nearest = (
+        0.5
+        / np.tan(np.radians(CAMERA.fov_range_deg[1]) / 2)
+        / np.tan(np.radians(CAMERA.max_pitch_deg))
+    )
+    found = np.vstack([level, found[(roll < np.radians(CAMERA.max_roll_deg)) & (reach > nearest)]])
     middle = segments.middle[upright] / width
     toward = found[:, None, :2] - middle[None] * found[:, None, 2:]
     along = points[:, 2:] - points[:, :2]
@@ -132,32 +120,13 @@ def _distinct(found: np.ndarray, score: np.ndarray) -> np.ndarray:
         point = found[index]
         if all(abs(float(point @ other)) < np.cos(np.radians(1.5)) for other in kept):
             kept.append(point)
-        if len(kept) == N_VERTICALS:
+        if len(kept) == CAMERA.n_verticals:
             break
     return np.array(kept)
 
 
-#: Guesses refined with their focal length free, the best of all.
-N_FREE = 8
-#: Spread of the priors: log of the focal length, pitch and roll (radians; heavy tails), and the
-#: lens distortion (`Segments.bent_rays`) with its bounds.
-SIGMA_LOG_FOCAL = 0.35
-SIGMA_PITCH = np.radians(12.0)
-SIGMA_ROLL = np.radians(5.0)
-SIGMA_BEND = 0.03
-BEND_RANGE = (-0.4, 0.25)
-#: Segments share errors (of the lens, of one texture): so many count as one independent one.
-CORRELATION = 1.4
-#: Widths of the reweighting, in noise of a segment, and that of the cost.
-REWEIGHTING = (5.0, 4.0, 3.0, 2.2, 1.5, 1.5, 1.5)
-COST_WIDTH = 1.5
-#: Ratio of focal lengths within which one counts as right.
-RIGHT_WITHIN = 1.15
 #: Rotation vector, log focal length, bend: the turns come first.
 N_PARAMETERS, N_TURNS = 5, 3
-DIFFERENCE = 1e-5
-#: Residuals, in noise of a segment, that count as agreement.
-AGREES = 2.5
 
 
 @dataclass(frozen=True)
@@ -177,7 +146,7 @@ class Manhattan:
     share: float
     #: Standard deviation of log(focal) given the segments and the prior.
     log_focal_sd: float = 0.0
-    #: Probability that the true focal length is within `RIGHT_WITHIN` of `focal`.
+    #: Probability that the true focal length is within `CAMERA.right_within` of `focal`.
     certainty: float = 1.0
 
 
@@ -198,7 +167,7 @@ class _State(NamedTuple):
         """Return the state moved by steps (k, 5) or (5,): rotation vector, log focal, bend."""
         steps = np.broadcast_to(step, (len(self.axes), N_PARAMETERS))
         turns = np.stack([cv2.Rodrigues(np.ascontiguousarray(s[:3]))[0] for s in steps])
-        bend = np.clip(self.bend + steps[:, 4], *BEND_RANGE)
+        bend = np.clip(self.bend + steps[:, 4], *CAMERA.bend_range)
         return _State(turns @ self.axes, self.log_focal + steps[:, 3], bend)
 
 
@@ -213,14 +182,14 @@ def fit_manhattan(
     """
     if len(segments.points) < 8:
         return None
-    low, high = (width / 2 / np.tan(np.radians(fov) / 2) for fov in FOV_RANGE_DEG[::-1])
-    grid = np.geomspace(min(low, prior), max(high, prior), N_FOCAL)
+    low, high = (width / 2 / np.tan(np.radians(fov) / 2) for fov in CAMERA.fov_range_deg[::-1])
+    grid = np.geomspace(min(low, prior), max(high, prior), CAMERA.n_focal)
     guesses = first_guesses(segments, width, np.array([prior]) if fixed else grid, prior, seed)
     every = sorted((guess for group in guesses for guess in group), key=lambda g: -g.score)
     if fixed:
-        held, free = every[:N_FREE], []
+        held, free = every[: CAMERA.n_free], []
     else:
-        held, free = [group[0] for group in guesses], every[:N_FREE]
+        held, free = [group[0] for group in guesses], every[: CAMERA.n_free]
     axes, focals = zip(*((guess.axes, guess.focal) for guess in held + free), strict=True)
     state = _State(np.stack(axes), np.log(focals), np.zeros(len(axes)))
     moves = np.ones((len(state.bend), N_PARAMETERS))
@@ -281,10 +250,10 @@ def _priors(state: _State, prior: float) -> np.ndarray:
     up = state.axes[:, :, 1]
     return np.stack(
         [
-            (state.log_focal - np.log(prior)) / SIGMA_LOG_FOCAL,
-            np.arcsin(np.clip(up[:, 2], -1, 1)) / SIGMA_PITCH,
-            np.arctan2(up[:, 0], -up[:, 1]) / SIGMA_ROLL,
-            state.bend / SIGMA_BEND,
+            (state.log_focal - np.log(prior)) / CAMERA.sigma_log_focal,
+            np.arcsin(np.clip(up[:, 2], -1, 1)) / CAMERA.sigma_pitch,
+            np.arctan2(up[:, 0], -up[:, 1]) / CAMERA.sigma_roll,
+            state.bend / CAMERA.sigma_bend,
         ],
         axis=1,
     )
@@ -293,11 +262,13 @@ def _priors(state: _State, prior: float) -> np.ndarray:
 def _cost(segments: Segments, state: _State, prior: float) -> np.ndarray:
     """Return minus the log probability (k,): a segment that fits nothing costs a constant."""
     scaled, _ = _scaled(segments, state)
-    lost = COST_WIDTH**2 * (1.0 - np.exp(-0.5 * (scaled / COST_WIDTH) ** 2))
+    lost = CAMERA.cost_width**2 * (1.0 - np.exp(-0.5 * (scaled / CAMERA.cost_width) ** 2))
     focal, pitch, roll, bend = _priors(state, prior).T
     tilt = 2.0 * np.log1p(0.25 * pitch**2) + 2.0 * np.log1p(0.25 * roll**2)
     return np.asarray(
-        (segments.weight * lost).sum(axis=1) / CORRELATION + tilt + 0.5 * (focal**2 + bend**2)
+        (segments.weight * lost).sum(axis=1) / CAMERA.correlation
+        + tilt
+        + 0.5 * (focal**2 + bend**2)
     )
 
 
@@ -307,13 +278,13 @@ def _refine(segments: Segments, state: _State, prior: float, moves: np.ndarray) 
     `moves` (k, 5) is 1 for those parameters, 0 for the held ones.
     """
     held = np.eye(N_PARAMETERS)[None] * (1.0 - moves + 1e-6)[:, None]
-    for width in REWEIGHTING:
+    for width in CAMERA.reweighting:
         rays = _rays(segments, state)
         scaled, nearest = _scaled(segments, state, rays=rays)
         believed = _priors(state, prior)
         slope, belief_slope = _jacobian(segments, state, prior, nearest, rays)
         slope, belief_slope = slope * moves[:, None], belief_slope * moves[:, None]
-        trust = segments.weight * np.exp(-0.5 * (scaled / width) ** 2) / CORRELATION
+        trust = segments.weight * np.exp(-0.5 * (scaled / width) ** 2) / CAMERA.correlation
         belief = 1.0 / (1.0 + 0.25 * believed**2)
         belief[:, [0, 3]] = 1.0
         weighted = slope * trust[..., None]
@@ -338,13 +309,13 @@ def _jacobian(
     columns, beliefs = [], []
     for index in range(N_PARAMETERS):
         step = np.zeros(N_PARAMETERS)
-        step[index] = DIFFERENCE
+        step[index] = CAMERA.difference
         ahead, behind = state.turned(step), state.turned(-step)
         same = rays if index < N_TURNS else None  # a turn leaves the lens as it is
         change = _scaled(segments, ahead, nearest, same)[0]
         change = change - _scaled(segments, behind, nearest, same)[0]
-        columns.append(change / (2 * DIFFERENCE))
-        beliefs.append((_priors(ahead, prior) - _priors(behind, prior)) / (2 * DIFFERENCE))
+        columns.append(change / (2 * CAMERA.difference))
+        beliefs.append((_priors(ahead, prior) - _priors(behind, prior)) / (2 * CAMERA.difference))
     return np.stack(columns, axis=-1), np.stack(beliefs, axis=-1)
 
 
@@ -367,14 +338,14 @@ def _certainty(
     chance = np.exp(cost[best] - np.interp(fine, known, costs))
     chance /= chance.sum()
     mean = float(chance @ fine)
-    near = np.abs(fine - log_focal[best]) < np.log(RIGHT_WITHIN)
+    near = np.abs(fine - log_focal[best]) < np.log(CAMERA.right_within)
     return float(np.sqrt(chance @ (fine - mean) ** 2)), float(chance[near].sum())
 
 
 def _describe(segments: Segments, state: _State) -> Manhattan:
     """Return the only hypothesis of a state with its support."""
     scaled, nearest = (values[0] for values in _scaled(segments, state))
-    fits = np.abs(scaled) < AGREES
+    fits = np.abs(scaled) < CAMERA.agrees
     weight = segments.weight * segments.length
     counts = [int((fits & (nearest == axis)).sum()) for axis in range(3)]
     return Manhattan(
