@@ -17,7 +17,8 @@ from plan2scene.photos.camera.lines import (
 )
 from plan2scene.photos.camera.manhattan import Manhattan, fit_manhattan, refine_rotation
 
-#: Horizontal field of view where nothing tells it, degrees: that of the paper's reference.
+#: Horizontal field of view of photos that show nothing that gives it, degrees: that of the paper's
+#: reference.
 DEFAULT_FOV_DEG = 60.0
 
 

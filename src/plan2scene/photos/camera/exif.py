@@ -28,7 +28,7 @@ _log = logging.getLogger("plan2scene")
 FORMATS = ("JPEG", "MPO", "WEBP")
 #: Diagonal of a 36 x 24 mm frame.
 FRAME_DIAGONAL_MM = 43.2666
-#: Horizontal fields of view that are believed, degrees.
+#: Horizontal fields of view that are accepted, degrees.
 FOV_RANGE_DEG = (30.0, 120.0)
 #: Relative difference of aspect ratios above which a photo counts as cropped.
 ASPECT_TOLERANCE = 0.02

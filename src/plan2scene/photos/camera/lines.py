@@ -1,4 +1,4 @@
-"""Line segments of a photo and of its label mask, and what each tells of the camera.
+"""Line segments of a photo and of its label mask, and their weights in the estimate of the camera.
 
 A segment and the camera centre span a plane with unit normal n. A line along the unit direction
 d (camera axes) gives n . d = 0; the residual used here is the angle by which the segment would
@@ -154,7 +154,7 @@ class PhotoSegments:
     size: tuple[int, int]
     #: (n, 4) float64, pixels of the reduced photo: they give the camera.
     camera: np.ndarray
-    #: (m, 4) float64, pixels of the photo: long ones, which tell the way that a wall faces.
+    #: (m, 4) float64, pixels of the photo: long ones, which give the way that a wall faces.
     walls: np.ndarray
     #: Pixels of the photo per pixel of the reduced one.
     scale: float = 1.0

@@ -1,4 +1,4 @@
-"""Which windows of a plane show the surface and nothing else: filters before the selection.
+"""Filter of windows: which of them show their surface and nothing else.
 
 The paper draws windows anywhere inside a mask. Masks of real photos have uncertain borders, and
 what they cover has highlights, shadows and things in front. Each test here is a pure function of

@@ -78,7 +78,7 @@ class Verdict:
 
     @property
     def good(self) -> bool:
-        """Whether nothing is wrong."""
+        """Whether there is no reason against the window."""
         return not self.reasons
 
     @property
@@ -108,11 +108,11 @@ TRIES = 1000
 WINDOW_SIZES_M = (1.0, 0.75, 0.5, 0.35)
 #: Most crop pixels per photo pixel (paper: 256 px windows of a x3 image at 128 px are 1.5).
 MAX_UPSAMPLING = 1.5
-#: The same where nothing of a plane is that sharp: its colour is still worth having.
+#: The same for planes that are nowhere that sharp: their colour is still useful.
 LAST_UPSAMPLING = 3.0
 #: Windows that fit a plane only in fewer places than this are given up for smaller ones.
 MIN_PLACES = 64
-#: Windows drawn for each crop that is wanted, where some may be refused.
+#: Windows drawn for each crop, where the filter may reject some.
 DRAWS_PER_CROP = 3
 #: Side that a crop's detail has at most, and at least over the crop's own, pixels.
 DETAIL_PX = 512

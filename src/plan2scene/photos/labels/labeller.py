@@ -1,4 +1,4 @@
-"""What labels photos, by source, and the pass that tells it the camera."""
+"""Sources of labels: the embedded network, a pretrained one, or a folder of masks."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Labelled:
     #: (h, w) uint8, the photo's size.
     labels: np.ndarray
     #: (6, h', w') float32 in [0, 1] over the whole photo, more coarsely: how likely each label is,
-    #: doors and windows too; None from a source that does not tell.
+    #: doors and windows too; None from a source that gives labels only.
     probabilities: np.ndarray | None = None
 
 
@@ -39,7 +39,8 @@ class Labeller:
 
     #: Given a photo's name, its (h, w, 3) uint8 sRGB pixels and its camera, where one is known.
     label: Callable[[str, np.ndarray, Camera | None], Labelled]
-    #: Given pixels, labels 0 to 3 to find the camera by; None: labels do not depend on it.
+    #: Given pixels, labels 0 to 3 that the camera is estimated from; None where the labels do not
+    #: depend on the camera.
     draft: Callable[[np.ndarray], np.ndarray] | None = None
 
     def labelled(
@@ -53,8 +54,8 @@ class Labeller:
     ) -> Labelled:
         """Return the labels of a photo.
 
-        Those that depend on the camera are made once a draft gave it. `fov_deg`, `exif` and
-        `segments` as of :func:`plan2scene.photos.camera.calibration.estimate_camera`.
+        Where they depend on the camera, a draft of them gives it. `fov_deg`, `exif` and `segments`
+        as of :func:`plan2scene.photos.camera.calibration.estimate_camera`.
         """
         if self.draft is None:
             return self.label(photo, image, None)
@@ -86,7 +87,7 @@ def labeller(
     pretrained : mapping
         Pretrained: where the ADE20K network is (the fields of `pretrained.Checkpoint`).
     openings : bool
-        Doors are labelled 4 and windows 5, where the source tells them; else they are other.
+        Doors are labelled 4 and windows 5, where the source labels them; else they are other.
     threads : int, optional
         Processor threads of a network; torch's choice by default.
 

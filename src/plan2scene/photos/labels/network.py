@@ -76,10 +76,10 @@ class WholePicture(nn.Module):
 
 
 class Attention(nn.Module):
-    """Let every place ask all others what they see (Vaswani et al. 2017).
+    """Self-attention among all places (Vaswani et al. 2017).
 
-    What looks like the floor over there is floor here, too. A new block changes nothing. Shapes:
-    (n, c, h, w) -> (n, c, h, w), c a multiple of `HEAD`.
+    A material that is floor in one place is floor elsewhere, too. A new block changes
+    nothing. Shapes: (n, c, h, w) -> (n, c, h, w), c a multiple of `HEAD`.
     """
 
     HEAD = 32  #: channels of an attention head
@@ -99,7 +99,7 @@ class Attention(nn.Module):
             nn.init.zeros_(last.bias)  # type: ignore[arg-type]
 
     def forward(self, x: torch.Tensor) -> torch.Tensor:
-        """Return `x` with what was asked for, and a layer of its own, added."""
+        """Return `x` plus the attended values and a feed-forward layer."""
         n, c, h, w = x.shape
         parts = self.ask(self.norm(x)).reshape(n, 3, self.heads, self.HEAD, h * w)
         query, key, value = (parts[:, k].transpose(2, 3) for k in range(3))
@@ -243,7 +243,7 @@ class SegmentationNet(nn.Module):
         return logits
 
 
-#: Most networks of an ensemble: a stranger's file is not to ask for more.
+#: Most networks of an ensemble, since the file may come from a stranger.
 MOST_MEMBERS = 8
 
 

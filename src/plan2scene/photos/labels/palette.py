@@ -1,7 +1,7 @@
 """Label masks of photos on disk: palette PNG files, and pictures to look at.
 
 Labels are 0 other, 1 floor, 2 wall, 3 ceiling; 255 is ignored (truth only). Doors and windows
-are other, but for files that tell openings: 4 door, 5 window. No torch here: stages that only read
+are other, except in files that label them: 4 door, 5 window. No torch here: stages that only read
 masks stay light.
 """
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 #: Label names by value.
 LABELS = ("other", "floor", "wall", "ceiling")
 OTHER, FLOOR, WALL, CEILING, DOOR, WINDOW = range(6)
-#: Names of the labels of files that tell openings.
+#: Names of the labels of files that label openings.
 LABELS_AND_OPENINGS = (*LABELS, "door", "window")
 IGNORE = 255
 #: Folder of a masks folder with how likely each label is.

@@ -68,7 +68,7 @@ class Checkpoint:
         return str(self.path or self.id)
 
     def options(self) -> dict[str, Any]:
-        """Return the keyword arguments for transformers that tell where to look."""
+        """Return the keyword arguments for transformers that locate the checkpoint."""
         return {"local_files_only": True} if self.path else {"revision": self.revision}
 
 

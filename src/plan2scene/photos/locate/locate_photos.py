@@ -63,7 +63,7 @@ class Shot:
     """A photo to locate: its camera, its labels, and the rooms that it may have been taken in."""
 
     camera: Camera
-    #: (h, w) uint8, the camera's size: labels of `likelihood`; others say nothing.
+    #: (h, w) uint8, the camera's size: labels of `likelihood`; other values are ignored.
     labels: np.ndarray
     rooms: tuple[str, ...]
     #: (6, h', w') float32 over the same view: how likely each label is, where that is known.
@@ -203,7 +203,7 @@ def locate_photos(
 
 
 def _probabilities(path: Path, house_id: str) -> np.ndarray | None:
-    """Return how likely each label of a photo is, None where the masks stage left nothing."""
+    """Return how likely each label of a photo is, None where the masks stage wrote none."""
     return read_probability_png(path, house_id=house_id) if path.exists() else None
 
 

@@ -85,7 +85,7 @@ class LocateSettings:
     last_step_m: float = 0.02
 
     # The height that the photos of a house share.
-    #: Photos whose headings differ in score by this tell the height of the others.
+    #: Photos whose headings differ in score by this give the height of the others.
     clear_margin: float = 0.04
     #: Least number of such photos.
     min_clear: int = 3

@@ -38,8 +38,8 @@ class Plane:
     mask: np.ndarray
     #: What gave the distance: ``camera_height`` (prior), ``room_height`` (floor and ceiling seen
     #: with a known room height), ``room_extent`` (walls farther, or opposite ones farther apart or
-    #: nearer, than the plan has them), ``plan`` (the photo is located), or ``prior`` (nothing seen
-    #: that tells it).
+    #: nearer, than the plan has them), ``plan`` (the photo is located), or ``prior`` (the
+    #: photo shows nothing that gives it).
     scale_source: str
     #: Height of the camera above the floor, metres.
     camera_height_m: float = PLANES.camera_height_m
@@ -49,12 +49,12 @@ class Plane:
 class PhotoPlane:
     """A plane of a photo and the rooms that it may belong to."""
 
-    #: Rooms of one size, or the one that the photo's place tells.
+    #: Rooms of one size, or the one that the photo's place gives.
     rooms: tuple[str, ...]
     plane: Plane
     #: Whether the photo was taken within that room.
     own: bool = True
-    #: Ids of the walls on the plane, where the place tells them.
+    #: Ids of the walls on the plane, where the photo's place gives them.
     walls: tuple[str, ...] = ()
 
     @property
@@ -84,7 +84,7 @@ def split_planes(
         Line segments of the photo, pixels (`lines.find_segments`, those of walls): they tell which
         way a wall faces that shows neither foot nor top.
     camera_height_m : float
-        Height of the camera above the floor where nothing in the photo tells it, metres.
+        Height of the camera above the floor where the photo shows nothing that gives it, metres.
     room_height_m : float, optional
         Height of the room from the plan. Where one wall shows both its foot and its top, it
         gives the camera's height.

@@ -78,7 +78,7 @@ def plane_axes(plane: Plane) -> np.ndarray:
 
 @dataclass(frozen=True)
 class PlanePixels:
-    """The pixels of a plane, whatever density is asked for."""
+    """The pixels of a plane, independent of the density that is wanted."""
 
     #: (h, w) bool: The plane's mask without its border.
     mask: np.ndarray

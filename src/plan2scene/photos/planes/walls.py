@@ -47,9 +47,9 @@ class PlaneSettings:
     min_support: int = 4
     #: Distances of walls of which neither foot nor top is seen, metres.
     unseen_distances_m: tuple[float, ...] = (3.0, 2.2, 1.6, 1.1, 0.7, 0.4)
-    #: Distances that are believed, metres.
+    #: Distances that are accepted, metres.
     distance_range_m: tuple[float, float] = (0.3, 15.0)
-    #: Cosine to a wall's direction below which no wall is believed (about 85 degrees from its
+    #: Cosine to a wall's direction below which no wall is accepted (about 85 degrees from its
     #: normal).
     min_facing: float = 0.08
     #: A wall that faces neither Manhattan direction: neighbouring bins that must show a straight
@@ -77,7 +77,7 @@ class PlaneSettings:
     unseen: float = 0.4
     #: Further cost of a crease with a wall that faces neither Manhattan direction.
     slant: float = 16.0
-    #: Bins on both sides of a crease that must show something for it to be believed.
+    #: Bins on both sides of a crease that must show something for it to be accepted.
     crease_bins: int = 6
     #: Cost per bin of each segment that runs along the other kind of wall.
     vote: float = 0.5
@@ -85,17 +85,17 @@ class PlaneSettings:
     max_votes: float = 1.5
 
     # Scale: the camera's height.
-    #: Heights that are believed, metres.
+    #: Heights that are accepted, metres.
     height_range_m: tuple[float, float] = (0.8, 2.1)
     #: Standard deviation of the height about its prior, metres.
     height_spread_m: float = 0.25
-    #: Bins that must show feet and tops to tell the height.
+    #: Bins that must show feet and tops to give the height.
     min_height_bins: int = 8
     #: Height above the camera of walls whose top is not used, metres.
     tall_m: float = 10.0
-    #: Height where nothing tells it, metres.
+    #: Height where the photo shows nothing that gives it, metres.
     camera_height_m: float = 1.5
-    #: Height of a room where the plan tells none, metres.
+    #: Height of a room where the plan gives none, metres.
     room_height_m: float = 2.6
 
     # Scale: the room's extent in the plan.
@@ -456,7 +456,7 @@ def _misfit(span: float, both: bool, side: float) -> float:
 def room_reach(
     lines: Sequence[WallLine], path: np.ndarray, direction: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return metres (b,) that a room reaches in each direction, inf where no wall tells it.
+    """Return metres (b,) that a room reaches in each direction, inf where no wall gives it.
 
     With the directions (b,) bool that look through a door whose wall goes on on both sides.
 
