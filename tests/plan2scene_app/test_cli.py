@@ -167,8 +167,10 @@ def test_an_output_that_cannot_be_written_is_one_line(tmp_path, monkeypatch, cap
     ("name", "house"),
     [("план.json", "house"), ("дом 5.scene.json", "_5"), ("Küche.json", "K_che"), ("-x.txt", "x")],
 )
-def test_a_house_is_called_as_its_plan(name, house):
-    assert cli._house_id(Path(name), None) == house
+def test_a_house_is_called_as_its_plan(tmp_path, name, house):
+    (tmp_path / name).write_bytes(PLAN.read_bytes())
+    call("edit", tmp_path / name, "--out", tmp_path / "page.html")
+    assert f"<title>{house} - " in (tmp_path / "page.html").read_text()
 
 
 def test_run_without_any_photo_that_can_be_read_is_refused(tmp_path):

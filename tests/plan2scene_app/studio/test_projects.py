@@ -5,6 +5,7 @@ import sys
 import time
 from pathlib import Path
 
+import psutil
 import pytest
 from PIL import Image
 
@@ -135,6 +136,10 @@ time.sleep(60)
 """
 
 
+def process_of(project):
+    return psutil.Process(json.loads((project.path / "run.json").read_text())["pid"])
+
+
 def test_a_run_is_seen_cancelled_and_survives_its_server(project, monkeypatch):
     monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", JOB))
     settings = runs.settings_of({}, 1)
@@ -147,14 +152,14 @@ def test_a_run_is_seen_cancelled_and_survives_its_server(project, monkeypatch):
     assert found["stages"][0]["state"] == "running"
     with pytest.raises(InputError, match="under way"):
         runs.start(project, settings)
-    process = runs._process(project)
+    process = process_of(project)
     family = [process, *process.children(recursive=True)]
     assert len(family) == 2
     runs.cancel(project)
     assert runs.status(project)["state"] == "cancelled"
     assert not any(p.is_running() and p.status() != "zombie" for p in family)
     runs.start(project, settings)
-    runs._process(project).kill()
+    process_of(project).kill()
     assert wait(project, "interrupted")["stages"] is not None
 
 
