@@ -206,9 +206,9 @@ def estimate_light(
 ) -> dict[str, np.ndarray]:
     """Return the light (3,) of each photo, linear RGB, 1 for light that shows paint as it is.
 
-    `colours` are those of all photos of a house. A surface of two photos ties their light
-    together; the prior decides what no surface ties: it moves the light of the whole house, which
-    keeps the rooms' colours apart as the photos show them.
+    `colours` are those of all photos of a house. A surface in two photos ties their light together.
+    Where no surface does, the prior decides: it moves the light of the whole house, so that the
+    rooms' colours stay as different as in the photos.
     """
     photos = sorted({item.photo for item in colours})
     surfaces = sorted({(item.room_id, item.surface) for item in colours})

@@ -120,11 +120,14 @@ def filled(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Return (s, s) log values with masked ones replaced by their surroundings' mean."""
     if not mask.any():
         return luma
-    weight = (~mask).astype(np.float64)
-    sigma = luma.shape[0] / 10
-    near = cv2.GaussianBlur(luma * weight, (0, 0), sigma)
-    near /= np.maximum(cv2.GaussianBlur(weight, (0, 0), sigma), 1e-3)
-    return np.where(mask, near, luma)
+    return np.where(mask, surroundings(luma, (~mask).astype(np.float64)), luma)
+
+
+def surroundings(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return the weighted mean (s, s) of the values around each pixel, over a tenth of the side."""
+    sigma = values.shape[0] / 10
+    total = cv2.GaussianBlur(values * weight, (0, 0), sigma)
+    return total / np.maximum(cv2.GaussianBlur(weight, (0, 0), sigma), 1e-3)
 
 
 def _shares(terms: np.ndarray, radius: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:

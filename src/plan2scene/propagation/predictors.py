@@ -133,7 +133,7 @@ def predict(network: Network, graph: HouseGraph) -> Prediction:
 def mixture_components(
     mixture: Mixture, values: Tensor, pair_index: Tensor
 ) -> tuple[Tensor, Tensor]:
-    """Return what a surface may be like, all n rooms and none, and how likely each is.
+    """Return the components of the mixture, one a room and one for none, and their weights.
 
     Parameters
     ----------
@@ -160,8 +160,8 @@ def mixture_components(
 def robust_centre(values: Tensor, weights: Tensor, reach: Tensor) -> Tensor:
     """Return the weighted median over axis 1, moved to the mean of what lies near.
 
-    Several rooms of one material agree but for noise, which their mean is freer of than any of
-    them. Values farther than `reach` pull no more than those at it (a step of Huber's
+    Rooms of one material differ by noise alone, and a mean has less noise than one value. Values
+    farther than `reach` pull no more than those at it (a step of Huber's
     estimator, DOI 10.1214/aoms/1177703732).
 
     Shapes

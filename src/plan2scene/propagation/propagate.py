@@ -122,8 +122,8 @@ def _all_surfaces(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return embeddings (n, 3, 11) and sRGB colours (n, 3, 3) of all surfaces, float32.
 
-    Observed surfaces keep their embedding, but for a colour that their material shares; what photos
-    show of a surface gives its colour, and that of the embedding where no crop is of it.
+    Observed surfaces keep their embedding, except a colour that their material shares. Photos give
+    the colour of every surface they show; without a crop also the colour of its embedding.
     """
     observed = graph.observed[..., None]
     embeddings = np.where(observed, graph.embeddings, predicted.embedding)
@@ -181,10 +181,10 @@ def unseen_substances(
     named: Mapping[tuple[int, int], str],
     texture_model: str | Path,
 ) -> np.ndarray:
-    """Return the substance (n, 3) of every surface as predicted, the observed ones as if unseen.
+    """Return the predicted substance (n, 3) of every surface, the observed ones as if unseen.
 
-    What is predicted to be like an observed surface, and looks to be of its substance, is of the
-    substance of the crops of that one (`named`).
+    A surface that is predicted to be like an observed one, and to have its look, takes the
+    substance that the crops of that one have (`named`).
     """
     both = np.stack([predicted.embedding, graph.embeddings])
     likely, looks = substances_of(both, types, texture_model)

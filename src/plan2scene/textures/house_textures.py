@@ -66,7 +66,7 @@ def house_tiles(name: str, inputs: TextureInputs) -> dict[SurfaceKey, Tile]:
 
 
 def _made(method: TextureMethod, inputs: TextureInputs) -> dict[SurfaceKey, Tile]:
-    """Return the tiles of a method; of the one it falls back on where it has none, with why."""
+    """Return the tiles of a method; where it has none, those of its fallback with the reason."""
     made = method.make(inputs)
     others: dict[SurfaceKey, Tile] = {}
     if method.fallback and any(isinstance(tile, NoTile) for tile in made.values()):

@@ -124,7 +124,7 @@ class KnownSurface:
 class HouseData:
     """The plan and tables behind :class:`HouseFiles`, each read once, when first asked for.
 
-    `exemplars` are those made by now: many a surface shows the same crops at several drops.
+    `exemplars` caches what was made: many surfaces have the same crops at several drops.
     """
 
     def __init__(self, files: HouseFiles) -> None:
@@ -197,5 +197,5 @@ class TextureInputs:
         return self.data.house
 
     def only(self, keys: Container[SurfaceKey]) -> TextureInputs:
-        """Return the inputs of some surfaces alone: what nobody looks at is not made."""
+        """Return the inputs of some surfaces alone."""
         return replace(self, surfaces=tuple(s for s in self.surfaces if s.key in keys))

@@ -110,10 +110,10 @@ def detail_of_pattern(pattern: Pattern, size_m: float) -> Detail:
 
 
 def various(pattern: Pattern) -> list[int]:
-    """Return the crops of a map: of planes that show much of the surface, and sharply.
+    """Return the crops of a map, from planes that show much of the surface, and sharply.
 
-    Photos differ in noise and sharpness, so planes are added only until they show enough;
-    of each plane the largest crops, of equals the best first.
+    Photos differ in noise and sharpness, so planes are added only until they show enough. Of each
+    plane the largest crops come first, of equals the best.
     """
     planes: dict[str, list[int]] = {}
     for k in pattern.order:
@@ -209,7 +209,7 @@ def _source(pattern: Pattern, k: int, work: int) -> Source:
 
 
 def levelled(sources: Sequence[Source], px_per_m: float) -> list[Source]:
-    """Return the sources with one colour everywhere, but for fast variations (`MAPS.level_m`).
+    """Return the sources without variations slower than `MAPS.level_m`.
 
     Each channel is scaled by its mean over all sources over its mean nearby.
     """
@@ -239,7 +239,7 @@ def _nearby(source: Source, sigma: float) -> np.ndarray:
 
 
 def seen_share(sources: Sequence[Source]) -> float:
-    """Return the share of the resolution below which nothing visible is lost, at most 1."""
+    """Return the least share of the resolution, at most 1, that keeps all visible detail."""
     share = 1.0
     for step in MAPS.steps:
         if max(_lost(source, step) for source in sources[:3]) > MAPS.unseen:
@@ -249,7 +249,7 @@ def seen_share(sources: Sequence[Source]) -> float:
 
 
 def _lost(source: Source, step: float) -> float:
-    """Return what of a source a lower resolution loses, root mean square in sRGB levels."""
+    """Return the root mean square error of a source at a lower resolution, sRGB levels."""
     height, width = source.valid.shape
     size = (max(1, round(width * step)), max(1, round(height * step)))
     small = cv2.resize(source.image, size, interpolation=cv2.INTER_AREA)
@@ -446,10 +446,10 @@ def house_maps(
 
 
 def joined(surfaces: Iterable[MappedSurface]) -> list[list[MappedSurface]]:
-    """Return the surfaces by the map that they share: a floor or ceiling that runs on.
+    """Return groups of surfaces that share a map: floors and ceilings that run on through doors.
 
-    They are of one material and pattern, and near each other. Walls are unrolled room by room and
-    share nothing.
+    A group has one material and pattern, and its surfaces are near each other. Walls are unrolled
+    room by room and share no map.
     """
     groups: list[list[MappedSurface]] = []
     for surface in surfaces:

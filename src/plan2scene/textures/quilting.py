@@ -249,8 +249,8 @@ class Canvas:
 def quilt(sources: Sequence[Source], size: int, periods: tuple[int, int] = (0, 0)) -> Canvas:
     """Return a filled torus of `size` px; `sources` the best first, none larger than it.
 
-    `periods` is how often the pattern repeats in it along x and y, 0 where it has no period: a
-    patch has to fit what is there one period on, too, so joints that a patch shows alone keep step.
+    `periods` is how often the pattern repeats along x and y; 0 without a period. A patch also has
+    to fit what is there one period on, so that joints keep their distance.
     ValueError without a source that has valid pixels.
     """
     if not any(source.valid.any() for source in sources):
@@ -330,7 +330,7 @@ def _best_offset(
 
 
 def _expected(canvas: Canvas, periods: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Return what a torus shows or is to show by its periods, (s, s, 3), and its weight (s, s)."""
+    """Return what is there or expected one period on, (s, s, 3), and its weight (s, s)."""
     filled = canvas.filled.astype(np.float64)
     columns, rows = (max(1, count) for count in periods)
     total, times = np.zeros(canvas.image.shape), np.zeros_like(filled)

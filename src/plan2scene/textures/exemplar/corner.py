@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from plan2scene.images import jpeg_bytes
 from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.lattice import CropLattice
 from plan2scene.textures.exemplar.settings import EXEMPLAR
@@ -46,7 +45,7 @@ def completed(
     order: Sequence[int],
     sides: np.ndarray,
 ) -> Corner | None:
-    """Return the crop whose corner shows most of its four squares, completed; None for others.
+    """Return a completed crop, of the one that shows most of four squares; None of other surfaces.
 
     Parameters
     ----------
@@ -105,7 +104,8 @@ def _upright(image: np.ndarray, angle_deg: float) -> np.ndarray:
 def _joints(image: np.ndarray, axis: int) -> list[tuple[float, float]]:
     """Return joints across an axis (0: level ones), (place, straightness), the straightest first.
 
-    Of bands along the joint the mean slopes count, whatever their sign: colours change in turn.
+    A joint's straightness is the mean absolute slope of bands along it: with squares of two colours
+    in turn the slope changes its sign from band to band.
     """
     luma = cv2.GaussianBlur(log_luma(image).astype(np.float64), (0, 0), 1.5)
     slope = np.diff(luma if axis == 1 else luma.T, axis=1)[
@@ -146,8 +146,3 @@ def _folded(image: np.ndarray, at: Sequence[float], square: float) -> np.ndarray
     columns, rows = np.meshgrid(x, y)
     made = cv2.remap(image.astype(np.float32), columns, rows, cv2.INTER_CUBIC)
     return np.round(255 * made.clip(0, 1)).astype(np.uint8)
-
-
-def as_detail(image: np.ndarray) -> bytes:
-    """Return an image as the detail of a crop."""
-    return jpeg_bytes(image, quality=95)

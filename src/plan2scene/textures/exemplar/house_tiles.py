@@ -43,9 +43,9 @@ _KeyedTile = tuple[SurfaceKey, Tile | NoTile]
 
 
 def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
-    """Return the exemplars, and for surfaces without one why there is none.
+    """Return an exemplar of each surface, or the reason why there is none.
 
-    No crop of a surface may know its scale: then the tile is as large as the surface's row says.
+    Where no crop of a surface has a known scale, the tile has the size of the surface's row.
     """
     surfaces = {surface.key: surface for surface in inputs.surfaces}
     own: dict[SurfaceKey, Tile] = {}
@@ -107,7 +107,7 @@ def _shared_crops(
 
 
 def _of_another_thing(crops: Sequence[Crop], colour: np.ndarray | None) -> bool:
-    """Return whether no crop has the colour (3,) that all pixels of its surface have."""
+    """Return whether all crops differ much from the colour (3,) of the surface's pixels."""
     if colour is None:
         return False
     tone = np.clip(colour, 0.0, 1.0)
@@ -122,10 +122,10 @@ def exemplar_of(
     *,
     plain: bool = False,
 ) -> Tile | None:
-    """Return the exemplar of a surface's crops in its tone (3,) sRGB; None of too poor ones.
+    """Return the exemplar of a surface's crops, recoloured to `tone` (3,) sRGB; None of poor crops.
 
-    Where it shares a material, the pattern is that of all the material's crops, made once. The tone
-    is known from more than crops, and goes for all methods. Without one the crops' own is kept.
+    A surface that shares a material takes the pattern of all crops of the material, which is made
+    once. Without a tone the exemplar keeps the crops' own colour.
     `plain` as of :func:`~plan2scene.textures.exemplar.make.make_exemplar`.
     """
     made = None
@@ -145,7 +145,7 @@ def exemplar_of(
 def _made(
     inputs: TextureInputs, crops: Sequence[Crop], tone: np.ndarray | None, *, plain: bool
 ) -> tuple[Exemplar, tuple[str, ...]] | None:
-    """Return the exemplar of crops, made once, and those in it; None if they are too poor."""
+    """Return the exemplar of crops and the names of those used; None of poor crops. Cached."""
     size_px = inputs.settings.size_px
     names = tuple(crop.crop_id for crop in crops)
     key = (names, size_px, None if tone is None else tuple(tone), plain)
@@ -158,7 +158,7 @@ def _made(
 
 
 def _known(crop: Crop) -> ExemplarCrop:
-    """Return a crop of the house's file as one to learn from."""
+    """Return a crop of ``crops.parquet`` as an exemplar crop."""
     plane = crop.crop_id.rpartition("_crop")[0] if np.isfinite(crop.window).all() else ""
     middle = (float(np.mean(crop.window[::2])), float(np.mean(crop.window[1::2])))
     facts = crop.size_m, crop.sharpness, crop.detail
@@ -171,9 +171,9 @@ def _nearest(
     surfaces: Mapping[SurfaceKey, KnownSurface],
     own: Mapping[SurfaceKey, Tile],
 ) -> Tile | NoTile:
-    """Return the exemplar nearest to a surface without one, or why there is none.
+    """Return the nearest exemplar of the house for a surface without its own, or why there is none.
 
-    Of an unobserved surface the predicted substance is likelier right than any other that is near.
+    Exemplars of the predicted substance come first; an unobserved surface takes no other.
     """
     kind = surface.key.surface
     pool = [key for key in own if key.surface == kind]
@@ -203,12 +203,12 @@ def _nearest(
 
 
 def _guessed(tile: Tile) -> bool:
-    """Return whether a tile's squares were completed: a guess of the surface that it is of."""
+    """Return whether the tile's squares were completed, so that its pattern is a guess."""
     return tile.pattern is not None and tile.pattern.completed is not None
 
 
 def _substance(surface: KnownSurface, tile: Tile) -> str:
-    """Return the substance of an observed surface: what has large squares is tiled."""
+    """Return the substance of an observed surface; completed squares mean tiles."""
     return "tile" if _guessed(tile) else surface.substance
 
 
@@ -233,9 +233,9 @@ _SIZE_PX = 256
 def usual_tile(
     key: SurfaceKey, substance: str, tone: np.ndarray, *, house: str, seed: int, size_px: int
 ) -> Tile:
-    """Return a made-up tile of a substance in about the colour `tone` (3,), sRGB in [0, 1].
+    """Return a procedural tile of a substance in about the colour `tone` (3,), sRGB in [0, 1].
 
-    The pattern of all surfaces of that kind and substance in the house; `seed` is the global one.
+    All surfaces of one kind and substance in a house get one pattern. `seed` is the global one.
     """
     kind = (FLOOR_KINDS if key.kind == "floor" else OTHER_KINDS)[substance]
     seeds = _SEEDS[substance]

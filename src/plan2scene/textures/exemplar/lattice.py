@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from plan2scene.paint.shading import log_luma
+from plan2scene.paint.shading import log_luma, surroundings
 from plan2scene.textures.exemplar.settings import EXEMPLAR
 from plan2scene.textures.quilting import Source
 
@@ -121,10 +121,10 @@ def agreed_periods(
 def whole_periods(
     periods: tuple[float, float], most: float = 1.35
 ) -> tuple[int, int, float, float]:
-    """Return how many periods to cut and the cut's sides, both in sides of the tile.
+    """Return the number of periods in the cut along x and y, and its sides in sides of the tile.
 
-    The cut is nearly square and nearly the tile, where the periods allow; a direction without
-    period is cut as the other one, and counts 0.
+    The cut is as square and as near to the tile as whole periods allow. A direction without a
+    period has count 0 and the side of the other one.
     """
     known = [p for p in periods if np.isfinite(p) and p <= most]
     if not known:
@@ -146,11 +146,8 @@ def whole_periods(
 
 
 def _band(luma: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Return the values less their slow part, of unit variance, 0 where `weight` is."""
-    sigma = luma.shape[0] / 10
-    slow = cv2.GaussianBlur(luma * weight, (0, 0), sigma)
-    slow /= np.maximum(cv2.GaussianBlur(weight, (0, 0), sigma), 1e-3)
-    values = (luma - slow) * weight
+    """Return the values without their slow part, of unit variance; 0 where `weight` is 0."""
+    values = (luma - surroundings(luma, weight)) * weight
     spread = np.sqrt((values**2).sum() / max(weight.sum(), 1.0))
     return np.clip(values / max(spread, 1e-6), -4.0, 4.0)
 
@@ -202,8 +199,8 @@ def _periods(
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the periods in pixels along x and y (NaN for none) and their autocorrelations.
 
-    A line along a direction is like itself at every lag of it: what repeats there without such
-    lines, too, is a period.
+    A straight line correlates with itself at every lag along its direction. So a period counts only
+    if the correlation remains after such lines are subtracted.
     """
     spectrum, overlap = _overlap(weight)
     score = _autocorrelation(values, weight, spectrum, overlap)
@@ -349,10 +346,10 @@ def find_pattern(
 
 
 def _usual_turns(lattices: list[CropLattice]) -> list[CropLattice]:
-    """Return the lattices with angles near the usual one; it replaces unclear and odd ones.
+    """Return the lattices turned to the usual angle; unclear and odd angles are replaced by it.
 
-    Angles are known up to quarter turns: one that is nearer after a quarter turn takes it, its
-    axes exchanged. Without a usual angle it is 0.
+    Angles are known up to quarter turns: a lattice that is nearer after a quarter turn is turned,
+    its axes exchanged. The usual angle is 0 if few crops have a clear one.
     """
     quarters = np.radians([4.0 * lattice.angle_deg for lattice in lattices if lattice.clear])
     usual = 0.0
@@ -414,7 +411,7 @@ def straightened(
 
 
 def grain(luma: np.ndarray, mask: np.ndarray) -> float:
-    """Return how much a crop runs along x (to 1) or along y (to -1); 0 for neither.
+    """Return the grain of a crop: 1 for a pattern along x, -1 along y, 0 for neither.
 
     The structure tensor's energies along both axes: (Jyy - Jxx) / (Jxx + Jyy).
 
@@ -452,9 +449,9 @@ def quarter_turns(grains: np.ndarray) -> np.ndarray:
 def faintness(luma: np.ndarray, masks: np.ndarray, grains: np.ndarray) -> np.ndarray:
     """Return by how much (n,) log crops' patterns are fainter than that of the better ones.
 
-    0 for the quarter of the strongest contrast. A view at a flat angle into a window shows a gleam
-    and hardly a plank. 0 for all where the surface does not run one way: there contrast is things
-    more than pattern. `luma` (n, s, s) log grey values, `masks` (n, s, s) as of :func:`grain`.
+    0 for the quarter of the strongest contrast: glare hides the planks of the others. 0 for all
+    crops of a surface without a direction, where contrast comes from objects, not the
+    pattern. `luma` (n, s, s) log grey values, `masks` (n, s, s) as of :func:`grain`.
     """
     if not directed(grains):
         return np.zeros(len(grains))

@@ -15,8 +15,9 @@ import cv2
 import numpy as np
 
 from plan2scene.colour import as_uint8, clipped_share, delta_e_2000, median_colour, rgb_to_lab
+from plan2scene.images import jpeg_bytes
 from plan2scene.paint.shading import consensus, flatten, highlights, log_luma
-from plan2scene.textures.exemplar.corner import as_detail, completed
+from plan2scene.textures.exemplar.corner import completed
 from plan2scene.textures.exemplar.lattice import (
     CropLattice,
     Cut,
@@ -72,11 +73,11 @@ def usable(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
 
 
 def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list[ExemplarCrop]:
-    """Return the crops whose colour is near that of the one nearest to `tone`.
+    """Return the crops that have nearly the colour of the crop nearest to `tone` (3,), sRGB.
 
-    Where masks err, or the walls of a room are of two paints, crops of one surface show different
-    things; patches of a rug in a floor are worse than fewer crops. Without a tone (3,), sRGB in
-    [0, 1], the crop most like all others decides.
+    Crops of one surface may show different things: masks err, and a room may have two paints. A
+    tile of fewer crops is better than one with a rug in its floor. Without a tone the crop most
+    like all others decides.
     """
     labs = np.stack([rgb_to_lab(median_colour(crop.image)) for crop in crops])
     apart = delta_e_2000(labs[:, None], labs[None])
@@ -97,7 +98,7 @@ def blur_octaves(crops: Sequence[ExemplarCrop]) -> np.ndarray:
 
 
 def sharper(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
-    """Return the crops without those far blurrier than the best few: near ones show more."""
+    """Return the crops without those that are far blurrier than the best few."""
     behind = blur_octaves(crops)
     if len(crops) <= EXEMPLAR.enough_sharp:
         return list(crops)
@@ -233,7 +234,7 @@ def find_surface(
     size_m = corner.side * pattern.size_m
     image = cv2.resize(corner.image, own.image.shape[1::-1], interpolation=cv2.INTER_AREA)
     sharpness = own.sharpness * size_m / own.size_m
-    whole = ExemplarCrop(image, size_m, sharpness, as_detail(corner.image))
+    whole = ExemplarCrop(image, size_m, sharpness, jpeg_bytes(corner.image, quality=95))
     pattern, work = _pattern([whole], size_px)
     period = 2.0 / EXEMPLAR.squares
     lattice = CropLattice(0.0, True, (period * image.shape[1],) * 2, (1.0, 1.0))
@@ -316,7 +317,7 @@ def make_exemplar(
 def _evened(
     crops: Sequence[ExemplarCrop],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return crops of one colour under even light, spoiled pixels, the colour, faults (n,)."""
+    """Return evened crops (n, s, s, 3), spoiled pixels (n, s, s), colour (3,) and faults (n,)."""
     images = np.stack([crop.image for crop in crops]).astype(np.float64) / 255.0
     masks = highlights(images)
     flat = flatten(images, masks)
@@ -332,8 +333,8 @@ def _evened(
 def work_size(size_px: int, crops: int) -> int:
     """Return the side in pixels of the torus that a tile of `size_px` is quilted on.
 
-    A tile of more pixels than it has is enlarged: crops hold no more detail. One crop alone has
-    nothing to cover more metres with than itself.
+    Larger tiles are enlarged from it: crops hold no more detail. One crop alone cannot cover a
+    larger torus.
     """
     return 2 * EXEMPLAR.work_px if size_px > EXEMPLAR.work_px and crops >= 2 else EXEMPLAR.work_px
 

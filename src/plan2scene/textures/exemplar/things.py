@@ -11,7 +11,7 @@ from plan2scene.textures.exemplar.settings import EXEMPLAR
 
 
 def oddness(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
-    """Return by how much (n,) log crops of a plain surface show things; 0 where nearly all do.
+    """Return how strongly (n,) crops of a plain surface show objects; 0 if nearly all crops do.
 
     `luma` (n, s, s) log grey values, `masks` (n, s, s) bool pixels to leave out.
     """
@@ -23,9 +23,9 @@ def oddness(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
 
 
 def things(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
-    """Return the pixels of things (n, s, s) bool on crops that are plain without them.
+    """Return the pixels of objects (n, s, s) bool on crops that are plain without them.
 
-    A thing is small, and there are few: what is long, or there many times, is the pattern.
+    Objects are few and small. What is long, or repeats many times, is the pattern.
     Parameters as of :func:`oddness`.
     """
     pixels = np.stack([_things(*pair) for pair in zip(luma, masks, strict=True)])
@@ -33,10 +33,7 @@ def things(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
 
 
 def _away(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """Return how far a crop's pattern is from nothing (s, s), in its usual distance; 0 if masked.
-
-    Masked pixels do not count for what is beside them.
-    """
+    """Return the pattern's absolute values (s, s) over their median; 0 where masked."""
     away = np.where(mask, 0.0, np.abs(pattern_band(filled(luma, mask))))
     usual = float(np.median(away[~mask])) if not mask.all() else 1.0
     return np.asarray(away / max(usual, 1e-6))
@@ -48,9 +45,9 @@ def _most(away: np.ndarray, mask: np.ndarray) -> float:
 
 
 def _things(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """Return the pixels of things (s, s) bool on one crop; none where it is not plain without.
+    """Return the objects' pixels (s, s) bool on one crop; none if the rest is not plain.
 
-    The strongest part goes first: it throws a halo into the band that shows the next.
+    The strongest part goes first: its halo would hide the next.
     """
     pixels = np.zeros_like(mask)
     for _ in range(EXEMPLAR.parts):
@@ -65,7 +62,7 @@ def _things(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 
 def _strongest(away: np.ndarray) -> np.ndarray:
-    """Return the pixels (s, s) bool of the part that is farthest away."""
+    """Return the pixels (s, s) bool of the part with the strongest value."""
     peak = float(away.max())
     parts = (away > max(EXEMPLAR.part * EXEMPLAR.plain, EXEMPLAR.halo * peak)).astype(np.uint8)
     _, places = cv2.connectedComponents(parts, connectivity=8)
