@@ -41,7 +41,7 @@ from plan2scene.colour import (
     srgb_to_linear,
 )
 from plan2scene.datasets.assignments import rooms_of_photos
-from plan2scene.datasets.house_table import load_houses
+from plan2scene.datasets.house_table import read_table
 from plan2scene.house import House
 from plan2scene.images import medoid_index, read_image
 from plan2scene.io import read_json
@@ -78,7 +78,7 @@ class Source:
 
 def sources(root: Path, split: str) -> Iterator[Source]:
     """Yield the houses of a split that have photos."""
-    table = load_houses(root / "houses.tsv", splits=[split])
+    table = read_table(root / "houses.tsv").of_splits([split])
     for name, row in table.items():
         house = read_scene_json(root / row.plan, name)
         rooms = rooms_of_photos(root / row.assignment, house)

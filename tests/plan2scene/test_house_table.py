@@ -4,8 +4,8 @@ from plan2scene.datasets.house_table import (
     TableRow,
     check_metrics,
     check_official,
-    load_houses,
     photo_paths,
+    read_table,
 )
 from plan2scene.errors import InputError
 
@@ -15,19 +15,29 @@ HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
 def test_only_the_asked_splits(tmp_path):
     path = tmp_path / "houses.tsv"
     path.write_text(HEADER + "a\ttrain\tp\t\t\nb\ttest\tp\t\tx.jpg|y.jpg\n")
-    table = load_houses(path, splits=["test"])
-    assert table == {"b": TableRow("b", "test", "p", "", ("x.jpg", "y.jpg"))}
-    with pytest.raises(InputError, match="split val"):
-        load_houses(path, splits=["val"])
-    assert list(load_houses(path, splits=["train", "test"], houses=["b"])) == ["b"]
+    table = read_table(path)
+    assert table.of_splits(["test"]) == {"b": TableRow("b", "test", "p", "", ("x.jpg", "y.jpg"))}
+    with pytest.raises(InputError, match="split val, found only test, train"):
+        table.of_splits(["val"])
+    assert list(table.of_splits(["train", "test"], ["b"])) == ["b"]
     with pytest.raises(InputError, match=r"house a: .* found no such house"):
-        load_houses(path, splits=["test"], houses=["b", "a"])
+        table.of_splits(["test"], ["b", "a"])
 
 
-def test_a_missing_table_is_an_error_unless_it_is_yet_to_be_made(tmp_path):
+def test_an_unknown_house_is_told_with_the_nearest_names(tmp_path):
+    path = tmp_path / "houses.tsv"
+    path.write_text(HEADER + "flat_1\ttest\tp\t\t\nflat_2\ttest\tp\t\t\nb\ttest\tp\t\t\n")
+    table = read_table(path)
+    assert table["flat_1"].plan == "p"
+    with pytest.raises(InputError, match=r"houses\.tsv, house flat_3: .* but flat_2, flat_1$"):
+        table["flat_3"]
+    with pytest.raises(InputError, match=r"found no such house$"):
+        table["xyz"]
+
+
+def test_a_missing_table_is_an_error(tmp_path):
     with pytest.raises(InputError):
-        load_houses(tmp_path / "none.tsv", splits=["test"])
-    assert load_houses(tmp_path / "none.tsv", splits=["test"], may_be_absent=True) == {}
+        read_table(tmp_path / "none.tsv")
 
 
 def test_only_photos_that_exist_inside_the_folder(tmp_path):

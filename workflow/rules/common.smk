@@ -8,12 +8,11 @@ from pathlib import Path
 from plan2scene.config import check_config
 from plan2scene.datasets.drops import hidden_photos
 from plan2scene.datasets.layout import find_layout
-from plan2scene.datasets.table import SPLITS, read_unobserved
+from plan2scene.datasets.table import read_unobserved
 from plan2scene.datasets.house_table import (
     check_metrics,
     check_official,
     chosen_crops,
-    load_houses,
     photo_paths,
     safe_names,
     table_of,
@@ -27,42 +26,14 @@ from plan2scene.textures.methods import method_code, texture_methods
 
 try:
     check_config(config)
-except InputError as error:
-    sys.exit(f"plan2scene: {error}")
-
-DATASET = config["dataset"]["name"]
-LAYOUT = find_layout(config["dataset"]["root"])
-DATA_ROOT = LAYOUT.root
-RESULTS = f"results/{DATASET}"
-# Relative to the working directory, which need not be the clone (`plan2scene run`).
-MODELS = os.path.relpath(Path(workflow.basedir) / "resources" / "models")
-METHODS = config["methods"]
-TEXTURE_METHODS = texture_methods()
-DROPS = [f"{drop:.1f}" for drop in config["drops"]]
-
-try:
-    # A table that is worked out is made once, by the main process: jobs read it.
-    TABLE = table_of(
-        config["dataset"], RESULTS, make=workflow.is_main_process, warn=sys.stderr
+    LAYOUT = find_layout(config["dataset"]["root"])
+    TABLE = table_of(config["dataset"])
+    HOUSES = list(
+        TABLE.of_splits(config["dataset"]["splits"], config["dataset"].get("houses"))
     )
-    config["crops"] |= chosen_crops(LAYOUT, config["crops"])
+    CROPS = config["crops"] | chosen_crops(LAYOUT, config["crops"])
     check_official(config)
     check_metrics(config["metrics"])
-    HOUSES = list(
-        load_houses(
-            TABLE,
-            splits=config["dataset"]["splits"],
-            houses=config["dataset"].get("houses"),
-        )
-    )
-    # Houses of other splits are asked for by name, or for the means of released weights.
-    ALL_HOUSES = load_houses(TABLE, splits=SPLITS, may_be_absent=True)
-    # Whose crops the copying methods may take where their own house has none.
-    POOL_HOUSES = [
-        house.house
-        for house in ALL_HOUSES.values()
-        if house.split in config["textures"]["crop_pool"]
-    ]
     # Photos hidden at drop fractions, where the data set says so.
     UNOBSERVED = (
         {
@@ -73,12 +44,27 @@ try:
         else None
     )
     MEANS_HOUSES = (
-        list(load_houses(TABLE, splits=config["official"]["means_splits"]))
+        list(TABLE.of_splits(config["official"]["means_splits"]))
         if config["weights"] == "official"
         else []
     )
 except InputError as error:
     sys.exit(f"plan2scene: {error}")
+
+# Whose crops the copying methods may take where their own house has none.
+POOL_HOUSES = [
+    row.house
+    for row in TABLE.houses.values()
+    if row.split in config["textures"]["crop_pool"]
+]
+DATASET = config["dataset"]["name"]
+DATA_ROOT = LAYOUT.root
+RESULTS = f"results/{DATASET}"
+# Relative to the working directory, which need not be the clone (`plan2scene run`).
+MODELS = os.path.relpath(Path(workflow.basedir) / "resources" / "models")
+METHODS = config["methods"]
+TEXTURE_METHODS = texture_methods()
+DROPS = [f"{drop:.1f}" for drop in config["drops"]]
 
 
 wildcard_constraints:
@@ -88,6 +74,10 @@ wildcard_constraints:
 
 
 onstart:
+    if TABLE.warnings:
+        more = len(TABLE.warnings) - 1
+        rest = f" (and {more} more: plan2scene check)" if more else ""
+        print(f"plan2scene: warning: {TABLE.warnings[0]}{rest}", file=sys.stderr)
     # A SLURM whose jobs' end nobody would see is told before the first of them is submitted.
     if hasattr(workflow.executor_settings, "status_command"):
         try:
@@ -96,9 +86,17 @@ onstart:
             sys.exit(f"plan2scene: {error}")
 
 
+def row_of(wildcards):
+    """Return what the house table has of a house; one it has not ends the run in one line."""
+    try:
+        return TABLE[wildcards.house]
+    except InputError as error:
+        sys.exit(f"plan2scene: {error}")
+
+
 def plan_files(wildcards):
     """Return those files of a house's plan that there are; of a missing plan the job tells."""
-    path = DATA_ROOT / ALL_HOUSES[wildcards.house].plan
+    path = DATA_ROOT / row_of(wildcards).plan
     boxes = HAS_BOXES and object_boxes_of(wildcards)
     plan = read_plan_of(wildcards) if path.is_file() else None
     return given(plan=plan, assignment=assignment_of(wildcards), object_boxes=boxes)
@@ -114,7 +112,7 @@ def named_files(wildcards):
 
 def read_plan_of(wildcards):
     """Return the plan that is read: of a picture what is traced, there or not."""
-    path = DATA_ROOT / ALL_HOUSES[wildcards.house].plan
+    path = DATA_ROOT / row_of(wildcards).plan
     traced = path.suffix.lower() in SUFFIXES and path.is_file()
     return f"{RESULTS}/houses/{wildcards.house}/plan.json" if traced else str(path)
 
@@ -138,18 +136,18 @@ def assignment_of(wildcards):
 
 def object_boxes_of(wildcards):
     """Return the object boxes of a house; empty when there are none of it."""
-    path = LAYOUT.object_boxes(ALL_HOUSES[wildcards.house].split, wildcards.house)
+    path = LAYOUT.object_boxes(row_of(wildcards).split, wildcards.house)
     return str(path) if path.is_file() else []
 
 
 def photo_names_of(wildcards):
     """Return all photo names that the house table gives a house."""
-    return list(ALL_HOUSES[wildcards.house].photos)
+    return list(row_of(wildcards).photos)
 
 
 def photos_of(wildcards):
     """Return the photos of a house that exist; what is missing is the job's to report."""
-    names = ALL_HOUSES[wildcards.house].photos
+    names = row_of(wildcards).photos
     return [str(path) for path in photo_paths(LAYOUT.photos, names)]
 
 
@@ -158,7 +156,7 @@ def hidden_at(drop, wildcards):
     return hidden_photos(
         UNOBSERVED,
         drop,
-        ALL_HOUSES[wildcards.house].photos,
+        row_of(wildcards).photos,
         seed=config["seed"],
         house_id=wildcards.house,
     )
@@ -226,7 +224,7 @@ def house_files(*names):
 
 def named_assignment_of(wildcards):
     """Return the photo table that the house table names, there or not; "" for none."""
-    name = ALL_HOUSES[wildcards.house].assignment
+    name = row_of(wildcards).assignment
     return str(DATA_ROOT / name) if name else ""
 
 
@@ -251,7 +249,7 @@ def pretrained_files():
 def ready_masks_of(wildcards):
     """Return the label PNGs that the configured folder has for a house's photos."""
     folder = Path(config["photos"]["masks_folder"] or "")
-    names = safe_names(ALL_HOUSES[wildcards.house].photos)
+    names = safe_names(row_of(wildcards).photos)
     paths = (folder / f"{Path(name).stem}.png" for name in names)
     return [str(path) for path in paths if path.is_file()]
 
@@ -259,7 +257,7 @@ def ready_masks_of(wildcards):
 # What no house decides is no function below: Snakemake calls one for each of thousands of jobs.
 POOL = f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else None
 HAS_BOXES = (LAYOUT.data / "object_aabbs").is_dir()
-HAS_MASKS = config["crops"]["source"] != "precomputed"
+HAS_MASKS = CROPS["source"] != "precomputed"
 MASKS = f"{RESULTS}/houses/{{house}}/masks"
 CAMERAS = f"{RESULTS}/houses/{{house}}/cameras.json"
 
@@ -268,14 +266,14 @@ CAMERAS = f"{RESULTS}/houses/{{house}}/cameras.json"
 def ready_crops():
     """Return the ready crops of the configured folder by photo stem."""
     found = {}
-    for path in sorted(Path(config["crops"]["folder"]).glob("*/*_crop*.png")):
+    for path in sorted(Path(CROPS["folder"]).glob("*/*_crop*.png")):
         found.setdefault(path.name.rsplit("_", 2)[0], []).append(str(path))
     return found
 
 
 def ready_crops_of(wildcards):
     """Return the ready crops of a house's photos."""
-    names = safe_names(ALL_HOUSES[wildcards.house].photos)
+    names = safe_names(row_of(wildcards).photos)
     stems = [Path(name).stem for name in names]
     return [path for stem in stems for path in ready_crops().get(stem, [])]
 

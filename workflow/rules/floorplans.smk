@@ -27,7 +27,7 @@ rule floorplan:
 rule trace:
     # A plan that is a picture: rooms and openings by the plan network, scale and names by its text.
     input:
-        picture=lambda wildcards: str(DATA_ROOT / ALL_HOUSES[wildcards.house].plan),
+        picture=lambda wildcards: str(DATA_ROOT / row_of(wildcards).plan),
     output:
         plan=f"{RESULTS}/houses/{{house}}/plan.json",
         overlay=f"{RESULTS}/houses/{{house}}/plan.overlay.png",

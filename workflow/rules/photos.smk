@@ -97,12 +97,12 @@ rule crops:
     params:
         photo_folder=str(LAYOUT.photos),
         dataset=DATASET,
-        folder=config["crops"]["folder"],
+        folder=CROPS["folder"],
         settings=dict(
-            sizes_m=tuple(config["crops"]["metres"]),
-            per_mask=config["crops"]["per_mask"],
-            tries=config["crops"]["tries"],
-            filter=config["crops"]["filter"],
+            sizes_m=tuple(CROPS["metres"]),
+            per_mask=CROPS["per_mask"],
+            tries=CROPS["tries"],
+            filter=CROPS["filter"],
             colours=config["house"]["colours"],
             camera_height_m=config["photos"]["camera_height_m"],
         ),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from plan2scene.datasets.assignments import check_assignment, read_assignment
 from plan2scene.datasets.copy_check import missing_parts
 from plan2scene.datasets.layout import Layout, find_layout
-from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
+from plan2scene.datasets.table import read_house_rows, read_unobserved, rows_of_lists
 from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.image_modes import check_reducible
@@ -84,23 +84,18 @@ def check_dataset(
     Without a house table one is worked out from the data lists (nothing is written to `root`).
     Of a Rent3D++ copy as unpacked, parts that are missing as a whole come first.
     """
-    import tempfile
-
     layout = find_layout(root)
     problems: list[Problem] = []
     try:
         if (layout.data / table).is_file():
-            houses = read_house_table(layout.data / table)
+            rows = read_house_rows(layout.data / table)
         else:
-            with tempfile.TemporaryDirectory() as folder:
-                lines = make_house_table(root, Path(folder) / table)
-                houses = read_house_table(Path(folder) / table)
+            rows, lines = rows_of_lists(root)
             # What a copy as unpacked never has is no fault of it.
             note = "" if layout.is_rent3dpp else f"no {table}; "
             problems += _warnings(note + line for line in lines)
     except InputError as error:
         return [Problem("error", str(error))]
-    rows = houses.to_dict("records")
     if layout.is_rent3dpp:
         problems += _warnings(missing_parts(layout, rows))
     for expected, found, house_id in name_oddities("house names", [row["house"] for row in rows]):

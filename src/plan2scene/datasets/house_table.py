@@ -1,17 +1,20 @@
 """What the workflow reads while it builds its job graph: the house table.
 
 Nothing of a house itself is opened here but its photo table, and that only where the house table
-is worked out from the data lists; a fault of one house is its own jobs' to report.
+is worked out from the data lists; a fault of one house is its own jobs' to report. Nothing is
+written.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, NamedTuple, TextIO
+from typing import Any, NamedTuple
 
 from plan2scene.datasets.layout import Layout, find_layout
-from plan2scene.datasets.table import make_house_table, read_house_rows
+from plan2scene.datasets.table import read_house_rows, rows_of_lists
 from plan2scene.errors import InputError
 from plan2scene.io import safe_join
 
@@ -26,68 +29,77 @@ class TableRow(NamedTuple):
     photos: tuple[str, ...]
 
 
-def load_houses(
-    path: Path,
-    *,
-    splits: Sequence[str],
-    houses: Sequence[str] | None = None,
-    may_be_absent: bool = False,
-) -> dict[str, TableRow]:
-    """Return the rows of the house table by house, only those of `splits`, and of `houses` if any.
-
-    A house that is not among them is an InputError. An absent table is one too, or no rows where
-    `may_be_absent` (the data set is yet to be made).
-    """
-    if not path.is_file() and may_be_absent:
-        return {}
-    rows = read_house_rows(path)
-    chosen = {row["house"]: _table_row(row) for row in rows if row["split"] in splits}
-    if not chosen:
-        found = f"only {', '.join(sorted({row['split'] for row in rows})) or 'no houses'}"
-        raise InputError(f"a house of split {', '.join(splits)}", found, file=path)
-    for name in houses or ():
-        if name not in chosen:
-            found = "no such house"
-            raise InputError(f"a house of split {', '.join(splits)}", found, file=path, house=name)
-    return chosen if houses is None else {name: chosen[name] for name in houses}
-
-
-def _table_row(row: Mapping[str, str]) -> TableRow:
-    photos = tuple(name for name in row["photos"].split("|") if name)
-    return TableRow(row["house"], row["split"], row["plan"], row["assignment"], photos)
-
-
-def table_of(
-    dataset: Mapping[str, Any], results: str | Path, *, make: bool, warn: TextIO | None = None
-) -> Path:
-    """Return the path of the house table, worked out from the data lists where none is named.
-
-    Raises InputError in one line, where there is no data set under ``dataset.root``.
+@dataclass(frozen=True)
+class HouseTable:
+    """The houses of a data set.
 
     Parameters
     ----------
-    dataset : mapping
-        Section of the configuration.
-    results : path
-        Folder of this data set's results: a table that is worked out is written here, the data
-        set itself is never written to.
-    make : bool
-        Work it out anew (reads every photo table) though there is one; it is written only when
-        it differs.
-    warn : text file, optional
-        Gets a line of what the table goes on without.
+    file : Path
+        The table, or the folder of the data lists that it is worked out from; for messages.
+    houses : mapping
+        Its rows by house, in their order.
+    warnings : tuple of str
+        A line for each thing that a table worked out goes on without.
+    """
+
+    file: Path
+    houses: Mapping[str, TableRow]
+    warnings: tuple[str, ...] = ()
+
+    def __getitem__(self, house: str) -> TableRow:
+        """Return the row of a house; InputError with the nearest names for one that is not here."""
+        if house not in self.houses:
+            near = get_close_matches(house, self.houses)
+            found = f"no such house, but {', '.join(near)}" if near else "no such house"
+            raise InputError("a house of the table", found, file=self.file, house=house)
+        return self.houses[house]
+
+    def of_splits(
+        self, splits: Sequence[str], houses: Sequence[str] | None = None
+    ) -> dict[str, TableRow]:
+        """Return the rows of some splits, and only of some `houses` of them where they are named.
+
+        No row, and a house that is not among them, is an InputError.
+        """
+        chosen = {name: row for name, row in self.houses.items() if row.split in splits}
+        expected = f"a house of split {', '.join(splits)}"
+        if not chosen:
+            found = f"only {', '.join(sorted({row.split for row in self.houses.values()}))}"
+            raise InputError(expected, found, file=self.file)
+        for name in houses or ():
+            if name not in chosen:
+                raise InputError(expected, "no such house", file=self.file, house=name)
+        return chosen if houses is None else {name: chosen[name] for name in houses}
+
+
+def read_table(path: Path) -> HouseTable:
+    """Return the houses of ``houses.tsv``; InputError as `table.read_house_rows`."""
+    return HouseTable(path, _by_house(read_house_rows(path)))
+
+
+def table_of(dataset: Mapping[str, Any]) -> HouseTable:
+    """Return the house table of a data set, worked out from the data lists where none is named.
+
+    `dataset` is that section of the configuration. InputError where there is no data set under
+    its ``root``.
     """
     layout = find_layout(dataset["root"])
     if dataset["table"] is not None:
-        return layout.data / dataset["table"]
-    path = Path(results) / "houses.tsv"
-    if make or not path.is_file():
-        architecture = dataset.get("architecture", "bare")
-        lines = make_house_table(dataset["root"], path, architecture=architecture)
-        if lines and warn is not None:
-            more = f" (and {len(lines) - 1} more: plan2scene check)" if len(lines) > 1 else ""
-            warn.write(f"plan2scene: warning: {lines[0]}{more}\n")
-    return path
+        return read_table(layout.data / dataset["table"])
+    rows, warnings = rows_of_lists(dataset["root"], architecture=dataset["architecture"])
+    return HouseTable(layout.data / "data_lists", _by_house(rows), tuple(warnings))
+
+
+def _by_house(rows: Iterable[Mapping[str, str]]) -> dict[str, TableRow]:
+    """Return the rows of a table by house."""
+    found = {}
+    for row in rows:
+        photos = tuple(name for name in row["photos"].split("|") if name)
+        found[row["house"]] = TableRow(
+            row["house"], row["split"], row["plan"], row["assignment"], photos
+        )
+    return found
 
 
 def chosen_crops(layout: Layout, crops: Mapping[str, Any]) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.layout import Layout, require_data_set
+from plan2scene.datasets.layout import Layout, find_layout, require_data_set
 from plan2scene.errors import InputError
 from plan2scene.house import MAX_ID_LENGTH
 from plan2scene.io import atomic_path, read_json, read_text, safe_join
@@ -73,10 +73,10 @@ def _check_row(row: dict[str, str], seen: set[str], path: str | Path) -> None:
         safe_join("", row["assignment"], file=path, house_id=house_id)
 
 
-def make_house_table(
-    root: str | Path, output: str | Path | None = None, *, architecture: str = "bare"
-) -> list[str]:
-    """Write ``houses.tsv`` for a data set in the Rent3D++ layout; return warnings.
+def rows_of_lists(
+    root: str | Path, *, architecture: str = "bare"
+) -> tuple[list[dict[str, str]], list[str]]:
+    """Return the rows of a house table for a data set in the Rent3D++ layout, and warnings.
 
     Raises InputError for no data lists, no houses in them, or a house in two of them. A missing
     plan or a bad photo table is a warning here and the house's own jobs' to report.
@@ -87,14 +87,12 @@ def make_house_table(
         As :func:`plan2scene.datasets.layout.find_layout`. Holds ``data_lists/{split}.txt``, plans
         ``{archs_no_objects,full_archs}/{split}/{house}.scene.json`` and, where a house has
         photos, ``photo_assignments/{split}/{house}.photoroom.csv`` with either header.
-    output : path, optional
-        Default ``houses.tsv`` beside the data lists. Not touched when its content is the same.
     architecture : str
         ``bare`` or ``full``: which plan is taken where a house has both.
     """
     layout = require_data_set(root)
     warnings: list[str] = []
-    rows: dict[str, list[str]] = {}
+    rows: dict[str, dict[str, str]] = {}
     lists = [(split, layout.data / "data_lists" / f"{split}.txt") for split in SPLITS]
     if not any(file.is_file() for _, file in lists):
         raise InputError("train.txt, val.txt or test.txt", "none", file=layout.data / "data_lists")
@@ -104,12 +102,24 @@ def make_house_table(
             if house_id in rows:
                 raise InputError("each house once", f"{house_id} twice", file=file, house=house_id)
             rows[house_id] = _row(layout, split, house_id, architecture, warnings)
-            _check_row(dict(zip(COLUMNS, rows[house_id], strict=True)), set(), file)
+            _check_row(rows[house_id], set(), file)
     if not rows:
         raise InputError("at least one house", "none", file=layout.data / "data_lists")
-    lines = ["\t".join(COLUMNS), *("\t".join(row) for row in rows.values())]
+    return list(rows.values()), warnings
+
+
+def make_house_table(
+    root: str | Path, output: str | Path | None = None, *, architecture: str = "bare"
+) -> list[str]:
+    """Write the table of :func:`rows_of_lists`; return its warnings.
+
+    `output` is ``houses.tsv`` beside the data lists by default. It is not touched when its content
+    is the same.
+    """
+    rows, warnings = rows_of_lists(root, architecture=architecture)
+    lines = ["\t".join(COLUMNS), *("\t".join(row[name] for name in COLUMNS) for row in rows)]
     text = "\n".join(lines) + "\n"
-    path = Path(output) if output else layout.data / "houses.tsv"
+    path = Path(output) if output else find_layout(root).data / "houses.tsv"
     if not path.is_file() or path.read_bytes() != text.encode():
         with atomic_path(path) as temporary:
             temporary.write_bytes(text.encode())
@@ -118,7 +128,7 @@ def make_house_table(
 
 def _row(
     layout: Layout, split: str, house_id: str, architecture: str, warnings: list[str]
-) -> list[str]:
+) -> dict[str, str]:
     """Return the row of a house."""
     folders = layout.plan_folders(split, architecture)
     plans = [folder / f"{house_id}.scene.json" for folder in folders]
@@ -140,7 +150,8 @@ def _row(
         except InputError as error:
             warnings.append(str(error))
     named = layout.relative(assignment) if assignment.is_file() else ""
-    return [house_id, split, layout.relative(plan), named, "|".join(dict.fromkeys(photos))]
+    cells = (house_id, split, layout.relative(plan), named, "|".join(dict.fromkeys(photos)))
+    return dict(zip(COLUMNS, cells, strict=True))
 
 
 def read_unobserved(path: str | Path) -> dict[str, list[str]]:

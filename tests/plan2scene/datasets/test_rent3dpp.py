@@ -1,7 +1,6 @@
 """A Rent3D++ copy as it lies on disk: what is read of it, and what is said of what it lacks."""
 
 import json
-from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.check import check_dataset
 from plan2scene.datasets.drops import hidden_photos
-from plan2scene.datasets.house_table import chosen_crops, load_houses, table_of
+from plan2scene.datasets.house_table import chosen_crops, table_of
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene.datasets.layout import find_layout
 from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
@@ -116,10 +115,9 @@ def test_both_heads_of_photo_tables_are_in_the_copy_and_read(copy):
 
 
 def test_splits_and_hidden_photos(copy, tmp_path):
-    table = table_of(dataset(copy), tmp_path / "results", make=True)
-    assert table == tmp_path / "results/houses.tsv"
-    assert list(load_houses(table, splits=["test"])) == ["home_test_0", "home_test_1"]
-    assert list(load_houses(table, splits=["train", "val"])) == ["home_train_0", "home_val_0"]
+    table = table_of(dataset(copy))
+    assert list(table.of_splits(["test"])) == ["home_test_0", "home_test_1"]
+    assert list(table.of_splits(["train", "val"])) == ["home_train_0", "home_val_0"]
     hidden = [
         hidden_photos(
             read_unobserved(find_layout(copy).unobserved),
@@ -133,37 +131,31 @@ def test_splits_and_hidden_photos(copy, tmp_path):
     assert [len(names) for names in hidden] == [0, 1, 1, 2, 2, 3]
 
 
-def test_the_table_is_written_once_and_follows_the_copy(copy, tmp_path):
-    table = table_of(dataset(copy), tmp_path / "results", make=True)
-    before = table.stat().st_mtime_ns
-    assert table_of(dataset(copy), tmp_path / "results", make=True).stat().st_mtime_ns == before
+def test_the_table_follows_the_copy_and_writes_nothing(copy):
+    before = set(copy.rglob("*"))
+    assert "home_val_0" in table_of(dataset(copy)).houses
     (copy / "input/data_lists/val.txt").write_text("")
-    table_of(dataset(copy), tmp_path / "results", make=False)
-    assert table.stat().st_mtime_ns == before
-    table_of(dataset(copy), tmp_path / "results", make=True)
-    assert "home_val_0" not in table.read_text()
-    assert not (copy / "input/houses.tsv").exists()
+    assert "home_val_0" not in table_of(dataset(copy)).houses
+    assert set(copy.rglob("*")) == before
 
 
-def test_bare_and_full_plans(copy, tmp_path):
+def test_bare_and_full_plans(copy):
     plans = {}
     for kind in ("bare", "full"):
-        path = table_of(dataset(copy, architecture=kind), tmp_path / kind, make=True)
-        row = load_houses(path, splits=["test"])["home_test_0"]
+        row = table_of(dataset(copy, architecture=kind))["home_test_0"]
         plans[kind] = read_plan(copy / row.plan, "home_test_0")
     assert plans["bare"].rooms == plans["full"].rooms
     assert plans["bare"].objects == ()
     assert len(plans["full"].objects) == len(drawn_icons(plans["bare"])) > 0
 
 
-def test_full_plans_that_are_missing_are_told(copy, tmp_path):
+def test_full_plans_that_are_missing_are_told(copy):
     path = copy / "processed/full_archs/test/home_test_0.scene.json"
     path.unlink()
-    said = StringIO()
-    table = table_of(dataset(copy, architecture="full"), tmp_path / "r", make=True, warn=said)
-    assert "archs_no_objects" in load_houses(table, splits=["test"])["home_test_0"].plan
-    assert said.getvalue().count("\n") == 1
-    assert "home_test_0.scene.json" in said.getvalue()
+    table = table_of(dataset(copy, architecture="full"))
+    assert "archs_no_objects" in table["home_test_0"].plan
+    (line,) = table.warnings
+    assert "home_test_0.scene.json" in line
 
 
 def test_object_boxes_become_icons(copy, tmp_path):
@@ -245,14 +237,13 @@ def test_without_processed_and_hidden_photos(source, tmp_path):
     ]
 
 
-@pytest.mark.parametrize("make", [True, False])
-def test_an_empty_path_is_one_line(tmp_path, make):
+def test_an_empty_path_is_one_line(tmp_path):
     empty = tmp_path / "empty"
     empty.mkdir()
     with pytest.raises(InputError, match=r"expected a Rent3D\+\+ copy .* found none of these"):
-        table_of(dataset(empty), tmp_path / "r", make=make)
+        table_of(dataset(empty))
     with pytest.raises(InputError, match="found no such folder"):
-        table_of(dataset(tmp_path / "no"), tmp_path / "r", make=make)
+        table_of(dataset(tmp_path / "no"))
     assert len(lines_of(empty)) == 1
 
 
