@@ -178,6 +178,23 @@ def test_the_same_input_gives_the_same_bytes(made, tmp_path):
         assert file_hash(again.root / name) == file_hash(made.root / name)
 
 
+def test_after_a_bad_house_the_table_of_the_others_can_be_made(made, tmp_path):
+    again = type(made)(Path(shutil.copytree(made.root, tmp_path / "again", symlinks=True)))
+    bad = again.houses()[1]
+    plan = again.root / "data" / read_table(again.root / "data" / "houses.tsv")[bad].plan
+    plan.write_text("{}")
+    run = again.snakemake("--keep-going", "all")
+    assert run.returncode != 0
+    assert "the same command with target partial_table" in run.stdout
+    old = again.root / "results/tiny/houses" / bad / "metrics.parquet"
+    assert old.is_file()  # of the plan as it was: it does not count
+    run = again.snakemake("--keep-going", "partial_table")
+    assert run.returncode == 0, run.stdout[-3000:]
+    rows = list(csv.DictReader((again.root / "results/tiny/tables/paper_table_partial.csv").open()))
+    assert {row["missing"] for row in rows} == {bad}
+    assert {row["houses"] for row in rows} <= {"0", "1"}
+
+
 @pytest.mark.parametrize("change", ["methodz: [crop]", "drops: [0.65]", "house: {method: other}"])
 def test_a_wrong_config_is_refused(made, tmp_path, change):
     path = Path(tmp_path) / "wrong.yaml"

@@ -92,3 +92,23 @@ def test_the_study_takes_from_the_comparison_what_is_compared(bare, tmp_path):
 def test_without_answers_the_study_has_no_result(bare):
     rules = {rule for rule, _ in bare.jobs("study_result")}
     assert {"study_result", "study", "study_house"} <= rules
+
+
+def test_an_unknown_house_is_one_line_with_the_table_and_the_nearest_names(bare):
+    house = bare.houses()[0]
+    run = bare.snakemake(f"results/tiny/houses/{house}x/house.glb")
+    assert run.returncode != 0
+    (line,) = [text for text in run.stdout.splitlines() if f"{house}x: expected" in text]
+    assert "data/houses.tsv" in line and house in line.split("found")[1]
+    assert "Traceback" not in run.stdout
+
+
+def test_without_a_finished_house_there_is_no_partial_table(bare):
+    run = bare.snakemake("partial_table")
+    assert run.returncode != 0
+    assert run.stdout.endswith("expected a finished house in results/tiny, found none\n")
+
+
+def test_a_dry_run_writes_no_result(bare):
+    assert bare.jobs("all")
+    assert not (bare.root / "results").exists()

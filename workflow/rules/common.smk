@@ -294,3 +294,24 @@ def study_answers_of(wildcards):
     """Return the answer files that were handed in; the job says so when there are none."""
     folder = config["study"]["answers"]
     return sorted(str(path) for path in Path(folder).glob("*.csv")) if folder else []
+
+
+def finished_houses():
+    """Return the houses of which nothing is missing that their metrics are made of."""
+    return [
+        house
+        for house in HOUSES
+        if all(os.path.exists(path.format(house=house)) for path in FINISHED)
+    ]
+
+
+def finished(name):
+    """Return an input function: the files of this name of the finished houses."""
+
+    def files(wildcards):
+        houses = finished_houses()
+        if not houses:
+            sys.exit(f"plan2scene: expected a finished house in {RESULTS}, found none")
+        return [f"{RESULTS}/houses/{house}/{name}" for house in houses]
+
+    return files

@@ -119,34 +119,44 @@ rule paper_table:
         "../scripts/paper_table.py"
 
 
-onerror:
-    # One bad house never stops the others: the table of what there is says who is missing.
-    from plan2scene.evaluation.tables import TableRequest
-    from plan2scene.evaluation.paper_table import partial_table
-    from plan2scene.workflow.stale import remove_outdated
+# What a house's metrics are made of. Snakemake removes what a job that failed was to make, so a
+# house of which one of these is missing is not finished, whatever an earlier run left of it.
+FINISHED = [
+    *given(masks=HAS_MASKS and MASKS, shown=SHOWN).values(),
+    PHOTO_ROOMS,
+    f"{RESULTS}/houses/{{house}}/scene.json",
+    f"{RESULTS}/houses/{{house}}/crops.parquet",
+    f"{RESULTS}/houses/{{house}}/embeddings.parquet",
+    *(
+        f"{RESULTS}/drop_{drop}/{{house}}/{name}.parquet"
+        for drop in TABLE_DROPS
+        for name in ("surfaces", "materials", "propagated")
+    ),
+    f"{RESULTS}/houses/{{house}}/metrics.parquet",
+    f"{RESULTS}/houses/{{house}}/reference_features.parquet",
+]
 
-    # What an earlier run made of a plan that is broken now is no result any more.
-    unfinished = [
-        ([str(path) for path in job.input], [str(path) for path in job.output])
-        for job in workflow.dag.needrun_jobs()
-    ]
-    outdated = remove_outdated(unfinished)
-    if outdated:
+
+use rule paper_table as partial_table with:
+    # On demand, after a run that failed in part: the table of the finished houses, made again
+    # where they are out of date. Its column `missing` names the others.
+    input:
+        metrics=finished("metrics.parquet"),
+        references=finished("reference_features.parquet"),
+    output:
+        csv=f"{RESULTS}/tables/paper_table_partial.csv",
+        parquet=f"{RESULTS}/tables/paper_table_partial.parquet",
+        latex=f"{RESULTS}/tables/paper_table_partial.tex",
+        plot=f"{RESULTS}/tables/paper_table_partial.png",
+    log:
+        f"logs/{DATASET}/partial_table.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/partial_table.tsv"
+
+
+onerror:
+    if finished_houses():
         print(
-            f"Removed, as what they are made from failed: {len(outdated)} results of an "
-            f"earlier run, the first {outdated[0]}",
+            "A table of the finished houses: the same command with target partial_table",
             file=sys.stderr,
         )
-    partial = partial_table(
-        RESULTS,
-        f"{RESULTS}/tables",
-        request=TableRequest(
-            dataset=DATASET,
-            houses=tuple(HOUSES),
-            methods=tuple(METHODS),
-            drop=TABLE_DROP,
-            seed=config["seed"],
-        ),
-    )
-    if partial:
-        print(f"Table of the finished houses: {partial}", file=sys.stderr)

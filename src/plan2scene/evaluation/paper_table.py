@@ -54,25 +54,3 @@ def paper_table(
     if output_latex is not None:
         write_text(output_latex, latex_table(tidy))
     return tidy
-
-
-def partial_table(
-    results: str | Path, output_folder: str | Path, *, request: TableRequest
-) -> Path | None:
-    """Write the table of those houses that have results, for a run that failed in parts.
-
-    Reads ``results`` (``results/{dataset}``) as docs/conventions.md lays it out and writes
-    ``paper_table_partial.csv``, ``.parquet`` and ``.png`` into `output_folder`. Returns the CSV's
-    path; None when there is nothing to count yet.
-    """
-    folders = [Path(results) / "houses" / house for house in request.houses]
-    metrics, references = (
-        [path for folder in folders if (path := folder / f"{name}.parquet").is_file()]
-        for name in ("metrics", "reference_features")
-    )
-    if not metrics or not references:
-        return None
-    output = Path(output_folder) / "paper_table_partial.csv"
-    parquet, plot = output.with_suffix(".parquet"), output.with_suffix(".png")
-    paper_table(metrics, references, output, parquet, plot, request=request)
-    return output

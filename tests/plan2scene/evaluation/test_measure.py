@@ -13,7 +13,7 @@ from plan2scene.evaluation.measure import (
     reference_features,
     reference_images,
 )
-from plan2scene.evaluation.paper_table import paper_table, partial_table
+from plan2scene.evaluation.paper_table import paper_table
 from plan2scene.evaluation.tables import TableRequest, published_value
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
@@ -232,16 +232,6 @@ def test_missing_houses_and_empty_columns_are_named(results):
     assert empty["missing"] == "h1 h2 h3"
     assert wide.loc[0, "missing"] == "h3"
     assert (wide != "").all(axis=None)
-
-
-def test_partial_table_of_what_exists(results):
-    request = _request(houses=("h2", "h3"))
-    path = partial_table(results, results / "tables", request=request)
-    wide = pd.read_csv(path, dtype=str, keep_default_na=False)
-    assert path.name == "paper_table_partial.csv"
-    assert wide["missing"].unique().tolist() == ["h3"]
-    assert wide["n"].tolist() == ["2", "1", "2"] * 2
-    assert partial_table(results / "nothing", results / "tables", request=request) is None
 
 
 def test_metrics_of_two_networks_are_not_mixed(results):
