@@ -4,6 +4,7 @@ from snakemake.utils import min_version
 min_version("9.10")
 
 
+configfile: f"{workflow.basedir}/config/advanced.yaml"
 configfile: "config/config.yaml"
 
 

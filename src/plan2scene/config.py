@@ -20,6 +20,20 @@ def config_schema() -> dict[str, Any]:
     return schema
 
 
+def shipped_config() -> dict[str, Any]:
+    """Return the configuration of the demo: ``advanced.yaml`` with the keys of ``config.yaml``."""
+    import yaml
+
+    advanced, config = (
+        yaml.safe_load((WORKFLOW / "config" / f"{name}.yaml").read_text(encoding="utf-8"))
+        for name in ("advanced", "config")
+    )
+    sections = {key: value for key, value in config.items() if isinstance(value, dict)}
+    return (
+        advanced | config | {key: advanced.get(key, {}) | value for key, value in sections.items()}
+    )
+
+
 def check_config(config: Mapping[str, Any]) -> None:
     """Raise InputError for a configuration that the schema does not allow: its first fault."""
     from jsonschema import Draft202012Validator
@@ -33,13 +47,13 @@ def check_config(config: Mapping[str, Any]) -> None:
             # Snakemake takes what stands in braces for a wildcard.
             fault = f"{value!r}, with braces or control characters"
         if fault is not None:
-            raise InputError("a configuration as config/README.md has it", f"{key}: {fault}")
+            raise InputError("a configuration as config/ has it", f"{key}: {fault}")
     error = best_match(Draft202012Validator(config_schema()).iter_errors(config))
     if error is None:
         return
     key = ".".join(str(part) for part in error.absolute_path)
     found = f"{key}: {error.message}" if key else error.message
-    raise InputError("a configuration as config/README.md has it", found)
+    raise InputError("a configuration as config/ has it", found)
 
 
 def _leaves(value: object, key: str) -> Iterator[tuple[str, object]]:

@@ -10,8 +10,8 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
+from plan2scene.config import shipped_config
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.check import photo_problem
 from plan2scene.datasets.table import COLUMNS
@@ -148,9 +148,8 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     """Write the run's configuration: the shipped one with this data set in it."""
     import yaml
 
-    shipped = WORKFLOW / "config" / "config.yaml"
-    config: dict[str, Any] = yaml.safe_load(shipped.read_text("utf-8"))
-    config["dataset"] = {
+    config = shipped_config()
+    config["dataset"] |= {
         "name": DATASET,
         "root": str(root.relative_to(work)),
         "table": "houses.tsv",

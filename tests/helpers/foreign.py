@@ -23,7 +23,7 @@ from PIL import Image
 from safetensors.torch import save
 
 from plan2scene.checkpoints.reading import fitted_state, read_checkpoint, state_dict_of
-from plan2scene.config import check_config
+from plan2scene.config import check_config, shipped_config
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.table import read_house_table, read_unobserved
 from plan2scene.errors import InputError
@@ -127,8 +127,8 @@ def homes() -> list[bytes]:
 
 
 def configs() -> list[bytes]:
-    text = (ROOT / "config" / "config.yaml").read_bytes()
-    return [json.dumps(yaml.safe_load(text)).encode(), text]
+    config = shipped_config()
+    return [json.dumps(config).encode(), yaml.safe_dump(config).encode()]
 
 
 def read_config(path: Path) -> None:

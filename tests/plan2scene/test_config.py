@@ -7,7 +7,7 @@ import pytest
 import yaml
 from snakemake.utils import update_config
 
-from plan2scene.config import check_config, config_schema
+from plan2scene.config import check_config, config_schema, shipped_config
 from plan2scene.errors import InputError
 from plan2scene_app.run import TEXTURE_SIZES
 
@@ -15,8 +15,8 @@ ROOT = Path(__file__).parents[2]
 
 
 def merged(name: str) -> dict:
-    """Return config.yaml with the keys of another file in it, one by one as Snakemake does."""
-    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
+    """Return the demo's with the keys of another file in it, one by one as Snakemake does."""
+    config = shipped_config()
     update_config(config, yaml.safe_load((ROOT / "config" / name).read_text()))
     return config
 
@@ -65,10 +65,23 @@ def test_a_key_that_is_far_from_any_is_one_short_line():
     assert "\n" not in str(fault.value)
 
 
-def test_every_key_is_documented():
-    text = (ROOT / "config" / "README.md").read_text()
-    for section, schema in config_schema()["properties"].items():
-        names = schema.get("properties", {}) if section != "models" else {}
-        for name in names or [""]:
-            key = f"{section}.{name}" if name else section
-            assert f"`{key}" in text, key
+def defaults(schema: dict) -> dict:
+    """Return the defaults of a schema by key, of those keys that have one."""
+    found = {}
+    for name, part in schema.get("properties", {}).items():
+        value = part["default"] if "default" in part else defaults(part)
+        if value != {} or "default" in part:
+            found[name] = value
+    return found
+
+
+def test_the_advanced_settings_are_the_defaults_of_the_schema():
+    advanced = yaml.safe_load((ROOT / "config" / "advanced.yaml").read_text())
+    assert advanced == defaults(config_schema())
+
+
+def test_a_setting_stands_in_one_file_alone():
+    files = ("config.yaml", "advanced.yaml")
+    basic, advanced = (yaml.safe_load((ROOT / "config" / name).read_text()) for name in files)
+    for section in basic.keys() & advanced.keys():
+        assert not basic[section].keys() & advanced[section].keys()

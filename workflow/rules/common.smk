@@ -29,7 +29,7 @@ try:
     LAYOUT = find_layout(config["dataset"]["root"])
     TABLE = table_of(config["dataset"])
     HOUSES = list(
-        TABLE.of_splits(config["dataset"]["splits"], config["dataset"].get("houses"))
+        TABLE.of_splits(config["dataset"]["splits"], config["dataset"]["houses"])
     )
     CROPS = config["crops"] | chosen_crops(LAYOUT, config["crops"])
     check_official(config)

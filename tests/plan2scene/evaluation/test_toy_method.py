@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 from typer.testing import CliRunner
 
-from plan2scene.config import check_config
+from plan2scene.config import check_config, shipped_config
 from plan2scene.errors import InputError
 from plan2scene.evaluation.comparison import compare_house
 from plan2scene.evaluation.houses import propagated_at
@@ -42,7 +41,7 @@ def test_the_command_line_has_it(toy, tmp_path, monkeypatch):
 
 
 def _config(name):
-    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
+    config = shipped_config()
     config["methods"] = ["crop", name]
     config["house"]["method"] = name
     config["study"]["pairs"] = [[name, "crop"]]

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 from views import camera_looking
 
+from plan2scene.config import shipped_config
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.images import image_from_bytes, medoid_index, write_png
@@ -28,7 +28,6 @@ from plan2scene.photos.planes.planes import (
     read_planes,
 )
 from plan2scene.photos.planes.rectification import rectify
-from plan2scene.provenance import WORKFLOW
 
 SIZE = (480, 640)
 
@@ -310,7 +309,7 @@ def test_precomputed_crops(house, tmp_path):
 
 
 def test_default_settings_are_those_of_the_configuration():
-    config = yaml.safe_load((WORKFLOW / "config" / "config.yaml").read_text())
+    config = shipped_config()
     given = config["crops"]
     names = ("per_mask", "tries", "filter")
     assert CropSettings() == CropSettings(
