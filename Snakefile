@@ -1,7 +1,7 @@
 # Plan2Scene: every file of a textured house, from a plan and photos. Paths: docs/conventions.md.
 from snakemake.utils import min_version
 
-min_version("9.10")
+min_version("9.19")
 
 
 configfile: f"{workflow.basedir}/config/advanced.yaml"
