@@ -99,6 +99,18 @@ class Camera:
         """Return the camera with another (3, 3) world-to-camera rotation, rounded."""
         return replace(self, rotation=rounded_rows(rotation))
 
+    def resized(self, size: tuple[int, int]) -> Camera:
+        """Return the camera of the same picture resized to (height, width)."""
+        scale = size[1] / self.width
+        return replace(
+            self,
+            width=size[1],
+            height=size[0],
+            focal_px=self.focal_px * scale,
+            cx=(self.cx + 0.5) * scale - 0.5,
+            cy=(self.cy + 0.5) * size[0] / self.height - 0.5,
+        )
+
     def seen(self, points: np.ndarray) -> np.ndarray:
         """Return world points (..., 3) in camera axes: metres to the right, down and ahead."""
         return np.asarray((points - np.array(self.position)) @ self.matrix.T)

@@ -9,10 +9,10 @@ from pathlib import Path
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import jpeg_bytes, write_png
 from plan2scene.io import atomic_path
-from plan2scene.mesh.eye_level import render_rooms
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.preview import render_preview
+from plan2scene.mesh.room_views import render_rooms
 from plan2scene.mesh.textures import TileTexture, textured
 from plan2scene.parallel import each
 from plan2scene.plans import read_scene_json, write_scene_json
@@ -50,7 +50,7 @@ def build_house(
     glb, textured_scene_json, preview : path
         Outputs; the preview is a PNG, see :func:`~plan2scene.mesh.preview.render_preview`.
     rooms : path
-        Output: a JPEG, see :func:`~plan2scene.mesh.eye_level.render_rooms`.
+        Output: a JPEG, see :func:`~plan2scene.mesh.room_views.render_rooms`.
     house_id : str
     objects : bool
         Whether the plan's fixed objects are shown (:mod:`plan2scene.mesh.objects`).

@@ -33,6 +33,8 @@ PLAIN = 0.6
 LAMP_SHARE, LAMP_MOST, LAMP_DROP_M = 0.3, 0.8, 0.35
 #: Radius of a lamp's glow, metres: its light does not grow without end towards it.
 LAMP_GLOW_M = 1.1
+#: Linear value from which highlights of pictures are compressed.
+KNEE = 0.75
 #: Light that lies in the middle of a house after exposure.
 _MIDDLE = 0.9
 #: Mean light that a room, a balcony has at most.
@@ -135,6 +137,12 @@ def bake_light(
 def even_light(house: House) -> Light:
     """Return the light of a house without any: what looks up is a little brighter."""
     return Light(np.ones((1, 1, 3), np.float32), {}, {room.id: np.ones(3) for room in house.rooms})
+
+
+def compressed(linear: np.ndarray) -> np.ndarray:
+    """Return linear values, those beyond `KNEE` compressed below 1, so that nothing burns out."""
+    over = np.maximum(linear - KNEE, 0.0)
+    return np.minimum(linear, KNEE) + (1 - KNEE) * over / (over + 1 - KNEE)
 
 
 def mean_colours(textures: Mapping[SurfaceKey, TileTexture]) -> dict[SurfaceKey, np.ndarray]:

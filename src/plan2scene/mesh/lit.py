@@ -20,7 +20,7 @@ from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.mesh.areas import Area, areas_of
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.house_mesh import build_parts
-from plan2scene.mesh.light import Light, bake_light, mean_colours
+from plan2scene.mesh.light import Light, bake_light, compressed, mean_colours
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.textures import MapTexture, TileTexture, textured
 from plan2scene.plans import read_scene_json
@@ -29,8 +29,6 @@ from plan2scene.plans import read_scene_json
 PX_PER_M, MOST_PX = 128.0, 4096
 #: Side of the light's texels, metres.
 TEXEL_M = 0.08
-#: Linear value from which highlights are compressed, so that nothing burns out.
-KNEE = 0.75
 _QUALITY = 88
 _BAND = 512  # rows that are worked on at once
 
@@ -129,10 +127,8 @@ def _shade(
 
 
 def shown(linear: np.ndarray) -> np.ndarray:
-    """Return linear values as uint8 sRGB, those beyond `KNEE` compressed."""
-    over = np.maximum(linear - KNEE, 0.0)
-    value = np.minimum(linear, KNEE) + (1 - KNEE) * over / (over + 1 - KNEE)
-    steps = np.clip(value * 4095, 0, 4095).astype(np.uint16)
+    """Return linear values as uint8 sRGB, highlights compressed."""
+    steps = np.clip(compressed(linear) * 4095, 0, 4095).astype(np.uint16)
     return np.asarray(_SRGB[steps])
 
 

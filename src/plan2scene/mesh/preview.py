@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import cv2
@@ -11,21 +11,13 @@ import numpy as np
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
+from plan2scene.camera import Camera, focal_of
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.mesh.house_mesh import Assembly, assemble
 from plan2scene.mesh.labels import SECTION_COLOUR, annotate, draw_flights
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
-from plan2scene.mesh.raster import (
-    Camera,
-    Soup,
-    attributes,
-    look_at,
-    sample,
-    soup_of,
-    texels_per_metre,
-    visible,
-)
+from plan2scene.mesh.renderer import Triangles
 from plan2scene.mesh.storey import Storey
 from plan2scene.mesh.textures import TileTexture
 
@@ -115,17 +107,15 @@ def _plan_view(
     size = (side * SUPERSAMPLING, side * SUPERSAMPLING)
     scale = 0.86 * min(size[1] / (high[0] - low[0]), size[0] / (high[1] - low[1]))
     target = np.array([centre[0], 0.0, centre[1]])
-    camera = look_at(target + [0, 50.0, 0], target, scale, size, perspective=False)
+    camera = Camera.look_at(target + [0, 50.0, 0], target, scale, size, orthographic=True)
     left_out = ("/ceiling", "/handrail/")
     parts = [p for p in storey.parts if not any(word in p.name for word in left_out)]
     parts += _section(storey)
-    soup = soup_of(parts, textures)
-    below = soup.corners[..., 1].min(axis=1) <= CUT + 2e-3
-    small = _draw(soup, camera, below & ~soup.glass, house)
-    scale = camera.scale / SUPERSAMPLING
+    small = _draw(parts, textures, camera, house, top=CUT + 2e-3)
+    scale = camera.focal_px / SUPERSAMPLING
 
     def project(point: tuple[float, float]) -> tuple[float, float]:
-        x, y = camera.project(np.array([point[0], 0.0, point[1]]))[:2] / SUPERSAMPLING
+        x, y = camera.project(np.array([point[0], 0.0, point[1]])) / SUPERSAMPLING
         return float(x), float(y)
 
     small = draw_flights(small, storey.flights, project)
@@ -176,45 +166,44 @@ def _view(
     elevation, azimuth = math.radians(view.elevation_deg), math.radians(view.azimuth_deg)
     flat = math.cos(elevation)
     direction = np.array([math.sin(azimuth) * flat, math.sin(elevation), math.cos(azimuth) * flat])
-    focal = size[1] / (2 * math.tan(math.radians(view.fov_deg) / 2))
+    focal = focal_of(math.radians(view.fov_deg), size[1])
     distance = 2.2 * float(np.linalg.norm(high - low)) + height
     for _ in range(3):  # the distance at which the house fills the view, by proportion
-        camera = look_at(target + distance * direction, target, focal, size, perspective=True)
-        points = camera.project(corners)[:, :2]
+        camera = Camera.look_at(target + distance * direction, target, focal, size)
+        points = camera.project(corners)
         middle = np.array([(size[1] - 1) / 2, (size[0] - 1) / 2])
         spread = (np.abs(points - middle) / middle).max()
         distance *= spread / 0.9
-    camera = look_at(target + distance * direction, target, focal, size, perspective=True)
+    camera = Camera.look_at(target + distance * direction, target, focal, size)
     parts = [p for p in storey.parts if not p.name.endswith("/ceiling")]
-    soup = soup_of(parts, textures)
-    return _draw(soup, camera, np.ones(len(soup.corners), dtype=bool), house)
+    return _draw(parts, textures, camera, house)
 
 
-def _draw(soup: Soup, camera: Camera, keep: np.ndarray, house: House) -> np.ndarray:
-    """Return the picture (h, w, 3) uint8 sRGB of the kept triangles, averaged down."""
-    ids, depth = visible(soup, camera, keep & ~soup.glass)
-    image = np.empty((*camera.size, 3), dtype=np.float32)
+def _draw(
+    parts: Iterable[MeshPart],
+    textures: Mapping[SurfaceKey, TileTexture],
+    camera: Camera,
+    house: House,
+    top: float = math.inf,
+) -> np.ndarray:
+    """Return the picture (h, w, 3) uint8 sRGB of parts, averaged down.
+
+    Of triangles that begin below `top`, metres.
+    """
+    triangles = Triangles.of(parts, textures)
+    below = triangles.corners[..., 1].min(axis=1) <= top
+    image = np.empty((camera.height * camera.width, 3), dtype=np.float32)
     image[:] = srgb_to_linear(np.array(BACKGROUND, np.uint8))
-    pixels, t, points, uv = attributes(soup, camera, ids)
-    colour = soup.colours.astype(np.float32)[t]
-    metres_per_pixel = (
-        depth.ravel()[pixels] / camera.scale
-        if camera.perspective
-        else np.full(len(t), 1.0 / camera.scale, dtype=np.float32)
-    )
-    texels = texels_per_metre(soup).astype(np.float32)[t]
-    texture = soup.texture.astype(np.int16)[t]
-    order = np.argsort(texture, kind="stable")
-    ends = np.cumsum(np.bincount(texture + 1, minlength=len(soup.mipmaps) + 1))
-    for levels, start, end in zip(soup.mipmaps, ends[:-1], ends[1:], strict=True):
-        mine = order[start:end]
-        footprint = metres_per_pixel[mine] * texels[mine]
-        colour[mine] = sample(levels, uv[mine], footprint)
-    image.reshape(-1, 3)[pixels] = colour * _light(soup.normals, t, points, house)[:, None]
-    ids, far = visible(soup, camera, keep & soup.glass)
-    front = (ids >= 0) & (far < depth)
-    image[front] = 0.7 * image[front] + 0.3 * soup.colours[ids[front]]
-    return _small(image)
+    depth = np.full(len(image), np.inf, dtype=np.float32)
+    shown = triangles.visible(camera, below & ~triangles.glass)
+    light = _light(triangles.normals, shown.triangles, shown.points, house)
+    image[shown.pixels] = triangles.looks(camera, shown) * light[:, None]
+    depth[shown.pixels] = shown.depth
+    panes = triangles.visible(camera, below & triangles.glass)
+    front = panes.depth < depth[panes.pixels]
+    seen, t = panes.pixels[front], panes.triangles[front]
+    image[seen] = 0.7 * image[seen] + 0.3 * triangles.colours[t]
+    return _small(image.reshape(camera.height, camera.width, 3))
 
 
 def _light(normals: np.ndarray, t: np.ndarray, points: np.ndarray, house: House) -> np.ndarray:

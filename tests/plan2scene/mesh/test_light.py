@@ -1,5 +1,6 @@
 """Baked light and pictures at eye level: windows and lamps light, cameras stand inside."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -8,10 +9,10 @@ from shapely.geometry import Point
 
 from plan2scene.house import Opening
 from plan2scene.mesh import build_parts
-from plan2scene.mesh.eye_level import EYE_M, SIZE, camera_in, render_rooms, standpoints
 from plan2scene.mesh.light import bake_light, lamp_position
-from plan2scene.mesh.raster import sample
 from plan2scene.mesh.rays import Rays, hemisphere
+from plan2scene.mesh.renderer import sample
+from plan2scene.mesh.room_views import SETTINGS, camera_in, render_rooms, standpoints
 from plan2scene.plans.geometry import room_polygon
 
 pytest.importorskip("embreex")
@@ -104,7 +105,7 @@ def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
         assert Point(lamp[0], lamp[2]).within(polygon)
         rays = Rays.of(build_parts(house))
         camera = camera_in(house, room.id, rays)
-        assert camera.position[1] == EYE_M
+        assert camera.position[1] == SETTINGS.eye_m
         assert polygon.contains(Point(camera.position[0], camera.position[2]))
         for eye, _ in standpoints(polygon):
             assert polygon.exterior.distance(Point(*eye)) > 0.3
@@ -114,7 +115,7 @@ def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
     textures = paint(gap_house)
     parts = build_parts(gap_house)
     sheet = render_rooms(gap_house, textures, parts)
-    first = sheet[8 : 8 + SIZE[0], 8 : 8 + SIZE[1]].astype(int)
+    first = sheet[8 : 8 + SETTINGS.size[0], 8 : 8 + SETTINGS.size[1]].astype(int)
     assert sheet.dtype == np.uint8
     # Bright corners of the tiles are orange; nothing is black or burnt.
     orange = (first[..., 0] > first[..., 2] + 60).mean()
@@ -122,6 +123,12 @@ def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
     assert (first.max(axis=2) < 12).mean() < 0.01
     assert (first.min(axis=2) > 250).mean() < 0.01
     np.testing.assert_array_equal(render_rooms(gap_house, textures, parts), sheet)
+
+
+def test_rooms_are_drawn_without_a_ray_tracer(gap_house, paint, monkeypatch):
+    monkeypatch.setitem(sys.modules, "embreex.rtcore_scene", None)
+    first = render_rooms(gap_house, paint(gap_house), build_parts(gap_house))[8:288, 8:428]
+    assert (first.max(axis=2) > 40).mean() > 0.95
 
 
 def test_rays_lie_about_the_normal_as_dense_as_the_cosine():

@@ -1,14 +1,15 @@
-"""The rasteriser against formulas, and previews of small houses."""
+"""The renderer against formulas, and previews of small houses."""
 
 import numpy as np
 import pytest
 
+from plan2scene.camera import Camera
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh import TileTexture
 from plan2scene.mesh.parts import PartBuilder
 from plan2scene.mesh.preview import render_preview
-from plan2scene.mesh.raster import attributes, look_at, mipmaps, sample, soup_of, visible
+from plan2scene.mesh.renderer import Triangles, mipmaps, sample
 
 
 def square(y, colour):
@@ -18,38 +19,50 @@ def square(y, colour):
     return builder.build(f"square {y}")
 
 
+def looking_down(eye, target, scale, size, orthographic=True):
+    camera = Camera.look_at(np.array(eye), np.array(target), scale, size, orthographic=orthographic)
+    return camera
+
+
 def test_straight_down_shows_plan_with_x_right_and_z_down():
-    camera = look_at(np.array([0, 9.0, 0]), np.zeros(3), 10.0, (101, 101), perspective=False)
-    x, y, depth = camera.project(np.array([2.0, 1.0, 3.0]))
-    assert (x, y, depth) == pytest.approx((70.0, 80.0, 8.0))
+    camera = looking_down([0, 9.0, 0], [0, 0, 0], 10.0, (101, 101))
+    assert camera.project(np.array([2.0, 1.0, 3.0])) == pytest.approx((70.0, 80.0))
+    assert camera.seen(np.array([2.0, 1.0, 3.0])) == pytest.approx((2.0, 3.0, 8.0))
 
 
 def test_nearest_triangle_wins_and_back_faces_are_culled():
-    soup = soup_of([square(0.0, (255, 0, 0)), square(1.0, (0, 255, 0))], {})
+    triangles = Triangles.of([square(0.0, (255, 0, 0)), square(1.0, (0, 255, 0))], {})
     keep = np.ones(4, dtype=bool)
-    eye, target = np.array([0.5, 5.0, 0.5]), np.array([0.5, 0.0, 0.5])
-    camera = look_at(eye, target, 50.0, (60, 60), perspective=False)
-    ids, depth = visible(soup, camera, keep)
-    assert set(np.unique(ids)) == {-1, 2, 3}
-    assert (ids >= 0).sum() == pytest.approx(50 * 50, rel=0.05)
-    assert depth[30, 30] == pytest.approx(4.0)
-    below = look_at(-eye, target - [1, 0, 1], 50.0, (60, 60), perspective=False)
-    assert (visible(soup, below, keep)[0] == -1).all()
+    shown = triangles.visible(looking_down([0.5, 5, 0.5], [0.5, 0, 0.5], 50.0, (60, 60)), keep)
+    assert set(shown.triangles) == {2, 3}
+    assert len(shown.pixels) == pytest.approx(50 * 50, rel=0.05)
+    assert shown.depth == pytest.approx(4.0)
+    below = looking_down([-0.5, -5, -0.5], [-0.5, 0, -0.5], 50.0, (60, 60))
+    assert len(triangles.visible(below, keep).pixels) == 0
 
 
-@pytest.mark.parametrize("perspective", [False, True])
-def test_points_of_pixels_project_back(perspective):
-    soup = soup_of([square(0.3, (255, 0, 0))], {})
-    eye = np.array([1.4, 3.0, 2.0])
-    camera = look_at(eye, np.array([0.5, 0.3, 0.5]), 90.0, (80, 90), perspective=perspective)
-    ids, _ = visible(soup, camera, np.ones(2, dtype=bool))
-    pixels, _, points, _ = attributes(soup, camera, ids)
-    rows, columns = np.divmod(pixels, 90)
-    assert len(pixels) > 100
-    np.testing.assert_allclose(points[:, 1], 0.3, atol=1e-4)
-    projected = camera.project(points.astype(np.float64))
-    np.testing.assert_allclose(projected[:, 0], columns, atol=0.02)
-    np.testing.assert_allclose(projected[:, 1], rows, atol=0.02)
+@pytest.mark.parametrize("orthographic", [False, True])
+def test_points_of_pixels_project_back(orthographic):
+    triangles = Triangles.of([square(0.3, (255, 0, 0))], {})
+    camera = looking_down([1.4, 3.0, 2.0], [0.5, 0.3, 0.5], 90.0, (80, 90), orthographic)
+    shown = triangles.visible(camera, np.ones(2, dtype=bool))
+    assert len(shown.pixels) > 100
+    np.testing.assert_allclose(shown.points[:, 1], 0.3, atol=1e-4)
+    np.testing.assert_allclose(shown.at(triangles.corners), shown.points, atol=1e-4)
+    rows, columns = np.divmod(shown.pixels, 90)
+    projected = camera.project(shown.points)
+    np.testing.assert_allclose(projected, np.stack([columns, rows], axis=1), atol=0.02)
+
+
+def test_a_floor_that_runs_on_behind_the_camera_is_drawn_before_it():
+    floor = PartBuilder()
+    floor.quad(np.array([[-50, 0, -50], [-50, 0, 50], [50, 0, 50], [50, 0, -50]], float), (9, 9, 9))
+    triangles = Triangles.of([floor.build("floor")], {})
+    camera = Camera.look_at(np.array([0, 1.5, 0]), np.array([0, 1.5, 5.0]), 40.0, (61, 80))
+    shown = triangles.visible(camera, np.ones(2, dtype=bool))
+    rows = shown.pixels // 80
+    assert np.unique(rows) == pytest.approx(np.arange(32, 61))  # below the horizon, row 30
+    np.testing.assert_allclose(shown.depth, 1.5 * 40.0 / (rows - 30.0), rtol=1e-4)
 
 
 def test_sampling_repeats_and_blurs_with_distance():

@@ -241,7 +241,7 @@ def test_the_horizon_of_a_level_camera_is_in_the_middle() -> None:
 
 
 def test_a_smaller_photo_has_a_smaller_camera() -> None:
-    half = panels.scaled_camera(camera(), (120, 160))
+    half = camera().resized((120, 160))
     assert half.focal_px == camera().focal_px / 2
     point = np.array([[0.3, 0.2, 3.0]])
     expected = (camera().project(point) + 0.5) / 2 - 0.5

@@ -7,7 +7,7 @@ new (h, w, 3) uint8 sRGB picture; nothing here decides anything.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise, zip_longest
 from pathlib import Path
 from typing import Any
@@ -137,19 +137,6 @@ def fit(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     shape = (max(1, round(width * scale)), max(1, round(height * scale)))
     way = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
     return cv2.resize(image, shape, interpolation=way)
-
-
-def scaled_camera(camera: Camera, size: tuple[int, int]) -> Camera:
-    """Return the camera of the photo resized to (height, width)."""
-    scale = size[1] / camera.width
-    return replace(
-        camera,
-        width=size[1],
-        height=size[0],
-        focal_px=camera.focal_px * scale,
-        cx=(camera.cx + 0.5) * scale - 0.5,
-        cy=(camera.cy + 0.5) * size[0] / camera.height - 0.5,
-    )
 
 
 def windows_panel(image: np.ndarray, windows: Sequence[Window], scale: float) -> np.ndarray:
@@ -313,7 +300,7 @@ def plan_panel(
 
 def edges_panel(image: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]) -> np.ndarray:
     """Return a photo (h, w, 3) with the edges of its room in the plan drawn over it."""
-    camera = scaled_camera(pose.camera, (image.shape[0], image.shape[1]))
+    camera = pose.camera.resized((image.shape[0], image.shape[1]))
     picture = np.clip(image * 0.7 + 255 * 0.3, 0, 255).astype(np.uint8)
     for line, ink in _room_lines(shapes[pose.room_id]):
         for a, b in _segments(camera, line - pose.eye):
@@ -341,7 +328,7 @@ def _segments(
     camera: Camera, points: np.ndarray
 ) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
     """Yield the visible pieces of a line through points (n, 3), from the camera, in 1/8 pixels."""
-    seen = points @ camera.matrix.T
+    seen = camera.seen(points)
     for a, b in pairwise(seen):
         if max(a[2], b[2]) <= NEAR_M:
             continue

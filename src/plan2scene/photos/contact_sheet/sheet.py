@@ -37,7 +37,6 @@ from plan2scene.photos.contact_sheet.panels import (
     in_turns,
     plane_name,
     read_windows,
-    scaled_camera,
     thumbnail,
 )
 from plan2scene.photos.labels.palette import LABELS, read_label_png
@@ -198,9 +197,9 @@ def row_panels(photo: SheetPhoto, shapes: Mapping[str, RoomShape]) -> list[tuple
     located = photo.pose is not None and any(item.in_plan for item in photo.planes)
     camera = photo.pose.camera if photo.pose is not None and located else photo.camera
     segments = (photo.segments + 0.5) * (size[1] / width) - 0.5
-    lines = panels.lines_panel(image, scaled_camera(photo.camera, size), segments)
+    lines = panels.lines_panel(image, photo.camera.resized(size), segments)
     straight = panels.planes_panel(
-        image, scaled_camera(camera, size), _resized_planes(planes, size), PANEL
+        image, camera.resized(size), _resized_planes(planes, size), PANEL
     )
     shares = ", ".join(f"{LABELS[k]} {(photo.labels == k).mean():.0%}" for k in (1, 2, 3))
     labels = _resized(photo.labels, small)

@@ -104,7 +104,7 @@ def _shoot(
     emitted = guide.radiance * _outside(scene, truth, view)
     image = develop(light * guide.albedo + emitted, guide.albedo, style, rng)
     labels = without_openings(truth.labels)
-    camera = camera_record(view, size, size[1] / 2 / float(np.tan(view.fov / 2)), scene.planes)
+    camera = camera_record(view, size, scene.planes)
     return RenderedPhoto(view, image, labels, truth.planes, camera)
 
 
@@ -126,17 +126,15 @@ def light_at(small: Buffers, small_hits: Truth, guide: Buffers, hits: Truth) -> 
     return upsample(light, (small_hits.normal, small_hits.position), (hits.normal, hits.position))
 
 
-def camera_record(
-    view: View, size: tuple[int, int], focal_px: float, planes: Sequence[Plane]
-) -> dict[str, Any]:
+def camera_record(view: View, size: tuple[int, int], planes: Sequence[Plane]) -> dict[str, Any]:
     """Return the truth of a camera as in ``cameras.json``."""
-    height, width = size
+    camera = view.camera(size)
     return {
-        "width": width,
-        "height": height,
-        "focal_px": focal_px,
-        "cx": (width - 1) / 2,
-        "cy": (height - 1) / 2,
+        "width": camera.width,
+        "height": camera.height,
+        "focal_px": camera.focal_px,
+        "cx": camera.cx,
+        "cy": camera.cy,
         "rotation": view.rotation().tolist(),
         "position": list(view.position),
         "room_id": view.room_id,

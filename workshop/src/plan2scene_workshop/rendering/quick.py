@@ -125,17 +125,18 @@ class QuickTracer:
         """Return rays through pixel centres, row by row, each `samples` times."""
         mi, dr = self._mi, self._dr
         height, width = size
-        scale = dr.opaque(mi.Float, float(max(size) / 2 / np.tan(view.fov / 2)))
+        camera = view.camera(size)
+        scale = dr.opaque(mi.Float, camera.focal_px)
         wide = dr.opaque(mi.UInt32, width)
         pixel = dr.arange(mi.UInt32, height * width * samples) // dr.opaque(mi.UInt32, samples)
         row = pixel // wide
         x = (mi.Float(pixel - row * wide) + dr.opaque(mi.Float, 0.5 - width / 2)) / scale
         y = (mi.Float(row) + dr.opaque(mi.Float, 0.5 - height / 2)) / scale
         axes = [
-            mi.Vector3f(*[dr.opaque(mi.Float, float(c)) for c in axis]) for axis in view.rotation()
+            mi.Vector3f(*[dr.opaque(mi.Float, float(c)) for c in axis]) for axis in camera.matrix
         ]
         ray = dr.normalize(x * axes[0] + y * axes[1] + axes[2])
-        origin = mi.Point3f(*[dr.opaque(mi.Float, float(c)) for c in view.position])
+        origin = mi.Point3f(*[dr.opaque(mi.Float, float(c)) for c in camera.position])
         return mi.Ray3f(origin, ray)
 
     def _cast(self, rays: Any) -> tuple[Any, Any, Any, Any]:

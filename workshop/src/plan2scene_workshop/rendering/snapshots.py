@@ -224,7 +224,7 @@ def _shoot(
         np.where(hits.face >= 0, tracer.faces.labels[hits.face], OTHER).astype(np.uint8),
         _packed_normals(hits, view),
         np.clip(np.round(hits.depth * 1000), 0, 65535).astype(np.uint16),
-        camera_record(view, size, max(size) / 2 / float(np.tan(view.fov / 2)), ()),
+        camera_record(view, size, ()),
     )
 
 

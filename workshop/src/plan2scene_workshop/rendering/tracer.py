@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plan2scene.errors import InputError
+from plan2scene.mesh.path_tracing import sensor
 from plan2scene_workshop.rendering.geometry import Geometry, JoinedGroup
 from plan2scene_workshop.rendering.views import View
 
@@ -120,9 +121,9 @@ class Tracer:
         self, integrator: Any, view: View, size: tuple[int, int], samples: int, seed: int
     ) -> Buffers:
         sampler = {"type": "independent", "sample_count": samples}
-        sensor = self._sensor(view, size, sampler)
+        camera = sensor(self._mi, view.camera(size), sampler)
         image = self._mi.render(
-            self._scene, sensor=sensor, integrator=integrator, spp=samples, seed=seed % 2**31
+            self._scene, sensor=camera, integrator=integrator, spp=samples, seed=seed % 2**31
         )
         data = np.asarray(image, dtype=np.float32)
         return Buffers(data[..., :3], data[..., 3:6])
@@ -130,8 +131,8 @@ class Tracer:
     def truth(self, view: View, size: tuple[int, int]) -> Truth:
         """Cast one ray through each pixel's centre."""
         sampler = {"type": "stratified", "sample_count": 1, "jitter": False}
-        sensor = self._sensor(view, size, sampler)
-        image = self._mi.render(self._scene, sensor=sensor, integrator=self._truth, spp=1)
+        camera = sensor(self._mi, view.camera(size), sampler)
+        image = self._mi.render(self._scene, sensor=camera, integrator=self._truth, spp=1)
         data = np.asarray(image, dtype=np.float32)
         shape, face = data[..., 0].astype(np.int64), data[..., 1].astype(np.int64)
         labels, planes = (np.full(size, fill, np.uint8) for fill in (0, 255))
@@ -143,33 +144,6 @@ class Tracer:
             planes[here] = group.planes[face[here]]
             materials[here] = self._groups[index][0]
         return Truth(labels, planes, materials, data[..., 2:5], data[..., 5:8])
-
-    def _sensor(self, view: View, size: tuple[int, int], sampler: dict[str, Any]) -> Any:
-        mi = self._mi
-        rotation = view.rotation()
-        to_world = np.eye(4)
-        to_world[:3, :3] = np.stack([-rotation[0], -rotation[1], rotation[2]], axis=1)
-        to_world[:3, 3] = view.position
-        film = {
-            "type": "hdrfilm",
-            "height": size[0],
-            "width": size[1],
-            "rfilter": {"type": "box"},
-            "pixel_format": "rgb",
-            "component_format": "float32",
-        }
-        return mi.load_dict(
-            {
-                "type": "perspective",
-                "fov": float(np.degrees(view.fov)),
-                "fov_axis": "x",
-                "near_clip": 0.02,
-                "far_clip": 200.0,
-                "to_world": mi.ScalarTransform4f(to_world.tolist()),
-                "film": film,
-                "sampler": sampler,
-            }
-        )
 
 
 def _shape_ids(mi: Any, scene: Any) -> dict[int, int]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from plan2scene.camera import Camera, as_rows, focal_of
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.plans.geometry import room_polygon
@@ -29,7 +30,7 @@ class View:
 
     `position` is (x, y, z) in metres; `yaw` 0 looks along +z and turns towards +x, `pitch` is
     positive upwards, `roll` positive when the camera turns clockwise; all in radians. `fov` is
-    the horizontal field of view in radians.
+    the field of view along the longer side of a picture in radians.
     """
 
     room_id: str
@@ -49,6 +50,19 @@ class View:
         down = np.cross(forward, right)
         sr, cr = np.sin(self.roll), np.cos(self.roll)
         return np.stack([cr * right + sr * down, cr * down - sr * right, forward])
+
+    def camera(self, size: tuple[int, int]) -> Camera:
+        """Return the camera of a picture of (height, width) pixels, its centre in the middle."""
+        height, width = size
+        return Camera(
+            width,
+            height,
+            focal_of(self.fov, max(size)),
+            (width - 1) / 2,
+            (height - 1) / 2,
+            as_rows(self.rotation()),
+            position=self.position,
+        )
 
 
 def plan_views(house: House, rooms: Sequence[str], count: int, seed: int) -> list[View]:

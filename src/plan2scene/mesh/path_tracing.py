@@ -15,12 +15,12 @@ from typing import Any
 import cv2
 import numpy as np
 
+from plan2scene.camera import Camera
 from plan2scene.colour import srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes
 from plan2scene.mesh.light import LAMP, SKY, lamp_position
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.raster import Camera
 from plan2scene.mesh.textures import UNTEXTURED, TileTexture
 
 #: Mitsuba's variants in order of preference: the second needs nothing but Mitsuba, and is slower.
@@ -87,9 +87,10 @@ class TracedScene:
 
     def draw(self, camera: Camera) -> np.ndarray:
         """Return a picture, (h, w, 3) float32 linear RGB, exposed to `MIDDLE`. Deterministic."""
+        sampler = {"type": "independent", "sample_count": SAMPLES}
         image = self._mi.render(
             self._scene,
-            sensor=self._sensor(camera),
+            sensor=sensor(self._mi, camera, sampler),
             integrator=self._integrator,
             spp=SAMPLES,
             seed=0,
@@ -146,26 +147,33 @@ class TracedScene:
             mesh.add_attribute("vertex_color", 3, linear.ravel())
         return mesh
 
-    def _sensor(self, camera: Camera) -> Any:
-        """Return a pinhole where a camera is."""
-        height, width = camera.size
-        to_world = np.eye(4)
-        right, down, ahead = camera.rotation
-        to_world[:3, :3] = np.stack([-right, -down, ahead], axis=1)
-        to_world[:3, 3] = camera.position
-        film = {"type": "hdrfilm", "height": height, "width": width, "pixel_format": "rgb"}
-        return self._mi.load_dict(
-            {
-                "type": "perspective",
-                "fov": float(np.degrees(2 * np.arctan(width / 2 / camera.scale))),
-                "fov_axis": "x",
-                "near_clip": 0.02,
-                "far_clip": 200.0,
-                "to_world": self._mi.ScalarTransform4f(to_world.tolist()),
-                "film": {**film, "rfilter": {"type": "box"}, "component_format": "float32"},
-                "sampler": {"type": "independent", "sample_count": SAMPLES},
-            }
-        )
+
+def sensor(mi: Any, camera: Camera, sampler: Mapping[str, Any]) -> Any:
+    """Return Mitsuba's pinhole that sees what a camera sees, with a sampler's description."""
+    to_world = np.eye(4)
+    right, down, ahead = camera.matrix
+    to_world[:3, :3] = np.stack([-right, -down, ahead], axis=1)
+    to_world[:3, 3] = camera.position
+    film = {
+        "type": "hdrfilm",
+        "height": camera.height,
+        "width": camera.width,
+        "rfilter": {"type": "box"},
+        "pixel_format": "rgb",
+        "component_format": "float32",
+    }
+    return mi.load_dict(
+        {
+            "type": "perspective",
+            "fov": float(np.degrees(camera.fov_x)),
+            "fov_axis": "x",
+            "near_clip": 0.02,
+            "far_clip": 200.0,
+            "to_world": mi.ScalarTransform4f(to_world.tolist()),
+            "film": film,
+            "sampler": dict(sampler),
+        }
+    )
 
 
 def smoothed(

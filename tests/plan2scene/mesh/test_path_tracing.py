@@ -5,9 +5,9 @@ import pytest
 
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.mesh import TileTexture, build_parts, traced
-from plan2scene.mesh.eye_level import camera_in
+from plan2scene.mesh import TileTexture, build_parts, path_tracing
 from plan2scene.mesh.rays import Rays
+from plan2scene.mesh.room_views import camera_in
 
 pytest.importorskip("embreex")
 
@@ -21,7 +21,7 @@ def test_smoothing_keeps_colours_and_edges_and_takes_noise():
     light = np.where(np.arange(60) < 30, 0.3, 1.0)[None, :, None]
     noisy = albedo * light * rng.uniform(0.5, 1.5, albedo.shape)
     place = np.zeros_like(albedo)
-    made = traced.smoothed(noisy.astype(np.float32), albedo, normal, place) / albedo
+    made = path_tracing.smoothed(noisy.astype(np.float32), albedo, normal, place) / albedo
     assert made[:, 4:28].std() < 0.15 * 0.3
     assert made[:, 4:28].mean() == pytest.approx(0.3, rel=0.05)
     assert made[:, 32:56].mean() == pytest.approx(1.0, rel=0.05)
@@ -30,14 +30,14 @@ def test_smoothing_keeps_colours_and_edges_and_takes_noise():
 
 def test_a_room_is_lit_and_shows_its_floor(gap_house, monkeypatch):
     pytest.importorskip("mitsuba")
-    monkeypatch.setattr(traced, "VARIANTS", ("scalar_rgb",))
-    monkeypatch.setattr(traced, "SAMPLES", 4)
-    mi = traced.load_mitsuba()
+    monkeypatch.setattr(path_tracing, "VARIANTS", ("scalar_rgb",))
+    monkeypatch.setattr(path_tracing, "SAMPLES", 4)
+    mi = path_tracing.load_mitsuba()
     red = TileTexture(png_bytes(np.full((4, 4, 3), (220, 30, 30), np.uint8)), 1.0)
     parts = build_parts(gap_house)
-    scene = traced.TracedScene(mi, gap_house, parts, {SurfaceKey("b", "floor"): red})
+    scene = path_tracing.TracedScene(mi, gap_house, parts, {SurfaceKey("b", "floor"): red})
     camera = camera_in(gap_house, "b", Rays.of(parts))
-    small = type(camera)(camera.rotation, camera.position, camera.scale / 6, (58, 87), True)
+    small = camera.resized((58, 87))
     picture = scene.draw(small)
     assert picture.shape == (58, 87, 3) and np.isfinite(picture).all()
     low = picture[-12:].reshape(-1, 3).mean(axis=0)
@@ -48,5 +48,5 @@ def test_a_room_is_lit_and_shows_its_floor(gap_house, monkeypatch):
 
 def test_without_mitsuba_a_line_says_so(monkeypatch, caplog):
     monkeypatch.setitem(__import__("sys").modules, "mitsuba", None)
-    assert traced.load_mitsuba() is None
+    assert path_tracing.load_mitsuba() is None
     assert "plan2scene[render]" in caplog.text
