@@ -24,12 +24,13 @@ include: "workflow/rules/sweep.smk"
 include: "workflow/rules/ablation.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/collect.smk"
 
 
 rule all:
     default_target: True
     input:
-        house_files("house.glb", "house.scene.json", "preview.png", "viewer.html"),
+        house_files("house.glb", "preview.png", "rooms.jpg", "viewer.html"),
         house_files("contact_sheet.png", "texture_sheet.png"),
         f"{RESULTS}/tables/paper_table.csv",
         f"{RESULTS}/index.html",

@@ -139,8 +139,8 @@ def test_editing_the_seam_module_reruns_what_depends_on_it(made):
         rules = {rule for rule, _ in made.jobs("all")}
     finally:
         module.write_text(text)
-    assert {"textures", "house", "comparison"} <= rules
-    assert not rules & {"masks", "crops", "embeddings"}
+    assert {"textures", "house", "table_textures"} <= rules
+    assert not rules & {"masks", "crops", "embeddings", "reference_features"}
 
 
 def test_editing_the_contact_sheet_redoes_contact_sheets_alone(made):

@@ -16,24 +16,27 @@ def test_a_house_is_one_job_of_the_sweep_and_one_of_the_ablation(bare):
     rules = Counter(rule for rule, _ in bare.jobs("sweep", "ablation"))
     assert (rules["sweep_house"], rules["ablation_house"]) == (2, 2)
     assert (rules["sweep"], rules["ablation"]) == (1, 1)
-    # The comparison makes the features of the crops, which both look at.
-    assert rules["comparison"] == 2
+    # Both compare with the features of the crops, neither with the table's tiles.
+    assert rules["reference_features"] == 2
+    assert "table_textures" not in rules
 
 
-def test_a_house_is_compared_in_one_job(bare):
+def test_what_the_table_needs_of_a_house(bare):
     rules = Counter(rule for rule, _ in bare.jobs("results/tiny/tables/paper_table.csv"))
     # Tiles of the 3D house are taken, those of other methods and drops made.
-    assert rules["comparison"] == rules["embeddings"] == rules["textures"] == 2
+    assert rules["table_textures"] == rules["embeddings"] == rules["textures"] == 2
+    assert rules["metrics"] == rules["reference_features"] == 2
+    assert "house" not in rules and "texture_sheet" not in rules
     # At both drops.
     assert rules["surfaces"] == rules["materials"] == rules["propagated"] == 4
 
 
-def test_accent_walls_are_no_part_of_the_comparison(bare, tmp_path):
+def test_accent_walls_are_no_part_of_the_table(bare, tmp_path):
     config = tmp_path / "walls.yaml"
     config.write_text("house: {walls: wall}\n")
     configs = ("--configfile", "config/config.yaml", str(config))
     rules = Counter(rule for rule, _ in bare.jobs("results/tiny/tables/paper_table.csv", *configs))
-    assert rules["comparison"] == 2
+    assert rules["table_textures"] == 2
     assert "textures" not in rules
 
 
@@ -46,16 +49,26 @@ def test_a_batch_is_the_houses_that_the_configuration_lists(bare, tmp_path):
 
 def test_the_jobs_of_a_house(bare):
     rules = Counter(rule for rule, house in bare.jobs("all") if house)
-    once = {"floorplan", "masks", "places", "crops", "contact_sheet", "embeddings", "comparison"}
+    once = {
+        "floorplan",
+        "masks",
+        "places",
+        "crops",
+        "contact_sheet",
+        "embeddings",
+        "reference_features",
+    }
+    once |= {"textures", "table_textures", "metrics", "texture_sheet"}
+    once |= {"house", "preview", "rooms", "viewer"}
     at_drops = {"surfaces", "materials", "propagated"}
-    assert rules == dict.fromkeys(once | {"textures", "house"}, 2) | dict.fromkeys(at_drops, 4)
+    assert rules == dict.fromkeys(once, 2) | dict.fromkeys(at_drops, 4)
 
 
-def test_a_house_is_made_without_the_comparison(bare):
+def test_a_house_is_made_without_table_and_pictures(bare):
     house = bare.houses()[0]
     rules = Counter(rule for rule, _ in bare.jobs(f"results/tiny/houses/{house}/house.glb"))
     assert rules["textures"] == 1
-    assert "comparison" not in rules
+    assert not rules.keys() & {"table_textures", "preview", "rooms", "viewer", "contact_sheet"}
 
 
 def test_one_method_of_one_house_can_be_asked_for(bare):
@@ -64,7 +77,7 @@ def test_one_method_of_one_house_can_be_asked_for(bare):
         jobs = bare.jobs(f"results/tiny/drop_{drop}/{method}/{house}/textures")
         rules = Counter(rule for rule, _ in jobs)
         assert rules["textures"] == rules["texture_library"] == 1
-        assert "comparison" not in rules
+        assert "table_textures" not in rules
     # A method that takes no tile of the library does not wait for it.
     jobs = bare.jobs(f"results/tiny/drop_0.6/synth/{house}/textures")
     assert "texture_library" not in {rule for rule, _ in jobs}
@@ -75,16 +88,16 @@ def test_the_study_needs_the_textures_of_its_methods_alone(bare, tmp_path):
     config.write_text("study: {houses: 1, pairs: [[projection, medoid_colour]]}\n")
     jobs = bare.jobs("study", "--configfile", "config/config.yaml", str(config))
     rules = Counter(rule for rule, _ in jobs)
-    assert rules["textures"] == 2 and "comparison" not in rules
+    assert rules["textures"] == 2 and "table_textures" not in rules
     assert len({house for _, house in jobs if house}) == 1
 
 
-def test_the_study_takes_from_the_comparison_what_is_compared(bare, tmp_path):
+def test_the_study_takes_from_the_table_s_tiles_what_is_compared(bare, tmp_path):
     config = tmp_path / "study.yaml"
     config.write_text("study: {houses: 1, pairs: [[synth, crop], [synth, projection]]}\n")
     jobs = bare.jobs("study", "--configfile", "config/config.yaml", str(config))
     rules = Counter(rule for rule, _ in jobs)
-    assert rules["comparison"] == 1
+    assert rules["table_textures"] == 1
     # Those of the 3D house, and the method that the table has not.
     assert rules["textures"] == 2
 
@@ -112,3 +125,14 @@ def test_without_a_finished_house_there_is_no_partial_table(bare):
 def test_a_dry_run_writes_no_result(bare):
     assert bare.jobs("all")
     assert not (bare.root / "results").exists()
+
+
+def test_every_stage_has_a_target_over_the_data_set(bare):
+    stages = ["plans", "masks", "places", "crops", "embeddings", "surfaces", "materials"]
+    stages += ["propagated", "textures", "meshes", "metrics"]
+    rules = Counter(rule for rule, house in bare.jobs(*(f"all_{s}" for s in stages)) if house)
+    once = ["floorplan", "masks", "places", "crops", "embeddings", "textures", "table_textures"]
+    assert {rules[rule] for rule in (*once, "house", "metrics", "reference_features")} == {2}
+    assert {rules[rule] for rule in ("surfaces", "materials", "propagated")} == {4}
+    # Nothing that is only looked at.
+    assert not rules.keys() & {"preview", "rooms", "viewer", "contact_sheet", "texture_sheet"}

@@ -12,6 +12,7 @@ RULES = {
     block.split(":")[0]: block
     for path in WORKFLOW.glob("rules/*.smk")
     for block in re.split(r"^rule ", path.read_text(), flags=re.MULTILINE)[1:]
+    if "script:" in block
 }
 #: Of the rule that reads plans, whose hash each plan's format decides.
 PLAN_CODE = '"plan2scene.datasets.import_plan"'

@@ -3,18 +3,20 @@ TABLE_DROP = "0.6" if "0.6" in DROPS else max(DROPS)
 
 
 # The networks behind FID and KID, and behind SUBS: converted ones where they are given.
-FEATURE_MODEL = metric_model("inception")
-SUBSTANCE_MODEL = metric_model("vgg16")
-EVALUATION_MODELS = {
-    **CROP_MODELS,
-    **PROPAGATION_MODELS,
-    "features": FEATURE_MODEL,
-    "substances": SUBSTANCE_MODEL,
+METRIC_MODELS = {
+    "features": metric_model("inception"),
+    "substances": metric_model("vgg16"),
 }
-METRIC_MEMORY = 3000 if FEATURE_MODEL != SUBSTANCE_MODEL else 1000
+FEATURE_MODEL = {"features": METRIC_MODELS["features"]}
+METRIC_MEMORY = 3000 if len(set(METRIC_MODELS.values())) > 1 else 1000
+# Of sweep and ablation, which make all stages from the embeddings on.
+EVALUATION_MODELS = {**CROP_MODELS, **PROPAGATION_MODELS, **METRIC_MODELS}
 
 
 TABLE_DROPS = sorted({"0.0", TABLE_DROP})
+TABLE_MODELS = {
+    name: path for method in METHODS for name, path in decoder(method).items()
+}
 # Tiles by {drop}/{method}.
 COMPARED = f"{RESULTS}/houses/{{house}}/comparison"
 # The 3D house's textures are those of its method in the table, but for accent walls.
@@ -25,13 +27,11 @@ SHOWN = (
 )
 
 
-rule comparison:
-    # Textures by every method with their COLOR, FREQ, TILE, SUBS and features of each surface that
-    # any crop shows, the features of the crops that FID compares them with, and a sheet of both to
-    # look at: one job a house, for as jobs of their own they would mostly start.
+rule table_textures:
+    # Tiles by every method of the table at both drop fractions; those of the 3D house are copied.
     input:
         **given(pool=POOL, shown=SHOWN),
-        **made(EVALUATION_MODELS),
+        **made(TABLE_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         propagated=[
@@ -40,20 +40,44 @@ rule comparison:
         ],
         library=f"{RESULTS}/texture_library.parquet",
     output:
-        textures=directory(COMPARED),
-        metrics=f"{RESULTS}/houses/{{house}}/metrics.parquet",
-        references=f"{RESULTS}/houses/{{house}}/reference_features.parquet",
-        sheet=report(
-            f"{RESULTS}/houses/{{house}}/texture_sheet.png",
-            caption="../report/texture_sheet.rst",
-            category="Houses",
-            subcategory="{house}",
-            labels={"file": "textures by method"},
-        ),
+        directory(COMPARED),
     log:
-        f"logs/{DATASET}/comparison/{{house}}.log",
+        f"logs/{DATASET}/table_textures/{{house}}.log",
     benchmark:
-        f"logs/{DATASET}/benchmarks/comparison/{{house}}.tsv"
+        f"logs/{DATASET}/benchmarks/table_textures/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        models=TABLE_MODELS,
+        hashes=hashes(TABLE_MODELS),
+        methods=METHODS,
+        shown=("0.0", config["house"]["method"]),
+        hidden=hidden_at_drops(TABLE_DROPS),
+        images=config["metrics"]["fid_seeds"],
+        seed=config["seed"],
+        size_px=config["textures"]["size_px"],
+        seam_correction=seam_correction(*METHODS),
+        code=code_hash("plan2scene.textures.table"),
+        method_code=method_code(*METHODS),
+    script:
+        "../scripts/table_textures.py"
+
+
+rule metrics:
+    # COLOR, FREQ, TILE, SUBS and features of each surface that any crop shows, by every method.
+    input:
+        **made(METRIC_MODELS),
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        textures=COMPARED,
+    output:
+        f"{RESULTS}/houses/{{house}}/metrics.parquet",
+    log:
+        f"logs/{DATASET}/metrics/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/metrics/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
     threads: 1
@@ -61,24 +85,67 @@ rule comparison:
         mem_mb=max(2000, METRIC_MEMORY),
     params:
         dataset=DATASET,
-        models=EVALUATION_MODELS,
-        hashes=hashes(EVALUATION_MODELS),
+        models=METRIC_MODELS,
+        hashes=hashes(METRIC_MODELS),
         methods=METHODS,
-        shown=("0.0", config["house"]["method"]),
         hidden=hidden_at_drops(TABLE_DROPS),
-        images=config["metrics"]["fid_seeds"],
-        seed=config["seed"],
-        predictor=config["propagation"]["predictor"],
-        size_px=config["textures"]["size_px"],
-        seam_correction=seam_correction(*METHODS),
-        code=code_hash(
-            "plan2scene.evaluation.comparison",
-            "plan2scene.evaluation.measure",
-            "plan2scene.evaluation.texture_sheet",
-        ),
-        method_code=method_code(*METHODS),
+        code=code_hash("plan2scene.evaluation.measure"),
     script:
-        "../scripts/comparison.py"
+        "../scripts/metrics.py"
+
+
+rule reference_features:
+    # The features of each crop, with which FID and KID compare those of tiles.
+    input:
+        **made(FEATURE_MODEL),
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+    output:
+        f"{RESULTS}/houses/{{house}}/reference_features.parquet",
+    log:
+        f"logs/{DATASET}/reference_features/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/reference_features/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=max(2000, METRIC_MEMORY),
+    params:
+        dataset=DATASET,
+        models=FEATURE_MODEL,
+        hashes=hashes(FEATURE_MODEL),
+        code=code_hash("plan2scene.evaluation.measure"),
+    script:
+        "../scripts/reference_features.py"
+
+
+rule texture_sheet:
+    # To look at: reference crops beside the tiles of every method.
+    input:
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        textures=COMPARED,
+    output:
+        report(
+            f"{RESULTS}/houses/{{house}}/texture_sheet.png",
+            caption="../report/texture_sheet.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "textures by method"},
+        ),
+    log:
+        f"logs/{DATASET}/texture_sheet/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/texture_sheet/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+    params:
+        methods=METHODS,
+        code=code_hash("plan2scene.evaluation.texture_sheet"),
+    script:
+        "../scripts/texture_sheet.py"
 
 
 rule paper_table:

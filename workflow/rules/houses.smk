@@ -9,33 +9,99 @@ wildcard_constraints:
 
 
 rule house:
-    # The 3D house: GLB with embedded textures, scene.json with textures, its preview (plan view
-    # with room names, and oblique view), each room at eye level, and one offline HTML file with
-    # the house in it, which also shows its photos' crops and places: one start.
+    # The 3D house: GLB with embedded textures, and scene.json with textures.
     input:
-        **given(cameras=HAS_MASKS and CAMERAS),
-        propagated=f"{RESULTS}/drop_0.0/{{house}}/propagated.parquet",
-        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         textures=CHOSEN_TEXTURES,
     output:
         glb=f"{RESULTS}/houses/{{house}}/house.glb",
         scene=f"{RESULTS}/houses/{{house}}/house.scene.json",
-        preview=report(
+    log:
+        f"logs/{DATASET}/house/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/house/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        objects=config["house"]["objects"],
+        relief=config["house"]["relief"],
+        code=code_hash("plan2scene.mesh.build"),
+    script:
+        "../scripts/house.py"
+
+
+rule preview:
+    # To look at: the plan with room names, and the house from above.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        textures=CHOSEN_TEXTURES,
+    output:
+        report(
             f"{RESULTS}/houses/{{house}}/preview.png",
             caption="../report/preview.rst",
             category="Houses",
             subcategory="{house}",
             labels={"file": "preview"},
         ),
-        rooms=report(
+    log:
+        f"logs/{DATASET}/preview/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/preview/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        objects=config["house"]["objects"],
+        code=code_hash("plan2scene.mesh.pictures"),
+    script:
+        "../scripts/preview.py"
+
+
+rule rooms:
+    # To look at: each room at eye level.
+    input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        textures=CHOSEN_TEXTURES,
+    output:
+        report(
             f"{RESULTS}/houses/{{house}}/rooms.jpg",
             caption="../report/rooms.rst",
             category="Houses",
             subcategory="{house}",
             labels={"file": "rooms"},
         ),
-        viewer=report(
+    log:
+        f"logs/{DATASET}/rooms/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/rooms/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        objects=config["house"]["objects"],
+        traced=config["house"]["pictures"] == "traced",
+        code=code_hash("plan2scene.mesh.pictures"),
+    script:
+        "../scripts/rooms.py"
+
+
+rule viewer:
+    # To look at: one offline page with the house, its photos' crops and places.
+    input:
+        **given(cameras=HAS_MASKS and CAMERAS),
+        propagated=f"{RESULTS}/drop_0.0/{{house}}/propagated.parquet",
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        glb=f"{RESULTS}/houses/{{house}}/house.glb",
+    output:
+        report(
             f"{RESULTS}/houses/{{house}}/viewer.html",
             caption="../report/viewer.rst",
             category="Houses",
@@ -43,21 +109,21 @@ rule house:
             labels={"file": "viewer"},
         ),
     log:
-        f"logs/{DATASET}/house/{{house}}.log",
+        f"logs/{DATASET}/viewer/{{house}}.log",
     benchmark:
-        f"logs/{DATASET}/benchmarks/house/{{house}}.tsv"
+        f"logs/{DATASET}/benchmarks/viewer/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: HOUSE_THREADS
+    threads: 1
     resources:
-        mem_mb=worker_memory(1500, 300),
+        mem_mb=1000,
     params:
-        objects=config["house"]["objects"],
-        relief=config["house"]["relief"],
-        traced=config["house"]["pictures"] == "traced",
-        code=code_hash("plan2scene.mesh.build", "plan2scene_app.viewer.viewer_page"),
+        code=code_hash(
+            "plan2scene_app.viewer.viewer_page",
+            "plan2scene.plans.scene_json",
+        ),
     script:
-        "../scripts/house.py"
+        "../scripts/viewer.py"
 
 
 rule lit_house:

@@ -143,6 +143,8 @@ rule contact_sheet:
     params:
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
-        code=code_hash("plan2scene.photos.contact_sheet.sheet"),
+        code=code_hash(
+            "plan2scene.photos.contact_sheet.sheet", "plan2scene.plans.scene_json"
+        ),
     script:
         "../scripts/contact_sheet.py"

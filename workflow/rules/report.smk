@@ -1,9 +1,9 @@
 rule index_page:
-    # One page that links every house's files, the table and the plot. Of the files that a job makes
-    # together, one is named.
+    # One page that links every house's files, the table and the plot.
     input:
         scenes=house_files("scene.json"),
-        linked=house_files("viewer.html", "contact_sheet.png", "texture_sheet.png"),
+        houses=house_files("house.glb", "preview.png", "rooms.jpg", "viewer.html"),
+        sheets=house_files("contact_sheet.png", "texture_sheet.png"),
         table=f"{RESULTS}/tables/paper_table.csv",
         plot=f"{RESULTS}/tables/paper_table.png",
     output:

@@ -1,25 +1,15 @@
-"""Rule house: plan, textures, crops -> GLB, scene.json with textures, pictures, offline viewer."""
+"""Rule house: plan and textures -> GLB, and scene.json with textures."""
 
 from plan2scene.mesh.build import build_house
-from plan2scene.plans import read_scene_json
 from plan2scene.workflow.jobs import job
-from plan2scene_app.viewer.viewer_page import build_viewer, read_facts
 
 with job(snakemake.log[0]):
-    house_id, given, made = snakemake.wildcards.house, snakemake.input, snakemake.output
     build_house(
-        given.scene,
-        given.textures,
-        made.glb,
-        made.scene,
-        made.preview,
-        made.rooms,
-        house_id=house_id,
+        snakemake.input.scene,
+        snakemake.input.textures,
+        snakemake.output.glb,
+        snakemake.output.scene,
+        house_id=snakemake.wildcards.house,
         objects=snakemake.params.objects,
         relief=snakemake.params.relief,
-        traced=snakemake.params.traced,
-        threads=snakemake.threads,
     )
-    house = read_scene_json(given.scene, house_id)
-    facts = read_facts(given.propagated, given.crops, given.get("cameras"), house)
-    build_viewer(made.glb, made.viewer, house_id=house_id, facts=facts)

@@ -19,9 +19,8 @@ from plan2scene.evaluation.houses import (
     measured_at,
     propagated_at,
     propagated_from,
-    write_measured,
 )
-from plan2scene.evaluation.measure import reference_images
+from plan2scene.evaluation.measure import reference_images, write_measured
 from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.tables import (
     TableRequest,
@@ -218,7 +217,7 @@ def ablate_house(
                 visible = Visible(propagated, photos)
                 rows = measured_at(own, data, visible, [variant.method], references, drop=drop)
                 frames += [frame.assign(method=variant.name) for frame in rows]
-    write_measured(output, house, frames)
+    write_measured(output, frames, house.metadata)
 
 
 def _variant_of(house: EvaluatedHouse, variant: Variant, folder: Path) -> EvaluatedHouse:

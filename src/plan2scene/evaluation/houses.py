@@ -13,25 +13,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plan2scene.evaluation.measure import Networks, References, measure_tiles
-from plan2scene.io import write_parquet
 from plan2scene.propagation.propagate import propagate_house
-from plan2scene.textures.decoding import further_images
 from plan2scene.textures.house_textures import house_tiles
 from plan2scene.textures.inputs import (
     HouseData,
     HouseFiles,
-    TextureInputs,
     TextureSettings,
     Visible,
 )
-from plan2scene.textures.methods import method_named
 from plan2scene.textures.selection import select_surfaces
-from plan2scene.textures.tiles import Tile
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from plan2scene.house import SurfaceKey
 
 
 @dataclass(frozen=True)
@@ -108,35 +101,6 @@ def propagated_from(
     )
 
 
-def measured(
-    house: EvaluatedHouse,
-    method: str,
-    inputs: TextureInputs,
-    tiles: Mapping[SurfaceKey, Tile],
-    references: References,
-    *,
-    drop: str,
-    images: int = 1,
-) -> pd.DataFrame:
-    """Return the metrics of a method's tiles, rows of ``metrics.parquet``.
-
-    FID and KID take `images` of each surface, the tile included, where the method draws noise.
-    """
-    registered = method_named(method)
-    keys = [key for key in tiles if key in references]
-    more = further_images(inputs, registered, keys, images - 1) if registered.noise else []
-    return measure_tiles(
-        {key: tiles[key].image for key in keys},
-        {surface.key for surface in inputs.surfaces if surface.observed},
-        references,
-        house.models,
-        house_id=house.files.house_id,
-        method=method,
-        drop=drop,
-        more=more,
-    )
-
-
 def measured_at(
     house: EvaluatedHouse,
     data: HouseData,
@@ -148,17 +112,19 @@ def measured_at(
 ) -> list[pd.DataFrame]:
     """Return the metrics of methods at a drop; tiles without a reference are not made."""
     inputs = data.at(visible, house.models.decoders, house.settings).only(references)
-    return [
-        measured(house, method, inputs, house_tiles(method, inputs), references, drop=drop)
-        for method in methods
-    ]
-
-
-def write_measured(
-    output: str | Path, house: EvaluatedHouse, frames: Sequence[pd.DataFrame]
-) -> None:
-    """Write frames of metrics, one after another, as a file of metrics."""
-    import pandas as pd
-
-    filled = [frame for frame in frames if len(frame)] or frames[:1]
-    write_parquet(output, pd.concat(filled, ignore_index=True), house.metadata)
+    observed = {surface.key for surface in inputs.surfaces if surface.observed}
+    frames = []
+    for method in methods:
+        tiles = house_tiles(method, inputs)
+        frames.append(
+            measure_tiles(
+                {key: tile.image for key, tile in tiles.items()},
+                observed,
+                references,
+                house.models,
+                house_id=house.files.house_id,
+                method=method,
+                drop=drop,
+            )
+        )
+    return frames

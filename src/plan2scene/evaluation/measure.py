@@ -11,8 +11,8 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES, SurfaceKey
-from plan2scene.images import METRIC_SIZE, image_from_bytes, medoid_index, metric_image
-from plan2scene.io import read_parquet, write_parquet
+from plan2scene.images import METRIC_SIZE, image_from_bytes, medoid_index, metric_image, read_image
+from plan2scene.io import read_json, read_parquet, write_parquet
 from plan2scene.metrics.networks import describe, features_of, network_name, substances_of
 from plan2scene.metrics.registry import IMAGE_COLUMNS, image_metrics
 from plan2scene.provenance import file_hash
@@ -47,6 +47,61 @@ class Networks:
             "substances": network_name(self.substances),
             "substance_model": file_hash(self.substances),
         }
+
+
+def measure_textures(
+    textures: str | Path,
+    crops: str | Path,
+    hidden: Mapping[str, Sequence[str]],
+    methods: Sequence[str],
+    output: str | Path,
+    *,
+    networks: Networks,
+    dataset: str,
+    house: str,
+) -> None:
+    """Write ``metrics.parquet`` of the tiles in the folders ``{drop}/{method}/`` of `textures`.
+
+    `crops` is the house's ``crops.parquet``; `hidden` maps a drop fraction (``"0.6"``) to the
+    photos hidden at it.
+    """
+    table, _ = read_parquet(crops)
+    frames = []
+    for drop, photos in hidden.items():
+        references = reference_images(table, photos)
+        for method in methods:
+            folder = Path(textures) / drop / method
+            entries = read_json(folder / "textures.json")["surfaces"]
+            listed = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entries.items()}
+            keys = [key for key in listed if key in references]
+            numbers = sorted((path for path in folder.glob("more/*")), key=lambda p: int(p.name))
+            frames.append(
+                measure_tiles(
+                    {key: read_image(folder / f"{key.filename}.png") for key in keys},
+                    {key for key in keys if listed[key]["observed"]},
+                    references,
+                    networks,
+                    house_id=house,
+                    method=method,
+                    drop=drop,
+                    more=[
+                        read_image(number / f"{key.filename}.png")
+                        for key in keys
+                        for number in numbers
+                    ],
+                )
+            )
+    write_measured(output, frames, {"dataset": dataset, "house": house} | networks.metadata)
+
+
+def write_measured(
+    output: str | Path, frames: Sequence[pd.DataFrame], metadata: Mapping[str, str]
+) -> None:
+    """Write frames of metrics, one after another, as a file of metrics."""
+    import pandas as pd
+
+    filled = [frame for frame in frames if len(frame)] or list(frames[:1])
+    write_parquet(output, pd.concat(filled, ignore_index=True), metadata)
 
 
 def measure_tiles(

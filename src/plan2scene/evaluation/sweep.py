@@ -11,9 +11,8 @@ from plan2scene.evaluation.houses import (
     EvaluatedHouse,
     measured_at,
     propagated_at,
-    write_measured,
 )
-from plan2scene.evaluation.measure import reference_images
+from plan2scene.evaluation.measure import reference_images, write_measured
 from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.plot import plot_sweep
 from plan2scene.evaluation.tables import TableRequest, tidy_table, wide_table
@@ -44,7 +43,7 @@ def sweep_house(
         if key not in done:
             done[key] = _at_drop(house, data, embeddings, photos, methods)
         frames += [frame.assign(drop=drop) for frame in done[key]]
-    write_measured(output, house, frames)
+    write_measured(output, frames, house.metadata)
 
 
 def _at_drop(

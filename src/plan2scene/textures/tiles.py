@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plan2scene.house import SurfaceKey
-from plan2scene.images import read_image, write_png
-from plan2scene.io import atomic_directory, read_json, write_json
+from plan2scene.images import write_png
+from plan2scene.io import atomic_directory, write_json
 from plan2scene.textures.seams import make_seamless, with_calm_border
 
 if TYPE_CHECKING:
@@ -90,20 +90,3 @@ def write_tiles(
                 (folder / f"{key.filename}.jpg").write_bytes(whole.jpeg)
             facts = {"/".join(key): whole.facts() for key, whole in maps.items()}
             write_json(folder / "maps.json", {"surfaces": facts})
-
-
-def read_tiles(folder: str | Path) -> dict[SurfaceKey, Tile]:
-    """Return the tiles that :func:`write_tiles` wrote, in its order, without their patterns."""
-    root = Path(folder)
-    tiles = {}
-    for name, entry in read_json(root / "textures.json")["surfaces"].items():
-        key = SurfaceKey(*name.rsplit("/", 1))
-        tiles[key] = Tile(
-            read_image(root / f"{key.filename}.png"),
-            size_m=entry["size_m"],
-            source=entry["source"],
-            seam_corrected=entry["seam_corrected"],
-            origin_m=tuple(entry.get("origin_m", (0.0, 0.0))),
-            crops=tuple(entry.get("crops", ())),
-        )
-    return tiles

@@ -41,12 +41,15 @@ STAGES = {
     "places": "Where the photos were taken",
     "crops": "Crops of floors, walls and ceilings",
     "contact_sheet": "Photos to crops",
-    "surfaces": "Surfaces of the photos",
-    "embeddings": "What the crops look like",
-    "materials": "Materials of what is seen",
-    "propagated": "Materials of all rooms",
+    "embeddings": "What each crop looks like",
+    "surfaces": "A crop for each surface",
+    "materials": "Surfaces of one material",
+    "propagated": "Surfaces that no photo shows",
     "textures": "Textures",
     "house": "The house in 3D",
+    "preview": "The house from above",
+    "rooms": "Pictures of the rooms",
+    "viewer": "The page to walk through it",
 }
 #: Most warnings that are shown.
 _WARNINGS = 20

@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from plan2scene.evaluation.houses import EvaluatedHouse, Models
-from plan2scene.evaluation.measure import reference_features
+from plan2scene.evaluation.measure import measure_textures, reference_features
 from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
@@ -19,6 +19,7 @@ from plan2scene.textures.inputs import HouseFiles, TextureSettings
 from plan2scene.textures.library import write_library
 from plan2scene.textures.model.embedding import make_embeddings
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
+from plan2scene.textures.table import table_textures
 from plan2scene.weights import save_model_file
 
 SIZE = 128
@@ -143,3 +144,27 @@ def references(files):
 @pytest.fixture(scope="session")
 def plan(files):
     return read_scene_json(files.scene, "h1")
+
+
+@pytest.fixture(scope="session")
+def compare():
+    """Return what rules table_textures and metrics do: tiles to a folder, metrics beside it."""
+
+    def compared(house, drops, methods, folder, **options):
+        made = {"models": house.models.decoders, "settings": house.settings}
+        table_textures(house.files, drops, methods, folder, **made, **options)
+        metrics = folder.with_suffix(".parquet")
+        hidden = {drop: visible.hidden_photos for drop, visible in drops.items()}
+        measure_textures(
+            folder,
+            house.files.crops,
+            hidden,
+            methods,
+            metrics,
+            networks=house.models,
+            dataset=house.dataset,
+            house=house.files.house_id,
+        )
+        return metrics
+
+    return compared

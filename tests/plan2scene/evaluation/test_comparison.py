@@ -1,4 +1,4 @@
-"""A house by all methods in one job: tiles and figures are those of the stages on their own."""
+"""A house by all methods of a table: tiles and figures are those of the stages on their own."""
 
 import shutil
 from dataclasses import replace
@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from plan2scene.evaluation.comparison import compare_house
 from plan2scene.evaluation.houses import EvaluatedHouse, propagated_at
 from plan2scene.evaluation.measure import measure_tiles, reference_images
 from plan2scene.house import SurfaceKey
@@ -22,7 +21,7 @@ HIDDEN = {"0.0": [], "0.6": ["p2.jpg"]}
 
 
 @pytest.fixture(scope="module")
-def compared(house, embeddings, tmp_path_factory):
+def compared(house, embeddings, compare, tmp_path_factory):
     """Return the house, what it shows at each drop, its tiles and its figures."""
     root = tmp_path_factory.mktemp("compared")
     seams = {"crop": False, "naivesynth": True}
@@ -31,8 +30,13 @@ def compared(house, embeddings, tmp_path_factory):
     for drop, hidden in HIDDEN.items():
         (root / drop).mkdir()
         drops[drop] = Visible(propagated_at(house, embeddings, hidden, root / drop)[1], hidden)
-    compare_house(house, drops, COMPARED, root / "tiles", root / "metrics.parquet", images=3)
-    return house, drops, root / "tiles", read_parquet(root / "metrics.parquet")[0]
+    metrics = compare(house, drops, COMPARED, root / "tiles", images=3)
+    return house, drops, root / "tiles", read_parquet(metrics)[0]
+
+
+def _files(folder):
+    """Return the bytes of a folder's tiles and listing by name."""
+    return {path.name: path.read_bytes() for path in folder.glob("*.*")}
 
 
 @pytest.mark.parametrize("drop", HIDDEN)
@@ -44,8 +48,7 @@ def test_tiles_and_figures_are_those_of_the_stages(compared, tmp_path, method, d
     models = {weights: house.models.decoders[weights]} if weights else {}
     inputs = HouseData(house.files).at(drops[drop], models, house.settings)
     make_textures(method, inputs, tmp_path / "alone")
-    alone = {path.name: path.read_bytes() for path in (tmp_path / "alone").iterdir()}
-    assert alone == {p.name: p.read_bytes() for p in (folder / drop / method).iterdir()}
+    assert _files(tmp_path / "alone") == _files(folder / drop / method)
     entries = read_json(tmp_path / "alone" / "textures.json")["surfaces"]
     keys = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entries.items()}
     again = measure_tiles(
@@ -63,7 +66,7 @@ def test_tiles_and_figures_are_those_of_the_stages(compared, tmp_path, method, d
     assert np.array_equal(np.stack(mine["features"]), np.stack(again["features"]))
 
 
-def test_tiles_that_are_ready_are_taken(compared, tmp_path):
+def test_tiles_that_are_ready_are_taken(compared, compare, tmp_path):
     house, drops, folder, _ = compared
     ready = {("0.0", "exemplar"): tmp_path / "shown"}
     shutil.copytree(folder / "0.0" / "exemplar", tmp_path / "shown")
@@ -71,10 +74,9 @@ def test_tiles_that_are_ready_are_taken(compared, tmp_path):
     (tmp_path / "shown" / crop.name).write_bytes(crop.read_bytes())
     methods, tiles = ("crop", "exemplar"), tmp_path / "tiles"
     only = {"0.0": drops["0.0"]}
-    compare_house(house, only, methods, tiles, tmp_path / "metrics.parquet", images=3, ready=ready)
+    compare(house, only, methods, tiles, images=3, ready=ready)
     for method in methods:
-        found = {path.name: path.read_bytes() for path in (tiles / "0.0" / method).iterdir()}
-        wanted = {path.name: path.read_bytes() for path in (folder / "0.0" / method).iterdir()}
+        found, wanted = _files(tiles / "0.0" / method), _files(folder / "0.0" / method)
         changed = {name for name in wanted if found[name] != wanted[name]}
         assert found.keys() == wanted.keys()
         assert changed == ({crop.name} if method == "exemplar" else set())

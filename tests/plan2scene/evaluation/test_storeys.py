@@ -7,7 +7,6 @@ import pytest
 from PIL import Image
 
 from plan2scene.evaluation import study_sheet
-from plan2scene.evaluation.comparison import compare_house
 from plan2scene.evaluation.houses import propagated_at
 from plan2scene.house import Level, Stairs
 from plan2scene.images import write_png
@@ -34,23 +33,22 @@ def stacked(plan):
     )
 
 
-def measured(house, embeddings, folder):
+def measured(house, embeddings, compare, folder):
     """Return the rows of ``metrics.parquet`` of a house by two methods at two drops."""
     drops = {}
     for drop, hidden in HIDDEN.items():
         (folder / drop).mkdir(parents=True)
         drops[drop] = Visible(propagated_at(house, embeddings, hidden, folder / drop)[1], hidden)
-    compare_house(house, drops, ("crop", "synth"), folder / "tiles", folder / "metrics.parquet")
-    return read_parquet(folder / "metrics.parquet")[0]
+    return read_parquet(compare(house, drops, ("crop", "synth"), folder / "tiles"))[0]
 
 
-def test_stairs_join_rooms_as_doors_do(house, embeddings, stacked, tmp_path):
+def test_stairs_join_rooms_as_doors_do(house, embeddings, compare, stacked, tmp_path):
     write_scene_json(stacked, tmp_path / "scene.json")
     read = read_scene_json(tmp_path / "scene.json", "h1")
     assert list(house_faults(read)) == [] and len(read.levels) == 2
     high = replace(house, files=replace(house.files, scene=tmp_path / "scene.json"))
     flat, storeys = (
-        measured(one, embeddings, tmp_path / name)
+        measured(one, embeddings, compare, tmp_path / name)
         for one, name in ((house, "flat"), (high, "storeys"))
     )
     columns = ["method", "drop", "room_id", "surface", "observed", "color", "freq", "tile", "subs"]

@@ -11,7 +11,6 @@ from typer.testing import CliRunner
 
 from plan2scene.config import check_config, shipped_config
 from plan2scene.errors import InputError
-from plan2scene.evaluation.comparison import compare_house
 from plan2scene.evaluation.houses import propagated_at
 from plan2scene.evaluation.paper_table import TableRequest, paper_table
 from plan2scene.images import read_image, write_png
@@ -69,11 +68,10 @@ def test_a_name_that_nobody_registered_is_refused_in_one_line(key, value):
     assert "\n" not in str(error.value)
 
 
-def test_the_comparison_and_the_paper_s_table_have_it(toy, house, embeddings, references, tmp_path):
+def test_the_paper_s_table_has_it(toy, house, embeddings, references, compare, tmp_path):
     _, propagated = propagated_at(house, embeddings, [], tmp_path)
-    metrics = tmp_path / "metrics.parquet"
     bare = replace(house, files=replace(house.files, library=None))  # it asks for none
-    compare_house(bare, {"0.0": Visible(propagated)}, [toy], tmp_path / "tiles", metrics)
+    metrics = compare(bare, {"0.0": Visible(propagated)}, [toy], tmp_path / "tiles")
     listing = read_json(tmp_path / "tiles" / "0.0" / toy / "textures.json")
     assert (listing["method"], len(listing["surfaces"])) == (toy, 12)
     paths = [tmp_path / f"table.{suffix}" for suffix in ("csv", "parquet", "png")]

@@ -11,6 +11,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.mesh import load_textures
 from plan2scene.mesh.build import build_house
+from plan2scene.mesh.pictures import draw_preview, draw_rooms
 from plan2scene.plans import write_scene_json
 
 
@@ -46,7 +47,9 @@ def test_files_of_a_house(folder, gap_house, paint):
     out = folder / "out"
     args = folder / "scene.json", folder / "textures"
     outputs = [out / name for name in ("house.glb", "house.scene.json", "preview.png", "rooms.jpg")]
-    build_house(*args, *outputs, house_id="gap")
+    build_house(*args, *outputs[:2], house_id="gap")
+    draw_preview(*args, outputs[2], house_id="gap")
+    draw_rooms(*args, outputs[3], house_id="gap")
     assert Image.open(outputs[2]).size == (1600, 800)
     assert Image.open(outputs[3]).size == (2 * 428 + 8, 312 + 8)
     scene = trimesh.load(out / "house.glb")

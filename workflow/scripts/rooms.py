@@ -1,0 +1,14 @@
+"""Rule rooms: plan and textures -> each room at eye level, as a picture."""
+
+from plan2scene.mesh.pictures import draw_rooms
+from plan2scene.workflow.jobs import job
+
+with job(snakemake.log[0]):
+    draw_rooms(
+        snakemake.input.scene,
+        snakemake.input.textures,
+        snakemake.output[0],
+        house_id=snakemake.wildcards.house,
+        objects=snakemake.params.objects,
+        traced=snakemake.params.traced,
+    )

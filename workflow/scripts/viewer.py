@@ -1,0 +1,11 @@
+"""Rule viewer: GLB, crops and places of photos -> the house in one offline page."""
+
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.workflow.jobs import job
+from plan2scene_app.viewer.viewer_page import build_viewer, read_facts
+
+with job(snakemake.log[0]):
+    house_id, given = snakemake.wildcards.house, snakemake.input
+    house = read_scene_json(given.scene, house_id)
+    facts = read_facts(given.propagated, given.crops, given.get("cameras"), house)
+    build_viewer(given.glb, snakemake.output[0], house_id=house_id, facts=facts)
