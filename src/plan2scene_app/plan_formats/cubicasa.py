@@ -27,13 +27,12 @@ from plan2scene_app.plan_formats.drawing import (
     house_of_drawing,
     largest_storey,
 )
+from plan2scene_app.plan_formats.measures import read_areas
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _TRANSFORM = re.compile(r"(matrix|translate|scale|rotate)\s*\(([^)]*)\)")
 _LENGTH = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*(mm|cm|m|in)\s*")
-_AREA = re.compile(r"(\d+(?:[.,]\d+)?)\s*(m2|m²|sqm|sq\.?\s?m|ft2|ft²|sq\.?\s?ft)", re.IGNORECASE)
 _METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
-_SQUARE_FOOT = 0.09290304
 #: Deepest nesting of groups.
 MAX_DEPTH = 100
 #: Least and largest scale in metres a pixel.
@@ -207,17 +206,13 @@ def _written_scale(source: Source, storey: _Storey) -> float | None:
     """Return metres a pixel by the areas written in rooms, where they agree."""
     scales = []
     for _, area, text in storey.of("Space"):
-        for value, unit in _AREA.findall(text):
-            square = float(value.replace(",", ".")) * (1 if "m" in unit.lower() else _SQUARE_FOOT)
-            if square > 0 and area.area > 0:
-                scales.append(float(np.sqrt(square / area.area)))
+        if area.area > 0:
+            scales += [float(np.sqrt(square / area.area)) for square, _ in read_areas(text)]
     if not scales:
         return None
     middle = median(scales)
-    if (
-        sum(abs(value - middle) <= SETTINGS.agreement * middle for value in scales)
-        <= len(scales) / 2
-    ):
+    agree = [scale for scale in scales if abs(scale - middle) <= SETTINGS.agreement * middle]
+    if len(agree) <= len(scales) / 2:
         raise source.fault("areas written in the rooms that agree", f"scales {scales[:5]}")
     source.warn("metres_per_pixel", f"none; {middle:.5f} read from {len(scales)} written areas")
     return middle

@@ -19,10 +19,10 @@ from skimage.measure import find_contours
 
 from plan2scene.plans.room_names import room_types
 from plan2scene_app.plan_formats.drawing import free_id
+from plan2scene_app.plan_formats.measures import read_areas, read_length, read_sides
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.openings import TracedOpening
 from plan2scene_app.tracing.regions import Regions
-from plan2scene_app.tracing.scale import read_area, read_length, read_sides
 from plan2scene_app.tracing.settings import LABEL_OF_TYPE, ROOM, SETTINGS
 
 
@@ -209,7 +209,7 @@ def _words(lines: Sequence[TextLine]) -> str:
 
 def _is_name(text: str) -> bool:
     """Return whether a line holds a word and no measure."""
-    if read_area(text) or read_length(text) or read_sides(text):
+    if read_areas(text) or read_length(text) or read_sides(text):
         return False
     return bool(re.search(r"[^\W\d_]{2,}", text))
 

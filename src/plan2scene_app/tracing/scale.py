@@ -1,92 +1,15 @@
-"""The scale of a plan: what its texts, rooms, walls and doors agree on.
-
-Lengths and areas are read as plans write them: 3.20 m, 3200, 12'6", 14,5 m2, 3x4.
-"""
+"""The scale of a plan: what its texts, rooms, walls and doors agree on."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from plan2scene_app.plan_formats.measures import read_areas, read_length, read_sides
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.settings import SETTINGS
-
-_FOOT = 0.3048
-_NUMBER = r"\d{1,5}(?:[.,]\d{1,3})?"
-_AREA = re.compile(
-    rf"({_NUMBER})\s*(m\s?[2²]|m\^2|㎡|qm|mq|sq\.?\s?m|sq\.?\s?ft|sq\.?\s?feet|ft\.?\s?[2²]|sf)(?![a-z])",
-    re.IGNORECASE,
-)
-_FEET = re.compile(
-    r"""^(\d{1,3})\s*(?:'|’|′|`|ft\.?|feet)\s*-?\s*(?:(\d{1,2}(?:[.,]\d)?)\s*(?:"|''|”|″|“|in\.?)?)?$""",
-    re.IGNORECASE,
-)
-_METRIC = re.compile(rf"^({_NUMBER})\s*(mm|cm|m)?\.?$", re.IGNORECASE)
-_CROSS = re.compile(r"(?<=[\d'\"m”″’ ])\s*[x×X*]\s*(?=\d)")
-#: Lengths (metres) and areas (m2) that rooms and homes have.
-_LENGTHS, _AREAS = (0.3, 60.0), (0.5, 600.0)
-
-
-def read_area(text: str) -> tuple[float, float] | None:
-    """Return an area in m2 and what its last digit is worth; None where the text has none."""
-    match = _AREA.search(text)
-    if match is None:
-        return None
-    value, digit = _value(match[1])
-    unit = match[2].lower().replace(".", "").replace(" ", "")
-    if "f" in unit:
-        value, digit = value * _FOOT**2, digit * _FOOT**2
-    return (value, digit) if _AREAS[0] <= value <= _AREAS[1] else None
-
-
-def read_length(text: str) -> list[float]:
-    """Return what a text may mean as a length, in metres: no unit leaves several meanings."""
-    plain = text.strip().strip("()[]")
-    feet = _FEET.match(plain)
-    if feet is not None:
-        inches = _value(feet[2])[0] if feet[2] else 0.0
-        return _possible([(int(feet[1]) + inches / 12) * _FOOT]) if inches < 12 else []
-    metric = _METRIC.match(plain)
-    if metric is None:
-        return []
-    value, digit = _value(metric[1])
-    unit = (metric[2] or "").lower()
-    if unit:
-        return _possible([value * {"mm": 0.001, "cm": 0.01, "m": 1.0}[unit]])
-    if digit < 1:
-        return _possible([value, value / 100])
-    if value < 30:  # a number of a room or a storey
-        return []
-    return _possible([value / 1000, value / 100])
-
-
-def read_sides(text: str) -> list[tuple[float, float]]:
-    """Return what a text may mean as the two sides of a room, in metres."""
-    plain = re.sub(r"\s*(mm|cm|m|ft)\.?$", r"\1", text.strip(), flags=re.IGNORECASE)
-    parts = _CROSS.split(plain)
-    if len(parts) != 2:
-        return []
-    unit = re.search(r"(mm|cm|m)$", parts[1], re.IGNORECASE)
-    if unit and not re.search(r"m$", parts[0].strip(), re.IGNORECASE):
-        parts[0] += unit[1]
-    first, second = (read_length(part) for part in parts)
-    if len(first) == len(second):
-        return list(zip(first, second, strict=True))
-    return [(a, b) for a in first for b in second if 0.2 < a / b < 5]
-
-
-def _value(text: str) -> tuple[float, float]:
-    """Return a number and what its last digit is worth."""
-    whole, _, digits = text.replace(",", ".").partition(".")
-    return float(f"{whole}.{digits or 0}"), 10.0 ** -len(digits)
-
-
-def _possible(lengths: list[float]) -> list[float]:
-    """Return lengths that something in a home can have."""
-    return [length for length in lengths if _LENGTHS[0] <= length <= _LENGTHS[1]]
 
 
 @dataclass(frozen=True)
@@ -123,10 +46,9 @@ def room_evidence(room: RoomSize) -> list[Evidence]:
     """Return what the texts in a room say: its area, its sides."""
     evidence = []
     for line in room.texts:
-        area = read_area(line.text)
-        if area is not None:
-            deviation = max(0.02, 0.35 * area[1] / area[0])
-            meaning = 0.5 * float(np.log(area[0] / room.area))
+        for area, digit in read_areas(line.text)[:1]:
+            deviation = max(0.02, 0.35 * digit / area)
+            meaning = 0.5 * float(np.log(area / room.area))
             evidence.append(Evidence(line.text, (meaning,), deviation, 1.0))
         meanings = []
         for a, b in read_sides(line.text):
@@ -147,7 +69,7 @@ def chain_evidence(
     `lines_x` and `lines_y` are the places of walls along x and y, in pixels.
     """
     lengths = read_length(line.text)
-    if not lengths or read_area(line.text):
+    if not lengths or read_areas(line.text):
         return None
     meanings = []
     wide = line.size[0] > 1.3 * line.size[1]

@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
+from plan2scene_app.plan_formats.measures import read_areas, read_length, read_sides
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.scale import (
     RoomSize,
     chain_evidence,
     find_scale,
-    read_area,
-    read_length,
-    read_sides,
     room_evidence,
 )
 from plan2scene_app.tracing.settings import SETTINGS
@@ -54,12 +52,12 @@ def test_lengths(text, metres):
     ],
 )
 def test_areas(text, square_metres, digit):
-    assert read_area(text) == pytest.approx((square_metres, digit), rel=1e-3)
+    assert read_areas(text) == [pytest.approx((square_metres, digit), rel=1e-3)]
 
 
 @pytest.mark.parametrize("text", ["3.20 m", "14,5", "1 m2x", "100000 m2", "m2"])
 def test_what_is_no_area(text):
-    assert read_area(text) is None
+    assert read_areas(text) == []
 
 
 @pytest.mark.parametrize(

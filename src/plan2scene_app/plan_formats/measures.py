@@ -1,0 +1,78 @@
+"""Lengths and areas as plans write them: ``3.20 m``, ``3200``, ``12'6"``, ``14,5 m2``, ``3x4``."""
+
+from __future__ import annotations
+
+import re
+
+_FOOT = 0.3048
+_NUMBER = r"\d{1,5}(?:[.,]\d{1,3})?"
+_AREA = re.compile(
+    rf"({_NUMBER})\s*(m\s?[2²]|m\^2|㎡|qm|mq|sq\.?\s?m|sq\.?\s?ft|sq\.?\s?feet|ft\.?\s?[2²]|sf)(?![a-z])",
+    re.IGNORECASE,
+)
+_FEET = re.compile(
+    r"""^(\d{1,3})\s*(?:'|’|′|`|ft\.?|feet)\s*-?\s*(?:(\d{1,2}(?:[.,]\d)?)\s*(?:"|''|”|″|“|in\.?)?)?$""",
+    re.IGNORECASE,
+)
+_METRIC = re.compile(rf"^({_NUMBER})\s*(mm|cm|m)?\.?$", re.IGNORECASE)
+_CROSS = re.compile(r"(?<=[\d'\"m”″’ ])\s*[x×X*]\s*(?=\d)")
+#: Lengths (metres) and areas (m2) that rooms and homes have.
+_LENGTHS, _AREAS = (0.3, 60.0), (0.5, 600.0)
+
+
+def read_areas(text: str) -> list[tuple[float, float]]:
+    """Return each area in a text in m2, and what its last digit is worth."""
+    areas = []
+    for number, unit in _AREA.findall(text):
+        square = _FOOT**2 if "f" in unit.lower() else 1.0
+        value, digit = (square * part for part in _value(number))
+        if _AREAS[0] <= value <= _AREAS[1]:
+            areas.append((value, digit))
+    return areas
+
+
+def read_length(text: str) -> list[float]:
+    """Return what a text may mean as a length, in metres: no unit leaves several meanings."""
+    plain = text.strip().strip("()[]")
+    feet = _FEET.match(plain)
+    if feet is not None:
+        inches = _value(feet[2])[0] if feet[2] else 0.0
+        return _possible([(int(feet[1]) + inches / 12) * _FOOT]) if inches < 12 else []
+    metric = _METRIC.match(plain)
+    if metric is None:
+        return []
+    value, digit = _value(metric[1])
+    unit = (metric[2] or "").lower()
+    if unit:
+        return _possible([value * {"mm": 0.001, "cm": 0.01, "m": 1.0}[unit]])
+    if digit < 1:
+        return _possible([value, value / 100])
+    if value < 30:  # a number of a room or a storey
+        return []
+    return _possible([value / 1000, value / 100])
+
+
+def read_sides(text: str) -> list[tuple[float, float]]:
+    """Return what a text may mean as the two sides of a room, in metres."""
+    plain = re.sub(r"\s*(mm|cm|m|ft)\.?$", r"\1", text.strip(), flags=re.IGNORECASE)
+    parts = _CROSS.split(plain)
+    if len(parts) != 2:
+        return []
+    unit = re.search(r"(mm|cm|m)$", parts[1], re.IGNORECASE)
+    if unit and not re.search(r"m$", parts[0].strip(), re.IGNORECASE):
+        parts[0] += unit[1]
+    first, second = (read_length(part) for part in parts)
+    if len(first) == len(second):
+        return list(zip(first, second, strict=True))
+    return [(a, b) for a in first for b in second if 0.2 < a / b < 5]
+
+
+def _value(text: str) -> tuple[float, float]:
+    """Return a number and what its last digit is worth."""
+    whole, _, digits = text.replace(",", ".").partition(".")
+    return float(f"{whole}.{digits or 0}"), 10.0 ** -len(digits)
+
+
+def _possible(lengths: list[float]) -> list[float]:
+    """Return lengths that something in a home can have."""
+    return [length for length in lengths if _LENGTHS[0] <= length <= _LENGTHS[1]]
