@@ -57,7 +57,7 @@ def _house_id(plan: Path, chosen: str | None) -> str:
 
 def _layers(pairs: list[str] | None) -> dict[str, str]:
     """Return the patterns of DXF layers by kind."""
-    from plan2scene_app.plan_formats.dxf_layers import layers_of
+    from plan2scene_app.plan_formats.dxf import layers_of
 
     return layers_of(pairs or ())
 

@@ -11,6 +11,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
@@ -18,18 +19,81 @@ import numpy as np
 from shapely.affinity import affine_transform
 from shapely.geometry import LineString, Point, Polygon, box
 
+from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.plans.formats import PlanFile, PlanFormat, Unscaled
 from plan2scene.plans.parse import MAX_ROOMS, Source
 from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, WallAxis, axis_of_area
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, house_of_drawing
-from plan2scene_app.plan_formats.dxf_layers import LAYERS, LayerKinds, names_of
 from plan2scene_app.plan_formats.lines import (
     axes_of_lines,
     bridges,
     groups_of_lines,
     rooms_of_outlines,
 )
+
+#: Patterns of layer and block names, as CAD programs have them: parted by commas, of the whole
+#: name in any case; ``*`` any letters, ``?`` one, ``[aä]`` one of these, ``[!a-z]`` none of these.
+LAYERS = {
+    "rooms": "*room*,*raum*,*r[aä]ume*,*space*,*area,*area[!l]*,*zone*,*fl[aä]che*,*pi[eè]ce*,"
+    "*locale*,*habitac*,*ruimte*",
+    "doors": "*door*,*t[uü]r*,*tuer*,*porte,*porte[!u]*,*puerta*,*porta*,*deur*",
+    "windows": "*window*,*fenster*,*fen[eê]tre*,*ventana*,*finestra*,*raam*,*glaz*",
+    "walls": "*wall*,*wand*,*w[aä]nde*,*mauer*,mur*,*[!a-z]mur*,*muro*,*parete*,*muur*",
+}
+#: Longest pattern.
+MAX_PATTERN = 300
+
+
+def layers_of(pairs: Sequence[str]) -> dict[str, str]:
+    """Return the patterns of ``KIND=PATTERN`` lines, as `house_of_dxf` takes them."""
+    patterns: dict[str, str] = {}
+    for pair in pairs:
+        kind, _, pattern = pair.partition("=")
+        if kind not in LAYERS or not pattern:
+            expected = f"a DXF layer as KIND=PATTERN, KIND one of {', '.join(LAYERS)}"
+            raise InputError(expected, repr(pair))
+        patterns[kind] = pattern
+    return patterns
+
+
+def names_of(entity: Any) -> list[str]:
+    """Return the names that tell what an entity is: its block's where it is one, its layer's."""
+    names = [str(entity.dxf.get("layer", ""))]
+    if entity.dxftype() == "INSERT":
+        names.insert(0, str(entity.dxf.get("name", "")))
+    return names
+
+
+class LayerKinds:
+    """Tells of which of `LAYERS` names are; `layers` holds patterns in place of its own."""
+
+    def __init__(self, source: Source, layers: Mapping[str, str]) -> None:
+        self.patterns: dict[str, list[str]] = {}
+        self._known: dict[str, str] = {}
+        for kind in ("doors", "windows", "rooms", "walls"):
+            text = layers.get(kind) or LAYERS[kind]
+            if len(text) > MAX_PATTERN:
+                expected = f"at most {MAX_PATTERN} letters of {kind} in dxf_layers"
+                raise source.fault(expected, len(text))
+            self.patterns[kind] = [part.strip().casefold() for part in text.split(",")]
+
+    def of_name(self, name: str) -> str:
+        """Return the kind of a layer or block; empty for none."""
+        if name not in self._known:  # many entities, few names
+            folded = name.casefold()
+            kinds = (
+                kind
+                for kind, patterns in self.patterns.items()
+                if any(fnmatchcase(folded, pattern) for pattern in patterns)
+            )
+            self._known[name] = next(kinds, "")
+        return self._known[name]
+
+    def of(self, entity: Any) -> str:
+        """Return the kind of an entity by its block's name, else by its layer; empty for none."""
+        return next((kind for name in names_of(entity) if (kind := self.of_name(name))), "")
+
 
 #: Most entities of a block, points of one curve, nesting of blocks.
 MAX_ENTITIES = 100_000
@@ -122,7 +186,7 @@ def house_of_dxf(
     """Return the house of a DXF drawing.
 
     `metres_per_unit` goes before the unit of the header; `layers` holds patterns in
-    place of `dxf_layers.LAYERS`. Raises InputError where neither tells the unit.
+    place of :data:`LAYERS`. Raises InputError where neither tells the unit.
     """
     source = Source(str(path), house_id)
     document = load_dxf(source, path)

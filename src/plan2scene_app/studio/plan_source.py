@@ -21,7 +21,7 @@ from plan2scene.plans import PlanFile
 from plan2scene.plans.formats import Unscaled, format_of
 from plan2scene.plugins import installed
 from plan2scene_app.editor.editor_page import opened, picture_bytes
-from plan2scene_app.plan_formats.dxf_layers import LAYERS, MAX_PATTERN
+from plan2scene_app.plan_formats.dxf import LAYERS, MAX_PATTERN
 from plan2scene_app.studio.projects import PICTURE, Project
 
 SOURCE, READING = "plan_source", "plan_source.json"

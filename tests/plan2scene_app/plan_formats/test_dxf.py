@@ -14,8 +14,7 @@ from plan2scene.plans import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.parse import Source
 from plan2scene_app.plan_formats import dxf
-from plan2scene_app.plan_formats.dxf import house_of_dxf
-from plan2scene_app.plan_formats.dxf_layers import LayerKinds
+from plan2scene_app.plan_formats.dxf import LayerKinds, house_of_dxf
 
 ezdxf = pytest.importorskip("ezdxf")
 MILLIMETRES = 4
