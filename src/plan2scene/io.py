@@ -1,22 +1,116 @@
 """Files: atomic writes, text and JSON from strangers, self-describing Parquet.
 
+Temporary names beside a target say whose they are, so that what a killed process left can go.
 Imports only what a function needs, so that a job without tables never pays for pandas.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
+import re
+import secrets
+import shutil
+import socket
+import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plan2scene.errors import InputError
-from plan2scene.temporary import remove, remove_stale, replace_directory, temporary_beside
 
 if TYPE_CHECKING:
     import pandas as pd
+
+#: What another machine left is taken for stale after this many seconds.
+_STALE_AFTER = 7 * 24 * 3600.0
+_NAME = re.compile(r"\.tmp_[0-9a-f]{8}_([0-9a-f]{8})_(\d+)_[0-9a-f]{8}(\..*)?")
+
+
+@cache
+def _machine() -> str:
+    """Return 8 hex digits that name this machine, its start and this process's pid namespace."""
+    parts = [socket.gethostname()]
+    boot, space = Path("/proc/sys/kernel/random/boot_id"), Path("/proc/self/ns/pid")
+    if boot.is_file():
+        parts.append(boot.read_text(encoding="ascii"))
+    if space.is_symlink():
+        parts.append(str(space.readlink()))
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:8]
+
+
+def _start(target: Path) -> str:
+    """Return how the temporary names of a target begin; short, however long its own name is."""
+    return f".tmp_{hashlib.sha256(target.name.encode(errors='surrogateescape')).hexdigest()[:8]}_"
+
+
+def _temporary_beside(target: Path) -> Path:
+    """Return a name that nothing has, in the target's folder and with its suffix."""
+    name = f"{_start(target)}{_machine()}_{os.getpid()}_{secrets.token_hex(4)}"
+    suffix = target.suffix if len(target.suffix) <= 20 else ""
+    return target.with_name(name + suffix)
+
+
+def _remove_stale(target: Path) -> None:
+    """Remove the temporary files and folders that killed processes left while writing `target`.
+
+    Those of a process that lives are kept, as are those of other machines for `_STALE_AFTER`.
+    """
+    for path in target.parent.glob(f"{_start(target)}*"):
+        match = _NAME.fullmatch(path.name)
+        if match and _is_stale(path, match[1], int(match[2])):
+            _remove(path)
+
+
+def _is_stale(path: Path, machine: str, pid: int) -> bool:
+    """Return whether no process can be writing a temporary path any more."""
+    if machine == _machine():
+        try:
+            os.kill(pid, 0)
+        except (ProcessLookupError, OverflowError):
+            return True
+        except PermissionError:
+            return False
+        return False
+    try:
+        return time.time() - path.lstat().st_mtime > _STALE_AFTER
+    except OSError:
+        return False
+
+
+def _remove(path: Path) -> None:
+    """Remove a file, link or folder; one that is gone already, or cannot go, is left."""
+    try:
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)
+    except OSError:
+        return
+
+
+def _replace_directory(new: Path, target: Path) -> None:
+    """Put directory `new` in the place of `target`.
+
+    `target` is always whole or absent. It is absent between two renames: a process that is killed
+    there leaves no target, and both directories under temporary names, which the next write of
+    the same target removes.
+    """
+    if not os.path.lexists(target):
+        new.replace(target)
+        return
+    old = _temporary_beside(target)
+    target.replace(old)
+    try:
+        new.replace(target)
+    except BaseException:
+        old.replace(target)
+        raise
+    _remove(old)
+
 
 #: Text inputs (plans, tables) above this many bytes are refused before they are read.
 MAX_TEXT_BYTES = 256_000_000
@@ -36,8 +130,8 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
-    remove_stale(target)
-    temporary = temporary_beside(target)
+    _remove_stale(target)
+    temporary = _temporary_beside(target)
     try:
         temporary.touch()
         yield temporary
@@ -52,19 +146,19 @@ def atomic_directory(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield an empty temporary directory; it replaces directory `path` when the block succeeds.
 
     The old directory stays until the new one takes its place; for a moment neither is there
-    (:func:`~plan2scene.temporary.replace_directory`).
+    (:func:`_replace_directory`).
     """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
-    remove_stale(target)
-    temporary = temporary_beside(target)
+    _remove_stale(target)
+    temporary = _temporary_beside(target)
     try:
         temporary.mkdir()
         yield temporary
         temporary.chmod(0o755)
-        replace_directory(temporary, target)
+        _replace_directory(temporary, target)
     finally:
-        remove(temporary)
+        _remove(temporary)
 
 
 def keep_inputs(output: Path, inputs: Iterable[Path]) -> None:

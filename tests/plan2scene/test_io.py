@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from plan2scene import io as p2s_io
-from plan2scene import temporary
 from plan2scene.errors import InputError
 
 LONG = "n" * 300
@@ -99,13 +98,12 @@ def test_what_a_killed_process_left_goes_and_that_of_a_live_one_stays(tmp_path):
     )
     subprocess.run([sys.executable, "-c", code, str(target)], check=False)
     assert len(list(tmp_path.iterdir())) == 2
-    mine = temporary.temporary_beside(target)
-    mine.touch()
-    p2s_io.write_text(target, "whole")
-    assert {p.name for p in tmp_path.iterdir() if p.is_file()} == {"x.png", mine.name}
-    with p2s_io.atomic_directory(f"{target}.d"):
-        pass
-    assert {p.name for p in tmp_path.iterdir()} == {"x.png", "x.png.d", mine.name}
+    with p2s_io.atomic_path(target) as mine:  # of a process that lives
+        p2s_io.write_text(target, "whole")
+        assert {p.name for p in tmp_path.iterdir() if p.is_file()} == {"x.png", mine.name}
+        with p2s_io.atomic_directory(f"{target}.d"):
+            pass
+        assert {p.name for p in tmp_path.iterdir()} == {"x.png", "x.png.d", mine.name}
 
 
 def test_a_name_of_the_longest_length_can_be_written(tmp_path):

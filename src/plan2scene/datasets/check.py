@@ -13,8 +13,7 @@ from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.datasets.table import read_house_rows, read_unobserved, rows_of_lists
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.image_modes import check_reducible
-from plan2scene.images import MAX_PHOTO_PIXELS, MAX_PIXELS, decode_image
+from plan2scene.images import MAX_PHOTO_PIXELS, MAX_PIXELS, check_reducible, decode_image
 from plan2scene.io import safe_join
 from plan2scene.plans import (
     PlanFile,

@@ -15,8 +15,8 @@ from plan2scene.io import read_parquet, write_parquet
 from plan2scene.paint.observations import HouseColours, house_colours
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.graph import HouseGraph, house_graph
+from plan2scene.propagation.substances import usual_shares, weighed
 from plan2scene.provenance import file_hash
-from plan2scene.substances import usual_shares, weighed
 from plan2scene.weights import fitting, read_model_arrays
 
 if TYPE_CHECKING:

@@ -14,8 +14,7 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES
 from plan2scene.html_page import html_page, inline_json, source_hash
-from plan2scene.image_modes import to_small_srgb
-from plan2scene.images import decode_image, png_bytes
+from plan2scene.images import decode_image, png_bytes, to_small_srgb
 from plan2scene.io import atomic_path
 from plan2scene.plans import (
     PlanFile,

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from plan2scene.errors import InputError
-from plan2scene.image_modes import to_small_srgb
-from plan2scene.images import MAX_PHOTO_PIXELS, decode_image
+from plan2scene.images import MAX_PHOTO_PIXELS, decode_image, to_small_srgb
 from plan2scene_app.exports.registry import export_house
 from plan2scene_app.run import CONTACT_SHEET, DELIVERED
 from plan2scene_app.studio.projects import Project

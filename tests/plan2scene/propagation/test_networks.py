@@ -23,8 +23,8 @@ from plan2scene.propagation.networks import (
 )
 from plan2scene.propagation.predictors import Prediction, mixture_components, predict, robust_centre
 from plan2scene.propagation.propagate import substances_of, unseen_substances
+from plan2scene.propagation.substances import on_surfaces
 from plan2scene.propagation.type_means import TypeMeans
-from plan2scene.substances import on_surfaces
 from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
 

@@ -13,9 +13,9 @@ import torch
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.propagation.substances import on_surfaces
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
-from plan2scene.substances import on_surfaces
 from plan2scene.textures.model.network import (
     StatisticsEncoder,
     TextureModel,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from plan2scene.house import SUBSTANCES, SURFACES
-from plan2scene.substances import on_surfaces, usual_shares
+from plan2scene.propagation.substances import on_surfaces, usual_shares
 
 
 def test_the_surface_says_which_substances_are_likely() -> None:
