@@ -69,8 +69,8 @@ def make_masks(
                 _label_photo, labeller=label(), folder=folder, house_id=house_id, fov_deg=fov_deg
             )
             with ThreadPoolExecutor(threads) as pool:
-                found = pool.map(lambda name: one(name, photos[name]), sorted(photos))
-                for name, (estimate, lines) in zip(sorted(photos), found, strict=True):
+                labelled = pool.map(lambda name: one(name, photos[name]), sorted(photos))
+                for name, (estimate, lines) in zip(sorted(photos), labelled, strict=True):
                     warnings += lines
                     if estimate is not None:
                         cameras[name] = estimate[0].to_json()

@@ -55,9 +55,9 @@ def estimate_camera(
     cropped photo only stand in for `fov_deg`.
     """
     height, width = image.shape[:2]
-    found = find_segments(image) if segments is None else segments
-    columns = found.size[1]
-    weighted = weighted_segments(found.camera, found.size, labels)
+    lines = find_segments(image) if segments is None else segments
+    columns = lines.size[1]
+    weighted = weighted_segments(lines.camera, lines.size, labels)
     known = None if exif is None or exif.focal_px is None else exif.focal_px * columns / width
     prior = columns / 2 / np.tan(np.radians(fov_deg) / 2) if known is None else known
     frame = fit_manhattan(weighted, columns, prior, seed)
@@ -90,14 +90,14 @@ class _Pose:
 
 def _decide(frame: Manhattan | None, segments: Segments, prior: float, is_exif: bool) -> _Pose:
     """Return the fitted frame, or the prior focal length where the evidence is weak."""
-    given = "exif" if is_exif else "config"
+    prior_source = "exif" if is_exif else "config"
     if frame is None or not _believed(frame):
-        return _Pose(np.diag([-1.0, -1.0, 1.0]), prior, given, 0.0, True)
+        return _Pose(np.diag([-1.0, -1.0, 1.0]), prior, prior_source, 0.0, True)
     confidence = frame.certainty * _support(frame)
     if frame.log_focal_sd <= CAMERA.max_log_focal_sd:
         return _Pose(frame.axes, frame.focal, "vanishing_points", confidence, False)
     axes = refine_rotation(segments, frame, prior)
-    return _Pose(axes, prior, given, CAMERA.given_certainty * confidence, False)
+    return _Pose(axes, prior, prior_source, CAMERA.given_certainty * confidence, False)
 
 
 def _with_exif(pose: _Pose, frame: Manhattan | None, focal: float) -> _Pose:

@@ -132,8 +132,8 @@ def detect_segments(grey: np.ndarray) -> np.ndarray:
     `grey` is (h, w) uint8; the segments are (n, 4) float64, ``x1 y1 x2 y2`` in pixels, (0, 0) the
     centre of the top left pixel. OpenCV's detector (von Gioi et al., LSD, 2012).
     """
-    found = cv2.createLineSegmentDetector().detect(np.ascontiguousarray(grey))[0]
-    segments = np.zeros((0, 4)) if found is None else found.reshape(-1, 4).astype(np.float64)
+    lines = cv2.createLineSegmentDetector().detect(np.ascontiguousarray(grey))[0]
+    segments = np.zeros((0, 4)) if lines is None else lines.reshape(-1, 4).astype(np.float64)
     return segments[np.argsort(-_lengths(segments), kind="stable")]
 
 
@@ -180,9 +180,9 @@ def write_segments(path: str | Path, segments: Mapping[str, PhotoSegments]) -> N
     import pandas as pd
 
     frames = []
-    for photo, found in segments.items():
-        camera = (found.camera + 0.5) * found.scale - 0.5
-        for use, ends in (("camera", camera), ("walls", found.walls)):
+    for photo, of_photo in segments.items():
+        camera = (of_photo.camera + 0.5) * of_photo.scale - 0.5
+        for use, ends in (("camera", camera), ("walls", of_photo.walls)):
             frame = pd.DataFrame(ends.astype(np.float32), columns=_ENDS)
             frames.append(frame.assign(photo=photo, use=use))
     table = pd.concat(frames) if frames else pd.DataFrame(columns=["photo", "use", *_ENDS])
@@ -213,7 +213,7 @@ def border_lines(labels: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.nda
     size = labels.shape[1]
     lines: list[np.ndarray] = []
     for _ in range(CAMERA.max_borders):
-        found = cv2.HoughLinesP(
+        hough = cv2.HoughLinesP(
             edges,
             1.0,
             np.pi / 180,
@@ -221,9 +221,9 @@ def border_lines(labels: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.nda
             minLineLength=CAMERA.border_length * size,
             maxLineGap=0.04 * size,
         )
-        if found is None:
+        if hough is None:
             break
-        segments = found.reshape(-1, 4).astype(np.float64)
+        segments = hough.reshape(-1, 4).astype(np.float64)
         length = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
         rows, columns = np.nonzero(edges)
         points = np.stack([columns, rows], axis=1).astype(np.float64)

@@ -47,7 +47,7 @@ def first_guesses(
     voters = np.argsort(-weight, kind="stable")[: CAMERA.n_voters]
     weight = weight[voters] / weight[voters].sum()
     noise, off_vertical = segments.coarse_noise[voters, None], segments.off_vertical[voters]
-    found = []
+    by_focal = []
     for focal in focals.tolist():
         normal, middle = (rays[voters] for rays in segments.rays(focal))
         penalty = CAMERA.focal_penalty * (np.log(focal / prior) / 0.3) ** 2
@@ -62,8 +62,8 @@ def first_guesses(
             best = int(np.argmax(score))
             axes = np.stack([first[:, best], up, second[:, best]], axis=1)
             guesses.append(Guess(float(score[best]) - penalty, axes, focal))
-        found.append(sorted(guesses, key=lambda guess: -guess.score))
-    return found
+        by_focal.append(sorted(guesses, key=lambda guess: -guess.score))
+    return by_focal
 
 
 def _frames(
@@ -92,32 +92,34 @@ def _verticals(segments: Segments, width: int, rng: np.random.Generator) -> np.n
     lines = np.cross(np.hstack([points[:, :2], one]), np.hstack([points[:, 2:], one]))
     chance = segments.length[upright] * segments.weight[upright]
     pairs = rng.choice(len(upright), size=(CAMERA.n_pairs, 2), p=chance / chance.sum())
-    found = np.cross(lines[pairs[:, 0]], lines[pairs[:, 1]])
-    found = found[np.linalg.norm(found, axis=1) > 1e-9]
-    found /= np.linalg.norm(found, axis=1, keepdims=True)
-    roll = np.arctan2(np.abs(found[:, 0]), np.abs(found[:, 1]))
-    reach = np.hypot(found[:, 0], found[:, 1]) / np.maximum(np.abs(found[:, 2]), 1e-9)
+    crossings = np.cross(lines[pairs[:, 0]], lines[pairs[:, 1]])
+    crossings = crossings[np.linalg.norm(crossings, axis=1) > 1e-9]
+    crossings /= np.linalg.norm(crossings, axis=1, keepdims=True)
+    roll = np.arctan2(np.abs(crossings[:, 0]), np.abs(crossings[:, 1]))
+    reach = np.hypot(crossings[:, 0], crossings[:, 1]) / np.maximum(np.abs(crossings[:, 2]), 1e-9)
     nearest = (
         0.5
         / np.tan(np.radians(CAMERA.fov_range_deg[1]) / 2)
         / np.tan(np.radians(CAMERA.max_pitch_deg))
     )
-    found = np.vstack([level, found[(roll < np.radians(CAMERA.max_roll_deg)) & (reach > nearest)]])
+    crossings = np.vstack(
+        [level, crossings[(roll < np.radians(CAMERA.max_roll_deg)) & (reach > nearest)]]
+    )
     middle = segments.middle[upright] / width
-    toward = found[:, None, :2] - middle[None] * found[:, None, 2:]
+    toward = crossings[:, None, :2] - middle[None] * crossings[:, None, 2:]
     along = points[:, 2:] - points[:, :2]
     turn = toward[..., 0] * along[:, 1] - toward[..., 1] * along[:, 0]
     turn /= np.linalg.norm(toward, axis=2) * np.linalg.norm(along, axis=1) + 1e-12
     noise = segments.coarse_noise[upright] / 2
     score = (chance * np.exp(-0.5 * (turn / noise) ** 2)).sum(axis=1)
-    return _distinct(found, score)
+    return _distinct(crossings, score)
 
 
-def _distinct(found: np.ndarray, score: np.ndarray) -> np.ndarray:
+def _distinct(points: np.ndarray, score: np.ndarray) -> np.ndarray:
     """Return the best-scoring vanishing points that differ by more than about 1.5 degrees."""
     kept: list[np.ndarray] = []
     for index in np.argsort(-score, kind="stable"):
-        point = found[index]
+        point = points[index]
         if all(abs(float(point @ other)) < np.cos(np.radians(1.5)) for other in kept):
             kept.append(point)
         if len(kept) == CAMERA.n_verticals:
@@ -202,11 +204,11 @@ def fit_manhattan(
         state = state.joined(again)
         cost = np.concatenate([cost, _cost(segments, again, prior)])
         best = int(np.argmin(cost))
-    found = _describe(segments, state.take(best))
+    frame = _describe(segments, state.take(best))
     if fixed:
-        return found
+        return frame
     spread, certainty = _certainty(state.log_focal, cost, best, np.log(grid))
-    return replace(found, log_focal_sd=spread, certainty=certainty)
+    return replace(frame, log_focal_sd=spread, certainty=certainty)
 
 
 def refine_rotation(segments: Segments, frame: Manhattan, focal: float) -> np.ndarray:

@@ -67,14 +67,14 @@ def read_windows(crops: str | Path, candidates: str | Path) -> dict[str, tuple[W
     table, _ = read_parquet(crops)
     png = dict(zip(table["crop_id"], table["png"], strict=True))
     frame, _ = read_parquet(candidates)
-    found: dict[tuple[str, str, int, int], Window] = {}
+    windows: dict[tuple[str, str, int, int], Window] = {}
     for row in frame.to_dict("records"):
         key = (row["photo"], row["surface"], int(row["plane"]), int(row["index"]))
-        if key in found and found[key].selected:
+        if key in windows and windows[key].selected:
             continue
-        found[key] = _window(row, png)
+        windows[key] = _window(row, png)
     photos: dict[str, list[Window]] = {}
-    for (photo, *_), window in found.items():
+    for (photo, *_), window in windows.items():
         photos.setdefault(photo, []).append(window)
     return {photo: tuple(members) for photo, members in photos.items()}
 
@@ -159,8 +159,8 @@ def mask_panel(image: np.ndarray, labels: np.ndarray, planes: Sequence[Plane]) -
     picture = overlay(image, labels, opacity=0.45)
     masks = [plane.mask.astype(np.uint8) for plane in planes]
     for mask in masks:
-        found, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        cv2.drawContours(picture, found, -1, (255, 255, 255), 1)
+        contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        cv2.drawContours(picture, contours, -1, (255, 255, 255), 1)
     for plane, mask in zip(planes, masks, strict=True):
         depth = cv2.distanceTransform(np.pad(mask, 1), cv2.DIST_L2, cv2.DIST_MASK_5)
         row, column = np.unravel_index(int(np.argmax(depth)), depth.shape)

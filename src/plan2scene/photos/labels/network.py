@@ -225,13 +225,13 @@ class SegmentationNet(nn.Module):
             y = stage(y)
             skips.append(y)
         y = self.attention(self.context(y))
-        found: list[torch.Tensor] = []
+        decoded: list[torch.Tensor] = []
         for up, skip in zip(self.ups, reversed(skips[:-1]), strict=True):
             y = up(y, skip)
-            if not found:
+            if not decoded:
                 y = self.attention_up(y)
-            found.append(y)
-        return found
+            decoded.append(y)
+        return decoded
 
     def forward(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> torch.Tensor:
         """Return logits; see the class for shapes.

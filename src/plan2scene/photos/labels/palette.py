@@ -120,14 +120,14 @@ def labels_from_folder(
     """
     path = safe_join(folder, f"{Path(photo).stem}.png", house_id=house_id)
     labels = read_label_png(path, house_id=house_id, openings=openings)
-    found = (labels.shape[0], labels.shape[1])
-    if reduced_size(found) != tuple(size):
+    mask_size = (labels.shape[0], labels.shape[1])
+    if reduced_size(mask_size) != tuple(size):
         expected = f"a mask of the photo's size {size[1]}x{size[0]}"
-        raise InputError(expected, f"{found[1]}x{found[0]}", file=path, house=house_id)
-    if found != tuple(size):
+        raise InputError(expected, f"{mask_size[1]}x{mask_size[0]}", file=path, house=house_id)
+    if mask_size != tuple(size):
         rows, columns = (
             np.minimum((np.arange(new) + 0.5) * old / new, old - 1).astype(int)
-            for new, old in zip(size, found, strict=True)
+            for new, old in zip(size, mask_size, strict=True)
         )
         labels = labels[np.ix_(rows, columns)]
     return np.where(labels == IGNORE, OTHER, labels).astype(np.uint8)

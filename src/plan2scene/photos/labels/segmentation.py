@@ -146,8 +146,8 @@ class Segmenter:
         columns, rows = sizes[-1][1] // 2, sizes[-1][0] // 2
         total = np.zeros((int(self.network.architecture["labels"]), rows, columns), np.float32)
         for k, size in enumerate(sizes):
-            found = _logits_at(members, image, camera, size, mirror_first=k % 2 == 1)
-            for plane, sum_ in zip(found, total, strict=True):
+            answers = _logits_at(members, image, camera, size, mirror_first=k % 2 == 1)
+            for plane, sum_ in zip(answers, total, strict=True):
                 sum_ += cv2.resize(plane, (columns, rows), interpolation=cv2.INTER_LINEAR)
         constants = self.network.architecture
         adjustment = np.array(constants["logit_adjustment"], np.float32)[:, None, None]

@@ -81,5 +81,5 @@ def pose_from_json(value: Any, *, file: object = "") -> Pose | None:
 
 def read_poses(path: str | Path) -> dict[str, Pose]:
     """Return the poses of the located photos of a cameras.json, by name."""
-    found = {name: pose_from_json(value, file=path) for name, value in read_json(path).items()}
-    return {name: pose for name, pose in found.items() if pose is not None}
+    poses = {name: pose_from_json(value, file=path) for name, value in read_json(path).items()}
+    return {name: pose for name, pose in poses.items() if pose is not None}

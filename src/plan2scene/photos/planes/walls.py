@@ -198,13 +198,13 @@ def _borders_on(labels: np.ndarray, below: int, gap: int) -> np.ndarray:
     What is between is another thing or ignored: skirting, cornice, a cable.
     """
     wall = labels == WALL
-    found = np.zeros_like(wall)
+    borders = np.zeros_like(wall)
     between = wall[:-1].copy()
     for step in range(1, gap + 1):
         reached = labels[step:]
-        found[:-step] |= between & (reached == below)
+        borders[:-step] |= between & (reached == below)
         between = (between & ((reached == OTHER) | (reached == IGNORE)))[:-1]
-    return found
+    return borders
 
 
 def _by_bin(bins: np.ndarray, values: np.ndarray, chosen: np.ndarray, q: float) -> np.ndarray:
@@ -213,8 +213,8 @@ def _by_bin(bins: np.ndarray, values: np.ndarray, chosen: np.ndarray, q: float) 
     where, value = bins[chosen], values[chosen]
     order = np.lexsort((value, where))
     where, value = where[order], value[order]
-    found, start, count = np.unique(where, return_index=True, return_counts=True)
-    result[found] = value[start + ((count - 1) * q / 100.0).round().astype(int)]
+    filled, start, count = np.unique(where, return_index=True, return_counts=True)
+    result[filled] = value[start + ((count - 1) * q / 100.0).round().astype(int)]
     return result
 
 
@@ -295,20 +295,20 @@ def likely_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
     `distances` (b, 2) are those of foot and top from the camera on the plan, metres, NaN where
     not seen. Walls with a normal of their own come last.
     """
-    found: list[tuple[float, WallLine]] = []
+    supported: list[tuple[float, WallLine]] = []
     for outward in DIRECTIONS:
         facing = borders.direction @ np.array(outward)
         offset = (distances * facing[:, None])[facing > PLANES.min_facing]
         offset = np.sort(offset[~np.isnan(offset)])
         low, high = PLANES.distance_range_m
         offset = offset[(offset >= low) & (offset <= high)]
-        found += [
+        supported += [
             (count, WallLine(outward, distance, True))
             for count, distance in _peaks(offset)
             if count >= PLANES.min_support
         ]
-    found.sort(key=lambda item: -item[0])
-    return [line for _, line in found[: PLANES.max_candidates]] + _own_walls(borders, distances)
+    supported.sort(key=lambda item: -item[0])
+    return [line for _, line in supported[: PLANES.max_candidates]] + _own_walls(borders, distances)
 
 
 def _peaks(offset: np.ndarray) -> list[tuple[int, float]]:
@@ -333,7 +333,7 @@ def _own_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
     reach = distances[:, 0]
     points = borders.direction * reach[:, None]
     known = np.isfinite(reach) & (reach < PLANES.distance_range_m[1])
-    found: list[tuple[int, WallLine]] = []
+    supported: list[tuple[int, WallLine]] = []
     for start in range(0, PLANES.bins - PLANES.slanted_bins + 1, PLANES.slanted_bins // 4):
         inside = known.copy()
         inside[:start] = inside[start + PLANES.slanted_bins :] = False
@@ -346,10 +346,10 @@ def _own_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
         expected = line.distance / np.where(facing > PLANES.min_facing, facing, np.nan)
         off = np.abs(np.arctan(borders.foot) - np.arctan(borders.foot * reach / expected))
         if (off[inside] < PLANES.slanted_noise).mean() > 0.8:
-            found.append((int((known & (off < 2 * PLANES.slanted_noise)).sum()), line))
-    found.sort(key=lambda item: -item[0])
+            supported.append((int((known & (off < 2 * PLANES.slanted_noise)).sum()), line))
+    supported.sort(key=lambda item: -item[0])
     kept: list[WallLine] = []
-    for _, line in found:
+    for _, line in supported:
         if len(kept) < PLANES.max_slanted and not any(_alike(line, other) for other in kept):
             kept.append(line)
     return kept
@@ -561,9 +561,9 @@ def trace_walls(
     borders = find_borders(labels, camera)
     facing = facing_votes(segments, labels, camera, borders.bins)
     height, source = camera_height_m, "camera_height"
-    found = _camera_height(borders, facing, height, room.height_m) if solve_height else None
-    if found is not None:
-        height, source = found, "room_height"
+    solved = _camera_height(borders, facing, height, room.height_m) if solve_height else None
+    if solved is not None:
+        height, source = solved, "room_height"
     elif (fitting := _height_by_extent(borders, facing, height, room)) is not None:
         height, source = fitting, "room_extent"
     lines, path, _ = _solve(borders, facing, height, room.height_m - height)
