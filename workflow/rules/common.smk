@@ -228,54 +228,12 @@ def named_assignment_of(wildcards):
     return str(DATA_ROOT / name) if name else ""
 
 
-def label_model():
-    """Return the embedded segmentation model by name; none where it does not label."""
-    source = config["photos"]["masks"]
-    return {"segmentation": model_of("segmentation")} if source == "embedded" else {}
-
-
-def pretrained_files():
-    """Return the files of a pretrained network on disk; one of the hub is told by its commit."""
-    folder = config["photos"]["pretrained"]["path"]
-    if config["photos"]["masks"] in ("embedded", "precomputed") or not folder:
-        return []
-    return sorted(
-        str(path)
-        for pattern in ("*.json", "*.safetensors")
-        for path in Path(folder).glob(pattern)
-    )
-
-
-def ready_masks_of(wildcards):
-    """Return the label PNGs that the configured folder has for a house's photos."""
-    folder = Path(config["photos"]["masks_folder"] or "")
-    names = safe_names(row_of(wildcards).photos)
-    paths = (folder / f"{Path(name).stem}.png" for name in names)
-    return [str(path) for path in paths if path.is_file()]
-
-
 # What no house decides is no function below: Snakemake calls one for each of thousands of jobs.
 POOL = f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else None
 HAS_BOXES = (LAYOUT.data / "object_aabbs").is_dir()
 HAS_MASKS = CROPS["source"] != "precomputed"
 MASKS = f"{RESULTS}/houses/{{house}}/masks"
 CAMERAS = f"{RESULTS}/houses/{{house}}/cameras.json"
-
-
-@functools.cache
-def ready_crops():
-    """Return the ready crops of the configured folder by photo stem."""
-    found = {}
-    for path in sorted(Path(CROPS["folder"]).glob("*/*_crop*.png")):
-        found.setdefault(path.name.rsplit("_", 2)[0], []).append(str(path))
-    return found
-
-
-def ready_crops_of(wildcards):
-    """Return the ready crops of a house's photos."""
-    names = safe_names(row_of(wildcards).photos)
-    stems = [Path(name).stem for name in names]
-    return [path for stem in stems for path in ready_crops().get(stem, [])]
 
 
 def metric_model(network):
