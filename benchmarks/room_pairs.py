@@ -20,7 +20,7 @@ import numpy as np
 
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh import build_parts, load_textures
-from plan2scene.mesh.light import even_light
+from plan2scene.mesh.baking import even_light
 from plan2scene.mesh.room_views import draw_rooms
 from plan2scene.plans import read_scene_json
 

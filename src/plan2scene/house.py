@@ -121,6 +121,11 @@ class Room:
         """Whether the room has no roof: a balcony, terrace or yard."""
         return bool(self.types) and OPEN_AIR.issuperset(self.types)
 
+    @property
+    def title(self) -> str:
+        """Return the room's name for people: its types."""
+        return " / ".join(self.types)
+
     def surface_keys(self) -> tuple[SurfaceKey, ...]:
         """Return the floor, wall and ceiling key of this room."""
         return tuple(SurfaceKey(self.id, surface) for surface in SURFACES)

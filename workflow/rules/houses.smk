@@ -144,7 +144,7 @@ rule lit_house:
         mem_mb=2000,
     params:
         objects=config["house"]["objects"],
-        code=code_hash("plan2scene.mesh.lit"),
+        code=code_hash("plan2scene.mesh.lit_house"),
     script:
         "../scripts/lit_house.py"
 

@@ -1,6 +1,6 @@
 """Rule lit_house: plan and textures -> GLB with baked light."""
 
-from plan2scene.mesh.lit import build_lit_house
+from plan2scene.mesh.lit_house import build_lit_house
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):

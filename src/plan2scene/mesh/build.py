@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from plan2scene.house import House, SurfaceKey
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.glb import write_glb
-from plan2scene.mesh.house_mesh import assemble
-from plan2scene.mesh.textures import TileTexture, textured
+from plan2scene.mesh.texture_files import TileTexture, textured
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
 
@@ -47,7 +47,7 @@ def build_house(
         Outputs.
     house_id : str
     objects : bool
-        Whether the GLB shows the plan's fixed objects (:mod:`plan2scene.mesh.objects`).
+        Whether the GLB shows the plan's fixed objects (:mod:`plan2scene.mesh.fittings`).
     relief : bool
         Whether surfaces of the GLB have normal maps (:mod:`plan2scene.mesh.relief`).
     """

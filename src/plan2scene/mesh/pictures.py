@@ -6,8 +6,8 @@ from pathlib import Path
 
 from plan2scene.images import jpeg_bytes, write_png
 from plan2scene.io import atomic_path
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.build import textured_house
-from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.preview import render_preview
 from plan2scene.mesh.room_views import render_rooms
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.textures import MapTexture, TileTexture
+from plan2scene.mesh.texture_files import MapTexture, TileTexture
 
 #: Slope of a texture of much contrast, root mean square, by substance.
 SLOPES = {"tile": 0.10, "wood": 0.07, "carpet": 0.14, "plaster": 0.06}

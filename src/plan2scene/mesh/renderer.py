@@ -21,7 +21,7 @@ from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes
 from plan2scene.mesh.glb import GLASS
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.textures import UNTEXTURED, TileTexture
+from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 
 #: What is nearer to a pinhole camera is not drawn, metres.
 NEAR_M = 0.02

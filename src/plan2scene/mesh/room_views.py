@@ -14,12 +14,12 @@ from plan2scene.camera import Camera, focal_of
 from plan2scene.colour import linear_to_srgb
 from plan2scene.drawing import INK, PAPER, font
 from plan2scene.house import House, SurfaceKey
-from plan2scene.mesh.light import Light, bake_light, compressed, even_light, mean_colours
+from plan2scene.mesh.baking import Light, bake_light, compressed, even_light, mean_colours
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.path_tracing import TracedScene, load_mitsuba
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.renderer import Triangles, sample
-from plan2scene.mesh.textures import TileTexture
+from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.geometry import room_polygon
 
 

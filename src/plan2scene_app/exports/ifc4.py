@@ -17,15 +17,13 @@ from shapely.geometry.base import BaseGeometry
 
 from plan2scene.house import House, Level, Stairs, SurfaceKey
 from plan2scene.io import atomic_path
-from plan2scene.mesh.fixtures import LEAF_THICKNESS
-from plan2scene.mesh.house_mesh import assemble
-from plan2scene.mesh.labels import room_title
-from plan2scene.mesh.openings import Portal
-from plan2scene.mesh.plates import open_plate
+from plan2scene.mesh.assembly import Storey, assemble
+from plan2scene.mesh.joinery import LEAF_THICKNESS
 from plan2scene.mesh.polygons import polygons_of
 from plan2scene.mesh.stairs import step_areas
-from plan2scene.mesh.storey import Storey
-from plan2scene.mesh.textures import TileTexture
+from plan2scene.mesh.structure import open_plate
+from plan2scene.mesh.texture_files import TileTexture
+from plan2scene.mesh.wall_sides import Portal
 from plan2scene.plans.geometry import room_polygon
 from plan2scene_app.exports.solids import SLAB, footprint, middle_strip, wall_area
 
@@ -179,7 +177,7 @@ class _Model:
                 self._root(
                     "IfcSpace",
                     room.id,
-                    LongName=room_title(room),
+                    LongName=room.title,
                     ObjectPlacement=self._placement(self._place),
                     Representation=self._shape(polygon, 0.0, room.height),
                     CompositionType="ELEMENT",

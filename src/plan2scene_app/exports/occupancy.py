@@ -17,9 +17,8 @@ from shapely.ops import unary_union
 
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_path
-from plan2scene.mesh.house_mesh import assemble
-from plan2scene.mesh.storey import Storey
-from plan2scene.mesh.textures import TileTexture
+from plan2scene.mesh.assembly import Storey, assemble
+from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.geometry import room_polygon
 from plan2scene_app.exports.solids import storey_solids
 

@@ -16,7 +16,7 @@ from plan2scene.plugins import code_of, installed, plugins
 
 if TYPE_CHECKING:
     from plan2scene.house import House, SurfaceKey
-    from plan2scene.mesh.textures import TileTexture
+    from plan2scene.mesh.texture_files import TileTexture
 
     Textures = dict[SurfaceKey, TileTexture]
     Write = Callable[[House, Textures, Path], None]
@@ -88,7 +88,7 @@ def _map(house: House, textures: Textures, folder: Path) -> None:
 
 
 def _obj(house: House, textures: Textures, folder: Path) -> None:
-    from plan2scene.mesh.obj import write_obj
+    from plan2scene_app.exports.obj import write_obj
 
     write_obj(house, textures, folder / "house.obj")
 
@@ -159,7 +159,7 @@ def export_house(
 
     Raises InputError for an unknown name, an unreadable plan, or a package that is missing.
     """
-    from plan2scene.mesh.textures import textured
+    from plan2scene.mesh.texture_files import textured
     from plan2scene.plans import read_scene_json
 
     if name not in exports():

@@ -22,10 +22,10 @@ from trimesh.exchange.gltf import export_glb
 
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_path, write_json
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.glb import write_glb
-from plan2scene.mesh.house_mesh import assemble
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.textures import TileTexture
+from plan2scene.mesh.texture_files import TileTexture
 from plan2scene_app.exports.solids import Solid, house_solids
 
 #: What the parts' kinds are called as categories.

@@ -16,14 +16,12 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from plan2scene.house import House
-from plan2scene.mesh.fixtures import FRAME_WIDTH, LEAF_THICKNESS, TWO_LEAVES
-from plan2scene.mesh.house_mesh import Assembly, assemble
-from plan2scene.mesh.openings import Portal
+from plan2scene.mesh.assembly import Assembly, Storey, assemble
+from plan2scene.mesh.joinery import FRAME_WIDTH, LEAF_THICKNESS, TWO_LEAVES
 from plan2scene.mesh.parts import MeshPart, numbered
-from plan2scene.mesh.plates import open_plate
 from plan2scene.mesh.polygons import polygons_of, triangulate
-from plan2scene.mesh.storey import Storey
-from plan2scene.mesh.walls import Body
+from plan2scene.mesh.structure import Body, open_plate
+from plan2scene.mesh.wall_sides import Portal
 from plan2scene.plans.geometry import room_polygon
 
 #: Floors and ceilings are so thick, metres.
@@ -67,7 +65,7 @@ class Solid:
         Unique in the house, like the GLB's nodes: ``{room}/floor``, ``wall/{wall}`` ...
     category : str
         ``floor``, ``ceiling``, ``wall``, ``door``, ``window``, ``railing``, or what an object of
-        the plan is (:data:`plan2scene.mesh.objects.KINDS`).
+        the plan is (:data:`plan2scene.mesh.fittings.KINDS`).
     room_ids : tuple of str
         The rooms it belongs to.
     pieces : tuple of trimesh.Trimesh

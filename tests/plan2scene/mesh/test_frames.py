@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plan2scene.house import Opening, Room, Wall
-from plan2scene.mesh.frames import (
+from plan2scene.mesh.wall_sides import (
     arc_offset,
     inner_normal,
     openings_on,

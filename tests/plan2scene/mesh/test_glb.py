@@ -9,7 +9,7 @@ from PIL import Image
 from plan2scene.house import SurfaceKey
 from plan2scene.mesh import build_parts, write_glb
 from plan2scene.mesh.glb import ROUGHNESS
-from plan2scene.mesh.obj import write_obj
+from plan2scene_app.exports.obj import write_obj
 
 
 @pytest.mark.parametrize("name", ["ring_house", "gap_house"])

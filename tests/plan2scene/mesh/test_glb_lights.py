@@ -9,8 +9,8 @@ import trimesh
 from glb_file import chunks
 
 from plan2scene.mesh import write_glb
-from plan2scene.mesh.glb_lights import LAMP_LUX, TO_SUN, candela
-from plan2scene.mesh.light import lamp_position
+from plan2scene.mesh.baking import lamp_position
+from plan2scene.mesh.glb import LAMP_LUX, TO_SUN, candela
 
 
 @pytest.fixture

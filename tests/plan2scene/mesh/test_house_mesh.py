@@ -8,7 +8,7 @@ from shapely.geometry import Polygon
 
 from plan2scene.house import Door, House, Opening, Wall
 from plan2scene.mesh import build_parts
-from plan2scene.mesh.house_mesh import assemble
+from plan2scene.mesh.assembly import assemble
 
 
 def by_name(house):

@@ -9,7 +9,7 @@ from shapely.geometry import Point
 
 from plan2scene.house import Opening
 from plan2scene.mesh import build_parts
-from plan2scene.mesh.light import bake_light, lamp_position
+from plan2scene.mesh.baking import bake_light, lamp_position
 from plan2scene.mesh.rays import Rays, hemisphere
 from plan2scene.mesh.renderer import sample
 from plan2scene.mesh.room_views import SETTINGS, camera_in, render_rooms, standpoints

@@ -11,8 +11,8 @@ from PIL import Image
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh import TileTexture, build_parts, write_glb
-from plan2scene.mesh.light import bake_light, mean_colours
-from plan2scene.mesh.lit import PX_PER_M, lit_part, lit_textures, shown
+from plan2scene.mesh.baking import bake_light, mean_colours
+from plan2scene.mesh.lit_house import PX_PER_M, lit_part, lit_textures, shown
 
 pytest.importorskip("embreex")
 

@@ -9,7 +9,7 @@ from shapely.geometry import box
 
 from plan2scene.house import House, IconBox, Room
 from plan2scene.mesh import build_parts
-from plan2scene.mesh.objects import KINDS, category_of
+from plan2scene.mesh.fittings import KINDS, category_of
 
 #: A room of 4 x 3 m with walls of no thickness in the way: the walls of `small_house`.
 INSIDE = box(0, 0, 4, 3)

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from plan2scene.mesh import build_parts
-from plan2scene.mesh.occlusion import REACH_M, TEXEL_M, bake_occlusion
+from plan2scene.mesh.baking import REACH_M, TEXEL_M, bake_occlusion
 
 pytest.importorskip("embreex")
 

@@ -10,7 +10,7 @@ from PIL import Image
 from plan2scene.images import jpeg_bytes, png_bytes
 from plan2scene.mesh import TileTexture, build_parts, write_glb
 from plan2scene.mesh.relief import SLOPES, normal_map, tangents
-from plan2scene.mesh.textures import MapTexture
+from plan2scene.mesh.texture_files import MapTexture
 
 
 def joints(contrast=90, size_px=64, size_m=0.5):

@@ -3,7 +3,7 @@
 import pytest
 
 from plan2scene.mesh import build_parts
-from plan2scene.mesh.skirting import DEPTH, FRAME, HEIGHT
+from plan2scene.mesh.structure import DEPTH, FRAME, HEIGHT
 
 
 def board(house, name):

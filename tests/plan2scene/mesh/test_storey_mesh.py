@@ -9,11 +9,11 @@ import trimesh
 
 from plan2scene.house import Level
 from plan2scene.mesh import build_parts, write_glb
-from plan2scene.mesh.house_mesh import assemble
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.preview import render_plan
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.stairs import WAIST
-from plan2scene.mesh.walls import CAP_COLOUR
+from plan2scene.mesh.structure import CAP_COLOUR
 from plan2scene.plans.geometry import walls_of_rooms
 from plan2scene.plans.levels import linked
 

@@ -13,8 +13,8 @@ from plan2scene.errors import InputError
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.images import image_from_bytes, png_bytes, read_image
 from plan2scene.io import write_parquet
-from plan2scene.mesh.house_mesh import build_parts
-from plan2scene.mesh.textures import load_textures
+from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.texture_files import load_textures
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.textures.crops import (
     Crop,

@@ -6,7 +6,7 @@ import yaml
 from PIL import Image
 from scipy import ndimage
 
-from plan2scene.mesh.house_mesh import assemble
+from plan2scene.mesh.assembly import assemble
 from plan2scene_app.exports.occupancy import (
     FREE,
     OCCUPIED,

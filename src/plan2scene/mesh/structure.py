@@ -1,13 +1,15 @@
-"""Walls: the face of each room with holes cut, and the body between and around the rooms.
+"""Floors, ceilings and walls: the surfaces that rooms see, and what stands between and around them.
 
 The faces that rooms see are textured and exact (length x height less openings). The body is
 what a plan draws black: each wall's band behind its face, as far as no room is there; it has
-outer faces, a cap above the ceiling line and the reveals of openings, in plain colours.
+outer faces, a cap above the ceiling line and the reveals of openings, in plain colours. Skirting
+boards run along the foot of a room's walls.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,11 +19,18 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
-from plan2scene.house import Room, SurfaceKey, Wall
-from plan2scene.mesh.frames import Frame, arc_offset, frame_between, reveal_quads
-from plan2scene.mesh.openings import Openings, Portal, Side
+from plan2scene.house import Level, Room, SurfaceKey, Wall
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.mesh.polygons import polygons_of, triangulate
+from plan2scene.mesh.wall_sides import (
+    Frame,
+    Openings,
+    Portal,
+    Side,
+    arc_offset,
+    frame_between,
+    reveal_quads,
+)
 
 OUTER_COLOUR: Colour = (222, 216, 206)
 CAP_COLOUR: Colour = (74, 72, 70)
@@ -272,3 +281,102 @@ def threshold(portal: Portal) -> MeshPart | None:
     extras = {"kind": "threshold", "room_id": room, "opening_id": portal.hole.opening.id}
     name = f"{room}/threshold/{portal.hole.opening.id}"
     return builder.build(name, "surface", SurfaceKey(room, "floor"), extras)
+
+
+def flat_parts(
+    room: Room, polygon: BaseGeometry, well: BaseGeometry, above: Above | None
+) -> list[MeshPart]:
+    """Return a room's floor (facing up, y = 0) and ceiling (facing down, y = height).
+
+    The floor is open where stairs come up (`well`), the ceiling where they go on; a room in the
+    open air has no ceiling. UV in metres: columns along +x, rows along +z.
+    """
+    parts = []
+    for surface, y in (("floor", 0.0), ("ceiling", room.height)):
+        if surface == "ceiling" and room.open_air:
+            continue
+        builder = PartBuilder()
+        builder.level(open_plate(polygon, surface, well, above), y, up=surface == "floor")
+        if not builder:
+            continue
+        extras = {"kind": surface, "room_id": room.id, "surface": surface}
+        key = SurfaceKey(room.id, surface)
+        parts.append(builder.build(f"{room.id}/{surface}", "surface", key, extras))
+    return parts
+
+
+def open_plate(
+    polygon: BaseGeometry, surface: str, well: BaseGeometry, above: Above | None
+) -> BaseGeometry:
+    """Return a room's plan area less the stairs that go through its floor or ceiling."""
+    shaft = well
+    if surface == "ceiling":
+        shaft = Polygon() if above is None else above.well
+    return polygon if shaft.is_empty else polygon.difference(shaft)
+
+
+def soffit(
+    level: Level, rooms: BaseGeometry, bodies: list[Body], below: BaseGeometry
+) -> list[MeshPart]:
+    """Return the part ``structure/soffit/{level}``: the underside of what juts out over a level.
+
+    `rooms` and `bodies` are the level's, `below` the plan area of the rooms under it.
+    """
+    reach = max((body.side.wall.depth for body in bodies), default=0.0)
+    walls = unary_union([body.area for body in bodies])
+    out = unary_union([rooms, walls]).difference(below.buffer(reach + TOUCH, join_style="mitre"))
+    builder = PartBuilder()
+    builder.level(solid_area(out), -LIFT, up=False, colour=OUTER_COLOUR)
+    if not builder:
+        return []
+    return [builder.build(f"structure/soffit/{level.id}", extras={"kind": "structure"})]
+
+
+SKIRTING_COLOUR: Colour = (240, 238, 232)
+#: Metres: common sizes of joinery.
+HEIGHT, DEPTH = 0.07, 0.014
+#: A board ends so far beside a door, where its frame is, metres.
+FRAME = 0.012
+#: Shorter pieces are left out, metres.
+LEAST_LENGTH = 0.05
+#: Rooms of these types have tiles up to the wall, or are outside.
+WITHOUT = {"Bathroom", "Outdoor", "Balcony", "Terrace", "Staircase"}
+
+
+def skirting(room: Room, sides: Iterable[Side], openings: Openings) -> MeshPart | None:
+    """Return the part ``{room}/skirting``; None for rooms without any.
+
+    Parameters
+    ----------
+    room : Room
+    sides : iterable of Side
+        The faces of the room's walls.
+    openings : Openings
+        The holes of all faces.
+    """
+    if WITHOUT & set(room.types):
+        return None
+    builder = PartBuilder()
+    for side in sides:
+        for left, right in free_stretches(side, openings.hole(side)):
+            builder.box(
+                side.frame.axes(0.0), (left, 0.0, 0.0), (right, HEIGHT, DEPTH), SKIRTING_COLOUR
+            )
+    if not builder:
+        return None
+    return builder.build(f"{room.id}/skirting", extras={"kind": "skirting", "room_id": room.id})
+
+
+def free_stretches(side: Side, holes: BaseGeometry) -> list[tuple[float, float]]:
+    """Return (left, right) of the stretches of a face's foot without a hole, metres along it."""
+    frame = side.frame
+    foot: BaseGeometry = LineString([(0.0, HEIGHT / 2), (frame.length, HEIGHT / 2)])
+    wide = [
+        box(x0 - FRAME, y0, x1 + FRAME, y1)
+        for x0, y0, x1, y1 in (part.bounds for part in getattr(holes, "geoms", [holes]))
+        if x1 > x0
+    ]
+    for hole in wide:
+        foot = foot.difference(hole)
+    lines = [line for line in getattr(foot, "geoms", [foot]) if line.length > LEAST_LENGTH]
+    return [(line.bounds[0], line.bounds[2]) for line in lines]

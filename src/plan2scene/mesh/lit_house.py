@@ -1,6 +1,6 @@
 """house_lit.glb: the house with its light baked into unlit textures (KHR_materials_unlit).
 
-Every surface gets one image: its texture times the light of :mod:`plan2scene.mesh.light`, which
+Every surface gets one image: its texture times the light of :mod:`plan2scene.mesh.baking`, which
 every viewer shows as it is, on phones, too.
 """
 
@@ -18,11 +18,11 @@ from plan2scene.colour import linear_to_srgb, srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.mesh.areas import Area, areas_of
+from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.baking import Light, bake_light, compressed, mean_colours
 from plan2scene.mesh.glb import write_glb
-from plan2scene.mesh.house_mesh import build_parts
-from plan2scene.mesh.light import Light, bake_light, compressed, mean_colours
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.textures import MapTexture, TileTexture, textured
+from plan2scene.mesh.texture_files import MapTexture, TileTexture, textured
 from plan2scene.plans import read_scene_json
 
 #: Pixels per metre of the images, and their largest side.

@@ -1,8 +1,11 @@
-"""Light of a house's surfaces: sky through the windows, a lamp in every room, some bounces.
+"""What is baked into texels of a house's surfaces by rays (Embree): ambient occlusion, and light.
 
-Radiosity by rays (Cohen and Wallace 1993): every texel looks at the house in the same few
-directions about its normal; what it sees, a window's sky or another texel, is worked out once,
-then each bounce is a sum. Values are factors on a surface's colour, about 1 where a room is lit.
+Both lay flat parts out in one image (`Chart`). Occlusion (glTF's occlusionTexture) is how much of
+the hemisphere over a point is taken by what is near, weighted by the cosine and by how near it is.
+Light is radiosity by rays (Cohen and Wallace 1993): sky through the windows, a lamp in every room
+and some bounces. Every texel looks at the house in the same few directions about its normal; what
+it sees, a window's sky or another texel, is worked out once, then each bounce is a sum. Values are
+factors on a surface's colour, about 1 where a room is lit.
 """
 
 from __future__ import annotations
@@ -11,16 +14,183 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from shapely.geometry import Point
+import shapely
+from scipy import ndimage
+from shapely.geometry import Point, Polygon
+from shapely.ops import unary_union
 
 from plan2scene.colour import srgb_to_linear
 from plan2scene.house import House, SurfaceKey
-from plan2scene.images import image_from_bytes
-from plan2scene.mesh.charts import Chart, packed
+from plan2scene.images import image_from_bytes, png_bytes
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.rays import Rays, hemisphere
-from plan2scene.mesh.textures import TileTexture
+from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.geometry import room_polygon
+
+#: Texels around each part that continue its edge, so that filtering takes nothing of others.
+GUTTER = 1
+#: Points stand so far in front of a face, metres, when rays start there: before the walls of rooms
+#: that a plan draws a little into each other.
+LIFT = 0.015
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A flat part with its texels: column and row of the image that its texel (0, 0) has.
+
+    `low` is the corner of texel (0, 0) in the part's texture coordinates, metres.
+    """
+
+    part: MeshPart
+    low: np.ndarray
+    size: tuple[int, int]
+    texel_m: float
+    column: int = 0
+    row: int = 0
+
+    @property
+    def normal(self) -> np.ndarray:
+        """Return the part's normal, (3,)."""
+        return np.asarray(self.part.mesh.vertex_normals[0])
+
+    def texels(self, uv: np.ndarray) -> np.ndarray:
+        """Return (..., 2) column and row in the image, in texels, of texture coordinates."""
+        return np.asarray((uv - self.low) / self.texel_m + [self.column, self.row])
+
+    def grid(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return texture coordinates (h, w, 2) of texels with their gutter, and which are on it."""
+        height, width = self.size
+        rows, columns = np.mgrid[-GUTTER : height + GUTTER, -GUTTER : width + GUTTER]
+        uv = self.low + (np.stack([columns, rows], axis=-1) + 0.5) * self.texel_m
+        return uv, self._covered(uv)
+
+    def world(self, uv: np.ndarray) -> np.ndarray:
+        """Return points (n, 3) `LIFT` in front of the part, of texture coordinates (n, 2)."""
+        known = np.column_stack([np.asarray(self.part.uv), np.ones(len(self.part.mesh.vertices))])
+        to_world, *_ = np.linalg.lstsq(known, self.part.mesh.vertices, rcond=None)
+        return np.asarray(np.column_stack([uv, np.ones(len(uv))]) @ to_world + LIFT * self.normal)
+
+    def paste(self, image: np.ndarray, values: np.ndarray, inside: np.ndarray) -> None:
+        """Write values (h, w, ...) of the grid into an image; off the part its nearest texel's."""
+        if inside.any():
+            nearest = ndimage.distance_transform_edt(
+                ~inside, return_distances=False, return_indices=True
+            )
+            values = values[tuple(nearest)]
+        top, left = self.row - GUTTER, self.column - GUTTER
+        image[top : top + values.shape[0], left : left + values.shape[1]] = values
+
+    def _covered(self, uv: np.ndarray) -> np.ndarray:
+        """Return which points (..., 2) of the part's coordinates lie on it."""
+        corners = np.asarray(self.part.uv)[self.part.mesh.faces]
+        area = unary_union([Polygon(triangle) for triangle in corners])
+        return np.asarray(shapely.contains_xy(area, uv[..., 0], uv[..., 1]))
+
+
+def packed(
+    parts: Sequence[MeshPart], texel_m: float, most_px: int
+) -> tuple[list[Chart], tuple[int, int]]:
+    """Return the parts on shelves of an image no higher than wide, and its (height, width).
+
+    Texels are `texel_m` wide, larger where the image would be over `most_px`.
+    """
+    while True:
+        charts = sorted((_chart(part, texel_m) for part in parts), key=lambda c: -c.size[0])
+        side = 64
+        while side <= most_px:
+            placed = _shelves(charts, side)
+            if placed is not None:
+                height = max(chart.row + chart.size[0] + GUTTER for chart in placed)
+                return placed, (height, side)
+            side *= 2
+        texel_m *= 1.5
+
+
+def _chart(part: MeshPart, texel_m: float) -> Chart:
+    uv = np.asarray(part.uv)
+    low = uv.min(0)
+    width, height = np.maximum(np.ceil((uv.max(0) - low) / texel_m - 1e-9), 1).astype(int)
+    return Chart(part, low, (int(height), int(width)), texel_m)
+
+
+def _shelves(charts: Sequence[Chart], side: int) -> list[Chart] | None:
+    """Return charts placed in rows of a square; None where it is too small."""
+    placed, x, y, high = [], 0, 0, 0
+    for chart in charts:
+        height, width = (n + 2 * GUTTER for n in chart.size)
+        if x + width > side:
+            x, y, high = 0, y + high, 0
+        if x + width > side or y + height > side:
+            return None
+        place = {"column": x + GUTTER, "row": y + GUTTER}
+        placed.append(Chart(chart.part, chart.low, chart.size, chart.texel_m, **place))
+        x, high = x + width, max(high, height)
+    return placed
+
+
+#: What is farther away than this does not darken, metres.
+REACH_M = 1.2
+#: Side of a texel, metres; the image is at most `MOST_PX` wide and high, else texels are larger.
+TEXEL_M = 0.08
+MOST_PX = 2048
+RAYS = 64
+
+
+@dataclass(frozen=True)
+class Occlusion:
+    """A baked image, and where each part lies in it.
+
+    Attributes
+    ----------
+    png : bytes
+        (h, w) uint8, linear: 255 where nothing is near.
+    uv : mapping of part name to (n, 2) float64
+        Texture coordinates of the part's vertices in the image, v down, in [0, 1].
+    """
+
+    png: bytes
+    uv: Mapping[str, np.ndarray]
+
+
+def bake_occlusion(parts: Sequence[MeshPart], flat: Sequence[MeshPart]) -> Occlusion | None:
+    """Return the occlusion of the `flat` ones among a house's parts, which have UV in metres.
+
+    Every opaque part casts; glass does not, and skirting boards, thinner than a texel, would only
+    blacken the wall behind them. None where nothing is flat, or where there is no ray
+    tracer. Deterministic.
+    """
+    if not flat:
+        return None
+    rays = Rays.of([part for part in parts if part.extras.get("kind") != "skirting"])
+    if rays is None:
+        return None
+    charts, (height, width) = packed(flat, TEXEL_M, MOST_PX)
+    image = np.full((height, width), 255, np.uint8)
+    uv = {}
+    for chart in charts:
+        _shade(image, chart, rays)
+        uv[chart.part.name] = chart.texels(np.asarray(chart.part.uv)) / [width, height]
+    return Occlusion(png_bytes(image), uv)
+
+
+def _shade(image: np.ndarray, chart: Chart, rays: Rays) -> None:
+    """Write a part's texels with their gutter into the image."""
+    uv, inside = chart.grid()
+    light = np.ones(inside.shape)
+    if inside.any():
+        light[inside] = _openness(chart, uv[inside], rays)
+    chart.paste(image, np.round(255 * light).astype(np.uint8), inside)
+
+
+def _openness(chart: Chart, uv: np.ndarray, rays: Rays) -> np.ndarray:
+    """Return the free share of the hemisphere over points (n, 2) of a flat part, (n,) in [0, 1]."""
+    directions = hemisphere(chart.normal, RAYS)
+    points = chart.world(uv)
+    origins = np.repeat(points, len(directions), axis=0)
+    distance = rays.distances(origins, np.tile(directions, (len(points), 1)))
+    near = np.clip(1 - distance / REACH_M, 0, 1).reshape(len(points), -1)
+    return np.asarray(1 - near.mean(axis=1))
+
 
 #: Directions that a texel looks in, bounces, and the largest image in pixels.
 RAYS, BOUNCES, MOST_PX = 64, 4, 2048

@@ -16,9 +16,8 @@ from shapely.geometry import Point, Polygon, box
 from shapely.geometry.base import BaseGeometry
 
 from plan2scene.house import House, IconBox, Room
-from plan2scene.mesh.frames import Frame
-from plan2scene.mesh.openings import Side
 from plan2scene.mesh.parts import Colour, Corner, MeshPart, PartBuilder
+from plan2scene.mesh.wall_sides import Frame, Side
 
 Block = tuple[Corner, Corner, Colour]  #: a box: two opposite corners, its colour
 CERAMIC: Colour = (243, 243, 240)

@@ -1,0 +1,180 @@
+"""A house as mesh parts, storey by storey (paper section 3: the house that textures are put on)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
+
+from plan2scene.house import House, Level, Stairs
+from plan2scene.mesh.fittings import objects
+from plan2scene.mesh.joinery import fixtures
+from plan2scene.mesh.parts import GRID_DECIMALS, MeshPart, numbered
+from plan2scene.mesh.stairs import handrails, railing, railing_sides, stair_parts, well_railings
+from plan2scene.mesh.structure import (
+    OVERLAP,
+    Above,
+    Body,
+    flat_parts,
+    skirting,
+    soffit,
+    structure_part,
+    threshold,
+    wall_bodies,
+    wall_face,
+)
+from plan2scene.mesh.wall_sides import Portal, find_openings, room_sides
+from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.levels import flight_area, step_count
+
+
+@dataclass(frozen=True)
+class Storey:
+    """A level's parts, and the plan areas that drawings and bodies of it need.
+
+    `house` has the level's rooms alone. `well` is where stairs come up, open in the floors;
+    `above` what is on top, with the stairs that its ceilings are open over. `flights` are the
+    stairs that start or arrive here, with their number of steps.
+    """
+
+    level: Level
+    house: House
+    parts: tuple[MeshPart, ...]
+    bodies: tuple[Body, ...]
+    portals: tuple[Portal, ...]
+    well: BaseGeometry
+    above: Above | None
+    flights: tuple[tuple[Stairs, int], ...] = ()
+
+
+def build_storey(
+    level: Level,
+    house: House,
+    below: BaseGeometry | None,
+    well: BaseGeometry,
+    above: Above | None,
+) -> Storey:
+    """Return the storey of a house without levels and stairs; names of parts may repeat.
+
+    `below` is the plan area of the rooms that it stands on, None for the lowest level.
+    """
+    polygons = {room.id: room_polygon(room) for room in house.rooms}
+    together = unary_union(list(polygons.values()))
+    sides = room_sides(house, polygons)
+    openings = find_openings(house, sides, polygons)
+    rails = railing_sides(house, sides, polygons)
+    walled = [side for side in sides if side not in rails]
+    parts: list[MeshPart] = [railing(side) for side in rails]
+    for room in house.rooms:
+        parts.extend(flat_parts(room, polygons[room.id], well, above))
+        own = [side for side in walled if side.room_id == room.id]
+        faces = (
+            wall_face(
+                side, room, polygons[room.id], openings, house.wall_key(room.id, side.wall.id)
+            )
+            for side in own
+        )
+        boards = skirting(room, own, openings)
+        parts.extend(part for part in (*faces, boards) if part is not None)
+    bodies = wall_bodies(walled, together)
+    low = 0.0 if below is None else -OVERLAP
+    for body in bodies:
+        part = structure_part(body, bodies, together, openings.portals, above, low=low)
+        if part is not None:
+            parts.append(part)
+    portals = _largest(openings.portals)
+    for portal in portals:
+        strip = threshold(portal)
+        parts.extend(([strip] if strip is not None else []) + fixtures(portal))
+    parts.extend(objects(house, sides, polygons))
+    if below is not None:
+        parts.extend(soffit(level, together, bodies, below))
+    return Storey(level, house, tuple(parts), tuple(bodies), tuple(portals), well, above)
+
+
+def _largest(portals: list[Portal]) -> list[Portal]:
+    """Return portals without those that mostly lie inside a wider one of the same wall."""
+    kept: list[Portal] = []
+    for portal in sorted(portals, key=lambda p: -p.width):
+        inside = any(
+            portal.side.wall.id == other.side.wall.id
+            and min(portal.hole.right, other.hole.right) - max(portal.hole.left, other.hole.left)
+            > 0.5 * portal.width
+            and min(portal.hole.top, other.hole.top) > max(portal.hole.bottom, other.hole.bottom)
+            for other in kept
+        )
+        if not inside:
+            kept.append(portal)
+    return [portal for portal in portals if portal in kept]
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """A house's storeys, the lowest first."""
+
+    storeys: tuple[Storey, ...]
+
+    @property
+    def parts(self) -> list[MeshPart]:
+        """Return the parts of all storeys, each at its level's elevation."""
+        return [lifted(part, storey.level) for storey in self.storeys for part in storey.parts]
+
+
+def lifted(part: MeshPart, level: Level) -> MeshPart:
+    """Return a part of a storey where it is in the house; its extras name the level."""
+    if not level.id:
+        return part
+    mesh = part.mesh.copy()
+    normals = np.array(part.mesh.vertex_normals)
+    mesh.vertices = np.round(mesh.vertices + [0.0, level.elevation, 0.0], GRID_DECIMALS)
+    mesh.vertex_normals = normals
+    return replace(part, mesh=mesh, extras={**part.extras, "level": level.id})
+
+
+def build_parts(house: House) -> list[MeshPart]:
+    """Return every part of a house, each with a name of its own.
+
+    Floors, ceilings and wall faces carry their room's texture key and have exact areas: a
+    floor's is its polygon's less where stairs come up, a wall face's is length x height less
+    openings. Everything else (wall bodies, door leaves, window frames, glass) is plain.
+
+    Parameters
+    ----------
+    house : House
+        Validated by its reader.
+    """
+    return assemble(house).parts
+
+
+def assemble(house: House) -> Assembly:
+    """Return the storeys of a house with their parts, see :func:`build_parts`."""
+    storeys = []
+    below: BaseGeometry | None = None
+    well: BaseGeometry = Polygon()
+    arriving: list[Stairs] = []
+    for level, rooms in house.storeys():
+        stairs = [flight for flight in house.stairs if flight.level == level.id]
+        higher = house.level_above(level.id)
+        above = None
+        if higher is not None:
+            own = [room_polygon(room) for room in house.rooms if room.level == higher.id]
+            shaft = unary_union([flight_area(flight) for flight in stairs])
+            above = Above(higher.elevation - level.elevation, unary_union(own), shaft)
+        storey = build_storey(level, rooms, below, well, above)
+        flights = [(flight, step_count(house.rise_of(flight))) for flight in (*arriving, *stairs)]
+        ways = stair_parts(house, stairs) + handrails(house, rooms, stairs)
+        ways += well_railings(rooms, arriving, stairs)
+        storeys.append(replace(storey, parts=(*storey.parts, *ways), flights=tuple(flights)))
+        arriving = stairs if above is not None else []
+        below = unary_union([room_polygon(room) for room in rooms.rooms])
+        well = Polygon() if above is None else above.well
+    names = iter(numbered(part.name for storey in storeys for part in storey.parts))
+    return Assembly(
+        tuple(
+            replace(storey, parts=tuple(replace(part, name=next(names)) for part in storey.parts))
+            for storey in storeys
+        )
+    )
