@@ -16,7 +16,7 @@ from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, ti
 from plan2scene.seeds import derive_seed, generator
 from plan2scene.textures.decoding import match_statistics
 from plan2scene.textures.model.embedding import embed_crops
-from plan2scene.textures.model.network import decode_textures, load_texture_model
+from plan2scene.textures.model.texture_model import decode_textures, load_texture_model
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene.weights import MODELS
 from plan2scene_workshop.texture.data import TextureSet, random_crop, scanned_textures

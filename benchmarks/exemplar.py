@@ -129,8 +129,8 @@ def decoders() -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
     from plan2scene.colour import clipped_share
     from plan2scene.textures.decoding import even_crop, match_statistics
     from plan2scene.textures.model.embedding import embed_crops
-    from plan2scene.textures.model.network import decode_textures, load_texture_model
-    from plan2scene.textures.selection import surface_embedding
+    from plan2scene.textures.model.texture_model import decode_textures, load_texture_model
+    from plan2scene.textures.observed_surfaces import surface_embedding
     from plan2scene.weights import MODELS
 
     model = load_texture_model(MODELS / "texture.safetensors")

@@ -25,11 +25,11 @@ from plan2scene.io import read_parquet
 from plan2scene.paint.observations import HouseColours, house_colours
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.graph import HouseGraph, house_graph
-from plan2scene.propagation.networks import load_propagation
+from plan2scene.propagation.graph_networks import load_propagation
 from plan2scene.propagation.predictors import PREDICTORS, house_evidence
 from plan2scene.seeds import generator
 from plan2scene.textures.model.embedding import embed_crops
-from plan2scene.textures.model.network import load_texture_model
+from plan2scene.textures.model.texture_model import load_texture_model
 
 MODELS = Path(__file__).parents[1] / "resources" / "models"
 SEEDS = range(8)

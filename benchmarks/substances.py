@@ -21,7 +21,7 @@ from plan2scene.house import SUBSTANCES
 from plan2scene.images import read_image
 from plan2scene.propagation.substances import on_surfaces
 from plan2scene.textures.model.embedding import embed_crops
-from plan2scene.textures.model.network import load_texture_model
+from plan2scene.textures.model.texture_model import load_texture_model
 from plan2scene.weights import MODELS
 
 Row = tuple[str, str, str]  # flat, room, surface

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import torch
 
-from plan2scene.textures.model.network import Architecture, low_precision_is_fast
+from plan2scene.textures.model.texture_model import Architecture, low_precision_is_fast
 from plan2scene_workshop.texture.data import join_sets, procedural_textures, scanned_textures
 from plan2scene_workshop.texture.run import ARCHITECTURES, measure
 from plan2scene_workshop.texture.settings import TextureSettings

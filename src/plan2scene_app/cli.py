@@ -353,7 +353,7 @@ def convert(
     """Convert released weights; a file that carries code is refused."""
     from plan2scene.checkpoints.convert import convert_checkpoint
     from plan2scene.io import keep_inputs
-    from plan2scene.propagation.networks import load_propagation
+    from plan2scene.propagation.graph_networks import load_propagation
 
     keep_inputs(out, [checkpoint, *([means] if means else [])])
     convert_checkpoint(

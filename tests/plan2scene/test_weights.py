@@ -8,8 +8,8 @@ import torch
 from plan2scene.errors import InputError
 from plan2scene.metrics.substance_network import load_substance_network
 from plan2scene.photos.labels.segmentation import load_segmenter
-from plan2scene.propagation.networks import load_propagation
-from plan2scene.textures.model.network import load_texture_model
+from plan2scene.propagation.graph_networks import load_propagation
+from plan2scene.textures.model.texture_model import load_texture_model
 from plan2scene.weights import MODELS, load_model_file, read_model_arrays, save_model_file
 
 STATE = {"a.weight": torch.arange(6.0).reshape(2, 3) / 3, "b": torch.tensor([1, 2])}

@@ -112,7 +112,7 @@ def test_a_house_id_that_is_no_file_name_is_refused(tmp_path, name):
 def test_checkpoints_are_converted_and_those_of_other_networks_refused(tmp_path):
     import torch
 
-    from plan2scene.propagation.networks import PropagationNetwork
+    from plan2scene.propagation.graph_networks import PropagationNetwork
 
     path, out = tmp_path / "gnn.ckpt", tmp_path / "o.safetensors"
     torch.save({"model_state_dict": PropagationNetwork().state_dict()}, path)

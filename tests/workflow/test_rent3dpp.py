@@ -12,8 +12,8 @@ from rent3dpp_copy import write_rent3dpp_copy
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
 from plan2scene.materials import random_material
-from plan2scene.propagation.networks import PropagationNetwork, load_propagation
-from plan2scene.textures.model.network import Architecture, TextureModel
+from plan2scene.propagation.graph_networks import PropagationNetwork, load_propagation
+from plan2scene.textures.model.texture_model import Architecture, TextureModel
 
 TABLE = "results/rent3dpp/tables/paper_table.csv"
 CONFIG = ("--configfile", "config/rent3dpp.yaml", "two_seeds.yaml", "--config")

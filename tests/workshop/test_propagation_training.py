@@ -9,7 +9,7 @@ from torch_geometric.data import Data
 
 from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.networks import (
+from plan2scene.propagation.graph_networks import (
     Mixture,
     PointerNetwork,
     PropagationNetwork,
@@ -17,7 +17,7 @@ from plan2scene.propagation.networks import (
 )
 from plan2scene.propagation.predictors import predict
 from plan2scene.propagation.type_means import TypeMeans
-from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
+from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
 from plan2scene_workshop.propagation import training
 from plan2scene_workshop.propagation.light import CORRECTED

@@ -9,7 +9,7 @@ import pytest
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import write_png
-from plan2scene.textures.model.network import Architecture, load_texture_model
+from plan2scene.textures.model.texture_model import Architecture, load_texture_model
 from plan2scene_workshop.texture import data as td
 from plan2scene_workshop.texture import run as texture_run
 from plan2scene_workshop.texture.settings import TextureSettings

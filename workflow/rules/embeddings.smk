@@ -53,7 +53,7 @@ rule surfaces:
     params:
         hidden=hidden_of,
         dataset=DATASET,
-        code=code_hash("plan2scene.textures.selection"),
+        code=code_hash("plan2scene.textures.observed_surfaces"),
     script:
         "../scripts/surfaces.py"
 

@@ -1,6 +1,6 @@
 """Rule surfaces: crops and their embeddings -> the crop and embedding of each observed surface."""
 
-from plan2scene.textures.selection import select_surfaces
+from plan2scene.textures.observed_surfaces import select_surfaces
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):

@@ -94,7 +94,7 @@ def _structure(
     """
     from plan2scene.metrics.inception import VARIANTS, InceptionV3
     from plan2scene.metrics.vgg import VggClassifier
-    from plan2scene.textures.model.network import Architecture, TextureModel
+    from plan2scene.textures.model.texture_model import Architecture, TextureModel
 
     if network == "vgg16":
         return VggClassifier(), {"network": network, "divisor": 1}, (), "classifier.6"
@@ -119,7 +119,7 @@ def _convert_propagation(
     means: TypeMeans | None,
 ) -> None:
     """Write the propagation network with the means of training surfaces."""
-    from plan2scene.propagation.networks import PropagationNetwork, save_propagation
+    from plan2scene.propagation.graph_networks import PropagationNetwork, save_propagation
 
     if means is None:
         expected = "means over training surfaces with a propagation checkpoint"

@@ -13,7 +13,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES, SURFACES, House
 from plan2scene.propagation.type_means import TypeMeans, mean_by_type
 from plan2scene.textures.model.embedding import make_embeddings
-from plan2scene.textures.selection import select_surfaces
+from plan2scene.textures.observed_surfaces import select_surfaces
 
 if TYPE_CHECKING:
     import pandas as pd

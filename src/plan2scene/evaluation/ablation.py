@@ -34,7 +34,7 @@ from plan2scene.io import read_parquet, write_csv, write_parquet, write_text
 from plan2scene.metrics.registry import METRICS
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.graph import house_graph
-from plan2scene.propagation.networks import load_propagation
+from plan2scene.propagation.graph_networks import load_propagation
 from plan2scene.propagation.predictors import PREDICTORS
 from plan2scene.seeds import generator
 from plan2scene.textures.inputs import HouseData, Visible

@@ -21,7 +21,7 @@ from plan2scene.textures.inputs import (
     TextureSettings,
     Visible,
 )
-from plan2scene.textures.selection import select_surfaces
+from plan2scene.textures.observed_surfaces import select_surfaces
 
 if TYPE_CHECKING:
     import pandas as pd

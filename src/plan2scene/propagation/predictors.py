@@ -23,7 +23,7 @@ from plan2scene.house import SURFACES
 from plan2scene.paint.light import expected_colours
 from plan2scene.paint.observations import HouseColours
 from plan2scene.propagation.graph import HouseGraph, doors_between
-from plan2scene.propagation.networks import Mixture, Network, PointerNetwork, graph_data
+from plan2scene.propagation.graph_networks import Mixture, Network, PointerNetwork, graph_data
 from plan2scene.propagation.type_means import TypeMeans
 
 
@@ -140,7 +140,7 @@ def mixture_components(
     values : (n, 3, 11) float32
         Standardised embeddings of the visible surfaces.
     pair_index : (2, p) int64
-        As of :func:`~plan2scene.propagation.networks.room_pairs`.
+        As of :func:`~plan2scene.propagation.graph_networks.room_pairs`.
 
     Returns
     -------

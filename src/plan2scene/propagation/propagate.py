@@ -52,7 +52,7 @@ def propagate_house(
     import pandas as pd
 
     # PyTorch Geometric takes seconds to import: what only reads this stage's files goes without.
-    from plan2scene.propagation.networks import load_propagation
+    from plan2scene.propagation.graph_networks import load_propagation
     from plan2scene.propagation.predictors import PREDICTORS
 
     plan = read_scene_json(scene_json, house)

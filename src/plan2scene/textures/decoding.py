@@ -82,7 +82,7 @@ def _decoded(
 
     `numbers` tells images of one surface apart: what their noise derives from besides its name.
     """
-    from plan2scene.textures.model.network import decode_textures, load_texture_model
+    from plan2scene.textures.model.texture_model import decode_textures, load_texture_model
 
     size, house_id = inputs.settings.size_px, inputs.data.files.house_id
     if not surfaces:

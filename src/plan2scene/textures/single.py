@@ -115,8 +115,8 @@ def _embedding(crops: np.ndarray, model: Path, seed: int) -> tuple[int, np.ndarr
     """
     from plan2scene.colour import clipped_share
     from plan2scene.textures.model.embedding import embed_crops
-    from plan2scene.textures.model.network import load_texture_model
-    from plan2scene.textures.selection import surface_embedding
+    from plan2scene.textures.model.texture_model import load_texture_model
+    from plan2scene.textures.observed_surfaces import surface_embedding
 
     network = load_texture_model(model)
     selects = network.architecture.delta_hsv

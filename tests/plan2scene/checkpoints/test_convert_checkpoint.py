@@ -18,9 +18,9 @@ from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES, SURFACES
 from plan2scene.metrics.networks import load_network
 from plan2scene.metrics.vgg import VggClassifier
-from plan2scene.propagation.networks import PropagationNetwork, load_propagation
+from plan2scene.propagation.graph_networks import PropagationNetwork, load_propagation
 from plan2scene.propagation.type_means import TypeMeans
-from plan2scene.textures.model.network import Architecture, TextureModel, load_texture_model
+from plan2scene.textures.model.texture_model import Architecture, TextureModel, load_texture_model
 from plan2scene.weights import load_model_file, save_model_file
 from plan2scene_workshop.homes.floorplans import generate_house
 

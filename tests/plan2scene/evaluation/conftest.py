@@ -13,12 +13,12 @@ from plan2scene.io import write_parquet
 from plan2scene.metrics.substance_network import SubstanceNetwork, save_substance_network
 from plan2scene.plans import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene.propagation.networks import PropagationNetwork, save_propagation
+from plan2scene.propagation.graph_networks import PropagationNetwork, save_propagation
 from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.textures.inputs import HouseFiles, TextureSettings
 from plan2scene.textures.library import write_library
 from plan2scene.textures.model.embedding import make_embeddings
-from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
+from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.table import table_textures
 from plan2scene.weights import save_model_file
 

@@ -20,8 +20,8 @@ from plan2scene.evaluation.ablation import (
 from plan2scene.evaluation.houses import propagated_at
 from plan2scene.house import ROOM_TYPES, SurfaceKey
 from plan2scene.io import read_parquet
-from plan2scene.propagation.networks import load_propagation
-from plan2scene.textures.model.network import load_texture_model
+from plan2scene.propagation.graph_networks import load_propagation
+from plan2scene.textures.model.texture_model import load_texture_model
 
 HIDDEN = {"0.0": [], "0.6": ["p1.jpg", "p3.jpg"]}
 

@@ -18,7 +18,7 @@ from plan2scene.textures.inputs import (
     TextureSettings,
 )
 from plan2scene.textures.methods import texture_methods
-from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
+from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.seams import make_seamless
 from plan2scene.weights import save_model_file
 

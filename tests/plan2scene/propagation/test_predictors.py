@@ -10,7 +10,7 @@ from plan2scene.house import ROOM_TYPES
 from plan2scene.paint.observations import HouseColours
 from plan2scene.propagation import predictors
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.networks import PropagationNetwork
+from plan2scene.propagation.graph_networks import PropagationNetwork
 from plan2scene.propagation.predictors import (
     PREDICTORS,
     Prediction,

@@ -10,7 +10,7 @@ from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.provenance import file_hash
 from plan2scene.textures.model.embedding import embed_crops, make_embeddings
-from plan2scene.textures.model.network import (
+from plan2scene.textures.model.texture_model import (
     Architecture,
     TextureModel,
     architecture_header,

@@ -30,7 +30,7 @@ from plan2scene.textures.house_textures import make_textures
 from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
 from plan2scene.textures.library import read_library, write_library
 from plan2scene.textures.methods import texture_methods
-from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
+from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene.weights import save_model_file
 

@@ -7,7 +7,7 @@ from formula import formula_crop, formula_state
 from PIL import Image
 
 from plan2scene.errors import InputError
-from plan2scene.textures.model.network import (
+from plan2scene.textures.model.texture_model import (
     Architecture,
     TextureModel,
     architecture_header,

@@ -16,14 +16,14 @@ from plan2scene.io import read_parquet, write_parquet
 from plan2scene.propagation.substances import on_surfaces
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed
-from plan2scene.textures.model.network import (
+from plan2scene.textures.model.statistics import FilterBankStatistics, gram_distance, grams_of
+from plan2scene.textures.model.texture_model import (
     StatisticsEncoder,
     TextureModel,
     fast_decoding,
     load_texture_model,
     noise_seeds,
 )
-from plan2scene.textures.model.statistics import FilterBankStatistics, gram_distance, grams_of
 
 #: Crops at a time: few, whose responses stay in the processor's cache.
 _BATCH = 4

@@ -11,7 +11,7 @@ import numpy as np
 
 from plan2scene.colour import delta_e_2000, rgb_to_lab
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.networks import Network
+from plan2scene.propagation.graph_networks import Network
 from plan2scene.propagation.predictors import RULES, predict
 from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.seeds import generator

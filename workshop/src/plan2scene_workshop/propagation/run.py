@@ -11,11 +11,11 @@ import numpy as np
 
 from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.networks import Network, save_propagation
+from plan2scene.propagation.graph_networks import Network, save_propagation
 from plan2scene.propagation.type_means import TypeMeans, mean_by_type
 from plan2scene.provenance import file_hash
 from plan2scene.textures.model.embedding import embed_crops
-from plan2scene.textures.model.network import load_texture_model
+from plan2scene.textures.model.texture_model import load_texture_model
 from plan2scene_workshop.propagation.light import CORRECTED, PHOTOS
 from plan2scene_workshop.propagation.measure import (
     HIDDEN,

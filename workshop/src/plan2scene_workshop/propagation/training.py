@@ -20,7 +20,7 @@ from torch_geometric.utils import scatter
 
 from plan2scene.house import ROOM_TYPES, SURFACES
 from plan2scene.propagation.graph import EMBEDDING_SIZE, HouseGraph
-from plan2scene.propagation.networks import (
+from plan2scene.propagation.graph_networks import (
     NETWORKS,
     Mixture,
     Network,

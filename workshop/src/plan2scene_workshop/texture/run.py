@@ -13,7 +13,7 @@ from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, ti
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed, generator
 from plan2scene.textures.model.embedding import embed_crops
-from plan2scene.textures.model.network import (
+from plan2scene.textures.model.texture_model import (
     Architecture,
     TextureModel,
     architecture_header,

@@ -14,14 +14,14 @@ from torch import nn
 from torch.nn import functional
 
 from plan2scene.seeds import derive_seed, generator
-from plan2scene.textures.model.network import (
+from plan2scene.textures.model.noise import CHANNELS, OCTAVES
+from plan2scene.textures.model.statistics import SpectrumStatistics
+from plan2scene.textures.model.texture_model import (
     Architecture,
     Encoding,
     StatisticsEncoder,
     TextureModel,
 )
-from plan2scene.textures.model.noise import CHANNELS, OCTAVES
-from plan2scene.textures.model.statistics import SpectrumStatistics
 from plan2scene_workshop.texture.data import TextureSet, draw_crops, sampling_weights
 from plan2scene_workshop.texture.degradation import CROP_PX, UNEVEN_LIGHT, photographed
 from plan2scene_workshop.texture.losses import (

@@ -12,7 +12,7 @@ from torch_geometric.data import Batch
 from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES, SUBSTANCES, SURFACES
 from plan2scene.propagation.graph import HouseGraph, doors_between
-from plan2scene.propagation.networks import (
+from plan2scene.propagation.graph_networks import (
     Mixture,
     PointerNetwork,
     PropagationNetwork,
@@ -25,7 +25,7 @@ from plan2scene.propagation.predictors import Prediction, mixture_components, pr
 from plan2scene.propagation.propagate import substances_of, unseen_substances
 from plan2scene.propagation.substances import on_surfaces
 from plan2scene.propagation.type_means import TypeMeans
-from plan2scene.textures.model.network import Architecture, TextureModel, architecture_header
+from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
 
 ROOM_0 = [

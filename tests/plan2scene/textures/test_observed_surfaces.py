@@ -7,11 +7,7 @@ import pytest
 from plan2scene.errors import InputError
 from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.textures.selection import (
-    best_crop,
-    select_surfaces,
-    surface_embedding,
-)
+from plan2scene.textures.observed_surfaces import best_crop, select_surfaces, surface_embedding
 
 # (photo, room, surface, textureness, grey level, metres)
 CROPS = [
