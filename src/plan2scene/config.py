@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from plan2scene.errors import InputError
@@ -64,3 +65,26 @@ def _leaves(value: object, key: str) -> Iterator[tuple[str, object]]:
             yield from _leaves(item, f"{key}.{name}" if key else str(name))
     else:
         yield key, value
+
+
+def check_official(config: Mapping[str, Any]) -> None:
+    """Raise InputError, one line, where ``weights: official`` lacks a checkpoint it needs."""
+    if config["weights"] != "official":
+        return
+    given = config["official"]
+    for name in ("texture", "propagation", "naivesynth"):
+        # A propagation network knows the embeddings of one texture model only.
+        if given[name] is None and name != "naivesynth":
+            raise InputError(f"a path for official.{name}", "null", file="configuration")
+        _check_file(f"official.{name}", given[name])
+
+
+def check_metrics(section: Mapping[str, Any]) -> None:
+    """Raise InputError, one line, where a network of section ``metrics`` is no file."""
+    for name in ("vgg16", "inception"):
+        _check_file(f"metrics.{name}", section[name])
+
+
+def _check_file(name: str, path: str | None) -> None:
+    if path is not None and not Path(path).is_file():
+        raise InputError(f"a checkpoint ({name})", "no such file", file=path)

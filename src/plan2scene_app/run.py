@@ -14,7 +14,7 @@ from pathlib import Path
 from plan2scene.config import shipped_config
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.check import photo_problem
-from plan2scene.datasets.table import COLUMNS
+from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.io import safe_join, write_text
 from plan2scene.plans import read_plan, validate_house

@@ -25,7 +25,9 @@ from safetensors.torch import save
 from plan2scene.checkpoints.reading import fitted_state, read_checkpoint, state_dict_of
 from plan2scene.config import check_config, shipped_config
 from plan2scene.datasets.assignments import read_assignment
-from plan2scene.datasets.table import read_house_table, read_unobserved
+from plan2scene.datasets.drops import read_unobserved
+from plan2scene.datasets.house_table import read_house_table
+from plan2scene.datasets.import_plan import add_object_boxes
 from plan2scene.errors import InputError
 from plan2scene.images import image_from_bytes
 from plan2scene.materials import load_texture_folder
@@ -33,7 +35,7 @@ from plan2scene.photos.camera.exif import read_exif_focal
 from plan2scene.photos.crops.extract_crops import CropFiles, read_precomputed_crops
 from plan2scene.photos.labels.palette import labels_from_folder
 from plan2scene.photos.photo_files import read_photo
-from plan2scene.plans import add_object_boxes, house_to_scene, read_plan, validate_house
+from plan2scene.plans import house_to_scene, read_plan, validate_house
 from plan2scene.plans.scene_json import house_of_scene
 from plan2scene.weights import filled, load_model_file, read_model_arrays
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.table import read_house_table
+from plan2scene.datasets.house_table import read_house_table
 from plan2scene.house import House, IconBox, PlacedObject, Room
 from plan2scene.io import atomic_path, read_json, read_parquet, write_json
 from plan2scene.plans import read_plan, write_scene_json

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from plan2scene.datasets.table import read_house_table
+from plan2scene.datasets.house_table import read_house_table
 from plan2scene.metrics.substance_network import load_substance_network
 from plan2scene_app.tracing.segmenter import load_plan_segmenter
 

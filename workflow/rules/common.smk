@@ -5,13 +5,10 @@ import os
 import sys
 from pathlib import Path
 
-from plan2scene.config import check_config
-from plan2scene.datasets.drops import hidden_photos
+from plan2scene.config import check_config, check_metrics, check_official
+from plan2scene.datasets.drops import hidden_photos, read_unobserved
 from plan2scene.datasets.layout import find_layout
-from plan2scene.datasets.table import read_unobserved
 from plan2scene.datasets.house_table import (
-    check_metrics,
-    check_official,
     chosen_crops,
     photo_paths,
     safe_names,

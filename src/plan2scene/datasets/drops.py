@@ -1,8 +1,12 @@
-"""Photos that count as not taken at a drop fraction."""
+"""Photos that count as not taken at a drop fraction: the data set's list, or a seeded draw."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+
+from plan2scene.errors import InputError
+from plan2scene.io import read_json
 
 #: Fractions of the sweep.
 SWEEP_DROPS = tuple(f"{tenth / 10:.1f}" for tenth in range(11))
@@ -46,3 +50,25 @@ def hidden_photos(
     interval = () if listed is None else (f"{low:.1f}",)
     order = generator(seed, "hidden_photos", house_id, *interval).permutation(len(more))
     return sorted(known[low] | {more[i] for i in order[:count]})
+
+
+def read_unobserved(path: str | Path) -> dict[str, list[str]]:
+    """Return the photos to hide at each drop fraction: ``{"0.0": [], "0.6": [names], ...}``.
+
+    Keys are written with one decimal, whatever the file has (``0.60`` becomes ``0.6``).
+    """
+    table = read_json(path)
+    if not isinstance(table, dict):
+        raise InputError("an object of drop fractions", type(table).__name__, file=path)
+    found: dict[str, list[str]] = {}
+    for key, names in table.items():
+        try:
+            fraction = float(key)
+        except ValueError:
+            fraction = -1.0
+        if not 0.0 <= fraction <= 1.0:
+            raise InputError("drop fractions from 0 to 1", repr(key), file=path)
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise InputError(f"a list of photo names at {key}", repr(names)[:60], file=path)
+        found[f"{fraction:.1f}"] = names
+    return found

@@ -1,8 +1,8 @@
-"""What the workflow reads while it builds its job graph: the house table.
+"""The house table, which decides the job graph: ``houses.tsv``, or worked out from the data lists.
 
 Nothing of a house itself is opened here but its photo table, and that only where the house table
-is worked out from the data lists; a fault of one house is its own jobs' to report. Nothing is
-written.
+is worked out; a fault of one house is its own jobs' to report. Only :func:`make_house_table`
+writes.
 """
 
 from __future__ import annotations
@@ -11,12 +11,155 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from plan2scene.datasets.layout import Layout, find_layout
-from plan2scene.datasets.table import read_house_rows, rows_of_lists
+from plan2scene.datasets.assignments import read_rows
+from plan2scene.datasets.layout import Layout, find_layout, require_data_set
 from plan2scene.errors import InputError
-from plan2scene.io import safe_join
+from plan2scene.house import MAX_ID_LENGTH
+from plan2scene.io import atomic_path, read_text, safe_join
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COLUMNS = ("house", "split", "plan", "assignment", "photos")
+SPLITS = ("train", "val", "test")
+_NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")
+
+
+def read_house_table(path: str | Path) -> pd.DataFrame:
+    """Return the house table as :func:`read_house_rows` has it, every column str."""
+    import pandas as pd
+
+    return pd.DataFrame(read_house_rows(path), columns=list(COLUMNS), dtype=str)
+
+
+def read_house_rows(path: str | Path) -> list[dict[str, str]]:
+    """Return the rows of the house table (``houses.tsv``), one per house.
+
+    Columns ``house, split, plan, assignment, photos`` (docs/conventions.md); `assignment` and
+    `photos` may be empty. Photo names are not judged here: a bad one is its own house's fault.
+
+    Raises InputError for missing or unknown columns, no rows, a house twice, an unknown split, a
+    house name that can't name a folder, a plan or assignment path that leaves the data set.
+    """
+    lines = [line for line in read_text(path).splitlines() if line.strip()]
+    header = tuple(lines[0].split("\t")) if lines else ()
+    if sorted(header) != sorted(COLUMNS):
+        expected = f"the columns {', '.join(COLUMNS)} separated by tabs"
+        raise InputError(expected, ", ".join(header) or "an empty file", file=path)
+    rows = []
+    for number, line in enumerate(lines[1:], start=2):
+        cells = line.split("\t")
+        if len(cells) > len(header):
+            found = f"{len(cells)} in row {number}"
+            raise InputError(f"{len(header)} cells in each row", found, file=path)
+        cells += [""] * (len(header) - len(cells))
+        rows.append(dict(zip(header, (cell.strip() for cell in cells), strict=True)))
+    if not rows:
+        raise InputError("at least one house", "none", file=path)
+    seen: set[str] = set()
+    for row in rows:
+        _check_row(row, seen, path)
+    return rows
+
+
+def _check_row(row: dict[str, str], seen: set[str], path: str | Path) -> None:
+    """Raise InputError for a row that can't become jobs; note its house in `seen`."""
+    house_id = row["house"]
+    bad = not house_id or house_id.startswith((".", "-")) or not set(house_id) <= _NAME_CHARACTERS
+    if bad or len(house_id) > MAX_ID_LENGTH:
+        expected = f"a house name of letters, digits, '_', '-', '.', at most {MAX_ID_LENGTH}"
+        raise InputError(expected, repr(house_id), file=path)
+    if house_id in seen:
+        raise InputError("each house once", f"{house_id} twice", file=path, house=house_id)
+    seen.add(house_id)
+    if row["split"] not in SPLITS:
+        raise InputError(f"a split ({', '.join(SPLITS)})", row["split"], file=path, house=house_id)
+    safe_join("", row["plan"], file=path, house_id=house_id)
+    if row["assignment"]:
+        safe_join("", row["assignment"], file=path, house_id=house_id)
+
+
+def rows_of_lists(
+    root: str | Path, *, architecture: str = "bare"
+) -> tuple[list[dict[str, str]], list[str]]:
+    """Return the rows of a house table for a data set in the Rent3D++ layout, and warnings.
+
+    Raises InputError for no data lists, no houses in them, or a house in two of them. A missing
+    plan or a bad photo table is a warning here and the house's own jobs' to report.
+
+    Parameters
+    ----------
+    root : path
+        As :func:`plan2scene.datasets.layout.find_layout`. Holds ``data_lists/{split}.txt``, plans
+        ``{archs_no_objects,full_archs}/{split}/{house}.scene.json`` and, where a house has
+        photos, ``photo_assignments/{split}/{house}.photoroom.csv`` with either header.
+    architecture : str
+        ``bare`` or ``full``: which plan is taken where a house has both.
+    """
+    layout = require_data_set(root)
+    warnings: list[str] = []
+    rows: dict[str, dict[str, str]] = {}
+    lists = [(split, layout.data / "data_lists" / f"{split}.txt") for split in SPLITS]
+    if not any(file.is_file() for _, file in lists):
+        raise InputError("train.txt, val.txt or test.txt", "none", file=layout.data / "data_lists")
+    for split, file in lists:
+        names = read_text(file).split() if file.is_file() else []
+        for house_id in names:
+            if house_id in rows:
+                raise InputError("each house once", f"{house_id} twice", file=file, house=house_id)
+            rows[house_id] = _row(layout, split, house_id, architecture, warnings)
+            _check_row(rows[house_id], set(), file)
+    if not rows:
+        raise InputError("at least one house", "none", file=layout.data / "data_lists")
+    return list(rows.values()), warnings
+
+
+def make_house_table(
+    root: str | Path, output: str | Path | None = None, *, architecture: str = "bare"
+) -> list[str]:
+    """Write the table of :func:`rows_of_lists`; return its warnings.
+
+    `output` is ``houses.tsv`` beside the data lists by default. It is not touched when its content
+    is the same.
+    """
+    rows, warnings = rows_of_lists(root, architecture=architecture)
+    lines = ["\t".join(COLUMNS), *("\t".join(row[name] for name in COLUMNS) for row in rows)]
+    text = "\n".join(lines) + "\n"
+    path = Path(output) if output else find_layout(root).data / "houses.tsv"
+    if not path.is_file() or path.read_bytes() != text.encode():
+        with atomic_path(path) as temporary:
+            temporary.write_bytes(text.encode())
+    return warnings
+
+
+def _row(
+    layout: Layout, split: str, house_id: str, architecture: str, warnings: list[str]
+) -> dict[str, str]:
+    """Return the row of a house."""
+    folders = layout.plan_folders(split, architecture)
+    plans = [folder / f"{house_id}.scene.json" for folder in folders]
+    plan = next((path for path in plans if path.is_file()), None)
+    if plan is None:
+        plan = plans[0]
+        warnings.append(str(InputError("a plan", "no such file", file=plan, house=house_id)))
+    elif architecture == "full" and plan.parent.parent.name != "full_archs":
+        expected = f"{house_id}.scene.json in {folders[0]}"
+        line = InputError(expected, f"only {plan}", file=layout.root, house=house_id)
+        warnings.append(str(line))
+    assignment = layout.assignment(split, house_id)
+    photos: list[str] = []
+    if assignment.is_file():
+        try:
+            for _, photo in read_rows(assignment, house_id=house_id):
+                safe_join("", photo, file=assignment, house_id=house_id)
+                photos.append(photo)
+        except InputError as error:
+            warnings.append(str(error))
+    named = layout.relative(assignment) if assignment.is_file() else ""
+    cells = (house_id, split, layout.relative(plan), named, "|".join(dict.fromkeys(photos)))
+    return dict(zip(COLUMNS, cells, strict=True))
 
 
 class TableRow(NamedTuple):
@@ -119,29 +262,6 @@ def chosen_crops(layout: Layout, crops: Mapping[str, Any]) -> dict[str, Any]:
         expected = "crops.folder, or surface_crops/ with the data set"
         raise InputError(expected, "neither", file=layout.processed)
     return {"source": source, "folder": folder}
-
-
-def check_official(config: Mapping[str, Any]) -> None:
-    """Raise InputError, one line, where ``weights: official`` lacks a checkpoint it needs."""
-    if config["weights"] != "official":
-        return
-    given = config["official"]
-    for name in ("texture", "propagation", "naivesynth"):
-        # A propagation network knows the embeddings of one texture model only.
-        if given[name] is None and name != "naivesynth":
-            raise InputError(f"a path for official.{name}", "null", file="configuration")
-        _check_file(f"official.{name}", given[name])
-
-
-def check_metrics(section: Mapping[str, Any]) -> None:
-    """Raise InputError, one line, where a network of section ``metrics`` is no file."""
-    for name in ("vgg16", "inception"):
-        _check_file(f"metrics.{name}", section[name])
-
-
-def _check_file(name: str, path: str | None) -> None:
-    if path is not None and not Path(path).is_file():
-        raise InputError(f"a checkpoint ({name})", "no such file", file=path)
 
 
 def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:

@@ -1,14 +1,86 @@
-"""A plan and what its data set says of it, checked and written as scene.json."""
+"""A plan and what its data set says of it, checked and written as scene.json.
+
+Object boxes of Rent3D++ say where icons of furniture are drawn in a plan.
+"""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from plan2scene.datasets.assignments import check_assignment, read_assignment
-from plan2scene.house import House
-from plan2scene.plans import add_object_boxes, read_plan, validate_house, write_scene_json
+from plan2scene.errors import InputError
+from plan2scene.house import House, IconBox
+from plan2scene.io import read_text
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.parse import Source, parse_json
+from plan2scene.plans.scene_writer import write_scene_json
+from plan2scene.plans.validate import validate_house
+
+#: How far beyond the rooms a box may reach in metres (icons are drawn over walls).
+_MARGIN = 0.5
+
+
+def read_object_boxes(path: str | Path, house_id: str) -> tuple[IconBox, ...]:
+    """Return the boxes of an ``objectaabb.json`` in file order, corners sorted, in metres.
+
+    ``{"objects": [{"type", "bound_box": {"p1": [x, z], "p2": [x, z]}}]}``. Raises InputError for
+    a file of another form.
+    """
+    if not Path(path).is_file():
+        raise InputError("object boxes", "no such file", file=path, house=house_id)
+    source = Source(str(path), house_id)
+    document = source.mapping(parse_json(read_text(path), path, house_id), "object boxes")
+    if "objects" not in document:
+        raise source.fault("a list objects", ", ".join(document) or "an empty object")
+    boxes = []
+    for entry in source.items(document["objects"], "objects"):
+        item = source.mapping(entry, "an object")
+        (x0, z0), (x1, z1) = source.box(item, "an object")
+        kind = item.get("type")
+        if not isinstance(kind, str) or not kind:
+            raise source.fault("a type of each object", repr(kind))
+        boxes.append(IconBox(kind, (min(x0, x1), min(z0, z1)), (max(x0, x1), max(z0, z1))))
+    return tuple(boxes)
+
+
+def check_object_boxes(
+    house: House, boxes: tuple[IconBox, ...], *, file: str | Path = ""
+) -> list[str]:
+    """Return a line for each box without an extent or off the plan."""
+    points = [point for room in house.rooms for ring in room.rings for point in ring]
+    low = [min(point[axis] for point in points) - _MARGIN for axis in (0, 1)]
+    high = [max(point[axis] for point in points) + _MARGIN for axis in (0, 1)]
+    lines = []
+    for box in boxes:
+        found = f"{box.type} from {box.p1} to {box.p2}"
+        if box.p1[0] >= box.p2[0] or box.p1[1] >= box.p2[1]:
+            expected = "object boxes with an extent"
+        elif any(box.p1[a] < low[a] or box.p2[a] > high[a] for a in (0, 1)):
+            expected = "object boxes within the plan"
+        else:
+            continue
+        lines.append(str(InputError(expected, found, file=file, house=house.id)))
+    return lines
+
+
+def add_object_boxes(house: House, path: str | Path) -> tuple[House, list[str]]:
+    """Return the house with the boxes of a file as its icons, and warnings.
+
+    A plan's own icons are kept before those of the file, which are on the lowest level. A file
+    that can't be read is a warning: textures don't need it.
+    """
+    try:
+        boxes = read_object_boxes(path, house.id)
+    except InputError as error:
+        return house, [str(error)]
+    warnings = check_object_boxes(house, boxes, file=path)
+    level = house.levels[0].id if house.levels else ""
+    found = (replace(box, level=level) for box in boxes)
+    return replace(house, icons=tuple(dict.fromkeys((*house.icons, *found)))), warnings
+
 
 _LOGGER = logging.getLogger("plan2scene")
 

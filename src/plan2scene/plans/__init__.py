@@ -6,9 +6,6 @@ from plan2scene.plans.formats import PlanFile as PlanFile
 from plan2scene.plans.formats import PlanFormat as PlanFormat
 from plan2scene.plans.formats import plan_formats as plan_formats
 from plan2scene.plans.formats import read_plan as read_plan
-from plan2scene.plans.object_boxes import add_object_boxes as add_object_boxes
-from plan2scene.plans.object_boxes import check_object_boxes as check_object_boxes
-from plan2scene.plans.object_boxes import read_object_boxes as read_object_boxes
 from plan2scene.plans.plan_json import plan_schema as plan_schema
 from plan2scene.plans.scene_json import read_scene_json as read_scene_json
 from plan2scene.plans.scene_writer import house_to_scene as house_to_scene

@@ -10,18 +10,24 @@ from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.check import check_dataset
-from plan2scene.datasets.drops import hidden_photos
-from plan2scene.datasets.house_table import chosen_crops, table_of
-from plan2scene.datasets.import_plan import import_plan
+from plan2scene.datasets.drops import hidden_photos, read_unobserved
+from plan2scene.datasets.house_table import (
+    chosen_crops,
+    make_house_table,
+    read_house_table,
+    table_of,
+)
+from plan2scene.datasets.import_plan import (
+    add_object_boxes,
+    check_object_boxes,
+    import_plan,
+    read_object_boxes,
+)
 from plan2scene.datasets.layout import find_layout
-from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
 from plan2scene.plans import (
-    add_object_boxes,
-    check_object_boxes,
-    read_object_boxes,
     read_plan,
     write_scene_json,
 )

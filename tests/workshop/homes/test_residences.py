@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plan2scene.datasets.table import read_house_table, read_unobserved
+from plan2scene.datasets.drops import read_unobserved
+from plan2scene.datasets.house_table import read_house_table
 from plan2scene.house import House
 from plan2scene.images import read_image
 from plan2scene.io import read_json

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene.datasets.table import read_house_table
+from plan2scene.datasets.house_table import read_house_table
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene_workshop.homes import snapshots

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.table import make_house_table
+from plan2scene.datasets.house_table import make_house_table
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import write_png
 from plan2scene.io import atomic_directory, atomic_path, write_json

@@ -11,8 +11,9 @@ from plan2scene.datasets.assignments import (
     rooms_of_photos,
 )
 from plan2scene.datasets.check import check_dataset, check_plan, photo_problem
+from plan2scene.datasets.drops import read_unobserved
+from plan2scene.datasets.house_table import make_house_table, read_house_table
 from plan2scene.datasets.import_plan import import_plan
-from plan2scene.datasets.table import make_house_table, read_house_table, read_unobserved
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.images import png_bytes

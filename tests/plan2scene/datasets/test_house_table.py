@@ -1,9 +1,8 @@
 import pytest
 
+from plan2scene.config import check_metrics, check_official
 from plan2scene.datasets.house_table import (
     TableRow,
-    check_metrics,
-    check_official,
     photo_paths,
     read_table,
 )
