@@ -64,8 +64,8 @@ class OutFolder:
 def claimed_folder(path: Path, names: Sequence[str], inputs: Sequence[Path]) -> Iterator[OutFolder]:
     """Yield the folder, made where it is not there, locked until the block ends.
 
-    A lock of Snakemake's own that a killed run left in the work folder is removed: this lock says
-    that nobody works there.
+    A lock of Snakemake's own that a killed run left in the work folder is removed: with this lock
+    held, no other run uses it.
 
     Parameters
     ----------

@@ -70,7 +70,7 @@ def is_picture(request: SingleHouse) -> bool:
 
 
 def _check_picture(request: SingleHouse) -> None:
-    """Refuse a picture that can't be read, and photos of rooms that nobody has seen yet."""
+    """Refuse a picture that can't be read, and a photo table: its rooms have no names yet."""
     read_plan_picture(request.plan)
     if request.photo_table is not None:
         how = f"plan2scene trace {request.plan.name} --out plan.json names its rooms"
@@ -79,7 +79,7 @@ def _check_picture(request: SingleHouse) -> None:
 
 
 def read_input(request: SingleHouse) -> list[str]:
-    """Read plan and photo table, so that a mistake is told before any job; return the photos."""
+    """Read plan and photo table, so that mistakes are found before any job; return the photos."""
     if is_picture(request):
         _check_picture(request)
         return []

@@ -79,17 +79,17 @@ class LogHandler(LogHandlerBase):
         if event == LogEvent.RUN_INFO:
             planned = dict(fields["stats"])
             self._total = planned.pop("total", 0)
-            self._tell("planned", jobs=planned)
+            self._report("planned", jobs=planned)
         elif event == LogEvent.JOB_INFO:
             job = self._jobs[fields["jobid"]] = self._job(fields, record.created)
-            self._tell("started", rule=job.rule, house=job.house)
+            self._report("started", rule=job.rule, house=job.house)
         elif event == LogEvent.JOB_FINISHED:
             self._finish(fields["job_id"], record.created)
         elif event == LogEvent.JOB_ERROR:
             self._fail(fields, record.created)
         elif event is None and record.levelno >= _LEVEL:
             self._write(self.format(record))
-            self._tell("error", message=self.format(record))
+            self._report("error", message=self.format(record))
 
     def _job(self, fields: dict[str, Any], now: float) -> _Job:
         house = dict(fields.get("wildcards") or {}).get("house", "")
@@ -104,7 +104,7 @@ class LogHandler(LogHandlerBase):
         count = f"{self._done:>{len(str(total))}} of {total}"
         self._write(f"{count}  {job.rule:<15} {job.house}  {seconds:.1f} s")
         values = {"rule": job.rule, "house": job.house, "seconds": round(seconds, 3)}
-        self._tell("finished", **values, warnings=job.lines("WARNING"))
+        self._report("finished", **values, warnings=job.lines("WARNING"))
 
     def _fail(self, fields: dict[str, Any], now: float) -> None:
         """Write what a job's log says went wrong, or where to look.
@@ -118,9 +118,9 @@ class LogHandler(LogHandlerBase):
         message = errors[-1] if errors else fields.get("rule_msg") or where
         if errors or not fields["indent"]:
             self._write(f"failed  {job.rule:<15} {job.house}  {'ERROR ' * bool(errors)}{message}")
-            self._tell("failed", rule=job.rule, house=job.house, message=message)
+            self._report("failed", rule=job.rule, house=job.house, message=message)
 
-    def _tell(self, event: str, **values: Any) -> None:
+    def _report(self, event: str, **values: Any) -> None:
         """Append an event to the file of events."""
         if self._events is not None:
             with Path(self._events).open("a", encoding="utf-8") as file:

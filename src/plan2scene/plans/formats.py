@@ -94,7 +94,7 @@ class PlanFile:
 
 @dataclass(frozen=True)
 class Unscaled:
-    """What can be told of a drawing whose scale is not known."""
+    """What is known of a drawing before its scale is."""
 
     unit: str  #: pixel or unit
     size: tuple[float, float] | None = None  #: width and depth of what is drawn, in its unit
@@ -105,7 +105,7 @@ class Unscaled:
 class PlanFormat:
     """A format of plans.
 
-    `sniff` tells by its content whether a file is of this format; the first that says yes reads
+    `sniff` decides by its content whether a file is of this format; the first that accepts it reads
     it: `read` gives the house, or InputError for a fault that can't be repaired. Formats that are
     a `fallback` are asked after all others. A format that `needs_scale` is drawn in pixels:
     `metres_per_pixel` must be given. Of a format whose scale may be given, `look` tells how large

@@ -65,7 +65,7 @@ def write_editor(
     dxf_layers : mapping of str to str, optional
         Layers of a DXF drawing (docs/floorplans.md).
     trace : bool
-        Whether a picture is traced: what is read of it is drawn over it, to be mended.
+        Whether a picture is traced, and the plan drawn over it to be corrected.
     """
     if output.is_file() and f'content="{_MAKER}"'.encode() not in output.read_bytes()[:2000]:
         raise InputError("an --out that is no other file", "a file of yours", file=output)
@@ -107,7 +107,7 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
     """Return the plan that a picture shows, with the picture straight underneath."""
     import cv2
 
-    read_plan_picture(source)  # an empty page is told before torch is imported
+    read_plan_picture(source)  # refuses an empty page before torch is imported
     from plan2scene_app.tracing.settings import SETTINGS
     from plan2scene_app.tracing.trace import doubts, plan_document, plan_origin, trace_picture
 

@@ -168,7 +168,7 @@ class _Model:
         return above
 
     def _spaces(self, storey: Storey, here: Any, own: str) -> None:
-        """Add a space and a floor slab for each room; `own` tells the storey's relations apart."""
+        """Add a space and a floor slab for each room; `own` names the storey's relations."""
         spaces, slabs = [], []
         for room in storey.house.rooms:
             polygon = room_polygon(room)

@@ -20,7 +20,7 @@ from plan2scene.plans.parse import MAX_ITEMS, Source
 DEFAULT_THICKNESS = 0.1
 #: Most wall axes of a plan.
 MAX_AXES = 5000
-#: Bottom and top in metres of an opening whose file tells none.
+#: Bottom and top in metres of an opening whose file gives none.
 HEIGHTS = {"door": (0.0, 2.05), "passage": (0.0, 2.2), "window": (0.9, 2.1)}
 
 
@@ -73,7 +73,7 @@ SETTINGS = DrawingSettings()
 class WallAxis:
     """A wall by the segment (x, z) in its middle; metres.
 
-    Thickness 0: the segment is the wall's face, as scans have it. Height 0: not told.
+    Thickness 0: the segment is the wall's face, as scans have it. Height 0: not known.
     """
 
     start: house.Point

@@ -43,9 +43,9 @@ MAX_OPENINGS = 2000
 
 @dataclass(frozen=True)
 class DrawnRoom:
-    """A room as drawn: its name as written, its rings (x, z) in metres, its height if told.
+    """A room as drawn: its name as written, its rings (x, z) in metres, its height if given.
 
-    `types` where the format tells them; else the name does.
+    `types` where the format has them; else they are read from the name.
     """
 
     name: str
@@ -379,7 +379,7 @@ def flights_of(
 ) -> tuple[Stairs, ...]:
     """Return the stairs among pieces of furniture as flights along their longer side.
 
-    Files do not tell which end is up: it is the one from which more rooms are reached.
+    Files do not say which end is the upper one: the direction that reaches more rooms is taken.
     """
     flights: list[Stairs] = []
     for icon in icons:

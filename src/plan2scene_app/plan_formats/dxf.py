@@ -58,7 +58,7 @@ def layers_of(pairs: Sequence[str]) -> dict[str, str]:
 
 
 def names_of(entity: Any) -> list[str]:
-    """Return the names that tell what an entity is: its block's where it is one, its layer's."""
+    """Return the names that classify an entity: its block's, if it is one, and its layer's."""
     names = [str(entity.dxf.get("layer", ""))]
     if entity.dxftype() == "INSERT":
         names.insert(0, str(entity.dxf.get("name", "")))
@@ -186,7 +186,7 @@ def house_of_dxf(
     """Return the house of a DXF drawing.
 
     `metres_per_unit` goes before the unit of the header; `layers` holds patterns in
-    place of :data:`LAYERS`. Raises InputError where neither tells the unit.
+    place of :data:`LAYERS`. Raises InputError where neither gives the unit.
     """
     source = Source(str(path), house_id)
     document = load_dxf(source, path)
@@ -367,7 +367,7 @@ def _body_axis(line: LineString) -> WallAxis | None:
     return axis
 
 
-#: Most layers and blocks that are told, those with the most entities first.
+#: Most layers and blocks that are listed, those with the most entities first.
 MAX_NAMES = 200
 #: Metres of a unit by which curves are cut while the unit is unknown.
 TRIAL = 1e-3

@@ -127,7 +127,7 @@ def _upright(
 
 
 def _room(source: Source, room: dict[str, Any], floor: Any, height: float, name: str) -> DrawnRoom:
-    """Return a floor as a room; the sections inside it tell the types."""
+    """Return a floor as a room; its types are those of the sections inside it."""
     ring = _floor_ring(source, floor, name)
     polygon = Polygon(ring)
     labels = []

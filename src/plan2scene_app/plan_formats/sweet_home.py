@@ -154,7 +154,7 @@ class _Home:
         return (x0, z0), (x1, z1)
 
     def _wall(self, wall: Element, usual: float) -> list[WallAxis]:
-        """Return a wall's axis, `usual` metres high where it does not tell; several for a curve."""
+        """Return a wall's axis, `usual` metres high if it gives no height; several for a curve."""
         thickness = attribute(self.source, wall, "thickness", 10.0, scale=CM)
         height = attribute(self.source, wall, "height", usual / CM, scale=CM)
         height = max(height, attribute(self.source, wall, "heightAtEnd", height / CM, scale=CM))

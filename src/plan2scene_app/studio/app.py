@@ -1,4 +1,4 @@
-"""The studio's server: who may ask, its pages, and its answers below ``/{token}/``."""
+"""The studio's server: access, pages and responses below ``/{token}/``."""
 
 from __future__ import annotations
 
@@ -50,34 +50,34 @@ def studio_app(root: Path, token: str, port: int, cores: int) -> Guard:
     """Return the server's application for the projects of a folder."""
     studio = _Studio(Projects(root), cores)
     project = [
-        Route("/", _told(studio.project), methods=["GET"]),
-        Route("/state", _told(studio.state), methods=["GET"]),
-        Route("/state", _told(studio.save), methods=["PUT"]),
-        Route("/plan", _told(studio.open_plan), methods=["POST"]),
-        Route("/plan/reading", _told(studio.reading), methods=["GET"]),
-        Route("/plan/reading", _told(studio.read_again), methods=["POST"]),
-        Route("/picture", _told(studio.picture), methods=["GET"]),
-        Route("/photos/{photo}", _told(studio.thumb), methods=["GET"]),
-        Route("/photos/{photo}", _told(studio.add_photo), methods=["PUT"]),
-        Route("/run", _told(studio.status), methods=["GET"]),
-        Route("/run", _told(studio.start), methods=["POST"]),
-        Route("/run", _told(studio.cancel), methods=["DELETE"]),
-        Route("/results/{file:path}", _told(studio.result), methods=["GET"]),
-        Route("/zip", _told(studio.zip), methods=["GET"]),
-        Route("/export/{form}", _told(studio.export), methods=["GET"]),
+        Route("/", _handled(studio.project), methods=["GET"]),
+        Route("/state", _handled(studio.state), methods=["GET"]),
+        Route("/state", _handled(studio.save), methods=["PUT"]),
+        Route("/plan", _handled(studio.open_plan), methods=["POST"]),
+        Route("/plan/reading", _handled(studio.reading), methods=["GET"]),
+        Route("/plan/reading", _handled(studio.read_again), methods=["POST"]),
+        Route("/picture", _handled(studio.picture), methods=["GET"]),
+        Route("/photos/{photo}", _handled(studio.thumb), methods=["GET"]),
+        Route("/photos/{photo}", _handled(studio.add_photo), methods=["PUT"]),
+        Route("/run", _handled(studio.status), methods=["GET"]),
+        Route("/run", _handled(studio.start), methods=["POST"]),
+        Route("/run", _handled(studio.cancel), methods=["DELETE"]),
+        Route("/results/{file:path}", _handled(studio.result), methods=["GET"]),
+        Route("/zip", _handled(studio.zip), methods=["GET"]),
+        Route("/export/{form}", _handled(studio.export), methods=["GET"]),
     ]
     routes = [
-        Route("/", _told(studio.home), methods=["GET"]),
-        Route("/projects", _told(studio.make), methods=["POST"]),
+        Route("/", _handled(studio.home), methods=["GET"]),
+        Route("/projects", _handled(studio.make), methods=["POST"]),
         Mount("/p/{project}", routes=project),
     ]
     return Guard(Starlette(routes=[Mount(f"/{token}", routes=routes)]), token, port)
 
 
-def _told(answer: _Answer) -> _Answer:
-    """Return an answer whose faults are one line with a status code."""
+def _handled(answer: _Answer) -> _Answer:
+    """Return a handler that turns errors into one line with a status code."""
 
-    async def told(request: Request) -> Response:
+    async def handled(request: Request) -> Response:
         try:
             return await answer(request)
         except UnreadPlanError as error:
@@ -94,7 +94,7 @@ def _told(answer: _Answer) -> _Answer:
                 raise
             return JSONResponse({"error": str(fault)}, 500)
 
-    return told
+    return handled
 
 
 class _Studio:

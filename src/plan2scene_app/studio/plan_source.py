@@ -1,9 +1,9 @@
 """The plan file that was uploaded to a project, and how it is read: its scale, layers of DXF.
 
 ``plan_source`` is the file, ``plan_source.json`` the values that were given for it, under the
-names of the configuration's ``floorplans``; ``two_points`` is the scale that two points in the
-editor told of a picture afterwards, and goes before ``metres_per_pixel``. What is read goes to the
-page, which keeps it as ``plan.json`` in metres.
+names of the configuration's ``floorplans``; ``two_points`` is the scale that was set by two points
+in the editor, and takes precedence over ``metres_per_pixel``. The page gets the plan that is read
+and keeps it as ``plan.json`` in metres.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def read_again(project: Project, changes: Mapping[str, Any]) -> dict[str, Any]:
 def keep_two_points(project: Project) -> None:
     """Keep the scale that two points in the editor gave the picture as it lies now, or its undoing.
 
-    Values that others broke stay as they are; whoever asks for them is told.
+    Values that cannot be read stay as they are; reading them raises the error.
     """
     try:
         values = _kept(project)
@@ -167,7 +167,7 @@ def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unsca
         return "picture", Unscaled("pixel", tuple(size) if size else None)
     plan_format = format_of(plan)
     if plan_format is None or plan_format.look is None:
-        raise InputError("a plan whose scale or layers may be given", "one that tells all itself")
+        raise InputError("a plan whose scale or layers may be given", "one that contains both")
     with installed(plan_format.needs, house):
         return plan_format.name, plan_format.look(plan)
 

@@ -178,7 +178,7 @@ class Progress:
 
 
 def read_progress(events: Path) -> Progress:
-    """Return the progress that a run's events tell; a last line that is being written waits."""
+    """Return the progress by a run's events; a last line that is only half written is skipped."""
     progress = Progress()
     lines = events.read_text("utf-8").splitlines() if events.is_file() else []
     for line in lines:
@@ -195,10 +195,10 @@ def cancel(project: Project) -> None:
     family = [process, *process.children(recursive=True)]
     write_json(project.path / RECORD, read_json(project.path / RECORD) | {"state": "cancelled"})
     for member in family:
-        _tell(member, kill=False)
+        _signal(member, kill=False)
     _, alive = psutil.wait_procs(family, timeout=_GRACE)
     for member in alive:
-        _tell(member, kill=True)
+        _signal(member, kill=True)
     psutil.wait_procs(alive, timeout=_GRACE)
     time.sleep(0.05)
     write_json(project.path / RECORD, read_json(project.path / RECORD) | {"state": "cancelled"})
@@ -211,7 +211,7 @@ def _is_starting(project: Project) -> bool:
     return fresh and read_json(file).get("state") == "starting"
 
 
-def _tell(process: psutil.Process, *, kill: bool) -> None:
+def _signal(process: psutil.Process, *, kill: bool) -> None:
     with suppress(psutil.NoSuchProcess):
         process.kill() if kill else process.terminate()
 

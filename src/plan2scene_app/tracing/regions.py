@@ -18,7 +18,7 @@ from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTIN
 
 @dataclass(frozen=True)
 class Regions:
-    """Rooms as areas of a picture (h, w); `ppm` is the pixels of a metre as far as known."""
+    """Rooms as areas of a picture (h, w); `ppm` is the estimated pixels a metre."""
 
     rooms: np.ndarray  #: (h, w) int32: 0 outside, else number of the room, up to middles of walls
     floors: np.ndarray  #: (h, w) int32: the same, floor alone
@@ -46,9 +46,9 @@ def find_regions(structure: np.ndarray, ppm: float) -> Regions:
 
 
 def _without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
-    """Return the structure with what is outside in the midst of a room as room.
+    """Return the structure with pockets of outside inside a room relabelled as room.
 
-    The outside is what one can walk to from the picture's border by ways wider than a neck.
+    The real outside is connected to the picture's border by paths wider than a neck.
     """
     outside = np.pad(structure == OUTSIDE, 1, constant_values=True).astype(np.uint8)
     side = 2 * round(SETTINGS.neck * ppm / 2) + 1

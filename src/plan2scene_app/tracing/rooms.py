@@ -155,7 +155,7 @@ class TracedRoom:
     id: str
     name: str  #: as written, empty for none
     types: tuple[str, ...]
-    named: bool  #: whether what is written tells the types
+    named: bool  #: whether the types come from the written name
     confidence: float  #: mean probability of room over its floor
     texts: tuple[TextLine, ...]
 
@@ -215,7 +215,7 @@ def _is_name(text: str) -> bool:
 
 
 def _types_by_furniture(inside: np.ndarray) -> tuple[str, ...]:
-    """Return the type that what stands in a room tells, else Unknown."""
+    """Return the type of a room by its furniture, else Unknown."""
     kinds = inside[ROOM:]
     best = int(kinds.argmax())
     if best == 0 or kinds[best] < SETTINGS.furniture_share * kinds.sum():

@@ -93,8 +93,8 @@ def find_scale(
 ) -> Scale:
     """Return the scale that most evidence agrees on.
 
-    `door_widths` (pixels) and `floors` (pixels squared, one for each room) tell where it must lie
-    about, and are all there is where nothing is written.
+    `door_widths` (pixels) and `floors` (pixels squared, one for each room) give a prior, and
+    the scale itself where nothing is written.
     """
     prior, spread, source = _prior(door_widths, floors)
     candidates = [m for e in evidence for m in e.meanings if abs(m - prior) < 3.5 * spread]
@@ -118,7 +118,7 @@ def find_scale(
 
 
 def _prior(door_widths: Sequence[float], floors: Sequence[float]) -> tuple[float, float, str]:
-    """Return logarithm, deviation and source of the scale as doors and rooms' sizes tell it."""
+    """Return logarithm, deviation and source of the scale by the sizes of doors and rooms."""
     by_rooms = 0.5 * float(np.log(SETTINGS.floor[0] / np.mean(floors)))
     if not door_widths:
         return by_rooms, SETTINGS.floor[1], f"a guess: rooms of {SETTINGS.floor[0]:g} m2"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-#: In the order of the network's logits. What is a room says which kind, as furniture tells it.
+#: In the order of the network's logits. Labels from `room` on are kinds of room, by furniture.
 PLAN_LABELS = (
     "outside",
     "wall",
@@ -86,7 +86,7 @@ class TraceSettings:
     shared_wall: float = 0.55  #: m: a gap up to this between rooms is a wall that both share
     closed: float = 0.7  #: share of a room's border with a wall, an opening or a room behind it
     island: float = 3.0  #: m2 up to which a room without an opening is part of another
-    furniture_share: float = 0.55  #: share of a room's pixels by which furniture tells its type
+    furniture_share: float = 0.55  #: share of a room's pixels of one kind from which it is the type
     # Outlines.
     tolerance: float = 0.13  #: m between pixels and the straight pieces of an outline
     shortest: float = 0.3  #: m of a piece that gives a line

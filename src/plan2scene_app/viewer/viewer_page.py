@@ -44,7 +44,7 @@ def build_viewer(
     house_id : str
         Shown as the title.
     facts : mapping
-        What a click tells beside the GLB, see :func:`plan2scene_app.viewer.viewer_page.read_facts`.
+        What a click shows beside the GLB, see :func:`plan2scene_app.viewer.viewer_page.read_facts`.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def _surface(row: dict[str, Any], crops: dict[str, dict[str, Any]]) -> dict[str,
         crop = crops.get(row["source"])
         return {} if crop is None else {"photo": crop["photo"], "crop": _data_url(crop["png"])}
     confidence = row["confidence"]
-    known = confidence is not None and confidence == confidence  # NaN: nobody says
+    known = confidence is not None and confidence == confidence  # NaN: unknown
     return {"confidence": round(confidence, 4) if known else None, "source": row["source"]}
 
 

@@ -26,7 +26,8 @@ while not (home / "finish").exists():
     time.sleep(0.02)
 tell(event="finished", rule="floorplan", warnings=[])
 record = json.loads((home / "run.json").read_text())
-(home / "run.json").write_text(json.dumps(record | {"state": "done"}))
+(home / "new.json").write_text(json.dumps(record | {"state": "done"}))
+(home / "new.json").replace(home / "run.json")
 time.sleep(0.3)  # done, and not gone yet
 """
 #: A studio in a process of its own; its first line is its port.
