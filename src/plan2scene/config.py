@@ -71,12 +71,12 @@ def check_official(config: Mapping[str, Any]) -> None:
     """Raise InputError, one line, where ``weights: official`` lacks a checkpoint it needs."""
     if config["weights"] != "official":
         return
-    given = config["official"]
+    checkpoints = config["official"]
     for name in ("texture", "propagation", "naivesynth"):
         # A propagation network knows the embeddings of one texture model only.
-        if given[name] is None and name != "naivesynth":
+        if checkpoints[name] is None and name != "naivesynth":
             raise InputError(f"a path for official.{name}", "null", file="configuration")
-        _check_file(f"official.{name}", given[name])
+        _check_file(f"official.{name}", checkpoints[name])
 
 
 def check_metrics(section: Mapping[str, Any]) -> None:

@@ -82,7 +82,7 @@ def system_fault(error: OSError) -> InputError | None:
 
 
 @contextmanager
-def told_in_a_line() -> Iterator[None]:
+def one_line_errors() -> Iterator[None]:
     """Turn what the system refuses within into an InputError: a full disk, no permission."""
     try:
         yield

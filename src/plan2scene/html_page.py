@@ -46,9 +46,9 @@ def html_page(
         meta += f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
     if maker:
         meta += f'<meta name="generator" content="{maker}">\n'
-    shown = html.escape(title)
-    text = Template(body.read_text(encoding="utf-8")).substitute(title=shown, **values)
-    return _PAGE.substitute(meta=meta, title=shown, style=style, body=text)
+    escaped = html.escape(title)
+    text = Template(body.read_text(encoding="utf-8")).substitute(title=escaped, **values)
+    return _PAGE.substitute(meta=meta, title=escaped, style=style, body=text)
 
 
 def inline_json(value: object) -> str:

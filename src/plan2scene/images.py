@@ -108,10 +108,10 @@ def _orientation(image: Image.Image) -> int:
     import struct
 
     try:
-        found = image.getexif().get(0x0112, 1)
+        orientation = image.getexif().get(0x0112, 1)
     except (OSError, ValueError, TypeError, LookupError, SyntaxError, struct.error, EOFError):
         return 1
-    return found if isinstance(found, int) else 1
+    return orientation if isinstance(orientation, int) else 1
 
 
 def _turned(image: Image.Image, orientation: int) -> Image.Image:

@@ -165,8 +165,8 @@ def keep_inputs(output: Path, inputs: Iterable[Path]) -> None:
     """Raise InputError where an output would overwrite one of the inputs, or is a folder."""
     if output.is_dir():
         raise InputError("a file to write", "a folder", file=output)
-    for given in inputs:
-        if output.resolve() == given.resolve() or (output.exists() and output.samefile(given)):
+    for path in inputs:
+        if output.resolve() == path.resolve() or (output.exists() and output.samefile(path)):
             raise InputError("an output that is no input", "the same file", file=output)
 
 
@@ -275,10 +275,10 @@ def read_parquet_metadata(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def _own_metadata(
-    found: Mapping[bytes, bytes] | None, path: str | os.PathLike[str]
+    schema_metadata: Mapping[bytes, bytes] | None, path: str | os.PathLike[str]
 ) -> dict[str, Any]:
     """Return this program's part of a file's metadata; InputError where it has none."""
-    raw = (found or {}).get(b"plan2scene")
+    raw = (schema_metadata or {}).get(b"plan2scene")
     if raw is None:
         raise InputError("a Parquet file of this program", "no plan2scene metadata", file=path)
     metadata: dict[str, Any] = json.loads(raw)

@@ -119,12 +119,12 @@ def _architecture(text: str, path: str | Path) -> dict[str, Any]:
     """Return the architecture of a header; InputError for what no network here can have."""
     fault = "an architecture with names and small numbers"
     try:
-        found = json.loads(text)
+        architecture = json.loads(text)
     except (ValueError, RecursionError):
         raise InputError(fault, text[:60], file=path) from None
-    if not isinstance(found, dict) or not all(map(_is_small, found.values())):
+    if not isinstance(architecture, dict) or not all(map(_is_small, architecture.values())):
         raise InputError(fault, text[:60], file=path)
-    return found
+    return architecture
 
 
 def _is_small(value: object) -> bool:

@@ -12,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from plan2scene.errors import InputError, WorkflowError, told_in_a_line
+from plan2scene.errors import InputError, WorkflowError, one_line_errors
 from plan2scene.textures.methods import methods_table, texture_methods
 from plan2scene_app.exports.registry import export_house, exports
 
@@ -370,7 +370,7 @@ def main() -> None:
     """Entry point: a fault of the input is one line on stderr and exit code 1."""
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(message)s")
     try:
-        with told_in_a_line():
+        with one_line_errors():
             app()
     except (InputError, WorkflowError) as error:
         print(f"ERROR {error}", file=sys.stderr)

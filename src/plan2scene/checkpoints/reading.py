@@ -75,11 +75,11 @@ def read_checkpoint(path: str | Path) -> Mapping[str, Any]:
 
 def _refusal(path: str | Path, message: str) -> InputError:
     """Return the error of a pickle that the restricted reader refuses."""
-    found = _GLOBAL.search(message)
+    match = _GLOBAL.search(message)
     expected = "a checkpoint of tensors and plain values"
-    if found is None:
+    if match is None:
         return InputError(expected, "a pickle that torch's restricted reader refuses", file=path)
-    name = found.group(1) or found.group(2)
+    name = match.group(1) or match.group(2)
     return InputError(expected, f"{name} in it, which is not run", file=path)
 
 

@@ -87,14 +87,14 @@ def _crops(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[str]:
         expected = "ready crops (without them crops are sampled from the photos)"
         yield str(InputError(expected, "no such folder", file=folder))
         return
-    shown: set[str] = set()
+    cropped: set[str] = set()
     for surface in SURFACES:
         crops = [path.name for path in (folder / surface).glob("*_crop*.png")]
-        shown |= {name.rsplit("_", 2)[0] for name in crops}
+        cropped |= {name.rsplit("_", 2)[0] for name in crops}
         if not crops:
             yield str(InputError(f"crops of a {surface}", "none", file=folder / surface))
     photos = {name for row in houses for name in row["photos"].split("|") if name}
-    lacking = sorted(name for name in photos if PurePosixPath(name).stem not in shown)
+    lacking = sorted(name for name in photos if PurePosixPath(name).stem not in cropped)
     yield from _lacking(f"crops of {len(photos)} photos", lacking, folder)
 
 

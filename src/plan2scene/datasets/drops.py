@@ -60,7 +60,7 @@ def read_unobserved(path: str | Path) -> dict[str, list[str]]:
     table = read_json(path)
     if not isinstance(table, dict):
         raise InputError("an object of drop fractions", type(table).__name__, file=path)
-    found: dict[str, list[str]] = {}
+    photos_by_drop: dict[str, list[str]] = {}
     for key, names in table.items():
         try:
             fraction = float(key)
@@ -70,5 +70,5 @@ def read_unobserved(path: str | Path) -> dict[str, list[str]]:
             raise InputError("drop fractions from 0 to 1", repr(key), file=path)
         if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
             raise InputError(f"a list of photo names at {key}", repr(names)[:60], file=path)
-        found[f"{fraction:.1f}"] = names
-    return found
+        photos_by_drop[f"{fraction:.1f}"] = names
+    return photos_by_drop

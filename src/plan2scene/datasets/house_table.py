@@ -236,13 +236,13 @@ def table_of(dataset: Mapping[str, Any]) -> HouseTable:
 
 def _by_house(rows: Iterable[Mapping[str, str]]) -> dict[str, TableRow]:
     """Return the rows of a table by house."""
-    found = {}
+    rows_by_house = {}
     for row in rows:
         photos = tuple(name for name in row["photos"].split("|") if name)
-        found[row["house"]] = TableRow(
+        rows_by_house[row["house"]] = TableRow(
             row["house"], row["split"], row["plan"], row["assignment"], photos
         )
-    return found
+    return rows_by_house
 
 
 def chosen_crops(layout: Layout, crops: Mapping[str, Any]) -> dict[str, Any]:
@@ -271,11 +271,11 @@ def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:
 
 def safe_names(names: Iterable[str]) -> list[str]:
     """Return those names of photos that a path can have; of others their house's jobs tell."""
-    found = []
+    safe = []
     for name in names:
         try:
             safe_join("", name)
         except InputError:
             continue
-        found.append(name)
-    return found
+        safe.append(name)
+    return safe

@@ -78,8 +78,8 @@ def add_object_boxes(house: House, path: str | Path) -> tuple[House, list[str]]:
         return house, [str(error)]
     warnings = check_object_boxes(house, boxes, file=path)
     level = house.levels[0].id if house.levels else ""
-    found = (replace(box, level=level) for box in boxes)
-    return replace(house, icons=tuple(dict.fromkeys((*house.icons, *found)))), warnings
+    icons = (replace(box, level=level) for box in boxes)
+    return replace(house, icons=tuple(dict.fromkeys((*house.icons, *icons)))), warnings
 
 
 _LOGGER = logging.getLogger("plan2scene")

@@ -245,8 +245,8 @@ def _propagated(
     table, embedded = read_parquet(surfaces)[0], read_parquet(embeddings)[0]
     own = surfaces.with_name(f"{variant.name}_surfaces.parquet")
     output = surfaces.with_name(f"{variant.name}_propagated.parquet")
-    given = (table, crops, embedded, hidden_photos, variant)
-    chosen = selected(*given, house=files.house_id, seed=house.settings.seed)
+    tables = (table, crops, embedded, hidden_photos, variant)
+    chosen = selected(*tables, house=files.house_id, seed=house.settings.seed)
     write_parquet(own, chosen, {"house": files.house_id})
     propagated_from(own, output, house, list(hidden_photos))
     frame, metadata = read_parquet(output)
@@ -280,8 +280,8 @@ def ablation_table(
     write_csv(output_csv, wide)
     missing = [f"{name}: not measured, {why}" for name, why in MISSING.items()]
     networks = dict(zip(tidy["metric"], tidy["features"], strict=True))
-    shown = [metric_title(name, networks[name]) for name in METRICS]
-    write_text(output_markdown, _markdown(wide, shown))
+    titles = [metric_title(name, networks[name]) for name in METRICS]
+    write_text(output_markdown, _markdown(wide, titles))
     write_text(output_latex, latex_table(tidy, missing))
 
 

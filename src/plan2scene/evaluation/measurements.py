@@ -64,13 +64,13 @@ class Measurements:
 
         Raises InputError where the files were measured with different networks.
         """
-        found = set()
+        network_sets = set()
         for file in self._metrics:
             metadata = read_parquet_metadata(file)
-            found.add(tuple(str(metadata.get(name)) for name in _NETWORK_METADATA))
-        if len(found) != 1:
-            raise InputError("metrics of one features network", str(sorted(found)))
-        known = dict(zip(_NETWORK_METADATA, found.pop(), strict=True))
+            network_sets.add(tuple(str(metadata.get(name)) for name in _NETWORK_METADATA))
+        if len(network_sets) != 1:
+            raise InputError("metrics of one features network", str(sorted(network_sets)))
+        known = dict(zip(_NETWORK_METADATA, network_sets.pop(), strict=True))
         return {name: known.get(metric.network, "none") for name, metric in METRICS.items()}
 
     def houses(self) -> Iterator[MeasuredHouse]:

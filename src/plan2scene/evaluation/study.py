@@ -80,8 +80,8 @@ def write_study(
         folder = folders[item["house"]]
         photos = read_json(folder / "sheet.json")["photos"]
         names = ["plan.jpg", *photos, f"{item['left']}.jpg", f"{item['right']}.jpg"]
-        plan, *shown, left, right = (places.setdefault(folder / n, len(places)) for n in names)
-        question = {"id": item["question"], "plan": plan, "photos": shown}
+        plan, *shots, left, right = (places.setdefault(folder / n, len(places)) for n in names)
+        question = {"id": item["question"], "plan": plan, "photos": shots}
         asked.append(question | {"left": left, "right": right})
     images = [base64.b64encode(path.read_bytes()).decode() for path in places]
     style, program = (
@@ -125,13 +125,13 @@ def read_answers(path: str | Path, key: pd.DataFrame) -> pd.DataFrame:
     known = re.compile(rf"({form}),({_NAME}),({questions}),(left|right),([0-9]+(?:\.[0-9]+)?)")
     rows: dict[tuple[str, ...], tuple[str, ...]] = {}  # by participant and question
     for number, line in enumerate(lines, 2):
-        found = known.fullmatch(line)
-        if not found or found.group(2, 3) in rows:
+        match = known.fullmatch(line)
+        if not match or match.group(2, 3) in rows:
             expected = (
                 f"{form}, a name ({_NAME}), another question of the key, left or right, seconds"
             )
             raise InputError(f"{expected} in line {number}", repr(line[:100]), file=file)
-        rows[found.group(2, 3)] = found.groups()
+        rows[match.group(2, 3)] = match.groups()
     return pd.DataFrame(rows.values(), columns=list(ANSWER_COLUMNS), dtype=object)
 
 
@@ -178,15 +178,15 @@ def study_result(
     if answers.empty:
         why = "; ".join(refused) or f"{len(answer_files)} files without answers"
         raise InputError("answers to the study's form", why, file=key_file)
-    found = preferences(key, answers, pairs)
-    names = zip(found["method"], found["other"], strict=True)
-    found["published_share"] = [str(PUBLISHED.get(pair, "none")) for pair in names]
-    write_csv(output_csv, found, float_format="%.4f")
+    result = preferences(key, answers, pairs)
+    names = zip(result["method"], result["other"], strict=True)
+    result["published_share"] = [str(PUBLISHED.get(pair, "none")) for pair in names]
+    write_csv(output_csv, result, float_format="%.4f")
     words = [
         f"{row.method} over {row.other}: {100 * row.share:.1f} % of {row.answers} choices by "
         f"{row.participants} people, 95 % interval {100 * row.low_95:.1f} to "
         f"{100 * row.high_95:.1f} % (paper: {row.published_share})"
-        for row in found.itertuples()
+        for row in result.itertuples()
     ]
     words += [
         "\nThe interval (Wilson) takes every choice as independent; those of one person or one "
@@ -195,7 +195,7 @@ def study_result(
         *(f"refused: {line}" for line in refused),
     ]
     write_text(output_text, "\n".join(words) + "\n")
-    return found
+    return result
 
 
 def _collected(key: pd.DataFrame, files: Sequence[Path]) -> tuple[pd.DataFrame, list[str]]:

@@ -319,7 +319,7 @@ def _counts(group: pd.DataFrame) -> str:
 
 def _cells(cells: pd.DataFrame) -> dict[str, str]:
     """Return the text of each method's cell in one column of one metric."""
-    texts, shown = {}, {}
+    texts, ranked = {}, {}
     for cell in cells.itertuples():
         small = cell.metric == "FID" and cell.features != "inception"
         decimals = _SMALL_FID if small else METRICS[cell.metric].decimals
@@ -328,10 +328,10 @@ def _cells(cells: pd.DataFrame) -> dict[str, str]:
         published = f" ({cell.published:.{METRICS[cell.metric].decimals}f})"
         texts[cell.method] = (text, published if cell.published == cell.published else "")
         if text != "--" and (cell.method, cell.column) != _COMPARED_WITH_ITSELF:
-            shown[cell.method] = float(text)
-    best = min(shown.values(), default=None)
+            ranked[cell.method] = float(text)
+    best = min(ranked.values(), default=None)
     return {
-        method: (f"\\textbf{{{text}}}" if method in shown and shown[method] == best else text)
+        method: (f"\\textbf{{{text}}}" if method in ranked and ranked[method] == best else text)
         + rest
         for method, (text, rest) in texts.items()
     }

@@ -154,14 +154,14 @@ def read_plan(
         raise plan.fault("a plan", "no such file")
     if not plan.binary and not plan.text.strip():
         raise plan.fault("a plan", "an empty file")
-    found = format_of(plan)
-    if found is None:
+    plan_format = format_of(plan)
+    if plan_format is None:
         names = ", ".join(entry.name for entry in plan_formats())
         start = plan.binary + (" (plan2scene trace makes a plan of it)" * plan.is_picture)
         start = start or f"{plan.text.split()[0][:40]!r} at its start"
         raise plan.fault(f"a plan ({names})", start)
-    if found.needs_scale and not 0 < (metres_per_pixel or 0) <= 1:
-        expected = f"metres_per_pixel above 0 and up to 1 for {found.name}"
+    if plan_format.needs_scale and not 0 < (metres_per_pixel or 0) <= 1:
+        expected = f"metres_per_pixel above 0 and up to 1 for {plan_format.name}"
         raise plan.fault(expected, str(metres_per_pixel))
-    with installed(found.needs, house_id):
-        return found.read(plan)
+    with installed(plan_format.needs, house_id):
+        return plan_format.read(plan)

@@ -30,16 +30,16 @@ LEAST_FLIGHT = 0.5
 
 def ordered_levels(source: Source, levels: Iterable[Level]) -> tuple[Level, ...]:
     """Return levels from the lowest to the highest; InputError for two of one id or height."""
-    found = sorted(levels, key=lambda level: level.elevation)
-    ids = [level.id for level in found]
-    for level, above in pairwise(found):
+    ordered = sorted(levels, key=lambda level: level.elevation)
+    ids = [level.id for level in ordered]
+    for level, above in pairwise(ordered):
         if ids.count(level.id) > 1:
             raise source.fault("each level id once", f"{level.id} {ids.count(level.id)} times")
         if above.elevation - level.elevation < LEAST_RISE:
             apart = f"{above.elevation - level.elevation:.2f} m"
             expected = f"levels {level.id} and {above.id} at least {LEAST_RISE:g} m apart"
             raise source.fault(expected, apart)
-    return tuple(found)
+    return tuple(ordered)
 
 
 def used_levels(
@@ -94,13 +94,13 @@ def linked(
     `levels` go from the lowest to the highest; without any, nothing is above.
     """
     above = {level.id: higher.id for level, higher in pairwise(levels)}
-    found = []
+    flights = []
     for flight in stairs:
         lower = _room_at(flight, rooms, flight.level, foot=True)
         upper = above.get(flight.level)
         higher = None if upper is None else _room_at(flight, rooms, upper, foot=False)
-        found.append(replace(flight, room_ids=(lower, higher)))
-    return tuple(found)
+        flights.append(replace(flight, room_ids=(lower, higher)))
+    return tuple(flights)
 
 
 def _room_at(stairs: Stairs, rooms: Sequence[Room], level: str, *, foot: bool) -> str | None:

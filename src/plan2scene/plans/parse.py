@@ -164,12 +164,12 @@ def parse_json(text: str, file: str | Path, house_id: str = "") -> Any:
         raise InputError("finite numbers", name, file=file, house=house_id)
 
     def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        found = dict(pairs)
-        if len(found) < len(pairs):
+        document = dict(pairs)
+        if len(document) < len(pairs):
             names = [name for name, _ in pairs]
             name = next(name for name in names if names.count(name) > 1)
             raise InputError("each key of an object once", repr(name), file=file, house=house_id)
-        return found
+        return document
 
     try:
         return json.loads(text, parse_constant=refuse, object_pairs_hook=once)

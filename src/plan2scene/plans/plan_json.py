@@ -270,12 +270,12 @@ def _flight_entry(stairs: Stairs) -> dict[str, Any]:
 
 def _opening_entries(house: House) -> list[dict[str, Any]]:
     """Return every opening once, as a segment."""
-    found: dict[str, list[tuple[Wall, Opening]]] = {}
+    places_by_id: dict[str, list[tuple[Wall, Opening]]] = {}
     for wall in house.walls:
         for opening in wall.openings:
-            found.setdefault(opening.id, []).append((wall, opening))
+            places_by_id.setdefault(opening.id, []).append((wall, opening))
     entries = []
-    for name, places in found.items():
+    for name, places in places_by_id.items():
         (wall, opening), *others = places
         start, end = _ends(wall, opening)
         if others:

@@ -428,8 +428,8 @@ def _openings(
     for number, door in enumerate(plan.doors):
         segment = _segment(door, f"hole_{number}", metres_per_pixel)
         try:
-            given = (source, placed, [segment])
-            placed = place_openings(*given, tolerance=tolerance, both_sides=False)
+            arguments = (source, placed, [segment])
+            placed = place_openings(*arguments, tolerance=tolerance, both_sides=False)
         except InputError as error:
             # One stray door of a recognised drawing is no reason to lose the house.
             source.warnings.append(f"{error}; left out")

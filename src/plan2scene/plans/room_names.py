@@ -57,12 +57,12 @@ def room_types(name: str) -> tuple[str, ...]:
 
     A name may join several rooms ("Living / Kitchen"): each is told alone.
     """
-    found: list[str] = []
+    types: list[str] = []
     for part in re.split(r"[/+&,;|]| und | and | et | y | e | en ", f"{name} "):
         kind = _type_of(part)
-        if kind is not None and kind not in found:
-            found.append(kind)
-    return tuple(found)
+        if kind is not None and kind not in types:
+            types.append(kind)
+    return tuple(types)
 
 
 def _type_of(text: str) -> str | None:

@@ -53,8 +53,8 @@ def _region(value: Any) -> Any:
     if not isinstance(value, Mapping):
         return value
     names = value.get("types", value.get("type"))
-    given = names if isinstance(names, list) else [names]
-    read = [room_types(name) or ("other",) for name in given if isinstance(name, str)]
+    listed = names if isinstance(names, list) else [names]
+    read = [room_types(name) or ("other",) for name in listed if isinstance(name, str)]
     return {**value, "types": [name for found in read for name in found]}
 
 
@@ -73,10 +73,10 @@ def _axis(source: Source, value: Any, default: list[float]) -> list[float]:
     """Return an axis as a list of one 1 or -1 and zeros."""
     if value is None:
         return default
-    given = [value.get(k) for k in "xyz"] if isinstance(value, dict) else value
-    values = [v for v in given if isinstance(v, int | float)] if isinstance(given, list) else []
+    numbers = [value.get(k) for k in "xyz"] if isinstance(value, dict) else value
+    values = [v for v in numbers if isinstance(v, int | float)] if isinstance(numbers, list) else []
     if len(values) != 3 or sorted(abs(v) for v in values) != [0, 0, 1]:
-        raise source.fault("up along an axis, as [0, 1, 0] or [0, 0, 1]", repr(given))
+        raise source.fault("up along an axis, as [0, 1, 0] or [0, 0, 1]", repr(numbers))
     return [float(v) for v in values]
 
 
@@ -91,9 +91,11 @@ def _element(source: Source, value: Any, matrix: np.ndarray, scale: float) -> di
     element = dict(source.mapping(value, "an element"))
     across = np.delete(np.arange(3), int(np.argmax(np.abs(matrix[1]))))
 
-    def point(given: Any) -> list[float]:
+    def point(coordinates: Any) -> list[float]:
         # Two numbers are the axes other than up, in order (coords2d).
-        numbers = [_metres(source, v, "a point", scale) for v in source.items(given, "a point")]
+        numbers = [
+            _metres(source, v, "a point", scale) for v in source.items(coordinates, "a point")
+        ]
         if len(numbers) not in (2, 3):
             raise source.fault("a point of 2 or 3 numbers", len(numbers))
         whole = np.zeros(3)

@@ -69,11 +69,11 @@ def levels_of_rooms(
         for entry in source.items(arch.get("rooms"), "rooms")
         if isinstance(entry, dict)
     }
-    found = {
+    level_by_room = {
         room_id: by_id[level_of(source, entries.get(room_id, {}), levels, "a room", room_id)]
         for room_id in room_ids
     }
-    return levels, found
+    return levels, level_by_room
 
 
 def _levels_of_floors(
@@ -423,7 +423,7 @@ def _read_doors(
             source.warn("a list 'rdr'", f"none; {len(doors)} relations found by geometry")
         return doors
     holes = {opening.id for wall in walls for opening in wall.openings}
-    found: dict[tuple[str, frozenset[str | None]], Door] = {}
+    doors_by_key: dict[tuple[str, frozenset[str | None]], Door] = {}
     for entry in source.items(arch["rdr"], "rdr"):
         triple = source.items(entry, "an rdr entry")
         if len(triple) != 3:
@@ -444,8 +444,8 @@ def _read_doors(
             levels = f"{door.room_a} and {door.room_b} are on two; left out"
             source.warn(f"door {hole} between rooms of one level", levels, door.room_a)
             continue
-        found.setdefault((hole, frozenset((door.room_a, door.room_b))), door)
-    return tuple(found.values())
+        doors_by_key.setdefault((hole, frozenset((door.room_a, door.room_b))), door)
+    return tuple(doors_by_key.values())
 
 
 def _read_objects(source: Source, scene: Mapping[str, Any]) -> tuple[PlacedObject, ...]:

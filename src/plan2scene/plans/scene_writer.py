@@ -76,11 +76,11 @@ def _on(level_id: str) -> dict[str, str]:
 
 def _storeys(house: House) -> dict[str, Any]:
     """Return the entries of levels and stairs that a house has."""
-    found: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
     if house.levels:
-        found["levels"] = [asdict(level) for level in house.levels]
+        entries["levels"] = [asdict(level) for level in house.levels]
     if house.stairs:
-        found["stairs"] = [
+        entries["stairs"] = [
             {
                 "id": stairs.id,
                 "from": list(stairs.start),
@@ -90,7 +90,7 @@ def _storeys(house: House) -> dict[str, Any]:
             }
             for stairs in house.stairs
         ]
-    return found
+    return entries
 
 
 def write_scene_json(

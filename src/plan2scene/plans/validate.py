@@ -165,10 +165,10 @@ def validate_house(house: House, *, file: str | Path = "") -> list[str]:
         raise fault
     lines = list(house.warnings)
     storeys = [storey for _, storey in house.storeys()]
-    found = [line for storey in storeys for line in _overlaps(storey)]
-    found += [*_stray_walls(house), *_overlapping_holes(house), *oddities(house)]
-    found += storey_oddities(house)
-    for expected, text, room in found:
+    oddity_lines = [line for storey in storeys for line in _overlaps(storey)]
+    oddity_lines += [*_stray_walls(house), *_overlapping_holes(house), *oddities(house)]
+    oddity_lines += storey_oddities(house)
+    for expected, text, room in oddity_lines:
         lines.append(str(InputError(expected, text, file=file, house=house.id, room=room)))
     return lines
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from plan2scene.errors import InputError, told_in_a_line
+from plan2scene.errors import InputError, one_line_errors
 
 
 @contextmanager
@@ -32,7 +32,7 @@ def job(log: str | Path | None = None) -> Iterator[logging.Logger]:
         handler.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
         logger.addHandler(handler)
     try:
-        with told_in_a_line():
+        with one_line_errors():
             yield logger
     except InputError as error:
         logger.error("%s", error)
