@@ -21,7 +21,7 @@ import numpy as np
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh import build_parts, load_textures
 from plan2scene.mesh.baking import even_light
-from plan2scene.mesh.room_views import draw_rooms
+from plan2scene.mesh.room_views import room_pictures
 from plan2scene.plans import read_scene_json
 
 METHOD = "exemplar"
@@ -47,12 +47,12 @@ def pair(results: Path, house_id: str, room_id: str, *, lit: bool) -> np.ndarray
         tiles = Path(name) / "tiles"
         shutil.copytree(folder, tiles, ignore=shutil.ignore_patterns("maps.json"))
         repeated, whole = (load_textures(place, house) for place in (tiles, folder))
-    (after,) = draw_rooms(house, whole, parts, [room_id])
+    (after,) = room_pictures(house, whole, parts, [room_id])
     if lit:
-        (before,) = draw_rooms(house, repeated, parts, [room_id])
+        (before,) = room_pictures(house, repeated, parts, [room_id])
     else:
         first = [part for part in parts if part.extras["kind"] not in LATER]
-        (before,) = draw_rooms(house, repeated, first, [room_id], light=even_light(house))
+        (before,) = room_pictures(house, repeated, first, [room_id], light=even_light(house))
     return np.hstack([before, np.full((len(before), GAP, 3), 255, np.uint8), after])
 
 

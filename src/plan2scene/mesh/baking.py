@@ -128,12 +128,17 @@ def _shelves(charts: Sequence[Chart], side: int) -> list[Chart] | None:
     return placed
 
 
-#: What is farther away than this does not darken, metres.
-REACH_M = 1.2
-#: Side of a texel, metres; the image is at most `MOST_PX` wide and high, else texels are larger.
-TEXEL_M = 0.08
-MOST_PX = 2048
-RAYS = 64
+@dataclass(frozen=True)
+class OcclusionSettings:
+    """How occlusion is baked: half a second of processor time a house."""
+
+    reach_m: float = 1.2  #: what is farther away does not darken
+    texel_m: float = 0.08  #: side of a texel; larger where the image would be over `most_px`
+    most_px: int = 2048  #: width and height of the image at most
+    rays: int = 64  #: directions that a texel looks in
+
+
+OCCLUSION = OcclusionSettings()
 
 
 @dataclass(frozen=True)
@@ -164,7 +169,7 @@ def bake_occlusion(parts: Sequence[MeshPart], flat: Sequence[MeshPart]) -> Occlu
     rays = Rays.of([part for part in parts if part.extras.get("kind") != "skirting"])
     if rays is None:
         return None
-    charts, (height, width) = packed(flat, TEXEL_M, MOST_PX)
+    charts, (height, width) = packed(flat, OCCLUSION.texel_m, OCCLUSION.most_px)
     image = np.full((height, width), 255, np.uint8)
     uv = {}
     for chart in charts:
@@ -184,31 +189,38 @@ def _shade(image: np.ndarray, chart: Chart, rays: Rays) -> None:
 
 def _openness(chart: Chart, uv: np.ndarray, rays: Rays) -> np.ndarray:
     """Return the free share of the hemisphere over points (n, 2) of a flat part, (n,) in [0, 1]."""
-    directions = hemisphere(chart.normal, RAYS)
+    directions = hemisphere(chart.normal, OCCLUSION.rays)
     points = chart.world(uv)
     origins = np.repeat(points, len(directions), axis=0)
     distance = rays.distances(origins, np.tile(directions, (len(points), 1)))
-    near = np.clip(1 - distance / REACH_M, 0, 1).reshape(len(points), -1)
+    near = np.clip(1 - distance / OCCLUSION.reach_m, 0, 1).reshape(len(points), -1)
     return np.asarray(1 - near.mean(axis=1))
 
 
-#: Directions that a texel looks in, bounces, and the largest image in pixels.
-RAYS, BOUNCES, MOST_PX = 64, 4, 2048
-#: Linear RGB of sky and ground outside, of lamps, and what doors and frames reflect.
+#: Linear RGB of sky and ground outside, and of lamps, 1 for a white surface in full light.
 SKY = np.array([1.55, 1.7, 1.9])
 GROUND = np.array([0.55, 0.53, 0.5])
 LAMP = np.array([1.0, 0.94, 0.86])
-PLAIN = 0.6
-#: Mean and greatest direct light of a room's lamp, and how far below the ceiling it hangs.
-LAMP_SHARE, LAMP_MOST, LAMP_DROP_M = 0.3, 0.8, 0.35
-#: Radius of a lamp's glow, metres: its light does not grow without end towards it.
-LAMP_GLOW_M = 1.1
-#: Linear value from which highlights of pictures are compressed.
-KNEE = 0.75
-#: Light that lies in the middle of a house after exposure.
-_MIDDLE = 0.9
-#: Mean light that a room, a balcony has at most.
-_BRIGHTEST = 1.3
+
+
+@dataclass(frozen=True)
+class LightSettings:
+    """How light is baked. Values are factors on a surface's colour."""
+
+    rays: int = 64  #: directions that a texel looks in
+    bounces: int = 4
+    most_px: int = 2048  #: width and height of the image at most
+    plain: float = 0.6  #: linear reflectance of doors and frames
+    lamp_share: float = 0.3  #: mean direct light of a room's lamp
+    lamp_most: float = 0.8  #: its greatest direct light
+    lamp_drop_m: float = 0.35  #: how far below the ceiling it hangs
+    lamp_glow_m: float = 1.1  #: radius of its glow: light does not grow without end towards it
+    middle: float = 0.9  #: median light of a house after exposure
+    brightest: float = 1.3  #: mean light that a room or a balcony has at most
+    knee: float = 0.75  #: linear value from which highlights of pictures are compressed
+
+
+LIGHT = LightSettings()
 
 
 @dataclass(frozen=True)
@@ -274,22 +286,22 @@ def bake_light(
     rays = Rays.of([part for part in parts if part.extras.get("kind") != "skirting"])
     if rays is None or not flat:
         return None
-    charts, shape = packed(flat, texel_m, MOST_PX)
+    charts, shape = packed(flat, texel_m, LIGHT.most_px)
     grids = [chart.grid() for chart in charts]
     texels = _texels(charts, grids, colours, shape)
     direct = _lamps(house, charts, texels, rays)
     seen, sky = _seen(charts, texels, rays)
-    reflected = np.vstack([texels.colours, np.full((1, 3), PLAIN)])
+    reflected = np.vstack([texels.colours, np.full((1, 3), LIGHT.plain)])
     light = direct + sky
-    for _ in range(BOUNCES):
+    for _ in range(LIGHT.bounces):
         known = np.vstack([light, np.median(light, axis=0)]) * reflected
         light = direct + sky + _gathered(known, seen)
-    light *= _MIDDLE / max(float(np.median(light.mean(axis=1))), 1e-6)
+    light *= LIGHT.middle / max(float(np.median(light.mean(axis=1))), 1e-6)
     names = np.array([str(chart.part.extras.get("room_id", "")) for chart in charts])
     owner = names[texels.charts]
     for room in np.unique(owner):  # eyes get used to a terrace's light
         mine = owner == room
-        light[mine] *= min(1.0, _BRIGHTEST / max(float(light[mine].mean()), 1e-6))
+        light[mine] *= min(1.0, LIGHT.brightest / max(float(light[mine].mean()), 1e-6))
     rooms = {room: light[owner == room].mean(axis=0) for room in np.unique(owner)}
     image = np.zeros((*shape, 3), np.float32)
     start = 0
@@ -310,9 +322,9 @@ def even_light(house: House) -> Light:
 
 
 def compressed(linear: np.ndarray) -> np.ndarray:
-    """Return linear values, those beyond `KNEE` compressed below 1, so that nothing burns out."""
-    over = np.maximum(linear - KNEE, 0.0)
-    return np.minimum(linear, KNEE) + (1 - KNEE) * over / (over + 1 - KNEE)
+    """Return linear values, those beyond `LIGHT.knee` compressed below 1: nothing burns out."""
+    over = np.maximum(linear - LIGHT.knee, 0.0)
+    return np.minimum(linear, LIGHT.knee) + (1 - LIGHT.knee) * over / (over + 1 - LIGHT.knee)
 
 
 def mean_colours(textures: Mapping[SurfaceKey, TileTexture]) -> dict[SurfaceKey, np.ndarray]:
@@ -349,10 +361,10 @@ def _texels(
 def _seen(charts: Sequence[Chart], texels: _Texels, rays: Rays) -> tuple[np.ndarray, np.ndarray]:
     """Return what texels see in each direction, and the mean light of the sky in them (n, 3).
 
-    (n, `RAYS`) int: number of a texel, n for plain things, n + 1 for what is outside.
+    (n, `LIGHT.rays`) int: number of a texel, n for plain things, n + 1 for what is outside.
     """
     count = len(texels.points)
-    seen = np.full((count, RAYS), count + 1)
+    seen = np.full((count, LIGHT.rays), count + 1)
     sky = np.zeros((count, 3))
     by_name = {chart.part.name: chart for chart in charts}
     known = [by_name.get(part.name) for part in rays.parts]
@@ -360,11 +372,11 @@ def _seen(charts: Sequence[Chart], texels: _Texels, rays: Rays) -> tuple[np.ndar
         mine = np.flatnonzero(texels.charts == number)
         if not len(mine):
             continue
-        directions = np.tile(hemisphere(chart.normal, RAYS), (len(mine), 1))
-        origins = np.repeat(texels.points[mine], RAYS, axis=0)
+        directions = np.tile(hemisphere(chart.normal, LIGHT.rays), (len(mine), 1))
+        origins = np.repeat(texels.points[mine], LIGHT.rays, axis=0)
         hit = rays.hits(origins, directions)
-        out = (hit < 0).reshape(-1, RAYS)
-        up = directions[:, 1].reshape(-1, RAYS) > 0
+        out = (hit < 0).reshape(-1, LIGHT.rays)
+        up = directions[:, 1].reshape(-1, LIGHT.rays) > 0
         for part, colour in ((out & up, SKY), (out & ~up, GROUND)):
             sky[mine] += part.mean(axis=1)[:, None] * colour
         found = np.full(len(hit), count + 1)
@@ -375,7 +387,7 @@ def _seen(charts: Sequence[Chart], texels: _Texels, rays: Rays) -> tuple[np.ndar
                 ours = np.flatnonzero((hit >= 0) & (rays.part[hit] == other))
                 points, _ = rays.points(hit[ours], origins[ours], directions[ours])
                 found[ours] = _texel_at(target, points, texels.index, count)
-        seen[mine] = found.reshape(-1, RAYS)
+        seen[mine] = found.reshape(-1, LIGHT.rays)
     return seen, sky
 
 
@@ -407,11 +419,11 @@ def _lamps(house: House, charts: Sequence[Chart], texels: _Texels, rays: Rays) -
         away = lamp - texels.points
         distance = np.linalg.norm(away, axis=1)
         facing = np.einsum("ij,ij->i", away, normals) / np.maximum(distance, 1e-6)
-        strength = np.maximum(facing, 0.0) / (distance**2 + LAMP_GLOW_M**2)
+        strength = np.maximum(facing, 0.0) / (distance**2 + LIGHT.lamp_glow_m**2)
         own = names[texels.charts] == room.id
         if not strength[own].any():
             continue
-        share = min(LAMP_SHARE / strength[own].mean(), LAMP_MOST / strength[own].max())
+        share = min(LIGHT.lamp_share / strength[own].mean(), LIGHT.lamp_most / strength[own].max())
         lit = np.flatnonzero(strength > 0.02 * strength[own].max())
         free = rays.distances(texels.points[lit], away[lit] / distance[lit, None])
         lit = lit[free > distance[lit]]
@@ -427,7 +439,7 @@ def lamp_position(house: House, room_id: str) -> np.ndarray:
     if not polygon.buffer(-0.3).contains(Point(middle.x, middle.y)):
         middle = polygon.representative_point()
     ceiling = house.level_of(room_id).elevation + room.height
-    return np.array([middle.x, ceiling - LAMP_DROP_M, middle.y])
+    return np.array([middle.x, ceiling - LIGHT.lamp_drop_m, middle.y])
 
 
 def _smooth(values: np.ndarray, inside: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -30,14 +30,12 @@ from plan2scene.colour import srgb_to_linear
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.io import atomic_path
 from plan2scene.mesh.assembly import build_parts
-from plan2scene.mesh.baking import LAMP, LAMP_DROP_M, bake_occlusion, lamp_position
-from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.baking import LAMP, LIGHT, bake_occlusion, lamp_position
+from plan2scene.mesh.parts import GLASS, MeshPart
 from plan2scene.mesh.relief import normal_map, tangents
 from plan2scene.mesh.texture_files import UNTEXTURED, MapTexture, TileTexture
 from plan2scene.plans.geometry import room_polygon
 
-#: Linear base colour and opacity of window glass.
-GLASS = (0.62, 0.75, 0.80, 0.28)
 #: Kinds of buffers; repeating, trilinear (the numbers are OpenGL's).
 _VERTICES, _INDICES = 34962, 34963
 _SAMPLER = {"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}
@@ -270,13 +268,23 @@ def _join_images(tree: dict[str, Any], factors: Mapping[str, list[float]]) -> No
 
 
 EXTENSION = "KHR_lights_punctual"
-#: Mean light of a lamp on its room's floor, and of the sun on what faces it.
-LAMP_LUX, SUN_LUX = 0.8, 0.6
-#: Of the sun, linear RGB; the way its light goes comes from the upper west and south.
-SUN = (1.0, 0.97, 0.9)
-TO_SUN = np.array([-0.45, 0.78, 0.43])
-#: Half angle of a lamp's cone; within the first its light is whole.
-_INNER, _OUTER = math.radians(35.0), math.radians(82.0)
+
+
+@dataclass(frozen=True)
+class Lights:
+    """Light of lamps and of the sun; angles in radians."""
+
+    lamp_lux: float = 0.8  #: mean light of a lamp on its room's floor
+    sun_lux: float = 0.6  #: light of the sun on what faces it
+    sun: tuple[float, float, float] = (1.0, 0.97, 0.9)  #: its colour, linear RGB
+    to_sun: tuple[float, float, float] = (-0.45, 0.78, 0.43)  #: from the upper west and south
+    whole: float = math.radians(35.0)  #: half angle of a lamp's cone in which its light is whole
+    cone: float = math.radians(82.0)  #: half angle of a lamp's cone
+
+
+LIGHTS = Lights()
+
+
 #: The lights' own way is along -z.
 _AHEAD = np.array([0.0, 0.0, -1.0])
 _DECIMALS = 5
@@ -291,8 +299,15 @@ def add_lights(tree: dict[str, Any], house: House) -> None:
             lights.append(_lamp(room))
             nodes.append(_node(f"{room.id}/lamp", lamp_position(house, room.id), [0, -1, 0]))
             nodes[-1]["extras"] = {"kind": "lamp", "room_id": room.id}
-    lights.append({"type": "directional", "color": list(SUN), "intensity": SUN_LUX, "name": "sun"})
-    nodes.append(_node("sun", _above(house), -TO_SUN))
+    lights.append(
+        {
+            "type": "directional",
+            "color": list(LIGHTS.sun),
+            "intensity": LIGHTS.sun_lux,
+            "name": "sun",
+        }
+    )
+    nodes.append(_node("sun", _above(house), -np.array(LIGHTS.to_sun)))
     nodes[-1]["extras"] = {"kind": "sun"}
     for number, node in enumerate(nodes):
         node["extensions"] = {EXTENSION: {"light": number}}
@@ -305,26 +320,26 @@ def add_lights(tree: dict[str, Any], house: House) -> None:
 
 
 def candela(area_m2: float, height_m: float) -> float:
-    """Return the intensity of a lamp that gives a floor `LAMP_LUX` in the mean.
+    """Return the intensity of a lamp that gives a floor `LIGHTS.lamp_lux` in the mean.
 
     The floor is a disk of `area_m2` and the lamp, as bright each way, `height_m` above its middle.
     """
     square = area_m2 / math.pi
     share = 1 - height_m / math.sqrt(height_m**2 + square)
-    return LAMP_LUX * square / (2 * share)
+    return LIGHTS.lamp_lux * square / (2 * share)
 
 
 def _lamp(room: Room) -> dict[str, Any]:
     """Return the light of a room."""
     polygon = room_polygon(room)
-    height = max(room.height - LAMP_DROP_M, 0.5)
+    height = max(room.height - LIGHT.lamp_drop_m, 0.5)
     x0, z0, x1, z1 = polygon.bounds
     return {
         "type": "spot",
         "color": LAMP.tolist(),
         "intensity": round(candela(polygon.area, height), _DECIMALS),
         "range": round(math.hypot(x1 - x0, z1 - z0, height), _DECIMALS),
-        "spot": {"innerConeAngle": _INNER, "outerConeAngle": _OUTER},
+        "spot": {"innerConeAngle": LIGHTS.whole, "outerConeAngle": LIGHTS.cone},
         "name": f"{room.id}/lamp",
     }
 
@@ -333,7 +348,7 @@ def _above(house: House) -> np.ndarray:
     """Return a place over a house, where programs draw its sun, (3,)."""
     points = np.array([point for room in house.rooms for point in room.rings[0]])
     x, z = (points.min(axis=0) + points.max(axis=0)) / 2
-    return np.array([x, 0.0, z]) + 10.0 * TO_SUN
+    return np.array([x, 0.0, z]) + 10.0 * np.array(LIGHTS.to_sun)
 
 
 def _node(name: str, place: np.ndarray, way: ArrayLike) -> dict[str, Any]:

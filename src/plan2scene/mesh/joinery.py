@@ -6,6 +6,7 @@ Sizes in metres are those of ordinary joinery; the opening gives width and heigh
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,18 +21,21 @@ ENTRANCE_PANEL_COLOUR: Colour = (82, 55, 39)
 METAL_COLOUR: Colour = (150, 150, 152)
 LINING_COLOUR: Colour = (238, 235, 229)
 
-#: Inner doors stand open by this angle, so that one sees from room to room.
-AJAR = math.radians(40.0)
-FRAME_WIDTH = 0.05
-LEAF_THICKNESS = 0.04
-#: Doors wider than this have two leaves.
-TWO_LEAVES = 1.25
-#: A window has a mullion about every so many metres.
-PANE_WIDTH = 0.9
-#: Frames stand out of the wall by this much.
-PROUD = 0.012
-#: A frame is at least so deep, also where two rooms touch and the wall has no thickness.
-LEAST_DEPTH = 0.09
+
+@dataclass(frozen=True)
+class JoinerySizes:
+    """Sizes of ordinary joinery, metres; angles in radians."""
+
+    ajar: float = math.radians(40.0)  #: angle that inner doors stand open: one sees through
+    frame: float = 0.05  #: width of a frame
+    leaf: float = 0.04  #: thickness of a leaf
+    two_leaves: float = 1.25  #: wider doors have two leaves
+    pane: float = 0.9  #: a window has a mullion about every so many metres
+    proud: float = 0.012  #: frames stand out of the wall by this much
+    least_depth: float = 0.09  #: of a frame, also where the wall has no thickness
+
+
+JOINERY = JoinerySizes()
 
 
 def fixtures(portal: Portal) -> list[MeshPart]:
@@ -54,7 +58,7 @@ def _centre(portal: Portal) -> np.ndarray:
 
 def _depth(portal: Portal) -> float:
     """Return how far a frame reaches to both sides of the middle of the wall."""
-    return max(portal.depth / 2 + PROUD, LEAST_DEPTH / 2)
+    return max(portal.depth / 2 + JOINERY.proud, JOINERY.least_depth / 2)
 
 
 def _surround(
@@ -81,12 +85,12 @@ def _door(portal: Portal) -> MeshPart:
         _surround(builder, portal, 0.015, LINING_COLOUR, sill=False)
         return builder.build(f"{room}/passage/{opening.id}", extras=extras)
     width = portal.width
-    jamb = min(FRAME_WIDTH, width * 0.12)
+    jamb = min(JOINERY.frame, width * 0.12)
     _surround(builder, portal, jamb, FRAME_COLOUR, sill=False)
     gap = 0.004
     clear = width - 2 * (jamb + gap)
     low, high = portal.hole.bottom + 0.008, portal.hole.top - jamb - gap
-    if width > TWO_LEAVES:
+    if width > JOINERY.two_leaves:
         half = clear / 2 - gap / 2
         _leaf(builder, portal, jamb + gap, 1.0, (half, low, high))
         _leaf(builder, portal, width - jamb - gap, -1.0, (half, low, high))
@@ -111,14 +115,14 @@ def _leaf(
     colour = ENTRANCE_COLOUR if outside else LEAF_COLOUR
     panel = ENTRANCE_PANEL_COLOUR if outside else PANEL_COLOUR
     base = _centre(portal)
-    angle = 0.0 if outside else AJAR
+    angle = 0.0 if outside else JOINERY.ajar
     inward = base[2]
     along = turn * base[0] * math.cos(angle) + inward * math.sin(angle)
     across = np.cross(along, base[1])
     frame = np.array([along, base[1], across, base[3] + hinge * base[0]])
     if not outside:  # the pivot is at the room's face of the frame, so the leaf clears the jamb
-        frame[3] += inward * (_depth(portal) - LEAF_THICKNESS)
-    half = LEAF_THICKNESS / 2
+        frame[3] += inward * (_depth(portal) - JOINERY.leaf)
+    half = JOINERY.leaf / 2
     builder.box(frame, (0, low, -half), (width, high, half), colour)
     margin, middle = width * 0.16, low + (high - low) * 0.45
     for bottom, top in ((low + 0.18, middle - 0.05), (middle + 0.05, high - 0.14)):
@@ -142,10 +146,10 @@ def _window(portal: Portal) -> list[MeshPart]:
     builder, glass = PartBuilder(), PartBuilder()
     room, opening = portal.side.room_id, portal.hole.opening
     width, low, high = portal.width, portal.hole.bottom, portal.hole.top
-    bar = min(FRAME_WIDTH, 0.12 * min(width, high - low))
+    bar = min(JOINERY.frame, 0.12 * min(width, high - low))
     _surround(builder, portal, bar, FRAME_COLOUR, sill=True)
     frame, colour = _centre(portal), FRAME_COLOUR
-    count = max(1, round((width - bar) / PANE_WIDTH))
+    count = max(1, round((width - bar) / JOINERY.pane))
     for k in range(1, count):
         s = width * k / count
         builder.box(frame, (s - bar / 2, low + bar, -0.03), (s + bar / 2, high - bar, 0.03), colour)

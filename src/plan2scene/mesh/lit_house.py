@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import cv2
@@ -25,11 +25,18 @@ from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.texture_files import MapTexture, TileTexture, textured
 from plan2scene.plans import read_scene_json
 
-#: Pixels per metre of the images, and their largest side.
-PX_PER_M, MOST_PX = 128.0, 4096
-#: Side of the light's texels, metres.
-TEXEL_M = 0.08
-_QUALITY = 88
+
+@dataclass(frozen=True)
+class LitSettings:
+    """Images of surfaces under baked light: as sharp as a phone shows them."""
+
+    px_per_m: float = 128.0
+    most_px: int = 4096  #: width and height of an image at most
+    texel_m: float = 0.08  #: side of the light's texels
+    quality: int = 88  #: of JPEG
+
+
+SETTINGS = LitSettings()
 _BAND = 512  # rows that are worked on at once
 
 
@@ -52,7 +59,7 @@ def build_lit_house(
     house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
     house = house if objects else replace(house, icons=())
     parts = build_parts(house)
-    light = bake_light(house, parts, mean_colours(textures), TEXEL_M)
+    light = bake_light(house, parts, mean_colours(textures), SETTINGS.texel_m)
     if light is None:
         logging.getLogger("plan2scene").warning("house %s: no light to bake", house_id)
         write_glb(house, textures, glb, parts)
@@ -79,7 +86,7 @@ def lit_textures(
 
 def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light) -> MapTexture:
     """Return one surface's image under the light."""
-    scale = min(PX_PER_M, MOST_PX / max(area.size))
+    scale = min(SETTINGS.px_per_m, SETTINGS.most_px / max(area.size))
     width, height = (max(2, round(side * scale)) for side in area.size)
     shade = _shade(area, (height, width), scale, parts, light)
     picture = srgb_to_linear(image_from_bytes(tile.image)).astype(np.float32)
@@ -100,7 +107,7 @@ def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light)
     facts = {field.name: getattr(tile, field.name) for field in fields(TileTexture)}
     return MapTexture(
         **facts | {"origin_m": area.low},
-        jpeg=jpeg_bytes(made, quality=_QUALITY),
+        jpeg=jpeg_bytes(made, quality=SETTINGS.quality),
         extent_m=(width / scale, height / scale),
     )
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import logging
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import cv2
@@ -25,18 +26,29 @@ from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 
 #: Mitsuba's variants in order of preference: the second needs nothing but Mitsuba, and is slower.
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")
-#: Paths a pixel, surfaces that one meets at most, and where chance begins to end it.
-SAMPLES, DEPTH, ROULETTE = 24, 7, 4
-#: Radius of a lamp's globe, metres; its radiance and the sky's, in multiples of white.
-LAMP_RADIUS_M, LAMP_RADIANCE, SKY_RADIANCE = 0.09, 28.0, 2.2
-#: What half of a picture is darker than: lamps and windows do not count more than walls do.
-MIDDLE = 0.36
-#: Albedo below which a pixel's colour is not divided out (lamps, sky).
-_LEAST_ALBEDO = 0.02
-#: Steps of the filter, pixels; what normals and metres (times the distance) count as one surface.
-_STEPS, _SAME_NORMAL, _SAME_PLACE = (1, 2, 4, 8), 0.1, 0.02
-#: Rare paths that find a lamp by chance count no more than so many times what is around.
-_GLARE = 3.0
+
+
+@dataclass(frozen=True)
+class TracingSettings:
+    """How rooms are traced and smoothed: few paths, so that a room takes seconds."""
+
+    samples: int = 24  #: paths a pixel
+    depth: int = 7  #: surfaces that a path meets at most
+    roulette: int = 4  #: surface from which chance may end it
+    lamp_radius_m: float = 0.09  #: of a lamp's globe
+    lamp_radiance: float = 28.0  #: in multiples of white
+    sky_radiance: float = 2.2  #: in multiples of white
+    middle: float = 0.36  #: median linear value of a picture: lamps and windows count no more
+    least_albedo: float = 0.02  #: below it a pixel's colour is not divided out (lamps, sky)
+    steps: tuple[int, ...] = (1, 2, 4, 8)  #: of the filter, pixels
+    same_normal: float = 0.1  #: squared difference of unit normals that halves a weight, about
+    same_place: float = 0.02  #: metres at 1 m distance off a surface that halve a weight, about
+    glare: float = 3.0  #: paths that find a lamp by chance count at most so many times their median
+
+
+SETTINGS = TracingSettings()
+
+
 _KERNEL = (3 / 8, 1 / 4, 1 / 16)
 
 
@@ -79,36 +91,39 @@ class TracedScene:
         for number, room in enumerate(house.rooms):
             if not room.open_air:
                 scene[f"lamp{number}"] = self._lamp(lamp_position(house, room.id))
-        scene["sky"] = {"type": "constant", "radiance": self._rgb(SKY_RADIANCE * SKY / SKY.max())}
+        scene["sky"] = {
+            "type": "constant",
+            "radiance": self._rgb(SETTINGS.sky_radiance * SKY / SKY.max()),
+        }
         self._scene = mi.load_dict(scene, parallel=False)
-        path = {"type": "path", "max_depth": DEPTH, "rr_depth": ROULETTE}
+        path = {"type": "path", "max_depth": SETTINGS.depth, "rr_depth": SETTINGS.roulette}
         aovs = "al:albedo,no:sh_normal,po:position"
         self._integrator = mi.load_dict({"type": "aov", "aovs": aovs, "img": path})
 
     def draw(self, camera: Camera) -> np.ndarray:
-        """Return a picture, (h, w, 3) float32 linear RGB, exposed to `MIDDLE`. Deterministic."""
-        sampler = {"type": "independent", "sample_count": SAMPLES}
+        """Return a picture, (h, w, 3) float32 linear RGB, exposed to a median. Deterministic."""
+        sampler = {"type": "independent", "sample_count": SETTINGS.samples}
         image = self._mi.render(
             self._scene,
             sensor=sensor(self._mi, camera, sampler),
             integrator=self._integrator,
-            spp=SAMPLES,
+            spp=SETTINGS.samples,
             seed=0,
         )
         data = np.nan_to_num(np.asarray(image, dtype=np.float32))
         radiance, albedo, normal, place = (data[..., k : k + 3] for k in (0, 3, 6, 9))
         image = smoothed(radiance, albedo, normal, place)
-        return image * (MIDDLE / max(float(np.median(image)), 1e-6))
+        return image * (SETTINGS.middle / max(float(np.median(image)), 1e-6))
 
     def _rgb(self, colour: np.ndarray) -> dict[str, Any]:
         return {"type": "rgb", "value": [float(value) for value in colour]}
 
     def _lamp(self, place: np.ndarray) -> dict[str, Any]:
-        radiance = self._rgb(LAMP_RADIANCE * LAMP)
+        radiance = self._rgb(SETTINGS.lamp_radiance * LAMP)
         return {
             "type": "sphere",
             "center": [float(value) for value in place],
-            "radius": LAMP_RADIUS_M,
+            "radius": SETTINGS.lamp_radius_m,
             "emitter": {"type": "area", "radiance": radiance},
         }
 
@@ -120,7 +135,7 @@ class TracedScene:
         look: dict[str, Any]
         if part.material == "glass":
             look = self._rgb(np.zeros(3))
-            sky = {"type": "area", "radiance": self._rgb(SKY_RADIANCE * SKY / SKY.max())}
+            sky = {"type": "area", "radiance": self._rgb(SETTINGS.sky_radiance * SKY / SKY.max())}
             properties["mesh_emitter"] = mi.load_dict(sky)
         elif tile is not None and part.uv is not None:
             data = srgb_to_linear(image_from_bytes(tile.image)).astype(np.float32)
@@ -190,16 +205,21 @@ def smoothed(
     normal, place : (h, w, 3) float32
         Of what a pixel shows, in the world; metres.
     """
-    lit = albedo.max(axis=2) > _LEAST_ALBEDO
+    lit = albedo.max(axis=2) > SETTINGS.least_albedo
     shade = np.where(lit[..., None], albedo, 1.0)
     light = np.minimum(radiance / shade, 8.0).astype(np.float32)
     grey = light.mean(axis=2)
-    most = _GLARE * cv2.medianBlur(np.where(lit, grey, 0).astype(np.float32), 5) + _LEAST_ALBEDO
+    most = (
+        SETTINGS.glare * cv2.medianBlur(np.where(lit, grey, 0).astype(np.float32), 5)
+        + SETTINGS.least_albedo
+    )
     light = np.where(
         lit[..., None], light * np.minimum(1, most / np.maximum(grey, 1e-6))[..., None], light
     )
-    near = _SAME_PLACE * np.maximum(np.linalg.norm(place - place.mean(axis=(0, 1)), axis=2), 1.0)
-    for step in _STEPS:
+    near = SETTINGS.same_place * np.maximum(
+        np.linalg.norm(place - place.mean(axis=(0, 1)), axis=2), 1.0
+    )
+    for step in SETTINGS.steps:
         total, weights = light * _KERNEL[0] ** 2, np.full(lit.shape, _KERNEL[0] ** 2, np.float32)
         for dy in range(-2, 3):
             for dx in range(-2, 3):
@@ -208,7 +228,7 @@ def smoothed(
                     weight = _KERNEL[abs(dy)] * _KERNEL[abs(dx)] * (there[3] == lit)
                     turned = ((there[1] - normal) ** 2).sum(axis=2)
                     off = np.abs(((there[2] - place) * normal).sum(axis=2)) / near
-                    weight = weight * np.exp(-turned / _SAME_NORMAL - off)
+                    weight = weight * np.exp(-turned / SETTINGS.same_normal - off)
                     total, weights = total + weight[..., None] * there[0], weights + weight
         light = np.asarray(total / weights[..., None], dtype=np.float32)
     return np.asarray(light * shade, dtype=np.float32)

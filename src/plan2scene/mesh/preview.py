@@ -26,17 +26,24 @@ from plan2scene.plans.levels import flight_area
 
 BACKGROUND: Colour = (247, 246, 243)
 WINDOW_COLOUR: Colour = (176, 205, 216)
-#: Height in metres at which the plan view cuts the house open.
-CUT = 1.7
-#: Height and width in pixels of each of the two views.
-SIDE = 800
-#: The views are drawn so many times larger and averaged down.
-SUPERSAMPLING = 2
-#: Direction to the sun, and shares of sky, ground and sun in the light.
-_SUN = np.array([-0.45, 0.78, 0.43]) / np.linalg.norm([-0.45, 0.78, 0.43])
-_SKY, _GROUND, _SUNLIGHT = 0.82, 0.55, 0.30
-#: How far corners darken, metres, and how much.
-_CORNER_REACH, _CORNER_DARK = 0.22, 0.42
+
+
+@dataclass(frozen=True)
+class PreviewSettings:
+    """How houses are drawn from above. Light is a factor on a surface's colour."""
+
+    cut_m: float = 1.7  #: height at which the plan view cuts the house open
+    side: int = 800  #: height and width of each view, pixels
+    finer: int = 2  #: views are drawn so many times larger and averaged down
+    sky: float = 0.82  #: light from above,
+    ground: float = 0.55  #: from below
+    sun: float = 0.30  #: and of the sun on what faces it
+    to_sun: tuple[float, float, float] = (-0.45, 0.78, 0.43)
+    corner_reach_m: float = 0.22  #: how far corners darken
+    corner_dark: float = 0.42  #: share of the light that they lose
+
+
+SETTINGS = PreviewSettings()
 
 
 @dataclass(frozen=True)
@@ -56,7 +63,7 @@ def render_preview(
     house: House,
     textures: Mapping[SurfaceKey, TileTexture],
     assembly: Assembly | None = None,
-    side: int = SIDE,
+    side: int = SETTINGS.side,
 ) -> np.ndarray:
     """Return (n side, 2 side, 3) uint8 sRGB: plan view with room names, and oblique view.
 
@@ -70,7 +77,7 @@ def render_preview(
     return np.concatenate(rows)
 
 
-def render_plan(house: House, captions: Mapping[str, str], side: int = SIDE) -> np.ndarray:
+def render_plan(house: House, captions: Mapping[str, str], side: int = SETTINGS.side) -> np.ndarray:
     """Return the plan view in plain colours, (n side, side, 3) uint8 sRGB: n levels, lowest first.
 
     `captions` holds a line for a room's label in place of its area, by room id.
@@ -80,7 +87,7 @@ def render_plan(house: House, captions: Mapping[str, str], side: int = SIDE) -> 
 
 
 def render_from_above(
-    house: House, textures: Mapping[SurfaceKey, TileTexture], side: int = SIDE
+    house: House, textures: Mapping[SurfaceKey, TileTexture], side: int = SETTINGS.side
 ) -> np.ndarray:
     """Return the perspective views from straight above without ceilings, (n side, side, 3) uint8.
 
@@ -103,22 +110,22 @@ def _plan_view(
     side: int,
     captions: Mapping[str, str] | None = None,
 ) -> np.ndarray:
-    """Return the orthographic view from above of what is below `CUT`."""
+    """Return the orthographic view from above of what is below `SETTINGS.cut_m`."""
     house = storey.house
     low, high = _extent(house)
     centre = (low + high) / 2
-    size = (side * SUPERSAMPLING, side * SUPERSAMPLING)
+    size = (side * SETTINGS.finer, side * SETTINGS.finer)
     scale = 0.86 * min(size[1] / (high[0] - low[0]), size[0] / (high[1] - low[1]))
     target = np.array([centre[0], 0.0, centre[1]])
     camera = Camera.look_at(target + [0, 50.0, 0], target, scale, size, orthographic=True)
     left_out = ("/ceiling", "/handrail/")
     parts = [p for p in storey.parts if not any(word in p.name for word in left_out)]
     parts += _section(storey)
-    small = _draw(parts, textures, camera, house, top=CUT + 2e-3)
-    scale = camera.focal_px / SUPERSAMPLING
+    small = _draw(parts, textures, camera, house, top=SETTINGS.cut_m + 2e-3)
+    scale = camera.focal_px / SETTINGS.finer
 
     def project(point: tuple[float, float]) -> tuple[float, float]:
-        x, y = camera.project(np.array([point[0], 0.0, point[1]])) / SUPERSAMPLING
+        x, y = camera.project(np.array([point[0], 0.0, point[1]])) / SETTINGS.finer
         return float(x), float(y)
 
     small = draw_flights(small, storey.flights, project)
@@ -126,11 +133,11 @@ def _plan_view(
 
 
 def _section(storey: Storey) -> list[MeshPart]:
-    """Return flat parts at `CUT`: the wall bodies that it meets, and the windows in them."""
-    solid = unary_union([b.cap for b in storey.bodies if b.side.wall.height > CUT])
+    """Return flat parts at the height of the cut: the wall bodies that it meets, their windows."""
+    solid = unary_union([b.cap for b in storey.bodies if b.side.wall.height > SETTINGS.cut_m])
     parts, windows = [], []
     for portal in storey.portals:
-        if portal.hole.top <= CUT and portal.hole.opening.kind != "window":
+        if portal.hole.top <= SETTINGS.cut_m and portal.hole.opening.kind != "window":
             continue
         margin = portal.side.wall.depth / 2
         ends = np.array([portal.hole.left, portal.hole.right])
@@ -145,7 +152,7 @@ def _section(storey: Storey) -> list[MeshPart]:
         ("section/windows", unary_union(windows), WINDOW_COLOUR),
     ):
         builder = PartBuilder()
-        builder.level(area, CUT, colour=colour)
+        builder.level(area, SETTINGS.cut_m, colour=colour)
         if builder:
             parts.append(builder.build(name))
     return parts
@@ -165,7 +172,7 @@ def _view(
         [[x, y, z] for x in (low[0], high[0]) for y in (0, height) for z in (low[1], high[1])]
     )
     target = corners.mean(axis=0)
-    size = (side * SUPERSAMPLING, side * SUPERSAMPLING)
+    size = (side * SETTINGS.finer, side * SETTINGS.finer)
     elevation, azimuth = math.radians(view.elevation_deg), math.radians(view.azimuth_deg)
     flat = math.cos(elevation)
     direction = np.array([math.sin(azimuth) * flat, math.sin(elevation), math.cos(azimuth) * flat])
@@ -212,14 +219,19 @@ def _draw(
 def _light(normals: np.ndarray, t: np.ndarray, points: np.ndarray, house: House) -> np.ndarray:
     """Return the (p,) light of sky, ground and sun on points of triangles `t`, dark in corners."""
     up = 0.5 + 0.5 * normals[:, 1]
-    light = _GROUND + (_SKY - _GROUND) * up + _SUNLIGHT * np.maximum(normals @ _SUN, 0.0)
+    to_sun = np.array(SETTINGS.to_sun) / np.linalg.norm(SETTINGS.to_sun)
+    light = (
+        SETTINGS.ground
+        + (SETTINGS.sky - SETTINGS.ground) * up
+        + SETTINGS.sun * np.maximum(normals @ to_sun, 0.0)
+    )
     light = light.astype(np.float32)[t]
     flat = (normals[:, 1] > 0.9)[t]
     low = np.flatnonzero(~flat | (points[:, 1] < 0.01))
     to_corner = np.maximum(points[low, 1], 0.0)
     floor = np.flatnonzero(flat[low])
     to_corner[floor] = _wall_distance(house, points[low[floor]])
-    light[low] *= 1.0 - _CORNER_DARK * np.exp(-to_corner / _CORNER_REACH)
+    light[low] *= 1.0 - SETTINGS.corner_dark * np.exp(-to_corner / SETTINGS.corner_reach_m)
     return light
 
 
@@ -241,7 +253,7 @@ def _wall_distance(house: House, points: np.ndarray, cell: float = 0.02) -> np.n
 
 def _small(image: np.ndarray) -> np.ndarray:
     """Return a supersampled linear picture averaged down, as uint8 sRGB."""
-    share = 1 / SUPERSAMPLING
+    share = 1 / SETTINGS.finer
     mean = cv2.resize(image, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
     return np.asarray(np.round(linear_to_srgb(mean.clip(0, 1)) * 255).astype(np.uint8))
 

@@ -19,8 +19,7 @@ from plan2scene.camera import Camera
 from plan2scene.colour import srgb_to_linear
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes
-from plan2scene.mesh.glb import GLASS
-from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.parts import GLASS, MeshPart
 from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 
 #: What is nearer to a pinhole camera is not drawn, metres.

@@ -25,7 +25,7 @@ from plan2scene.plans.geometry import room_polygon
 
 @dataclass(frozen=True)
 class RoomViewSettings:
-    """How rooms are pictured: chosen by eye on the demo's houses."""
+    """How rooms are pictured."""
 
     size: tuple[int, int] = (280, 420)  #: height and width of a picture, pixels
     finer: float = 1.25  #: pictures are drawn so many times larger and averaged down
@@ -53,12 +53,12 @@ def render_rooms(
     *,
     traced: bool = False,
 ) -> np.ndarray:
-    """Return a sheet of a picture of each room, (h, w, 3) uint8 sRGB, see :func:`draw_rooms`."""
+    """Return a sheet of a picture of each room, (h, w, 3) uint8 sRGB, see :func:`room_pictures`."""
     names = [room.id for room in house.rooms]
-    return _sheet(draw_rooms(house, textures, parts, names, traced=traced), names)
+    return _sheet(room_pictures(house, textures, parts, names, traced=traced), names)
 
 
-def draw_rooms(
+def room_pictures(
     house: House,
     textures: Mapping[SurfaceKey, TileTexture],
     parts: Sequence[MeshPart],

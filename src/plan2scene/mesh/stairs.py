@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from shapely.geometry import LineString, Polygon
@@ -19,12 +20,34 @@ from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.levels import flight_area, step_count
 
 COLOUR: Colour = (82, 84, 86)
-#: Metres: height of a railing; its posts, bars and rails; the gap that no child fits through.
-HEIGHT, POST, BAR, RAIL, GAP = 1.05, 0.045, 0.014, 0.035, 0.11
-#: A post about every so many metres.
-BAY = 1.2
-#: A wall with a room this near behind it, metres, is that room's too.
-BEHIND = 0.5
+
+
+@dataclass(frozen=True)
+class RailingSizes:
+    """Ordinary sizes of railings, metres; no child fits through the gap."""
+
+    height: float = 1.05
+    post: float = 0.045
+    bar: float = 0.014
+    rail: float = 0.035
+    gap: float = 0.11
+    bay: float = 1.2  #: a post about every so many metres
+    behind: float = 0.5  #: a wall with a room this near behind it is that room's too
+    beside_wall: float = 0.1  #: an edge of a well this near to a wall needs none
+    shortest: float = 0.2  #: nor does a shorter piece
+
+
+@dataclass(frozen=True)
+class StairSizes:
+    """Ordinary sizes of stairs, metres."""
+
+    waist: float = 0.1  #: of a step's body below its foot
+    handrail: float = 0.9  #: above the edges of the steps
+    handrail_in: float = 0.075  #: from the side of the flight
+    proud: float = 0.002  #: a railing stands out of its well, clear of a flight that goes on up
+
+
+RAILING, STAIRS = RailingSizes(), StairSizes()
 
 
 def railing_sides(
@@ -39,7 +62,7 @@ def railing_sides(
         if not open_air.issuperset(wall.room_ids) or wall.openings:
             continue
         ends = np.array([0.0, frame.length])
-        strip = Polygon([*frame.plan(ends), *frame.plan(ends[::-1], -BEHIND)])
+        strip = Polygon([*frame.plan(ends), *frame.plan(ends[::-1], -RAILING.behind)])
         if strip.intersection(indoors).area < 0.1 * strip.area:
             found.append(side)
     return found
@@ -48,13 +71,13 @@ def railing_sides(
 def railing(side: Side) -> MeshPart:
     """Return the part ``{room}/railing/{wall}``: posts, two rails, bars."""
     builder = PartBuilder()
-    add_railing(builder, side.frame, min(HEIGHT, side.wall.height))
+    add_railing(builder, side.frame, min(RAILING.height, side.wall.height))
     room = side.room_id
     extras = {"kind": "railing", "room_id": room, "wall_id": side.wall.id}
     return builder.build(f"{room}/railing/{side.wall.id}", extras=extras)
 
 
-def add_railing(builder: PartBuilder, frame: Frame, top: float = HEIGHT) -> None:
+def add_railing(builder: PartBuilder, frame: Frame, top: float = RAILING.height) -> None:
     """Add posts, rails and bars behind a face's line, up to `top` metres."""
     axes, length = frame.axes(0.0), frame.length
 
@@ -62,25 +85,17 @@ def add_railing(builder: PartBuilder, frame: Frame, top: float = HEIGHT) -> None
         half = width / 2
         builder.box(axes, (s - half, low, -width), (s + half, high, 0.0), COLOUR)
 
-    posts = np.linspace(POST / 2, length - POST / 2, max(2, round(length / BAY) + 1))
+    posts = np.linspace(
+        RAILING.post / 2, length - RAILING.post / 2, max(2, round(length / RAILING.bay) + 1)
+    )
     for s in posts:
-        upright(float(s), POST, 0.0, top - RAIL)
-    for low in (0.08, top - RAIL):
-        builder.box(axes, (0.0, low, -RAIL), (length, low + RAIL, 0.0), COLOUR)
+        upright(float(s), RAILING.post, 0.0, top - RAILING.rail)
+    for low in (0.08, top - RAILING.rail):
+        builder.box(axes, (0.0, low, -RAILING.rail), (length, low + RAILING.rail, 0.0), COLOUR)
     for first, second in itertools.pairwise(posts):
-        count = int((second - first) / GAP)
+        count = int((second - first) / RAILING.gap)
         for s in np.linspace(first, second, count + 2)[1:-1]:
-            upright(float(s), BAR, 0.08 + RAIL, top - RAIL)
-
-
-#: Metres below a step's foot that its body goes down.
-WAIST = 0.1
-#: Metres: a handrail above the edges of the steps, and from the side of the flight.
-HANDRAIL, IN = 0.9, 0.075
-#: Metres: a railing stands out of its well, clear of the sides of a flight that goes on up.
-PROUD = 0.002
-#: An edge of a well this near to a wall needs no railing, metres; nor does a shorter piece.
-AT_WALL, LEAST_RAILING = 0.1, 0.2
+            upright(float(s), RAILING.bar, 0.08 + RAILING.rail, top - RAILING.rail)
 
 
 def stair_parts(house: House, stairs: Iterable[Stairs]) -> list[MeshPart]:
@@ -105,7 +120,7 @@ def step_areas(stairs: Stairs, rise: float) -> Iterator[tuple[Polygon, float, fl
     for k in range(count):
         near, far = (start + (end - start) * share / count for share in (k, k + 1))
         area = Polygon([near + side, far + side, far - side, near - side])
-        yield area, max(rise * k / count - WAIST, 0.0), rise * (k + 1) / count
+        yield area, max(rise * k / count - STAIRS.waist, 0.0), rise * (k + 1) / count
 
 
 def _steps(stairs: Stairs, rise: float) -> MeshPart:
@@ -132,7 +147,7 @@ def handrails(house: House, storey: House, stairs: Iterable[Stairs]) -> list[Mes
 
     `storey` has the rooms of the flights' level alone.
     """
-    free = unary_union([room_polygon(room).buffer(-AT_WALL) for room in storey.rooms])
+    free = unary_union([room_polygon(room).buffer(-RAILING.beside_wall) for room in storey.rooms])
     parts = []
     for flight in stairs:
         builder = PartBuilder()
@@ -147,7 +162,7 @@ def handrails(house: House, storey: House, stairs: Iterable[Stairs]) -> list[Mes
 
 
 def _add_handrail(builder: PartBuilder, stairs: Stairs, rise: float, side: Frame) -> None:
-    """Add posts at both ends, two bars a step and the rail, `HANDRAIL` above the steps' edges."""
+    """Add posts at both ends, two bars a step, and the rail above the steps' edges."""
     count, length = step_count(rise), stairs.length
     deep, riser = length / count, rise / count
     start, way = np.array(stairs.start), np.subtract(stairs.end, stairs.start) / length
@@ -159,26 +174,33 @@ def _add_handrail(builder: PartBuilder, stairs: Stairs, rise: float, side: Frame
 
     def bar(s: float, size: float) -> None:
         step = min(int(s / deep), count - 1)
-        top = riser + s * rise / length + HANDRAIL
-        near, far = sorted((inward * (IN - size / 2), inward * (IN + size / 2)))
+        top = riser + s * rise / length + STAIRS.handrail
+        near, far = sorted(
+            (inward * (STAIRS.handrail_in - size / 2), inward * (STAIRS.handrail_in + size / 2))
+        )
         builder.box(
             axes, (s - size / 2, (step + 1) * riser, near), (s + size / 2, top, far), COLOUR
         )
 
     ends = (0.5 * deep, length - 0.5 * deep)
     for s in ends:
-        bar(s, POST)
+        bar(s, RAILING.post)
     for k in range(2 * count):
-        if ends[0] + POST < (s := (k + 0.5) * deep / 2) < ends[1] - POST:
-            bar(s, BAR)
+        if ends[0] + RAILING.post < (s := (k + 0.5) * deep / 2) < ends[1] - RAILING.post:
+            bar(s, RAILING.bar)
     slope = np.array([length, rise]) / float(np.hypot(length, rise))
     tilted = axes.copy()
     tilted[0] = slope[0] * axes[0] + slope[1] * axes[1]
     tilted[1] = slope[0] * axes[1] - slope[1] * axes[0]
-    tilted[3] = axes[3] + [0.0, riser + HANDRAIL, 0.0]
-    near, far = sorted((inward * (IN - RAIL / 2), inward * (IN + RAIL / 2)))
-    low, high = (s / slope[0] for s in (ends[0] - POST / 2, ends[1] + POST / 2))
-    builder.box(tilted, (low, -RAIL, near), (high, 0.0, far), COLOUR)
+    tilted[3] = axes[3] + [0.0, riser + STAIRS.handrail, 0.0]
+    near, far = sorted(
+        (
+            inward * (STAIRS.handrail_in - RAILING.rail / 2),
+            inward * (STAIRS.handrail_in + RAILING.rail / 2),
+        )
+    )
+    low, high = (s / slope[0] for s in (ends[0] - RAILING.post / 2, ends[1] + RAILING.post / 2))
+    builder.box(tilted, (low, -RAILING.rail, near), (high, 0.0, far), COLOUR)
 
 
 def _lining(stairs: Stairs, low: float, high: float) -> MeshPart:
@@ -226,16 +248,20 @@ def well_railings(
     if not arriving:
         return []
     ways = [_edges(flight)[3] for flight in arriving] + [_edges(flight)[0] for flight in leaving]
-    gaps = unary_union([_line(frame).buffer(AT_WALL) for frame in ways])
+    gaps = unary_union([_line(frame).buffer(RAILING.beside_wall) for frame in ways])
     wells = unary_union([flight_area(flight).buffer(-0.01) for flight in arriving])
     parts = []
     for flight in arriving:
         builder, owner = PartBuilder(), flight.room_ids[1]
         for room in storey.rooms:
-            inside = room_polygon(room).buffer(-AT_WALL).difference(unary_union([gaps, wells]))
+            inside = (
+                room_polygon(room)
+                .buffer(-RAILING.beside_wall)
+                .difference(unary_union([gaps, wells]))
+            )
             for frame in _edges(flight)[:3]:
                 for piece in _pieces(frame, inside):
-                    add_railing(builder, piece.moved(PROUD))
+                    add_railing(builder, piece.moved(STAIRS.proud))
                     owner = owner or room.id
         if builder:
             extras = {"kind": "railing", "room_id": owner, "stairs_id": flight.id}
@@ -253,7 +279,7 @@ def _pieces(frame: Frame, inside: BaseGeometry) -> list[Frame]:
     found = _line(frame).intersection(inside)
     pieces = []
     for line in getattr(found, "geoms", [found]):
-        if line.length < LEAST_RAILING:
+        if line.length < RAILING.shortest:
             continue
         s = np.sort((np.asarray(line.coords) - frame.left) @ frame.right)
         pieces.append(Frame(frame.plan(s[0]), frame.right, frame.normal, float(s[-1] - s[0])))

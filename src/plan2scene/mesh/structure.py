@@ -333,12 +333,21 @@ def soffit(
 
 
 SKIRTING_COLOUR: Colour = (240, 238, 232)
-#: Metres: common sizes of joinery.
-HEIGHT, DEPTH = 0.07, 0.014
-#: A board ends so far beside a door, where its frame is, metres.
-FRAME = 0.012
-#: Shorter pieces are left out, metres.
-LEAST_LENGTH = 0.05
+
+
+@dataclass(frozen=True)
+class SkirtingSizes:
+    """Common sizes of joinery, metres."""
+
+    height: float = 0.07
+    depth: float = 0.014
+    frame: float = 0.012  #: a board ends so far beside a door, where its frame is
+    shortest: float = 0.05  #: shorter pieces are left out
+
+
+SKIRTING = SkirtingSizes()
+
+
 #: Rooms of these types have tiles up to the wall, or are outside.
 WITHOUT = {"Bathroom", "Outdoor", "Balcony", "Terrace", "Staircase"}
 
@@ -360,7 +369,10 @@ def skirting(room: Room, sides: Iterable[Side], openings: Openings) -> MeshPart 
     for side in sides:
         for left, right in free_stretches(side, openings.hole(side)):
             builder.box(
-                side.frame.axes(0.0), (left, 0.0, 0.0), (right, HEIGHT, DEPTH), SKIRTING_COLOUR
+                side.frame.axes(0.0),
+                (left, 0.0, 0.0),
+                (right, SKIRTING.height, SKIRTING.depth),
+                SKIRTING_COLOUR,
             )
     if not builder:
         return None
@@ -370,13 +382,15 @@ def skirting(room: Room, sides: Iterable[Side], openings: Openings) -> MeshPart 
 def free_stretches(side: Side, holes: BaseGeometry) -> list[tuple[float, float]]:
     """Return (left, right) of the stretches of a face's foot without a hole, metres along it."""
     frame = side.frame
-    foot: BaseGeometry = LineString([(0.0, HEIGHT / 2), (frame.length, HEIGHT / 2)])
+    foot: BaseGeometry = LineString(
+        [(0.0, SKIRTING.height / 2), (frame.length, SKIRTING.height / 2)]
+    )
     wide = [
-        box(x0 - FRAME, y0, x1 + FRAME, y1)
+        box(x0 - SKIRTING.frame, y0, x1 + SKIRTING.frame, y1)
         for x0, y0, x1, y1 in (part.bounds for part in getattr(holes, "geoms", [holes]))
         if x1 > x0
     ]
     for hole in wide:
         foot = foot.difference(hole)
-    lines = [line for line in getattr(foot, "geoms", [foot]) if line.length > LEAST_LENGTH]
+    lines = [line for line in getattr(foot, "geoms", [foot]) if line.length > SKIRTING.shortest]
     return [(line.bounds[0], line.bounds[2]) for line in lines]

@@ -18,7 +18,7 @@ from shapely.geometry.base import BaseGeometry
 from plan2scene.house import House, Level, Stairs, SurfaceKey
 from plan2scene.io import atomic_path
 from plan2scene.mesh.assembly import Storey, assemble
-from plan2scene.mesh.joinery import LEAF_THICKNESS
+from plan2scene.mesh.joinery import JOINERY
 from plan2scene.mesh.polygons import polygons_of
 from plan2scene.mesh.stairs import step_areas
 from plan2scene.mesh.structure import open_plate
@@ -233,7 +233,7 @@ class _Model:
             if hole.opening.kind == "passage" or portal.side.wall.id != wall_id:
                 continue
             kind = "IfcDoor" if hole.opening.kind == "door" else "IfcWindow"
-            leaf_area = Polygon(middle_strip(portal, 0.0, portal.width, LEAF_THICKNESS))
+            leaf_area = Polygon(middle_strip(portal, 0.0, portal.width, JOINERY.leaf))
             leaf = self._root(
                 kind,
                 f"{portal.side.room_id}/{hole.opening.id}",

@@ -17,8 +17,7 @@ from trimesh.visual.material import Material
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, atomic_path
 from plan2scene.mesh.assembly import build_parts
-from plan2scene.mesh.glb import GLASS
-from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.parts import GLASS, MeshPart
 from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 
 

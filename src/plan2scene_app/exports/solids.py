@@ -17,7 +17,7 @@ from shapely.ops import unary_union
 
 from plan2scene.house import House
 from plan2scene.mesh.assembly import Assembly, Storey, assemble
-from plan2scene.mesh.joinery import FRAME_WIDTH, LEAF_THICKNESS, TWO_LEAVES
+from plan2scene.mesh.joinery import JOINERY
 from plan2scene.mesh.parts import MeshPart, numbered
 from plan2scene.mesh.polygons import polygons_of, triangulate
 from plan2scene.mesh.structure import Body, open_plate
@@ -227,15 +227,15 @@ def _fillings(portal: Portal) -> list[Solid]:
     if hole.opening.kind == "window":
         pane = _slab(portal, 0.0, width, PANE, hole.bottom, hole.top)
         return [Solid(name, "window", both, (pane,))]
-    jamb = min(FRAME_WIDTH, 0.12 * width)
+    jamb = min(JOINERY.frame, 0.12 * width)
     ends = [(jamb, width - jamb)]
-    if width > TWO_LEAVES:
+    if width > JOINERY.two_leaves:
         ends = [(jamb, width / 2), (width - jamb, width / 2)]
     leaves = []
     for number, (hinge, edge) in enumerate(ends):
         low, high = sorted((hinge, edge))
         body = _slab(
-            portal, low + _GAP, high - _GAP, LEAF_THICKNESS, hole.bottom + _GAP, hole.top - jamb
+            portal, low + _GAP, high - _GAP, JOINERY.leaf, hole.bottom + _GAP, hole.top - jamb
         )
         x, z = portal.side.frame.plan(hole.left + hinge, -portal.depth / 2)
         axis = Hinge(float(x), float(z), 1 if edge < hinge else -1)

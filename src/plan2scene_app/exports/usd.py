@@ -20,8 +20,8 @@ from plan2scene.colour import srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, atomic_path
 from plan2scene.mesh.assembly import assemble
-from plan2scene.mesh.glb import GLASS, roughness
-from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.glb import roughness
+from plan2scene.mesh.parts import GLASS, MeshPart
 from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 from plan2scene_app.exports.simulator import CATEGORIES
 from plan2scene_app.exports.solids import Solid, house_solids

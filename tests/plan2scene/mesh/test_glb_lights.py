@@ -10,7 +10,7 @@ from glb_file import chunks
 
 from plan2scene.mesh import write_glb
 from plan2scene.mesh.baking import lamp_position
-from plan2scene.mesh.glb import LAMP_LUX, TO_SUN, candela
+from plan2scene.mesh.glb import LIGHTS, candela
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def test_a_lamp_in_each_room_shines_down_as_far_as_its_room(tree, gap_house):
 def test_the_sun_shines_aslant_from_above(tree):
     _, light, way = lit_nodes(tree)["sun"]
     assert light["type"] == "directional"
-    assert way == pytest.approx(-TO_SUN / np.linalg.norm(TO_SUN))
+    assert way == pytest.approx(-np.array(LIGHTS.to_sun) / np.linalg.norm(LIGHTS.to_sun))
 
 
 def test_lamps_light_large_floors_as_much_as_small_ones():
@@ -58,7 +58,7 @@ def test_lamps_light_large_floors_as_much_as_small_ones():
         radius = math.sqrt(area / math.pi)
         r = (np.arange(20000) + 0.5) / 20000 * radius
         lux = candela(area, height) * height / (height**2 + r**2) ** 1.5
-        assert np.average(lux, weights=r) == pytest.approx(LAMP_LUX, rel=1e-4)
+        assert np.average(lux, weights=r) == pytest.approx(LIGHTS.lamp_lux, rel=1e-4)
 
 
 def test_the_open_air_has_no_lamp_and_unlit_houses_none(gap_house, tmp_path):

@@ -14,7 +14,7 @@ from shapely.ops import unary_union
 
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh import write_glb
-from plan2scene.mesh.stairs import HEIGHT as RAILING_HEIGHT
+from plan2scene.mesh.stairs import RAILING
 from plan2scene.mesh.texture_files import MapTexture
 
 SCRIPT = Path(__file__).with_name("validate_gltf.cjs")
@@ -92,7 +92,7 @@ def test_sample_plans(sample_house, paint, tmp_path):
             railing = geometry.get(f"{room_id}/railing/{wall.id}")
             if railing is not None:
                 assert room_id in open_air and not wall.openings
-                assert railing.extents[1] == pytest.approx(RAILING_HEIGHT)
+                assert railing.extents[1] == pytest.approx(RAILING.height)
                 continue
             face = geometry[f"{room_id}/wall/{wall.id}"]
             assert face.area == pytest.approx(area, rel=5e-3), wall.id

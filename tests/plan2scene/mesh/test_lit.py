@@ -12,7 +12,7 @@ from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh import TileTexture, build_parts, write_glb
 from plan2scene.mesh.baking import bake_light, mean_colours
-from plan2scene.mesh.lit_house import PX_PER_M, lit_part, lit_textures, shown
+from plan2scene.mesh.lit_house import SETTINGS, lit_part, lit_textures, shown
 
 pytest.importorskip("embreex")
 
@@ -31,7 +31,7 @@ def test_a_surface_is_dark_in_its_corners_and_bright_below_the_lamp(lit, gap_hou
     parts, _, textures = lit
     floor = textures[SurfaceKey("b", "floor")]
     image = np.asarray(Image.open(io.BytesIO(floor.image)).convert("L")).astype(float)
-    assert image.shape[1] == pytest.approx(PX_PER_M * floor.extent_m[0], abs=1)
+    assert image.shape[1] == pytest.approx(SETTINGS.px_per_m * floor.extent_m[0], abs=1)
     part = next(part for part in parts if part.name == "b/floor")
     turns = floor.turns(part.uv)
     assert turns.min() > 0 and turns.max() < 1

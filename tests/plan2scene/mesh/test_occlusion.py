@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from plan2scene.mesh import build_parts
-from plan2scene.mesh.baking import REACH_M, TEXEL_M, bake_occlusion
+from plan2scene.mesh.baking import OCCLUSION, bake_occlusion
 
 pytest.importorskip("embreex")
 
@@ -44,11 +44,11 @@ def test_open_floor_is_free_and_corners_are_dark(baked):
 def test_edge_is_half_of_the_hemisphere_weighted_by_distance(baked):
     """Where an infinite wall meets the floor, the integral over near directions is known."""
     # Cosine-weighted mean of max(0, 1 - d / reach) with d = x / (sin t cos p) over the near half.
-    x = 0.5 * TEXEL_M
+    x = 0.5 * OCCLUSION.texel_m
     t, p = np.meshgrid(np.linspace(0, np.pi / 2, 2000), np.linspace(-np.pi / 2, np.pi / 2, 2000))
     d = x / np.maximum(np.sin(t) * np.cos(p), 1e-9)
     weight = np.sin(t) * np.cos(t)
-    near = np.clip(1 - d / REACH_M, 0, 1) * weight
+    near = np.clip(1 - d / OCCLUSION.reach_m, 0, 1) * weight
     step = (np.pi / 2 / 1999) * (np.pi / 1999)
     expected = 1 - near.sum() * step / np.pi
     assert at(baked, "a/floor", (x, 0.0, 2.0)) == pytest.approx(expected, abs=0.04)

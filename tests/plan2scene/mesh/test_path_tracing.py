@@ -1,5 +1,7 @@
 """Rooms by path tracing: light where lamp and window are, surfaces in their colours, same bytes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,7 @@ def test_smoothing_keeps_colours_and_edges_and_takes_noise():
 def test_a_room_is_lit_and_shows_its_floor(gap_house, monkeypatch):
     pytest.importorskip("mitsuba")
     monkeypatch.setattr(path_tracing, "VARIANTS", ("scalar_rgb",))
-    monkeypatch.setattr(path_tracing, "SAMPLES", 4)
+    monkeypatch.setattr(path_tracing, "SETTINGS", replace(path_tracing.SETTINGS, samples=4))
     mi = path_tracing.load_mitsuba()
     red = TileTexture(png_bytes(np.full((4, 4, 3), (220, 30, 30), np.uint8)), 1.0)
     parts = build_parts(gap_house)

@@ -9,7 +9,7 @@ from PIL import Image
 
 from plan2scene.images import jpeg_bytes, png_bytes
 from plan2scene.mesh import TileTexture, build_parts, write_glb
-from plan2scene.mesh.relief import SLOPES, normal_map, tangents
+from plan2scene.mesh.relief import SETTINGS, normal_map, tangents
 from plan2scene.mesh.texture_files import MapTexture
 
 
@@ -40,7 +40,7 @@ def test_surfaces_fall_towards_joints_light_or_dark(contrast):
 def test_as_steep_as_the_substance_and_the_contrast_say():
     few, some, many = (np.hypot(*slopes(normal_map(joints(c)))) for c in (14, 26, 110))
     assert few.mean() < 0.7 * some.mean() < 0.7 * many.mean()
-    assert np.sqrt((many**2).mean()) == pytest.approx(SLOPES["tile"], rel=0.3)
+    assert np.sqrt((many**2).mean()) == pytest.approx(SETTINGS.slopes["tile"], rel=0.3)
 
 
 @pytest.mark.parametrize("substance", ["tile", None])

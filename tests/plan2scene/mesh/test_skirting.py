@@ -3,7 +3,7 @@
 import pytest
 
 from plan2scene.mesh import build_parts
-from plan2scene.mesh.structure import DEPTH, FRAME, HEIGHT
+from plan2scene.mesh.structure import SKIRTING
 
 
 def board(house, name):
@@ -13,10 +13,10 @@ def board(house, name):
 def test_length_is_the_walls_less_the_door(l_house):
     mesh = board(l_house, "hall")
     low, high = mesh.bounds
-    assert (low[1], high[1]) == (0.0, pytest.approx(HEIGHT))
+    assert (low[1], high[1]) == (0.0, pytest.approx(SKIRTING.height))
     # Boxes overlap in the corners, so the volume is of the lengths, not of a union.
-    length = 2 * (5.0 + 4.0) - (0.9 + 2 * FRAME)
-    assert mesh.volume == pytest.approx(length * HEIGHT * DEPTH, rel=1e-3)
+    length = 2 * (5.0 + 4.0) - (0.9 + 2 * SKIRTING.frame)
+    assert mesh.volume == pytest.approx(length * SKIRTING.height * SKIRTING.depth, rel=1e-3)
 
 
 def test_it_stands_inside_its_room(l_house):
@@ -27,9 +27,9 @@ def test_it_stands_inside_its_room(l_house):
 
 def test_no_board_crosses_a_door(gap_house):
     mesh = board(gap_house, "a")
-    ray = mesh.ray.intersects_any([[2.5, HEIGHT / 2, 1.4]], [[1.0, 0.0, 0.0]])
+    ray = mesh.ray.intersects_any([[2.5, SKIRTING.height / 2, 1.4]], [[1.0, 0.0, 0.0]])
     assert not ray.any()
-    assert mesh.ray.intersects_any([[2.5, HEIGHT / 2, 3.0]], [[1.0, 0.0, 0.0]]).all()
+    assert mesh.ray.intersects_any([[2.5, SKIRTING.height / 2, 3.0]], [[1.0, 0.0, 0.0]]).all()
 
 
 def test_bathrooms_have_none(gap_house):

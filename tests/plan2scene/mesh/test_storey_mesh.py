@@ -12,7 +12,7 @@ from plan2scene.mesh import build_parts, write_glb
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.preview import render_plan
 from plan2scene.mesh.rays import Rays
-from plan2scene.mesh.stairs import WAIST
+from plan2scene.mesh.stairs import STAIRS
 from plan2scene.mesh.structure import CAP_COLOUR
 from plan2scene.plans.geometry import walls_of_rooms
 from plan2scene.plans.levels import linked
@@ -131,7 +131,7 @@ def test_a_storey_keeps_its_floors_at_0(house):
 def test_a_flight_over_another_leaves_it_headroom(house):
     steps = next(p for p in build_parts(house) if p.extras["kind"] == "stairs")
     last = steps.mesh.vertices.reshape(-1, 24, 3)[-1]
-    assert last[:, 1].min() == pytest.approx(2.8 * 14 / 15 - WAIST, abs=1e-4)
+    assert last[:, 1].min() == pytest.approx(2.8 * 14 / 15 - STAIRS.waist, abs=1e-4)
 
 
 def test_what_juts_out_has_an_underside(house, parts):
