@@ -118,8 +118,8 @@ def cells(rows: list[dict]) -> list[str]:
 
 def house_sizes(folder: Path) -> tuple[float, float]:
     """Return the floor area in square metres and the GLB's megabytes."""
-    from plan2scene.plans import read_scene_json
     from plan2scene.plans.geometry import room_polygon
+    from plan2scene.plans.scene_json import read_scene_json
 
     house = read_scene_json(folder / "scene.json", folder.name)
     area = sum(room_polygon(room).area for room in house.rooms)

@@ -17,8 +17,9 @@ from plan2scene.datasets.check import photo_problem
 from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.io import safe_join, write_text
-from plan2scene.plans import read_plan, validate_house
-from plan2scene.plans.formats import PlanFile
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.plan_file import PlanFile
+from plan2scene.plans.validate import validate_house
 from plan2scene.provenance import WORKFLOW
 from plan2scene_app.out_folder import OutFolder, claimed_folder
 from plan2scene_app.tracing.picture import read_plan_picture

@@ -35,8 +35,10 @@ from plan2scene.photos.camera.exif import read_exif_focal
 from plan2scene.photos.crops.extract_crops import CropFiles, read_precomputed_crops
 from plan2scene.photos.labels.palette import labels_from_folder
 from plan2scene.photos.photo_files import read_photo
-from plan2scene.plans import house_to_scene, read_plan, validate_house
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.scene_json import house_of_scene
+from plan2scene.plans.scene_writer import house_to_scene
+from plan2scene.plans.validate import validate_house
 from plan2scene.weights import filled, load_model_file, read_model_arrays
 
 # Else it keeps what it knows of the sources in the folder where the tests are started.

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import point_along, room_polygon
 
 FLATS = sorted(

@@ -7,8 +7,8 @@ import pytest
 
 from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene.images import png_bytes
-from plan2scene.mesh import TileTexture
-from plan2scene.plans import read_plan
+from plan2scene.mesh.texture_files import TileTexture
+from plan2scene.plans.formats import read_plan
 
 
 def walls_of(room, depth=0.1, openings=None, height=None):

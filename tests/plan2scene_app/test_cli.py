@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from plan2scene.errors import InputError
 from plan2scene.materials import random_material
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene_app import cli
 
 ROOT = Path(__file__).parents[2]

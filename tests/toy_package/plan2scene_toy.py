@@ -3,7 +3,7 @@
 import numpy as np
 
 from plan2scene.house import House, Room
-from plan2scene.plans import PlanFormat
+from plan2scene.plans.plan_file import PlanFormat
 from plan2scene.textures.methods import TextureMethod
 from plan2scene.textures.tiles import Tile
 from plan2scene_app.exports.registry import Export

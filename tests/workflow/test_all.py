@@ -18,7 +18,7 @@ from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.datasets.house_table import read_table
 from plan2scene.images import read_image
 from plan2scene.io import read_json
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene.provenance import file_hash
 
 #: Most mean CIEDE2000 between the median colours of tiles and true materials, over the 12 surfaces

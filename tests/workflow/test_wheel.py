@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from plan2scene.plans import read_scene_json
+from plan2scene.plans.scene_json import read_scene_json
 
 ROOT = Path(__file__).parents[2]
 #: One photo a level keeps the test short.

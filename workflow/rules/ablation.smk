@@ -29,7 +29,7 @@ rule ablation_house:
         predictor=config["propagation"]["predictor"],
         size_px=config["textures"]["size_px"],
         seam_correction={},  # the variants say
-        code=code_hash("plan2scene.evaluation.ablation"),
+        code=rule_code("ablation_house"),
     script:
         "../scripts/ablation_house.py"
 
@@ -61,6 +61,6 @@ rule ablation:
         houses=HOUSES,
         drop=TABLE_DROP,
         seed=config["seed"],
-        code=code_hash("plan2scene.evaluation.ablation"),
+        code=rule_code("ablation"),
     script:
         "../scripts/ablation.py"

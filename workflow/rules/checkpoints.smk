@@ -21,7 +21,7 @@ rule convert_checkpoint:
         mem_mb=2500,
     params:
         substances=config["official"]["substances"],
-        code=code_hash("plan2scene.checkpoints.convert"),
+        code=rule_code("convert_checkpoint"),
     script:
         "../scripts/convert_checkpoint.py"
 
@@ -48,10 +48,6 @@ rule convert_propagation:
     params:
         houses=MEANS_HOUSES,
         seed=config["seed"],
-        code=code_hash(
-            "plan2scene.checkpoints.convert",
-            "plan2scene.checkpoints.means",
-            "plan2scene.plans.scene_json",
-        ),
+        code=rule_code("convert_propagation"),
     script:
         "../scripts/convert_propagation.py"

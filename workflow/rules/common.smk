@@ -17,7 +17,8 @@ from plan2scene.datasets.house_table import (
 from plan2scene.errors import InputError
 from plan2scene.images import SUFFIXES
 from plan2scene.plans.formats import reader_code
-from plan2scene.provenance import code_hash, file_hash
+from plan2scene.provenance import file_hash
+from plan2scene.workflow.closures import rule_code
 from plan2scene.workflow.slurm import check_cluster
 from plan2scene.textures.methods import method_code, texture_methods
 
@@ -117,7 +118,7 @@ def read_plan_of(wildcards):
 @functools.cache
 def plan_code(suffix):
     """Return the hashes of what reads a plan whose name has this suffix."""
-    return [code_hash("plan2scene.datasets.import_plan"), *reader_code(suffix)]
+    return [rule_code("floorplan"), *reader_code(suffix)]
 
 
 def plan_code_of(wildcards):

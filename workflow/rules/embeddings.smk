@@ -29,7 +29,7 @@ rule embeddings:
         hashes=hashes(CROP_MODELS),
         dataset=DATASET,
         seed=config["seed"],
-        code=code_hash("plan2scene.textures.model.embedding"),
+        code=rule_code("embeddings"),
     script:
         "../scripts/embeddings.py"
 
@@ -53,7 +53,7 @@ rule surfaces:
     params:
         hidden=hidden_of,
         dataset=DATASET,
-        code=code_hash("plan2scene.textures.observed_surfaces"),
+        code=rule_code("surfaces"),
     script:
         "../scripts/surfaces.py"
 
@@ -79,7 +79,7 @@ rule materials:
     params:
         hidden=hidden_of,
         dataset=DATASET,
-        code=code_hash("plan2scene.propagation.house_materials"),
+        code=rule_code("materials"),
     script:
         "../scripts/materials.py"
 
@@ -109,6 +109,6 @@ rule propagated:
         hidden=hidden_of,
         dataset=DATASET,
         predictor=config["propagation"]["predictor"],
-        code=code_hash("plan2scene.propagation.propagate"),
+        code=rule_code("propagated"),
     script:
         "../scripts/propagated.py"

@@ -60,7 +60,7 @@ rule table_textures:
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
         seam_correction=seam_correction(*METHODS),
-        code=code_hash("plan2scene.textures.table"),
+        code=rule_code("table_textures"),
         method_code=method_code(*METHODS),
     script:
         "../scripts/table_textures.py"
@@ -89,7 +89,7 @@ rule metrics:
         hashes=hashes(METRIC_MODELS),
         methods=METHODS,
         hidden=hidden_at_drops(TABLE_DROPS),
-        code=code_hash("plan2scene.evaluation.measure"),
+        code=rule_code("metrics"),
     script:
         "../scripts/metrics.py"
 
@@ -114,7 +114,7 @@ rule reference_features:
         dataset=DATASET,
         models=FEATURE_MODEL,
         hashes=hashes(FEATURE_MODEL),
-        code=code_hash("plan2scene.evaluation.measure"),
+        code=rule_code("reference_features"),
     script:
         "../scripts/reference_features.py"
 
@@ -143,7 +143,7 @@ rule texture_sheet:
         mem_mb=500,
     params:
         methods=METHODS,
-        code=code_hash("plan2scene.evaluation.texture_sheet"),
+        code=rule_code("texture_sheet"),
     script:
         "../scripts/texture_sheet.py"
 
@@ -181,7 +181,7 @@ rule paper_table:
         methods=METHODS,
         drop=TABLE_DROP,
         seed=config["seed"],
-        code=code_hash("plan2scene.evaluation.paper_table"),
+        code=rule_code("paper_table"),
     script:
         "../scripts/paper_table.py"
 

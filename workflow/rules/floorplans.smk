@@ -45,6 +45,6 @@ rule trace:
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         model=model_of("plans"),
         weights=hashes({"plans": model_of("plans")}),
-        code=code_hash("plan2scene_app.tracing.trace"),
+        code=rule_code("trace"),
     script:
         "../scripts/trace.py"

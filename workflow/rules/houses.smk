@@ -28,7 +28,7 @@ rule house:
     params:
         objects=config["house"]["objects"],
         relief=config["house"]["relief"],
-        code=code_hash("plan2scene.mesh.build"),
+        code=rule_code("house"),
     script:
         "../scripts/house.py"
 
@@ -57,7 +57,7 @@ rule preview:
         mem_mb=1500,
     params:
         objects=config["house"]["objects"],
-        code=code_hash("plan2scene.mesh.pictures"),
+        code=rule_code("preview"),
     script:
         "../scripts/preview.py"
 
@@ -87,7 +87,7 @@ rule rooms:
     params:
         objects=config["house"]["objects"],
         traced=config["house"]["pictures"] == "traced",
-        code=code_hash("plan2scene.mesh.pictures"),
+        code=rule_code("rooms"),
     script:
         "../scripts/rooms.py"
 
@@ -118,10 +118,7 @@ rule viewer:
     resources:
         mem_mb=1000,
     params:
-        code=code_hash(
-            "plan2scene_app.viewer.viewer_page",
-            "plan2scene.plans.scene_json",
-        ),
+        code=rule_code("viewer"),
     script:
         "../scripts/viewer.py"
 
@@ -144,7 +141,7 @@ rule lit_house:
         mem_mb=2000,
     params:
         objects=config["house"]["objects"],
-        code=code_hash("plan2scene.mesh.lit_house"),
+        code=rule_code("lit_house"),
     script:
         "../scripts/lit_house.py"
 
@@ -167,7 +164,7 @@ rule export_house:
         mem_mb=1000,
     params:
         objects=config["house"]["objects"],
-        code=code_hash("plan2scene_app.exports.registry"),
+        code=rule_code("export_house"),
         export=lambda wildcards: export_code(wildcards.export),
     script:
         "../scripts/export_house.py"

@@ -75,11 +75,7 @@ rule masks:
         pretrained=config["photos"]["pretrained"],
         openings=config["photos"]["openings"],
         fov_deg=config["photos"]["fov_deg"],
-        code=code_hash(
-            "plan2scene.photos.masks",
-            "plan2scene.photos.labels.segmentation",
-            "plan2scene.photos.labels.pretrained",
-        ),
+        code=rule_code("masks"),
     script:
         "../scripts/masks.py"
 
@@ -103,11 +99,7 @@ rule places:
     resources:
         mem_mb=worker_memory(1000, 300),
     params:
-        code=code_hash(
-            "plan2scene.photos.locate.locate_photos",
-            "plan2scene.plans.scene_json",
-            "plan2scene.datasets.assignments",
-        ),
+        code=rule_code("places"),
     script:
         "../scripts/places.py"
 
@@ -152,9 +144,7 @@ rule crops:
             camera_height_m=config["photos"]["camera_height_m"],
         ),
         seed=config["seed"],
-        code=code_hash(
-            "plan2scene.photos.crops.extract_crops", "plan2scene.plans.scene_json"
-        ),
+        code=rule_code("crops"),
     script:
         "../scripts/crops.py"
 
@@ -188,8 +178,6 @@ rule contact_sheet:
     params:
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
-        code=code_hash(
-            "plan2scene.photos.contact_sheet.sheet", "plan2scene.plans.scene_json"
-        ),
+        code=rule_code("contact_sheet"),
     script:
         "../scripts/contact_sheet.py"

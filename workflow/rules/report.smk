@@ -20,6 +20,6 @@ rule index_page:
     params:
         dataset=DATASET,
         method=config["house"]["method"],
-        code=code_hash("plan2scene_app.viewer.index_page"),
+        code=rule_code("index_page"),
     script:
         "../scripts/index_page.py"

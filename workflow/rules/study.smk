@@ -39,11 +39,7 @@ rule study_house:
         others=STUDY_OTHERS,
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
-        code=code_hash(
-            "plan2scene.evaluation.study_sheet",
-            "plan2scene.plans.scene_json",
-            "plan2scene.datasets.assignments",
-        ),
+        code=rule_code("study_house"),
     script:
         "../scripts/study_house.py"
 
@@ -72,7 +68,7 @@ rule study:
         houses=STUDY_HOUSES,
         pairs=STUDY["pairs"],
         seed=config["seed"],
-        code=code_hash("plan2scene.evaluation.study"),
+        code=rule_code("study"),
     script:
         "../scripts/study.py"
 
@@ -96,6 +92,6 @@ rule study_result:
         mem_mb=500,
     params:
         pairs=STUDY["pairs"],
-        code=code_hash("plan2scene.evaluation.study"),
+        code=rule_code("study_result"),
     script:
         "../scripts/study_result.py"

@@ -33,7 +33,7 @@ rule sweep_house:
         seed=config["seed"],
         predictor=config["propagation"]["predictor"],
         size_px=config["textures"]["size_px"],
-        code=code_hash("plan2scene.evaluation.sweep"),
+        code=rule_code("sweep_house"),
         method_code=method_code(*METHODS),
     script:
         "../scripts/sweep_house.py"
@@ -70,6 +70,6 @@ rule sweep:
         methods=METHODS,
         drops=list(SWEEP_DROPS),
         seed=config["seed"],
-        code=code_hash("plan2scene.evaluation.sweep"),
+        code=rule_code("sweep"),
     script:
         "../scripts/sweep.py"

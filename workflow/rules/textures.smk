@@ -16,7 +16,7 @@ rule texture_library:
         per_substance=config["textures"]["library_tiles"],
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
-        code=code_hash("plan2scene.textures.library"),
+        code=rule_code("texture_library"),
     script:
         "../scripts/texture_library.py"
 
@@ -40,7 +40,7 @@ rule crop_pool:
     params:
         houses=POOL_HOUSES,
         dataset=DATASET,
-        code=code_hash("plan2scene.textures.crops"),
+        code=rule_code("crop_pool"),
     script:
         "../scripts/crop_pool.py"
 
@@ -67,7 +67,7 @@ rule textures:
         seed=config["seed"],
         size_px=config["textures"]["size_px"],
         textures=textures_of,
-        code=code_hash("plan2scene.textures.house_textures"),
+        code=rule_code("textures"),
         method=lambda wildcards: method_code(wildcards.method),
     script:
         "../scripts/textures.py"

@@ -19,7 +19,8 @@ from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
 from plan2scene.images import MAX_PHOTO_PIXELS, MAX_PIXELS, check_reducible, decode_image
 from plan2scene.io import safe_join
-from plan2scene.plans.formats import PlanFile, read_plan
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import house_faults, name_oddities, validate_house
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from plan2scene.house import House, Level, Stairs
 from plan2scene.mesh.fittings import objects
 from plan2scene.mesh.joinery import fixtures
 from plan2scene.mesh.parts import GRID_DECIMALS, MeshPart, numbered
-from plan2scene.mesh.stairs import handrails, railing, railing_sides, stair_parts, well_railings
+from plan2scene.mesh.stairs import handrails, railing, stair_parts, well_railings
 from plan2scene.mesh.structure import (
     OVERLAP,
     Above,
@@ -26,9 +26,9 @@ from plan2scene.mesh.structure import (
     wall_bodies,
     wall_face,
 )
-from plan2scene.mesh.wall_sides import Portal, find_openings, room_sides
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.levels import flight_area, step_count
+from plan2scene.plans.wall_sides import Portal, find_openings, railing_sides, room_sides
 
 
 @dataclass(frozen=True)

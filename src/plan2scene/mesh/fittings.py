@@ -17,7 +17,7 @@ from shapely.geometry.base import BaseGeometry
 
 from plan2scene.house import House, IconBox, Room
 from plan2scene.mesh.parts import Colour, Corner, MeshPart, PartBuilder
-from plan2scene.mesh.wall_sides import Frame, Side
+from plan2scene.plans.wall_sides import Frame, Side
 
 Block = tuple[Corner, Corner, Colour]  #: a box: two opposite corners, its colour
 CERAMIC: Colour = (243, 243, 240)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
-from plan2scene.mesh.wall_sides import Portal
+from plan2scene.plans.wall_sides import Portal
 
 FRAME_COLOUR: Colour = (244, 242, 237)
 LEAF_COLOUR: Colour = (236, 232, 224)

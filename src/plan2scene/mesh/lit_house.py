@@ -17,13 +17,13 @@ import numpy as np
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
-from plan2scene.mesh.areas import Area, areas_of
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import Light, bake_light, compressed, mean_colours
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.texture_files import MapTexture, TileTexture, textured
-from plan2scene.plans import read_scene_json
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.plans.surface_areas import Area, surface_areas
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def lit_textures(
     light: Light,
 ) -> dict[SurfaceKey, TileTexture]:
     """Return the images of all surfaces under the light."""
-    areas = areas_of(parts)
+    areas = surface_areas(house)
     made: dict[SurfaceKey, TileTexture] = {}
     for key in house.surface_keys():
         if key in textures and key in areas:

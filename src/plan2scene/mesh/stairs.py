@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +14,10 @@ from shapely.ops import unary_union
 from plan2scene.house import House, Stairs
 from plan2scene.mesh.fittings import WOOD
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
-from plan2scene.mesh.structure import LIFT, REVEAL_COLOUR
-from plan2scene.mesh.wall_sides import Frame, Side
+from plan2scene.mesh.structure import REVEAL_COLOUR
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.levels import flight_area, step_count
+from plan2scene.plans.wall_sides import LIFT, Frame, Side
 
 COLOUR: Colour = (82, 84, 86)
 
@@ -32,7 +32,6 @@ class RailingSizes:
     rail: float = 0.035
     gap: float = 0.11
     bay: float = 1.2  #: a post about every so many metres
-    behind: float = 0.5  #: a wall with a room this near behind it is that room's too
     beside_wall: float = 0.1  #: an edge of a well this near to a wall needs none
     shortest: float = 0.2  #: nor does a shorter piece
 
@@ -48,24 +47,6 @@ class StairSizes:
 
 
 RAILING, STAIRS = RailingSizes(), StairSizes()
-
-
-def railing_sides(
-    house: House, sides: Sequence[Side], polygons: Mapping[str, BaseGeometry]
-) -> list[Side]:
-    """Return the sides that are railings: of rooms in the open air, no opening, no room behind."""
-    open_air = {room.id for room in house.rooms if room.open_air}
-    indoors = unary_union([polygons[room.id] for room in house.rooms if room.id not in open_air])
-    found = []
-    for side in sides:
-        wall, frame = side.wall, side.frame
-        if not open_air.issuperset(wall.room_ids) or wall.openings:
-            continue
-        ends = np.array([0.0, frame.length])
-        strip = Polygon([*frame.plan(ends), *frame.plan(ends[::-1], -RAILING.behind)])
-        if strip.intersection(indoors).area < 0.1 * strip.area:
-            found.append(side)
-    return found
 
 
 def railing(side: Side) -> MeshPart:

@@ -22,12 +22,14 @@ from shapely.ops import unary_union
 from plan2scene.house import Level, Room, SurfaceKey, Wall
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.mesh.polygons import polygons_of, triangulate
-from plan2scene.mesh.wall_sides import (
+from plan2scene.plans.wall_sides import (
+    LIFT,
     Frame,
     Openings,
     Portal,
     Side,
     arc_offset,
+    face_ends,
     frame_between,
     reveal_quads,
 )
@@ -40,9 +42,6 @@ SLIVER = 1e-4
 #: Edges this near to a room or another body are inside the wall, metres (rounding only: more
 #: would leave cracks between the faces of two bodies).
 TOUCH = 5e-6
-#: Wall faces stand this far inside their room, metres: a partition of the rooms behind, which ends
-#: on the face's line, would otherwise shine through at its edge.
-LIFT = 2e-4
 #: Outer faces of a storey begin so far below its floor, metres, and caps of the walls below them
 #: end so far behind: their dark colour does not shine through where depths are coarse.
 OVERLAP = 0.02
@@ -77,7 +76,7 @@ def wall_face(
     It stands `LIFT` in front of the wall's line. UV in metres: u runs to the right along the
     room's outline, v down from the room's height.
     """
-    left, right = _lifted_ends(side.frame, polygon)
+    left, right = face_ends(side.frame, polygon)
     rectangle = box(left, 0.0, right, side.wall.height)
     points, faces = triangulate(rectangle.difference(openings.hole(side)))
     if len(faces) == 0:
@@ -91,15 +90,6 @@ def wall_face(
         key,
         {"kind": "wall", "room_id": room.id, "surface": "wall", "wall_id": side.wall.id},
     )
-
-
-def _lifted_ends(frame: Frame, polygon: BaseGeometry) -> tuple[float, float]:
-    """Return (s0, s1) of a face, longer by `LIFT` where its room goes on round the corner."""
-    probe = 0.005
-    points = frame.plan(np.array([-probe, frame.length + probe]), probe)
-    left, right = (bool(shapely.contains_xy(polygon, *point)) for point in points)
-    lift = min(LIFT, 1e-3 * frame.length)
-    return -lift * left, frame.length + lift * right
 
 
 @dataclass(frozen=True)
@@ -272,7 +262,7 @@ def _reveals(builder: PartBuilder, portal: Portal) -> None:
 
 def threshold(portal: Portal) -> MeshPart | None:
     """Return the strip of floor in a door or passage, with the owner room's floor texture."""
-    if portal.depth < 1e-4 or portal.hole.bottom > 0.02:
+    if not portal.has_threshold:
         return None
     quad = reveal_quads(portal.side.frame, portal.hole, portal.back)[3]
     builder = PartBuilder()

@@ -6,121 +6,15 @@ other packages are found in the same way (docs/extending.md).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.io import read_text
-from plan2scene.plans.parse import parse_json
+from plan2scene.plans.plan_file import PlanFile, PlanFormat
 from plan2scene.plugins import code_of, installed, plugins
 
 #: Entry points of this group name a :class:`PlanFormat`.
 GROUP = "plan2scene.plan_formats"
-#: How files that are no text begin, and what they are.
-_SIGNATURES = (
-    (b"PK\x03\x04", "a ZIP archive"),
-    (b"PK\x05\x06", "an empty ZIP archive"),
-    (b"\x89PNG", "a PNG picture"),
-    (b"\xff\xd8\xff", "a JPEG picture"),
-    (b"GIF8", "a GIF picture"),
-    (b"RIFF", "a WebP picture or other RIFF file"),
-    (b"II*\x00", "a TIFF picture"),
-    (b"MM\x00*", "a TIFF picture"),
-    (b"BM", "a BMP picture"),
-    (b"%PDF", "a PDF"),
-    (b"AC10", "a DWG drawing (save it as DXF)"),
-    (b"\xac\xed", "a serialised Java object"),
-    (b"\x1f\x8b", "a gzip archive"),
-    (b"7z\xbc\xaf", "a 7z archive"),
-    (b"glTF", "a GLB model"),
-)
-
-
-@dataclass(frozen=True)
-class PlanFile:
-    """A plan on disk, read when a format first looks at it.
-
-    The house gets the name `house_id`; `metres_per_pixel` is the scale of formats in pixels (of
-    DXF the unit), `dxf_layers` names the layers of DXF (docs/floorplans.md).
-    """
-
-    path: Path
-    house_id: str
-    metres_per_pixel: float | None = None
-    dxf_layers: Mapping[str, str] | None = None
-
-    @cached_property
-    def head(self) -> bytes:
-        """The first bytes of the file."""
-        try:
-            with self.path.open("rb") as file:
-                return file.read(4096)
-        except OSError as error:
-            raise self.fault("a readable file", error.strerror or "an error") from None
-
-    @cached_property
-    def binary(self) -> str:
-        """What kind of file this is when it begins like one that is no text; else empty."""
-        return next((name for start, name in _SIGNATURES if self.head.startswith(start)), "")
-
-    @property
-    def is_picture(self) -> bool:
-        """Whether it is a picture, which is to be traced."""
-        return self.binary.endswith("picture")
-
-    @cached_property
-    def text(self) -> str:
-        """The file as UTF-8 text; empty for a :attr:`binary` one."""
-        try:
-            return "" if self.binary else read_text(self.path)
-        except InputError as error:
-            raise self.fault(error.expected, error.found) from None
-
-    @cached_property
-    def document(self) -> Any:
-        """The parsed JSON; None where the text is none (a syntax error is an InputError)."""
-        if not self.text.lstrip().startswith(("{", "[")):
-            return None
-        return parse_json(self.text, self.path, self.house_id)
-
-    def fault(self, expected: str, found: str) -> InputError:
-        """Return (not raise) the error of a fault of this file."""
-        return InputError(expected, found, file=self.path, house=self.house_id)
-
-
-@dataclass(frozen=True)
-class Unscaled:
-    """What is known of a drawing before its scale is."""
-
-    unit: str  #: pixel or unit
-    size: tuple[float, float] | None = None  #: width and depth of what is drawn, in its unit
-    names: tuple[Any, ...] = ()  #: layers and blocks of DXF
-
-
-@dataclass(frozen=True)
-class PlanFormat:
-    """A format of plans.
-
-    `sniff` decides by its content whether a file is of this format; the first that accepts it reads
-    it: `read` gives the house, or InputError for a fault that can't be repaired. Formats that are
-    a `fallback` are asked after all others. A format that `needs_scale` is drawn in pixels:
-    `metres_per_pixel` must be given. Of a format whose scale may be given, `look` tells how large
-    it is drawn, and the layers of DXF. `suffixes` are the file names' usual ends, lower case.
-    `needs` is what pip installs for it beside its own package's dependencies.
-    """
-
-    name: str
-    sniff: Callable[[PlanFile], bool]
-    read: Callable[[PlanFile], House]
-    suffixes: tuple[str, ...] = ()
-    needs_scale: bool = False
-    fallback: bool = False
-    look: Callable[[PlanFile], Unscaled] | None = None
-    needs: str = ""
 
 
 def plan_formats() -> tuple[PlanFormat, ...]:

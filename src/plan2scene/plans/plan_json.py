@@ -14,7 +14,6 @@ from typing import Any
 
 from plan2scene.errors import InputError
 from plan2scene.house import DEFAULT_HEIGHT, House, Level, Opening, Point, Room, Stairs, Wall
-from plan2scene.plans.formats import PlanFormat
 from plan2scene.plans.geometry import find_doors, point_along, walls_of_rooms
 from plan2scene.plans.levels import (
     level_of,
@@ -25,6 +24,7 @@ from plan2scene.plans.levels import (
 )
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import Source
+from plan2scene.plans.plan_file import PlanFormat
 
 FORMAT = "plan2scene-plan"
 #: Thickness in metres of the walls (as in the schema).

@@ -19,7 +19,6 @@ from shapely.ops import polygonize, unary_union
 
 from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES, House, IconBox, Point, Room, Wall
-from plan2scene.plans.formats import PlanFile, PlanFormat, Unscaled
 from plan2scene.plans.geometry import (
     find_doors,
     point_along,
@@ -28,6 +27,7 @@ from plan2scene.plans.geometry import (
 )
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import MAX_ITEMS, MAX_ROOMS, R2V_TYPES, Source
+from plan2scene.plans.plan_file import PlanFile, PlanFormat, Unscaled
 
 #: Room labels of the network output by index.
 OUTPUT_LABELS = (

@@ -25,10 +25,10 @@ from plan2scene.house import (
     Wall,
 )
 from plan2scene.io import read_text
-from plan2scene.plans.formats import PlanFormat
 from plan2scene.plans.geometry import find_doors, walls_of_rooms
 from plan2scene.plans.levels import level_of, linked, ordered_levels, sound_flight, used_levels
 from plan2scene.plans.parse import SAME_POINT, Source, parse_json
+from plan2scene.plans.plan_file import PlanFormat
 from plan2scene.plans.scene_frame import upright
 
 #: Floors with no other between that are so far apart (metres) are two storeys.

@@ -20,10 +20,9 @@ import numpy as np
 from plan2scene.colour import median_colour
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
-from plan2scene.mesh import build_parts
-from plan2scene.mesh.areas import Area, areas_of
 from plan2scene.paint.light import recoloured
 from plan2scene.paint.shading import log_luma
+from plan2scene.plans.surface_areas import Area, surface_areas
 from plan2scene.seeds import generator
 from plan2scene.textures.exemplar.lattice import straightened
 from plan2scene.textures.exemplar.make import Pattern
@@ -427,7 +426,7 @@ def house_maps(
     seed : int
         Patches are drawn by (seed, house, room, surface).
     """
-    areas = areas_of(build_parts(house))
+    areas = surface_areas(house)
     surfaces = [
         MappedSurface(key, tiles[key], areas[key], materials.get(key, ""))
         for key in house.surface_keys()

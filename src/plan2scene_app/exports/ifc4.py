@@ -23,8 +23,8 @@ from plan2scene.mesh.polygons import polygons_of
 from plan2scene.mesh.stairs import step_areas
 from plan2scene.mesh.structure import open_plate
 from plan2scene.mesh.texture_files import TileTexture
-from plan2scene.mesh.wall_sides import Portal
 from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.wall_sides import Portal
 from plan2scene_app.exports.solids import SLAB, footprint, middle_strip, wall_area
 
 #: Ids of all things derive from the house's id and their names: the same house, the same file.

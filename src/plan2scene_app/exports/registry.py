@@ -160,7 +160,7 @@ def export_house(
     Raises InputError for an unknown name, an unreadable plan, or a package that is missing.
     """
     from plan2scene.mesh.texture_files import textured
-    from plan2scene.plans import read_scene_json
+    from plan2scene.plans.scene_json import read_scene_json
 
     if name not in exports():
         raise InputError(f"one of {', '.join(exports())}", repr(name), house=house_id)

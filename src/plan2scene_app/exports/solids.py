@@ -21,8 +21,8 @@ from plan2scene.mesh.joinery import JOINERY
 from plan2scene.mesh.parts import MeshPart, numbered
 from plan2scene.mesh.polygons import polygons_of, triangulate
 from plan2scene.mesh.structure import Body, open_plate
-from plan2scene.mesh.wall_sides import Portal
 from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.wall_sides import Portal
 
 #: Floors and ceilings are so thick, metres.
 SLAB = 0.1

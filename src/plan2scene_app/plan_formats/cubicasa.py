@@ -17,8 +17,8 @@ from shapely.affinity import scale as scaled
 from shapely.geometry import Polygon
 
 from plan2scene.house import House, IconBox
-from plan2scene.plans.formats import PlanFormat, Unscaled
 from plan2scene.plans.parse import MAX_ROOMS, Source
+from plan2scene.plans.plan_file import PlanFormat, Unscaled
 from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, axis_of_area
 from plan2scene_app.plan_formats.containers import parse_xml
 from plan2scene_app.plan_formats.drawing import (

@@ -21,8 +21,8 @@ from shapely.geometry import LineString, Point, Polygon, box
 
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.plans.formats import PlanFile, PlanFormat, Unscaled
 from plan2scene.plans.parse import MAX_ROOMS, Source
+from plan2scene.plans.plan_file import PlanFile, PlanFormat, Unscaled
 from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, WallAxis, axis_of_area
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, house_of_drawing
 from plan2scene_app.plan_formats.lines import (

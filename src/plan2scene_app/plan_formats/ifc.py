@@ -17,9 +17,9 @@ from shapely import polygons, unary_union
 from shapely.geometry import Polygon
 
 from plan2scene.house import House, Stairs
-from plan2scene.plans.formats import PlanFormat
 from plan2scene.plans.levels import LEAST_FLIGHT
 from plan2scene.plans.parse import MAX_COORDINATE, MAX_ROOMS, Source
+from plan2scene.plans.plan_file import PlanFormat
 from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, axis_of_area
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys
 

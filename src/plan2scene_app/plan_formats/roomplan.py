@@ -14,9 +14,9 @@ from shapely.geometry import Point as ShapelyPoint
 from shapely.geometry import Polygon
 
 from plan2scene.house import House, IconBox, Ring
-from plan2scene.plans.formats import PlanFormat
 from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import Source
+from plan2scene.plans.plan_file import PlanFormat
 from plan2scene.plans.room_names import room_types
 from plan2scene_app.plan_formats.axes import MAX_AXES, WallAxis
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys

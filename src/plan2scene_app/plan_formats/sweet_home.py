@@ -13,9 +13,9 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from plan2scene.house import House, IconBox, Point, Ring
-from plan2scene.plans.formats import PlanFormat
 from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import MAX_ITEMS, Source
+from plan2scene.plans.plan_file import PlanFormat
 from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, WallAxis
 from plan2scene_app.plan_formats.containers import attribute, parse_xml, zip_entry, zip_names
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys

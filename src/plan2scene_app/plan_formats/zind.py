@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from plan2scene.house import DEFAULT_HEIGHT, House
-from plan2scene.plans.formats import PlanFormat, Unscaled
 from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import Source
+from plan2scene.plans.plan_file import PlanFormat, Unscaled
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.plan_formats.drawing import (
     MAX_OPENINGS,

@@ -17,8 +17,8 @@ from typing import Any
 
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_path, read_json, write_json
-from plan2scene.plans import PlanFile
-from plan2scene.plans.formats import Unscaled, format_of
+from plan2scene.plans.formats import format_of
+from plan2scene.plans.plan_file import PlanFile, Unscaled
 from plan2scene.plugins import installed
 from plan2scene_app.editor.editor_page import opened, picture_bytes
 from plan2scene_app.plan_formats.dxf import LAYERS, MAX_PATTERN

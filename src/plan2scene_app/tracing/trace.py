@@ -16,8 +16,8 @@ from shapely.geometry import Polygon
 
 from plan2scene.images import write_png
 from plan2scene.io import write_json, write_text
-from plan2scene.plans import validate_house
 from plan2scene.plans.plan_json import FORMAT, house_of_plan
+from plan2scene.plans.validate import validate_house
 from plan2scene.weights import MODELS
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text

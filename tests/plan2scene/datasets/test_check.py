@@ -17,8 +17,8 @@ from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.images import png_bytes
-from plan2scene.plans import write_scene_json
 from plan2scene.plans.geometry import walls_of_rooms
+from plan2scene.plans.scene_writer import write_scene_json
 
 HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
 

@@ -27,10 +27,8 @@ from plan2scene.datasets.layout import find_layout
 from plan2scene.errors import InputError
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
-from plan2scene.plans import (
-    read_plan,
-    write_scene_json,
-)
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.residences import write_dataset_index
 

@@ -11,7 +11,7 @@ from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
 from plan2scene.metrics.substance_network import SubstanceNetwork, save_substance_network
-from plan2scene.plans import read_scene_json
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.propagation.graph_networks import PropagationNetwork, save_propagation
 from plan2scene.propagation.type_means import TypeMeans

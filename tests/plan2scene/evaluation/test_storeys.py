@@ -11,7 +11,9 @@ from plan2scene.evaluation.houses import propagated_at
 from plan2scene.house import Level, Stairs
 from plan2scene.images import write_png
 from plan2scene.io import read_parquet, write_json
-from plan2scene.plans import house_faults, read_scene_json, write_scene_json
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.plans.scene_writer import write_scene_json
+from plan2scene.plans.validate import house_faults
 from plan2scene.textures.inputs import Visible
 
 HIDDEN = {"0.0": [], "0.6": ["p3.jpg"]}

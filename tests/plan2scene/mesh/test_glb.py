@@ -7,8 +7,8 @@ from glb_file import chunks
 from PIL import Image
 
 from plan2scene.house import SurfaceKey
-from plan2scene.mesh import build_parts, write_glb
-from plan2scene.mesh.glb import ROUGHNESS
+from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.glb import ROUGHNESS, write_glb
 from plan2scene_app.exports.obj import write_obj
 
 

@@ -8,9 +8,8 @@ import pytest
 import trimesh
 from glb_file import chunks
 
-from plan2scene.mesh import write_glb
 from plan2scene.mesh.baking import lamp_position
-from plan2scene.mesh.glb import LIGHTS, candela
+from plan2scene.mesh.glb import LIGHTS, candela, write_glb
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
 from plan2scene.images import jpeg_bytes
-from plan2scene.mesh import write_glb
+from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.stairs import RAILING
 from plan2scene.mesh.texture_files import MapTexture
 

@@ -7,8 +7,7 @@ import pytest
 from shapely.geometry import Polygon
 
 from plan2scene.house import Door, House, Opening, Wall
-from plan2scene.mesh import build_parts
-from plan2scene.mesh.assembly import assemble
+from plan2scene.mesh.assembly import assemble, build_parts
 
 
 def by_name(house):

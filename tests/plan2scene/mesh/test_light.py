@@ -8,7 +8,7 @@ import pytest
 from shapely.geometry import Point
 
 from plan2scene.house import Opening
-from plan2scene.mesh import build_parts
+from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import bake_light, lamp_position
 from plan2scene.mesh.rays import Rays, hemisphere
 from plan2scene.mesh.renderer import sample

@@ -10,9 +10,11 @@ from PIL import Image
 
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.mesh import TileTexture, build_parts, write_glb
+from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import bake_light, mean_colours
+from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.lit_house import SETTINGS, lit_part, lit_textures, shown
+from plan2scene.mesh.texture_files import TileTexture
 
 pytest.importorskip("embreex")
 

@@ -8,7 +8,7 @@ import pytest
 from shapely.geometry import box
 
 from plan2scene.house import House, IconBox, Room
-from plan2scene.mesh import build_parts
+from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.fittings import KINDS, category_of
 
 #: A room of 4 x 3 m with walls of no thickness in the way: the walls of `small_house`.

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plan2scene.mesh import build_parts
+from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import OCCLUSION, bake_occlusion
 
 pytest.importorskip("embreex")

@@ -6,10 +6,10 @@ import pytest
 from plan2scene.camera import Camera
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.mesh import TileTexture
 from plan2scene.mesh.parts import PartBuilder
 from plan2scene.mesh.preview import render_preview
 from plan2scene.mesh.renderer import Triangles, mipmaps, sample
+from plan2scene.mesh.texture_files import TileTexture
 
 
 def square(y, colour):

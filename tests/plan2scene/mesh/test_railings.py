@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from plan2scene.mesh import build_parts
+from plan2scene.mesh.assembly import build_parts
 from plan2scene_app.exports.solids import house_solids
 
 

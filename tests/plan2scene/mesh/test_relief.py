@@ -8,9 +8,10 @@ from glb_file import chunks
 from PIL import Image
 
 from plan2scene.images import jpeg_bytes, png_bytes
-from plan2scene.mesh import TileTexture, build_parts, write_glb
+from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.relief import SETTINGS, normal_map, tangents
-from plan2scene.mesh.texture_files import MapTexture
+from plan2scene.mesh.texture_files import MapTexture, TileTexture
 
 
 def joints(contrast=90, size_px=64, size_m=0.5):

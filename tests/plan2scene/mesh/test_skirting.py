@@ -2,7 +2,7 @@
 
 import pytest
 
-from plan2scene.mesh import build_parts
+from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.structure import SKIRTING
 
 

@@ -8,8 +8,8 @@ import pytest
 import trimesh
 
 from plan2scene.house import Level
-from plan2scene.mesh import build_parts, write_glb
-from plan2scene.mesh.assembly import assemble
+from plan2scene.mesh.assembly import assemble, build_parts
+from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.preview import render_plan
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.stairs import STAIRS

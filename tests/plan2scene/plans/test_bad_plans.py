@@ -7,7 +7,8 @@ import pytest
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.house import Door, House, Opening, Room, Wall
-from plan2scene.plans import house_faults, read_plan, validate_house
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.validate import house_faults, validate_house
 
 SQUARE = [[0, 0, 0], [4, 0, 0], [4, 0, 3], [0, 0, 3]]
 

@@ -9,10 +9,12 @@ import pytest
 from damage import VALUES, places
 
 from plan2scene.errors import InputError
-from plan2scene.plans import house_to_scene, read_plan, validate_house
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.r2v import house_of_r2v
 from plan2scene.plans.scene_json import house_of_scene
+from plan2scene.plans.scene_writer import house_to_scene
+from plan2scene.plans.validate import validate_house
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 

@@ -7,7 +7,9 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
-from plan2scene.plans import PlanFile, PlanFormat, formats, plan_formats, read_plan
+from plan2scene.plans import formats
+from plan2scene.plans.formats import plan_formats, read_plan
+from plan2scene.plans.plan_file import PlanFile, PlanFormat
 
 DOCS = Path(__file__).parents[3] / "docs" / "floorplans.md"
 

@@ -7,10 +7,12 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.house import GROUND, Level
-from plan2scene.plans import house_faults, read_plan, read_scene_json, validate_house
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.levels import flight_area, step_count
 from plan2scene.plans.plan_json import house_of_plan, house_to_plan
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
+from plan2scene.plans.validate import house_faults, validate_house
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
 

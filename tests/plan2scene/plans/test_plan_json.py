@@ -6,13 +6,11 @@ import pytest
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.house import OPENING_KINDS, ROOM_TYPES, Door
-from plan2scene.plans import (
-    plan_schema,
-    read_plan,
-    read_scene_json,
-    validate_house,
-)
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.plan_json import plan_schema
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.plans.validate import validate_house
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
 

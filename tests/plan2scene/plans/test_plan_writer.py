@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from plan2scene.plans import house_faults, read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.plan_json import house_of_plan, house_to_plan
+from plan2scene.plans.validate import house_faults
 
 ROOT = Path(__file__).parents[3]
 DEMO = sorted((ROOT / "resources" / "demo").glob("archs_no_objects/*/*.scene.json"))

@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.plans import read_plan, validate_house
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_json import house_of_plan
+from plan2scene.plans.validate import validate_house
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
 KEYS = ("polygon", "from", "to")

@@ -4,8 +4,10 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.house import Door, IconBox
-from plan2scene.plans import read_plan, read_scene_json, validate_house
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.plans.validate import validate_house
 
 SHARED = Path(__file__).parents[4] / "shared" / "samples" / "r2v"
 

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.plans import house_to_scene, read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.scene_json import house_of_scene
+from plan2scene.plans.scene_writer import house_to_scene
 
 AXES = ([0, 1, 0], [0, 0, 1], [1, 0, 0], [0, -1, 0], [0, 0, -1], [-1, 0, 0])
 

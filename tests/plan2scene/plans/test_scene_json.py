@@ -6,13 +6,10 @@ from scene_textures import scene_textures
 
 from plan2scene.errors import InputError
 from plan2scene.house import Door, SurfaceKey
-from plan2scene.plans import (
-    house_to_scene,
-    read_plan,
-    read_scene_json,
-    validate_house,
-    write_scene_json,
-)
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.plans.scene_writer import house_to_scene, write_scene_json
+from plan2scene.plans.validate import validate_house
 
 SHARED = Path(__file__).parents[4] / "shared" / "samples"
 

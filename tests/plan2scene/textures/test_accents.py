@@ -11,7 +11,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes, png_bytes
 from plan2scene.io import read_json, write_parquet
-from plan2scene.mesh import build_parts
+from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.texture_files import textured
 from plan2scene.plans.scene_writer import house_to_scene, write_scene_json
 from plan2scene.textures.accents import find_accents

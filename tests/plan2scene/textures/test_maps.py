@@ -8,10 +8,11 @@ import pytest
 from plan2scene.colour import median_colour
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
-from plan2scene.mesh import build_parts, load_textures
-from plan2scene.mesh.areas import Area, areas_of
+from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.texture_files import load_textures
 from plan2scene.metrics.repetition import repetition
 from plan2scene.paint.shading import log_luma
+from plan2scene.plans.surface_areas import Area
 from plan2scene.textures.exemplar.lattice import find_lattice
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.maps import (
@@ -216,10 +217,3 @@ def test_what_shares_a_quilt(rug) -> None:
     assert len(joined([near[0], wanted("b", "floor", "m", 60.0)])) == 2
     assert len(joined([near[0], wanted("b", "floor", "")])) == 2
     assert len(joined([wanted("a", "wall", "m"), wanted("b", "wall", "m")])) == 2
-
-
-def test_areas_are_those_of_the_faces(l_house) -> None:
-    areas = areas_of(build_parts(l_house))
-    wall = areas[SurfaceKey("hall", "wall")]
-    assert wall.size == pytest.approx((18.0 + 0.1, 2.5 + 0.1), abs=0.01)
-    assert areas[SurfaceKey("hall", "ceiling")].size == pytest.approx((5.1, 4.1), abs=0.01)

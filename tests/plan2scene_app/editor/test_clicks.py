@@ -8,8 +8,9 @@ import pytest
 from PIL import Image
 
 from plan2scene.datasets.assignments import read_assignment
-from plan2scene.mesh import write_glb
-from plan2scene.plans import read_plan, validate_house
+from plan2scene.mesh.glb import write_glb
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.validate import validate_house
 
 
 def areas(drawing):

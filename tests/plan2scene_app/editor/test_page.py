@@ -15,8 +15,9 @@ from PIL import Image
 from shapely.geometry import Polygon
 
 from plan2scene.errors import InputError
-from plan2scene.plans import read_plan, write_scene_json
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_json import house_of_plan
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.editor.editor_page import joined_program, opened, picture_bytes, write_editor
 from plan2scene_app.tracing.picture import Frame
 from plan2scene_app.tracing.scale import Scale

@@ -8,7 +8,8 @@ import pytest
 
 from plan2scene.datasets.check import check_plan
 from plan2scene.errors import InputError
-from plan2scene.plans import house_faults, read_plan, validate_house
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.validate import house_faults, validate_house
 
 EXAMPLES = Path(__file__).parents[3] / "resources" / "examples"
 EXAMPLE = json.loads((EXAMPLES / "plan.json").read_text())

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from plan2scene.plans import read_plan, validate_house
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.validate import validate_house
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
 #: Whole plan: `drawing.plan` is that of the floor shown.

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from plan2scene.errors import InputError
-from plan2scene.plans import write_scene_json
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.cli import app
 from plan2scene_app.exports.registry import export_house, exports
 

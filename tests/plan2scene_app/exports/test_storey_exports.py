@@ -8,9 +8,9 @@ import trimesh
 import yaml
 from PIL import Image
 
-from plan2scene.mesh import build_parts
-from plan2scene.plans import write_scene_json
+from plan2scene.mesh.assembly import build_parts
 from plan2scene.plans.levels import flight_area
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.exports.ifc4 import write_ifc
 from plan2scene_app.exports.obj import write_obj
 from plan2scene_app.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M

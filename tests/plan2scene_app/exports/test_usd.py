@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plan2scene.mesh import build_parts
+from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.glb import ROUGHNESS
 from plan2scene_app.exports.usd import prim_name, write_usd
 

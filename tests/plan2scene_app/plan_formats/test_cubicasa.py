@@ -5,7 +5,7 @@ from plan_drawing import FLATS, assert_found, drawn_flat
 from shapely.geometry import LineString
 
 from plan2scene.errors import InputError
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene_app.plan_formats import cubicasa
 

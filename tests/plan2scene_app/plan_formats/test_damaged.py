@@ -8,7 +8,8 @@ import pytest
 from damage import VALUES, places
 
 from plan2scene.errors import InputError
-from plan2scene.plans import read_plan, validate_house
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.validate import validate_house
 
 TEXTS = [b"0", b"-1", b"1e308", b"nan", b"", b"\xff\xfe", b"<", b"'/>", b"99999999", b"{", b"\n"]
 

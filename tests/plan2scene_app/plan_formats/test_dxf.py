@@ -10,7 +10,7 @@ from shapely import unary_union
 from shapely.geometry import LineString
 
 from plan2scene.errors import InputError
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.parse import Source
 from plan2scene_app.plan_formats import dxf

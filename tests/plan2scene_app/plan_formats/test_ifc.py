@@ -8,7 +8,8 @@ from plan_drawing import FLATS, assert_found, drawn_flat
 from shapely.geometry import LineString
 
 from plan2scene.errors import InputError
-from plan2scene.plans import house_faults, read_plan
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.validate import house_faults
 from plan2scene_app.exports.ifc4 import write_ifc
 
 ifcopenshell = pytest.importorskip("ifcopenshell")

@@ -9,8 +9,9 @@ import pytest
 from plan_drawing import FLATS, assert_found, drawn_flat
 
 from plan2scene.errors import InputError
-from plan2scene.plans import house_faults, read_plan, validate_house
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.validate import house_faults, validate_house
 from plan2scene_app.plan_formats import containers
 
 SAMPLES = Path(__file__).parents[4] / "shared" / "samples" / "sh3d"

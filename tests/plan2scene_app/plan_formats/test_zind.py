@@ -8,7 +8,7 @@ from plan_drawing import FLATS, assert_found, drawn_flat
 from shapely.geometry import Point
 
 from plan2scene.errors import InputError
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 
 UNIT = 1.7  # metres of a plan coordinate
 

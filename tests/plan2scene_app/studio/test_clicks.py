@@ -8,7 +8,7 @@ from browser import Drawing
 from PIL import Image
 from unscaled_drawings import dxf
 
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene_app.studio import runs
 
 #: Stands for the workflow, which takes minutes: tells what it tells, makes a GLB of the plan.
@@ -16,8 +16,8 @@ JOB = """
 import json, sys
 from pathlib import Path
 from PIL import Image
-from plan2scene.plans import read_plan
-from plan2scene.mesh import write_glb
+from plan2scene.plans.formats import (read_plan)
+from plan2scene.mesh.glb import (write_glb)
 home = Path(sys.argv[1])
 print("Job stats:\\nfloorplan  1\\nhouse  1\\ntotal  2\\nrule floorplan:", flush=True)
 print("Finished jobid: 1 (Rule: floorplan)\\nrule house:", flush=True)

@@ -6,7 +6,7 @@ import trimesh
 from flat_picture import flat_picture
 
 from plan2scene.images import write_png
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 
 #: Seconds that the workflow has on a busy machine.

@@ -8,7 +8,7 @@ from PIL import Image
 from unscaled_drawings import dxf, svg
 
 from plan2scene.errors import InputError
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene_app.studio import plan_source
 from plan2scene_app.studio.plan_source import UnreadPlanError, read_again, read_upload, reading_of
 from plan2scene_app.studio.projects import Projects

@@ -11,7 +11,7 @@ from PIL import Image
 
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.errors import InputError
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene_app.studio import runs
 from plan2scene_app.studio.projects import Conflict, Projects
 

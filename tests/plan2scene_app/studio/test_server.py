@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from plan2scene.plans import read_plan, write_scene_json
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.studio import app
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"

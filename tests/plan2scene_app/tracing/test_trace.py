@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene_app.cli import app
 from plan2scene_app.tracing import trace
 from plan2scene_app.tracing.lettering import TextLine, read_lines

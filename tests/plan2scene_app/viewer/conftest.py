@@ -5,7 +5,8 @@ import pytest
 
 from plan2scene.house import House, Opening, Room, SurfaceKey, Wall
 from plan2scene.images import png_bytes
-from plan2scene.mesh import TileTexture, write_glb
+from plan2scene.mesh.glb import write_glb
+from plan2scene.mesh.texture_files import TileTexture
 
 
 def checks(first, second):

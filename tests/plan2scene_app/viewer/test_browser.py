@@ -10,8 +10,9 @@ from viewer_page import ViewerPage
 
 from plan2scene.house import IconBox, SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.mesh import TileTexture, write_glb
-from plan2scene.plans import write_scene_json
+from plan2scene.mesh.glb import write_glb
+from plan2scene.mesh.texture_files import TileTexture
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.viewer.index_page import write_index
 from plan2scene_app.viewer.viewer_page import build_viewer
 

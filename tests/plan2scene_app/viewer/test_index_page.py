@@ -3,7 +3,7 @@
 import re
 from urllib.parse import unquote
 
-from plan2scene.plans import write_scene_json
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.viewer.index_page import write_index
 
 

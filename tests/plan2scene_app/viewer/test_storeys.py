@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from viewer_page import ViewerPage
 
-from plan2scene.mesh import write_glb
-from plan2scene.plans import read_plan
+from plan2scene.mesh.glb import write_glb
+from plan2scene.plans.formats import read_plan
 from plan2scene_app.viewer.viewer_page import build_viewer
 
 PLAN = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"

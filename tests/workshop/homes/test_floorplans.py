@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from plan2scene.house import House
-from plan2scene.plans import validate_house
+from plan2scene.plans.validate import validate_house
 from plan2scene_workshop.homes.floorplans import generate_house
 
 HOUSES = [generate_house(f"house_{k}", 3) for k in range(40)]

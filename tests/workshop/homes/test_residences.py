@@ -17,7 +17,8 @@ from plan2scene.house import House
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene.photos.labels.palette import read_label_png
-from plan2scene.plans import read_scene_json, validate_house
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.plans.validate import validate_house
 from plan2scene.seeds import generator
 from plan2scene_workshop.homes import residences
 from plan2scene_workshop.homes.floorplans import generate_house

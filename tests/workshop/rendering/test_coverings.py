@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from plan2scene.mesh.wall_sides import FaceOpening
 from plan2scene.photos.labels.palette import OTHER
+from plan2scene.plans.wall_sides import FaceOpening
 from plan2scene.seeds import generator
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.rendering.coverings import COVERINGS, add_covering

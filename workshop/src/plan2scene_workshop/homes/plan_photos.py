@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from plan2scene.io import atomic_path
-from plan2scene.plans import read_plan
+from plan2scene.plans.formats import read_plan
 from plan2scene.seeds import derive_seed
 from plan2scene_workshop.homes.residences import write_assignment
 from plan2scene_workshop.homes.style import assign_materials

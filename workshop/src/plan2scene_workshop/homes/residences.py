@@ -21,8 +21,8 @@ from plan2scene.images import write_png
 from plan2scene.io import atomic_directory, atomic_path, write_json
 from plan2scene.materials import Material
 from plan2scene.photos.labels.palette import write_label_png
-from plan2scene.plans import write_scene_json
 from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import accent_walls, assign_materials

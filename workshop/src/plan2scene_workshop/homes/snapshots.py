@@ -15,8 +15,8 @@ from plan2scene.house import House, SurfaceKey
 from plan2scene.images import write_png
 from plan2scene.io import atomic_directory, atomic_path, write_json
 from plan2scene.materials import Material
-from plan2scene.plans import write_scene_json
 from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.residences import clear_photos, write_assignment, write_photo

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plan2scene.mesh.wall_sides import FaceOpening
+from plan2scene.plans.wall_sides import FaceOpening
 from plan2scene_workshop.rendering.geometry import Colour, Geometry, Solid, box, merge, placement
 from plan2scene_workshop.rendering.palette import FABRICS, Palette, linear, pick
 from plan2scene_workshop.rendering.shell import WallFace

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plan2scene.mesh.wall_sides import FaceOpening
 from plan2scene.photos.labels.palette import DOOR, WINDOW
+from plan2scene.plans.wall_sides import FaceOpening
 from plan2scene_workshop.rendering.coverings import wavy_sheet
 from plan2scene_workshop.rendering.geometry import (
     Colour,

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.materials import Material
-from plan2scene.mesh.wall_sides import FaceOpening
 from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.wall_sides import FaceOpening
 from plan2scene.seeds import generator
 from plan2scene_workshop.rendering.coverings import add_covering
 from plan2scene_workshop.rendering.decor import PANELLING, Decor

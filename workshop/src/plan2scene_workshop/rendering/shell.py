@@ -14,7 +14,9 @@ import shapely
 
 from plan2scene.house import House, Room, SurfaceKey, Wall
 from plan2scene.mesh.polygons import triangulate
-from plan2scene.mesh.wall_sides import (
+from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
+from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.wall_sides import (
     FaceOpening,
     Frame,
     arc_offset,
@@ -24,8 +26,6 @@ from plan2scene.mesh.wall_sides import (
     walked_rings,
     wall_frame,
 )
-from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
-from plan2scene.plans.geometry import room_polygon
 from plan2scene_workshop.rendering.geometry import Array, Colour, Geometry, Solid, box, quad
 
 #: A wall that ends this near to a corner of its room ends there, metres.

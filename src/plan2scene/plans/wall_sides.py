@@ -8,7 +8,7 @@ sometimes a few centimetres askew. A `Portal` is the one door of both.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -21,6 +21,12 @@ from plan2scene.house import House, Opening, Room, Wall
 
 #: Distances from the wall line at which a room is looked for, metres.
 _PROBES = (0.01, 0.05, 0.2)
+
+#: Wall faces stand this far inside their room, metres: a partition of the rooms behind, which ends
+#: on the face's line, would otherwise shine through at its edge.
+LIFT = 2e-4
+#: A wall with a room this near behind it, metres, is that room's too.
+_BEHIND = 0.5
 
 
 @dataclass(frozen=True)
@@ -213,6 +219,11 @@ class Portal:
         """Metres along the side's frame."""
         return self.hole.right - self.hole.left
 
+    @property
+    def has_threshold(self) -> bool:
+        """Whether the floor goes on through the wall: of doors and passages with some depth."""
+        return self.depth >= 1e-4 and self.hole.bottom <= 0.02
+
 
 @dataclass
 class Openings:
@@ -366,3 +377,30 @@ def _cut_behind(copy: Portal, sides: list[Side], rooms: set[str], found: Opening
         mine = found.holes[side.wall.id, side.room_id]
         if not any(other.intersects(hole) for other in mine):
             mine.append(hole)
+
+
+def railing_sides(
+    house: House, sides: Sequence[Side], polygons: Mapping[str, BaseGeometry]
+) -> list[Side]:
+    """Return the sides that are railings: of rooms in the open air, no opening, no room behind."""
+    open_air = {room.id for room in house.rooms if room.open_air}
+    indoors = unary_union([polygons[room.id] for room in house.rooms if room.id not in open_air])
+    found = []
+    for side in sides:
+        wall, frame = side.wall, side.frame
+        if not open_air.issuperset(wall.room_ids) or wall.openings:
+            continue
+        ends = np.array([0.0, frame.length])
+        strip = Polygon([*frame.plan(ends), *frame.plan(ends[::-1], -_BEHIND)])
+        if strip.intersection(indoors).area < 0.1 * strip.area:
+            found.append(side)
+    return found
+
+
+def face_ends(frame: Frame, polygon: BaseGeometry) -> tuple[float, float]:
+    """Return (s0, s1) of a face, longer by `LIFT` where its room goes on round the corner."""
+    probe = 0.005
+    points = frame.plan(np.array([-probe, frame.length + probe]), probe)
+    left, right = (bool(shapely.contains_xy(polygon, *point)) for point in points)
+    lift = min(LIFT, 1e-3 * frame.length)
+    return -lift * left, frame.length + lift * right

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from plan2scene.house import Opening, Room, Wall
-from plan2scene.mesh.wall_sides import (
+from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.wall_sides import (
     arc_offset,
     inner_normal,
     openings_on,
     reveal_quads,
     wall_frame,
 )
-from plan2scene.plans.geometry import room_polygon
 
 SQUARE = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
 

@@ -1,0 +1,54 @@
+"""The modules that the result of a rule depends on: what its script imports, at any distance.
+
+python -m plan2scene.workflow.closures           # how many modules each rule depends on
+python -m plan2scene.workflow.closures textures  # which
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+
+from plan2scene.provenance import WORKFLOW, closure, code_hash, imports
+
+#: Runs the scripts and decides nothing about their results.
+_RUNNER = "plan2scene.workflow"
+_SCRIPTS = WORKFLOW / "workflow" / "scripts"
+
+
+def rules() -> list[str]:
+    """Return the rules that have a script."""
+    return sorted(path.stem for path in _SCRIPTS.glob("*.py"))
+
+
+@cache
+def _imported(rule: str) -> tuple[str, ...]:
+    """Return the modules that the script of a rule imports itself."""
+    names = sorted(name for name in imports(_SCRIPTS / f"{rule}.py") if closure(name))
+    return tuple(name for name in names if not name.startswith(_RUNNER))
+
+
+def rule_modules(rule: str) -> list[str]:
+    """Return the names of all modules that a rule depends on.
+
+    Not those of plugins (plan formats, texture methods, exports) of other packages, whose version
+    counts.
+    """
+    return sorted({name for module in _imported(rule) for name in closure(module)})
+
+
+@cache
+def rule_code(rule: str) -> str:
+    """Return the hash of all modules that a rule depends on."""
+    return code_hash(*_imported(rule))
+
+
+def _report(asked: list[str]) -> str:
+    """Return the modules of the rules that are asked for, else how many modules each has."""
+    if asked:
+        return "\n".join(name for rule in asked for name in rule_modules(rule))
+    return "\n".join(f"{rule:20} {len(rule_modules(rule)):4}" for rule in rules())
+
+
+if __name__ == "__main__":
+    sys.stdout.write(_report(sys.argv[1:]) + "\n")
