@@ -1,0 +1,23 @@
+"""The example of the library's functions makes a house of a plan and two photos."""
+
+import importlib.util
+import shutil
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_example_makes_a_house_and_a_metric(tmp_path):
+    spec = importlib.util.spec_from_file_location("pipeline", ROOT / "examples" / "pipeline.py")
+    pipeline = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(pipeline)
+    home, example = tmp_path / "home", ROOT / "resources" / "examples" / "two_storeys"
+    (home / "photos").mkdir(parents=True)
+    shutil.copy(example / "plan.json", home)
+    table = (example / "photos.csv").read_text().splitlines()[:3]
+    (home / "photos.csv").write_text("\n".join(table) + "\n")
+    for row in table[1:]:
+        shutil.copy(example / "photos" / row.split(",")[1], home / "photos")
+    color = pipeline.make_house(home, tmp_path / "out")
+    assert 0.0 < color < 0.2
+    assert (tmp_path / "out" / "house.glb").read_bytes()[:4] == b"glTF"
