@@ -1,4 +1,8 @@
-"""GLB and OBJ files, read again by trimesh."""
+"""GLB and OBJ files, read again by trimesh; lamps and the sun; normal maps."""
+
+import io
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,8 +11,12 @@ from glb_file import chunks
 from PIL import Image
 
 from plan2scene.house import SurfaceKey
+from plan2scene.images import jpeg_bytes, png_bytes
 from plan2scene.mesh.assembly import build_parts
-from plan2scene.mesh.glb import ROUGHNESS, write_glb
+from plan2scene.mesh.baking import lamp_position
+from plan2scene.mesh.glb import LIGHTS, ROUGHNESS, candela, write_glb
+from plan2scene.mesh.relief import SETTINGS, normal_map, tangents
+from plan2scene.mesh.texture_files import MapTexture, TileTexture
 from plan2scene_app.exports.obj import write_obj
 
 
@@ -99,3 +107,144 @@ def test_obj_has_the_same_areas_and_textures(gap_house, paint, tmp_path):
         if line.startswith("map_Kd "):
             assert Image.open(tmp_path / line.split(" ", 1)[1]).size == (16, 16)
     assert text.count("map_Kd") == len(textures)
+
+
+@pytest.fixture
+def tree(gap_house, tmp_path):
+    write_glb(gap_house, {}, tmp_path / "house.glb")
+    return chunks(tmp_path / "house.glb")[0]
+
+
+def lit_nodes(tree):
+    """Return nodes with a light by name, each with its light and the way that it shines."""
+    lights = tree["extensions"]["KHR_lights_punctual"]["lights"]
+    found = {}
+    for node in tree["nodes"]:
+        number = node.get("extensions", {}).get("KHR_lights_punctual", {}).get("light")
+        if number is not None:
+            x, y, z, w = node["rotation"]
+            turn = trimesh.transformations.quaternion_matrix([w, x, y, z])[:3, :3]
+            found[node["name"]] = node, lights[number], turn @ [0, 0, -1]
+    return found
+
+
+def test_a_lamp_in_each_room_shines_down_as_far_as_its_room(tree, gap_house):
+    found = lit_nodes(tree)
+    assert set(found) == {"a/lamp", "b/lamp", "sun"}
+    for room in gap_house.rooms:
+        node, light, way = found[f"{room.id}/lamp"]
+        assert node["translation"] == pytest.approx(list(lamp_position(gap_house, room.id)))
+        assert way == pytest.approx([0, -1, 0], abs=1e-9)
+        corners = [[x, 0, z] for x, z in room.rings[0]]
+        reach = np.linalg.norm(np.array(corners) - node["translation"], axis=1).max()
+        assert reach < light["range"]
+    root = next(node for node in tree["nodes"] if node.get("name") == gap_house.id)
+    names = [tree["nodes"][child]["name"] for child in root["children"]]
+    assert {"a/lamp", "sun"} <= set(names)
+
+
+def test_the_sun_shines_aslant_from_above(tree):
+    _, light, way = lit_nodes(tree)["sun"]
+    assert light["type"] == "directional"
+    assert way == pytest.approx(-np.array(LIGHTS.to_sun) / np.linalg.norm(LIGHTS.to_sun))
+
+
+def test_lamps_light_large_floors_as_much_as_small_ones():
+    for area, height in ((4.0, 2.0), (40.0, 2.6)):
+        radius = math.sqrt(area / math.pi)
+        r = (np.arange(20000) + 0.5) / 20000 * radius
+        lux = candela(area, height) * height / (height**2 + r**2) ** 1.5
+        assert np.average(lux, weights=r) == pytest.approx(LIGHTS.lamp_lux, rel=1e-4)
+
+
+def test_the_open_air_has_no_lamp_and_unlit_houses_none(gap_house, tmp_path):
+    rooms = (replace(gap_house.rooms[0], types=("Balcony",)), *gap_house.rooms[1:])
+    write_glb(replace(gap_house, rooms=rooms), {}, tmp_path / "open.glb")
+    assert set(lit_nodes(chunks(tmp_path / "open.glb")[0])) == {"b/lamp", "sun"}
+    write_glb(gap_house, {}, tmp_path / "unlit.glb", unlit=True)
+    assert "extensions" not in chunks(tmp_path / "unlit.glb")[0]
+
+
+def joints(contrast=90, size_px=64, size_m=0.5):
+    """Return a tile with a joint down its middle and one across, darker by `contrast`."""
+    image = np.full((size_px, size_px, 3), 130)
+    middle = slice(size_px // 2 - 2, size_px // 2 + 2)
+    image[middle] = image[:, middle] = 130 - contrast
+    image = image.astype(np.uint8)
+    return TileTexture(png_bytes(image), size_m, True, "tile")
+
+
+def slopes(data):
+    """Return x and y of a normal map, (h, w) each in [-1, 1]."""
+    values = np.asarray(Image.open(io.BytesIO(data)), np.float64) / 127.5 - 1
+    np.testing.assert_allclose(np.linalg.norm(values, axis=2), 1, atol=0.1)
+    return values[..., 0], values[..., 1]
+
+
+@pytest.mark.parametrize("contrast", [90, -90])
+def test_surfaces_fall_towards_joints_light_or_dark(contrast):
+    x, y = slopes(normal_map(joints(contrast)))
+    assert x[10, 28:31].min() > 0.05 and x[10, 33:36].max() < -0.05  # the joint is right, left
+    assert y[28:31, 10].max() < -0.05 and y[33:36, 10].min() > 0.05  # below, above
+    assert abs(x.mean()) < 0.01 and abs(y.mean()) < 0.01
+
+
+def test_as_steep_as_the_substance_and_the_contrast_say():
+    few, some, many = (np.hypot(*slopes(normal_map(joints(c)))) for c in (14, 26, 110))
+    assert few.mean() < 0.7 * some.mean() < 0.7 * many.mean()
+    assert np.sqrt((many**2).mean()) == pytest.approx(SETTINGS.slopes["tile"], rel=0.3)
+
+
+@pytest.mark.parametrize("substance", ["tile", None])
+def test_nothing_where_no_relief_shows(substance):
+    plain = np.full((32, 32, 3), 150, np.uint8)
+    plain[::2] += 1
+    assert normal_map(TileTexture(png_bytes(plain), 1.0, True, substance)) is None
+    if substance is None:
+        tile = joints()
+        assert normal_map(TileTexture(tile.png, tile.size_m)) is None
+
+
+def test_a_map_has_no_relief_at_its_edges_from_the_other_side():
+    image = np.full((64, 64, 3), 130, np.uint8)
+    image[::8] = 60
+    image[:, 40:] //= 2  # right and left differ: only a tile's edge is between them
+    tile = TileTexture(png_bytes(image), 0.5, True, "plaster")
+    whole = MapTexture(
+        tile.png, 0.5, True, "plaster", jpeg=jpeg_bytes(image, quality=95), extent_m=(0.5, 0.5)
+    )
+    edges = [
+        np.abs(slopes(normal_map(texture))[0][4:-4, [0, -1]]).max() for texture in (tile, whole)
+    ]
+    assert edges[1] < 0.3 * edges[0]
+
+
+def test_files_have_them_on_demand_and_valid(gap_house, tmp_path):
+    textures = dict.fromkeys(gap_house.surface_keys(), joints())
+    write_glb(gap_house, textures, tmp_path / "plain.glb")
+    write_glb(gap_house, textures, tmp_path / "relief.glb", relief=True)
+    plain, made = (chunks(tmp_path / f"{name}.glb")[0] for name in ("plain", "relief"))
+    assert not any("normalTexture" in material for material in plain["materials"])
+    named = {m["name"]: m["normalTexture"] for m in made["materials"] if "normalTexture" in m}
+    assert set(named) == {key.filename for key in textures}
+    images = {made["textures"][use["index"]]["source"] for use in named.values()}
+    assert len(images) == 1  # equal ones once
+    assert made["images"][images.pop()]["mimeType"] == "image/jpeg"
+
+
+def test_tangents_run_along_the_image_s_rows_and_up_it(gap_house, tmp_path):
+    by_name = {part.name: part for part in build_parts(gap_house)}
+    along = {"a/floor": (1, 0, 0), "a/ceiling": (1, 0, 0), "a/wall/a_w0": (1, 0, 0)}
+    up = {"a/floor": (0, 0, -1), "a/ceiling": (0, 0, -1), "a/wall/a_w0": (0, 1, 0)}
+    for name, expected in along.items():
+        made = tangents(by_name[name])
+        assert np.allclose(made[:, :3], expected, atol=1e-5)
+        turned = np.cross(by_name[name].mesh.vertex_normals, made[:, :3]) * made[:, 3:]
+        assert np.allclose(turned, up[name], atol=1e-5)
+    textures = dict.fromkeys(gap_house.surface_keys(), joints())
+    write_glb(gap_house, textures, tmp_path / "relief.glb", relief=True)
+    tree = chunks(tmp_path / "relief.glb")[0]
+    primitives = [mesh["primitives"][0] for mesh in tree["meshes"]]
+    mapped = ["normalTexture" in tree["materials"][entry["material"]] for entry in primitives]
+    assert ["TANGENT" in entry["attributes"] for entry in primitives] == mapped
+    assert any(mapped) and not all(mapped)

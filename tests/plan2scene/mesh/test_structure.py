@@ -1,13 +1,15 @@
-"""Geometry of houses made by hand: areas, sides, holes, names."""
+"""The parts of a house: areas, openings, walls, skirting boards, triangles."""
 
 import dataclasses
 
 import numpy as np
 import pytest
-from shapely.geometry import Polygon
+from shapely.geometry import MultiPolygon, Polygon, box
 
 from plan2scene.house import Door, House, Opening, Wall
 from plan2scene.mesh.assembly import assemble, build_parts
+from plan2scene.mesh.polygons import signed_areas, triangulate
+from plan2scene.mesh.structure import SKIRTING
 
 
 def by_name(house):
@@ -209,3 +211,61 @@ def test_a_window_between_two_rooms_says_where_it_leads(gap_house):
         ("window", {"a", "b"}),
         ("glass", {"a", "b"}),
     ]
+
+
+def board(house, name):
+    return {part.name: part for part in build_parts(house)}[f"{name}/skirting"].mesh
+
+
+def test_length_is_the_walls_less_the_door(l_house):
+    mesh = board(l_house, "hall")
+    low, high = mesh.bounds
+    assert (low[1], high[1]) == (0.0, pytest.approx(SKIRTING.height))
+    # Boxes overlap in the corners, so the volume is of the lengths, not of a union.
+    length = 2 * (5.0 + 4.0) - (0.9 + 2 * SKIRTING.frame)
+    assert mesh.volume == pytest.approx(length * SKIRTING.height * SKIRTING.depth, rel=1e-3)
+
+
+def test_it_stands_inside_its_room(l_house):
+    low, high = board(l_house, "hall").bounds
+    assert low[[0, 2]] == pytest.approx([0.0, 0.0], abs=1e-6)
+    assert high[[0, 2]] == pytest.approx([5.0, 4.0], abs=1e-6)
+
+
+def test_no_board_crosses_a_door(gap_house):
+    mesh = board(gap_house, "a")
+    ray = mesh.ray.intersects_any([[2.5, SKIRTING.height / 2, 1.4]], [[1.0, 0.0, 0.0]])
+    assert not ray.any()
+    assert mesh.ray.intersects_any([[2.5, SKIRTING.height / 2, 3.0]], [[1.0, 0.0, 0.0]]).all()
+
+
+def test_bathrooms_have_none(gap_house):
+    assert "b/skirting" not in {part.name for part in build_parts(gap_house)}
+
+
+def test_random_stars_keep_their_area_and_turn():
+    rng = np.random.default_rng(3)
+    for _ in range(30):
+        angle = np.sort(rng.uniform(0, 2 * np.pi, 12))
+        radius = rng.uniform(0.5, 4.0, 12)
+        star = Polygon(np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1))
+        if not star.is_valid:
+            continue
+        points, faces = triangulate(star)
+        areas = signed_areas(points, faces)
+        assert (areas > 0).all()
+        assert areas.sum() == pytest.approx(star.area, rel=1e-9)
+
+
+def test_holes_and_several_parts():
+    shape = MultiPolygon([box(0, 0, 4, 4).difference(box(1, 1, 2, 3)), box(6, 0, 7, 1)])
+    points, faces = triangulate(shape)
+    assert signed_areas(points, faces).sum() == pytest.approx(16 - 2 + 1)
+    centres = points[faces].mean(axis=1)
+    assert not any(1 < x < 2 and 1 < z < 3 for x, z in centres)
+
+
+def test_nothing_gives_nothing():
+    points, faces = triangulate(Polygon())
+    assert points.shape == (0, 2)
+    assert faces.shape == (0, 3)

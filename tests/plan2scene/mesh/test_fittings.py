@@ -1,4 +1,4 @@
-"""Objects of the plan: the right thing, of the right size, at the right wall, inside its room."""
+"""Fixed objects of the plan."""
 
 import logging
 from dataclasses import replace

@@ -1,0 +1,299 @@
+"""Baked light and occlusion, house_lit.glb, and pictures of rooms under baked light."""
+
+import io
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from glb_file import chunks
+from PIL import Image
+from shapely.geometry import Point
+
+from plan2scene.house import Opening, SurfaceKey
+from plan2scene.images import png_bytes
+from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.baking import (
+    OCCLUSION,
+    bake_light,
+    bake_occlusion,
+    lamp_position,
+    mean_colours,
+)
+from plan2scene.mesh.glb import write_glb
+from plan2scene.mesh.lit_house import SETTINGS as LIT
+from plan2scene.mesh.lit_house import lit_part, lit_textures, shown
+from plan2scene.mesh.rays import Rays, hemisphere
+from plan2scene.mesh.renderer import sample
+from plan2scene.mesh.room_views import SETTINGS, camera_in, render_rooms, standpoints
+from plan2scene.mesh.texture_files import TileTexture
+from plan2scene.plans.geometry import room_polygon
+
+pytest.importorskip("embreex")
+
+
+def light_of(house):
+    colours = {key: np.full(3, 0.6) for key in house.surface_keys()}
+    return bake_light(house, build_parts(house), colours, 0.25)
+
+
+def at(light, part, point):
+    uv = light.uv(part)
+    known = np.column_stack([part.mesh.vertices, np.ones(len(part.mesh.vertices))])
+    to_uv, *_ = np.linalg.lstsq(known, uv, rcond=None)
+    u, v = np.array([*point, 1.0]) @ to_uv
+    height, width = light.image.shape[:2]
+    return light.image[int(v * height), int(u * width)]
+
+
+@pytest.fixture
+def windowed(gap_house):
+    """Room a has a window opposite to its door, room b has none."""
+    wall = next(wall for wall in gap_house.walls if wall.id == "a_w3")
+    lit = replace(wall, openings=(Opening("w", "window", 1.0, 3.0, 0.8, 2.2),))
+    walls = tuple(lit if other is wall else other for other in gap_house.walls)
+    return replace(gap_house, walls=walls)
+
+
+def test_a_window_lights_the_floor_before_it(windowed):
+    light = light_of(windowed)
+    parts = {part.name: part for part in build_parts(windowed)}
+    floor = parts["a/floor"]
+    assert at(light, floor, (0.8, 0, 2)).mean() > 1.15 * at(light, floor, (2.5, 0, 3.7)).mean()
+    # The sky is bluer than the lamp.
+    near, far = (at(light, floor, (x, 0, z)) for x, z in ((0.5, 2.0), (2.7, 3.7)))
+    assert near[2] / near[0] > far[2] / far[0]
+    assert light.rooms["a"].mean() > light.rooms["b"].mean()
+    assert light.image.min() >= 0 and np.isfinite(light.image).all()
+    np.testing.assert_array_equal(light_of(windowed).image, light.image)
+
+
+def test_a_lamp_is_brightest_below_itself(gap_house):
+    light = light_of(gap_house)
+    parts = {part.name: part for part in build_parts(gap_house)}
+    lamp = lamp_position(gap_house, "b")
+    assert Point(lamp[0], lamp[2]).within(room_polygon(gap_house.room("b")))
+    below = at(light, parts["b/floor"], (lamp[0], 0, lamp[2])).mean()
+    assert below > 1.2 * at(light, parts["b/floor"], (3.3, 0, 0.2)).mean()
+
+
+def test_light_runs_on_where_a_wall_of_one_plane_goes_on(storey_house):
+    parts = {part.name: part for part in build_parts(storey_house)}
+    colours = {key: np.full(3, 0.6) for key in storey_house.surface_keys()}
+    light = bake_light(storey_house, list(parts.values()), colours, 0.25)
+    before, behind = (  # the hall's wall along two rooms that meet at z = 3.4, nearest to its lamp
+        sample([light.image], light.uv(part)[end], np.ones(len(end))).mean(axis=1)
+        for part, end in (
+            (part, np.flatnonzero(np.abs(part.mesh.vertices[:, 2] - 3.4) < 1e-3))
+            for part in (parts["hall/wall/hall_wall_1"], parts["hall/wall/hall_wall_2"])
+        )
+    )
+    assert before.max() > 0.5
+    np.testing.assert_allclose(np.sort(before), np.sort(behind), rtol=0.08)
+
+
+def test_rooms_drawn_a_little_into_each_other_have_no_dark_wall(gap_house):
+    def moved(point):
+        return (2.993, point[1]) if point[0] == 3.1 else point
+
+    rooms = tuple(
+        replace(room, rings=(tuple(map(moved, room.rings[0])),)) for room in gap_house.rooms
+    )
+    walls = tuple(
+        replace(wall, start=moved(wall.start), end=moved(wall.end)) for wall in gap_house.walls
+    )
+    house = replace(gap_house, rooms=rooms, walls=walls)
+    light = light_of(house)
+    for name in ("a/wall/a_w1", "b/wall/b_w3"):
+        chart = light.charts[name]
+        place = (chart.row, chart.column)
+        rows, columns = (slice(n, n + m) for n, m in zip(place, chart.size, strict=True))
+        assert light.image[rows, columns].mean(axis=2).min() > 0.15
+
+
+def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
+    for house in (l_house, ring_house):
+        room = house.rooms[0]
+        polygon = room_polygon(room)
+        lamp = lamp_position(house, room.id)
+        assert Point(lamp[0], lamp[2]).within(polygon)
+        rays = Rays.of(build_parts(house))
+        camera = camera_in(house, room.id, rays)
+        assert camera.position[1] == SETTINGS.eye_m
+        assert polygon.contains(Point(camera.position[0], camera.position[2]))
+        for eye, _ in standpoints(polygon):
+            assert polygon.exterior.distance(Point(*eye)) > 0.3
+
+
+def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
+    textures = paint(gap_house)
+    parts = build_parts(gap_house)
+    sheet = render_rooms(gap_house, textures, parts)
+    first = sheet[8 : 8 + SETTINGS.size[0], 8 : 8 + SETTINGS.size[1]].astype(int)
+    assert sheet.dtype == np.uint8
+    # Bright corners of the tiles are orange; nothing is black or burnt.
+    orange = (first[..., 0] > first[..., 2] + 60).mean()
+    assert 0.1 < orange < 0.5
+    assert (first.max(axis=2) < 12).mean() < 0.01
+    assert (first.min(axis=2) > 250).mean() < 0.01
+    np.testing.assert_array_equal(render_rooms(gap_house, textures, parts), sheet)
+
+
+def test_rooms_are_drawn_without_a_ray_tracer(gap_house, paint, monkeypatch):
+    monkeypatch.setitem(sys.modules, "embreex.rtcore_scene", None)
+    first = render_rooms(gap_house, paint(gap_house), build_parts(gap_house))[8:288, 8:428]
+    assert (first.max(axis=2) > 40).mean() > 0.95
+
+
+def test_rays_lie_about_the_normal_as_dense_as_the_cosine():
+    for normal in ([0, 1, 0], [0, -1, 0], [1, 0, 0], [0.6, 0, 0.8]):
+        ways = hemisphere(np.array(normal, float), 256)
+        np.testing.assert_allclose(np.linalg.norm(ways, axis=1), 1)
+        cosine = ways @ np.array(normal, float)
+        assert cosine.min() > 0
+        assert cosine.mean() == pytest.approx(2 / 3, abs=0.01)
+
+
+@pytest.fixture
+def baked(gap_house):
+    """Return the parts of a house by name, its occlusion, and that as numbers in [0, 1]."""
+    parts = build_parts(gap_house)
+    flat = [part for part in parts if part.surface is not None]
+    occlusion = bake_occlusion(parts, flat)
+    image = np.asarray(Image.open(io.BytesIO(occlusion.png)))
+    return {part.name: part for part in flat}, occlusion, image / 255
+
+
+def occlusion_at(baked, name, point):
+    """Return the light at a world point of a part, by its own texture coordinates."""
+    parts, occlusion, image = baked
+    part = parts[name]
+    known = np.column_stack([part.mesh.vertices, np.ones(len(part.mesh.vertices))])
+    to_uv, *_ = np.linalg.lstsq(known, occlusion.uv[name], rcond=None)
+    u, v = np.array([*point, 1.0]) @ to_uv
+    return image[int(v * image.shape[0]), int(u * image.shape[1])]
+
+
+def test_open_floor_is_free_and_corners_are_dark(baked):
+    assert occlusion_at(baked, "a/floor", (1.5, 0.0, 2.0)) > 0.97
+    beside_wall = occlusion_at(baked, "a/floor", (0.05, 0.0, 2.0))
+    corner = occlusion_at(baked, "a/floor", (0.05, 0.0, 0.05))
+    assert 0.45 < beside_wall < 0.7
+    assert 0.2 < corner < beside_wall - 0.1
+
+
+def test_edge_is_half_of_the_hemisphere_weighted_by_distance(baked):
+    """Where an infinite wall meets the floor, the integral over near directions is known."""
+    # Cosine-weighted mean of max(0, 1 - d / reach) with d = x / (sin t cos p) over the near half.
+    x = 0.5 * OCCLUSION.texel_m
+    t, p = np.meshgrid(np.linspace(0, np.pi / 2, 2000), np.linspace(-np.pi / 2, np.pi / 2, 2000))
+    d = x / np.maximum(np.sin(t) * np.cos(p), 1e-9)
+    weight = np.sin(t) * np.cos(t)
+    near = np.clip(1 - d / OCCLUSION.reach_m, 0, 1) * weight
+    step = (np.pi / 2 / 1999) * (np.pi / 1999)
+    expected = 1 - near.sum() * step / np.pi
+    assert occlusion_at(baked, "a/floor", (x, 0.0, 2.0)) == pytest.approx(expected, abs=0.04)
+
+
+def test_ceiling_and_floor_of_a_high_room_do_not_shade_each_other(baked):
+    assert occlusion_at(baked, "b/ceiling", (4.5, 2.5, 2.0)) > 0.97
+
+
+def test_parts_have_places_of_their_own(baked):
+    parts, occlusion, image = baked
+    assert occlusion.uv.keys() == parts.keys()
+    taken = np.zeros(image.shape, int)
+    for uv in occlusion.uv.values():
+        assert uv.min() >= 0
+        assert uv.max() <= 1
+        (left, top), (right, bottom) = uv.min(0), uv.max(0)
+        rows = slice(round(top * image.shape[0]), int(np.ceil(bottom * image.shape[0] - 1e-6)))
+        columns = slice(round(left * image.shape[1]), int(np.ceil(right * image.shape[1] - 1e-6)))
+        taken[rows, columns] += 1
+    assert taken.max() == 1
+
+
+def test_same_bytes_again(gap_house, baked):
+    parts = build_parts(gap_house)
+    again = bake_occlusion(parts, [part for part in parts if part.surface is not None])
+    assert again.png == baked[1].png
+
+
+def test_without_a_ray_tracer_there_is_none(gap_house, monkeypatch, caplog):
+    monkeypatch.setitem(sys.modules, "embreex.rtcore_scene", None)
+    parts = build_parts(gap_house)
+    assert bake_occlusion(parts, parts[:1]) is None
+    assert "no occlusion" in caplog.text
+    assert bake_occlusion(parts, []) is None
+
+
+@pytest.fixture
+def lit(gap_house):
+    """Return parts, light and lit textures of a house of one grey."""
+    tile = TileTexture(png_bytes(np.full((16, 16, 3), 150, np.uint8)), 0.7, True, "plaster", "t")
+    textures = dict.fromkeys(gap_house.surface_keys(), tile)
+    parts = build_parts(gap_house)
+    light = bake_light(gap_house, parts, mean_colours(textures), 0.2)
+    return parts, light, lit_textures(gap_house, parts, textures, light)
+
+
+def test_a_surface_is_dark_in_its_corners_and_bright_below_the_lamp(lit, gap_house):
+    parts, _, textures = lit
+    floor = textures[SurfaceKey("b", "floor")]
+    image = np.asarray(Image.open(io.BytesIO(floor.image)).convert("L")).astype(float)
+    assert image.shape[1] == pytest.approx(LIT.px_per_m * floor.extent_m[0], abs=1)
+    part = next(part for part in parts if part.name == "b/floor")
+    turns = floor.turns(part.uv)
+    assert turns.min() > 0 and turns.max() < 1
+    x, z = (floor.turns(np.array(point)) for point in ((4.55, 2.0), (3.15, 0.05)))
+    middle, corner = (image[int(v * image.shape[0]), int(u * image.shape[1])] for u, v in (x, z))
+    assert middle > corner + 20
+    for texture in textures.values():
+        values = np.asarray(Image.open(io.BytesIO(texture.image)))
+        assert values.max() < 252 and np.median(values) > 40
+
+
+def test_the_file_is_unlit(lit, gap_house, tmp_path):
+    parts, light, textures = lit
+    file = tmp_path / "lit.glb"
+    write_glb(gap_house, textures, file, [lit_part(part, light) for part in parts], unlit=True)
+    tree, _ = chunks(file)
+    assert tree["extensionsUsed"] == ["KHR_materials_unlit"]
+    assert all("KHR_materials_unlit" in m["extensions"] for m in tree["materials"])
+    assert all("occlusionTexture" not in m for m in tree["materials"])
+    assert {image["mimeType"] for image in tree["images"]} == {"image/jpeg"}
+
+
+def test_doors_have_the_light_of_their_room(lit):
+    parts, light, _ = lit
+    door = next(part for part in parts if "/door/" in part.name)
+    made = lit_part(door, light)
+    assert made.colours.shape == door.colours.shape
+    assert not np.array_equal(made.colours, door.colours)
+    floor = next(part for part in parts if part.name == "a/floor")
+    assert lit_part(floor, light) is floor
+
+
+def test_every_storey_has_light_of_its_own(storey_house, paint, tmp_path):
+    parts, textures = build_parts(storey_house), paint(storey_house)
+    light = bake_light(storey_house, parts, mean_colours(textures), 0.7)
+    assert set(light.rooms) == {room.id for room in storey_house.rooms}
+    assert all(0.3 < value.mean() < 2.0 for value in light.rooms.values())
+    lit = lit_textures(storey_house, parts, textures, light)
+    assert set(lit) == set(storey_house.surface_keys())
+    file = tmp_path / "lit.glb"
+    write_glb(storey_house, lit, file, [lit_part(part, light) for part in parts], unlit=True)
+    tree, _ = chunks(file)
+    assert {"level:ground", "level:upper"} <= {node["name"] for node in tree["nodes"]}
+    dark = replace(storey_house, rooms=storey_house.rooms[:4])  # no lamps upstairs
+    below = bake_light(dark, parts, mean_colours(textures), 0.7)
+    gains = {room: (light.rooms[room] / below.rooms[room]).mean() for room in light.rooms}
+    assert min(gains[room.id] for room in storey_house.rooms[4:]) > max(
+        gains[room.id] for room in storey_house.rooms[:4]
+    )
+
+
+def test_highlights_are_compressed_in_order():
+    values = shown(np.array([0.0, 0.5, 0.75, 1.0, 2.0, 9.0])).astype(int)
+    assert values[0] == 0 and values[-1] < 255
+    assert (np.diff(values) > 0).all()
