@@ -379,15 +379,15 @@ def _seen(charts: Sequence[Chart], texels: _Texels, rays: Rays) -> tuple[np.ndar
         up = directions[:, 1].reshape(-1, LIGHT.rays) > 0
         for part, colour in ((out & up, SKY), (out & ~up, GROUND)):
             sky[mine] += part.mean(axis=1)[:, None] * colour
-        found = np.full(len(hit), count + 1)
-        found[hit >= 0] = count
+        numbers = np.full(len(hit), count + 1)
+        numbers[hit >= 0] = count
         for other in np.unique(rays.part[hit[hit >= 0]]):
             target = known[other]
             if target is not None:
                 ours = np.flatnonzero((hit >= 0) & (rays.part[hit] == other))
                 points, _ = rays.points(hit[ours], origins[ours], directions[ours])
-                found[ours] = _texel_at(target, points, texels.index, count)
-        seen[mine] = found.reshape(-1, LIGHT.rays)
+                numbers[ours] = _texel_at(target, points, texels.index, count)
+        seen[mine] = numbers.reshape(-1, LIGHT.rays)
     return seen, sky
 
 
@@ -399,8 +399,8 @@ def _texel_at(chart: Chart, points: np.ndarray, index: np.ndarray, plain: int) -
     place = (
         np.clip(n, 0, m - 1).astype(int) for n, m in zip((row, column), index.shape, strict=True)
     )
-    found = index[tuple(place)]
-    return np.where(found < 0, plain, found)
+    numbers = index[tuple(place)]
+    return np.where(numbers < 0, plain, numbers)
 
 
 def _gathered(known: np.ndarray, seen: np.ndarray) -> np.ndarray:

@@ -52,9 +52,9 @@ def build_house(
         Whether surfaces of the GLB have normal maps (:mod:`plan2scene.mesh.relief`).
     """
     house, textures = textured_house(scene_json, textures_dir, house_id, objects=True)
-    shown = house if objects else replace(house, icons=())
-    parts = assemble(shown).parts
-    write_glb(shown, textures, glb, parts, relief=relief)
+    furnished = house if objects else replace(house, icons=())
+    parts = assemble(furnished).parts
+    write_glb(furnished, textures, glb, parts, relief=relief)
     tiles = {key: (tile.png, tile.size_m) for key, tile in textures.items()}
     write_scene_json(house, textured_scene_json, tiles)
     logging.getLogger("plan2scene").info(

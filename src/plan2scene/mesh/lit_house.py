@@ -103,7 +103,7 @@ def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light)
         colour = cv2.remap(
             picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
         )
-        made[top : top + _BAND] = shown(colour * shade[top : top + _BAND])
+        made[top : top + _BAND] = developed(colour * shade[top : top + _BAND])
     facts = {field.name: getattr(tile, field.name) for field in fields(TileTexture)}
     return MapTexture(
         **facts | {"origin_m": area.low},
@@ -133,7 +133,7 @@ def _shade(
     return shade
 
 
-def shown(linear: np.ndarray) -> np.ndarray:
+def developed(linear: np.ndarray) -> np.ndarray:
     """Return linear values as uint8 sRGB, highlights compressed."""
     steps = np.clip(compressed(linear) * 4095, 0, 4095).astype(np.uint16)
     return np.asarray(_SRGB[steps])
@@ -147,4 +147,4 @@ def lit_part(part: MeshPart, light: Light) -> MeshPart:
     if part.colours is None:
         return part
     linear = srgb_to_linear(part.colours) * light.of_plain(part)
-    return replace(part, colours=shown(linear))
+    return replace(part, colours=developed(linear))

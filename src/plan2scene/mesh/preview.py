@@ -205,10 +205,10 @@ def _draw(
     image = np.empty((camera.height * camera.width, 3), dtype=np.float32)
     image[:] = srgb_to_linear(np.array(BACKGROUND, np.uint8))
     depth = np.full(len(image), np.inf, dtype=np.float32)
-    shown = triangles.visible(camera, below & ~triangles.glass)
-    light = _light(triangles.normals, shown.triangles, shown.points, house)
-    image[shown.pixels] = triangles.looks(camera, shown) * light[:, None]
-    depth[shown.pixels] = shown.depth
+    opaque = triangles.visible(camera, below & ~triangles.glass)
+    light = _light(triangles.normals, opaque.triangles, opaque.points, house)
+    image[opaque.pixels] = triangles.looks(camera, opaque) * light[:, None]
+    depth[opaque.pixels] = opaque.depth
     panes = triangles.visible(camera, below & triangles.glass)
     front = panes.depth < depth[panes.pixels]
     seen, t = panes.pixels[front], panes.triangles[front]

@@ -149,20 +149,21 @@ class Triangles:
         metres = depth.ravel()[pixels]
         return Fragments(pixels, t, weights, metres, _points(camera, x, y, metres))
 
-    def looks(self, camera: Camera, shown: Fragments) -> np.ndarray:
+    def looks(self, camera: Camera, fragments: Fragments) -> np.ndarray:
         """Return the (p, 3) float32 linear colours of surfaces, without light."""
-        t = shown.triangles
+        t = fragments.triangles
         colour = self.colours.astype(np.float32)[t]
         footprint = np.take(self._texels_per_metre() / np.float32(camera.focal_px), t)
         if camera.orthographic:
             facing = np.abs(self.normals @ camera.matrix[2])[t]
         else:
-            footprint *= shown.depth
+            footprint *= fragments.depth
             away = self.corners[:, 0] - np.array(camera.position)
             facing = np.abs(np.einsum("ij,ij->i", away, self.normals)).astype(np.float32)[t]
-            facing /= np.linalg.norm(shown.points - np.array(camera.position, np.float32), axis=1)
+            eye = np.array(camera.position, np.float32)
+            facing /= np.linalg.norm(fragments.points - eye, axis=1)
         footprint /= np.sqrt(np.maximum(facing, _LEAST_FACING))
-        uv = shown.at(self.uv)
+        uv = fragments.at(self.uv)
         texture = self.texture[t]
         order = np.argsort(texture, kind="stable")
         ends = np.cumsum(np.bincount(texture + 1, minlength=len(self.mipmaps) + 1))

@@ -164,15 +164,15 @@ class _LitTriangles:
 
     def draw(self, camera: Camera) -> np.ndarray:
         """Return a picture, (h, w, 3) float32 linear RGB, not exposed."""
-        shown = self.triangles.visible(camera, np.ones(len(self.plain), dtype=bool))
+        fragments = self.triangles.visible(camera, np.ones(len(self.plain), dtype=bool))
         upward = np.clip(_directions(camera)[..., 1:2], 0, 1)
         horizon, sky = np.array(SETTINGS.horizon), np.array(SETTINGS.sky)
         image = (horizon + (sky - horizon) * upward).astype(np.float32)
-        light = self.plain[shown.triangles]
+        light = self.plain[fragments.triangles]
         baked = np.isnan(light[:, 0])
-        at = shown.at(self.light_uv)[baked]
+        at = fragments.at(self.light_uv)[baked]
         light[baked] = sample([self.light.image], at, np.ones(len(at)))
-        image.reshape(-1, 3)[shown.pixels] = self.triangles.looks(camera, shown) * light
+        image.reshape(-1, 3)[fragments.pixels] = self.triangles.looks(camera, fragments) * light
         return image
 
 

@@ -257,9 +257,9 @@ def _line(frame: Frame) -> LineString:
 
 def _pieces(frame: Frame, inside: BaseGeometry) -> list[Frame]:
     """Return the pieces of a face's line that lie inside an area."""
-    found = _line(frame).intersection(inside)
+    covered = _line(frame).intersection(inside)
     pieces = []
-    for line in getattr(found, "geoms", [found]):
+    for line in getattr(covered, "geoms", [covered]):
         if line.length < RAILING.shortest:
             continue
         s = np.sort((np.asarray(line.coords) - frame.left) @ frame.right)

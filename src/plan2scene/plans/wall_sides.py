@@ -277,12 +277,12 @@ def find_openings(
     A side loses its own wall's openings; also one that the plan's room-door-room relations lead
     to its room when its own wall has no copy there.
     """
-    found = Openings()
+    openings = Openings()
     copies: list[Portal] = []
     for side in sides:
         for hole in openings_on(side.wall, side.frame):
             cut = box(hole.left, hole.bottom, hole.right, hole.top)
-            found.holes[side.wall.id, side.room_id].append(cut)
+            openings.holes[side.wall.id, side.room_id].append(cut)
             if side.room_id == side.wall.room_ids[0]:
                 copies.append(_straight(hole, side, polygons))
     leads_to = _relations(house)
@@ -295,12 +295,12 @@ def find_openings(
         )
         if partner is not None:
             used.add(partner)
-            found.portals.append(_joined(copy, copies[partner]))
+            openings.portals.append(_joined(copy, copies[partner]))
             continue
-        found.portals.append(copy)
+        openings.portals.append(copy)
         wanted = leads_to.get(copy.hole.opening.id, set()) - {copy.side.room_id}
-        _cut_behind(copy, sides, wanted, found)
-    return found
+        _cut_behind(copy, sides, wanted, openings)
+    return openings
 
 
 def _relations(house: House) -> dict[str, set[str]]:
@@ -359,7 +359,7 @@ def _joined(copy: Portal, other: Portal) -> Portal:
     return replace(copy, back=ends, depth=max(depth, 0.0), other=other.side.room_id)
 
 
-def _cut_behind(copy: Portal, sides: list[Side], rooms: set[str], found: Openings) -> None:
+def _cut_behind(copy: Portal, sides: list[Side], rooms: set[str], openings: Openings) -> None:
     """Cut a hole, known to lead to `rooms`, from their walls when these have no copy of it."""
     ends = copy.side.frame.plan(np.array([copy.hole.left, copy.hole.right]))
     for side in sides:
@@ -374,7 +374,7 @@ def _cut_behind(copy: Portal, sides: list[Side], rooms: set[str], found: Opening
         if not -MATCH_DISTANCE < offset.mean() < 0.1 or s1 - s0 < 0.05:
             continue
         hole = box(s0, copy.hole.bottom, s1, top)
-        mine = found.holes[side.wall.id, side.room_id]
+        mine = openings.holes[side.wall.id, side.room_id]
         if not any(other.intersects(hole) for other in mine):
             mine.append(hole)
 
@@ -385,7 +385,7 @@ def railing_sides(
     """Return the sides that are railings: of rooms in the open air, no opening, no room behind."""
     open_air = {room.id for room in house.rooms if room.open_air}
     indoors = unary_union([polygons[room.id] for room in house.rooms if room.id not in open_air])
-    found = []
+    openings = []
     for side in sides:
         wall, frame = side.wall, side.frame
         if not open_air.issuperset(wall.room_ids) or wall.openings:
@@ -393,8 +393,8 @@ def railing_sides(
         ends = np.array([0.0, frame.length])
         strip = Polygon([*frame.plan(ends), *frame.plan(ends[::-1], -_BEHIND)])
         if strip.intersection(indoors).area < 0.1 * strip.area:
-            found.append(side)
-    return found
+            openings.append(side)
+    return openings
 
 
 def face_ends(frame: Frame, polygon: BaseGeometry) -> tuple[float, float]:

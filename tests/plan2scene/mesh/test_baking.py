@@ -22,7 +22,7 @@ from plan2scene.mesh.baking import (
 )
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.lit_house import SETTINGS as LIT
-from plan2scene.mesh.lit_house import lit_part, lit_textures, shown
+from plan2scene.mesh.lit_house import developed, lit_part, lit_textures
 from plan2scene.mesh.rays import Rays, hemisphere
 from plan2scene.mesh.renderer import sample
 from plan2scene.mesh.room_views import SETTINGS, camera_in, render_rooms, standpoints
@@ -294,6 +294,6 @@ def test_every_storey_has_light_of_its_own(storey_house, paint, tmp_path):
 
 
 def test_highlights_are_compressed_in_order():
-    values = shown(np.array([0.0, 0.5, 0.75, 1.0, 2.0, 9.0])).astype(int)
+    values = developed(np.array([0.0, 0.5, 0.75, 1.0, 2.0, 9.0])).astype(int)
     assert values[0] == 0 and values[-1] < 255
     assert (np.diff(values) > 0).all()
