@@ -12,24 +12,34 @@ from plan2scene.plans.formats import read_plan
 from plan2scene_app.studio import runs
 
 #: Stands for the workflow, which takes minutes: tells what it tells, makes a GLB of the plan.
-JOB = """
+TELL = """
 import json, sys
+def tell(event, **values):
+    with open(sys.argv[1] + "/run_events.jsonl", "a") as file:
+        file.write(json.dumps({"event": event, **values}) + "\\n")
+"""
+JOB = (
+    TELL
+    + """
 from pathlib import Path
 from PIL import Image
 from plan2scene.plans.formats import (read_plan)
 from plan2scene.mesh.glb import (write_glb)
 home = Path(sys.argv[1])
-print("Job stats:\\nfloorplan  1\\nhouse  1\\ntotal  2\\nrule floorplan:", flush=True)
-print("Finished jobid: 1 (Rule: floorplan)\\nrule house:", flush=True)
+tell("planned", jobs=dict(floorplan=1, house=1))
+tell("started", rule="floorplan")
+tell("finished", rule="floorplan")
+tell("started", rule="house")
 house = home / "house"
 (house / "textures").mkdir(parents=True, exist_ok=True)
-write_glb(read_plan(home / "plan.json", home.name), {}, house / "house.glb")
+write_glb(read_plan(home / "plan.json", home.name), dict(), house / "house.glb")
 (house / "viewer.html").write_text("<h1>the house</h1>")
 Image.new("RGB", (8, 8), "red").save(house / "textures" / "room_floor.png")
-print("Finished jobid: 2 (Rule: house)", flush=True)
+tell("finished", rule="house")
 record = json.loads((home / "run.json").read_text())
-(home / "run.json").write_text(json.dumps(record | {"state": "done"}))
+(home / "run.json").write_text(json.dumps(record | dict(state="done")))
 """
+)
 
 
 @pytest.fixture
@@ -114,20 +124,27 @@ def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, t
 
 
 #: Stands for a workflow whose first stage never ends, and for one whose first stage fails.
-STUCK = """
+STUCK = (
+    TELL
+    + """
 import time
-print("Job stats:\\nfloorplan  1\\nhouse  1\\ntotal  2\\nrule floorplan:", flush=True)
+tell("planned", jobs=dict(floorplan=1, house=1))
+tell("started", rule="floorplan")
 time.sleep(60)
 """
-FAILING = """
-import json, sys
+)
+FAILING = (
+    TELL
+    + """
 from pathlib import Path
-print("Job stats:\\nmasks  1\\ntotal  1\\nrule masks:")
-print("ERROR file photos/a.jpg, house home: expected a JPEG, found text")
-print("Error in rule masks:\\n    message: None", flush=True)
+tell("planned", jobs=dict(masks=1))
+tell("started", rule="masks")
+fault = "file photos/a.jpg, house home: expected a JPEG, found text"
+tell("failed", rule="masks", message=fault)
 record = Path(sys.argv[1]) / "run.json"
 record.write_text(json.dumps(json.loads(record.read_text()) | {"state": "failed"}))
 """
+)
 
 
 def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
