@@ -12,15 +12,16 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
 import yaml
-from damage import places
 from hypothesis import configuration
 from hypothesis import strategies as st
 from PIL import Image
 from safetensors.torch import save
+from unscaled_drawings import dxf
 
 from plan2scene.checkpoints.reading import fitted_state, read_checkpoint, state_dict_of
 from plan2scene.config import check_config, shipped_config
@@ -128,6 +129,19 @@ def homes() -> list[bytes]:
         archive.writestr("Home.xml", text)
         archive.writestr("ContentDigests", "x")
     return [buffer.getvalue()]
+
+
+def layouts() -> list[bytes]:
+    """Return a zind_data.json: a floor of a cleaned plan and one of a panorama."""
+    ring = [[0, 0], [4, 0], [4, 3], [0, 3]]
+    room = {"vertices": ring, "pins": [{"label": "bath"}], "doors": [[1, 0], [2, 0]]}
+    place = {"rotation": 10, "scale": 1, "translation": [1, 1]}
+    layout = {"vertices": ring, "windows": [[1, 0], [2, 0], [-1, 1]]}
+    pano = {"is_primary": True, "label": "hall", "ceiling_height": 2, "layout_raw": layout}
+    panos = {"p": {"q": {**pano, "floor_plan_transformation": place}}}
+    scales = {"f1": 1.0, "f2": 1.5}
+    parts = {"redraw": {"f1": {"r": room}}, "merger": {"f2": {"c": panos}}}
+    return [json.dumps({"scale_meters_per_coordinate": scales, **parts}).encode()]
 
 
 def configs() -> list[bytes]:
@@ -250,6 +264,8 @@ READERS = (
     Reader("plan.svg", drawings, read_any_plan),
     Reader("scan.json", scans, read_any_plan),
     Reader("home.sh3d", homes, read_any_plan),
+    Reader("zind_data.json", layouts, read_any_plan),
+    Reader("plan.dxf", lambda: [dxf(20, "WALL")], read_any_plan),
     Reader(
         "boxes.json",
         lambda: [json.dumps(BOXES).encode()],
@@ -275,47 +291,10 @@ READERS = (
 )
 
 #: What tends to hurt readers of text, of bytes, and of JSON.
-WORDS = [
-    b"",
-    b"0",
-    b"-1",
-    b"1e308",
-    b"1e400",
-    b"NaN",
-    b"nan",
-    b"inf",
-    b"null",
-    b"true",
-    b'"',
-    b"{",
-    b"}",
-    b"[",
-    b"]",
-    b",",
-    b";",
-    b"\t",
-    b"\n",
-    b"\r",
-    b"\x00",
-    b"\xff",
-    b"\xef\xbb\xbf",
-    b"../../x",
-    b"/etc/passwd",
-    b"{house}",
-    b"%s",
-    b"'",
-    b"\\",
-    b"\xe2\x80\xa8",
-    b"\xed\xa0\x80",
-    b"\\ud800",
-    b"9" * 400,
-    b"a" * 400,
-    b"[" * 3000,
-    b"CON",
-    b"|",
-    b"&a [*a]",
-    b"!!python/object:os.system",
-]
+WORDS = [b"", *rb"""0 -1 1e308 1e400 NaN nan inf null true " { } [ ] , ; ' \ | %s CON""".split()]
+WORDS += [b"\t", b"\n", b"\r", b"\x00", b"\xff", b"\xef\xbb\xbf", b"../../x", b"/etc/passwd"]
+WORDS += [b"{house}", b"\xe2\x80\xa8", b"\xed\xa0\x80", b"\\ud800", b"&a [*a]"]
+WORDS += [b"9" * 400, b"a" * 400, b"[" * 3000, b"!!python/object:os.system"]
 NUMBERS = [
     struct.pack(f, v)
     for f, v in (
@@ -329,30 +308,19 @@ NUMBERS = [
         ("<f", float("inf")),
     )
 ]
-VALUES = [
-    None,
-    True,
-    0,
-    -1,
-    1e308,
-    10**400,
-    0.001,
-    "x",
-    "",
-    "..",
-    "\ud800",
-    "a" * 400,
-    [],
-    {},
-    [1],
-    [[1]],
-    {"a": 1},
-    "living",
-    "CON",
-    1000,
-    2**63,
-    [None] * 50,
-]
+VALUES = [None, True, 0, -1, 1e308, 10**400, 0.001, 1000, 2**63, "x", "", "..", "\ud800", "living"]
+VALUES += ["CON", "a" * 400, [], {}, [1], [[1]], {"a": 1}, [None] * 50]
+
+
+def places(value: Any) -> list[tuple[Any, Any]]:
+    """Return (container, key) of everything inside a JSON value."""
+    keys = value if isinstance(value, dict) else range(len(value))
+    found = []
+    for key in keys:
+        found.append((value, key))
+        if isinstance(value[key], dict | list):
+            found += places(value[key])
+    return found
 
 
 def _other_values(draw: Callable, data: bytes) -> bytes:

@@ -9,7 +9,6 @@ from snakemake.utils import update_config
 
 from plan2scene.config import check_config, config_schema, shipped_config
 from plan2scene.errors import InputError
-from plan2scene_app.run import TEXTURE_SIZES
 
 ROOT = Path(__file__).parents[2]
 
@@ -24,11 +23,6 @@ def merged(name: str) -> dict:
 @pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda p: p.name)
 def test_every_config_file_is_valid(path):
     check_config(merged(path.name))
-
-
-def test_the_sizes_of_a_tile_are_those_of_the_command_line():
-    sizes = config_schema()["properties"]["textures"]["properties"]["size_px"]["enum"]
-    assert tuple(sizes) == TEXTURE_SIZES
 
 
 @pytest.mark.parametrize("section", ["photos", "textures", "dataset", "crops"])
@@ -57,14 +51,6 @@ def test_a_path_that_snakemake_could_not_take_is_one_line(value):
         check_config(config)
 
 
-def test_a_key_that_is_far_from_any_is_one_short_line():
-    config = merged("benchmark.yaml") | {f"key_{k}": {"x": list(range(1000))} for k in range(100)}
-    with pytest.raises(InputError) as fault:
-        check_config(config)
-    assert len(str(fault.value)) < 500
-    assert "\n" not in str(fault.value)
-
-
 def defaults(schema: dict) -> dict:
     """Return the defaults of a schema by key, of those keys that have one."""
     found = {}
@@ -78,10 +64,3 @@ def defaults(schema: dict) -> dict:
 def test_the_advanced_settings_are_the_defaults_of_the_schema():
     advanced = yaml.safe_load((ROOT / "config" / "advanced.yaml").read_text())
     assert advanced == defaults(config_schema())
-
-
-def test_a_setting_stands_in_one_file_alone():
-    files = ("config.yaml", "advanced.yaml")
-    basic, advanced = (yaml.safe_load((ROOT / "config" / name).read_text()) for name in files)
-    for section in basic.keys() & advanced.keys():
-        assert not basic[section].keys() & advanced[section].keys()

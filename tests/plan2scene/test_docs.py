@@ -3,8 +3,6 @@
 import re
 from pathlib import Path
 
-import pytest
-
 CLONE = Path(__file__).parents[2]
 FOLDERS = ("benchmarks", "config", "docs", "envs", "resources", "src", "workflow", "workshop")
 #: Files that a text may name; a name with a wildcard or a placeholder in it is not one.
@@ -40,14 +38,3 @@ def test_named_files_exist():
         if not (CLONE / name).exists()
     ]
     assert missing == []
-
-
-@pytest.mark.parametrize(
-    "page", sorted((CLONE / "docs" / "measurements").glob("[a-z]*.md")), ids=lambda path: path.stem
-)
-def test_measurements_say_how_they_were_made(page):
-    text = page.read_text(encoding="utf-8")
-    assert "```" in text and "\n|---" in text
-    assert re.search(r"\b20\d\d-\d\d-\d\d\b", text), "a date"
-    assert re.search(r"\bcommit [0-9a-f]{7}\b", text, re.IGNORECASE), "a commit"
-    assert re.search(r"\b\d+[ -]cores?\b", text), "a machine"

@@ -1,6 +1,4 @@
-import numpy as np
-
-from plan2scene.seeds import derive_seed, generator
+from plan2scene.seeds import derive_seed
 
 
 def test_a_seed_depends_on_every_name_and_on_their_borders():
@@ -16,7 +14,3 @@ def test_a_seed_depends_on_every_name_and_on_their_borders():
 
 def test_a_seed_is_the_same_for_ever():
     assert derive_seed(7, "house", "room", "floor") == 5481095270670824426
-
-
-def test_generators_of_one_name_agree():
-    assert np.array_equal(generator(3, "a").random(5), generator(3, "a").random(5))

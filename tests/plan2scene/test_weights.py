@@ -41,14 +41,6 @@ def test_damaged_files_are_one_line(tmp_path, data):
         load_model_file(path)
 
 
-def test_foreign_safetensors_are_refused(tmp_path):
-    from safetensors.torch import save_file
-
-    save_file({"a": torch.zeros(1)}, tmp_path / "x.safetensors")
-    with pytest.raises(InputError, match="plan2scene header"):
-        load_model_file(tmp_path / "x.safetensors")
-
-
 def test_shipped_weights_have_cards_and_fit_their_budget():
     files = sorted(MODELS.glob("*.safetensors"))
     assert [file.stem for file in files] == [

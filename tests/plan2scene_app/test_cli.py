@@ -1,7 +1,6 @@
 """The command line: what each command writes, and one line for each mistake."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -209,20 +208,6 @@ def test_dxf_layers_by_the_command_line(strange_layers, tmp_path):
         with pytest.raises(InputError) as caught:
             call("import", strange_layers, "--dxf-layer", wrong, "--out", out)
         assert "\n" not in str(caught.value)
-
-
-def test_dxf_layers_reach_the_workflow(strange_layers, tmp_path):
-    import yaml
-
-    from plan2scene_app.run import SingleHouse, prepare, read_input
-
-    plain = SingleHouse(strange_layers, None, None, "flat", "exemplar", None, 0, 128)
-    with pytest.raises(InputError, match="rooms, or walls that close some"):
-        read_input(plain)
-    request = replace(plain, dxf_layers={"rooms": "poly*"})
-    assert read_input(request) == []
-    config = yaml.safe_load(prepare(request, [], tmp_path / "work").read_text())
-    assert config["floorplans"]["dxf_layers"] == {"rooms": "poly*"}
 
 
 def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):

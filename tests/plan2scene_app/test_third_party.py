@@ -9,12 +9,10 @@ import sys
 import numpy as np
 import pytest
 
-from plan2scene.errors import InputError
 from plan2scene.images import read_image
-from plan2scene.plans.formats import plan_formats, reader_code
-from plan2scene.plugins import installed
+from plan2scene.plans.formats import reader_code
 from plan2scene.textures.methods import method_code, texture_methods
-from plan2scene_app.exports.registry import export_code, exports
+from plan2scene_app.exports.registry import export_code
 
 pytestmark = pytest.mark.usefixtures("toy_installed")
 
@@ -48,12 +46,6 @@ def test_command_and_workflow_use_them_by_name(tmp_path):
     assert (tmp_path / made[0]).read_text() == "hall\n"
 
 
-def test_names_are_listed_after_ours():
-    assert [item.name for item in plan_formats() if item.name == "square"]
-    assert [*texture_methods()][-1] == "toy"
-    assert [*exports()][-1] == "rooms"
-
-
 def test_what_cannot_be_used_is_warned_of_and_left_out(caplog):
     with caplog.at_level(logging.WARNING):
         methods = texture_methods()
@@ -70,11 +62,3 @@ def test_a_rule_depends_on_the_version_of_others_and_on_our_source():
     (ours,) = method_code("crop")
     assert ours != export_code("obj")[0]
     assert len(ours) == 16
-
-
-def test_a_missing_package_is_one_line():
-    with (
-        pytest.raises(InputError, match=r"expected toyz \(pip install 'toy-tools'\)"),
-        installed(exports()["rooms"].needs),
-    ):
-        import toyz  # noqa: F401

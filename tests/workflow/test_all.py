@@ -108,13 +108,6 @@ def test_the_table_has_no_empty_cell(made):
     assert float(observed_crop["COLOR"]) == 0.0
 
 
-def test_the_default_profile_is_picked_up(made):
-    link = ROOT / "profiles"
-    assert link.resolve() == ROOT / "workflow" / "profiles"
-    run = made.snakemake("--dry-run", "all")
-    assert "profiles/default" in run.stdout.splitlines()[0]
-
-
 def test_a_second_run_does_nothing(made):
     assert made.jobs("all") == []
 
@@ -174,17 +167,6 @@ def test_editing_the_contact_sheet_redoes_contact_sheets_alone(made):
     finally:
         module.write_text(text)
     assert rules == {"contact_sheet"}
-
-
-def test_one_house_is_made_without_the_others(made, tmp_path):
-    clone = tmp_path / "clone"
-    shutil.copytree(
-        made.root, clone, symlinks=True, ignore=shutil.ignore_patterns("results", ".snakemake")
-    )
-    one, other = made.houses()
-    jobs = type(made)(clone).jobs(f"results/tiny/houses/{one}/house.glb")
-    assert ("house", one) in jobs
-    assert other not in {name for _, name in jobs}
 
 
 def test_the_same_input_gives_the_same_bytes(made, tmp_path):

@@ -40,13 +40,6 @@ def test_accent_walls_are_no_part_of_the_table(bare, tmp_path):
     assert "textures" not in rules
 
 
-def test_a_batch_is_the_houses_that_the_configuration_lists(bare, tmp_path):
-    config = tmp_path / "batch.yaml"
-    config.write_text(f"dataset: {{houses: [{bare.houses()[1]}]}}\n")
-    jobs = bare.jobs("all", "--configfile", "config/config.yaml", str(config))
-    assert {house for _, house in jobs if house} == {bare.houses()[1]}
-
-
 def test_the_jobs_of_a_house(bare):
     rules = Counter(rule for rule, house in bare.jobs("all") if house)
     once = {
@@ -81,30 +74,6 @@ def test_one_method_of_one_house_can_be_asked_for(bare):
     # A method that takes no tile of the library does not wait for it.
     jobs = bare.jobs(f"results/tiny/drop_0.6/synth/{house}/textures")
     assert "texture_library" not in {rule for rule, _ in jobs}
-
-
-def test_the_study_needs_the_textures_of_its_methods_alone(bare, tmp_path):
-    config = tmp_path / "study.yaml"
-    config.write_text("study: {houses: 1, pairs: [[projection, medoid_colour]]}\n")
-    jobs = bare.jobs("study", "--configfile", "config/config.yaml", str(config))
-    rules = Counter(rule for rule, _ in jobs)
-    assert rules["textures"] == 2 and "table_textures" not in rules
-    assert len({house for _, house in jobs if house}) == 1
-
-
-def test_the_study_takes_from_the_table_s_tiles_what_is_compared(bare, tmp_path):
-    config = tmp_path / "study.yaml"
-    config.write_text("study: {houses: 1, pairs: [[synth, crop], [synth, projection]]}\n")
-    jobs = bare.jobs("study", "--configfile", "config/config.yaml", str(config))
-    rules = Counter(rule for rule, _ in jobs)
-    assert rules["table_textures"] == 1
-    # Those of the 3D house, and the method that the table has not.
-    assert rules["textures"] == 2
-
-
-def test_without_answers_the_study_has_no_result(bare):
-    rules = {rule for rule, _ in bare.jobs("study_result")}
-    assert {"study_result", "study", "study_house"} <= rules
 
 
 def test_an_unknown_house_is_one_line_with_the_table_and_the_nearest_names(bare):

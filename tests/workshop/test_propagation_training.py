@@ -31,11 +31,8 @@ from plan2scene_workshop.propagation.measure import (
 from plan2scene_workshop.propagation.run import train_propagation
 from plan2scene_workshop.propagation.settings import PropagationSettings
 from plan2scene_workshop.propagation.training import (
-    DROP_FRACTIONS,
-    MISSED,
     Houses,
     fold,
-    hide,
     log_likelihood,
     scale_of,
     train_network,
@@ -51,18 +48,6 @@ def house_of_one_colour(rng: np.random.Generator, rooms: int = 4) -> HouseGraph:
     embeddings = np.broadcast_to(value, (rooms, 3, 11)).copy()
     ids = tuple(f"r{i}" for i in range(rooms))
     return HouseGraph(ids, types, edges, embeddings, np.ones((rooms, 3), dtype=bool))
-
-
-def test_hide_never_changes_the_graph_and_follows_the_fractions():
-    rng = np.random.default_rng(0)
-    graph = house_of_one_colour(rng, rooms=50)
-    shares = [1 - hide(graph, rng, 0.0).mean() for _ in range(400)]
-    assert graph.observed.all()
-    assert abs(np.mean(shares) - np.mean(DROP_FRACTIONS)) < 0.03
-    # Whole rooms are hidden, and a few surfaces of the others.
-    rows = np.concatenate([hide(graph, rng, 1.0).sum(axis=1) for _ in range(400)])
-    assert abs((rows == 0).mean() - np.mean(DROP_FRACTIONS)) < 0.05
-    assert 0.05 < 1 - rows[rows > 0].mean() / 3 < MISSED
 
 
 @pytest.mark.parametrize("network", [PropagationNetwork, PointerNetwork])

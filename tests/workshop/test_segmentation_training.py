@@ -26,24 +26,15 @@ from plan2scene.photos.labels.palette import (
 )
 from plan2scene.photos.labels.segmentation import load_segmenter
 from plan2scene.weights import save_model_file
-from plan2scene_workshop.segmentation.calibration import best_temperature
 from plan2scene_workshop.segmentation.data import (
-    Horizon,
     LabelledPhoto,
     confusion,
     read_labelled_photos,
     scores,
 )
-from plan2scene_workshop.segmentation.losses import (
-    distillation_loss,
-    geometry_loss,
-    segmentation_loss,
-)
 from plan2scene_workshop.segmentation.run import averaged_runs, start_from, train_segmentation
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.segmentation.training import (
-    take_statistics,
-    told_elevation,
     train_network,
 )
 
@@ -78,59 +69,6 @@ def test_scores_take_doors_and_windows_as_other_and_by_themselves() -> None:
     assert found.iou[WALL] == 0
     assert found.accuracy == pytest.approx(3 / 4)
     assert found.openings == pytest.approx(1 / 3)
-
-
-def test_truth_without_openings_takes_any_of_them_for_other() -> None:
-    labels = torch.zeros(1, 8, 8, dtype=torch.int64)
-    door = torch.zeros(1, 6, 8, 8)
-    door[:, DOOR] = 9
-    other, told = door.roll(-DOOR, 1), torch.tensor([True])
-    assert segmentation_loss(door, labels, 0.5, 0.0, ~told) < 0.1
-    assert segmentation_loss(door, labels, 0.5, 0.0, told) > 5
-    assert segmentation_loss(other, labels, 0.5, 0.0, told) < 0.1
-
-
-def test_geometry_loss_counts_known_pixels_alone_and_depth_up_to_scale() -> None:
-    normals = torch.zeros(2, 3, 8, 8)
-    normals[:, 2, :4] = -1
-    depths = torch.ones(2, 8, 8)
-    depths[:, :, 4:] = 2
-    found = torch.zeros(2, 4, 2, 2)
-    found[:, 2], found[:, 3, :, 1] = -3, float(np.log(2))
-    assert geometry_loss(found + 0.0, normals, 5 * depths) == pytest.approx(0, abs=1e-5)
-    found[:, 2, 1] = 3  # where no normal is known
-    assert geometry_loss(found, normals, depths) == pytest.approx(0, abs=1e-5)
-    assert geometry_loss(-found, normals, depths) > 1
-
-
-def test_loss_leaves_ignored_pixels_out_and_falls_for_the_truth() -> None:
-    labels = torch.full((1, 8, 8), WALL)
-    labels[:, :4] = FLOOR
-    right = torch.zeros(1, 4, 8, 8)
-    right[:, FLOOR, :4] = 8
-    right[:, WALL, 4:] = 8
-    wrong = right.flip(2)
-    assert segmentation_loss(right, labels, 0.5) < 0.5 < segmentation_loss(wrong, labels, 0.5)
-    ignored = labels.clone()
-    ignored[:, :4] = IGNORE
-    changed = right.clone()
-    changed[:, :, :4] = torch.randn(1, 4, 4, 8)
-    assert torch.allclose(
-        segmentation_loss(right, ignored, 0.5), segmentation_loss(changed, ignored, 0.5)
-    )
-
-
-def test_distillation_loss_is_the_divergence_of_answers_where_there_is_a_photo() -> None:
-    labels = torch.zeros(1, 4, 4, dtype=torch.int64)
-    labels[:, 2:] = IGNORE
-    taught = torch.zeros(1, 2, 2, 2)
-    taught[:, 0] = float(np.log(3))  # 3/4 and 1/4
-    assert distillation_loss(taught + 5, taught, labels) == pytest.approx(0, abs=1e-6)
-    even = torch.zeros(1, 2, 2, 2)
-    by_hand = 0.75 * np.log(0.75 / 0.5) + 0.25 * np.log(0.25 / 0.5)
-    assert distillation_loss(even, taught, labels) == pytest.approx(by_hand, rel=1e-5)
-    even[:, 0, 1] = 50  # beyond the photo
-    assert distillation_loss(even, taught, labels) == pytest.approx(by_hand, rel=1e-5)
 
 
 def _tiny() -> SegmentationNet:
@@ -174,28 +112,6 @@ def test_a_network_learns_its_teachers_averaged_answers_whatever_labels_say(
     torch.testing.assert_close(found, wanted, atol=0.06, rtol=0)
 
 
-def test_of_what_teachers_do_not_know_the_labels_alone_are_learned(tmp_path: Path) -> None:
-    teacher = _tiny()
-    save_model_file(tmp_path / "t.safetensors", teacher.state_dict(), teacher.architecture)
-    alone = SegmentationSettings(batch=4, small=64, long_side=64, steps=2, evaluate_every=0)
-    with_teacher = dataclasses.replace(
-        alone, teachers=str(tmp_path / "t.safetensors"), distillation=1.0
-    )
-    photos = [_striped(k) for k in range(4)]
-    untaught = [dataclasses.replace(photo, taught=False) for photo in photos]
-    wanted, same, other = (
-        train_network(_tiny(), seen, photos[:1], settings, seed=0).network.head.weight
-        for seen, settings in ((photos, alone), (untaught, with_teacher), (photos, with_teacher))
-    )
-    assert torch.equal(same, wanted)
-    assert not torch.equal(other, wanted)
-    # Steps of taught views alone, of others alone: both are logged alike.
-    mixed = [photos[0], dataclasses.replace(photos[1], taught=False)]
-    single = dataclasses.replace(with_teacher, batch=1, steps=6)
-    trained = train_network(_tiny(), mixed, photos[:1], single, seed=0)
-    assert trained.step == 6
-
-
 def _write_data_set(root: Path) -> None:
     (root / "data_lists").mkdir(parents=True)
     for split, house in (("train", "h1"), ("val", "h2")):
@@ -206,40 +122,6 @@ def _write_data_set(root: Path) -> None:
         write_json(truth / "cameras.json", {name: {}})
         write_png(root / "photos" / name, photo.image)
         write_label_png(truth / "masks" / f"{house}_a.png", photo.labels)
-
-
-def test_training_learns_from_geometry_and_openings_too() -> None:
-    photo = _striped(0)
-    geometry = np.ones((*photo.labels.shape, 4), np.float16)
-    photos = [dataclasses.replace(photo, geometry=geometry, openings=True), _striped(1)]
-    settings = SegmentationSettings(batch=4, small=64, long_side=64, steps=2)
-    trained = train_network(_tiny(), photos, photos, settings, seed=0)
-    again = train_network(_tiny(), photos, photos, settings, seed=0)
-    assert isinstance(trained.network, SegmentationNet)
-    for one, same in zip(trained.network.parameters(), again.network.parameters(), strict=True):
-        assert torch.equal(one, same)
-
-
-def test_doors_and_windows_begin_as_the_other_of_a_network_without_them(tmp_path: Path) -> None:
-    old = _tiny()
-    save_model_file(tmp_path / "old.safetensors", old.state_dict(), old.architecture, half=False)
-    new = SegmentationNet(
-        widths=[8] * 5, depths=[1] * 4, decoder=16, long_side=64, labels=len(LABELS_AND_OPENINGS)
-    )
-    start_from(new, tmp_path / "old.safetensors")
-    x = torch.rand(1, 3, 32, 32)
-    four, six = old.eval()(x), new.eval()(x)
-    assert torch.allclose(six[:, :4], four, atol=1e-6)
-    assert torch.allclose(six[:, DOOR], four[:, OTHER], atol=1e-6)
-
-
-def test_temperature_undoes_a_factor_on_logits() -> None:
-    rng = np.random.default_rng(0)
-    logits = rng.normal(0, 2, (4, 40, 40)).astype(np.float32)
-    shares = np.exp(logits) / np.exp(logits).sum(axis=0)
-    labels = (shares.cumsum(axis=0) < rng.random((40, 40))).sum(axis=0).clip(0, 3).astype(np.uint8)
-    assert best_temperature([logits] * 7, [labels] * 7) == pytest.approx(1.0, rel=0.2)
-    assert best_temperature([2 * logits], [labels]) == pytest.approx(2.0, rel=0.2)
 
 
 def test_train_segmentation_writes_weights_and_card(tmp_path: Path) -> None:
@@ -308,39 +190,6 @@ def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_f
     save_model_file(other_file, tiny.state_dict(), tiny.architecture)
     with pytest.raises(InputError, match="shapes"):
         train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0)
-
-
-def test_statistics_are_those_of_the_last_weights() -> None:
-    photos = [_striped(k) for k in range(4)]
-    settings = SegmentationSettings(batch=2, small=32, long_side=64, statistics=3)
-    found = []
-    for _ in range(2):
-        torch.manual_seed(4)
-        network = SegmentationNet(elevation=True, labels=len(LABELS_AND_OPENINGS))
-        weights = network.head.weight.clone()
-        take_statistics(network, photos, settings, seed=1)
-        assert torch.equal(network.head.weight, weights) and not network.training
-        found.append(network.state_dict())
-    names = [name for name in found[0] if name.endswith("running_mean")]
-    assert names and all(torch.equal(found[0][name], found[1][name]) for name in names)
-    assert all(found[0][name].any() for name in names)
-    counts = {int(value) for name, value in found[0].items() if name.endswith("batches_tracked")}
-    assert counts == {3}
-    norms = [m for m in network.modules() if isinstance(m, torch.nn.BatchNorm2d)]
-    assert {norm.momentum for norm in norms} == {torch.nn.BatchNorm2d(1).momentum}
-
-
-def test_elevations_follow_the_horizon_and_are_sometimes_unknown() -> None:
-    photo = dataclasses.replace(_striped(1), horizon=Horizon((0.0, -1.0, 0.0), 0.75))
-    exact = SegmentationSettings(elevation_known=1.0, elevation_noise_deg=0.0)
-    rng = np.random.default_rng(0)
-    elevation = told_elevation(photo, exact, rng)
-    height = photo.labels.shape[0]
-    assert (elevation[: height // 2] > 0).all()  # a level camera has its horizon in the middle
-    assert (elevation[height // 2 :] < 0).all()
-    never = SegmentationSettings(elevation_known=0.0)
-    assert np.isnan(told_elevation(photo, never, rng)).all()
-    assert np.isnan(told_elevation(_striped(1), exact, rng)).all()
 
 
 def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path: Path) -> None:

@@ -8,14 +8,6 @@ from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, pe
 from plan2scene_workshop.texture import losses
 
 
-def test_colour_distance_is_the_shift_of_the_distribution() -> None:
-    image = torch.rand(1, 3, 16, 16) * 0.5
-    assert float(losses.colour_distance(image, image.flip(3))) == 0.0
-    # RGB and luminance move by 0.1 (halved for luminance), the two opponent colours not at all.
-    moved = losses.colour_distance(image + 0.1, image)
-    assert float(moved) == pytest.approx((3 * 0.1 + 0.05) / 6, abs=1e-5)
-
-
 def test_frequency_distance_is_freq_and_has_gradients() -> None:
     rng = np.random.default_rng(1)
     images = rng.integers(0, 256, (2, 128, 128, 3), dtype=np.uint8)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.house import SUBSTANCES
 from plan2scene.images import write_png
 from plan2scene.textures.model.texture_model import Architecture, load_texture_model
 from plan2scene_workshop.texture import data as td
@@ -44,11 +43,6 @@ def materials(tmp_path_factory) -> Path:
     return path
 
 
-def test_procedural_textures_are_balanced(textures) -> None:
-    assert textures.tiles.shape == (8, 256, 256, 3)
-    assert np.bincount(textures.substances).tolist() == [2] * len(SUBSTANCES)
-
-
 def test_materials_come_back_as_they_were_made(textures, materials) -> None:
     learnt, held_out = td.read_materials(materials)
     assert np.array_equal(learnt.tiles, textures.tiles[:4])
@@ -70,23 +64,6 @@ def test_real_textures_are_split_as_their_index_says(textures, tmp_path) -> None
     assert np.array_equal(learnt.tiles[1:], textures.tiles[:2])
     assert np.array_equal(held_out["real"].tiles, textures.tiles[2:3])
     assert td.seen_textures(learnt)[1].startswith("2 real")
-
-
-def test_weights_balance_substances_and_sources(textures) -> None:
-    scanned = td.TextureSet(textures.tiles[:3], np.array([0, 0, 1]), np.ones(3, dtype=bool))
-    joined = td.join_sets(textures, scanned)
-    weights = td.sampling_weights(joined, 0.4)
-    assert weights.sum() == pytest.approx(1.0)
-    assert weights[8:].tolist() == pytest.approx([0.1, 0.1, 0.2])
-    alone = td.sampling_weights(textures, 0.4)
-    assert alone.tolist() == pytest.approx([1 / 8] * 8)
-
-
-def test_random_crop_of_a_whole_tile_keeps_its_colours(textures) -> None:
-    rng = np.random.default_rng(0)
-    crop = td.random_crop(textures.tiles[0], rng, closest_px=256)
-    assert crop.shape == (128, 128, 3)
-    np.testing.assert_allclose(crop.mean((0, 1)), textures.tiles[0].mean((0, 1)), atol=1.0)
 
 
 def test_training_repeats_itself_and_resumes_to_the_byte(textures, tmp_path) -> None:
@@ -119,14 +96,6 @@ def test_training_reduces_the_loss(textures) -> None:
     assert np.mean(totals[-5:]) < 0.8 * np.mean(totals[:3])
 
 
-def test_rate_falls_and_the_finish_starts_at_a_quarter() -> None:
-    settings = TextureSettings(steps=100, finish=10)
-    assert [settings.rate(k) for k in (0, 1, 50)] == [0.5, 1.0, 1.0]
-    assert settings.rate(99) < 0.02
-    assert settings.rate(100) == 0.25
-    assert settings.rate(109) < 0.02
-
-
 def test_run_writes_weights_and_card(materials, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(texture_run, "ARCHITECTURES", {"texture": TINY})
     output, card = tmp_path / "texture.safetensors", tmp_path / "texture.md"
@@ -137,17 +106,6 @@ def test_run_writes_weights_and_card(materials, tmp_path, monkeypatch) -> None:
     assert "nan" not in text
     with pytest.raises(InputError, match="other"):
         texture_run.train_texture("other", materials, output, card, settings=SETTINGS, seed=0)
-
-
-def test_shipped_models_fit_their_cards() -> None:
-    folder = Path(__file__).parents[2] / "resources" / "models"
-    total = 0
-    for name, architecture in texture_run.ARCHITECTURES.items():
-        path = folder / f"{name}.safetensors"
-        assert load_texture_model(path).architecture == architecture
-        assert f"# {name}" in (folder / f"{name}.md").read_text(encoding="utf-8")
-        total += path.stat().st_size
-    assert total < 20e6
 
 
 def test_shipped_texture_model_keeps_its_figures() -> None:

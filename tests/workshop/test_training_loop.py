@@ -7,13 +7,11 @@ import pytest
 import torch
 from torch import nn
 
-from plan2scene.errors import InputError
 from plan2scene_workshop.training.card import Card, table, write_card
 from plan2scene_workshop.training.loop import (
     Trained,
     Trainer,
     TrainerOptions,
-    averaged,
     cosine,
 )
 
@@ -100,56 +98,6 @@ def test_the_best_evaluation_is_kept():
     found = run.fit()
     assert (found.step, found.score) == (9, 0.7)
     assert torch.equal(found.network[3].weight, seen[2])
-
-
-def test_without_evaluation_or_average_the_last_weights_are_kept():
-    run = trainer(average_decay=None, evaluate_every=0)
-    run.evaluate = None
-    found = run.fit()
-    assert found.step == 12
-    assert math.isnan(found.score)
-    assert found.network is run.network
-
-
-def test_the_loss_runs_in_bfloat16_where_asked():
-    for asked, dtype in ((True, torch.bfloat16), (False, torch.float32)):
-        run, seen = trainer(bfloat16=asked), []
-        inner = run.loss
-
-        def loss(step, rng, run=run, seen=seen, inner=inner):
-            seen.append(run.network(torch.eye(3)).dtype)
-            return inner(step, rng)
-
-        run.loss = loss
-        assert run.train_step()["loss"].dtype == torch.float32
-        assert seen == [dtype]
-
-
-def test_average_follows_the_network():
-    network = nn.Linear(2, 1)
-    average = averaged(network, 0.9)
-    with torch.no_grad():
-        average.update_parameters(network)
-        network.weight.fill_(3.0)
-        for _ in range(200):
-            average.update_parameters(network)
-    assert torch.allclose(average.module.weight, torch.full((1, 2), 3.0), atol=1e-3)
-
-
-def test_schedule_rises_holds_and_falls():
-    assert [cosine(k, 100, rise=4) for k in range(4)] == [0.25, 0.5, 0.75, 1.0]
-    assert cosine(59, 100, rise=4, hold=60) == cosine(60, 100, rise=4, hold=60) == 1.0
-    assert cosine(80, 100, hold=60) == pytest.approx(0.505)
-    assert cosine(100, 100, floor=0.0) == pytest.approx(0.0)
-
-
-def test_a_loss_that_is_not_finite_is_an_error():
-    run = trainer()
-    run.loss = lambda step, rng: {"error": run.network[0].weight.sum() * math.nan}
-    with pytest.raises(InputError, match="finite loss of toy"):
-        run.fit()
-    with pytest.raises(InputError, match="steps above 0"):
-        trainer(steps=0)
 
 
 def test_card_names_command_settings_seed_and_figures(tmp_path):

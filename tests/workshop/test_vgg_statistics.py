@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import torch
 
-from plan2scene.errors import InputError
 from plan2scene_workshop.texture import vgg_statistics as vs
 
 
@@ -37,21 +36,3 @@ def test_vgg_taps_and_circular_padding(vgg_file) -> None:
         np.testing.assert_allclose(mine, theirs, rtol=1e-3, atol=1e-5)
     assert float(vgg.distance(image, image)) == 0.0
     assert float(vgg.distance(image.flip(1), image)) > 0.0
-
-
-def test_vgg_weights_of_another_shape_are_refused(vgg_file, tmp_path) -> None:
-    state = torch.load(vgg_file, weights_only=True)
-    del state["features.28.weight"]
-    torch.save(state, tmp_path / "bad.pth")
-    with pytest.raises(InputError, match=r"features\.28\.weight"):
-        vs.VggStatistics(tmp_path / "bad.pth")
-    (tmp_path / "text.pth").write_text("no weights")
-    with pytest.raises(InputError, match=r"text\.pth"):
-        vs.VggStatistics(tmp_path / "text.pth")
-
-
-def test_unknown_source_is_refused() -> None:
-    with pytest.raises(InputError, match="resnet"):
-        vs.load_statistics("resnet")
-    with pytest.raises(InputError, match="with a file"):
-        vs.load_statistics("pretrained")

@@ -200,7 +200,10 @@ def load_dxf(source: Source, path: Path) -> Any:
 
     if path.stat().st_size > MAX_BYTES:
         raise source.fault(f"at most {MAX_BYTES} bytes of DXF", path.stat().st_size)
-    damage = (ezdxf.DXFError, OSError, ValueError, LookupError, TypeError, AttributeError)
+    damage = (
+        *(ezdxf.DXFError, OSError, ValueError, LookupError, TypeError, AttributeError),
+        StopIteration,  # the file ends within a point
+    )
     try:
         return ezdxf.readfile(path)
     except damage as error:

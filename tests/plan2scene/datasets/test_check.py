@@ -1,4 +1,3 @@
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +9,7 @@ from plan2scene.datasets.assignments import (
     read_assignment,
     rooms_of_photos,
 )
-from plan2scene.datasets.check import check_dataset, check_plan, photo_problem
+from plan2scene.datasets.check import check_dataset
 from plan2scene.datasets.drops import read_unobserved
 from plan2scene.datasets.house_table import make_house_table, read_house_table
 from plan2scene.datasets.import_plan import import_plan
@@ -81,18 +80,6 @@ def test_empty_table_is_a_warning(tmp_path, text):
     ]
 
 
-def test_table_that_is_not_there(tmp_path):
-    with pytest.raises(InputError) as caught:
-        read_assignment(tmp_path / "t.csv", small_house())
-    line = f"file {tmp_path / 't.csv'}, house h1: expected a photo table, found no such file"
-    assert str(caught.value) == line
-
-
-def test_no_table_is_no_rows():
-    assert read_assignment(None, small_house()) == ()
-    assert read_assignment([], small_house()) == ()
-
-
 @pytest.mark.parametrize(
     ("text", "line"),
     [
@@ -105,11 +92,6 @@ def test_no_table_is_no_rows():
             "room_id,photo\na,../one.jpg\n",
             ", house h1: expected a plain file name without '..', a leading '/' or braces, "
             "found '../one.jpg'",
-        ),
-        (
-            "room_id,photo\na,/etc/one.jpg\n",
-            ", house h1: expected a plain file name without '..', a leading '/' or braces, "
-            "found '/etc/one.jpg'",
         ),
         (
             "room_id,photo\na,one.jpg\na,one.png\n",
@@ -138,13 +120,6 @@ def test_a_table_need_not_name_rooms(tmp_path, text):
     path = table(tmp_path, text)
     assert read_assignment(path, small_house()) == (PhotoAssignment("", "one.jpg"),)
     assert rooms_of_photos(path, small_house()) == {"one.jpg": []}
-
-
-def test_missing_photo_is_a_warning(tmp_path):
-    rows = (PhotoAssignment("a", "gone.jpg"),)
-    assert check_assignment(small_house(), rows, tmp_path, file="t.csv") == [
-        f"file t.csv, house h1, room a: expected photo gone.jpg in {tmp_path}, found no such file"
-    ]
 
 
 def test_import_stops_at_a_bad_table(tmp_path, caplog):
@@ -182,11 +157,6 @@ def test_house_table(tmp_path):
         },
         {"house": "NA", "split": "val", "plan": "q.json", "assignment": "", "photos": ""},
     ]
-
-
-def test_house_table_leaves_photo_names_to_the_house(tmp_path):
-    path = table(tmp_path, HEADER + "h1\ttest\tp.json\t\t../a.jpg\n")
-    assert read_house_table(path)["photos"].tolist() == ["../a.jpg"]
 
 
 @pytest.mark.parametrize(
@@ -241,17 +211,6 @@ def test_make_house_table_of_an_incomplete_data_set(dataset):
     assert frame.loc["h1", "photos"] == ""
 
 
-def test_make_house_table_without_lists(tmp_path):
-    with pytest.raises(InputError, match="data_lists"):
-        make_house_table(tmp_path)
-
-
-def test_house_in_two_lists(dataset):
-    (dataset / "data_lists/train.txt").write_text("h1\n")
-    with pytest.raises(InputError, match="house h1: expected each house once"):
-        make_house_table(dataset)
-
-
 def test_unobserved(tmp_path):
     path = tmp_path / "u.json"
     path.write_text('{"0.0": [], "0.60": ["a.jpg"], "1": ["a.jpg", "b.jpg"]}')
@@ -294,45 +253,3 @@ def test_every_problem_is_a_line(dataset):
     )
     assert lines[5].startswith("warning: ")
     assert all("\n" not in line for line in lines)
-
-
-def test_empty_table_of_a_data_set_is_a_warning(dataset):
-    table(dataset / "photo_assignments/test", "")
-    problems = check_dataset(dataset)
-    assert [problem.level for problem in problems] == ["warning", "warning"]
-    assert "house h1: expected at least one photo, found none" in problems[0].line
-
-
-def test_check_plan(tmp_path):
-    write_scene_json(small_house(), tmp_path / "p.json")
-    house, problems = check_plan(tmp_path / "p.json", "h1")
-    assert problems == []
-    assert house == small_house()
-    document = json.loads((tmp_path / "p.json").read_text())
-    document["scene"]["arch"]["rooms"][0]["types"] = ["Ballroom"]
-    (tmp_path / "p.json").write_text(json.dumps(document))
-    house, problems = check_plan(tmp_path / "p.json", "h1")
-    assert house is None
-    assert [problem.level for problem in problems] == ["error"]
-    assert "room a: expected a room type" in problems[0].line
-
-
-def test_photo_problem(tmp_path):
-    from PIL import Image
-
-    whole = tmp_path / "whole.jpg"
-    Image.effect_noise((64, 64), 50).save(whole)
-    photo_problem(whole, house_id="h1")
-    for name, data in (("cut.jpg", whole.read_bytes()[:-200]), ("none.jpg", b"")):
-        (tmp_path / name).write_bytes(data)
-        with pytest.raises(InputError, match=f"{name}, house h1: expected"):
-            photo_problem(tmp_path / name, house_id="h1")
-    Image.new("I;16", (8000, 7000)).save(tmp_path / "deep.png")
-    with pytest.raises(InputError, match="decodes, found ValueError: mode I;16 of so many pixels"):
-        photo_problem(tmp_path / "deep.png", house_id="h1")
-    for mode in ("L", "1", "P"):
-        Image.new(mode, (8000, 7000)).save(tmp_path / "large.png")
-        photo_problem(tmp_path / "large.png", house_id="h1")  # it is reduced while it is decoded
-    Image.new("1", (16000, 10000)).save(tmp_path / "huge.png")
-    with pytest.raises(InputError, match="150000000 pixels, found 16000x10000"):
-        photo_problem(tmp_path / "huge.png", house_id="h1")

@@ -1,6 +1,6 @@
 import pytest
 
-from plan2scene.config import check_metrics, check_official
+from plan2scene.config import check_official
 from plan2scene.datasets.house_table import (
     TableRow,
     photo_paths,
@@ -34,11 +34,6 @@ def test_an_unknown_house_is_told_with_the_nearest_names(tmp_path):
         table["xyz"]
 
 
-def test_a_missing_table_is_an_error(tmp_path):
-    with pytest.raises(InputError):
-        read_table(tmp_path / "none.tsv")
-
-
 def test_only_photos_that_exist_inside_the_folder(tmp_path):
     folder = tmp_path / "photos"
     folder.mkdir()
@@ -58,11 +53,3 @@ def test_official_weights_need_their_checkpoints(tmp_path):
             check_official({"weights": "official", "official": given | {name: None}})
     with pytest.raises(InputError, match=r"official\.naivesynth\), found no such file"):
         check_official({"weights": "official", "official": given | {"naivesynth": "no.ckpt"}})
-
-
-def test_networks_of_the_metrics_must_be_there(tmp_path):
-    there = tmp_path / "a.pth"
-    there.write_bytes(b"")
-    check_metrics({"vgg16": None, "inception": str(there)})
-    with pytest.raises(InputError, match=r"metrics\.vgg16\), found no such file"):
-        check_metrics({"vgg16": "no.ckpt", "inception": None})

@@ -153,15 +153,6 @@ def test_bare_and_full_plans(copy):
     assert len(plans["full"].objects) == len(drawn_icons(plans["bare"])) > 0
 
 
-def test_full_plans_that_are_missing_are_told(copy):
-    path = copy / "processed/full_archs/test/home_test_0.scene.json"
-    path.unlink()
-    table = table_of(dataset(copy, architecture="full"))
-    assert "archs_no_objects" in table["home_test_0"].plan
-    (line,) = table.warnings
-    assert "home_test_0.scene.json" in line
-
-
 def test_object_boxes_become_icons(copy, tmp_path):
     plan = copy / "input/archs_no_objects/test/home_test_0.scene.json"
     boxes = copy / "input/object_aabbs/test/home_test_0.objectaabb.json"
@@ -194,17 +185,6 @@ def test_faulty_object_boxes_are_a_line_and_the_house_goes_on(copy, tmp_path, do
     assert [line.startswith(f"warning: file {boxes}") for line in lines_of(copy)] == [True]
 
 
-def test_boxes_off_the_plan_are_told(copy):
-    boxes = copy / "input/object_aabbs/test/home_test_1.objectaabb.json"
-    far = {"type": "bed", "bound_box": {"p1": [90, 90], "p2": [91, 91]}}
-    flat = {"type": "bed", "bound_box": {"p1": [1, 1], "p2": [1, 2]}}
-    write_json(boxes, {"objects": [far, flat]})
-    lines = lines_of(copy)
-    assert len(lines) == 2
-    assert "within the plan, found bed from (90.0, 90.0)" in lines[0]
-    assert "with an extent" in lines[1]
-
-
 def test_each_missing_part_is_one_line(copy):
     data = copy / "input"
     (data / "data_lists/train.txt").unlink()
@@ -229,16 +209,6 @@ def test_each_missing_part_is_one_line(copy):
     assert len(lines) == len(expected)
     assert all(part in line for part, line in zip(expected, lines, strict=True))
     assert all(line.startswith("warning: ") for line in lines)
-
-
-def test_without_processed_and_hidden_photos(source, tmp_path):
-    write_rent3dpp_copy(source, tmp_path / "copy")
-    (tmp_path / "copy/input/unobserved_photos.json").unlink()
-    lines = lines_of(tmp_path / "copy")
-    assert [line.split("expected ")[1].split(" (")[0] for line in lines] == [
-        "the photos to hide at each drop fraction",
-        "ready crops",
-    ]
 
 
 def test_an_empty_path_is_one_line(tmp_path):

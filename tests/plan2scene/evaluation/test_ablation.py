@@ -66,36 +66,6 @@ def test_mean_embedding_is_the_mean_of_visible_crops(at):
     )
 
 
-def test_a_random_crop_is_one_of_the_visible_ones(at):
-    tables = at(["p2.jpg"])
-    drawn = set()
-    for seed in range(20):
-        frame = selected(
-            *tables[:3], ["p2.jpg"], Variant("v", "", select="random"), house="h1", seed=seed
-        )
-        row = frame.set_index(["room_id", "surface"]).loc["bed", "floor"]
-        drawn.add(row["crop_id"])
-        code = _codes(tables[2], [row["crop_id"]])[0]
-        np.testing.assert_array_equal(row["embedding"][:8], code[:8])
-        colours = np.median(_codes(tables[2], ["a", "b"])[:, 8:], axis=0)
-        np.testing.assert_allclose(row["embedding"][8:], colours, rtol=1e-6)
-    assert drawn == {"a", "b"}
-
-
-def test_the_paper_s_colour_is_the_selected_crop_s(at):
-    tables = at([])
-    frame = _select(tables, [], crop_colour=True)
-    for row in frame.itertuples():
-        np.testing.assert_array_equal(row.embedding, _codes(tables[2], [row.crop_id])[0])
-
-
-def test_rgb_decodes_the_code_of_the_selected_crop(tables):
-    frame = _select(tables, HIDDEN["0.6"], rgb=True)
-    for row in frame.itertuples():
-        code = _codes(tables[2], [row.crop_id], "naive_embedding")[0]
-        np.testing.assert_array_equal(row.naive_embedding, code)
-
-
 def _predict(plan, tables, models, how):
     frame = predicted(plan, tables[3], Variant("v", "", propagate=how), models)
     return {SurfaceKey(r.room_id, r.surface): np.asarray(r.embedding) for r in frame.itertuples()}

@@ -2,12 +2,11 @@
 
 import shutil
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from plan2scene.evaluation.houses import EvaluatedHouse, propagated_at
+from plan2scene.evaluation.houses import propagated_at
 from plan2scene.evaluation.measure import measure_tiles, reference_images
 from plan2scene.house import SurfaceKey
 from plan2scene.images import read_image
@@ -88,20 +87,3 @@ def test_only_methods_that_draw_noise_get_more_images(compared):
         lengths = {len(row) for row in rows["further_features"]}
         size = len(rows["features"].iloc[0])
         assert lengths == ({2 * size} if method in ("naivesynth", "synth") else {0})
-
-
-def test_a_job_s_inputs_and_params_become_a_house(house):
-    models = {name: str(path) for name, path in vars(house.models).items()}
-    params = SimpleNamespace(
-        dataset="d",
-        seed=0,
-        size_px=64,
-        seam_correction={},
-        models=models,
-        predictor="network",
-    )
-    files = house.files
-    paths = {name: str(getattr(files, name)) for name in ("scene", "crops", "library")}
-    assert EvaluatedHouse.of(paths, "h1", params) == replace(house, predictor="network")
-    pooled = EvaluatedHouse.of({**paths, "pool": "pool.parquet"}, "h1", params)
-    assert str(pooled.files.crop_pool) == "pool.parquet"

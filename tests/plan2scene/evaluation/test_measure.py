@@ -9,7 +9,6 @@ from plan2scene.errors import InputError
 from plan2scene.evaluation.measure import (
     Networks,
     measure_tiles,
-    pair_metrics,
     reference_features,
     reference_images,
 )
@@ -18,10 +17,8 @@ from plan2scene.evaluation.tables import TableRequest, published_value
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.materials import random_material
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
-from plan2scene.metrics.networks import features_of
 from plan2scene.metrics.registry import METRICS
 from plan2scene.metrics.substance_network import SubstanceNetwork, save_substance_network
 
@@ -92,22 +89,6 @@ def test_a_crop_against_itself_is_perfect(model):
     tiles = {"r1/wall": CROPS["d"][3]}
     row = _measured("h", tiles, {"r1/wall"}, "crop", "0.0", model, []).iloc[0]
     assert (row.color, row.freq, row.subs) == (0.0, 0.0, 0)
-
-
-def test_further_images_count_for_the_features_alone(model):
-    more = [_noise(20 + k) for k in range(4)]
-    given = ("h", TILES, {"r1/floor"}, "synth", "0.6", model, ["p2.jpg"])
-    one, three = _measured(*given), _measured(*given, more)
-    expected = features_of(model, more).reshape(2, -1)
-    assert np.allclose(np.stack(three["further_features"]), expected, atol=1e-5)
-    assert one["color"].tolist() == three["color"].tolist()
-    assert np.array_equal(np.stack(one["features"]), np.stack(three["features"]))
-
-
-def test_a_house_without_measurable_surface_has_no_row(model):
-    frame = _measured("h", {"r9/floor": _noise(1)}, set(), "crop", "0.0", model, [])
-    assert len(frame) == 0
-    assert "features" in frame
 
 
 def test_an_observed_surface_without_visible_crop_is_a_fault(model):
@@ -240,18 +221,3 @@ def test_metrics_of_two_networks_are_not_mixed(results):
     write_parquet(path, frame, metadata | {"model": "another"})
     with pytest.raises(InputError, match="one features network"):
         _table(results, _request())
-
-
-def test_an_image_against_itself():
-    image = random_material("wood", 3, size_px=128).albedo
-    figures = pair_metrics(image, image)
-    assert (figures["color"], figures["freq"], figures["subs"]) == (0.0, 0.0, 0)
-    assert figures["tile"] == pytest.approx(tile_score(image))
-
-
-def test_tile_is_of_the_prediction_and_sizes_may_differ():
-    image = random_material("tile", 5, size_px=256).albedo
-    flat = np.full((64, 64, 3), 90, np.uint8)
-    assert pair_metrics(flat, image)["tile"] == pytest.approx(0.0, abs=1e-9)
-    assert pair_metrics(image, flat)["tile"] > 1.0
-    assert pair_metrics(flat, image)["color"] == pytest.approx(pair_metrics(image, flat)["color"])

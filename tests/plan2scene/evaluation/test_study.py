@@ -214,17 +214,6 @@ def test_files_that_are_not_as_the_form_writes_them_are_refused(form, tmp_path, 
     assert "\n" not in str(caught.value)
 
 
-def test_bytes_that_are_no_text_and_huge_files_are_refused(form, tmp_path):
-    key = _key(form)
-    path = tmp_path / "bad.csv"
-    path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="UTF-8"):
-        read_answers(path, key)
-    path.write_text(HEADER + "\n" + "x" * 1_000_001)
-    with pytest.raises(InputError, match="bytes"):
-        read_answers(path, key)
-
-
 def test_the_result_counts_good_files_and_names_the_others(form, tmp_path):
     key = _key(form)
     lines = [HEADER, *(_row(key, question) for question in key["question"])]

@@ -6,8 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plan2scene.errors import InputError
-from plan2scene.evaluation import tables
 from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.tables import (
     TABLE_COLUMNS,
@@ -17,7 +15,6 @@ from plan2scene.evaluation.tables import (
     tidy_table,
 )
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.metrics import feature_sets
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 from plan2scene.metrics.registry import METRICS
 
@@ -104,24 +101,6 @@ def test_house_by_house_is_all_houses_at_once(tmp_path, dimension):
     assert networks["COLOR"] == "none"
 
 
-def test_files_read_again_for_other_cells_say_the_same(tmp_path, monkeypatch):
-    measured = Measurements(*_files(tmp_path, 3))
-    once = tidy_table(measured, _request(3))
-    monkeypatch.setattr(tables, "_AT_ONCE", 4)
-    pd.testing.assert_frame_equal(tidy_table(measured, _request(3)), once)
-
-
-def test_kid_of_many_dimensions_is_the_mean_over_blocks(tmp_path, monkeypatch):
-    monkeypatch.setattr(feature_sets, "BLOCK_SURFACES", 6)  # two houses of three surfaces each
-    files = _files(tmp_path, 5, 200)
-    found = _values(tidy_table(Measurements(*files), _request(5)))
-    blocks = [(0, 2, 6), (2, 4, 6), (4, 5, 3)]
-    halves = [[own[a:b] for own in files] for a, b, _ in blocks]
-    kids = [_loaded(half, "synth", "all", "0.6")["KID"] for half in halves]
-    expected = np.average(kids, weights=[count for *_, count in blocks])
-    assert found["synth", "all", "0.6", "KID"] == pytest.approx(expected, rel=1e-9)
-
-
 def test_memory_does_not_grow_with_the_houses(tmp_path):
     files = _files(tmp_path, 30, 16, crops=100)
     tidy_table(Measurements(*([paths[:2] for paths in files])), _request(2))
@@ -132,20 +111,6 @@ def test_memory_does_not_grow_with_the_houses(tmp_path):
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] - peaks[0] < 60 * 1024  # the crops of the 20 houses alone are 250 KiB
-
-
-def test_another_network_is_refused(tmp_path):
-    frame = pd.DataFrame({"house": ["h"]})
-    for k, model in enumerate("xy"):
-        write_parquet(tmp_path / f"{k}.parquet", frame, NETWORKS | {"model": model})
-    with pytest.raises(InputError, match="one features network"):
-        Measurements(sorted(tmp_path.iterdir()), []).networks()
-
-
-def test_measured_surfaces_without_any_reference_are_refused(tmp_path):
-    metrics, _ = _files(tmp_path, 1)
-    with pytest.raises(InputError, match="reference features"):
-        tidy_table(Measurements(metrics, []), _request(1))
 
 
 def test_a_house_without_rows_is_missing(tmp_path):
@@ -214,10 +179,3 @@ def test_latex_by_value():
     assert others[0][4] == r"\textbf{0.318} (0.345)"
     assert others[2][1:] == [r"medoid\_colour", *["--"] * 6]
     assert others[3][0] == "All (n = 48)" and others[3][2] == r"\textbf{0.500} (0.459)"
-
-
-def test_fid_of_the_published_network_has_its_decimals():
-    tidy = _made_up()
-    tidy.loc[tidy["metric"] == "FID", "features"] = "inception"
-    head, _, synth, *_ = _latex_rows(latex_table(tidy))
-    assert head[5] == "FID (inception)" and synth[5] == r"\textbf{1.9} (196.1)"

@@ -1,42 +1,21 @@
 """A texture method of another package: command line, configuration and tables follow."""
 
-import re
 from dataclasses import replace
-from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
 
 from plan2scene.config import check_config, shipped_config
 from plan2scene.errors import InputError
 from plan2scene.evaluation.houses import propagated_at
 from plan2scene.evaluation.paper_table import TableRequest, paper_table
-from plan2scene.images import read_image, write_png
 from plan2scene.io import read_json
 from plan2scene.textures.inputs import Visible
-from plan2scene.textures.methods import methods_table
-from plan2scene_app import cli
-
-ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture
 def toy(toy_installed):
     return "toy"
-
-
-def test_the_command_line_has_it(toy, tmp_path, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "200")
-    write_png(tmp_path / "crop.png", np.full((90, 90, 3), 77, np.uint8))
-    command = ["texture", str(tmp_path / "crop.png"), "--out", str(tmp_path / "tile.png")]
-    made = CliRunner().invoke(cli.app, [*command, "--method", toy])
-    assert made.exit_code == 0, made.output
-    assert np.array_equal(read_image(tmp_path / "tile.png"), np.full((128, 128, 3), 77))
-    refused = CliRunner().invoke(cli.app, [*command, "--method", "magic"])
-    assert refused.exit_code == 2
-    assert re.search(r"synth-large, toy\b", refused.output)
 
 
 def _config(name):
@@ -46,10 +25,6 @@ def _config(name):
     config["study"]["pairs"] = [[name, "crop"]]
     config["textures"]["seam_correction"] = {name: True}
     return config
-
-
-def test_the_configuration_may_name_it(toy):
-    check_config(_config(toy))
 
 
 @pytest.mark.parametrize(
@@ -80,8 +55,3 @@ def test_the_paper_s_table_has_it(toy, house, embeddings, references, compare, t
     rows = pd.read_csv(paths[0])
     assert set(rows["method"]) == {toy}
     assert rows["n"].tolist() == [4, 0, 4]
-
-
-def test_the_methods_table_has_it(toy):
-    row = "| `toy` | a grey as bright as its crop | grey | crops | left | one |\n"
-    assert row in methods_table()

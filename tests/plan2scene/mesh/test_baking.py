@@ -14,7 +14,6 @@ from plan2scene.house import Opening, SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import (
-    OCCLUSION,
     bake_light,
     bake_occlusion,
     lamp_position,
@@ -22,8 +21,8 @@ from plan2scene.mesh.baking import (
 )
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.lit_house import SETTINGS as LIT
-from plan2scene.mesh.lit_house import developed, lit_part, lit_textures
-from plan2scene.mesh.rays import Rays, hemisphere
+from plan2scene.mesh.lit_house import lit_part, lit_textures
+from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.renderer import sample
 from plan2scene.mesh.room_views import SETTINGS, camera_in, render_rooms, standpoints
 from plan2scene.mesh.texture_files import TileTexture
@@ -145,15 +144,6 @@ def test_rooms_are_drawn_without_a_ray_tracer(gap_house, paint, monkeypatch):
     assert (first.max(axis=2) > 40).mean() > 0.95
 
 
-def test_rays_lie_about_the_normal_as_dense_as_the_cosine():
-    for normal in ([0, 1, 0], [0, -1, 0], [1, 0, 0], [0.6, 0, 0.8]):
-        ways = hemisphere(np.array(normal, float), 256)
-        np.testing.assert_allclose(np.linalg.norm(ways, axis=1), 1)
-        cosine = ways @ np.array(normal, float)
-        assert cosine.min() > 0
-        assert cosine.mean() == pytest.approx(2 / 3, abs=0.01)
-
-
 @pytest.fixture
 def baked(gap_house):
     """Return the parts of a house by name, its occlusion, and that as numbers in [0, 1]."""
@@ -180,23 +170,6 @@ def test_open_floor_is_free_and_corners_are_dark(baked):
     corner = occlusion_at(baked, "a/floor", (0.05, 0.0, 0.05))
     assert 0.45 < beside_wall < 0.7
     assert 0.2 < corner < beside_wall - 0.1
-
-
-def test_edge_is_half_of_the_hemisphere_weighted_by_distance(baked):
-    """Where an infinite wall meets the floor, the integral over near directions is known."""
-    # Cosine-weighted mean of max(0, 1 - d / reach) with d = x / (sin t cos p) over the near half.
-    x = 0.5 * OCCLUSION.texel_m
-    t, p = np.meshgrid(np.linspace(0, np.pi / 2, 2000), np.linspace(-np.pi / 2, np.pi / 2, 2000))
-    d = x / np.maximum(np.sin(t) * np.cos(p), 1e-9)
-    weight = np.sin(t) * np.cos(t)
-    near = np.clip(1 - d / OCCLUSION.reach_m, 0, 1) * weight
-    step = (np.pi / 2 / 1999) * (np.pi / 1999)
-    expected = 1 - near.sum() * step / np.pi
-    assert occlusion_at(baked, "a/floor", (x, 0.0, 2.0)) == pytest.approx(expected, abs=0.04)
-
-
-def test_ceiling_and_floor_of_a_high_room_do_not_shade_each_other(baked):
-    assert occlusion_at(baked, "b/ceiling", (4.5, 2.5, 2.0)) > 0.97
 
 
 def test_parts_have_places_of_their_own(baked):
@@ -264,16 +237,6 @@ def test_the_file_is_unlit(lit, gap_house, tmp_path):
     assert {image["mimeType"] for image in tree["images"]} == {"image/jpeg"}
 
 
-def test_doors_have_the_light_of_their_room(lit):
-    parts, light, _ = lit
-    door = next(part for part in parts if "/door/" in part.name)
-    made = lit_part(door, light)
-    assert made.colours.shape == door.colours.shape
-    assert not np.array_equal(made.colours, door.colours)
-    floor = next(part for part in parts if part.name == "a/floor")
-    assert lit_part(floor, light) is floor
-
-
 def test_every_storey_has_light_of_its_own(storey_house, paint, tmp_path):
     parts, textures = build_parts(storey_house), paint(storey_house)
     light = bake_light(storey_house, parts, mean_colours(textures), 0.7)
@@ -291,9 +254,3 @@ def test_every_storey_has_light_of_its_own(storey_house, paint, tmp_path):
     assert min(gains[room.id] for room in storey_house.rooms[4:]) > max(
         gains[room.id] for room in storey_house.rooms[:4]
     )
-
-
-def test_highlights_are_compressed_in_order():
-    values = developed(np.array([0.0, 0.5, 0.75, 1.0, 2.0, 9.0])).astype(int)
-    assert values[0] == 0 and values[-1] < 255
-    assert (np.diff(values) > 0).all()

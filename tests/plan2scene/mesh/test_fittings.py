@@ -5,14 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapely.geometry import box
 
 from plan2scene.house import House, IconBox, Room
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.fittings import KINDS, category_of
-
-#: A room of 4 x 3 m with walls of no thickness in the way: the walls of `small_house`.
-INSIDE = box(0, 0, 4, 3)
 
 
 @pytest.fixture
@@ -95,14 +91,6 @@ def test_a_toilet_stands_with_its_back_to_the_wall_it_is_drawn_at(room_of_four, 
     assert np.abs(top[:, axis] - face).max() < 0.25
 
 
-def test_counters_are_as_long_as_drawn_and_reach_into_no_wall(room_of_four):
-    (part,) = objects_of(room_of_four, IconBox("cooking_counter", (0.0, -0.05), (2.4, 0.7)))
-    low, high = part.mesh.bounds
-    assert high[0] - low[0] == pytest.approx(2.4, abs=1e-4)
-    assert low[0] >= 0.019 and low[2] >= 0.019
-    assert high[1] == pytest.approx(0.9, abs=0.02)
-
-
 def test_stairs_fill_their_box_up_to_the_ceiling_in_steps_to_walk(room_of_four):
     (part,) = objects_of(room_of_four, IconBox("stairs", (0.5, 0.5), (1.4, 3.5)))
     assert part.extras["kind"] == "stairs"
@@ -116,11 +104,3 @@ def test_what_stands_in_no_room_is_left_out_with_a_warning(room_of_four, caplog)
     with caplog.at_level(logging.WARNING, logger="plan2scene"):
         assert objects_of(room_of_four, IconBox("toilet", (6.0, 6.0), (7.0, 7.0))) == []
     assert "toilet" in caplog.text and "no room" in caplog.text
-
-
-def test_two_of_a_kind_have_names_of_their_own(room_of_four):
-    boxes = [IconBox("toilet", (x, 0.1), (x + 0.5, 0.8)) for x in (0.5, 1.8)]
-    assert [p.name for p in objects_of(room_of_four, *boxes)] == [
-        "r/object/toilet",
-        "r/object/toilet#2",
-    ]

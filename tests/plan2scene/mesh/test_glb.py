@@ -1,7 +1,6 @@
 """GLB and OBJ files, read again by trimesh; lamps and the sun; normal maps."""
 
 import io
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,12 +10,12 @@ from glb_file import chunks
 from PIL import Image
 
 from plan2scene.house import SurfaceKey
-from plan2scene.images import jpeg_bytes, png_bytes
+from plan2scene.images import png_bytes
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import lamp_position
-from plan2scene.mesh.glb import LIGHTS, ROUGHNESS, candela, write_glb
+from plan2scene.mesh.glb import ROUGHNESS, write_glb
 from plan2scene.mesh.relief import SETTINGS, normal_map, tangents
-from plan2scene.mesh.texture_files import MapTexture, TileTexture
+from plan2scene.mesh.texture_files import TileTexture
 from plan2scene_app.exports.obj import write_obj
 
 
@@ -143,20 +142,6 @@ def test_a_lamp_in_each_room_shines_down_as_far_as_its_room(tree, gap_house):
     assert {"a/lamp", "sun"} <= set(names)
 
 
-def test_the_sun_shines_aslant_from_above(tree):
-    _, light, way = lit_nodes(tree)["sun"]
-    assert light["type"] == "directional"
-    assert way == pytest.approx(-np.array(LIGHTS.to_sun) / np.linalg.norm(LIGHTS.to_sun))
-
-
-def test_lamps_light_large_floors_as_much_as_small_ones():
-    for area, height in ((4.0, 2.0), (40.0, 2.6)):
-        radius = math.sqrt(area / math.pi)
-        r = (np.arange(20000) + 0.5) / 20000 * radius
-        lux = candela(area, height) * height / (height**2 + r**2) ** 1.5
-        assert np.average(lux, weights=r) == pytest.approx(LIGHTS.lamp_lux, rel=1e-4)
-
-
 def test_the_open_air_has_no_lamp_and_unlit_houses_none(gap_house, tmp_path):
     rooms = (replace(gap_house.rooms[0], types=("Balcony",)), *gap_house.rooms[1:])
     write_glb(replace(gap_house, rooms=rooms), {}, tmp_path / "open.glb")
@@ -193,30 +178,6 @@ def test_as_steep_as_the_substance_and_the_contrast_say():
     few, some, many = (np.hypot(*slopes(normal_map(joints(c)))) for c in (14, 26, 110))
     assert few.mean() < 0.7 * some.mean() < 0.7 * many.mean()
     assert np.sqrt((many**2).mean()) == pytest.approx(SETTINGS.slopes["tile"], rel=0.3)
-
-
-@pytest.mark.parametrize("substance", ["tile", None])
-def test_nothing_where_no_relief_shows(substance):
-    plain = np.full((32, 32, 3), 150, np.uint8)
-    plain[::2] += 1
-    assert normal_map(TileTexture(png_bytes(plain), 1.0, True, substance)) is None
-    if substance is None:
-        tile = joints()
-        assert normal_map(TileTexture(tile.png, tile.size_m)) is None
-
-
-def test_a_map_has_no_relief_at_its_edges_from_the_other_side():
-    image = np.full((64, 64, 3), 130, np.uint8)
-    image[::8] = 60
-    image[:, 40:] //= 2  # right and left differ: only a tile's edge is between them
-    tile = TileTexture(png_bytes(image), 0.5, True, "plaster")
-    whole = MapTexture(
-        tile.png, 0.5, True, "plaster", jpeg=jpeg_bytes(image, quality=95), extent_m=(0.5, 0.5)
-    )
-    edges = [
-        np.abs(slopes(normal_map(texture))[0][4:-4, [0, -1]]).max() for texture in (tile, whole)
-    ]
-    assert edges[1] < 0.3 * edges[0]
 
 
 def test_files_have_them_on_demand_and_valid(gap_house, tmp_path):

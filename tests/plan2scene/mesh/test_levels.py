@@ -8,11 +8,9 @@ import pytest
 import trimesh
 
 from plan2scene.house import Level
-from plan2scene.mesh.assembly import assemble, build_parts
+from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.glb import write_glb
-from plan2scene.mesh.preview import render_plan
 from plan2scene.mesh.rays import Rays
-from plan2scene.mesh.stairs import STAIRS
 from plan2scene.mesh.structure import CAP_COLOUR
 from plan2scene.plans.geometry import walls_of_rooms
 from plan2scene.plans.levels import linked
@@ -78,18 +76,6 @@ def test_a_railing_stands_around_the_well_but_at_its_head_and_the_wall(parts):
     assert not at_head.any() and not at_wall.any()
 
 
-def test_a_handrail_goes_up_along_the_side_without_a_wall(parts):
-    boxes = parts["hall/handrail/stairs"].mesh.vertices.reshape(-1, 24, 3)
-    assert boxes[..., 0].min() > 0.75 and boxes[..., 0].max() < 0.9  # the wall is at x = 0
-    *uprights, rail = boxes
-    for upright in uprights:  # from its step to the rail, which climbs with the steps
-        low, high = upright.min(axis=0), upright.max(axis=0)
-        middle = (4.6 - (low[2] + high[2]) / 2) / 3.6 * 2.8 + 2.8 / 15
-        assert high[1] - middle == pytest.approx(0.9, abs=1e-3)
-        assert low[1] == pytest.approx(np.round(low[1] * 15 / 2.8) * 2.8 / 15, abs=1e-3)
-    assert rail[:, 1].max() == pytest.approx(2.8 + 0.9 + 0.5 * 2.8 / 15, abs=0.05)
-
-
 def test_walls_below_rooms_go_on_to_their_floor(parts):
     lower = parts["structure/wall/living_wall_0"].mesh.bounds[:, 1]
     upper = parts["structure/wall/bedroom_wall_0"].mesh.bounds[:, 1]
@@ -100,14 +86,6 @@ def test_walls_below_rooms_go_on_to_their_floor(parts):
     wall = parts["structure/wall/living_wall_0"]
     dark = wall.mesh.vertices[(wall.colours == CAP_COLOUR).all(axis=1)]
     assert dark[:, 2].min() > wall.mesh.vertices[:, 2].min() + 0.001
-
-
-def test_the_well_has_sides_between_the_storeys(parts):
-    lining = parts["structure/well/stairs"].mesh
-    assert lining.bounds[:, 1] == pytest.approx([2.5, 2.8])
-    middle = np.array([0.45, 2.65, 2.8])
-    inward = middle - lining.triangles_center
-    assert (np.einsum("ij,ij->i", lining.face_normals, inward) > 0).all()
 
 
 def test_glb_has_a_node_for_each_level(house, tmp_path):
@@ -123,18 +101,6 @@ def test_glb_has_a_node_for_each_level(house, tmp_path):
     assert [level["id"] for level in tree["scenes"][0]["extras"]["levels"]] == ["ground", "upper"]
 
 
-def test_a_storey_keeps_its_floors_at_0(house):
-    upper = assemble(house).storeys[1]
-    floors = [part for part in upper.parts if part.extras["kind"] == "floor"]
-    assert all(part.mesh.bounds[1, 1] == 0.0 for part in floors)
-
-
-def test_a_flight_over_another_leaves_it_headroom(house):
-    steps = next(p for p in build_parts(house) if p.extras["kind"] == "stairs")
-    last = steps.mesh.vertices.reshape(-1, 24, 3)[-1]
-    assert last[:, 1].min() == pytest.approx(2.8 * 14 / 15 - STAIRS.waist, abs=1e-4)
-
-
 def test_what_juts_out_has_an_underside(house, parts):
     assert not any("soffit" in name for name in parts)  # the storeys of the example are congruent
     wide = replace(house.room("study"), rings=(((4.6, 3.4), (9.5, 3.4), (9.5, 6.0), (4.6, 6.0)),))
@@ -145,19 +111,6 @@ def test_what_juts_out_has_an_underside(house, parts):
     under = made["structure/soffit/upper"].mesh
     assert (under.face_normals[:, 1] < -0.99).all()
     assert under.area == pytest.approx(1.5 * 2.6 + 1.5 * 2 * 0.12, rel=0.01)
-
-
-def test_plans_of_all_levels_lie_one_below_the_other_with_their_stairs(house):
-    side = 200
-    plan = render_plan(house, {}, side)
-    assert plan.shape == (2 * side, side, 3)
-    bare = render_plan(replace(house, stairs=()), {}, side)
-    different = (plan != bare).any(axis=-1)
-    for level in (different[:side], different[side:]):  # on both, in the strip at the west wall
-        rows, columns = np.nonzero(level)
-        assert len(rows) > 100
-        assert columns.max() < 0.2 * side
-        assert rows.min() > 0.25 * side and rows.max() < 0.8 * side
 
 
 def test_flights_above_each_other_leave_the_way_free(house):
@@ -207,20 +160,6 @@ def test_a_balcony_has_no_ceiling_and_railings_on_its_free_sides(balcony_house):
     low, high = parts["b/railing/b_w1"].mesh.bounds[:, [0, 2]]
     assert high[1] - low[1] == pytest.approx(4.0, abs=1e-4)
     assert low[0] >= 6.0 - 1e-4 and high[0] < 6.1  # on the wall's line, outwards
-
-
-def test_a_wall_with_an_opening_stays(l_house):
-    terrace = replace(l_house, rooms=(replace(l_house.rooms[0], types=("Terrace",)),))
-    names = {part.name for part in build_parts(terrace)}
-    assert {"hall/wall/hall_w0", "hall/wall/hall_w1", "hall/railing/hall_w2"} <= names
-
-
-def test_rooms_that_are_only_partly_outdoors_have_a_ceiling(balcony_house):
-    room = replace(balcony_house.rooms[1], types=("Balcony", "Kitchen"))
-    names = {
-        p.name for p in build_parts(replace(balcony_house, rooms=(balcony_house.rooms[0], room)))
-    }
-    assert "b/ceiling" in names and not any("railing" in name for name in names)
 
 
 def test_railings_are_solids_without_a_roof(balcony_house):

@@ -16,22 +16,6 @@ from plan2scene.mesh.texture_files import TileTexture
 pytest.importorskip("embreex")
 
 
-def test_smoothing_keeps_colours_and_edges_and_takes_noise():
-    rng = np.random.default_rng(0)
-    albedo = np.full((40, 60, 3), 0.2, np.float32)
-    albedo[:, ::2] = 0.6  # as fine as it gets
-    normal = np.zeros_like(albedo)
-    normal[:, :30, 2], normal[:, 30:, 0] = 1, 1
-    light = np.where(np.arange(60) < 30, 0.3, 1.0)[None, :, None]
-    noisy = albedo * light * rng.uniform(0.5, 1.5, albedo.shape)
-    place = np.zeros_like(albedo)
-    made = path_tracing.smoothed(noisy.astype(np.float32), albedo, normal, place) / albedo
-    assert made[:, 4:28].std() < 0.15 * 0.3
-    assert made[:, 4:28].mean() == pytest.approx(0.3, rel=0.05)
-    assert made[:, 32:56].mean() == pytest.approx(1.0, rel=0.05)
-    assert made[:, 29].mean() < 0.4 and made[:, 30].mean() > 0.85
-
-
 def test_a_room_is_lit_and_shows_its_floor(gap_house, monkeypatch):
     pytest.importorskip("mitsuba")
     monkeypatch.setattr(path_tracing, "VARIANTS", ("scalar_rgb",))

@@ -8,7 +8,7 @@ from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh.parts import PartBuilder
 from plan2scene.mesh.preview import render_preview
-from plan2scene.mesh.renderer import Triangles, mipmaps, sample
+from plan2scene.mesh.renderer import Triangles
 from plan2scene.mesh.texture_files import TileTexture
 
 
@@ -22,23 +22,6 @@ def square(y, colour):
 def looking_down(eye, target, scale, size, orthographic=True):
     camera = Camera.look_at(np.array(eye), np.array(target), scale, size, orthographic=orthographic)
     return camera
-
-
-def test_straight_down_shows_plan_with_x_right_and_z_down():
-    camera = looking_down([0, 9.0, 0], [0, 0, 0], 10.0, (101, 101))
-    assert camera.project(np.array([2.0, 1.0, 3.0])) == pytest.approx((70.0, 80.0))
-    assert camera.seen(np.array([2.0, 1.0, 3.0])) == pytest.approx((2.0, 3.0, 8.0))
-
-
-def test_nearest_triangle_wins_and_back_faces_are_culled():
-    triangles = Triangles.of([square(0.0, (255, 0, 0)), square(1.0, (0, 255, 0))], {})
-    keep = np.ones(4, dtype=bool)
-    shown = triangles.visible(looking_down([0.5, 5, 0.5], [0.5, 0, 0.5], 50.0, (60, 60)), keep)
-    assert set(shown.triangles) == {2, 3}
-    assert len(shown.pixels) == pytest.approx(50 * 50, rel=0.05)
-    assert shown.depth == pytest.approx(4.0)
-    below = looking_down([-0.5, -5, -0.5], [-0.5, 0, -0.5], 50.0, (60, 60))
-    assert len(triangles.visible(below, keep).pixels) == 0
 
 
 @pytest.mark.parametrize("orthographic", [False, True])
@@ -63,17 +46,6 @@ def test_a_floor_that_runs_on_behind_the_camera_is_drawn_before_it():
     rows = shown.pixels // 80
     assert np.unique(rows) == pytest.approx(np.arange(32, 61))  # below the horizon, row 30
     np.testing.assert_allclose(shown.depth, 1.5 * 40.0 / (rows - 30.0), rtol=1e-4)
-
-
-def test_sampling_repeats_and_blurs_with_distance():
-    image = np.zeros((8, 8, 3), dtype=np.uint8)
-    image[:, :4] = 255
-    levels = mipmaps(image)
-    uv = np.array([[0.25, 0.5], [1.25, -3.5], [0.75, 0.1], [-0.25, 0.1]])
-    near = sample(levels, uv, np.full(4, 1.0))
-    np.testing.assert_allclose(near[:, 0], [1, 1, 0, 0], atol=1e-3)
-    far = sample(levels, uv, np.full(4, 1e6))
-    np.testing.assert_allclose(far, 0.5, atol=1e-3)
 
 
 def test_preview_shows_each_floor_where_it_is(gap_house, paint):

@@ -7,9 +7,6 @@ from plan2scene.metrics.color_freq_tile import (
     color_distance,
     color_histogram,
     freq_distance,
-    frequency_profile,
-    grey,
-    periodic_component,
     tile_score,
 )
 
@@ -62,27 +59,6 @@ def test_tile_matches_the_reference(crops):
     assert tile_score(grid) == pytest.approx(167.26790316808066, abs=1e-9)
 
 
-def test_batches_give_the_same_as_single_images(crops):
-    both = np.stack(crops)
-    assert np.array_equal(color_histogram(both)[1], color_histogram(crops[1]))
-    assert np.allclose(frequency_profile(both)[0], frequency_profile(crops[0]), atol=1e-12)
-    assert tile_score(both)[1] == pytest.approx(tile_score(crops[1]), abs=1e-9)
-
-
-def test_histogram_agrees_with_colorsys():
-    import colorsys
-
-    rng = np.random.default_rng(3)
-    image = rng.integers(0, 256, (16, 16, 3), dtype=np.uint8)
-    image[:4] = image[:4, :, :1]  # greys have no hue
-    expected = np.zeros((10, 3, 3), dtype=int)
-    for pixel in image.reshape(-1, 3) / 255:
-        hue, lightness, saturation = colorsys.rgb_to_hls(*pixel)
-        thirds = [int(v >= 0.333) + int(v >= 0.666) for v in (saturation, lightness)]
-        expected[min(int(np.searchsorted(np.arange(1, 10) / 10, hue, "right")), 9), *thirds] += 1
-    assert np.array_equal(color_histogram(image), expected.ravel())
-
-
 def test_colours_on_an_edge_of_hue_fall_where_the_reference_rounds_them():
     import colorsys
 
@@ -104,65 +80,6 @@ def test_colours_on_an_edge_of_hue_fall_where_the_reference_rounds_them():
     found = color_histogram(pixels[:, None, None, :]).reshape(-1, 10, 9).sum(axis=-1)
     assert np.array_equal(found.argmax(axis=1), expected)
     assert len(set(expected)) == 10
-
-
-def test_constant_images():
-    white = np.full((128, 128, 3), 255, np.uint8)
-    red = np.zeros_like(white)
-    red[..., 0] = 200
-    assert color_distance(white, red) == 1.0
-    assert tile_score(white) < 1e-9
-    assert freq_distance(white, red) < 1e-12
-
-
-def test_periodic_component_of_a_periodic_image_with_equal_borders_is_itself():
-    rows = np.sin(np.linspace(0, np.pi, 32))
-    image = np.outer(rows, rows)  # opposite borders are equal, so there are no jumps
-    assert np.allclose(periodic_component(image), image)
-
-
-@pytest.mark.parametrize("size", [32, 31])
-def test_periodic_component_solves_the_poisson_equation_of_its_jumps(size):
-    image = np.random.default_rng(4).uniform(0, 255, (size, size))
-    smooth = image - periodic_component(image)
-    jumps = np.zeros_like(image)
-    jumps[0] += image[-1] - image[0]
-    jumps[-1] -= image[-1] - image[0]
-    jumps[:, 0] += image[:, -1] - image[:, 0]
-    jumps[:, -1] -= image[:, -1] - image[:, 0]
-    neighbours = sum(np.roll(smooth, s, axis=a) for s in (1, -1) for a in (0, 1))
-    assert np.allclose(neighbours - 4 * smooth, jumps, atol=1e-9)
-    assert smooth.mean() == pytest.approx(0.0, abs=1e-9)
-
-
-@pytest.mark.parametrize("size", [64, 63])
-def test_frequency_profile_is_the_mean_over_rings_of_the_whole_spectrum(size):
-    image = np.random.default_rng(5).integers(0, 256, (size, size, 3), dtype=np.uint8)
-    component = np.abs(periodic_component(grey(image)))
-    spectrum = np.fft.fftshift(np.abs(np.fft.fft2(component))) / size**2
-    offset = np.arange(size) - size // 2
-    radius = np.hypot(offset[:, None], offset[None, :]).astype(int)
-    expected = [spectrum[radius == r].mean() for r in range(1, size // 2)]
-    profile = frequency_profile(image)
-    assert profile[0] == 0.0
-    assert np.allclose(profile[1:], expected, atol=1e-6)
-
-
-def test_tile_is_the_norm_of_the_weighted_spectrum(crops):
-    grid = crops[1]
-    offset = np.arange(128) - 63.5
-    window = np.exp(-(offset[:, None] ** 2 + offset[None, :] ** 2) / (2 * 21.0**2))
-    window /= window.sum()
-    window[64, 64] = 0.0
-    expected = np.linalg.norm(np.fft.fftshift(np.fft.fft2(grey(grid))) * window)
-    assert tile_score(grid) == pytest.approx(expected, abs=1e-9)
-
-
-def test_grey_is_pillows():
-    from PIL import Image
-
-    image = np.random.default_rng(6).integers(0, 256, (64, 64, 3), dtype=np.uint8)
-    assert np.array_equal(grey(image), np.asarray(Image.fromarray(image).convert("L")))
 
 
 def test_wrong_inputs_are_refused(crops):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import torch
-from scipy.linalg import sqrtm
 
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 
@@ -16,30 +15,6 @@ def test_equal_sets_have_distance_zero():
     for n, d in ((200, 8), (5, 64), (1, 3)):
         features = _samples(n, d, 1)
         assert frechet_distance(features, features) == pytest.approx(0.0, abs=1e-6)
-
-
-def test_a_shift_costs_its_squared_length():
-    features = _samples(300, 6, 2)
-    shift = np.arange(6.0)
-    distance = frechet_distance(features, features + shift)
-    assert distance == pytest.approx((shift**2).sum(), rel=1e-6)
-
-
-def test_one_dimension_has_a_closed_form():
-    a, b = _samples(400, 1, 3, 1.0, 2.0), _samples(500, 1, 4, -1.0, 0.5)
-    expected = (a.mean() - b.mean()) ** 2 + (a.std(ddof=1) - b.std(ddof=1)) ** 2
-    assert frechet_distance(a, b) == pytest.approx(expected, rel=1e-9)
-
-
-def test_agrees_with_the_matrix_square_root():
-    rng = np.random.default_rng(5)
-    a = rng.normal(size=(500, 4)) @ rng.normal(size=(4, 4))
-    b = rng.normal(size=(500, 4)) @ rng.normal(size=(4, 4)) + 1.0
-    covariances = [np.cov(features.T) for features in (a, b)]
-    root = sqrtm(covariances[0] @ covariances[1]).real
-    expected = ((a.mean(0) - b.mean(0)) ** 2).sum()
-    expected += np.trace(covariances[0] + covariances[1] - 2 * root)
-    assert frechet_distance(a, b) == pytest.approx(expected, rel=1e-6)
 
 
 class Given(torch.nn.Module):
@@ -66,14 +41,6 @@ def test_fid_is_that_of_torchmetrics(n, m, d):
     assert frechet_distance(a, b) == pytest.approx(float(metric.compute()), rel=tolerance)
 
 
-def test_symmetric_and_finite_with_fewer_samples_than_dimensions():
-    a, b = _samples(7, 64, 6), _samples(90, 64, 7, 0.3)
-    forth, back = frechet_distance(a, b), frechet_distance(b, a)
-    assert np.isfinite(forth)
-    assert forth == pytest.approx(back, rel=1e-6)
-    assert forth > 0
-
-
 def test_each_unit_counts_once_in_fid():
     a, b = _samples(6000, 3, 8), _samples(2000, 3, 9, 0.5)
     units = np.random.default_rng(0).integers(0, 40, 2000) ** 2 // 40  # of 1 to 300 samples
@@ -94,18 +61,6 @@ def test_kid_is_that_of_torchmetrics_over_the_whole_sets():
     a, b = _samples(40, 12, 1, 0.5), _samples(40, 12, 2)
     expected = float(kid.poly_mmd(torch.from_numpy(b), torch.from_numpy(a)))
     assert kernel_distance(a, b) == pytest.approx(expected, rel=1e-9)
-
-
-def test_kid_does_not_depend_on_size():
-    # Half of one population against the other half: around 0 at any size, above and below.
-    for size in (10, 40):
-        values = [
-            kernel_distance(_samples(size, 4, 100 + i), _samples(size, 4, 500 + i))
-            for i in range(200)
-        ]
-        error = np.std(values) / np.sqrt(len(values))
-        assert abs(np.mean(values)) < 3 * error
-        assert min(values) < 0 < max(values)
 
 
 def test_units_count_once_in_kid_and_are_not_paired_with_themselves():
@@ -129,12 +84,6 @@ def test_units_count_once_in_kid_and_are_not_paired_with_themselves():
     expected = within_a + within_b - 2 * across
     assert kernel_distance(a, b, None, units) == pytest.approx(expected, rel=1e-12)
     assert kernel_distance(b, a, units, None) == pytest.approx(expected, rel=1e-12)
-
-
-def test_kid_of_fewer_than_two_units_has_no_value():
-    a, b = _samples(4, 3, 7), _samples(5, 3, 8)
-    assert np.isnan(kernel_distance(a[:1], b))
-    assert np.isnan(kernel_distance(a, b, None, np.zeros(5)))
 
 
 @pytest.mark.parametrize("distance", [frechet_distance, kernel_distance])

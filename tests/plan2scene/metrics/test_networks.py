@@ -8,14 +8,11 @@ from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.errors import InputError
 from plan2scene.metrics.inception import InceptionV3
 from plan2scene.metrics.networks import (
-    describe,
-    describe_images,
     features_of,
     load_network,
     network_name,
     substances_of,
 )
-from plan2scene.metrics.substance_network import load_substance_network
 from plan2scene.metrics.vgg import VggClassifier
 from plan2scene.weights import MODELS, save_model_file
 
@@ -92,25 +89,6 @@ def test_inception_checkpoints_of_another_form_are_refused(tmp_path):
 
 
 @pytest.fixture
-def small_inception(tmp_path):
-    torch.manual_seed(0)
-    net = InceptionV3(divisor=16)
-    header = {"network": "inception", "variant": "tensorflow", "divisor": 16}
-    save_model_file(tmp_path / "i.safetensors", net.state_dict(), header, half=False)
-    return tmp_path / "i.safetensors"
-
-
-def test_inception_features_of_batches_sizes_and_none(small_inception):
-    images = _images(9)
-    together = features_of(small_inception, images)
-    assert together.shape == (9, 128)
-    assert np.allclose(together[8], features_of(small_inception, images[8:9])[0], atol=1e-5)
-    large = images[0].repeat(2, axis=0).repeat(2, axis=1)
-    assert np.allclose(features_of(small_inception, [large])[0], together[0], atol=1e-5)
-    assert features_of(small_inception, []).shape == (0, 128)
-
-
-@pytest.fixture
 def small_vgg(tmp_path):
     torch.manual_seed(3)
     net = VggClassifier(divisor=32).eval()
@@ -140,18 +118,6 @@ def test_vgg_tells_substances(small_vgg):
     assert np.array_equal(found, expected)
     assert len(set(found.tolist())) > 1
     assert substances_of(path, []).shape == (0,)
-
-
-def test_each_network_describes_its_part(small_vgg, small_inception):
-    images = _images(5)
-    features, classes = describe(small_inception, small_vgg[0], images[:2], images[2:])
-    assert np.allclose(features, features_of(small_inception, images[:2]))
-    assert np.array_equal(classes, substances_of(small_vgg[0], images))
-    one_pass = describe(EMBEDDED, EMBEDDED, images[:2], images[2:])
-    expected = describe_images(load_substance_network(EMBEDDED), images)
-    assert np.allclose(one_pass[0], expected[0][:2], atol=1e-5)
-    assert np.array_equal(one_pass[1], expected[1])
-    assert network_name(EMBEDDED) == "embedded"
 
 
 def test_weights_of_something_else_are_refused(tmp_path):

@@ -47,16 +47,6 @@ def test_a_file_gives_the_same_network_back(network, tmp_path):
     assert np.array_equal(classes, logits.argmax(dim=1).numpy())
 
 
-def test_larger_textures_are_resized_and_no_texture_is_no_row(network, tmp_path):
-    save_substance_network(network, tmp_path / "f.safetensors")
-    loaded = load_substance_network(tmp_path / "f.safetensors")
-    small = np.random.default_rng(2).integers(0, 256, (128, 128, 3), dtype=np.uint8)
-    large = small.repeat(2, axis=0).repeat(2, axis=1)
-    features, _ = describe_images(loaded, [small, large])
-    assert np.allclose(features[0], features[1], atol=1e-5)
-    assert describe_images(loaded, [])[0].shape == (0, 5)
-
-
 def test_wrong_weights_are_refused(tmp_path):
     with pytest.raises(InputError, match="safetensors"):
         load_substance_network(tmp_path / "absent.safetensors")

@@ -9,23 +9,13 @@ import pytest
 from plan2scene.photos.crops.filter import (
     has_object,
     image_reasons,
-    inner_mask,
-    is_blurred,
-    is_oblique,
-    outvoted,
-    smooth_field,
     step_of,
-    strong_edges,
-    with_reason,
 )
 from plan2scene.photos.crops.sampling import (
-    GRAVE,
     Candidate,
     Crop,
     Reason,
     Verdict,
-    reason_text,
-    reasons_of_text,
 )
 from plan2scene.photos.crops.selection import LAST_RESORT, WORST_RESORT, select_candidates
 
@@ -87,67 +77,6 @@ def test_shadow_edges_and_things_of_another_colour_divide_a_crop():
     assert step_of(checker(32)) is None
 
 
-def test_highlights_are_refused():
-    image = plain()
-    cv2.circle(image, (64, 64), 5, (255, 255, 255), -1)
-    assert Reason.HIGHLIGHT in image_reasons(image)
-
-
-def test_masks_shrink_more_where_the_photo_shows_no_edge():
-    image = np.full((240, 320, 3), 200, np.uint8)
-    mask = np.zeros((240, 320), bool)
-    mask[:, 100:] = True
-    blind = inner_mask(mask, strong_edges(image))
-    assert not blind[:, :107].any()
-    assert blind[:, 109:].all()  # the frame of the photo is no border
-    image[:, :100] = 80
-    seen = inner_mask(mask, strong_edges(image))
-    assert not seen[:, :103].any()
-    assert seen[:, 105:].all()
-
-
-def test_the_smooth_field_is_not_bent_by_an_object():
-    y, x = np.mgrid[-1:1:32j, -1:1:32j]
-    truth = 0.3 * x - 0.2 * y * y + 0.1 * x * y
-    values = truth.copy()
-    values[24:, 24:] += 2.0
-    assert np.abs(smooth_field(values, rounds=20) - truth).max() < 0.15
-    np.testing.assert_allclose(smooth_field(truth), truth, atol=1e-8)
-
-
-def test_a_clear_majority_outvotes():
-    colours = np.array([[80.0, 0, 5], [84, 1, 4], [60, 15, 25]])
-    assert outvoted(colours, np.array([10.0, 10, 10])).tolist() == [False, False, True]
-    assert not outvoted(colours[1:], np.array([10.0, 10])).any()
-
-
-def test_grave_reasons_weigh_more_than_all_mild_ones():
-    worst, *rest = Reason
-    mild = Verdict.of([Reason.UNKNOWN_DISTANCE, Reason.OBLIQUE, Reason.BLURRED], 1.0)
-    grave = Verdict.of([Reason.SHADOW], 1.0)
-    assert mild.score < GRAVE <= grave.score
-    assert grave.grave and not mild.grave and not mild.good
-    assert Verdict.of([worst], 1.0).score > Verdict.of(rest, 1.0).score
-    assert Verdict.of([], 1.0) == Verdict() and Verdict().good
-    assert Verdict.of([Reason.OBLIQUE], 2.0).score < Verdict.of([Reason.OBLIQUE], 1.0).score
-    both = with_reason(candidate(Reason.OBLIQUE), Reason.CLUTTER).verdict
-    assert both.reasons == (Reason.CLUTTER, Reason.OBLIQUE)
-
-
-@pytest.mark.parametrize(
-    ("reasons", "selected", "text"),
-    [
-        ((), True, ""),
-        ((Reason.OBLIQUE,), False, "oblique"),
-        ((Reason.OBLIQUE, Reason.CLUTTER), True, "last resort: clutter, oblique"),
-    ],
-)
-def test_reasons_are_a_cell_of_the_table_and_back(reasons, selected, text):
-    verdict = Verdict.of(reasons, 1.0)
-    assert reason_text(verdict, selected=selected) == text
-    assert reasons_of_text(text) == verdict.reasons
-
-
 def test_a_surface_without_good_windows_keeps_its_least_bad():
     def place(item, photo="a.png", rooms=("r1",), surface="wall"):
         return replace(item, photo=photo, rooms=rooms, surface=surface)
@@ -195,19 +124,3 @@ def test_joints_of_a_floor_are_no_things():
     assert has_object(floor)  # on a wall it is one
     floor[90:120, 90:110] = (90, 60, 40)
     assert has_object(floor, joints=True)
-
-
-@pytest.mark.parametrize(
-    ("size_m", "sharpness", "grazing_deg", "blurred", "oblique"),
-    [
-        (1.0, 0.6, 60.0, False, False),
-        (1.0, 0.4, 60.0, True, False),
-        (0.35, 0.4, 60.0, False, False),  # near: it has as many photo pixels a metre as any
-        (1.0, 0.9, 18.0, False, False),
-        (0.35, 0.6, 18.0, False, True),
-        (1.0, 3.0, 15.5, False, True),
-    ],
-)
-def test_sharpness_counts_by_crop_or_by_metre(size_m, sharpness, grazing_deg, blurred, oblique):
-    crop = Crop(0, (0.0, 0.0, size_m, size_m), size_m, sharpness, grazing_deg, plain())
-    assert (is_blurred(crop), is_oblique(crop)) == (blurred, oblique)

@@ -9,15 +9,13 @@ import pandas as pd
 import pytest
 from views import camera_looking
 
-from plan2scene.config import shipped_config
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.images import image_from_bytes, medoid_index, write_png
 from plan2scene.io import read_json, read_parquet, write_json
 from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segments
-from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.extract_crops import CropFiles, extract_crops, read_precomputed_crops
-from plan2scene.photos.crops.sampling import draw_windows, sample_candidates
+from plan2scene.photos.crops.sampling import sample_candidates
 from plan2scene.photos.crops.selection import CANDIDATE_COLUMNS, COLUMNS
 from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.photos.planes.planes import (
@@ -27,7 +25,6 @@ from plan2scene.photos.planes.planes import (
     plane_row,
     read_planes,
 )
-from plan2scene.photos.planes.rectification import rectify
 
 SIZE = (480, 640)
 
@@ -67,21 +64,6 @@ def test_crops_are_metric_and_square_on():
         assert wrong.mean() < 0.08  # blurred borders only
 
 
-def test_windows_lie_fully_inside_the_mask():
-    camera = looking()
-    image, plane = checkered_floor(camera)
-    mask = plane.mask.copy()
-    cv2.circle(mask.view(np.uint8), (320, 330), 60, 0, -1)
-    rectified = rectify(
-        image, camera, Plane("floor", 0, plane.normal, plane.offset, mask, "x"), min_density=60.0
-    )
-    windows = draw_windows(rectified, 0.5, np.random.default_rng(1))
-    assert len(windows) == 10
-    assert len(set(windows)) == 10
-    side = round(0.5 / rectified.metres_per_pixel)
-    assert all(rectified.mask[r : r + side, c : c + side].all() for r, c in windows)
-
-
 def test_smaller_windows_where_large_ones_do_not_fit():
     camera = looking()
     image, plane = checkered_floor(camera)
@@ -95,27 +77,6 @@ def test_smaller_windows_where_large_ones_do_not_fit():
     speck[400:412, 300:312] = True
     tiny = Plane("floor", 0, plane.normal, plane.offset, speck, "x")
     assert sample_candidates(image, camera, tiny, np.random.default_rng(0)) == []
-
-
-def test_sharpness_falls_with_distance():
-    camera = looking()
-    image, plane = checkered_floor(camera)
-    rectified = rectify(image, camera, plane)
-    near, far = rectified.view(0.0, 1.5), rectified.view(0.0, 4.0)
-    assert near[0] > far[0]
-    assert near[1] > far[1]
-    assert near[0] == pytest.approx(45.0)
-
-
-def test_medoid_is_closest_to_the_mean():
-    rng = np.random.default_rng(0)
-    images = [rng.integers(0, 255, (8, 8, 3)).astype(np.uint8) for _ in range(6)]
-    mean = np.mean([i.astype(float) for i in images], axis=0)
-    images[4] = mean.round().astype(np.uint8)
-    assert medoid_index(images) == 4
-    assert medoid_index([images[0]] * 3) == 0
-    with pytest.raises(ValueError, match="no images"):
-        medoid_index([])
 
 
 @pytest.fixture
@@ -261,20 +222,6 @@ def test_masks_survive_as_polygons():
     assert replace(read, plane=plane) == item
 
 
-def test_stage_is_deterministic(house, inputs):
-    run(house, inputs, {"a.png": ["room1"]})
-    first = (inputs / "crops.parquet").read_bytes()
-    run(house, inputs, {"a.png": ["room1"]})
-    assert (inputs / "crops.parquet").read_bytes() == first
-
-
-def test_stage_settings_are_used(house, inputs):
-    settings = CropSettings(sizes_m=(0.5,), per_mask=3, filter=False)
-    frame = run(house, inputs, {"a.png": ["room1"]}, settings=settings)
-    assert len(frame) == 3
-    assert frame.metres.to_numpy() == pytest.approx(0.5, abs=0.01)
-
-
 def test_house_without_photos_has_an_empty_table(house, inputs):
     run(house, inputs, {})
     frame, _ = read_parquet(inputs / "crops.parquet")
@@ -306,15 +253,3 @@ def test_precomputed_crops(house, tmp_path):
     write_png(tmp_path / "floor/x_1_0_crop3.png", np.zeros((64, 64, 3), np.uint8))
     with pytest.raises(InputError, match="128x128"):
         read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
-
-
-def test_default_settings_are_those_of_the_configuration():
-    config = shipped_config()
-    given = config["crops"]
-    names = ("per_mask", "tries", "filter")
-    assert CropSettings() == CropSettings(
-        sizes_m=tuple(given["metres"]),
-        camera_height_m=config["photos"]["camera_height_m"],
-        colours=config["house"]["colours"],
-        **{name: given[name] for name in names},
-    )

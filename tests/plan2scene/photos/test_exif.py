@@ -66,19 +66,6 @@ def test_absurd_values_are_refused_with_a_line(tmp_path, equivalent):
     assert f"{equivalent} mm not used" in found.warning
 
 
-@pytest.mark.parametrize(
-    "tags",
-    [
-        {},
-        {EQUIVALENT: 0},
-        {Tag.FocalLength: IFDRational(4, 0)},
-        {Tag.FocalLength: 4.2},
-    ],
-)
-def test_nothing_known(tmp_path, tags):
-    assert read_exif_focal(photo(tmp_path / "a.jpg", tags), SIZE) == ExifFocal()
-
-
 def test_damage_never_raises(tmp_path):
     file = photo(tmp_path / "a.jpg", {EQUIVALENT: 26, **noted(4000, 3000)})
     good = file.read_bytes()

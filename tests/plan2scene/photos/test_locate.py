@@ -1,14 +1,11 @@
 """Photos of rooms whose labels are rendered from known poses are found where they were taken."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from box_room import HEIGHT, SIZE, WIDE, box_house, rendered
+from box_room import SIZE, box_house, rendered
 from views import camera_looking
 
 from plan2scene.errors import InputError
-from plan2scene.house import House, Room
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.labels.palette import (
@@ -17,17 +14,12 @@ from plan2scene.photos.labels.palette import (
     write_label_png,
     write_probability_png,
 )
-from plan2scene.photos.locate.likelihood import N_CLASSES, label_counts, log_table
 from plan2scene.photos.locate.locate_photos import (
-    Evidence,
     Shot,
     locate_photos,
     locate_shots,
-    probability,
     write_photo_rooms,
 )
-from plan2scene.photos.locate.locate_settings import LOCATE
-from plan2scene.photos.locate.plan_view import dominant_direction, look, room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json, read_poses, turned
 
 
@@ -71,74 +63,6 @@ def test_an_empty_square_room_tells_no_heading():
     assert pose_from_json(entry) is None
 
 
-def test_pixels_that_say_nothing_locate_nothing():
-    house = box_house()
-    photo, _ = shot(house, 230.0, (0.6, 1.5, 2.9))
-    blank = Shot(photo.camera, np.full(SIZE, 255, np.uint8), ("room",))
-    poses = locate_shots(house, {"a.jpg": blank})
-    assert not poses["a.jpg"].believed
-
-
-def test_a_photo_of_two_rooms_stands_in_one():
-    house = box_house()
-    photo, _ = shot(house, 230.0, (0.6, 1.5, 2.9))
-    both = Shot(photo.camera, photo.labels, ("store", "room"))
-    assert locate_shots(house, {"a.jpg": both})["a.jpg"].room_id == "room"
-
-
-def test_a_lead_is_worth_less_the_more_rooms_are_possible():
-    known, few, many = (probability(Evidence(0.05, 0.05, "all", rooms)) for rooms in (1, 3, 9))
-    assert known == probability(Evidence(0.05, 0.05, "all"))
-    assert known > few > many > 0
-    odds = [p / (1 - p) for p in (known, few, many)]
-    assert odds[0] / odds[1] == pytest.approx(odds[1] / odds[2])
-
-
-def test_through_the_door_the_room_behind_is_seen():
-    shapes = room_shapes(box_house())
-    eyes = np.array([[1.0, 0.85], [1.0, 0.85]])
-    sight = look(shapes, "room", eyes, np.array([np.pi / 2, np.pi]))
-    np.testing.assert_allclose(sight.reach, [4.0, 0.85])
-    assert shapes["room"].holes[sight.hole[0]].room_behind == "store"
-    assert sight.hole[1] == -1
-    np.testing.assert_allclose(sight.beyond, [WIDE + 2.1 - 1.0, np.nan])
-
-
-def test_the_frame_of_a_turned_room():
-    turn = np.radians(20.0)
-    rotation = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
-    ring = tuple(map(tuple, (np.array([[0, 0], [5, 0], [5, 3], [0, 3]]) @ rotation.T).tolist()))
-    house = House("h", (Room("room", ("Bedroom",), (ring,), HEIGHT),), ())
-    angle = dominant_direction(room_shapes(house)["room"])
-    assert np.mod(angle - turn + 1e-9, np.pi / 2) == pytest.approx(0.0, abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("openings", "labels"), [("all", range(6)), ("windows", (0, 1, 2, 3, 5)), ("nothing", range(4))]
-)
-def test_labels_are_probabilities(openings, labels):
-    table = np.exp(log_table(openings))
-    np.testing.assert_allclose(table[:, list(labels)].sum(axis=1), np.ones(N_CLASSES), atol=1e-9)
-
-
-def test_sure_probabilities_are_labels_and_doubt_lowers_them():
-    house = box_house()
-    photo, _ = shot(house, 230.0, (0.6, 1.5, 2.9))
-    sure = (photo.labels == np.arange(6)[:, None, None]).astype(np.float32)
-    plain, found = (label_counts(photo.labels, photo.camera, p) for p in (None, sure))
-    pixels = plain[0].sum(axis=0)
-    np.testing.assert_allclose(found[0].sum(axis=0), pixels, atol=1e-6)
-    least = 1.0 / (1.0 + 5 * LOCATE.least_probability)
-    np.testing.assert_allclose(
-        found[0].max(axis=0)[pixels > 0], least * plain[0].max(axis=0)[pixels > 0], rtol=0.02
-    )
-    located = [
-        locate_shots(house, {"a.jpg": replace(photo, probabilities=probable)})["a.jpg"].located
-        for probable in (sure, 0.3 * sure + 0.7 / 6)
-    ]
-    assert located[1] < located[0]
-
-
 def test_probabilities_round_trip(tmp_path):
     rng = np.random.default_rng(0)
     values = rng.dirichlet(np.ones(6), (4, 5)).transpose(2, 0, 1).astype(np.float32)
@@ -156,15 +80,6 @@ def test_cameras_json_round_trip(tmp_path):
     assert read_poses(tmp_path / "cameras.json") == {"a.jpg": pose}
     with pytest.raises(InputError, match="located camera"):
         pose_from_json({**pose_to_json(photo.camera, pose), "position": [1, 2]})
-
-
-def test_turning_a_camera_turns_its_azimuths():
-    photo, _ = shot(box_house(), 230.0, (0.6, 1.5, 2.9))
-    pixels = np.array([[10.0, 20.0], [200.0, 120.0]])
-    before, after = photo.camera.rays(pixels), turned(photo.camera, 0.7).rays(pixels)
-    off = np.arctan2(after[:, 0], after[:, 2]) - np.arctan2(before[:, 0], before[:, 2])
-    np.testing.assert_allclose(np.mod(off, 2 * np.pi), 0.7)
-    np.testing.assert_allclose(after[:, 1], before[:, 1], atol=1e-9)
 
 
 def test_the_stage_writes_every_camera(tmp_path):

@@ -39,12 +39,6 @@ def test_label_png_round_trip_is_a_palette_image_whose_values_are_labels(tmp_pat
         assert np.asarray(image.convert("RGB"))[5, 5].tolist() == list(masks.PALETTE[3])
 
 
-def test_label_png_has_the_same_bytes_for_the_same_labels(tmp_path: Path) -> None:
-    for name in ("a", "b"):
-        masks.write_label_png(tmp_path / f"{name}.png", _labels())
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
-
-
 def test_read_label_png_refuses_what_is_no_mask(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"gone\.png.*no such file"):
         masks.read_label_png(tmp_path / "gone.png")
@@ -73,17 +67,6 @@ def test_palette_colours_do_not_matter_but_values_do(tmp_path: Path) -> None:
         masks.read_label_png(tmp_path / "four.png")
 
 
-@pytest.mark.parametrize("mode", ["1", "LA", "RGBA", "I;16"])
-def test_masks_of_other_modes_are_refused(tmp_path: Path, mode: str) -> None:
-    if mode == "I;16":
-        image = Image.fromarray(_labels().astype(np.uint16))
-    else:
-        image = Image.fromarray(_labels()).convert(mode)
-    image.save(tmp_path / "a.png")
-    with pytest.raises(InputError, match=f"a palette or grey PNG of labels, found mode {mode}"):
-        masks.read_label_png(tmp_path / "a.png")
-
-
 def test_damaged_and_huge_masks_are_one_line(tmp_path: Path) -> None:
     masks.write_label_png(tmp_path / "a.png", _labels())
     (tmp_path / "cut.png").write_bytes((tmp_path / "a.png").read_bytes()[:-40])
@@ -92,17 +75,6 @@ def test_damaged_and_huge_masks_are_one_line(tmp_path: Path) -> None:
     Image.new("L", (9000, 6000)).save(tmp_path / "huge.png")
     with pytest.raises(InputError, match="found 9000x6000"):
         masks.read_label_png(tmp_path / "huge.png")
-
-
-def test_labels_from_folder_needs_the_photos_size(tmp_path: Path) -> None:
-    labels = _labels()
-    labels[0, 0] = masks.IGNORE
-    masks.write_label_png(tmp_path / "room.png", labels)
-    found = masks.labels_from_folder(tmp_path, "room.jpg", (60, 80))
-    assert found[0, 0] == masks.OTHER
-    assert np.array_equal(found[1:], labels[1:])
-    with pytest.raises(InputError, match=r"expected .*60x80.*found 80x60"):
-        masks.labels_from_folder(tmp_path, "room.jpg", (80, 60))
 
 
 def test_large_photos_and_their_masks_are_reduced_together(tmp_path: Path) -> None:
@@ -132,13 +104,6 @@ def test_tiny_photos_and_narrow_strips_are_refused(tmp_path: Path, size: tuple[i
         read_photo(tmp_path / "a.png")
     write_png(tmp_path / "b.png", np.zeros((32, 32, 3), np.uint8))
     assert read_photo(tmp_path / "b.png").shape == (32, 32, 3)
-
-
-def test_overlay_mixes_label_colours() -> None:
-    image = np.full((1, 2, 3), 100, np.uint8)
-    picture = masks.overlay(image, np.array([[masks.FLOOR, masks.IGNORE]], np.uint8))
-    assert picture[0, 0].tolist() == [80, 140, 88]
-    assert picture[0, 1].tolist() == [50, 50, 50]
 
 
 def test_labeller_refuses_unknown_source_and_missing_folder(tmp_path: Path) -> None:
@@ -180,11 +145,6 @@ def test_make_masks_goes_on_without_bad_photos(tmp_path: Path) -> None:
     assert make_masks(files, ready_labels, beside, house_id="h1", threads=3) == warnings
     for path in out.iterdir():
         assert path.read_bytes() == (beside / path.name).read_bytes()
-
-
-def test_make_masks_without_photos_needs_no_model(tmp_path: Path) -> None:
-    assert make_masks({}, partial(labeller, "embedded"), tmp_path / "out", house_id="h") == []
-    assert json.loads((tmp_path / "out" / "cameras.json").read_text()) == {}
 
 
 def test_make_masks_refuses_two_photos_with_one_stem(tmp_path: Path) -> None:

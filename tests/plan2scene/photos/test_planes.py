@@ -5,11 +5,9 @@ import pytest
 from box_room import DEEP, HEIGHT, WIDE, open_door_view
 from views import camera_looking
 
-from plan2scene.house import Room
 from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.labels.palette import CEILING, FLOOR, OTHER, WALL
 from plan2scene.photos.planes.planes import split_planes
-from plan2scene.photos.planes.walls import WallLine, room_extent, room_reach, within_room
 
 SIZE = (360, 480)
 LOW = np.array([-1.8, 0.0, -2.0])
@@ -77,15 +75,6 @@ def test_floor_and_ceiling():
     assert planes["ceiling"].offset == pytest.approx(-1.1, abs=0.03)
 
 
-def test_prior_where_the_room_height_is_unknown():
-    eye = np.array([0.2, 1.4, -1.4])
-    labels, _, camera = box_view(10.0, -3.0, eye)
-    planes = {p.surface: p for p in split_planes(labels, camera, camera_height_m=1.6)}
-    assert planes["floor"].offset == -1.6
-    assert planes["floor"].scale_source == "camera_height"
-    assert planes["ceiling"].scale_source == "prior"
-
-
 @pytest.mark.parametrize("extent", [(4.0, 4.6), (4.6, 4.0)])
 def test_opposite_walls_give_the_scale_where_the_plan_tells_their_distance(extent):
     eye = np.array([0.2, 1.2, -1.2])
@@ -98,24 +87,6 @@ def test_opposite_walls_give_the_scale_where_the_plan_tells_their_distance(exten
     larger = (1.25 * extent[0], 1.25 * extent[1])
     floor = split_planes(labels, camera, camera_height_m=1.5, room_extent_m=larger)[0]
     assert floor.camera_height_m == pytest.approx(1.5, rel=0.05)
-
-
-def test_a_wall_cannot_be_farther_than_the_room_is_large():
-    eye = np.array([-1.3, 1.1, -1.5])
-    labels, _, camera = box_view(-40.0, 10.0, eye)
-    labels[labels == CEILING] = OTHER
-    floor = split_planes(labels, camera, camera_height_m=1.6, room_extent_m=(4.0, 4.6))[0]
-    assert floor.scale_source == "room_extent"
-    assert floor.camera_height_m < 1.35
-    unknown = split_planes(labels, camera, camera_height_m=1.6)[0]
-    assert (unknown.camera_height_m, unknown.scale_source) == (1.6, "camera_height")
-
-
-def test_extent_of_rectangles_only():
-    square = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
-    assert sorted(room_extent(Room("r", ("Bedroom",), (square,), 2.5))) == [3.0, 4.0]
-    corner = ((0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0))
-    assert room_extent(Room("r", ("Bedroom",), (corner,), 2.5)) is None
 
 
 def test_furniture_along_the_foot_hides_no_corner():
@@ -183,21 +154,6 @@ def test_slanted_walls_have_normals_of_their_own(corners, heading, own):
             assert max(abs(value) for value in plane.normal) == 1.0
 
 
-def test_only_a_wall_gives_one_plane_at_the_prior_distance():
-    _, _, camera = box_view(5.0, 0.0, np.array([0.0, 1.5, 0.0]))
-    labels = np.full(SIZE, WALL, np.uint8)
-    planes = split_planes(labels, camera)
-    assert [p.surface for p in planes] == ["wall"]
-    assert planes[0].normal == (0.0, 0.0, -1.0)
-    assert planes[0].scale_source == "prior"
-    assert 0.3 <= -planes[0].offset <= 3.0
-
-
-def test_nothing_seen_gives_no_planes():
-    _, _, camera = box_view(5.0, 0.0, np.array([0.0, 1.5, 0.0]))
-    assert split_planes(np.zeros(SIZE, np.uint8), camera) == []
-
-
 def test_through_a_door_nothing_is_the_rooms():
     _, pose, labels, ends = open_door_view()
     camera = pose.camera.with_rotation(canonical(pose.camera.matrix))
@@ -210,29 +166,3 @@ def test_through_a_door_nothing_is_the_rooms():
     assert (floor.mask & behind).sum() == 0
     own = (labels == 1) & (ends[..., 0] < WIDE)
     assert (floor.mask & own).sum() > 0.97 * own.sum()
-
-
-def test_a_door_is_a_farther_wall_between_two_parts_of_a_nearer():
-    azimuth = np.radians(np.linspace(-30, 30, 61))
-    direction = np.stack([np.sin(azimuth), np.cos(azimuth)], axis=1)
-    lines = [WallLine((0.0, 1.0), 3.0, True), WallLine((0.0, 1.0), 5.0, True)]
-    path = np.where(np.abs(np.degrees(azimuth)) < 8, 1, 0)
-    reach, through = room_reach(lines, path, direction)
-    np.testing.assert_allclose(reach, 3.0 / direction[:, 1])
-    np.testing.assert_array_equal(through, path == 1)
-    at_the_side = np.where(np.degrees(azimuth) < 8, 1, -1)
-    reach, through = room_reach(lines, at_the_side, direction)
-    assert not through.any()
-    assert np.isinf(reach[at_the_side < 0]).all()
-
-
-def test_floor_farther_than_the_room_is_long_is_left_out():
-    _, pose, labels, ends = open_door_view()
-    no_door = np.full(labels.shape, np.inf)
-    floor = (labels == 1) & (ends[..., 1] < 1e-6)
-    away = np.hypot(ends[..., 0] - pose.position[0], ends[..., 2] - pose.position[2])
-    near = within_room(floor, pose.camera, pose.position[1], no_door, 3.0)
-    np.testing.assert_array_equal(near, floor & (away < 3.0 * 1.1))
-    np.testing.assert_array_equal(
-        within_room(floor, pose.camera, pose.position[1], no_door, 0.1), floor
-    )

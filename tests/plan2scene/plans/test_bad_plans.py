@@ -7,7 +7,6 @@ import pytest
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.house import Door, House, Opening, Room, Wall
-from plan2scene.plans.formats import read_plan
 from plan2scene.plans.validate import house_faults, validate_house
 
 SQUARE = [[0, 0, 0], [4, 0, 0], [4, 0, 3], [0, 0, 3]]
@@ -47,17 +46,9 @@ ROOM_TYPES = (
             "found Self-intersection[2 1.5]",
         ),
         (
-            scene([[0, 0, 0], [4, 0, 0], [2, 0, 0]]),
-            ", room a: expected an area of at least 0.01 m2, found 0.0000",
-        ),
-        (
             scene(hole={"min": [5, 1], "max": [6, 2]}),
             ", room a: expected hole o on wall w, along within 0 to 4.000 m, "
             "found 5.000 to 6.000 m",
-        ),
-        (
-            scene(hole={"min": [1, 2], "max": [2, 1]}),
-            ", room a: expected hole o with top above bottom, found 2 to 1 m",
         ),
         (
             scene([[0, 0, 0], [40000, 0, 0], [0, 0, 3]]),
@@ -69,25 +60,14 @@ ROOM_TYPES = (
             ": expected rooms of this plan at door o, found cellar",
         ),
         (
-            scene(rooms=[{"id": "../a", "types": ["Bedroom"]}]),
-            ": expected a room id of letters, digits, '_', '-' and '.', found '../a'",
-        ),
-        (
             scene(rooms=[{"id": "a", "types": ["Bedroom"]}] * 2),
             ", room a: expected room ids that differ, found a twice",
         ),
-        (
-            scene(rooms=[{"id": "b", "types": ["Bedroom"]}]),
-            ", room b: expected a Floor element of the room, found none",
-        ),
         (scene().replace("2.5", "NaN"), ": expected finite numbers, found NaN"),
-        (scene().replace("2.5", "-Infinity"), ": expected finite numbers, found -Infinity"),
         (scene().replace("2.5", "1e999"), ", room a: expected a finite number for a coordinate"),
         ("[" * 100_000, ": expected JSON, found nesting too deep"),
         ("{", ": expected JSON, found a syntax error"),
         ("{}", ": expected a list of elements, found none"),
-        ("[]", ": expected an object for the document, found a list of 0"),
-        ("  ", ": expected a plan, found an empty file"),
         ('{"scene": {"unit": 0.001, "arch": {}}}', ": expected unit 1 (metres), found 0.001"),
     ],
 )
@@ -100,17 +80,6 @@ def test_line_of_a_fault(tmp_path, text, line):
     assert "\n" not in message
     assert message.startswith(f"file {path}, house h1{line}")
     assert not (tmp_path / "scene.json").exists()
-
-
-def test_deviations_that_are_not_json_values(tmp_path):
-    path = tmp_path / "bad.json"
-    good = json.loads(scene())
-    arch = good["arch"]
-    for key in ("elements", "rooms", "rdr"):
-        for value in (3, "x", [3], [None], [{}], {"a": 1}):
-            path.write_text(json.dumps({"arch": {**arch, key: value}}))
-            with pytest.raises(InputError, match=r"^file .*bad\.json, house h1"):
-                read_plan(path, "h1")
 
 
 def house(**changes):
@@ -170,12 +139,4 @@ def test_overlap_and_stray_walls_are_warnings():
         "file p, house h1, room a: expected rooms that don't overlap, "
         "found 3.00 m2 shared with room b",
         "file p, house h1, room b: expected wall v on the room's outline, found 6.00 m from it",
-    ]
-
-
-def test_overlapping_holes_are_a_warning():
-    two = (opening(), opening(id="p", start=1.5, end=2.5))
-    wall = Wall("w", ("a",), (0.0, 0.0), (4.0, 0.0), 2.5, openings=two)
-    assert validate_house(house(walls=(wall,))) == [
-        "house h1, room a: expected holes of wall w apart, found o and p"
     ]

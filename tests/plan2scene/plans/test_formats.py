@@ -1,17 +1,12 @@
 """The registry of plan formats: told apart by content, and a new one is one entry."""
 
 import sys
-from pathlib import Path
 
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.house import House, Room
-from plan2scene.plans import formats
 from plan2scene.plans.formats import plan_formats, read_plan
-from plan2scene.plans.plan_file import PlanFile, PlanFormat
-
-DOCS = Path(__file__).parents[3] / "docs" / "floorplans.md"
+from plan2scene.plans.plan_file import PlanFile
 
 
 def written(tmp_path, text):
@@ -43,30 +38,6 @@ def test_the_message_of_another_file_names_every_format(tmp_path):
     assert str(caught.value) == (
         f"file {path}, house h1: expected a plan ({names}), found 'what' at its start"
     )
-
-
-def test_docs_list_every_format():
-    table = DOCS.read_text()
-    assert all(f"| {entry.name} |" in table for entry in plan_formats())
-
-
-def test_a_new_format_is_one_entry(tmp_path, monkeypatch):
-    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
-
-    def read(plan):
-        side = float(plan.text.split()[1]) * plan.metres_per_pixel
-        outline = tuple((x * side, z * side) for x, z in ring)
-        return House(plan.house_id, (Room("a", ("Unknown",), (outline,), 2.5),), ())
-
-    square = PlanFormat(
-        "square", lambda plan: plan.text.startswith("square"), read, needs_scale=True
-    )
-    all_formats = plan_formats()
-    monkeypatch.setattr(formats, "plan_formats", lambda: (square, *all_formats))
-    path = written(tmp_path, "square 10")
-    assert read_plan(path, "h1", 0.1).rooms[0].rings[0] == ring
-    with pytest.raises(InputError, match="metres_per_pixel above 0 and up to 1 for square"):
-        read_plan(path, "h1")
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.house import GROUND, Level
+from plan2scene.house import Level
 from plan2scene.plans.formats import read_plan
-from plan2scene.plans.levels import flight_area, step_count
 from plan2scene.plans.plan_json import house_of_plan, house_to_plan
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
@@ -47,21 +46,6 @@ def test_rooms_of_two_levels_share_neither_walls_nor_doors():
     assert across == [("hall", "landing")]  # by the stairs alone
 
 
-def test_a_storey_is_a_house_of_its_own():
-    house = read_plan(EXAMPLE, "two")
-    (ground, below), (upper, above) = house.storeys()
-    assert (ground.id, upper.id) == ("ground", "upper")
-    assert [room.id for room in below.rooms] == ["hall", "living", "wc", "kitchen"]
-    assert {room.level for room in above.rooms} == {""}
-    assert above.levels == () and above.stairs == ()
-    assert len(below.walls) + len(above.walls) == len(house.walls)
-
-
-def test_a_house_without_levels_is_its_only_storey(l_house):
-    assert l_house.storeys() == ((GROUND, l_house),)
-    assert l_house.level_of("hall") is GROUND
-
-
 def test_plan_and_scene_come_back(plan, tmp_path):
     house = house_of_plan(plan, "two")
     again = house_of_plan(house_to_plan(house), "two")
@@ -80,15 +64,6 @@ def test_levels_come_in_any_order_and_give_heights(plan):
     house = house_of_plan(plan, "two")
     assert [level.id for level in house.levels] == ["ground", "upper"]
     assert house.room("living").height == 2.4
-
-
-def test_steps_are_those_that_one_climbs():
-    house = read_plan(EXAMPLE, "two")
-    (stairs,) = house.stairs
-    rise = house.rise_of(stairs)
-    assert rise == pytest.approx(2.8)
-    assert step_count(rise) == 15
-    assert flight_area(stairs).bounds == pytest.approx((0.0, 1.0, 0.9, 4.6))
 
 
 @pytest.mark.parametrize(
@@ -129,25 +104,12 @@ def test_one_line_for_what_no_house_can_be_made_of(plan, kind, name, change, lin
     assert str(caught.value).endswith(line)
 
 
-def test_a_level_without_levels_is_said(plan):
-    del plan["levels"]
-    with pytest.raises(InputError, match="expected levels, for room hall, found 'ground'"):
-        house_of_plan(plan, "two")
-
-
 def oddity(plan):
     """Return the only warning of a plan, from which a sound house is read."""
     house = house_of_plan(plan, "two")
     assert list(house_faults(house)) == []
     (line,) = validate_house(house)
     return line
-
-
-def test_a_storey_without_stairs_is_listed(plan):
-    plan["stairs"] = []
-    assert oddity(plan) == (
-        "house two: expected stairs from level ground up to level upper, found none"
-    )
 
 
 def test_stairs_that_lead_nowhere_are_listed(plan):
@@ -179,53 +141,6 @@ def test_a_door_that_leads_into_the_air_is_listed(plan):
     balcony = {"id": "balcony", "types": ["Balcony"], "level": "upper"}
     plan["rooms"].append({**balcony, "polygon": [[8, 0.5], [9, 0.5], [9, 3], [8, 3]]})
     assert validate_house(house_of_plan(plan, "two")) == []
-
-
-def test_an_opening_between_levels_is_listed_and_left_out(plan):
-    door = {"id": "d", "kind": "door", "from": [4, 4], "to": [4, 4.8], "bottom": 0, "top": 2}
-    plan["openings"].append({**door, "level": "upper"})
-    line = oddity(plan)
-    assert line.endswith(
-        "expected opening d on a wall of its level upper, "
-        "found one on a wall of another level; left out"
-    )
-
-
-def test_a_wall_across_the_stairs_is_listed(plan):
-    entry(plan, "rooms", "landing")["polygon"] = [[0, 0], [2.4, 0], [2.4, 3.2], [0, 3.2]]
-    store = {
-        "id": "store",
-        "types": ["Closet"],
-        "polygon": [[0, 3.2], [2.4, 3.2], [2.4, 6], [0, 6]],
-    }
-    plan["rooms"].append({**store, "level": "upper"})
-    plan["openings"] = [e for e in plan["openings"] if not e["id"].startswith("landing_")]
-    assert oddity(plan).endswith(
-        "room hall: expected stairs stairs clear of walls, found wall landing_wall_2 across them"
-    )
-
-
-def test_a_level_without_rooms_is_left_out(plan):
-    plan["levels"].append({"id": "roof", "elevation": 6})
-    assert oddity(plan).endswith("expected rooms on level roof, found none; left out")
-
-
-def test_a_ceiling_above_the_next_floor_is_listed(plan):
-    entry(plan, "rooms", "living")["height"] = 3.1
-    assert oddity(plan).endswith(
-        "room living: expected a ceiling below level upper, 2.8 m up, found 3.1 m"
-    )
-
-
-def test_a_door_of_two_levels_in_a_scene_is_listed(plan, tmp_path):
-    house = house_of_plan(plan, "two")
-    write_scene_json(house, tmp_path / "scene.json")
-    document = json.loads((tmp_path / "scene.json").read_text())
-    document["scene"]["arch"]["rdr"].append(["wc", "hall_wc", "bathroom"])
-    (tmp_path / "scene.json").write_text(json.dumps(document))
-    again = read_scene_json(tmp_path / "scene.json", "two")
-    assert again.adjacency() == house.adjacency()
-    assert "door hall_wc between rooms of one level" in again.warnings[0]
 
 
 def test_floors_a_storey_apart_in_a_scene_without_levels_are_two(plan, tmp_path):

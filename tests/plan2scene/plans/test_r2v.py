@@ -79,12 +79,6 @@ def test_annotation(tmp_path):
     assert all(room.height == 2.8 for room in house.rooms)
 
 
-def test_nearly_straight_walls_become_straight(tmp_path):
-    house = read(tmp_path, ANNOTATION)
-    for wall in house.walls:
-        assert min(abs(wall.start[k] - wall.end[k]) for k in (0, 1)) < 1e-9
-
-
 def test_output_labels_by_the_side_of_the_walls(tmp_path):
     house = read(tmp_path, OUTPUT)
     assert [room.types for room in house.rooms] == [("Reception",), ("Bedroom",)]
@@ -93,20 +87,6 @@ def test_output_labels_by_the_side_of_the_walls(tmp_path):
     assert house.warnings == ()
     turned = OUTPUT.replace("0 0 100 0 0 1", "100 0 0 0 1 0")
     assert read(tmp_path, turned) == house
-
-
-def test_scale_and_spaces(tmp_path):
-    house = read(tmp_path, OUTPUT, 0.1, tabs=False)
-    assert [room_polygon(r).area for r in house.rooms] == pytest.approx([80.0, 48.0])
-
-
-def test_room_without_label_is_unknown_or_what_its_icons_say(tmp_path):
-    text = ANNOTATION.replace("40 40 70 50 bedroom 1 1\n", "")
-    house = read(tmp_path, text)
-    assert house.rooms[0].types == ("Entrance",)
-    house = read(tmp_path, text.replace("12 33 20 55 entrance 1 1\n", ""))
-    assert house.rooms[0].types == ("Unknown",)
-    assert any("room room_0: expected a label" in line for line in house.warnings)
 
 
 def test_open_plan_has_several_types(tmp_path):

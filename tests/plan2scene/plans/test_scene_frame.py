@@ -1,7 +1,6 @@
 """scene.json with any axis up: arch@1.0.2 is z up, with regions for rooms."""
 
 import copy
-import json
 
 import numpy as np
 import pytest
@@ -61,15 +60,6 @@ def test_any_axis_may_be_up(up, scale):
         assert [o.id for o in one.openings] == [o.id for o in other.openings]
         assert other.depth == pytest.approx(one.depth)
     assert found.doors == house.doors
-
-
-def test_points_of_two_numbers_lie_in_the_plan():
-    document = turned(house_to_scene(flat()), [0, 0, 1])
-    for element in document["scene"]["arch"]["elements"]:
-        if element["type"] == "Wall":
-            element["points"] = [point[:2] for point in element["points"]]
-    found = house_of_scene(json.loads(json.dumps(document)), "h1")
-    assert np.allclose([w.start for w in found.walls], [w.start for w in flat().walls])
 
 
 def test_a_scene_as_other_programs_fill_it():

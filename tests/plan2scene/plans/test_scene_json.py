@@ -124,23 +124,6 @@ def test_textures_round_trip(tmp_path):
     assert names == ["Material_a_wall", "Material_b_wall"]
 
 
-def test_ring_not_nested_and_closed(tmp_path):
-    document = arch()
-    for element in document["elements"][:4]:
-        ring = element["points"][0]
-        element["points"] = [*ring, ring[0]]
-    house, warnings = read(tmp_path, document)
-    assert house.rooms[0].rings == (((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)),)
-    assert warnings == []
-
-
-def test_second_ring_is_a_hole(tmp_path):
-    document = arch()
-    document["elements"][0]["points"].append([[1, 0, 1], [2, 0, 1], [2, 0, 2]])
-    house, _ = read(tmp_path, document)
-    assert len(house.rooms[0].rings) == 2
-
-
 def test_same_hole_on_both_rooms_walls(tmp_path):
     document = arch()
     shared = document["elements"][4]
@@ -163,21 +146,6 @@ def test_relations_come_from_geometry_without_rdr(tmp_path):
     assert len(warnings) == 1
 
 
-def test_defaults_of_the_file(tmp_path):
-    defaults = {"Wall": {"depth": 0.2, "extraHeight": 0.01}}
-    house, _ = read(tmp_path, arch(defaults=defaults))
-    assert {(w.depth, w.extra_height) for w in house.walls} == {(0.2, 0.01)}
-
-
-def test_missing_ceiling_takes_the_walls_height(tmp_path):
-    document = arch()
-    del document["elements"][1]
-    house, warnings = read(tmp_path, document)
-    assert house.room("a").height == 2.5
-    assert len(warnings) == 1
-    assert "room a: expected a ceiling" in warnings[0]
-
-
 def test_walls_are_made_only_for_a_room_without_any(tmp_path):
     document = arch()
     document["elements"] = [e for e in document["elements"] if e["id"] not in ("w1", "w2")]
@@ -187,14 +155,6 @@ def test_walls_are_made_only_for_a_room_without_any(tmp_path):
     house, warnings = read(tmp_path, {**document, "rdr": []})
     assert len(house.walls) == 8
     assert any("room b: expected walls, found none; made from the outline" in w for w in warnings)
-
-
-def test_missing_rooms_are_unknown(tmp_path):
-    document = arch()
-    del document["rooms"]
-    house, warnings = read(tmp_path, document)
-    assert [room.types for room in house.rooms] == [("Unknown",)] * 2
-    assert warnings
 
 
 @pytest.mark.parametrize(
@@ -211,16 +171,6 @@ def test_labels_of_the_reference_converter(tmp_path, label, expected):
     house, warnings = read(tmp_path, document)
     assert house.room("a").types == (expected,)
     assert len(warnings) == (1 if label == "attic" else 0)
-
-
-def test_hole_slightly_over_the_end_is_cut(tmp_path):
-    document = arch()
-    document["elements"][4]["holes"][0]["box"] = {"min": [2.5, 0], "max": [3.1, 2.6]}
-    house, warnings = read(tmp_path, document)
-    opening = house.walls[0].openings[0]
-    assert (opening.start, opening.end, opening.top) == (2.5, 3.0, 2.5)
-    assert len(warnings) == 2
-    assert "found 2.500 to 3.100 m, cut" in warnings[0]
 
 
 def test_passage_survives_the_round_trip(tmp_path):

@@ -15,7 +15,6 @@ from plan2scene.propagation.predictors import (
     PREDICTORS,
     Prediction,
     house_evidence,
-    nearest_rooms,
     network_share,
 )
 from plan2scene.propagation.type_means import TypeMeans
@@ -76,15 +75,6 @@ def test_an_unseen_ceiling_follows_the_seen_ones():
     assert evidence(odd)[0, 2, -3:] == pytest.approx(np.full(3, 0.45), abs=0.03)
 
 
-def test_a_kind_that_the_house_never_shows_is_under_its_light():
-    seen = np.ones((ROOMS, 3), bool)
-    seen[:, 2] = False
-    dark = evidence(house(np.full((ROOMS, 3), 0.4), seen))
-    assert dark[:, 2, -3:] == pytest.approx(np.full((ROOMS, 3), 0.4), abs=0.03)
-    nothing = evidence(house(np.full((ROOMS, 3), 0.4), np.zeros((ROOMS, 3), bool)))
-    assert nothing == pytest.approx(np.full((ROOMS, 3, 11), 0.8))
-
-
 def test_a_network_that_is_wrong_in_this_house_is_not_heard():
     graph = alike()
     assert share(graph, 0.95) < 1e-3
@@ -110,15 +100,6 @@ def test_confidence_grows_with_surfaces_of_the_kind():
     few[1:, 2] = False
     less = replace(graph, observed=few, embeddings=graph.embeddings * few[..., None])
     assert 0 < PREDICTORS["house"](less, stubborn(0.95), MEANS).confidence[-1, 2] < sure < 1
-
-
-def test_nearest_rooms_are_others_with_the_surface_seen():
-    graph = alike()
-    found = nearest_rooms(graph, graph.embeddings)
-    assert (found != np.arange(ROOMS)[:, None]).all()
-    assert (found[:, 2] < ROOMS - 1).all()
-    blind = replace(graph, observed=np.zeros((ROOMS, 3), bool))
-    assert (nearest_rooms(blind, graph.embeddings) == -1).all()
 
 
 @pytest.mark.parametrize("name", sorted(PREDICTORS))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plan2scene.house import SUBSTANCES, SURFACES
+from plan2scene.house import SUBSTANCES
 from plan2scene.propagation.substances import on_surfaces, usual_shares
 
 
@@ -13,14 +13,6 @@ def test_the_surface_says_which_substances_are_likely() -> None:
     np.testing.assert_allclose(found.sum(1), 1.0, rtol=1e-5)
     tiled = np.array([[0.001, 0.0001, 0.0001, 0.9988]], np.float32)
     assert SUBSTANCES[int(on_surfaces(tiled, ["wall"]).argmax())] == "tile"
-
-
-def test_many_rooms_at_once() -> None:
-    shares = np.random.default_rng(0).dirichlet(np.ones(4), (5, 3))
-    found = on_surfaces(shares, SURFACES)
-    assert found.shape == (5, 3, 4)
-    np.testing.assert_array_equal(found[2], on_surfaces(shares[2], SURFACES))
-    assert on_surfaces(np.zeros((0, 4)), []).shape == (0, 4)
 
 
 def test_floors_of_bathrooms_are_tiled_unless_something_says_otherwise() -> None:

@@ -48,21 +48,6 @@ def test_a_wall_of_another_paint_in_two_photos_is_an_accent(tmp_path):
     assert accents(tmp_path, two_photos(BLUE), hidden_photos=["p2.jpg"]) == []
 
 
-def test_a_plain_wall_beside_an_accent_is_none(tmp_path):
-    """Photos show w2 beside the blue w1 alone; w3 has most of the room's paint."""
-    rows = [seen(f"p{k}.jpg", "w3", WHITE, 0.5, plane=2) for k in (3, 4)] + two_photos(BLUE)
-    assert [one.keys for one in accents(tmp_path, rows)] == [(SurfaceKey("a", "wall.w1"),)]
-
-
-def test_two_accent_walls_of_a_room_are_both_found(tmp_path):
-    rows = two_photos(BLUE) + [
-        seen(photo, "w3", (0.6, 0.2, 0.15), 0.1, plane=2) for photo in ("p1.jpg", "p2.jpg")
-    ]
-    rows += [seen("p3.jpg", "w2", WHITE, 0.3)]
-    found = {one.keys[0].surface for one in accents(tmp_path, rows)}
-    assert found == {"wall.w1", "wall.w3"}
-
-
 @pytest.mark.parametrize(
     "rows",
     [

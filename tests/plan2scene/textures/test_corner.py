@@ -11,7 +11,6 @@ from plan2scene.textures.crops import Crop
 from plan2scene.textures.exemplar.house_tiles import exemplar_tiles
 from plan2scene.textures.exemplar.make import ExemplarCrop, find_surface, make_exemplar
 from plan2scene.textures.inputs import KnownSurface, TextureInputs, TextureSettings
-from plan2scene.textures.maps import cut_patches, detail_of_pattern
 
 SIDE_M, CROP_M = 0.4, 0.5
 
@@ -51,24 +50,6 @@ def test_a_checkerboard_larger_than_its_crops_is_completed():
     dark, light = np.percentile(grey, (20, 80))
     assert light - dark == pytest.approx(193 - 137, abs=16)
     assert abs(np.median(grey) - grey.mean()) < 25
-
-
-@pytest.mark.parametrize("start", [0.13, 0.2, 0.27])
-def test_maps_keep_the_lattice(start):
-    pattern, _ = find_surface([crop(start, start)] * 3, size_px=128)
-    assert pattern.completed is not None
-    detail = detail_of_pattern(pattern, pattern.covered_m)
-    patches = cut_patches(detail, np.random.default_rng(0))
-    assert patches is not None
-    period = pattern.covered_m / pattern.cut.columns * detail.px_per_m
-    assert patches.down.period == pytest.approx(period, rel=0.02)
-
-
-def test_two_joints_in_a_crop_tell_the_side():
-    crops = [crop(*place, square_m=0.31) for place in [(0.25, 0.25), (0.23, 0.24), (0.26, 0.22)]]
-    made = make_exemplar(crops, size_px=128)
-    assert made.pattern.completed is not None
-    assert made.period_m == pytest.approx((0.62, 0.62), rel=0.05)
 
 
 def test_small_squares_and_plain_surfaces_stay():

@@ -43,8 +43,3 @@ def test_same_seed_same_bytes_and_one_colour_stays_one_colour():
     assert np.array_equal(match_statistics(tile, crop, 1), match_statistics(tile, crop, 1))
     flat = np.full_like(crop, (200, 180, 150))
     assert np.abs(match_statistics(tile, flat, 1).astype(int) - flat).max() <= 1
-
-
-def test_sizes_have_to_agree():
-    with pytest.raises(ValueError, match="equal square shapes"):
-        match_statistics(material("wood", 1), np.zeros((64, 64, 3), dtype=np.uint8), 0)

@@ -5,14 +5,12 @@ import pytest
 
 from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.metrics.color_freq_tile import color_distance
-from plan2scene.paint.shading import highlights, log_luma
-from plan2scene.textures.exemplar.lattice import find_lattice, whole_periods
+from plan2scene.paint.shading import log_luma
+from plan2scene.textures.exemplar.lattice import find_lattice
 from plan2scene.textures.exemplar.make import (
     ExemplarCrop,
     alike,
-    enlarged,
     make_exemplar,
-    tile_scale,
 )
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene_workshop.texture.degradation import Degradation, degrade, window
@@ -94,68 +92,6 @@ def test_lattice_of_a_turned_grid(angle) -> None:
     assert found.periods == pytest.approx((step / 6, step / 4), rel=0.02)
 
 
-@pytest.mark.parametrize(("side", "angle"), [(30.0, 0.0), (27.0, 5.0)])
-def test_lattice_of_a_checkerboard(side, angle) -> None:
-    turn = np.radians(angle)
-    rows, columns = np.mgrid[:128, :128] + 7.3
-    x = columns * np.cos(turn) + rows * np.sin(turn)
-    y = rows * np.cos(turn) - columns * np.sin(turn)
-    noise = np.random.default_rng(0).normal(0, 0.05, (128, 128))
-    found = find_lattice(((x // side + y // side) % 2) + noise, np.zeros((128, 128), bool))
-    assert found.clear
-    assert found.angle_deg == pytest.approx(angle, abs=0.6)
-    assert found.periods == pytest.approx((2 * side, 2 * side), rel=0.02)
-
-
-def test_noise_has_no_period() -> None:
-    noise = np.random.default_rng(0).normal(0, 1, (128, 128))
-    assert np.isnan(find_lattice(noise, np.zeros((128, 128), bool)).periods).all()
-
-
-def corner(at):
-    """A crop of 1.5 square tiles each way, a dark joint at `at` of its side, right and down."""
-    steps = [(np.arange(128) / 128 - place) * 1.5 for place in at]
-    right, down = (np.abs(step - np.round(step)) < 0.018 for step in steps)
-    tone = np.where((right[None] | down[:, None])[..., None], 70.0, 150.0)
-    noise = np.random.default_rng(0).normal(0.0, 5.0, (128, 128, 1))
-    return np.clip((tone + noise).repeat(3, axis=2), 0, 255).astype(np.uint8)
-
-
-def test_a_joint_alone_repeats_along_itself_and_is_no_period() -> None:
-    """Two level joints and an upright one: what lies along the level ones is alike at any lag."""
-    luma = log_luma(corner((0.5, 0.1)) / 255.0)
-    across, down = find_lattice(luma, np.zeros((128, 128), bool)).periods
-    assert np.isnan(across)
-    assert down == pytest.approx(128 / 1.5, rel=0.02)
-
-
-def test_whole_periods_fill_a_nearly_square_cut() -> None:
-    columns, rows, wide, high = whole_periods((0.21, 0.33))
-    assert (columns, rows) == (5, 3)
-    assert (wide, high) == pytest.approx((1.05, 0.99))
-    assert whole_periods((float("nan"), 0.3)) == (0, 3, pytest.approx(0.9), pytest.approx(0.9))
-    assert whole_periods((float("nan"), float("nan"))) == (0, 0, 1.0, 1.0)
-
-
-def test_tile_is_as_large_as_the_photo_s_pixels_allow() -> None:
-    image = np.zeros((128, 128, 3), np.uint8)
-    crops = [ExemplarCrop(image, 0.5, 0.5), ExemplarCrop(image, 1.0, 1.0)]
-    sides, size_m = tile_scale(crops)
-    assert size_m == pytest.approx(1.0)
-    assert sides.tolist() == pytest.approx([0.5, 1.0])
-    unknown = [ExemplarCrop(image, float("nan"), float("nan"))]
-    assert np.isnan(tile_scale(unknown)[1])
-    assert tile_scale(unknown)[0].tolist() == [1.0]
-
-
-def test_enlarged_tiles_repeat() -> None:
-    wave = 0.5 + 0.3 * np.sin(2 * np.pi * (np.arange(128) + 0.5) / 32)
-    image = np.repeat((wave[:, None] * np.ones(128))[..., None], 3, axis=2)
-    larger = enlarged(image, 256)
-    expected = 0.5 + 0.3 * np.sin(2 * np.pi * (np.arange(256) + 0.5) / 64)
-    np.testing.assert_allclose(larger[:, 5, 0], expected, atol=5e-3)
-
-
 def test_larger_tiles_show_more_metres_at_the_same_detail() -> None:
     tile = grid(5, 5)
     crops = crops_of(tile)
@@ -169,30 +105,6 @@ def test_larger_tiles_show_more_metres_at_the_same_detail() -> None:
     for made in (small, large, huge):
         assert wrap_ratio(made.image) < 1.1
         assert steepest_line(made.image) < 1.2 * steepest_line(tile)
-
-
-def test_a_tile_of_512_px_is_the_256_px_one_enlarged() -> None:
-    crops = crops_of(grid(4, 8, bond=0.5))
-    large, huge = (make_exemplar(crops, size_px=size) for size in (256, 512))
-    assert huge.size_m == large.size_m
-    halved = huge.image.reshape(256, 2, 256, 2, 3).mean(axis=(1, 3))
-    assert np.abs(halved - large.image).mean() < 3.0
-
-
-def test_one_crop_makes_a_tile_of_its_own_metres_at_any_size() -> None:
-    crop = crops_of(grid(5, 5))[:1]
-    sizes = [make_exemplar(crop, size_px=size).size_m for size in (64, 128, 256, 512)]
-    assert sizes == pytest.approx([sizes[0]] * 4)
-
-
-def test_crops_of_another_thing_are_left_out() -> None:
-    def plain(*colour: int) -> ExemplarCrop:
-        return ExemplarCrop(np.full((128, 128, 3), colour, np.uint8), 1.0, 1.0)
-
-    wood = [plain(150, 110, 70), plain(165, 120, 75), plain(140, 105, 65)]
-    bedspread = [plain(230, 230, 240), plain(235, 228, 240)]
-    assert alike([*bedspread, *wood]) == wood
-    assert alike(wood) == wood
 
 
 def test_of_two_paints_the_surface_s_own_colour_decides():
@@ -209,13 +121,3 @@ def test_of_two_paints_the_surface_s_own_colour_decides():
     made = make_exemplar([*white, *green], size_px=128, tone=tone)
     assert len(made.crops) == 4
     assert np.abs(np.median(made.image, axis=(0, 1)) - (108, 122, 103)).max() < 6
-
-
-def test_highlights_are_found_and_patterns_are_not() -> None:
-    tile = grid(5, 5)
-    crops = degrade(tile, 3)
-    found = highlights(np.stack([crop.image for crop in crops]) / 255.0)
-    for crop, mask in zip(crops, found, strict=True):
-        assert (mask.mean() > 0.1) == crop.highlight
-    checker = np.kron(np.indices((4, 4)).sum(0) % 2, np.ones((32, 32)))[..., None] * 0.6 + 0.2
-    assert not highlights(np.repeat(checker[None], 3, axis=3)[[0, 0, 0]]).any()

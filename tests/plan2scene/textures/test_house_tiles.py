@@ -5,8 +5,7 @@ import pytest
 
 from plan2scene.colour import median_colour
 from plan2scene.house import SUBSTANCES, SurfaceKey
-from plan2scene.materials import KINDS
-from plan2scene.textures.exemplar.house_tiles import FLOOR_KINDS, OTHER_KINDS, usual_tile
+from plan2scene.textures.exemplar.house_tiles import usual_tile
 from plan2scene.textures.seams import wrap_ratio
 
 FLOOR = SurfaceKey("bath", "floor")
@@ -34,9 +33,3 @@ def test_a_house_has_one_of_each_and_houses_differ():
     np.testing.assert_array_equal(first.image, tile("a", "shower").image)
     assert tile("a", "shower", 0.7).size_m == first.size_m
     assert len({tile(f"house {k}", "bath").size_m for k in range(12)}) > 1
-
-
-def test_its_kinds_are_the_materials():
-    for kinds in (FLOOR_KINDS, OTHER_KINDS):
-        assert set(kinds) == set(SUBSTANCES)
-        assert all(kind in KINDS[substance] for substance, kind in kinds.items())

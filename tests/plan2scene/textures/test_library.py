@@ -28,31 +28,9 @@ def test_nearest_has_the_nearest_colour():
     assert twins.nearest(np.full((128, 128, 3), 100, np.uint8)) == 1  # of equals the first
 
 
-def test_nearest_is_as_coarse_wherever_it_lies():
-    rng = np.random.default_rng(0)
-    fine = rng.integers(80, 160, (128, 128, 1)).astype(np.uint8).repeat(3, axis=2)
-    coarse = fine[:16, :16].repeat(8, axis=0).repeat(8, axis=1)
-    tiles = np.stack([fine, coarse])
-    library = TextureLibrary(("fine", "coarse"), ("tile",) * 2, tiles, np.ones(2))
-    for roll in (5, 60):
-        assert library.nearest(np.roll(fine, roll, axis=0)) == 0
-        assert library.nearest(np.roll(coarse, roll, axis=1)) == 1
-
-
 def test_a_tile_of_the_library_is_nearest_to_itself():
     library = generated_library(2, seed=3, size_px=128)
     assert [library.nearest(tile) for tile in library.tiles] == list(range(8))
-
-
-def test_larger_tiles_are_compared_at_the_metrics_size():
-    small = generated_library(1, seed=3, size_px=128)
-    large = TextureLibrary(
-        small.names,
-        small.substances,
-        small.tiles.repeat(2, axis=1).repeat(2, axis=2),
-        small.size_m,
-    )
-    assert large.nearest(small.tiles[2]) == 2
 
 
 def test_generated_library_repeats_itself_and_covers_each_substance(tmp_path):

@@ -12,22 +12,14 @@ from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.metrics.repetition import repetition
 from plan2scene.paint.shading import log_luma
-from plan2scene.plans.surface_areas import Area
 from plan2scene.textures.exemplar.lattice import find_lattice
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.maps import (
-    Detail,
-    MappedSurface,
-    cell,
     cut_patches,
     detail_of_pattern,
-    detail_of_tile,
     house_maps,
-    joined,
-    seen_share,
-    various,
 )
-from plan2scene.textures.quilting import Source, quilted
+from plan2scene.textures.quilting import quilted
 from plan2scene.textures.tiles import Tile, write_tiles
 
 SIDE = 128
@@ -119,47 +111,6 @@ def test_maps_are_as_fine_as_the_photos_and_no_finer(floor) -> None:
     assert coarse.px_per_m == pytest.approx(0.6 * SIDE)
 
 
-def test_crops_of_many_places_take_part_and_the_same_place_is_known(floor) -> None:
-    crops = [
-        replace(crop, plane=f"photo {k // 3}", centre=(0.3 * k, 0.0))
-        for k, crop in enumerate(floor.pattern.crops)
-    ]
-    pattern = replace(floor.pattern, crops=crops)
-    assert [crops[k].plane for k in various(pattern)] == ["photo 0"] * 3
-    far = replace(pattern, crops=[replace(c, plane="p", centre=(0.0, 0.0)) for c in crops])
-    far.crops[3] = replace(crops[3], plane="other")
-    assert len(various(far)) == 4
-    detail = detail_of_pattern(pattern, floor.size_m)
-    patches = cut_patches(detail, np.random.default_rng(0))
-    # Patches of two crops of one plane that lie 30 cm apart show partly the same.
-    middles = {tuple(np.round(origin, 3)) for origin in detail.origins}
-    assert len(middles) == 3
-    spread = np.ptp(patches.middles[patches.middles[:, 0] == patches.middles[0, 0], 1])
-    assert spread > 0.3 * detail.px_per_m
-
-
-def test_plain_surfaces_need_few_pixels() -> None:
-    wall = np.full((SIDE, SIDE, 3), 0.8, np.float32)
-    whole = np.ones((SIDE, SIDE), bool)
-    assert seen_share([Source(wall, whole)]) < 0.2
-    assert seen_share([Source(carpet(0) / np.float32(255), whole)]) == 1.0
-    tile = detail_of_tile(np.full((SIDE, SIDE, 3), 200, np.uint8), 1.0)
-    assert tile.px_per_m == pytest.approx(24, rel=0.01)
-
-
-def test_patches_lie_in_step_with_the_lattice() -> None:
-    free = cell(100.0, float("nan"), 60.0)
-    assert free.side <= 42 and free.period != free.period
-    axis = cell(100.0, 17.3, 60.0)
-    assert axis.step == pytest.approx(2 * 17.3)
-    starts = axis.starts(20)
-    np.testing.assert_allclose(starts, np.arange(20) * axis.step, atol=0.5)
-    assert axis.count(400) * axis.step + axis.overlap >= 400
-    small = [Source(np.zeros((20, 20, 3), np.float32), np.ones((20, 20), bool))]
-    facts = 100.0, 100.0, (50.0, 50.0), np.zeros((1, 3)), np.zeros(1, bool)
-    assert cut_patches(Detail(small, *facts), np.random.default_rng(0)) is None
-
-
 def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tmp_path) -> None:
     keys = gap_house.surface_keys()
     red = np.clip(rug.image * [1.3, 0.7, 0.7], 0, 255).astype(np.uint8)
@@ -205,15 +156,3 @@ def test_a_material_runs_on_through_a_door(rug, gap_house) -> None:
     assert shared > 3
     apart = pictures[0][max(shift[1], 0) :, shift[0] :][:200] - pictures[1][:200, :shared]
     assert np.abs(apart).mean() < 6
-
-
-def test_what_shares_a_quilt(rug) -> None:
-    def wanted(room, surface, material, low=0.0):
-        area = Area((low, 0.0), (low + 3.0, 3.0))
-        return MappedSurface(SurfaceKey(room, surface), tile_of(rug), area, material)
-
-    near = [wanted("a", "floor", "m"), wanted("b", "floor", "m", 3.0)]
-    assert len(joined(near)) == 1
-    assert len(joined([near[0], wanted("b", "floor", "m", 60.0)])) == 2
-    assert len(joined([near[0], wanted("b", "floor", "")])) == 2
-    assert len(joined([wanted("a", "wall", "m"), wanted("b", "wall", "m")])) == 2

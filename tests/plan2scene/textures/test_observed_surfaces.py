@@ -7,7 +7,7 @@ import pytest
 from plan2scene.errors import InputError
 from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.textures.observed_surfaces import best_crop, select_surfaces, surface_embedding
+from plan2scene.textures.observed_surfaces import select_surfaces, surface_embedding
 
 # (photo, room, surface, textureness, grey level, metres)
 CROPS = [
@@ -87,20 +87,6 @@ def test_embeddings_of_other_crops_are_refused(files, tmp_path) -> None:
     write_parquet(embeddings, table.iloc[1:], {})
     with pytest.raises(InputError, match="house h"):
         select_surfaces(embeddings, crops, (), output, house="h", dataset="d")
-
-
-def test_best_crop() -> None:
-    none = np.zeros(4)
-    assert best_crop(np.array([np.nan, 0.4, 0.4, 0.9]), none) == 1
-    assert best_crop(np.array([np.nan]), none[:1]) == 0
-    with pytest.raises(ValueError, match="no crops"):
-        best_crop(np.zeros(0), none[:0])
-
-
-def test_burned_out_crops_lose_where_there_are_others() -> None:
-    scores = np.array([0.1, 0.5, 0.4])
-    assert best_crop(scores, np.array([0.9, 0.0, 0.1])) == 2
-    assert best_crop(scores, np.array([0.9, 0.8, 1.0])) == 0
 
 
 def test_all_crops_that_are_not_burned_out_give_the_colour() -> None:

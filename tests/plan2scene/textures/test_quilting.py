@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from plan2scene.textures.quilting import Source, cheapest_paths, minimum_cut, quilt
+from plan2scene.textures.quilting import Source, cheapest_paths, quilt
 
 
 def path_cost(error, path):
@@ -26,15 +26,6 @@ def test_cheapest_paths_are_the_best_of_all_paths(closed) -> None:
         assert tuple(paths[:, k]) in allowed
         assert path_cost(error[:, k], paths[:, k]) == pytest.approx(best)
         assert costs[k] == pytest.approx(best)
-
-
-def test_minimum_cut_goes_round_the_torus_where_it_is_cheap() -> None:
-    cost = np.ones((12, 12))
-    cost[:, 3] = cost[:, 8] = 0.001  # two cheap columns on both sides of what the patch must take
-    old, new = np.zeros((12, 12), bool), np.zeros((12, 12), bool)
-    old[:, 0], new[:, 6] = True, True
-    taken = minimum_cut((np.ones((12, 12)), cost), old, new)
-    assert (taken == (np.arange(12) > 3) & (np.arange(12) <= 8)).all()
 
 
 def test_quilt_of_a_periodic_source_is_the_source() -> None:

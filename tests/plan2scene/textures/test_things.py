@@ -2,11 +2,10 @@
 
 import cv2
 import numpy as np
-import pytest
 
 from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
-from plan2scene.textures.exemplar.things import oddness, things
+from plan2scene.textures.exemplar.things import things
 
 SIZE = 128
 NOTHING = np.zeros((1, SIZE, SIZE), bool)
@@ -37,27 +36,6 @@ def test_a_switch_is_found_and_little_else() -> None:
     assert mask[40:61, 50:65].all()
     assert mask.mean() < 0.08
     assert not found(plaster(0)).any()
-
-
-@pytest.mark.parametrize("pattern", ["joint", "dots"])
-def test_what_is_long_or_there_many_times_is_the_pattern(pattern: str) -> None:
-    image = plaster(1)
-    if pattern == "joint":
-        image[60:64] = 60
-    else:
-        for row in range(10, SIZE, 24):
-            for column in range(10, SIZE, 24):
-                cv2.circle(image, (column, row), 4, (40, 40, 40), -1)
-    assert oddness(log_luma(image[None] / 255.0), NOTHING)[0] == 0.0
-    assert not found(image).any()
-
-
-def test_masked_pixels_are_no_things() -> None:
-    image, mask = with_switch(plaster(2)), NOTHING.copy()
-    mask[0, 30:75, 40:80] = True
-    luma = log_luma(image[None] / 255.0)
-    assert not things(luma, mask).any()
-    assert not things(luma, np.ones_like(mask)).any()
 
 
 def test_a_plain_surface_of_which_all_crops_show_a_switch_is_tiled_without_it() -> None:

@@ -1,6 +1,5 @@
 """The editor by clicks and keys: what is drawn is the plan.json that the reader reads."""
 
-import io
 import json
 
 import numpy as np
@@ -21,12 +20,6 @@ def areas(drawing):
 def shoelace(ring):
     x, z = np.array(ring).T
     return abs(float(np.sum(x * np.roll(z, -1) - np.roll(x, -1) * z))) / 2
-
-
-def jpeg(name, colour=(180, 120, 60)):
-    buffer = io.BytesIO()
-    Image.new("RGB", (64, 48), colour).save(buffer, "JPEG")
-    return {"name": name, "mimeType": "image/jpeg", "buffer": buffer.getvalue()}
 
 
 def drop_file(drawing, at, name):
@@ -109,17 +102,6 @@ def test_walls_move_with_both_rooms_and_what_is_in_them(drawing):
     assert areas(drawing) == {"room": 10.5, "room_2": 4.5}
 
 
-def test_a_wall_beside_a_longer_one_gets_a_step(drawing):
-    drawing.press("r")
-    drawing.drag((0, 0), (6, 2))
-    drawing.drag((0, 2), (3, 5))
-    drawing.drag((3, 2), (6, 5))
-    drawing.press("v")
-    drawing.drag((1, 2), (1, 2.5))
-    assert areas(drawing) == {"room": 13.5, "room_2": 7.5, "room_3": 9.0}
-    assert drawing.page.evaluate("editor.problems") == []
-
-
 def test_the_keyboard_alone_draws_and_changes_a_room(drawing):
     drawing.page.locator("#drawing").focus()
     drawing.page.keyboard.type("r4.2x3")
@@ -132,20 +114,6 @@ def test_the_keyboard_alone_draws_and_changes_a_room(drawing):
     assert drawing.plan["rooms"][1]["polygon"][0] == [4.7, 0]
     drawing.press("Delete")
     assert list(areas(drawing)) == ["room"]
-
-
-def test_a_line_closes_beside_rooms_and_typed_lengths_are_kept(drawing):
-    drawing.press("r")
-    drawing.drag((0, 0), (4, 3))
-    drawing.press("w")
-    drawing.click(4, 0)
-    x, z = drawing.pixel(5, 0)
-    drawing.page.mouse.move(x, z)
-    drawing.page.keyboard.type("1.55")
-    drawing.press("Enter")
-    drawing.click(5.55, 3)
-    drawing.click(4, 3)
-    assert areas(drawing) == {"room": 12.0, "room_2": 4.65}
 
 
 def test_problems_are_listed_and_lead_to_what_they_are_of(drawing):
@@ -200,15 +168,3 @@ def test_what_was_not_saved_is_offered_again(drawing):
     drawing.page.reload()
     drawing.page.get_by_role("button", name="Go on with it").click()
     assert areas(drawing) == {"room": 12.0}
-
-
-def test_a_plan_without_heights_takes_a_passage(drawing):
-    ring = [[0, 0], [4, 0], [4, 3], [0, 3]]
-    plan = {"format": "plan2scene-plan", "version": 1}
-    plan["rooms"] = [{"id": "a", "types": ["Kitchen"], "polygon": ring}]
-    drawing.page.evaluate("(plan) => editor.openPlan(plan)", plan)
-    drawing.press("p")
-    drawing.click(2, 0)
-    assert drawing.plan["rooms"][0]["height"] == 2.8
-    assert drawing.plan["openings"][0]["top"] == 2.2
-    assert drawing.page.evaluate("editor.problems") == []

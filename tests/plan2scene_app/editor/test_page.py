@@ -18,7 +18,7 @@ from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene_app.editor.editor_page import joined_program, opened, picture_bytes, write_editor
+from plan2scene_app.editor.editor_page import opened, picture_bytes, write_editor
 from plan2scene_app.tracing.picture import Frame
 from plan2scene_app.tracing.scale import Scale
 from plan2scene_app.tracing.trace import TracedPlan
@@ -51,21 +51,6 @@ def test_the_policy_allows_the_page_itself_and_nothing_else(tmp_path):
     assert not re.search(r"(src|href)=\"?https?:|@import|\bfetch\(|XMLHttpRequest|WebSocket", page)
     assert "<script>alert" not in page
     assert block(page, "start")["house"] == NAME
-
-
-def test_the_program_is_one_module_without_imports():
-    program = joined_program("files_page")
-    assert not re.search(r"^(import|export) ", program, re.MULTILINE)
-    names = re.findall(r"^(?:const|function|async function|class) (\w+)", program, re.MULTILINE)
-    assert len(names) == len(set(names)) > 100
-
-
-def test_files_are_short():
-    folder = ROOT / "src" / "plan2scene_app" / "editor"
-    long = [
-        p.name for p in folder.iterdir() if p.is_file() and len(p.read_text().splitlines()) > 300
-    ]
-    assert long == []
 
 
 def test_a_plan_of_another_format_opens_as_plan_json(tmp_path):

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-import yaml
-from PIL import Image
 from scipy import ndimage
 
 from plan2scene.mesh.assembly import assemble
@@ -13,7 +11,6 @@ from plan2scene_app.exports.occupancy import (
     RESOLUTION_M,
     UNKNOWN,
     occupancy,
-    write_map,
 )
 
 
@@ -34,12 +31,6 @@ def test_values_where_the_plan_says(gap_house):
     assert at(grid, origin, -0.4, -0.4) == UNKNOWN
 
 
-def test_free_area_is_the_rooms_less_what_walls_touch(gap_house):
-    grid, _ = occupancy(assemble(gap_house).storeys[0])
-    free = (grid == FREE).sum() * RESOLUTION_M**2
-    assert free == pytest.approx(3.0 * 4.0 + 2.9 * 4.0, rel=0.07)
-
-
 @pytest.mark.parametrize("name", ["gap_house", "shared_house"])
 def test_rooms_join_through_doors_and_nothing_leaks_out(request, name):
     grid, _ = occupancy(assemble(request.getfixturevalue(name)).storeys[0])
@@ -47,12 +38,3 @@ def test_rooms_join_through_doors_and_nothing_leaks_out(request, name):
     assert count == 1
     outside, _ = ndimage.label(grid != OCCUPIED)
     assert outside[0, 0] not in np.unique(outside[grid == FREE])
-
-
-def test_files(gap_house, tmp_path):
-    write_map(gap_house, {}, tmp_path)
-    grid, origin = occupancy(assemble(gap_house).storeys[0])
-    facts = yaml.safe_load((tmp_path / "map.yaml").read_text())
-    assert facts["resolution"] == RESOLUTION_M
-    assert facts["origin"][:2] == pytest.approx(origin)
-    assert np.array_equal(np.asarray(Image.open(tmp_path / facts["image"])), grid)

@@ -2,7 +2,6 @@
 
 import json
 import sys
-from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -56,10 +55,3 @@ def test_a_folder_of_something_else_is_refused(tmp_path):
     result = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "map"])
     assert isinstance(result.exception, InputError)
     assert "no house.scene.json" in str(result.exception)
-
-
-def test_the_docs_list_every_export_and_what_it_needs():
-    text = (Path(__file__).parents[3] / "docs" / "exports.md").read_text()
-    for name, export in exports().items():
-        assert f"| `{name}` |" in text
-        assert export.needs in text

@@ -1,12 +1,10 @@
 """The simulator pack: files that belong together."""
 
-import json
-
 import numpy as np
 import pytest
 import trimesh
 
-from plan2scene_app.exports.simulator import instance_colour, write_simulator
+from plan2scene_app.exports.simulator import write_simulator
 from plan2scene_app.exports.solids import house_solids
 
 
@@ -14,14 +12,6 @@ from plan2scene_app.exports.solids import house_solids
 def pack(gap_house, paint, tmp_path):
     write_simulator(gap_house, paint(gap_house), tmp_path)
     return tmp_path
-
-
-def test_descriptor_names_files_that_are_there(pack):
-    config = json.loads((pack / "house.stage_config.json").read_text())
-    for key in ("render_asset", "collision_asset", "semantic_asset"):
-        assert (pack / config[key]).is_file()
-    assert (pack / config["semantic_descriptor_filename"]).is_file()
-    assert config["units_to_meters"] == 1.0
 
 
 def test_collision_is_the_solids(pack, gap_house):
@@ -48,7 +38,3 @@ def test_every_instance_has_a_colour_of_its_own(pack):
     assert categories["a/floor"] == "floor"
     assert categories["structure/wall/a_w1"] == "wall"
     assert {told[c][3] for c, name in seen.items() if name.startswith("b/")} == {"1"}
-
-
-def test_colours_differ():
-    assert len({instance_colour(number) for number in range(1, 20000)}) == 19999

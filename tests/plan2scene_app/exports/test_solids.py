@@ -5,7 +5,7 @@ import pytest
 import shapely
 from scipy.spatial.transform import Rotation
 
-from plan2scene_app.exports.solids import LEAST_WALL, SLAB, house_solids, prisms
+from plan2scene_app.exports.solids import LEAST_WALL, SLAB, house_solids
 
 HOUSES = ("l_house", "ring_house", "shared_house", "gap_house")
 
@@ -38,13 +38,6 @@ def test_slabs_are_the_rooms(house):
             volume = sum(piece.volume for piece in solid.pieces)
             assert volume == pytest.approx(outline.area * SLAB, rel=1e-6)
             assert min(piece.bounds[0, 1] for piece in solid.pieces) == pytest.approx(low)
-
-
-def test_prism_of_a_polygon_with_a_hole():
-    ring = shapely.box(0, 0, 4, 4).difference(shapely.box(1, 1, 2, 2))
-    pieces = prisms(ring, 0.0, 2.0)
-    assert len(pieces) > 1
-    assert sum(piece.volume for piece in pieces) == pytest.approx(30.0)
 
 
 @pytest.mark.parametrize(("name", "walls"), [("gap_house", 0.1), ("shared_house", LEAST_WALL)])
@@ -86,17 +79,3 @@ def test_a_leaf_opens_into_its_room(request, name):
     room = house.room(leaf.room_ids[0])
     inside = shapely.Polygon(room.rings[0]).buffer(0.06)
     assert inside.contains(shapely.MultiPoint(moved[:, [0, 2]]).convex_hull)
-
-
-def test_walls_touching_rooms_are_thin(shared_house):
-    (wall,) = [solid for solid in house_solids(shared_house) if solid.name == "wall/ab"]
-    x = np.concatenate([piece.vertices[:, 0] for piece in wall.pieces])
-    assert np.ptp(x) == pytest.approx(LEAST_WALL, abs=1e-6)
-
-
-def test_windows_are_filled(l_house):
-    panes = [solid for solid in house_solids(l_house) if solid.category == "window"]
-    assert panes
-    for pane in panes:
-        (piece,) = pane.pieces
-        assert piece.bounds[0, 1] > 0.4

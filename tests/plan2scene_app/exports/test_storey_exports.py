@@ -1,18 +1,13 @@
 """Several storeys in other programs' forms: all of them have both levels."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import trimesh
 import yaml
 from PIL import Image
 
-from plan2scene.mesh.assembly import build_parts
-from plan2scene.plans.levels import flight_area
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.exports.ifc4 import write_ifc
-from plan2scene_app.exports.obj import write_obj
 from plan2scene_app.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M
 from plan2scene_app.exports.registry import export_house
 from plan2scene_app.exports.simulator import mjcf_text, write_simulator
@@ -97,26 +92,6 @@ def test_ifc_has_both_storeys(house, tmp_path):
     assert len(ids) == len(set(ids))
 
 
-def test_ifc_of_a_room_that_is_all_well_is_valid(house, tmp_path):
-    ifcopenshell = pytest.importorskip("ifcopenshell")
-    from ifcopenshell import validate
-
-    (flight,) = house.stairs
-    strip = tuple(flight_area(flight).exterior.coords)[:-1]
-    rooms = [replace(r, rings=(strip,)) if r.id == "landing" else r for r in house.rooms]
-    walls = [w for w in house.walls if "landing" not in w.room_ids]
-    terrace = replace(house.room("study"), types=("Terrace",))
-    rooms = [terrace if room.id == "study" else room for room in rooms]
-    write_ifc(replace(house, rooms=tuple(rooms), walls=tuple(walls)), {}, tmp_path)
-    model = ifcopenshell.open(str(tmp_path / "house.ifc"))
-    logger = validate.json_logger()
-    validate.validate(model, logger)
-    assert logger.statements == []
-    assert "landing/floor" not in {slab.Name for slab in model.by_type("IfcSlab")}
-    kinds = {space.Name: space.PredefinedType for space in model.by_type("IfcSpace")}
-    assert (kinds["study"], kinds["bedroom"]) == ("EXTERNAL", "INTERNAL")
-
-
 def test_usd_is_valid(house, paint, tmp_path):
     pytest.importorskip("pxr")
     from pxr import Usd, UsdGeom, UsdValidation
@@ -142,14 +117,3 @@ def test_the_simulator_pack_has_every_level(house, paint, tmp_path):
     regions = {row.split(",")[3] for row in rows}
     assert regions == {str(k) for k in range(-1, len(house.rooms))}
     assert any('"stairs"' in row for row in rows)
-
-
-def test_obj_has_every_level(house, paint, tmp_path):
-    write_obj(house, paint(house), tmp_path / "house.obj")
-    lines = (tmp_path / "house.obj").read_text().splitlines()
-    names = {line[2:] for line in lines if line.startswith("o ")}
-    assert {part.name for part in build_parts(house)} <= names
-    heights = [float(line.split()[2]) for line in lines if line.startswith("v ")]
-    assert (min(heights), max(heights)) == pytest.approx((0.0, 2.8 + 2.535))
-    images = {path.name for path in (tmp_path / "house_textures").iterdir()}
-    assert images == {f"{key.filename}.png" for key in house.surface_keys()}

@@ -13,7 +13,6 @@ from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.parse import Source
-from plan2scene_app.plan_formats import dxf
 from plan2scene_app.plan_formats.dxf import LayerKinds, house_of_dxf
 
 ezdxf = pytest.importorskip("ezdxf")
@@ -225,12 +224,3 @@ def test_bad_drawings_are_one_line(tmp_path, text, line):
         read_plan(path, "h1")
     assert line in str(caught.value)
     assert str(caught.value).startswith(f"file {path}, house h1")
-
-
-def test_too_many_walls(tmp_path, monkeypatch):
-    monkeypatch.setattr(dxf, "MAX_AXES", 100)
-    doc = document(6)
-    for k in range(300):
-        doc.modelspace().add_line((k, 0), (k, 1), dxfattribs={"layer": "WALL"})
-    with pytest.raises(InputError, match="at most 200 lines of walls, found more"):
-        read_plan(saved(doc, tmp_path), "h1")

@@ -11,7 +11,6 @@ from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.validate import house_faults
-from plan2scene_app.plan_formats import roomplan
 
 LABELS = {"Reception": "livingRoom", "Corridor": "hallway"}
 
@@ -156,9 +155,3 @@ def test_bad_scans_are_one_line(tmp_path, change, line):
         read_plan(path, "h1")
     assert line in str(caught.value)
     assert str(caught.value).startswith(f"file {path}, house h1")
-
-
-def test_too_many_walls(tmp_path, monkeypatch):
-    monkeypatch.setattr(roomplan, "MAX_AXES", 100)
-    with pytest.raises(InputError, match="at most 100 walls"):
-        read_plan(written(tmp_path, {"walls": [WALL] * 101}), "h1")

@@ -221,12 +221,6 @@ def test_an_old_file_says_what_to_do(tmp_path):
         read_plan(path, "h1")
 
 
-def test_another_archive_is_no_home(tmp_path):
-    path = write(tmp_path / "plan.sh3d", "x", "word/document.xml")
-    with pytest.raises(InputError, match=r"expected a plan \(.*\), found a ZIP archive"):
-        read_plan(path, "h1")
-
-
 @pytest.mark.skipif(not SAMPLES.is_dir(), reason="no samples beside the repository")
 @pytest.mark.parametrize(("name", "line"), [("home1", "5.3 or later"), ("damagedHome", "a plan (")])
 def test_files_of_the_program(name, line):

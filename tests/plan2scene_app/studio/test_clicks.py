@@ -189,19 +189,6 @@ def test_two_points_on_a_picture_are_kept_as_its_scale(drawing, studio, tmp_path
     assert json.loads((home / "plan_source.json").read_text())["two_points"] is None
 
 
-def test_floors_are_kept(drawing, studio):
-    two_rooms(drawing)
-    drawing.page.get_by_role("button", name="Copy to the top", exact=True).click()
-    drawing.page.wait_for_function("() => !house.host.pending")
-    plan = drawing.page.evaluate("editor.store.state.plan")
-    house = read_plan(home_of(studio, drawing) / "plan.json", "home")
-    assert [len(storey.rooms) for _, storey in house.storeys()] == [2, 2]
-    drawing.page.reload()
-    drawing.page.wait_for_selector("body[data-ready]")
-    assert drawing.page.evaluate("editor.store.state.plan") == plan
-    assert drawing.page.evaluate("editor.store.level") == "ground"
-
-
 def test_two_tabs_and_a_reload_lose_nothing(drawing, studio, context):
     two_rooms(drawing)
     other = Drawing(context.new_page())

@@ -55,18 +55,6 @@ def doors_of(plan):
     return sum(opening["kind"] == "door" for opening in plan["openings"])
 
 
-def test_two_rooms_from_nothing_to_a_glb(drawing, studio, tmp_path):
-    drawing.two_rooms()
-    scene = made_house(drawing, tmp_path)
-    folder = folder_of(studio, drawing)
-    house = read_plan(folder / "plan.json", "home")
-    assert len(house.rooms) == 2 and len(house.doors) == 1
-    assert_is_the_plan(scene, house)
-    assert sum("/door/" in name for name in scene.geometry) == 1
-    tiles = {path.stem for path in (folder / "house" / "textures").glob("*.png")}
-    assert tiles == {f"{r.id}_{s}" for r in house.rooms for s in ("floor", "wall", "ceiling")}
-
-
 def test_a_picture_is_traced_mended_and_made(drawing, studio, tmp_path):
     page = drawing.page
     write_png(tmp_path / "flat.png", flat_picture())

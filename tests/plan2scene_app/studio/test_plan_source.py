@@ -4,12 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from PIL import Image
 from unscaled_drawings import dxf, svg
 
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
-from plan2scene_app.studio import plan_source
 from plan2scene_app.studio.plan_source import UnreadPlanError, read_again, read_upload, reading_of
 from plan2scene_app.studio.projects import Projects
 
@@ -17,9 +15,6 @@ from plan2scene_app.studio.projects import Projects
 @pytest.fixture
 def project(tmp_path):
     return Projects(tmp_path).make("home")
-
-
-SCALE = {"size": [500.0, 250.0], "doubt": "", "shown": 2.0}
 
 
 def asked(project, content):
@@ -68,14 +63,6 @@ def test_a_width_stands_for_the_scale_of_an_svg(project):
     # A plan with another scale is read by that one, not by what was given for the last.
     asked(project, svg())
     assert reading_of(project)["metres_per_pixel"] is None
-
-
-def test_raster_to_vector_text_is_asked_for_its_scale(project):
-    walls = ("0 0 100 0", "100 0 100 50", "100 50 0 50", "0 50 0 0")
-    text = "".join(f"{ends} wall 1 1\n" for ends in walls)
-    _, reading = asked(project, f"{text}10 10 10 10 bedroom 1 1\n".encode())
-    assert reading["format"] == "raster-to-vector text"
-    assert reading["size"] == (100, 50)
 
 
 @pytest.mark.parametrize(
@@ -128,54 +115,6 @@ def test_values_that_others_broke_are_one_line_until_the_next_upload(project, br
             ask(project)
     asked(project, svg())
     assert reading_of(project)["size"] == (800, 400)
-
-
-def test_a_picture_is_as_large_as_it_was_traced(project, monkeypatch):
-    calls = []
-
-    def opened(file, house, scale, layers):
-        calls.append(scale)
-        doubt = "" if scale else "the scale is a guess"
-        return {"plan": {"rooms": []}, "scale": SCALE | {"doubt": doubt}}
-
-    monkeypatch.setattr(plan_source, "opened", opened)
-    assert read_upload(project, b"\x89PNG\r\n")["scale"]["doubt"]
-    reading = reading_of(project)
-    assert (reading["format"], reading["size"]) == ("picture", (500.0, 250.0))
-    assert reading["doubt"] == "the scale is a guess"
-    read_again(project, {"width": 10})
-    assert calls == [None, 10 / 500]
-    assert reading_of(project)["doubt"] == ""
-
-
-def test_two_points_in_the_editor_are_kept_as_the_scale(project, monkeypatch):
-    found = {"plan": {"rooms": []}, "scale": SCALE | {"doubt": "the scale is a guess"}}
-    monkeypatch.setattr(plan_source, "opened", lambda *_: found)
-    read_upload(project, b"\x89PNG\r\n")
-    Image.new("L", (8, 8)).save(project.path / "plan_picture.png")
-
-    def saved(**place):
-        place |= {"x": 0, "z": 0, "opacity": 0.6, "visible": True}
-        plan, revision = {"format": "plan2scene-plan"}, project.revision()
-        project.save({"plan": plan, "photos": [], "place": place, "revision": revision})
-        plan_source.keep_two_points(project)
-        return json.loads((project.path / "plan_source.json").read_text())
-
-    # The picture is moved about: its scale stays a guess.
-    assert saved(metres_per_pixel=0.03)["two_points"] is None
-    kept = saved(metres_per_pixel=0.05, measured=True)
-    assert (kept["two_points"], kept["metres_per_pixel"]) == (0.025, None)
-    reading = reading_of(project)
-    assert (reading["metres_per_pixel"], reading["doubt"]) == (0.025, "")
-    assert saved(metres_per_pixel=0.03)["two_points"] is None  # taken back
-    assert reading_of(project)["doubt"] == "the scale is a guess"
-    saved(metres_per_pixel=0.05, measured=True)
-    read_again(project, {"metres_per_pixel": 0.02})
-    kept = json.loads((project.path / "plan_source.json").read_text())
-    assert (kept["two_points"], kept["metres_per_pixel"]) == (None, 0.02)
-    # What others broke stays, and the editor's state is saved all the same.
-    (project.path / "plan_source.json").write_text("[]")
-    assert saved(metres_per_pixel=0.05, measured=True) == []
 
 
 def test_what_is_no_plan_is_not_kept(project):

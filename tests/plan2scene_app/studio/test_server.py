@@ -88,16 +88,6 @@ def test_plans_of_other_formats_and_pictures_are_read(studio, home):
     assert found["error"].startswith("expected a plan (")
 
 
-def test_stale_states_are_refused(studio, home):
-    _, state = studio.ask("GET", f"{home}/state")
-    body = state | {"plan": json.loads(EXAMPLE.read_text())}
-    status, saved = studio.ask("PUT", f"{home}/state", body)
-    assert status == 200
-    assert studio.ask("PUT", f"{home}/state", body)[0] == 409
-    path = f"{home}/state?not={saved['revision']}"
-    assert studio.ask("GET", path) == (200, {"revision": saved["revision"]})
-
-
 def test_results_are_given_and_zipped(studio, home):
     assert studio.ask("GET", f"{home}/zip")[0] == 400
     assert studio.ask("GET", f"{home}/export/map")[0] == 400

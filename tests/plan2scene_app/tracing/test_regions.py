@@ -47,19 +47,6 @@ def test_an_end_and_the_wall_across():
     assert np.abs(passage(labels) - [4.0, 3.5, 4.1, 5.5]).max() < 0.08
 
 
-def test_a_short_stub_is_no_wall_to_go_on():
-    labels = one_floor()
-    paint(labels, WALL, 4.0, 0.5, 4.1, 1.2)
-    assert passage(labels) is None
-
-
-def test_the_corner_of_a_floor_with_six_corners_is_no_end():
-    labels = one_floor()
-    paint(labels, WALL, 5.0, 3.0, 8.5, 3.1)
-    paint(labels, WALL, 5.0, 3.0, 5.1, 5.5)
-    assert passage(labels) is None
-
-
 def test_a_wall_that_stands_in_a_floor_or_parts_a_niche_is_none():
     labels = one_floor()
     paint(labels, WALL, 3.0, 2.0, 3.1, 3.5)  # ends on both sides, but parts nothing

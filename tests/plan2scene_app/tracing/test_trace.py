@@ -15,7 +15,7 @@ from plan2scene.plans.formats import read_plan
 from plan2scene_app.cli import app
 from plan2scene_app.tracing import trace
 from plan2scene_app.tracing.lettering import TextLine, read_lines
-from plan2scene_app.tracing.picture import dark_on_light, read_plan_picture
+from plan2scene_app.tracing.picture import read_plan_picture
 from plan2scene_app.tracing.trace import traced_files, write_trace
 
 
@@ -66,14 +66,6 @@ def test_light_lines_on_dark_paper_are_read_as_dark_ones(texts, tmp_path):
     assert areas["wohnzimmer"] == pytest.approx(4.06 * 5.12, rel=0.05)
     assert sum(opening.kind == "door" for opening in plan.openings) >= 1
     np.testing.assert_array_equal(plan.picture, picture)  # shown as it is
-
-
-def test_dark_pictures_that_are_not_light_on_dark_stay():
-    dim = (flat_picture() * 0.35).astype(np.uint8)  # a sheet in a dim room
-    assert dark_on_light(dim) is dim
-    room = (_noise() * 0.4).astype(np.uint8)
-    room[:40, :200] = 255  # a window
-    assert dark_on_light(room) is room
 
 
 def test_the_same_picture_gives_the_same_bytes(picture, texts, tmp_path):

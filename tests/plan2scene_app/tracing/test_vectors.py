@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from scipy import ndimage
-from shapely.geometry import Point, Polygon
+from shapely.geometry import Point
 
 from plan2scene_app.tracing.lettering import TextLine
-from plan2scene_app.tracing.openings import TracedOpening, find_openings
-from plan2scene_app.tracing.picture import first_scale, main_direction, straightened, whole
+from plan2scene_app.tracing.openings import find_openings
+from plan2scene_app.tracing.picture import main_direction
 from plan2scene_app.tracing.regions import find_regions, structure_of
-from plan2scene_app.tracing.rooms import describe_rooms, room_polygons, without_inner_windows
+from plan2scene_app.tracing.rooms import describe_rooms, room_polygons
 from plan2scene_app.tracing.settings import ROOM
 
 from .conftest import FLOORS, PPM, as_probabilities, flat_labels
@@ -87,13 +87,6 @@ def test_floor_that_goes_on_is_a_passage():
     assert kinds == ["passage"]
 
 
-def test_stains_are_no_rooms():
-    labels = flat_labels()
-    labels[130:134, 20:24] = ROOM
-    regions, _ = traced(as_probabilities(labels))
-    assert regions.count == 2
-
-
 def test_rooms_are_named_by_text_else_by_furniture(probabilities):
     regions, polygons = traced(probabilities)
     lines = [
@@ -113,41 +106,3 @@ def test_a_turned_plan_is_straightened(angle):
     walls = np.pad(flat_labels() == 1, 80).astype(np.float32)
     turned = ndimage.rotate(walls, -angle, reshape=False, order=1)
     assert main_direction(turned) == pytest.approx(angle, abs=0.8)
-
-
-def test_frame_maps_there_and_back():
-    image = np.full((150, 270, 3), 255, np.uint8)
-    structure = np.minimum(flat_labels(), ROOM)
-    assert first_scale(structure) == pytest.approx(PPM, rel=0.2)
-    frame = straightened(image, whole(image, 270), structure, 10.0)
-    points = np.array([[30.0, 40.0], [200.0, 100.0]])
-    np.testing.assert_allclose(frame.to_picture(frame.of_picture(points)), points, atol=1e-6)
-    h, w = frame.image.shape[:2]
-    box = Polygon([(0, 0), (w, 0), (w, h), (0, h)])
-    corners = np.array([(30, 30), (243, 30), (243, 123), (30, 123)], float)
-    assert all(box.contains(Point(p)) for p in frame.of_picture(corners))
-
-
-def test_windows_between_rooms_are_doors_or_passages(probabilities):
-    regions, polygons = traced(probabilities)
-    rooms = describe_rooms(regions, polygons, probabilities, [])
-
-    def window(other, width):
-        return TracedOpening("window", (0.0, 0.0), (width, 0.0), 1, other, 0.9)
-
-    found = without_inner_windows([window(2, 20.0), window(2, 60.0), window(0, 20.0)], rooms, 40.0)
-    assert [o.kind for o in found] == ["door", "passage", "window"]
-    assert [o.confidence for o in found] == [0.5, 0.5, 0.9]
-
-
-def test_a_box_in_a_room_is_part_of_it_unless_it_has_a_door():
-    labels = flat_labels()
-    box = slice(round(1.5 * PPM), round(2.9 * PPM)), slice(round(2.0 * PPM), round(3.2 * PPM))
-    labels[box] = 1
-    inner = tuple(slice(s.start + 3, s.stop - 3) for s in box)
-    labels[inner] = ROOM
-    regions, _ = traced(as_probabilities(labels))
-    assert regions.count == 2
-    labels[box[0].start + 6 : box[0].start + 30, box[1].stop - 3 : box[1].stop] = 2
-    regions, _ = traced(as_probabilities(labels))
-    assert regions.count == 3

@@ -120,18 +120,6 @@ def test_plain_light_keeps_colours_true(view):
     assert view.run('$("plain").getAttribute("aria-pressed")') == "true"
 
 
-def test_neutral_tone_mapping_keeps_hues(view):
-    for look in ("day", "lit"):
-        view.run(f'setLook("{look}")')
-        scene = still(view).astype(float)
-        red = scene[colours(scene)["red"]]
-        assert len(red) > 2000
-        # Light of a lamp is a little warm; neither bleaches nor burns.
-        assert np.median(np.abs(red[:, 1] - red[:, 2])) < 12
-        assert np.median(red[:, 0]) < 250
-        assert np.median(red[:, 1]) < 90
-
-
 def test_occlusion_darkens_and_never_brightens(view):
     pytest.importorskip("embreex")
     shaded = still(view)
@@ -227,14 +215,6 @@ def test_keys_walk_and_no_wall_is_passed(view):
     assert np.ptp(x) > 3.4 and np.ptp(z) > 2.4  # and went there
 
 
-def test_who_walked_orbits_again_from_where_he_was(view):
-    outside = view.run("camera.position.toArray()")
-    view.run('$("walk").click(); draw(1); eye.feet.x += 0.5; draw(1)')
-    assert view.run("camera.position.y") == pytest.approx(1.6)
-    view.run('$("orbit").click(); draw(1)')
-    assert view.run("camera.position.toArray()") == pytest.approx(outside)
-
-
 def test_touch_walks_by_the_pad(view):
     view.run('$("walk").click(); eye.yaw = 0; draw(1)')
     start = view.run("eye.feet.z")
@@ -256,14 +236,6 @@ def test_nothing_is_drawn_when_nothing_moves(view):
         view.page.wait_for_timeout(300)
         frames.append(view.run("renderer.info.render.frame"))
     assert frames[-1] == frames[-2]
-
-
-def test_slow_pictures_get_coarser_and_quick_ones_finer(view):
-    pace = view.run("pace = late = early = 0; [60, 60, 60].forEach(keepPace); pace")
-    assert pace == 1
-    assert view.run("Array(9).fill(90).forEach(keepPace); PACES[pace]") == 0.5
-    assert view.run("Array(60).fill(16).forEach(keepPace); PACES[pace]") == 0.75
-    assert view.run("pace = 0; Array(9).fill(900).forEach(keepPace); pace") == 0  # stood still
 
 
 def test_a_name_of_markup_is_text(view):

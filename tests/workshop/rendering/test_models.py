@@ -6,16 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 from model_folder import HEADER, model_folder
 
 from plan2scene.errors import InputError
 from plan2scene_workshop.rendering.models import (
-    MAX_FACES,
     ModelShop,
     load_model,
     read_model_index,
-    thinned,
 )
 
 
@@ -46,22 +43,6 @@ def test_a_piece_has_the_models_size_and_stands_with_its_back_at_zero(tmp_path: 
     assert shop.piece(np.random.default_rng(0), "table", mounts=("wall",)) is None
 
 
-def test_large_models_are_thinned_within_their_bounds() -> None:
-    sphere = trimesh.creation.icosphere(subdivisions=5)
-    from plan2scene_workshop.rendering.geometry import Solid
-
-    solid = Solid(
-        np.array(sphere.vertices),
-        np.array(sphere.vertex_normals),
-        np.zeros((len(sphere.vertices), 2)),
-        np.array(sphere.faces),
-    )
-    small = thinned(solid, MAX_FACES)
-    assert 500 < len(small.faces) <= MAX_FACES < len(solid.faces)
-    assert np.linalg.norm(small.vertices, axis=1) == pytest.approx(1, abs=1e-6)
-    assert small.faces.max() == len(small.vertices) - 1
-
-
 @pytest.mark.parametrize(
     ("row", "expected"),
     [
@@ -74,15 +55,6 @@ def test_large_models_are_thinned_within_their_bounds() -> None:
 def test_bad_rows_are_one_line(tmp_path: Path, row: str, expected: str) -> None:
     (tmp_path / "index.csv").write_text(HEADER + row)
     with pytest.raises(InputError, match=expected):
-        read_model_index(tmp_path, train=True)
-
-
-def test_an_index_without_its_columns_is_one_line(tmp_path: Path) -> None:
-    (tmp_path / "index.csv").write_text("file,class\nm0.glb,chair,1,2\n")
-    with pytest.raises(InputError, match=r"columns class, depth.*file, class"):
-        read_model_index(tmp_path, train=True)
-    (tmp_path / "index.csv").write_text(HEADER)
-    with pytest.raises(InputError, match="no row"):
         read_model_index(tmp_path, train=True)
 
 

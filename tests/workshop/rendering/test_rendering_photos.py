@@ -15,10 +15,9 @@ from plan2scene_workshop.rendering import RenderedPhoto, plan_views, render_hous
 from plan2scene_workshop.rendering.decor import Decor, listing_decor
 from plan2scene_workshop.rendering.furniture import CAMERA_CLEARANCE
 from plan2scene_workshop.rendering.models import read_model_index
-from plan2scene_workshop.rendering.photos import light_at
 from plan2scene_workshop.rendering.scene import build_room_scene
 from plan2scene_workshop.rendering.sources import Sources
-from plan2scene_workshop.rendering.tracer import Buffers, Tracer, Truth, load_mitsuba
+from plan2scene_workshop.rendering.tracer import Tracer, load_mitsuba
 
 pytest.importorskip("mitsuba", exc_type=ImportError)
 
@@ -188,29 +187,3 @@ def test_missing_material_is_one_line() -> None:
     views = plan_views(house, ["a"], 1, 0)
     with pytest.raises(InputError, match=r"house tiny, room a: expected a material of wall"):
         next(render_house(house, materials, {}, views, 0, variant=VARIANT))
-
-
-def test_unknown_variant_is_one_line() -> None:
-    with pytest.raises(InputError, match="working Mitsuba variant"):
-        load_mitsuba("no_such_variant")
-
-
-def test_light_comes_back_without_the_albedo() -> None:
-    """A flat surface of any albedo under an even light gives that light, to be multiplied once."""
-    half, full = (12, 16), (24, 32)
-
-    def hits(size: tuple[int, int]) -> Truth:
-        rows, columns = np.indices(size, dtype=np.float32) / size[0]
-        position = np.stack([columns, np.zeros(size), rows], -1).astype(np.float32)
-        normal = np.broadcast_to(np.array([0, 1, 0], np.float32), (*size, 3))
-        flat = np.zeros(size, np.uint8)
-        return Truth(flat, flat, np.full(size, "paint", object), position, normal)
-
-    def buffers(size: tuple[int, int], light: tuple[float, float, float]) -> Buffers:
-        albedo = np.broadcast_to(np.array([0.8, 0.3, 0.1], np.float32), (*size, 3)).copy()
-        return Buffers(albedo * np.array(light, np.float32), albedo)
-
-    light = (0.5, 0.6, 0.7)
-    found = light_at(buffers(half, light), hits(half), buffers(full, (0.0, 0.0, 0.0)), hits(full))
-    assert found.shape == (*full, 3)
-    assert np.allclose(found, light, rtol=1e-3)

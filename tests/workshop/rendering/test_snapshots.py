@@ -5,15 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from plan2scene.photos.labels.palette import WALL
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import assign_materials
 from plan2scene_workshop.rendering.decor import draw_decor
-from plan2scene_workshop.rendering.denoise import fill_dark
-from plan2scene_workshop.rendering.faces import split_emitters
-from plan2scene_workshop.rendering.geometry import Geometry, merge, quad
+from plan2scene_workshop.rendering.geometry import Geometry, quad
 from plan2scene_workshop.rendering.quick import QuickTracer
-from plan2scene_workshop.rendering.shine import draw_gloss, flash_light, lamp_light, reflections
 from plan2scene_workshop.rendering.snapshots import Snapshot, shoot_room
 from plan2scene_workshop.rendering.sources import Sources
 from plan2scene_workshop.rendering.tracer import Finish, load_mitsuba
@@ -98,24 +94,6 @@ def test_textures_are_seen_the_right_way_up(mi) -> None:
     assert corners[3] == pytest.approx([0, 0, red], abs=0.02)
 
 
-def test_emitters_are_cut_without_loss() -> None:
-    window = quad(np.array([0.0, 2, 0]), np.array([2.0, 0, 0]), np.array([0, -1.0, 0]))
-    panes = merge([window, window])
-    parts = split_emitters([(panes, [3.0, 3.0, 3.0])])
-    assert [len(solid.faces) for solid, _ in parts] == [1, 1, 1, 1]
-    assert np.array_equal(np.concatenate([solid.faces for solid, _ in parts]), panes.faces)
-    assert split_emitters([]) == []
-
-
-def test_pixels_without_light_are_filled_and_shadows_stay() -> None:
-    light = np.ones((20, 20, 3), np.float32)
-    light[:, 10:] = 0.2
-    light[5, 5] = light[12, 3] = 0.0
-    filled = fill_dark(light, np.ones((20, 20), bool))
-    assert filled[5, 5] == pytest.approx(1) and filled[12, 3] == pytest.approx(1)
-    assert filled[:, 12:] == pytest.approx(0.2)
-
-
 def _lit_floor(mi) -> QuickTracer:
     """Return a floor under a wide bright ceiling."""
     geometry = Geometry()
@@ -138,48 +116,3 @@ def test_light_is_that_of_a_known_emitter(mi) -> None:
     hits = tracer.hits(view, (12, 16))
     light = tracer.light(view, (12, 16), 64, 1, hits)
     assert light.mean((0, 1)) == pytest.approx([2.0, 1.0, 0.5], rel=0.1)
-
-
-def test_a_glossy_floor_mirrors_the_lamp_above(mi) -> None:
-    """Seen from above by the share at normal incidence, at a grazing angle by more."""
-    tracer = _lit_floor(mi)
-    gloss = np.array([[0.05, 0.7], [0.0, 0.7]], np.float32)
-    found = []
-    for pitch in (-1.4, -0.25):
-        view = View("a", (0.0, 1.0, 0.0), 0.0, pitch, 0.0, 0.2, 0)
-        hits = tracer.hits(view, (12, 16))
-        assert (tracer.faces.emission[tracer.mirrored(view, hits)] > 0).all()
-        light = np.ones((12, 16, 3), np.float32)
-        found.append(reflections(tracer, gloss, view, hits, hits, light))
-        assert not reflections(tracer, 0 * gloss, view, hits, hits, light).any()
-    assert found[0].mean((0, 1)) == pytest.approx(0.05 * np.array([2.0, 1.0, 0.5]), rel=0.02)
-    assert found[1].mean() > 3 * found[0].mean()
-
-
-def test_gloss_is_of_smooth_finishes_alone() -> None:
-    names = ["fabric", "gloss", "metal", "lamp"]
-    finishes = [Finish(roughness=1.0), Finish(roughness=0.1)]
-    finishes += [Finish(roughness=0.3, metallic=True), Finish(emission=2.0)]
-    drawn = np.array([draw_gloss(names, finishes, np.random.default_rng(k)) for k in range(40)])
-    fabric, gloss, metal, lamp = drawn[..., 0].T
-    assert not fabric.any() and not lamp.any()
-    assert (gloss > 0).any() and (gloss == 0).any() and gloss.max() < 0.1
-    assert metal.min() > 0.2
-    assert (drawn[..., 1] > 0).all()
-
-
-def test_a_lamp_burns_out_the_wall_beside_it(mi) -> None:
-    """In some photos, and nearest to it the most; a flash dims with distance."""
-    geometry = Geometry()
-    wall = quad(np.array([3.0, 3.0, 2.0]), np.array([-6.0, 0, 0]), np.array([0, -3.0, 0]))
-    geometry.add("wall", wall, label=WALL)
-    tracer = QuickTracer(geometry, {"wall": Finish(np.full((4, 4, 3), 120, np.uint8))}, mi)
-    view = View("a", (0.0, 1.5, 0.0), 0.0, 0.0, 0.0, 1.2, 0)
-    hits, light = tracer.hits(view, (24, 32)), np.ones((24, 32, 3), np.float32)
-    lamps = [lamp_light(tracer, hits, light, np.random.default_rng(k)) for k in range(40)]
-    lit = [lamp for lamp in lamps if lamp.any()]
-    assert 2 <= len(lit) <= 20
-    assert all(lamp.max() > 5 * np.median(lamp) for lamp in lit)
-    flashes = [flash_light(view, hits, light, np.random.default_rng(k)) for k in range(40)]
-    flash = next(found for found in flashes if found.any())
-    assert flash[12, 16].min() > 1.3 * flash[0, 0].max()

@@ -10,9 +10,7 @@ import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
-from plan2scene_workshop.rendering.atlas import Atlas
 from plan2scene_workshop.rendering.sources import TEXTURE_PX, load_environments, load_textures
-from plan2scene_workshop.rendering.tracer import load_mitsuba
 
 
 def _flat_folder(folder: Path, substance: str = "floor_wood") -> Path:
@@ -59,20 +57,3 @@ def test_environments_have_the_sky_above_and_its_tint(tmp_path: Path) -> None:
     (tmp_path / "sky.hdr").write_bytes(b"no image")
     with pytest.raises(InputError, match="HDR or EXR"):
         load_environments(tmp_path, train=True)
-
-
-def test_atlas_chooses_the_level_of_the_footprint() -> None:
-    """A checkerboard of pixels is seen as it is from near, grey from far; it repeats."""
-    mi = load_mitsuba()
-    if mi.variant().startswith("scalar"):
-        pytest.skip("needs LLVM")
-    board = (np.indices((16, 16)).sum(0) % 2 * 255).astype(np.uint8)
-    atlas = Atlas([None, np.repeat(board[..., None], 3, 2)], mi)
-    assert atlas.tile_of(np.array([0, 1, 1], np.int32)).tolist() == [-1, 0, 0]
-    centres = (np.arange(4) + 0.5) / 16
-    uv = mi.Point2f(np.concatenate([centres, centres + 3]), 0.5 / 16)
-    tile = mi.Int32([0] * 8)
-    near = np.array(atlas.lookup(tile, uv, mi.Float(1 / 32), mi.Bool(True)))[0]
-    far = np.array(atlas.lookup(tile, uv, mi.Float(0.5), mi.Bool(True)))[0]
-    assert near == pytest.approx([0, 1, 0, 1] * 2, abs=0.02)
-    assert far == pytest.approx(far[0]) and 0.15 < far[0] < 0.3
