@@ -313,30 +313,30 @@ def expected_colours(
     return linear_to_srgb(np.minimum(from_log_axes(values), 1.0)).reshape(usual.shape)
 
 
-def relight(image: np.ndarray, gains: np.ndarray) -> np.ndarray:
+def relight(image: np.ndarray, gains: np.ndarray, knee: float = GAINS.knee) -> np.ndarray:
     """Return an image (h, w, 3) uint8 sRGB with its linear RGB times `gains` (3,).
 
-    A channel that is made brighter than :attr:`GainLimits.knee` bends: a pixel that is not clipped
+    A channel that is made brighter than `knee` (linear) bends: a pixel that is not clipped
     (`CLIPPED_LEVELS`) does not become so, a clipped one stays as it is.
     """
     if np.array_equal(gains, np.ones(3)):
         return image
     levels = srgb_to_linear(np.arange(256, dtype=np.uint8))
-    table = np.stack([_bent(levels, float(gain)) for gain in gains], axis=-1)
+    table = np.stack([_bent(levels, float(gain), knee) for gain in gains], axis=-1)
     return np.asarray(cv2.LUT(image, as_uint8(linear_to_srgb(table))[:, None]))
 
 
-def _bent(values: np.ndarray, gain: float) -> np.ndarray:
+def _bent(values: np.ndarray, gain: float, knee: float) -> np.ndarray:
     """Return linear values times a gain, on from the knee bent to meet at `_CLIPPED`.
 
     The bend is rational, of slope 1 at the knee.
     """
     if gain <= 1.0:
         return values * gain
-    width = _CLIPPED - GAINS.knee
-    over = np.maximum(values * gain - GAINS.knee, 0.0) / width
-    most = (_CLIPPED * gain - GAINS.knee) / width
-    bent = GAINS.knee + width * over / (1.0 + over * (most - 1.0) / most)
+    width = _CLIPPED - knee
+    over = np.maximum(values * gain - knee, 0.0) / width
+    most = (_CLIPPED * gain - knee) / width
+    bent = knee + width * over / (1.0 + over * (most - 1.0) / most)
     lit = np.where(over > 0.0, bent, values * gain)
     return np.where(values < _CLIPPED, lit, values)
 

@@ -1,0 +1,136 @@
+"""Paint of every surface of a house, observed or not (``paint.parquet``)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from plan2scene.house import SurfaceKey
+from plan2scene.io import read_parquet, write_parquet
+from plan2scene.paint.estimate import Observation, estimate_paint
+from plan2scene.paint.observations import usual_colour
+
+#: Observations of fewer pixels (share of the photo's) are left out.
+LEAST_WEIGHT = 2e-5
+#: No paint reflects more, linear.
+MOST_PAINT = 0.9
+_COLUMNS = ["room_id", "surface", "paint", "white", "photos"]
+
+
+def observations_of(path: str | Path) -> list[Observation]:
+    """Return the usual colour of each surface in each photo, of ``colours.parquet``."""
+    table, _ = read_parquet(path)
+    groups = table.groupby(["photo", "room_id", "surface"], sort=True)
+    found = []
+    for (photo, room_id, surface), rows in groups:
+        weight = float(rows["weight"].sum())
+        if weight > LEAST_WEIGHT:
+            shares = [np.asarray(c, dtype=np.float64).reshape(-1, 3) for c in rows["colours"]]
+            red, green, blue = map(float, usual_colour(shares, list(rows["weight"])))
+            key, own = SurfaceKey(room_id, surface), bool(rows["own"].any())
+            found.append(Observation(photo, key, own, weight, (red, green, blue)))
+    return found
+
+
+def joined(
+    observations: Sequence[Observation], materials: Mapping[SurfaceKey, str]
+) -> tuple[list[Observation], dict[SurfaceKey, SurfaceKey]]:
+    """Return observations in which surfaces of one material are one, and whose paint each has."""
+    keys = sorted({item.surface for item in observations})
+    first: dict[str, SurfaceKey] = {}
+    owner = {key: first.setdefault(materials.get(key, "/".join(key)), key) for key in keys}
+    return [replace(item, surface=owner[item.surface]) for item in observations], owner
+
+
+def floor_materials(path: str | Path) -> dict[SurfaceKey, str]:
+    """Return which floors share a material, of ``materials.parquet``."""
+    table, _ = read_parquet(path)
+    floors = table[table["surface"] == "floor"]
+    return {SurfaceKey(row.room_id, "floor"): row.material for row in floors.itertuples()}
+
+
+def write_paint(
+    colours: str | Path, materials: str | Path, output: str | Path, *, dataset: str, house: str
+) -> None:
+    """Estimate the paint of a house of ``colours.parquet``; write ``paint.parquet``.
+
+    Floors that share a material (``materials.parquet``) have one paint; walls and ceilings are
+    told apart by their light, not by the material that they seem to share.
+
+    A row for each observed surface: ``room_id, surface, paint (3 floats, linear reflectance),
+    white (bool), photos (names joined by |)``.
+    """
+    import pandas as pd
+
+    observations = observations_of(colours)
+    one, owner = joined(observations, floor_materials(materials))
+    estimate = estimate_paint(one)
+    photos: dict[SurfaceKey, list[str]] = {}
+    for item in observations:
+        photos.setdefault(item.surface, []).append(item.photo)
+    rows = [
+        {
+            "room_id": key.room_id,
+            "surface": key.surface,
+            "paint": np.minimum(estimate.paint[same], MOST_PAINT).tolist(),
+            "white": same in estimate.white,
+            "photos": "|".join(photos[key]),
+        }
+        for key, same in owner.items()
+    ]
+    metadata = {"dataset": dataset, "house": house}
+    write_parquet(output, pd.DataFrame(rows, columns=_COLUMNS), metadata)
+
+
+def read_paint(path: str | Path) -> tuple[dict[SurfaceKey, np.ndarray], frozenset[SurfaceKey]]:
+    """Return the linear reflectance (3,) of the observed surfaces, and which of them are white."""
+    table, _ = read_parquet(path)
+    paint = {
+        SurfaceKey(row.room_id, row.surface): np.asarray(row.paint, dtype=np.float64)
+        for row in table.itertuples()
+    }
+    white = zip(paint, table["white"], strict=True)
+    return paint, frozenset(key for key, is_white in white if is_white)
+
+
+def paint_gains(
+    shown: Mapping[SurfaceKey, np.ndarray],
+    paint: Mapping[SurfaceKey, np.ndarray],
+    white: frozenset[SurfaceKey],
+    usual_white: Sequence[float],
+) -> dict[SurfaceKey, np.ndarray]:
+    """Return the factors (3,) that take the textures of all surfaces to their paint.
+
+    An observed surface gets its own paint. Of the others, a wall or ceiling is white where most
+    observed ones of its kind are, or where none is observed; else it gets the median factor of
+    the observed ones of its kind, or of all.
+
+    Parameters
+    ----------
+    shown : dict of SurfaceKey to (3,) float
+        Linear RGB of the texture of each surface. A wall of its own (``wall.{id}``) gets the factor
+        of the walls of its room.
+    paint, white
+        As of :func:`read_paint`.
+    usual_white : (3,) float
+        Linear reflectance of white paint.
+    """
+    own = {key: paint[key] / shown[key] for key in shown if key in paint}
+    gains = {}
+    for key in shown:
+        kind, _, accent = key.surface.partition(".")
+        whole = SurfaceKey(key.room_id, kind)
+        if whole in own:
+            gains[key] = own[whole]
+            continue
+        observed = [other for other in own if other.surface == kind]
+        whites = sum(other in white for other in observed)
+        if kind != "floor" and not accent and 2 * whites >= len(observed):
+            gains[key] = np.asarray(usual_white) / shown[key]
+        else:
+            ratios = [own[other] for other in observed] or list(own.values())
+            gains[key] = np.median(ratios, axis=0) if ratios else np.ones(3)
+    return gains

@@ -1,0 +1,53 @@
+"""Textures of a house in the colours of its paint: what the 3D house shows.
+
+Tiles and maps are made in the colours of the photos, which hold their light. A viewer lights the
+house again, so its textures are to hold paint alone.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+
+from plan2scene.colour import median_colour, srgb_to_linear
+from plan2scene.house import SurfaceKey
+from plan2scene.images import jpeg_bytes, read_image, write_png
+from plan2scene.io import atomic_directory, read_json
+from plan2scene.paint.estimate import PaintPrior
+from plan2scene.paint.light import relight
+from plan2scene.paint.surfaces import paint_gains, read_paint
+
+#: JPEG quality of maps, as of those that are painted.
+_QUALITY = 85
+#: Linear value on from which brightened values bend, so that none burns out: above white paint.
+_KNEE = 0.88
+#: Least linear value of a texture's median.
+_BLACK = 1e-3
+
+
+def paint_textures(textures: str | Path, paint: str | Path, out_dir: str | Path) -> None:
+    """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
+
+    The folder has the files of the first one; what is no picture is the same.
+    """
+    root = Path(textures)
+    names = read_json(root / "textures.json")["surfaces"]
+    keys = [SurfaceKey(*name.rsplit("/", 1)) for name in names]
+    tiles = {key: read_image(root / f"{key.filename}.png") for key in keys}
+    shown = {
+        key: np.maximum(srgb_to_linear(median_colour(tile)), _BLACK) for key, tile in tiles.items()
+    }
+    white = np.exp(PaintPrior().white[0]) * np.ones(3)
+    gains = paint_gains(shown, *read_paint(paint), white)
+    with atomic_directory(out_dir) as folder:
+        for key, tile in tiles.items():
+            write_png(folder / f"{key.filename}.png", relight(tile, gains[key], knee=_KNEE))
+            whole = root / f"{key.filename}.jpg"
+            if whole.is_file():
+                lit = relight(read_image(whole), gains[key], knee=_KNEE)
+                (folder / whole.name).write_bytes(jpeg_bytes(lit, quality=_QUALITY))
+        for index in ("textures.json", "maps.json"):
+            if (root / index).is_file():
+                shutil.copyfile(root / index, folder / index)

@@ -1,0 +1,113 @@
+"""Paint and light are told apart where photos tie them together."""
+
+import numpy as np
+import pytest
+
+from plan2scene.house import SurfaceKey
+from plan2scene.paint.estimate import Observation, PaintPrior, estimate_paint
+from plan2scene.paint.surfaces import joined
+
+WHITE = np.exp(PaintPrior().white[0])
+
+
+def observed(paints, lights, *, noise=0.0, seed=0):
+    """Return what photos in `lights` (name to RGB and rooms) show of `paints`."""
+    rng = np.random.default_rng(seed)
+    return [
+        Observation(
+            photo,
+            key,
+            True,
+            0.05,
+            tuple(np.array(paint) * light * np.exp(noise * rng.normal(size=3))),
+        )
+        for photo, (light, rooms) in lights.items()
+        for key, paint in paints.items()
+        if key.room_id in rooms
+    ]
+
+
+def room(name, wall, floor=(0.3, 0.2, 0.12), ceiling=(WHITE,) * 3):
+    return {
+        SurfaceKey(name, "floor"): floor,
+        SurfaceKey(name, "wall"): wall,
+        SurfaceKey(name, "ceiling"): ceiling,
+    }
+
+
+LAMP, SKY, GREY = np.array([0.75, 0.55, 0.33]), np.array([0.4, 0.45, 0.55]), np.full(3, 0.35)
+
+
+@pytest.mark.parametrize("light", [LAMP, SKY, GREY], ids=["lamp", "sky", "grey"])
+def test_white_rooms_are_white_in_any_light(light):
+    paints = room("a", (WHITE,) * 3) | room("b", (WHITE,) * 3)
+    estimate = estimate_paint(observed(paints, {"1": (light, "a"), "2": (GREY, "b")}, noise=0.03))
+    for key in paints:
+        if key.surface != "floor":
+            assert key in estimate.white
+            assert estimate.paint[key] == pytest.approx(np.full(3, WHITE), rel=0.08)
+
+
+def test_a_blue_wall_below_a_white_ceiling_is_blue():
+    blue = (0.2, 0.3, 0.5)
+    paints = room("a", blue) | room("b", (WHITE,) * 3)
+    estimate = estimate_paint(observed(paints, {"1": (GREY, "a"), "2": (LAMP, "b")}, noise=0.02))
+    assert estimate.white == {
+        SurfaceKey("a", "ceiling"),
+        SurfaceKey("b", "ceiling"),
+        SurfaceKey("b", "wall"),
+    }
+    assert estimate.paint[SurfaceKey("a", "wall")] == pytest.approx(blue, rel=0.15)
+
+
+def test_panelled_walls_are_no_white():
+    wood = (0.45, 0.2, 0.06)
+    estimate = estimate_paint(observed(room("a", wood), {"1": (LAMP, "a")}))
+    assert estimate.white == {SurfaceKey("a", "ceiling")}
+    assert estimate.paint[SurfaceKey("a", "wall")] == pytest.approx(wood, rel=0.25)
+
+
+def test_light_is_what_the_paint_leaves():
+    paints = room("a", (WHITE,) * 3)
+    estimate = estimate_paint(observed(paints, {"1": (LAMP, "a"), "2": (GREY, "a")}))
+    for name, light in (("1", LAMP), ("2", GREY)):
+        assert estimate.light[name] == pytest.approx(light, rel=0.1)
+
+
+def test_exposure_of_all_photos_changes_no_paint():
+    paints = room("a", (0.2, 0.3, 0.5)) | room("b", (WHITE,) * 3)
+    lights = {"1": (GREY, "a"), "2": (LAMP, "b")}
+    bright = estimate_paint(observed(paints, lights))
+    dim = estimate_paint(observed(paints, {k: (0.6 * v, r) for k, (v, r) in lights.items()}))
+    assert bright.white == dim.white
+    for key in paints:
+        assert dim.paint[key] == pytest.approx(bright.paint[key], rel=0.12)
+
+
+def test_few_pixels_of_another_room_do_not_paint_a_wall():
+    paints = room("a", (WHITE,) * 3) | room("b", (WHITE,) * 3)
+    items = observed(paints, {"1": (GREY, "a"), "2": (GREY, "b")})
+    oak = Observation("2", SurfaceKey("a", "wall"), False, 0.0005, (0.12, 0.06, 0.02))
+    assert SurfaceKey("a", "wall") in estimate_paint([*items, oak]).white
+
+
+def test_no_photo_no_paint():
+    assert not estimate_paint([]).paint
+
+
+def test_the_order_of_observations_does_not_matter():
+    items = observed(room("a", (0.2, 0.3, 0.5)) | room("b", (WHITE,) * 3), {"1": (GREY, "ab")})
+    there, back = estimate_paint(items), estimate_paint(items[::-1])
+    assert there.white == back.white
+    for key in there.paint:
+        assert there.paint[key] == pytest.approx(back.paint[key], rel=1e-6)
+
+
+def test_floors_of_one_material_have_one_paint():
+    paints = room("a", (WHITE,) * 3) | room("b", (WHITE,) * 3, floor=(0.1, 0.2, 0.3))
+    items = observed(paints, {"1": (GREY, "a"), "2": (LAMP, "b")})
+    floors = SurfaceKey("a", "floor"), SurfaceKey("b", "floor")
+    one, owner = joined(items, dict.fromkeys(floors, "floor-1"))
+    assert owner[floors[1]] == floors[0]
+    assert floors[1] not in estimate_paint(one).paint
+    assert owner[SurfaceKey("b", "wall")] == SurfaceKey("b", "wall")
