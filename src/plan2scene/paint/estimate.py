@@ -28,30 +28,43 @@ from plan2scene.colour import from_log_axes, log_axes
 from plan2scene.house import SURFACES, SurfaceKey
 
 Axes = tuple[float, float, float]
+#: Kinds of surfaces that are painted. Of a door the key's room is the id of its opening.
+KINDS = (*SURFACES, "door")
 
 
 @dataclass(frozen=True)
 class PaintPrior:
     """What is known of paint, light and noise: natural logs on the axes brightness, red, blue.
 
-    Kinds are in the order of ``house.SURFACES``: floor, wall, ceiling. White paint reflects about
-    .82 (L* 92). The other figures were chosen on two real flats (development).
+    Kinds are in the order of :data:`KINDS`: floor, wall, ceiling, door leaf. White
+    paint reflects about .82 (L* 92). The other figures were chosen on two real flats (development).
     """
 
     #: White paint: mean and standard deviation.
     white: Axes = (float(np.log(0.82)), 0.01, -0.02)
     white_deviation: Axes = (0.06, 0.025, 0.035)
     #: Probability that a surface is white, by kind.
-    share_white: Axes = (0.001, 0.75, 0.93)
+    share_white: tuple[float, ...] = (0.001, 0.75, 0.93, 0.7)
     #: Other paint, by kind: mean and standard deviation.
-    colour: tuple[Axes, Axes, Axes] = ((-1.4, 0.3, -0.4), (-0.55, 0.1, -0.15), (-0.7, 0.2, -0.3))
-    colour_deviation: tuple[Axes, Axes, Axes] = (
+    colour: tuple[Axes, ...] = (
+        (-1.4, 0.3, -0.4),
+        (-0.55, 0.1, -0.15),
+        (-0.7, 0.2, -0.3),
+        (-1.4, 0.4, -0.5),
+    )
+    colour_deviation: tuple[Axes, ...] = (
         (0.6, 0.35, 0.45),
+        (0.6, 0.4, 0.5),
         (0.6, 0.4, 0.5),
         (0.6, 0.4, 0.5),
     )
     #: Noise of an observation of a whole photo: the light on the part seen, by kind.
-    noise: tuple[Axes, Axes, Axes] = ((0.3, 0.06, 0.08), (0.2, 0.04, 0.05), (0.25, 0.04, 0.05))
+    noise: tuple[Axes, ...] = (
+        (0.3, 0.06, 0.08),
+        (0.2, 0.04, 0.05),
+        (0.25, 0.04, 0.05),
+        (0.3, 0.06, 0.08),
+    )
     #: Weight of an observation (share of the photo's pixels) with that noise; of fewer pixels it
     #: grows with the root, up to `most_noise` times.
     whole: float = 0.02
@@ -168,12 +181,12 @@ class _Problem:
         for k, item in enumerate(observations):
             self.design[k, [row[item.photo], row[item.surface]]] = 1.0
         self.observed = log_axes(np.array([item.colour for item in observations]))
-        kind = [SURFACES.index(item.surface.surface) for item in observations]
+        kind = [KINDS.index(item.surface.surface) for item in observations]
         weight = np.array([item.weight for item in observations])
         few = np.clip(np.sqrt(prior.whole / np.maximum(weight, 1e-9)), 1.0, prior.most_noise)
         few *= np.where([item.own for item in observations], 1.0, prior.other_room)
         self.noise = np.array(prior.noise)[kind] * few[:, None]
-        self.kind = np.array([SURFACES.index(key.surface) for key in self.surfaces])
+        self.kind = np.array([KINDS.index(key.surface) for key in self.surfaces])
         self.light = [prior.light_precision(prior.house)]
         self.light += [prior.light_precision(prior.photo)] * len(self.photos)
 

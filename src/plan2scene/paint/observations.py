@@ -48,12 +48,13 @@ class PlaneColours:
     rooms : tuple of str
         Whose it may be.
     surface : str
+        Of ``house.SURFACES``; ``door`` for a door leaf.
     plane : int
         Number of the plane within photo and surface.
     own : bool
         Whether it is seen from within the room.
     walls : tuple of str
-        Ids of the walls on the plane; none where they are not known.
+        Ids of the walls on the plane; none where they are not known. Of a door that of the opening.
     weight : float
         Share of the photo's pixels, times the mean squared sine of the angle of view, shared
         among the rooms.
@@ -203,7 +204,7 @@ def read_colours(
     table, metadata = read_parquet(path)
     observed: dict[SurfaceKey, list[tuple[str, float, np.ndarray]]] = {}
     for row in table.itertuples():
-        if row.photo not in set(hidden_photos):
+        if row.surface in SURFACES and row.photo not in set(hidden_photos):
             colours = np.asarray(row.colours, dtype=np.float64).reshape(-1, 3)
             key = SurfaceKey(row.room_id, row.surface)
             observed.setdefault(key, []).append((row.photo, float(row.weight), colours))

@@ -21,9 +21,10 @@ _COLUMNS = ["room_id", "surface", "paint", "white", "photos"]
 
 
 def observations_of(path: str | Path) -> list[Observation]:
-    """Return the usual colour of each surface in each photo, of ``colours.parquet``."""
+    """Return the usual colour of each surface and door in each photo, of ``colours.parquet``."""
     table, _ = read_parquet(path)
-    groups = table.groupby(["photo", "room_id", "surface"], sort=True)
+    table["key"] = table["room_id"].where(table["surface"] != "door", table["walls"])
+    groups = table.groupby(["photo", "key", "surface"], sort=True)
     found = []
     for (photo, room_id, surface), rows in groups:
         weight = float(rows["weight"].sum())
@@ -60,8 +61,8 @@ def write_paint(
     Floors that share a material (``materials.parquet``) have one paint; walls and ceilings are
     told apart by their light, not by the material that they seem to share.
 
-    A row for each observed surface: ``room_id, surface, paint (3 floats, linear reflectance),
-    white (bool), photos (names joined by |)``.
+    A row for each observed surface: ``room_id (of a door the id of its opening),
+    surface, paint (3 floats, linear reflectance), white (bool), photos (names joined by |)``.
     """
     import pandas as pd
 

@@ -6,7 +6,7 @@ of a surface, count more.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -66,6 +66,27 @@ def plane_colours(
     rays = camera.rays(np.stack([columns, rows], axis=-1))
     steep = (rays @ np.asarray(plane.normal)) ** 2 / (rays**2).sum(axis=1)
     return share * float(steep.mean()), equal_shares(srgb_to_linear(image[rows, columns]), steep)
+
+
+def door_colours(
+    image: np.ndarray, photo: str, room_id: str, doors: Iterable[tuple[str, np.ndarray]]
+) -> list[PlaneColours]:
+    """Return what a photo, image (h, w, 3) uint8 sRGB, shows of door leaves.
+
+    `doors` are opening ids and pixels (n, 2) as of
+    :func:`plan2scene.photos.locate.seen_doors.seen_doors`. The id stands among the walls.
+    """
+    usable = unclipped(image)
+    observed = []
+    for index, (opening_id, pixels) in enumerate(doors):
+        rows, columns = pixels[usable[tuple(pixels.T)]].T
+        if len(rows) < MIN_PIXELS:
+            continue
+        colours = equal_shares(srgb_to_linear(image[rows, columns]), np.ones(len(rows)))
+        weight = len(rows) / usable.size
+        facts = photo, (room_id,), "door", index, True, (opening_id,), weight
+        observed.append(PlaneColours(*facts, colours))
+    return observed
 
 
 def surface_colours(

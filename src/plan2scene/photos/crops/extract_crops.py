@@ -28,13 +28,14 @@ from plan2scene.photos.crops.candidates import (
     planes_of_photo,
     rooms_by_size,
 )
-from plan2scene.photos.crops.colours import colours_of_photo, surface_colours
+from plan2scene.photos.crops.colours import colours_of_photo, door_colours, surface_colours
 from plan2scene.photos.crops.filter import inner_mask, mark_outvoted, strong_edges
 from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Verdict
 from plan2scene.photos.crops.selection import write_tables
 from plan2scene.photos.labels.palette import read_label_png
 from plan2scene.photos.locate.plan_view import RoomShape, room_shapes
 from plan2scene.photos.locate.pose import Pose, read_poses
+from plan2scene.photos.locate.seen_doors import seen_doors
 from plan2scene.photos.locate.seen_planes import seen_planes
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes.planes import plane_row, write_planes
@@ -217,10 +218,14 @@ def _crops_of_photo(
     window_seed = WindowSeed(seed, house.id, photo)
     candidates = candidates_of_photo(image, camera, planes, settings, window_seed, inner)
     _log.info("%s: %d candidates, camera %s", photo, len(candidates), camera.focal_source)
+    colours = colours_of_photo(image, camera, planes, photo, inner)
+    if photo in poses:
+        doors = seen_doors(labels, poses[photo], shapes)
+        colours += door_colours(image, photo, poses[photo].room_id, doors)
     return PhotoCrops(
         candidates,
         [plane_row(photo, item) for item in planes],
-        colours_of_photo(image, camera, planes, photo, inner),
+        colours,
         surface_colours(image, labels, photo, rooms, edges),
     )
 

@@ -27,6 +27,7 @@ class Hole:
     top: float
     kind: str  # of house.OPENING_KINDS
     room_behind: str | None
+    opening_id: str = ""
 
 
 @dataclass(frozen=True)
@@ -242,4 +243,5 @@ def _placed(shape: RoomShape, wall: Wall, opening: Opening, room_behind: str | N
     edge = int(np.argmin(np.where(fits, off, np.inf)))
     start, end = max(float(at[edge, 0]), 0.0), min(float(at[edge, 1]), float(shape.length[edge]))
     top = min(opening.top, shape.height)
-    return Hole(edge, start, end, opening.bottom, top, opening.kind, room_behind)
+    span = start, end, opening.bottom, top
+    return Hole(edge, *span, opening.kind, room_behind, opening.id)
