@@ -22,6 +22,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_
 class Colours(StrEnum):
     """Whose colours a house shows."""
 
+    PAINT = "paint"
     PHOTO = "photo"
     CORRECTED = "corrected"
 
@@ -95,8 +96,9 @@ def run_house(
     texture_size: Annotated[int, typer.Option(help="128, 256 or 512 pixels a tile.")] = 128,
     seed: Annotated[int, typer.Option(min=0)] = 0,
     colours: Annotated[
-        Colours, typer.Option(help="As the photos show them, or under one light for the house.")
-    ] = Colours.PHOTO,
+        Colours,
+        typer.Option(help="Paint without light, as photos show it, or under one light."),
+    ] = Colours.PAINT,
     walls: Annotated[
         Walls, typer.Option(help="All of a room alike, or accent walls in their own paint.")
     ] = Walls.ROOM,

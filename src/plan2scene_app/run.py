@@ -26,6 +26,8 @@ from plan2scene_app.tracing.picture import read_plan_picture
 
 _LOG = logging.getLogger("plan2scene")
 DATASET = "own"
+#: In what colours the house may be shown (``house.colours``).
+HOUSE_COLOURS = ("paint", "photo", "corrected")
 #: Sides of a tile in pixels that the configuration allows.
 TEXTURE_SIZES = (128, 256, 512)
 #: Files of the house that a user wants.
@@ -60,7 +62,7 @@ class SingleHouse:
     metres_per_pixel: float | None
     seed: int
     texture_size: int
-    colours: str = "photo"
+    colours: str = "paint"
     walls: str = "room"
     dxf_layers: Mapping[str, str] | None = None
 
@@ -206,7 +208,11 @@ def run(
         _make([f"{base}/{name}" for name in wanted], config, folder, options)
         made = folder.work / "results" / DATASET
         files = {name: made / "houses" / request.house / name for name in wanted}
-        files["textures"] = made / "drop_0.0" / request.method / request.house / "textures"
+        files["textures"] = (
+            made / "houses" / request.house / "textures"
+            if request.colours == "paint"
+            else made / "drop_0.0" / request.method / request.house / "textures"
+        )
         made_files = folder.deliver(files)
         if is_picture(request):
             for line in made_files["plan.doubts.txt"].read_text(encoding="utf-8").splitlines():

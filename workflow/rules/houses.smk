@@ -2,17 +2,68 @@ from plan2scene_app.exports.registry import export_code, exports
 
 # Textures of the configured method, with all photos.
 CHOSEN_TEXTURES = f"{RESULTS}/drop_0.0/{config['house']['method']}/{{house}}/textures"
+# Those that the 3D house shows.
+SHOWN_TEXTURES = (
+    f"{RESULTS}/houses/{{house}}/textures"
+    if config["house"]["colours"] == "paint"
+    else CHOSEN_TEXTURES
+)
 
 
 wildcard_constraints:
     export="|".join(exports()),
 
 
+rule paint:
+    # The paint of the surfaces and doors that photos show, apart from the photos' light.
+    input:
+        colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
+        materials=f"{RESULTS}/drop_0.0/{{house}}/materials.parquet",
+    output:
+        f"{RESULTS}/houses/{{house}}/paint.parquet",
+    log:
+        f"logs/{DATASET}/paint/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/paint/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+    params:
+        dataset=DATASET,
+        code=code_hash("plan2scene.paint.surfaces"),
+    script:
+        "../scripts/paint.py"
+
+
+rule painted_textures:
+    # The textures of the 3D house in the colours of its paint.
+    input:
+        textures=CHOSEN_TEXTURES,
+        paint=f"{RESULTS}/houses/{{house}}/paint.parquet",
+    output:
+        directory(f"{RESULTS}/houses/{{house}}/textures"),
+    log:
+        f"logs/{DATASET}/painted_textures/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/painted_textures/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        code=code_hash("plan2scene.textures.painted"),
+    script:
+        "../scripts/painted_textures.py"
+
+
 rule house:
     # The 3D house: GLB with embedded textures, and scene.json with textures.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        textures=CHOSEN_TEXTURES,
+        textures=SHOWN_TEXTURES,
     output:
         glb=f"{RESULTS}/houses/{{house}}/house.glb",
         scene=f"{RESULTS}/houses/{{house}}/house.scene.json",
@@ -37,7 +88,7 @@ rule preview:
     # To look at: the plan with room names, and the house from above.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        textures=CHOSEN_TEXTURES,
+        textures=SHOWN_TEXTURES,
     output:
         report(
             f"{RESULTS}/houses/{{house}}/preview.png",
@@ -66,7 +117,7 @@ rule rooms:
     # To look at: each room at eye level.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        textures=CHOSEN_TEXTURES,
+        textures=SHOWN_TEXTURES,
     output:
         report(
             f"{RESULTS}/houses/{{house}}/rooms.jpg",
@@ -127,7 +178,7 @@ rule lit_house:
     # On demand: the house with baked light in unlit textures.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        textures=CHOSEN_TEXTURES,
+        textures=SHOWN_TEXTURES,
     output:
         f"{RESULTS}/houses/{{house}}/house_lit.glb",
     log:
@@ -150,7 +201,7 @@ rule export_house:
     # On demand: the house for other programs, docs/exports.md.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        textures=CHOSEN_TEXTURES,
+        textures=SHOWN_TEXTURES,
     output:
         directory(f"{RESULTS}/houses/{{house}}/exports/{{export}}"),
     log:

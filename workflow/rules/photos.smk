@@ -1,6 +1,8 @@
 import functools
 
 PHOTO_ROOMS = f"{RESULTS}/houses/{{house}}/photo_rooms.json"
+# Paint is found from what the photos show.
+CROP_COLOURS = "corrected" if config["house"]["colours"] == "corrected" else "photo"
 
 
 def label_model():
@@ -140,7 +142,7 @@ rule crops:
             per_mask=CROPS["per_mask"],
             tries=CROPS["tries"],
             filter=CROPS["filter"],
-            colours=config["house"]["colours"],
+            colours=CROP_COLOURS,
             camera_height_m=config["photos"]["camera_height_m"],
         ),
         seed=config["seed"],

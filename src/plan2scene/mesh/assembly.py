@@ -11,7 +11,7 @@ from shapely.ops import unary_union
 
 from plan2scene.house import House, Level, Stairs
 from plan2scene.mesh.fittings import objects
-from plan2scene.mesh.joinery import fixtures
+from plan2scene.mesh.joinery import LEAF_COLOUR, fixtures
 from plan2scene.mesh.parts import GRID_DECIMALS, MeshPart, numbered
 from plan2scene.mesh.stairs import handrails, railing, stair_parts, well_railings
 from plan2scene.mesh.structure import (
@@ -86,9 +86,12 @@ def build_storey(
         if part is not None:
             parts.append(part)
     portals = _largest(openings.portals)
+    leaves = dict(house.door_colours)
+    usual = leaves.get("", LEAF_COLOUR)
     for portal in portals:
         strip = threshold(portal)
-        parts.extend(([strip] if strip is not None else []) + fixtures(portal))
+        leaf = leaves.get(portal.hole.opening.id, usual)
+        parts.extend(([strip] if strip is not None else []) + fixtures(portal, leaf))
     parts.extend(objects(house, sides, polygons))
     if below is not None:
         parts.extend(soffit(level, together, bodies, below))

@@ -15,9 +15,8 @@ from plan2scene.plans.wall_sides import Portal
 
 FRAME_COLOUR: Colour = (244, 242, 237)
 LEAF_COLOUR: Colour = (236, 232, 224)
-PANEL_COLOUR: Colour = (226, 221, 211)
-ENTRANCE_COLOUR: Colour = (94, 64, 46)
-ENTRANCE_PANEL_COLOUR: Colour = (82, 55, 39)
+#: Panels of a leaf have its colour times this (sRGB).
+PANEL_SHADE = 0.955
 METAL_COLOUR: Colour = (150, 150, 152)
 LINING_COLOUR: Colour = (238, 235, 229)
 
@@ -38,14 +37,17 @@ class JoinerySizes:
 JOINERY = JoinerySizes()
 
 
-def fixtures(portal: Portal) -> list[MeshPart]:
-    """Return the parts of a door, window or passage (none when it is under 15 cm wide or high)."""
+def fixtures(portal: Portal, leaf: Colour = LEAF_COLOUR) -> list[MeshPart]:
+    """Return the parts of a door, window or passage (none when it is under 15 cm wide or high).
+
+    `leaf` is the colour of a door's leaves.
+    """
     hole = portal.hole
     if hole.right - hole.left < 0.15 or hole.top - hole.bottom < 0.15:
         return []
     if hole.opening.kind == "window":
         return _window(portal)
-    return [_door(portal)]
+    return [_door(portal, leaf)]
 
 
 def _centre(portal: Portal) -> np.ndarray:
@@ -74,7 +76,7 @@ def _surround(
         builder.box(frame, (width, low, -half), (size - width, low + width, half), colour)
 
 
-def _door(portal: Portal) -> MeshPart:
+def _door(portal: Portal, leaf: Colour) -> MeshPart:
     """Return a door's frame and leaves, or a passage's lining."""
     builder = PartBuilder()
     room, opening = portal.side.room_id, portal.hole.opening
@@ -92,10 +94,10 @@ def _door(portal: Portal) -> MeshPart:
     low, high = portal.hole.bottom + 0.008, portal.hole.top - jamb - gap
     if width > JOINERY.two_leaves:
         half = clear / 2 - gap / 2
-        _leaf(builder, portal, jamb + gap, 1.0, (half, low, high))
-        _leaf(builder, portal, width - jamb - gap, -1.0, (half, low, high))
+        _leaf(builder, portal, jamb + gap, 1.0, (half, low, high), leaf)
+        _leaf(builder, portal, width - jamb - gap, -1.0, (half, low, high), leaf)
     else:
-        _leaf(builder, portal, jamb + gap, 1.0, (clear, low, high))
+        _leaf(builder, portal, jamb + gap, 1.0, (clear, low, high), leaf)
     return builder.build(f"{room}/door/{opening.id}", extras=extras)
 
 
@@ -105,6 +107,7 @@ def _leaf(
     hinge: float,
     turn: float,
     size: tuple[float, float, float],
+    colour: Colour,
 ) -> None:
     """Add a door leaf hinged at `hinge` metres; `turn` is +1 when it extends to the right.
 
@@ -112,8 +115,8 @@ def _leaf(
     """
     width, low, high = size
     outside = portal.other is None
-    colour = ENTRANCE_COLOUR if outside else LEAF_COLOUR
-    panel = ENTRANCE_PANEL_COLOUR if outside else PANEL_COLOUR
+    red, green, blue = (round(PANEL_SHADE * value) for value in colour)
+    panel: Colour = (red, green, blue)
     base = _centre(portal)
     angle = 0.0 if outside else JOINERY.ajar
     inward = base[2]

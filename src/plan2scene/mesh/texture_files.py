@@ -140,17 +140,33 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
 
 
 def textured(folder: str | Path, house: House) -> tuple[House, dict[SurfaceKey, TileTexture]]:
-    """Return a house with the accent walls that a folder has textures of, and all its textures.
+    """Return a house with what a folder knows of it, and all its textures.
 
-    As :func:`load_textures`.
+    That is the accent walls that it has textures of, and the colours of door leaves
+    (``doors.json``). As :func:`load_textures`.
     """
     entries = _surfaces(Path(folder) / "textures.json", house.id)
     sides = (
         SurfaceKey(room_id, f"wall.{wall.id}") for wall in house.walls for room_id in wall.room_ids
     )
     accents = tuple(key for key in sides if "/".join(key) in entries)
-    house = replace(house, accents=accents)
+    doors = _door_colours(Path(folder) / "doors.json", house.id)
+    house = replace(house, accents=accents, door_colours=doors)
     return house, load_textures(folder, house)
+
+
+def _door_colours(file: Path, house_id: str) -> tuple[tuple[str, tuple[int, int, int]], ...]:
+    """Return the sRGB colours of door leaves by opening id; none where there is no such file."""
+    if not file.is_file():
+        return ()
+    entries = read_json(file)
+    colours = list(entries.items()) if isinstance(entries, dict) else [("", None)]
+    for name, colour in colours:
+        levels = colour if isinstance(colour, list) and len(colour) == 3 else [None]
+        if not all(isinstance(level, int) and 0 <= level <= 255 for level in levels):
+            expected = "three levels 0 to 255 for each door"
+            raise InputError(expected, f"{name!r}: {colour}", file=file, house=house_id)
+    return tuple((name, (colour[0], colour[1], colour[2])) for name, colour in colours)
 
 
 def _surfaces(file: Path, house_id: str) -> dict[str, dict[str, object]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -101,13 +101,14 @@ def paint_gains(
     shown: Mapping[SurfaceKey, np.ndarray],
     paint: Mapping[SurfaceKey, np.ndarray],
     white: frozenset[SurfaceKey],
+    unseen: Collection[SurfaceKey],
     usual_white: Sequence[float],
 ) -> dict[SurfaceKey, np.ndarray]:
     """Return the factors (3,) that take the textures of all surfaces to their paint.
 
-    An observed surface gets its own paint. Of the others, a wall or ceiling is white where most
-    observed ones of its kind are, or where none is observed; else it gets the median factor of
-    the observed ones of its kind, or of all.
+    A surface whose paint is known gets it. Of the others, an `unseen` wall or ceiling is white
+    where most known ones of its kind are, or where none is known; else a surface gets the median
+    factor of the known ones of its kind, or of all.
 
     Parameters
     ----------
@@ -116,6 +117,8 @@ def paint_gains(
         of the walls of its room.
     paint, white
         As of :func:`read_paint`.
+    unseen
+        Surfaces that no photo shows.
     usual_white : (3,) float
         Linear reflectance of white paint.
     """
@@ -129,9 +132,24 @@ def paint_gains(
             continue
         observed = [other for other in own if other.surface == kind]
         whites = sum(other in white for other in observed)
-        if kind != "floor" and not accent and 2 * whites >= len(observed):
+        if kind != "floor" and key in unseen and not accent and 2 * whites >= len(observed):
             gains[key] = np.asarray(usual_white) / shown[key]
         else:
             ratios = [own[other] for other in observed] or list(own.values())
             gains[key] = np.median(ratios, axis=0) if ratios else np.ones(3)
     return gains
+
+
+def door_paints(
+    paint: Mapping[SurfaceKey, np.ndarray], white: frozenset[SurfaceKey]
+) -> dict[str, np.ndarray]:
+    """Return the linear reflectance (3,) of door leaves by the id of their opening.
+
+    The id "" stands for all doors that no photo shows: they are like the others where at least two
+    are seen and most are not white. There is none where they are white.
+    """
+    doors = {key.room_id: value for key, value in paint.items() if key.surface == "door"}
+    coloured = [value for key, value in doors.items() if SurfaceKey(key, "door") not in white]
+    if len(doors) >= 2 and 2 * len(coloured) > len(doors):
+        doors[""] = np.median(coloured, axis=0)
+    return doors

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from plan2scene.colour import median_colour, srgb_to_linear
+from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_linear
 from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
-from plan2scene.io import atomic_directory, read_json
+from plan2scene.io import atomic_directory, read_json, write_json
 from plan2scene.paint.estimate import PaintPrior
 from plan2scene.paint.light import relight
-from plan2scene.paint.surfaces import paint_gains, read_paint
+from plan2scene.paint.surfaces import door_paints, paint_gains, read_paint
 
 #: JPEG quality of maps, as of those that are painted.
 _QUALITY = 85
@@ -30,17 +30,24 @@ _BLACK = 1e-3
 def paint_textures(textures: str | Path, paint: str | Path, out_dir: str | Path) -> None:
     """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
 
-    The folder has the files of the first one; what is no picture is the same.
+    The folder has the files of the first one, and ``doors.json``: sRGB levels of door leaves by the
+    id of their opening.
     """
     root = Path(textures)
-    names = read_json(root / "textures.json")["surfaces"]
-    keys = [SurfaceKey(*name.rsplit("/", 1)) for name in names]
-    tiles = {key: read_image(root / f"{key.filename}.png") for key in keys}
+    entries = read_json(root / "textures.json")["surfaces"]
+    entries = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entries.items()}
+    unseen = {key for key, entry in entries.items() if entry["observed"] is False}
+    tiles = {key: read_image(root / f"{key.filename}.png") for key in entries}
     shown = {
         key: np.maximum(srgb_to_linear(median_colour(tile)), _BLACK) for key, tile in tiles.items()
     }
     white = np.exp(PaintPrior().white[0]) * np.ones(3)
-    gains = paint_gains(shown, *read_paint(paint), white)
+    paints, white_surfaces = read_paint(paint)
+    gains = paint_gains(shown, paints, white_surfaces, unseen, white)
+    doors = {
+        name: as_uint8(linear_to_srgb(colour)).tolist()
+        for name, colour in door_paints(paints, white_surfaces).items()
+    }
     with atomic_directory(out_dir) as folder:
         for key, tile in tiles.items():
             write_png(folder / f"{key.filename}.png", relight(tile, gains[key], knee=_KNEE))
@@ -48,6 +55,7 @@ def paint_textures(textures: str | Path, paint: str | Path, out_dir: str | Path)
             if whole.is_file():
                 lit = relight(read_image(whole), gains[key], knee=_KNEE)
                 (folder / whole.name).write_bytes(jpeg_bytes(lit, quality=_QUALITY))
+        write_json(folder / "doors.json", doors)
         for index in ("textures.json", "maps.json"):
             if (root / index).is_file():
                 shutil.copyfile(root / index, folder / index)

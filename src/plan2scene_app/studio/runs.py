@@ -24,7 +24,7 @@ import psutil
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.io import read_json, write_json
 from plan2scene.textures.methods import method_named
-from plan2scene_app.run import TEXTURE_SIZES, SingleHouse, run
+from plan2scene_app.run import HOUSE_COLOURS, TEXTURE_SIZES, SingleHouse, run
 from plan2scene_app.studio.projects import PLAN, TABLE, Project
 
 #: The command of a run, given a project's folder.
@@ -57,13 +57,13 @@ _WARNINGS = 20
 
 def settings_of(chosen: Mapping[str, Any], cores: int) -> dict[str, Any]:
     """Return how a house is made, checked."""
-    settings = {"method": "exemplar", "texture_size": 128, "colours": "photo"}
+    settings = {"method": "exemplar", "texture_size": 128, "colours": "paint"}
     settings |= {key: chosen[key] for key in settings if key in chosen}
     method_named(str(settings["method"]))
     if settings["texture_size"] not in TEXTURE_SIZES:
         raise InputError(f"a texture size of {TEXTURE_SIZES}", repr(settings["texture_size"]))
-    if settings["colours"] not in ("photo", "corrected"):
-        raise InputError("colours photo or corrected", repr(settings["colours"]))
+    if settings["colours"] not in HOUSE_COLOURS:
+        raise InputError(f"colours {', '.join(HOUSE_COLOURS)}", repr(settings["colours"]))
     return settings | {"cores": cores}
 
 

@@ -9,7 +9,7 @@ from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
 from plan2scene.io import read_json, write_json, write_parquet
 from plan2scene.paint.observations import PlaneColours, write_colours
-from plan2scene.paint.surfaces import paint_gains, read_paint, write_paint
+from plan2scene.paint.surfaces import door_paints, paint_gains, read_paint, write_paint
 from plan2scene.textures.painted import paint_textures
 
 
@@ -52,7 +52,7 @@ def test_tiles_and_maps_get_the_paint_and_keep_their_pattern(paint, tmp_path):
     tile = rng.integers(110, 140, (32, 32, 3), dtype=np.uint8)
     write_png(folder / "a_wall.png", tile)
     (folder / "a_wall.jpg").write_bytes(jpeg_bytes(tile, quality=95))
-    index = {"method": "toy", "surfaces": {"a/wall": {"size_m": 1.0}}}
+    index = {"method": "toy", "surfaces": {"a/wall": {"size_m": 1.0, "observed": True}}}
     write_json(folder / "textures.json", index)
     write_json(folder / "maps.json", {"surfaces": {}})
     paint_textures(folder, paint, tmp_path / "out")
@@ -79,16 +79,33 @@ def test_unseen_surfaces_follow_the_house():
         key("b", "floor"): grey / 4,
     }
     paint = {key("a", "wall"): white, key("a", "floor"): grey}
-    gains = paint_gains(shown, paint, frozenset({key("a", "wall")}), white)
+    unseen = {key("b", "wall"), key("b", "floor")}
+    gains = paint_gains(shown, paint, frozenset({key("a", "wall")}), unseen, white)
     assert gains[key("b", "wall")] * grey == pytest.approx(white)
     assert gains[key("b", "floor")] == pytest.approx([2.0] * 3)
     blue = {key("a", "wall"): np.array([0.1, 0.2, 0.4])}
-    gains = paint_gains(shown, blue, frozenset(), white)
+    gains = paint_gains(shown, blue, frozenset(), unseen, white)
     assert gains[key("b", "wall")] * grey == pytest.approx(blue[key("a", "wall")])
 
 
-def test_nothing_seen_walls_are_white_and_floors_as_made():
+def test_without_photos_walls_are_white_and_floors_as_made():
     shown = {SurfaceKey("a", "wall"): np.full(3, 0.4), SurfaceKey("a", "floor"): np.full(3, 0.1)}
-    gains = paint_gains(shown, {}, frozenset(), [0.8] * 3)
+    gains = paint_gains(shown, {}, frozenset(), set(shown), [0.8] * 3)
     assert gains[SurfaceKey("a", "wall")] == pytest.approx([2.0] * 3)
     assert gains[SurfaceKey("a", "floor")] == pytest.approx([1.0] * 3)
+
+
+def test_a_surface_of_ready_crops_keeps_its_colour():
+    shown = {SurfaceKey("a", "wall"): np.full(3, 0.4)}
+    gains = paint_gains(shown, {}, frozenset(), set(), [0.8] * 3)
+    assert gains[SurfaceKey("a", "wall")] == pytest.approx([1.0] * 3)
+
+
+def test_unseen_doors_are_like_the_others():
+    oak, white = np.array([0.3, 0.2, 0.1]), np.full(3, 0.8)
+    seen = {SurfaceKey("1", "door"): oak, SurfaceKey("a", "wall"): white}
+    assert set(door_paints(seen, frozenset())) == {"1"}
+    seen[SurfaceKey("2", "door")] = oak
+    assert door_paints(seen, frozenset())[""] == pytest.approx(oak)
+    seen[SurfaceKey("2", "door")] = white
+    assert "" not in door_paints(seen, frozenset({SurfaceKey("2", "door")}))
