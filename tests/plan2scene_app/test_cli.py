@@ -226,7 +226,7 @@ def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
         config = yaml.safe_load(runs.prepare(request, [], tmp_path / str(k)).read_text())
         check_config(config)
         shown.append((config["house"]["walls"], config["house"]["colours"]))
-    assert shown == [("wall", "corrected"), ("room", "photo")]
+    assert shown == [("wall", "corrected"), ("room", "paint")]
     assert call("run", "--plan", PLAN, "--out", tmp_path / "out", "--walls", "accent")[0] == 2
     assert len(asked) == 2
 

@@ -52,7 +52,7 @@ def test_the_jobs_of_a_house(bare):
         "reference_features",
     }
     once |= {"textures", "table_textures", "metrics", "texture_sheet"}
-    once |= {"house", "preview", "rooms", "viewer"}
+    once |= {"paint", "painted_textures", "house", "preview", "rooms", "viewer"}
     at_drops = {"surfaces", "materials", "propagated"}
     assert rules == dict.fromkeys(once, 2) | dict.fromkeys(at_drops, 4)
 

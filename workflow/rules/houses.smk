@@ -32,7 +32,7 @@ rule paint:
         mem_mb=500,
     params:
         dataset=DATASET,
-        code=code_hash("plan2scene.paint.surfaces"),
+        code=rule_code("paint"),
     script:
         "../scripts/paint.py"
 
@@ -54,7 +54,7 @@ rule painted_textures:
     resources:
         mem_mb=1000,
     params:
-        code=code_hash("plan2scene.textures.painted"),
+        code=rule_code("painted_textures"),
     script:
         "../scripts/painted_textures.py"
 
