@@ -160,13 +160,16 @@ def _door_colours(file: Path, house_id: str) -> tuple[tuple[str, tuple[int, int,
     if not file.is_file():
         return ()
     entries = read_json(file)
-    colours = list(entries.items()) if isinstance(entries, dict) else [("", None)]
-    for name, colour in colours:
-        levels = colour if isinstance(colour, list) and len(colour) == 3 else [None]
-        if not all(isinstance(level, int) and 0 <= level <= 255 for level in levels):
+    colours = []
+    for name, colour in entries.items() if isinstance(entries, dict) else [("", None)]:
+        levels = colour if isinstance(colour, list) else []
+        levels = [level for level in levels if isinstance(level, int) and 0 <= level <= 255]
+        if len(levels) != 3 or levels != colour:
             expected = "three levels 0 to 255 for each door"
             raise InputError(expected, f"{name!r}: {colour}", file=file, house=house_id)
-    return tuple((name, (colour[0], colour[1], colour[2])) for name, colour in colours)
+        red, green, blue = levels
+        colours.append((str(name), (red, green, blue)))
+    return tuple(colours)
 
 
 def _surfaces(file: Path, house_id: str) -> dict[str, dict[str, object]]:

@@ -223,7 +223,7 @@ class _Problem:
         spread = np.array(prior.colour_deviation)[self.kind]
         spread = np.where(white[:, None], prior.white_deviation, spread)
         squares = np.zeros(len(self.observed))
-        terms = np.zeros((count, 3))
+        terms: np.ndarray = np.zeros((count, 3))
         for _ in range(rounds):
             left = np.zeros((count, 3, count, 3))
             right = np.zeros((count, 3))
