@@ -21,9 +21,9 @@ import numpy as np
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import even_light
-from plan2scene.mesh.room_views import room_pictures
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.plans.scene_json import read_scene_json
+from plan2scene_app.pictures.room_views import room_pictures
 
 METHOD = "exemplar"
 GAP = 8

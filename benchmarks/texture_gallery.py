@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from plan2scene.evaluation.texture_sheet import SheetRow, draw_sheet, sheet_rows
 from plan2scene.textures.methods import texture_methods
+from plan2scene_app.pictures.texture_sheet import SheetRow, draw_sheet, sheet_rows
 
 
 def observed_rows(results: Path) -> dict[str, SheetRow]:

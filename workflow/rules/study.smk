@@ -1,6 +1,6 @@
 # On demand: the user study. `snakemake -j2 study` makes the form and its key; with the files that
 # people hand in under config["study"]["answers"], `snakemake study_result` their preferences.
-from plan2scene.evaluation.study import study_houses
+from plan2scene_app.study.study import study_houses
 
 STUDY = config["study"]
 STUDY_METHODS = list(

@@ -1,7 +1,7 @@
 """Rule rooms: plan and textures -> each room at eye level, as a picture."""
 
-from plan2scene.mesh.pictures import draw_rooms
 from plan2scene.workflow.jobs import job
+from plan2scene_app.pictures.house_pictures import draw_rooms
 
 with job(snakemake.log[0]):
     draw_rooms(

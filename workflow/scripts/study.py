@@ -1,7 +1,7 @@
 """Rule study: what the study shows of each house -> the form and its key."""
 
-from plan2scene.evaluation.study import write_study
 from plan2scene.workflow.jobs import job
+from plan2scene_app.study.study import write_study
 
 with job(snakemake.log[0]):
     write_study(

@@ -13,7 +13,6 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES
-from plan2scene.html_page import html_page, inline_json, source_hash
 from plan2scene.images import decode_image, png_bytes, to_small_srgb
 from plan2scene.io import atomic_path
 from plan2scene.plans import levels, openings, parse, plan_json, validate
@@ -22,6 +21,7 @@ from plan2scene.plans.geometry import SHARED_TOLERANCE
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.plan_json import house_to_plan
 from plan2scene.plans.validate import validate_house
+from plan2scene_app.html_page import html_page, inline_json, source_hash
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.tracing.picture import read_plan_picture
 

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import quote
 
-from plan2scene.html_page import html_page, source_hash
 from plan2scene.io import atomic_path, read_text
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.scene_json import read_scene_json
+from plan2scene_app.html_page import html_page, source_hash
 
 _FOLDER = Path(__file__).parent
 #: Files of a house that the page links, with their names for people.

@@ -12,9 +12,9 @@ import cv2
 
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.html_page import html_page, inline_json, source_hash
 from plan2scene.images import image_from_bytes
 from plan2scene.io import atomic_path, read_json
+from plan2scene_app.html_page import html_page, inline_json, source_hash
 
 _FOLDER = Path(__file__).parent
 #: The program's files, in the order in which they go into the page.

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plan2scene.evaluation import study_sheet
 from plan2scene.evaluation.houses import propagated_at
 from plan2scene.house import Level, Stairs
 from plan2scene.images import write_png
@@ -15,6 +14,7 @@ from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.plans.validate import house_faults
 from plan2scene.textures.inputs import Visible
+from plan2scene_app.study import study_sheet
 
 HIDDEN = {"0.0": [], "0.6": ["p3.jpg"]}
 UPSTAIRS = {"bath", "loft"}

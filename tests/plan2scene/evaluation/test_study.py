@@ -16,7 +16,9 @@ import pytest
 from PIL import Image
 
 from plan2scene.errors import InputError
-from plan2scene.evaluation.study import (
+from plan2scene.images import write_png
+from plan2scene.io import read_json, write_json
+from plan2scene_app.study.study import (
     make_questions,
     preferences,
     read_answers,
@@ -24,9 +26,7 @@ from plan2scene.evaluation.study import (
     study_result,
     write_study,
 )
-from plan2scene.evaluation.study_sheet import write_study_sheet
-from plan2scene.images import write_png
-from plan2scene.io import read_json, write_json
+from plan2scene_app.study.study_sheet import write_study_sheet
 
 PAIRS = [["synth", "crop"], ["exemplar", "synth"]]
 HOUSES = [f"home_{i}" for i in range(7)]

@@ -23,10 +23,10 @@ from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.lit_house import SETTINGS as LIT
 from plan2scene.mesh.lit_house import lit_part, lit_textures
 from plan2scene.mesh.rays import Rays
-from plan2scene.mesh.renderer import sample
-from plan2scene.mesh.room_views import SETTINGS, camera_in, render_rooms, standpoints
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.geometry import room_polygon
+from plan2scene_app.pictures.renderer import sample
+from plan2scene_app.pictures.room_views import SETTINGS, camera_in, render_rooms, standpoints
 
 pytest.importorskip("embreex")
 

@@ -10,9 +10,9 @@ from scene_textures import scene_textures
 from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.mesh.build import build_house
-from plan2scene.mesh.pictures import draw_preview, draw_rooms
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.plans.scene_writer import write_scene_json
+from plan2scene_app.pictures.house_pictures import draw_preview, draw_rooms
 
 
 @pytest.fixture

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from plan2scene.camera import Camera
-from plan2scene.photos.contact_sheet.panels import OWN_ROOM, plan_panel
 from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_to_json
+from plan2scene_app.contact_sheet.panels import OWN_ROOM, plan_panel
 from plan2scene_app.viewer.viewer_page import _camera
 
 

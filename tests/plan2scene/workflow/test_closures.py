@@ -35,7 +35,7 @@ def test_a_dxf_reader_is_no_part_of_reading_a_scene():
 
 
 def test_the_drawing_of_a_contact_sheet_is_of_contact_sheets_alone():
-    assert users("plan2scene.photos.contact_sheet.sheet") == {"contact_sheet"}
+    assert users("plan2scene_app.contact_sheet.sheet") == {"contact_sheet"}
 
 
 def test_a_door_s_mesh_is_of_houses_alone():

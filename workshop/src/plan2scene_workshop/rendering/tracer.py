@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plan2scene.errors import InputError
-from plan2scene.mesh.path_tracing import sensor
+from plan2scene_app.pictures.path_tracing import sensor
 from plan2scene_workshop.rendering.geometry import Geometry, JoinedGroup
 from plan2scene_workshop.rendering.views import View
 

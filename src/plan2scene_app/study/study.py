@@ -21,9 +21,9 @@ from pathlib import Path
 import pandas as pd
 
 from plan2scene.errors import InputError
-from plan2scene.html_page import html_page, inline_json, source_hash
 from plan2scene.io import read_json, read_text, write_csv, write_text
 from plan2scene.seeds import generator
+from plan2scene_app.html_page import html_page, inline_json, source_hash
 
 _BODY = Path(__file__).with_name("study_form.html")
 

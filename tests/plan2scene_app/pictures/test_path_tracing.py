@@ -7,11 +7,11 @@ import pytest
 
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.mesh import path_tracing
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.rays import Rays
-from plan2scene.mesh.room_views import camera_in
 from plan2scene.mesh.texture_files import TileTexture
+from plan2scene_app.pictures import path_tracing
+from plan2scene_app.pictures.room_views import camera_in
 
 pytest.importorskip("embreex")
 

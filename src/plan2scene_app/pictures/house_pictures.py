@@ -8,8 +8,8 @@ from plan2scene.images import jpeg_bytes, write_png
 from plan2scene.io import atomic_path
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.build import textured_house
-from plan2scene.mesh.preview import render_preview
-from plan2scene.mesh.room_views import render_rooms
+from plan2scene_app.pictures.preview import render_preview
+from plan2scene_app.pictures.room_views import render_rooms
 
 
 def draw_preview(
@@ -20,7 +20,7 @@ def draw_preview(
     house_id: str,
     objects: bool = True,
 ) -> None:
-    """Write a PNG of the house from above and at a slant (:mod:`plan2scene.mesh.preview`).
+    """Write a PNG of the house from above and at a slant (:mod:`plan2scene_app.pictures.preview`).
 
     Parameters as of :func:`plan2scene.mesh.build.build_house`.
     """
@@ -37,7 +37,7 @@ def draw_rooms(
     objects: bool = True,
     traced: bool = False,
 ) -> None:
-    """Write a JPEG of each room as seen by a person in it (:mod:`plan2scene.mesh.room_views`).
+    """Write a JPEG of each room as seen by a person in it.
 
     `traced`: by path tracing, where Mitsuba is installed. Other parameters as of
     :func:`plan2scene.mesh.build.build_house`.

@@ -11,9 +11,9 @@ from PIL import Image
 from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.io import atomic_directory, write_json
-from plan2scene.mesh.preview import render_from_above, render_plan
 from plan2scene.mesh.texture_files import textured
 from plan2scene.photos.photo_files import read_photo
+from plan2scene_app.pictures.preview import render_from_above, render_plan
 
 #: Side in pixels of plan and renders, and the longer side of photos.
 RENDER_SIDE, PLAN_SIDE, PHOTO_SIDE = 720, 560, 320

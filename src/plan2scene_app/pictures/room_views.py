@@ -16,11 +16,11 @@ from plan2scene.drawing import INK, PAPER, font
 from plan2scene.house import House, SurfaceKey
 from plan2scene.mesh.baking import Light, bake_light, compressed, even_light, mean_colours
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.path_tracing import TracedScene, load_mitsuba
 from plan2scene.mesh.rays import Rays
-from plan2scene.mesh.renderer import Triangles, sample
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.geometry import room_polygon
+from plan2scene_app.pictures.path_tracing import TracedScene, load_mitsuba
+from plan2scene_app.pictures.renderer import Triangles, sample
 
 
 @dataclass(frozen=True)

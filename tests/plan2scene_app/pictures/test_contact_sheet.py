@@ -20,7 +20,12 @@ from plan2scene.house import House, Room
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
 from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segments
-from plan2scene.photos.contact_sheet.panels import (
+from plan2scene.photos.crops.candidates import planes_of_photo, rooms_by_size
+from plan2scene.photos.labels.palette import CEILING, DOOR, FLOOR, WALL, write_label_png
+from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.pose import Pose
+from plan2scene.photos.planes.planes import plane_row, write_planes
+from plan2scene_app.contact_sheet.panels import (
     DOOR_INK,
     FRUSTUM,
     LAST_RESORT,
@@ -30,7 +35,7 @@ from plan2scene.photos.contact_sheet.panels import (
     edges_panel,
     plan_panel,
 )
-from plan2scene.photos.contact_sheet.sheet import (
+from plan2scene_app.contact_sheet.sheet import (
     CELL,
     COLUMNS,
     GAP,
@@ -45,11 +50,6 @@ from plan2scene.photos.contact_sheet.sheet import (
     SheetFiles,
     write_contact_sheet,
 )
-from plan2scene.photos.crops.candidates import planes_of_photo, rooms_by_size
-from plan2scene.photos.labels.palette import CEILING, DOOR, FLOOR, WALL, write_label_png
-from plan2scene.photos.locate.plan_view import room_shapes
-from plan2scene.photos.locate.pose import Pose
-from plan2scene.photos.planes.planes import plane_row, write_planes
 
 SIZE = (240, 320)
 AHEAD = ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))

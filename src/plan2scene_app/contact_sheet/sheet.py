@@ -27,8 +27,13 @@ from plan2scene.images import write_png
 from plan2scene.io import read_json
 from plan2scene.parallel import each
 from plan2scene.photos.camera.lines import SEGMENTS, read_segments
-from plan2scene.photos.contact_sheet import panels
-from plan2scene.photos.contact_sheet.panels import (
+from plan2scene.photos.labels.palette import LABELS, read_label_png
+from plan2scene.photos.locate.plan_view import RoomShape, room_shapes
+from plan2scene.photos.locate.pose import Pose, read_poses
+from plan2scene.photos.photo_files import read_photo
+from plan2scene.photos.planes.planes import PhotoPlane, Plane, plane_of_row, read_planes
+from plan2scene_app.contact_sheet import panels
+from plan2scene_app.contact_sheet.panels import (
     KINDS,
     REJECTED,
     Window,
@@ -39,11 +44,6 @@ from plan2scene.photos.contact_sheet.panels import (
     read_windows,
     thumbnail,
 )
-from plan2scene.photos.labels.palette import LABELS, read_label_png
-from plan2scene.photos.locate.plan_view import RoomShape, room_shapes
-from plan2scene.photos.locate.pose import Pose, read_poses
-from plan2scene.photos.photo_files import read_photo
-from plan2scene.photos.planes.planes import PhotoPlane, Plane, plane_of_row, read_planes
 
 #: Photos on a sheet; of houses with more the first are drawn, the rest counted.
 MAX_PHOTOS = 20

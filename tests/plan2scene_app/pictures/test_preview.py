@@ -7,9 +7,9 @@ from plan2scene.camera import Camera
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh.parts import PartBuilder
-from plan2scene.mesh.preview import render_preview
-from plan2scene.mesh.renderer import Triangles
 from plan2scene.mesh.texture_files import TileTexture
+from plan2scene_app.pictures.preview import render_preview
+from plan2scene_app.pictures.renderer import Triangles
 
 
 def square(y, colour):

@@ -1,0 +1,1 @@
+"""Pictures of a house, to look at."""

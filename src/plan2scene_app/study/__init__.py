@@ -1,0 +1,1 @@
+"""The user study: its sheets, form and answers."""
