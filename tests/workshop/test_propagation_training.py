@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
-from torch_geometric.data import Data
 
 from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
 from plan2scene.propagation.graph_networks import (
-    Mixture,
     PointerNetwork,
     PropagationNetwork,
     load_propagation,
@@ -33,7 +31,6 @@ from plan2scene_workshop.propagation.settings import PropagationSettings
 from plan2scene_workshop.propagation.training import (
     Houses,
     fold,
-    log_likelihood,
     scale_of,
     train_network,
 )
@@ -65,24 +62,6 @@ def test_folded_scale_gives_the_same_predictions(network):
     codes = np.s_[..., :8]  # colours are clipped
     raw = before * deviation + centre
     np.testing.assert_allclose(raw[codes], after[codes], atol=1e-4)
-
-
-def test_likelihood_is_that_of_the_mixture():
-    """Two rooms, one component each: densities worked out by hand."""
-    values = torch.zeros(2, 3, 11)
-    values[1] = 2.0
-    data = Data(embeddings=values, truth=values, pair_index=torch.tensor([[1, 0], [0, 1]]))
-    half = torch.full((2, 3), np.log(0.5))
-    mixture = Mixture(torch.ones(2, 3, 11), torch.ones(2, 3, 11), torch.ones(3, 11), half, half)
-    found = log_likelihood(mixture, data)
-    own, copied = (np.exp(-11.0 * gap) / 2.0**11 for gap in (1.0, 2.0))
-    assert found[0, 1].item() == pytest.approx(np.log(0.5 * own + 0.5 * copied), abs=1e-4)
-    # A surface that is not visible adds nothing, and no NaN to the gradient.
-    parts = replace(mixture, own=mixture.own.requires_grad_(), log_copies=half - torch.inf)
-    alone = log_likelihood(parts, data)
-    assert alone[0, 1].item() == pytest.approx(np.log(0.5 * own), abs=1e-4)
-    alone.sum().backward()
-    assert torch.isfinite(mixture.own.grad).all()
 
 
 @pytest.mark.parametrize(

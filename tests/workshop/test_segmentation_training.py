@@ -136,23 +136,6 @@ def test_train_segmentation_writes_weights_and_card(tmp_path: Path) -> None:
     assert load_segmenter(model).labels(_striped(2).image).shape == (48, 64)
 
 
-def test_runs_and_start_are_averaged_by_their_shares(tmp_path: Path) -> None:
-    photos = [_striped(k) for k in range(4)]
-    begun = SegmentationNet(elevation=True, labels=len(LABELS_AND_OPENINGS))
-    start, checkpoint = tmp_path / "start", tmp_path / "checkpoint"
-    save_model_file(start, begun.state_dict(), begun.architecture, half=False)
-    alone = SegmentationSettings(steps=1, batch=2, small=32, long_side=32, start=str(start))
-    mixed = dataclasses.replace(alone, start_share=0.4)
-    one, same, two = (
-        averaged_runs(photos, photos, settings, seed=3, checkpoint=checkpoint).network.state_dict()
-        for settings in (alone, mixed, dataclasses.replace(alone, runs=2))
-    )
-    wanted = 0.4 * begun.state_dict()["head.weight"] + 0.6 * one["head.weight"]
-    torch.testing.assert_close(same["head.weight"], wanted)
-    assert not torch.equal(two["head.weight"], one["head.weight"])
-    assert {file.name for file in tmp_path.iterdir()} == {"start", "checkpoint"}
-
-
 @pytest.mark.parametrize(
     ("wrong", "found"),
     [

@@ -92,27 +92,3 @@ def test_textures_are_seen_the_right_way_up(mi) -> None:
     assert corners[0] == pytest.approx([red, 0, 0], abs=0.02)
     assert corners[1] == pytest.approx([0, 0, 0], abs=0.02)
     assert corners[3] == pytest.approx([0, 0, red], abs=0.02)
-
-
-def _lit_floor(mi) -> QuickTracer:
-    """Return a floor under a wide bright ceiling."""
-    geometry = Geometry()
-    wide = 40.0
-    corner = np.array([-wide, 0.0, -wide])
-    geometry.add("floor", quad(corner, np.array([2 * wide, 0, 0]), np.array([0, 0, 2 * wide])))
-    top = np.array([-wide, 3.0, -wide])
-    geometry.add("lamp", quad(top, np.array([0, 0, 2 * wide]), np.array([2 * wide, 0, 0])))
-    finishes = {
-        "floor": Finish(np.full((4, 4, 3), 120, np.uint8), roughness=0.1),
-        "lamp": Finish(emission=2.0, light=(1.0, 0.5, 0.25)),
-    }
-    return QuickTracer(geometry, finishes, mi)
-
-
-def test_light_is_that_of_a_known_emitter(mi) -> None:
-    """A floor under a wide bright ceiling has light of about the ceiling's radiance."""
-    tracer = _lit_floor(mi)
-    view = View("a", (0.0, 1.0, 0.0), 0.0, -1.2, 0.0, 0.6, 0)
-    hits = tracer.hits(view, (12, 16))
-    light = tracer.light(view, (12, 16), 64, 1, hits)
-    assert light.mean((0, 1)) == pytest.approx([2.0, 1.0, 0.5], rel=0.1)
