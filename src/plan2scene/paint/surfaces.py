@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from plan2scene.colour import log_axes
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.paint.estimate import Observation, estimate_paint
@@ -107,8 +108,8 @@ def paint_gains(
     """Return the factors (3,) that take the textures of all surfaces to their paint.
 
     A surface whose paint is known gets it. Of the others, an `unseen` wall or ceiling is white
-    where most known ones of its kind are, or where none is known; else a surface gets the median
-    factor of the known ones of its kind, or of all.
+    where most known ones of its kind are, or where none is known; else a surface gets the factor of
+    the known one of its kind, or of all, whose texture looks most alike.
 
     Parameters
     ----------
@@ -135,9 +136,17 @@ def paint_gains(
         if kind != "floor" and key in unseen and not accent and 2 * whites >= len(observed):
             gains[key] = np.asarray(usual_white) / shown[key]
         else:
-            ratios = [own[other] for other in observed] or list(own.values())
-            gains[key] = np.median(ratios, axis=0) if ratios else np.ones(3)
+            gains[key] = own[_alike(shown, key, observed or list(own))] if own else np.ones(3)
     return gains
+
+
+def _alike(
+    shown: Mapping[SurfaceKey, np.ndarray], one: SurfaceKey, others: Sequence[SurfaceKey]
+) -> SurfaceKey:
+    """Return the surface whose texture's log colour is nearest."""
+    target = log_axes(shown[one])
+    away = [float(np.linalg.norm(log_axes(shown[other]) - target)) for other in others]
+    return others[int(np.argmin(away))]
 
 
 def door_paints(

@@ -109,3 +109,12 @@ def test_unseen_doors_are_like_the_others():
     assert door_paints(seen, frozenset())[""] == pytest.approx(oak)
     seen[SurfaceKey("2", "door")] = white
     assert "" not in door_paints(seen, frozenset({SurfaceKey("2", "door")}))
+
+
+def test_an_unseen_floor_is_lit_like_the_floor_that_looks_alike():
+    key = SurfaceKey
+    oak, slate = np.array([0.2, 0.12, 0.06]), np.full(3, 0.02)
+    shown = {key("a", "floor"): oak, key("b", "floor"): slate, key("c", "floor"): 0.9 * oak}
+    paint = {key("a", "floor"): 1.5 * oak, key("b", "floor"): 4.0 * slate}
+    gains = paint_gains(shown, paint, frozenset(), {key("c", "floor")}, [0.8] * 3)
+    assert gains[key("c", "floor")] == pytest.approx([1.5] * 3)
