@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import filecmp
 import logging
 import shutil
 import subprocess
@@ -16,7 +17,7 @@ from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.check import photo_problem
 from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
-from plan2scene.io import safe_join, write_text
+from plan2scene.io import atomic_path, safe_join, write_text
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import validate_house
@@ -120,12 +121,12 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     photos.mkdir(parents=True, exist_ok=True)
     suffix = ".png" if is_picture(request) else request.plan.suffix or ".json"
     plan = root / f"plan{suffix}"
-    shutil.copy2(request.plan, plan)
+    _copy_changed(request.plan, plan)
     assignment = ""
     if request.photo_table is not None:
         folder = request.photos_dir or request.photo_table.parent
         _copy_photos(names, folder, photos, request)
-        shutil.copy2(request.photo_table, root / "photoroom.csv")
+        _copy_changed(request.photo_table, root / "photoroom.csv")
         assignment = "photoroom.csv"
     with (root / "houses.tsv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, delimiter="\t", lineterminator="\n")
@@ -135,16 +136,26 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
 
 
 def _copy_photos(names: list[str], source: Path, target: Path, request: SingleHouse) -> None:
-    """Copy photos whose bytes or times differ; times are kept, so that reruns stay incremental."""
+    """Copy the photos that there are; what an earlier run copied of the others goes."""
     for name in names:
         path = safe_join(source, name, file=request.photo_table or "", house_id=request.house)
-        if not path.is_file():
-            continue
         copy = safe_join(target, name)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        old, new = (copy.stat() if copy.exists() else None), path.stat()
-        if old is None or (old.st_size, old.st_mtime_ns) != (new.st_size, new.st_mtime_ns):
-            shutil.copy2(path, copy)
+        if path.is_file():
+            _copy_changed(path, copy)
+        else:
+            copy.unlink(missing_ok=True)
+
+
+def _copy_changed(source: Path, target: Path) -> None:
+    """Copy a file unless the target has its contents.
+
+    A copy is as new as now, whatever the time of the source: the workflow makes again what depends
+    on it, also where an older file takes the place of a newer one.
+    """
+    if target.is_file() and filecmp.cmp(source, target, shallow=False):
+        return
+    with atomic_path(target) as temporary:
+        shutil.copyfile(source, temporary)
 
 
 def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:

@@ -1,0 +1,57 @@
+"""What a run is made from: the contents of the files that it was given, whatever their times."""
+
+import os
+
+import pytest
+
+from plan2scene_app.run import SingleHouse, prepare
+
+
+@pytest.fixture
+def given(tmp_path):
+    """A plan, a photo table and two photos; the second of each is older than the first."""
+    for number, time in (("1", 2_000_000_000), ("2", 1_000_000_000)):
+        folder = tmp_path / number
+        folder.mkdir()
+        for name in ("plan.json", "photos.csv", "a.jpg", "b.jpg"):
+            (folder / name).write_text(f"{name} {number}")
+            os.utime(folder / name, (time, time))
+    return tmp_path
+
+
+def request(folder):
+    return SingleHouse(
+        folder / "plan.json", folder / "photos.csv", None, "h", "exemplar", None, 0, 128
+    )
+
+
+def test_an_older_file_takes_the_place_of_a_newer_one(given):
+    work = given / "work"
+    prepare(request(given / "1"), ["a.jpg", "b.jpg"], work)
+    copies = {
+        "plan.json": work / "dataset/plan.json",
+        "photos.csv": work / "dataset/photoroom.csv",
+        "a.jpg": work / "dataset/photos/a.jpg",
+    }
+    before = {name: copy.stat().st_mtime_ns for name, copy in copies.items()}
+    prepare(request(given / "2"), ["a.jpg", "b.jpg"], work)
+    for name, copy in copies.items():
+        assert copy.read_text() == f"{name} 2"
+        assert copy.stat().st_mtime_ns > before[name]
+
+
+def test_the_same_contents_are_no_change_whatever_their_time(given):
+    work = given / "work"
+    prepare(request(given / "1"), ["a.jpg"], work)
+    before = (work / "dataset/photos/a.jpg").stat().st_mtime_ns
+    os.utime(given / "1" / "a.jpg", (10, 10))
+    prepare(request(given / "1"), ["a.jpg"], work)
+    assert (work / "dataset/photos/a.jpg").stat().st_mtime_ns == before
+
+
+def test_a_photo_that_is_gone_leaves_no_copy(given):
+    work = given / "work"
+    prepare(request(given / "1"), ["a.jpg", "b.jpg"], work)
+    (given / "1" / "b.jpg").unlink()
+    prepare(request(given / "1"), ["a.jpg", "b.jpg"], work)
+    assert not (work / "dataset/photos/b.jpg").exists()
