@@ -6,12 +6,14 @@ imports what it needs when it runs.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plan2scene.errors import InputError
+from plan2scene.io import read_json, write_json
 from plan2scene.plugins import code_of, installed, plugins
 
 if TYPE_CHECKING:
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
     Textures = dict[SurfaceKey, TileTexture]
     Write = Callable[[House, Textures, Path], None]
 
+#: In an export's folder: what exports wrote there.
+RECORD = ".export.json"
 #: Entry points of this group name an :class:`Export`.
 GROUP = "plan2scene.exports"
 
@@ -150,14 +154,15 @@ def export_house(
     textures_dir : path
         A method's tiles with ``textures.json``.
     folder : path
-        Made when it is not there; files in it of the same names are replaced.
+        Made when it is not there. What an earlier export wrote there is replaced.
     name : str
         One of :func:`exports`.
     house_id : str
     objects : bool
         Whether the plan's fixed objects are in it.
 
-    Raises InputError for an unknown name, an unreadable plan, or a package that is missing.
+    Raises InputError for an unknown name, an unreadable plan, a package that is missing, or a
+    folder with files of the same names that no export wrote.
     """
     from plan2scene.mesh.texture_files import textured
     from plan2scene.plans.scene_json import read_scene_json
@@ -168,8 +173,38 @@ def export_house(
     house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
     house = house if objects else replace(house, icons=())
     target = Path(folder)
+    own = [f.format(level=level.id) for level in house.levels[1:] for f in export.storey_files]
+    files = [target / file for file in (*export.files, *own)]
+    record = target / RECORD
+    _refuse_users_files(files, record)
     target.mkdir(parents=True, exist_ok=True)
     with installed(export.needs, house_id):
         export.write(house, textures, target)
-    own = [f.format(level=level.id) for level in house.levels[1:] for f in export.storey_files]
-    return [target / file for file in (*export.files, *own)]
+    written = {path.relative_to(target).as_posix() for path in _contents(files)}
+    write_json(record, {"files": sorted(written | _recorded(record))})
+    return files
+
+
+def _contents(paths: Sequence[Path]) -> Iterator[Path]:
+    """Yield the files and links that are there among some paths, those inside folders included."""
+    for path in paths:
+        if path.is_dir() and not path.is_symlink():
+            yield from _contents(sorted(path.iterdir()))
+        elif os.path.lexists(path):
+            yield path
+
+
+def _recorded(record: Path) -> set[str]:
+    """Return the files that earlier exports wrote."""
+    content = read_json(record) if record.is_file() else {}
+    names = content.get("files") if isinstance(content, dict) else None
+    return {str(name) for name in names} if isinstance(names, list) else set()
+
+
+def _refuse_users_files(files: Sequence[Path], record: Path) -> None:
+    """Raise InputError where an export would replace what no export wrote."""
+    known = _recorded(record)
+    for path in _contents(files):
+        if path.relative_to(record.parent).as_posix() not in known:
+            expected = "an --out folder without files of others"
+            raise InputError(expected, path.name, file=record.parent)

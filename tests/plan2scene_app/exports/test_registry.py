@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from plan2scene.errors import InputError
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.cli import app
-from plan2scene_app.exports.registry import export_house, exports
+from plan2scene_app.exports.registry import RECORD, export_house, exports
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def test_command_writes_what_the_registry_says(made, name):
     result = CliRunner().invoke(app, ["export", str(made), "--to", name])
     assert result.exit_code == 0, result.output
     written = {p.name + "/" * p.is_dir() for p in (made / name).iterdir()}
-    assert written == set(exports()[name].files)
+    assert written == {RECORD, *exports()[name].files}
     assert result.output.split() == [
         str(made / name / f.rstrip("/")) for f in exports()[name].files
     ]
@@ -55,3 +55,33 @@ def test_a_folder_of_something_else_is_refused(tmp_path):
     result = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "map"])
     assert isinstance(result.exception, InputError)
     assert "no house.scene.json" in str(result.exception)
+
+
+@pytest.mark.parametrize("name", ["house.obj", "house_textures/mine.png", "house_textures/a/b"])
+def test_files_that_no_export_wrote_are_kept(made, name):
+    mine = made / "x" / name
+    mine.parent.mkdir(parents=True)
+    mine.write_text("mine")
+    arguments = ["export", str(made), "--to", "obj", "--out", str(made / "x")]
+    result = CliRunner().invoke(app, arguments)
+    assert isinstance(result.exception, InputError)
+    assert f"expected an --out folder without files of others, found {mine.name}" in str(
+        result.exception
+    )
+    assert [p for p in (made / "x").rglob("*") if p.is_file()] == [mine]
+    assert mine.read_text() == "mine"
+
+
+def test_an_export_replaces_its_own_files(made):
+    arguments = ["export", str(made), "--to", "obj", "--out", str(made / "x")]
+    assert CliRunner().invoke(app, arguments).exit_code == 0
+    assert CliRunner().invoke(app, arguments).exit_code == 0
+    (made / "x" / "house_textures" / "mine.png").write_text("mine")
+    assert isinstance(CliRunner().invoke(app, arguments).exception, InputError)
+
+
+def test_an_export_into_the_house_keeps_its_textures(made):
+    pytest.importorskip("pxr")
+    arguments = ["export", str(made), "--to", "usd", "--out", str(made)]
+    assert isinstance(CliRunner().invoke(app, arguments).exception, InputError)
+    assert (made / "textures" / "textures.json").is_file()
