@@ -1,5 +1,6 @@
 """Files: what is refused, round trips, and that writes are all or nothing."""
 
+import os
 import subprocess
 import sys
 
@@ -136,3 +137,18 @@ def test_a_missing_file_is_told_with_what_differs_in_its_ending(tmp_path):
     (tmp_path / "a.JPG").write_text("")
     assert p2s_io.absent(tmp_path / "a.jpg") == "no such file, but a.JPG"
     assert p2s_io.absent(tmp_path / "b.jpg") == "no such file"
+
+
+@pytest.mark.parametrize(
+    ("umask", "file", "folder"), [(0o022, 0o644, 0o755), (0o077, 0o600, 0o700)]
+)
+def test_written_files_obey_the_umask(tmp_path, umask, file, folder):
+    before = os.umask(umask)
+    try:
+        p2s_io.write_json(tmp_path / "a.json", {})
+        with p2s_io.atomic_directory(tmp_path / "b") as made:
+            p2s_io.write_json(made / "c.json", {})
+    finally:
+        os.umask(before)
+    modes = {path.name: path.stat().st_mode & 0o777 for path in tmp_path.rglob("*")}
+    assert modes == {"a.json": file, "b": folder, "c.json": file}

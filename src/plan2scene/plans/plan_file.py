@@ -49,6 +49,8 @@ class PlanFile:
     @cached_property
     def head(self) -> bytes:
         """The first bytes of the file."""
+        if self.path.exists() and not self.path.is_file():
+            raise self.fault("a file", "a folder" if self.path.is_dir() else "no plain file")
         try:
             with self.path.open("rb") as file:
                 return file.read(4096)

@@ -1,5 +1,6 @@
 """The registry of plan formats: told apart by content, and a new one is one entry."""
 
+import os
 import sys
 
 import pytest
@@ -68,3 +69,10 @@ def test_a_picture_is_named_for_what_it_is(tmp_path, start, what):
         read_plan(path, "h1")
     assert str(caught.value).startswith(f"file {path}, house h1: expected a plan (")
     assert str(caught.value).endswith(f", found {what}")
+
+
+def test_a_pipe_is_no_plan(tmp_path):
+    path = tmp_path / "plan.json"
+    os.mkfifo(path)
+    with pytest.raises(InputError, match="expected a file, found no plain file"):
+        _ = PlanFile(path, "h1").is_picture
