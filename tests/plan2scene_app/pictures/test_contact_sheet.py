@@ -6,14 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import pandas as pd
 import pytest
-from box_room import DEEP, WIDE, box_house, rendered
-from box_room import SIZE as BOX_SIZE
 from PIL import Image
-from views import camera_looking
 
 from plan2scene.camera import Camera
 from plan2scene.house import House, Room
@@ -21,19 +17,12 @@ from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
 from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segments
 from plan2scene.photos.crops.candidates import planes_of_photo, rooms_by_size
-from plan2scene.photos.labels.palette import CEILING, DOOR, FLOOR, WALL, write_label_png
-from plan2scene.photos.locate.plan_view import room_shapes
-from plan2scene.photos.locate.pose import Pose
+from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, write_label_png
 from plan2scene.photos.planes.planes import plane_row, write_planes
 from plan2scene_app.contact_sheet.panels import (
-    DOOR_INK,
-    FRUSTUM,
     LAST_RESORT,
-    OWN_ROOM,
     REJECTED,
     SELECTED,
-    edges_panel,
-    plan_panel,
 )
 from plan2scene_app.contact_sheet.sheet import (
     CELL,
@@ -198,39 +187,3 @@ def test_no_photos_and_ready_crops(case: dict[str, Any]) -> None:
         "last_resort": 0,
         "rejected": 0,
     }
-
-
-EYE = (1.0, 1.5, 1.8)
-SHAPES = room_shapes(box_house())
-
-
-def box_pose():
-    camera = camera_looking(BOX_SIZE, heading_deg=-100.0, pitch_deg=6.0, focal=150.0)
-    return Pose("room", EYE, camera, 0.9)
-
-
-def pixels_of(picture, colour):
-    """Rows and columns of a colour."""
-    return np.argwhere((picture == colour).all(axis=-1))
-
-
-def test_the_plan_shows_the_eye_where_it_is():
-    picture = plan_panel(SHAPES, box_pose(), (200, 300))
-    room = pixels_of(picture, OWN_ROOM)
-    top, left = room.min(axis=0)
-    bottom, right = room.max(axis=0)
-    row, column = pixels_of(picture, FRUSTUM).mean(axis=0)
-    assert abs((column - left) / (right - left) - EYE[0] / WIDE) < 0.03
-    assert abs((row - top) / (bottom - top) - EYE[2] / DEEP) < 0.05
-
-
-def test_the_edges_lie_on_the_borders_of_the_door():
-    here = box_pose()
-    labels = rendered(box_house(), here.camera, np.array(EYE))
-    assert (labels == DOOR).mean() > 0.02
-    picture = edges_panel(np.full((*BOX_SIZE, 3), 120, np.uint8), here, SHAPES)
-    drawn = pixels_of(picture, DOOR_INK)
-    door = (labels == DOOR).astype(np.uint8)
-    border = cv2.morphologyEx(door, cv2.MORPH_GRADIENT, np.ones((5, 5), np.uint8)) > 0
-    assert len(drawn) > 30
-    assert border[drawn[:, 0], drawn[:, 1]].mean() > 0.95
