@@ -65,7 +65,7 @@ def exported(project: Project, form: str) -> tuple[str, bytes]:
         package = Path(folder) / "house.usdz"
         if package.is_file():
             return f"{project.name}.usdz", package.read_bytes()
-        files = sorted(path for path in Path(folder).rglob("*") if path.is_file())
+        files = sorted(p for p in Path(folder).rglob("[!.]*") if p.is_file())
         entries = {path.relative_to(folder).as_posix(): path for path in files}
         return f"{project.name}_{form}.zip", _archive(project.name, entries)
 

@@ -39,7 +39,7 @@ def test_each_level_has_its_map(house, tmp_path):
     (tmp_path / "textures.json").write_text('{"surfaces": {}}')
     out = tmp_path / "out"
     written = export_house(tmp_path / "scene.json", tmp_path, out, "map", house_id="two")
-    names = sorted(path.name for path in out.iterdir())
+    names = sorted(path.name for path in out.glob("[!.]*"))
     assert names == ["map.pgm", "map.yaml", "map_upper.pgm", "map_upper.yaml"]
     assert sorted(path.name for path in written) == names
 
