@@ -1,9 +1,4 @@
 # A target for each stage over the whole data set: `snakemake -j2 all_masks`.
-def at_all_drops(name):
-    """Return a file of every house at every drop fraction."""
-    return expand(f"{RESULTS}/drop_{{drop}}/{{house}}/{name}", drop=DROPS, house=HOUSES)
-
-
 rule all_plans:
     input:
         house_files("scene.json"),

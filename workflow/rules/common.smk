@@ -271,3 +271,50 @@ def finished(name):
         return [f"{RESULTS}/houses/{house}/{name}" for house in houses]
 
     return files
+
+
+def label_model():
+    """Return the embedded segmentation model by name; none where it does not label."""
+    source = config["photos"]["masks"]
+    return {"segmentation": model_of("segmentation")} if source == "embedded" else {}
+
+
+def pretrained_files():
+    """Return the files of a pretrained network on disk; a commit names one of the hub."""
+    folder = config["photos"]["pretrained"]["path"]
+    if config["photos"]["masks"] in ("embedded", "precomputed") or not folder:
+        return []
+    return sorted(
+        str(path)
+        for pattern in ("*.json", "*.safetensors")
+        for path in Path(folder).glob(pattern)
+    )
+
+
+def precomputed_masks_of(wildcards):
+    """Return the label PNGs that the configured folder has for a house's photos."""
+    folder = Path(config["photos"]["masks_folder"] or "")
+    names = safe_names(row_of(wildcards).photos)
+    paths = (folder / f"{Path(name).stem}.png" for name in names)
+    return [str(path) for path in paths if path.is_file()]
+
+
+@functools.cache
+def precomputed_crops():
+    """Return the precomputed crops of the configured folder by photo stem."""
+    by_stem = {}
+    for path in sorted(Path(CROPS["folder"]).glob("*/*_crop*.png")):
+        by_stem.setdefault(path.name.rsplit("_", 2)[0], []).append(str(path))
+    return by_stem
+
+
+def precomputed_crops_of(wildcards):
+    """Return the precomputed crops of a house's photos."""
+    names = safe_names(row_of(wildcards).photos)
+    stems = [Path(name).stem for name in names]
+    return [path for stem in stems for path in precomputed_crops().get(stem, [])]
+
+
+def at_all_drops(name):
+    """Return a file of every house at every drop fraction."""
+    return expand(f"{RESULTS}/drop_{{drop}}/{{house}}/{name}", drop=DROPS, house=HOUSES)
