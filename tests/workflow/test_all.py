@@ -161,7 +161,7 @@ def test_editing_the_seam_module_reruns_what_depends_on_it(made):
     finally:
         module.write_text(text)
     assert {"textures", "house", "table_textures"} <= rules
-    assert not rules & {"masks", "crops", "embeddings", "reference_features"}
+    assert not rules & {"masks", "crops", "embeddings", "materials"}
 
 
 def test_editing_the_contact_sheet_redoes_contact_sheets_alone(made):

@@ -16,19 +16,16 @@ def test_a_house_is_one_job_of_the_sweep_and_one_of_the_ablation(bare):
     rules = Counter(rule for rule, _ in bare.jobs("sweep", "ablation"))
     assert (rules["sweep_house"], rules["ablation_house"]) == (2, 2)
     assert (rules["sweep"], rules["ablation"]) == (1, 1)
-    # Both compare with the features of the crops, neither with the table's tiles.
-    assert rules["reference_features"] == 2
-    assert "table_textures" not in rules
+    # Both compare with the features of the crops.
+    assert rules["metrics"] == 2
 
 
 def test_what_the_table_needs_of_a_house(bare):
     rules = Counter(rule for rule, _ in bare.jobs("results/tiny/tables/paper_table.csv"))
     # Tiles of the 3D house are taken, those of other methods and drops made.
     assert rules["table_textures"] == rules["embeddings"] == rules["textures"] == 2
-    assert rules["metrics"] == rules["reference_features"] == 2
+    assert rules["metrics"] == rules["materials"] == rules["propagated"] == 2
     assert "house" not in rules and "texture_sheet" not in rules
-    # At both drops.
-    assert rules["surfaces"] == rules["materials"] == rules["propagated"] == 4
 
 
 def test_accent_walls_are_no_part_of_the_table(bare, tmp_path):
@@ -42,26 +39,16 @@ def test_accent_walls_are_no_part_of_the_table(bare, tmp_path):
 
 def test_the_jobs_of_a_house(bare):
     rules = Counter(rule for rule, house in bare.jobs("all") if house)
-    once = {
-        "floorplan",
-        "masks",
-        "places",
-        "crops",
-        "contact_sheet",
-        "embeddings",
-        "reference_features",
-    }
-    once |= {"textures", "table_textures", "metrics", "texture_sheet"}
-    once |= {"paint", "painted_textures", "house", "preview", "rooms", "viewer"}
-    at_drops = {"surfaces", "materials", "propagated"}
-    assert rules == dict.fromkeys(once, 2) | dict.fromkeys(at_drops, 4)
+    once = {"floorplan", "masks", "places", "crops", "contact_sheet", "embeddings"}
+    once |= {"materials", "propagated", "textures", "table_textures", "metrics", "texture_sheet"}
+    assert rules == dict.fromkeys(once | {"paint", "house", "pictures", "viewer"}, 2)
 
 
 def test_a_house_is_made_without_table_and_pictures(bare):
     house = bare.houses()[0]
     rules = Counter(rule for rule, _ in bare.jobs(f"results/tiny/houses/{house}/house.glb"))
     assert rules["textures"] == 1
-    assert not rules.keys() & {"table_textures", "preview", "rooms", "viewer", "contact_sheet"}
+    assert not rules.keys() & {"table_textures", "pictures", "viewer", "contact_sheet"}
 
 
 def test_one_method_of_one_house_can_be_asked_for(bare):
@@ -101,7 +88,7 @@ def test_every_stage_has_a_target_over_the_data_set(bare):
     stages += ["propagated", "textures", "meshes", "metrics"]
     rules = Counter(rule for rule, house in bare.jobs(*(f"all_{s}" for s in stages)) if house)
     once = ["floorplan", "masks", "places", "crops", "embeddings", "textures", "table_textures"]
-    assert {rules[rule] for rule in (*once, "house", "metrics", "reference_features")} == {2}
-    assert {rules[rule] for rule in ("surfaces", "materials", "propagated")} == {4}
+    once += ["materials", "propagated", "house", "metrics"]
+    assert {rules[rule] for rule in once} == {2}
     # Nothing that is only looked at.
-    assert not rules.keys() & {"preview", "rooms", "viewer", "contact_sheet", "texture_sheet"}
+    assert not rules.keys() & {"pictures", "viewer", "contact_sheet", "texture_sheet"}

@@ -160,11 +160,6 @@ def hidden_at(drop, wildcards):
     )
 
 
-def hidden_of(wildcards):
-    """Return the photos of a house that are hidden at the drop fraction of a file."""
-    return hidden_at(wildcards.drop, wildcards)
-
-
 def model_of(name):
     """Return the path of a model: the configured one, a released one, else the embedded one."""
     if config["models"].get(name):
@@ -318,3 +313,8 @@ def precomputed_crops_of(wildcards):
 def at_all_drops(name):
     """Return a file of every house at every drop fraction."""
     return expand(f"{RESULTS}/drop_{{drop}}/{{house}}/{name}", drop=DROPS, house=HOUSES)
+
+
+def at_drops(path):
+    """Return a house's file at each drop fraction; the house stays a wildcard."""
+    return expand(path, drop=DROPS, allow_missing=True)

@@ -34,50 +34,28 @@ rule embeddings:
         "../scripts/embeddings.py"
 
 
-rule surfaces:
-    # Of each surface that a visible photo shows: the crop that represents it, and its embedding.
+rule materials:
+    # At each drop fraction: the crop and embedding that represent each surface which a visible
+    # photo shows, and the surfaces of different rooms that are one material.
     input:
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        light=f"{RESULTS}/houses/{{house}}/light.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         embeddings=EMBEDDINGS,
     output:
-        SURFACES,
+        surfaces=at_drops(SURFACES),
+        materials=at_drops(MATERIALS),
     log:
-        f"logs/{DATASET}/surfaces/{{drop}}/{{house}}.log",
+        f"logs/{DATASET}/materials/{{house}}.log",
     benchmark:
-        f"logs/{DATASET}/benchmarks/surfaces/{{drop}}/{{house}}.tsv"
+        f"logs/{DATASET}/benchmarks/materials/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
     threads: HOUSE_THREADS
     resources:
         mem_mb=worker_memory(500, 300),
     params:
-        hidden=hidden_of,
-        dataset=DATASET,
-        code=rule_code("surfaces"),
-    script:
-        "../scripts/surfaces.py"
-
-
-rule materials:
-    # Surfaces of different rooms that are one material.
-    input:
-        scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        light=f"{RESULTS}/houses/{{house}}/light.json",
-        embeddings=EMBEDDINGS,
-        surfaces=SURFACES,
-    output:
-        MATERIALS,
-    log:
-        f"logs/{DATASET}/materials/{{drop}}/{{house}}.log",
-    benchmark:
-        f"logs/{DATASET}/benchmarks/materials/{{drop}}/{{house}}.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-    params:
-        hidden=hidden_of,
+        hidden=hidden_at_drops(DROPS),
         dataset=DATASET,
         code=rule_code("materials"),
     script:
@@ -85,19 +63,19 @@ rule materials:
 
 
 rule propagated:
-    # An embedding, a colour and a substance for every surface, observed or not.
+    # At each drop fraction: an embedding, a colour and a substance for every surface.
     input:
         **made(PROPAGATION_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
-        surfaces=SURFACES,
-        materials=MATERIALS,
+        surfaces=at_drops(SURFACES),
+        materials=at_drops(MATERIALS),
     output:
-        PROPAGATED,
+        at_drops(PROPAGATED),
     log:
-        f"logs/{DATASET}/propagated/{{drop}}/{{house}}.log",
+        f"logs/{DATASET}/propagated/{{house}}.log",
     benchmark:
-        f"logs/{DATASET}/benchmarks/propagated/{{drop}}/{{house}}.tsv"
+        f"logs/{DATASET}/benchmarks/propagated/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
     threads: 1
@@ -106,7 +84,7 @@ rule propagated:
     params:
         models=PROPAGATION_MODELS,
         hashes=hashes(PROPAGATION_MODELS),
-        hidden=hidden_of,
+        hidden=hidden_at_drops(DROPS),
         dataset=DATASET,
         predictor=config["propagation"]["predictor"],
         code=rule_code("propagated"),

@@ -7,7 +7,6 @@ METRIC_MODELS = {
     "features": metric_model("inception"),
     "substances": metric_model("vgg16"),
 }
-FEATURE_MODEL = {"features": METRIC_MODELS["features"]}
 METRIC_MEMORY = 3000 if len(set(METRIC_MODELS.values())) > 1 else 1000
 # Of sweep and ablation, which make all stages from the embeddings on.
 EVALUATION_MODELS = {**CROP_MODELS, **PROPAGATION_MODELS, **METRIC_MODELS}
@@ -67,13 +66,15 @@ rule table_textures:
 
 
 rule metrics:
-    # COLOR, FREQ, TILE, SUBS and features of each surface that any crop shows, by every method.
+    # COLOR, FREQ, TILE, SUBS and features of each surface that any crop shows, by every method;
+    # the features of each crop, with which FID and KID compare those of tiles.
     input:
         **made(METRIC_MODELS),
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         textures=COMPARED,
     output:
-        f"{RESULTS}/houses/{{house}}/metrics.parquet",
+        metrics=f"{RESULTS}/houses/{{house}}/metrics.parquet",
+        references=f"{RESULTS}/houses/{{house}}/reference_features.parquet",
     log:
         f"logs/{DATASET}/metrics/{{house}}.log",
     benchmark:
@@ -92,31 +93,6 @@ rule metrics:
         code=rule_code("metrics"),
     script:
         "../scripts/metrics.py"
-
-
-rule reference_features:
-    # The features of each crop, with which FID and KID compare those of tiles.
-    input:
-        **made(FEATURE_MODEL),
-        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-    output:
-        f"{RESULTS}/houses/{{house}}/reference_features.parquet",
-    log:
-        f"logs/{DATASET}/reference_features/{{house}}.log",
-    benchmark:
-        f"logs/{DATASET}/benchmarks/reference_features/{{house}}.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 1
-    resources:
-        mem_mb=max(2000, METRIC_MEMORY),
-    params:
-        dataset=DATASET,
-        models=FEATURE_MODEL,
-        hashes=hashes(FEATURE_MODEL),
-        code=rule_code("reference_features"),
-    script:
-        "../scripts/reference_features.py"
 
 
 rule texture_sheet:

@@ -15,12 +15,15 @@ wildcard_constraints:
 
 
 rule paint:
-    # The paint of the surfaces and doors that photos show, apart from the photos' light.
+    # The paint of the surfaces and doors that photos show, apart from the photos' light, and the
+    # textures of the 3D house in it.
     input:
+        textures=CHOSEN_TEXTURES,
         colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
         materials=f"{RESULTS}/drop_0.0/{{house}}/materials.parquet",
     output:
-        f"{RESULTS}/houses/{{house}}/paint.parquet",
+        paint=f"{RESULTS}/houses/{{house}}/paint.parquet",
+        textures=directory(f"{RESULTS}/houses/{{house}}/textures"),
     log:
         f"logs/{DATASET}/paint/{{house}}.log",
     benchmark:
@@ -29,34 +32,12 @@ rule paint:
         "../../envs/plan2scene.yaml"
     threads: 1
     resources:
-        mem_mb=500,
+        mem_mb=1000,
     params:
         dataset=DATASET,
         code=rule_code("paint"),
     script:
         "../scripts/paint.py"
-
-
-rule painted_textures:
-    # The textures of the 3D house in the colours of its paint.
-    input:
-        textures=CHOSEN_TEXTURES,
-        paint=f"{RESULTS}/houses/{{house}}/paint.parquet",
-    output:
-        directory(f"{RESULTS}/houses/{{house}}/textures"),
-    log:
-        f"logs/{DATASET}/painted_textures/{{house}}.log",
-    benchmark:
-        f"logs/{DATASET}/benchmarks/painted_textures/{{house}}.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        code=rule_code("painted_textures"),
-    script:
-        "../scripts/painted_textures.py"
 
 
 rule house:
@@ -84,42 +65,20 @@ rule house:
         "../scripts/house.py"
 
 
-rule preview:
-    # To look at: the plan with room names, and the house from above.
+rule pictures:
+    # To look at: the house from above, and each room at eye level.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         textures=SHOWN_TEXTURES,
     output:
-        report(
+        preview=report(
             f"{RESULTS}/houses/{{house}}/preview.png",
             caption="../report/preview.rst",
             category="Houses",
             subcategory="{house}",
             labels={"file": "preview"},
         ),
-    log:
-        f"logs/{DATASET}/preview/{{house}}.log",
-    benchmark:
-        f"logs/{DATASET}/benchmarks/preview/{{house}}.tsv"
-    conda:
-        "../../envs/plan2scene.yaml"
-    threads: 1
-    resources:
-        mem_mb=1500,
-    params:
-        objects=config["house"]["objects"],
-        code=rule_code("preview"),
-    script:
-        "../scripts/preview.py"
-
-
-rule rooms:
-    # To look at: each room at eye level.
-    input:
-        scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        textures=SHOWN_TEXTURES,
-    output:
-        report(
+        rooms=report(
             f"{RESULTS}/houses/{{house}}/rooms.jpg",
             caption="../report/rooms.rst",
             category="Houses",
@@ -127,9 +86,9 @@ rule rooms:
             labels={"file": "rooms"},
         ),
     log:
-        f"logs/{DATASET}/rooms/{{house}}.log",
+        f"logs/{DATASET}/pictures/{{house}}.log",
     benchmark:
-        f"logs/{DATASET}/benchmarks/rooms/{{house}}.tsv"
+        f"logs/{DATASET}/benchmarks/pictures/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
     threads: 1
@@ -138,9 +97,9 @@ rule rooms:
     params:
         objects=config["house"]["objects"],
         traced=config["house"]["pictures"] == "traced",
-        code=rule_code("rooms"),
+        code=rule_code("pictures"),
     script:
-        "../scripts/rooms.py"
+        "../scripts/pictures.py"
 
 
 rule viewer:

@@ -1,16 +1,18 @@
-"""Rule materials: observed surfaces -> which of them are one material."""
+"""Rule materials: crops and embeddings -> observed surfaces, and which of them are one material."""
 
 from plan2scene.propagation.house_materials import find_materials
+from plan2scene.textures.observed_surfaces import select_surfaces
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
-    find_materials(
-        snakemake.input.scene,
-        snakemake.input.surfaces,
-        snakemake.input.embeddings,
-        snakemake.input.light,
-        snakemake.params.hidden,
-        snakemake.output[0],
-        house=snakemake.wildcards.house,
-        dataset=snakemake.params.dataset,
-    )
+    found, output, hidden = snakemake.input, snakemake.output, snakemake.params.hidden
+    names = {"house": snakemake.wildcards.house, "dataset": snakemake.params.dataset}
+    for photos, surfaces, materials in zip(
+        hidden.values(), output.surfaces, output.materials, strict=True
+    ):
+        select_surfaces(
+            found.embeddings, found.crops, photos, surfaces, **names, threads=snakemake.threads
+        )
+        find_materials(
+            found.scene, surfaces, found.embeddings, found.light, photos, materials, **names
+        )

@@ -1,19 +1,21 @@
-"""Rule metrics: tiles by every method of the table, and crops -> metrics of each surface."""
+"""Rule metrics: tiles by every method of the table, and crops -> metrics and features."""
 
 from pathlib import Path
 
-from plan2scene.evaluation.measure import Networks, measure_textures
+from plan2scene.evaluation.measure import Networks, measure_textures, reference_features
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
-    params = snakemake.params
+    found, params = snakemake.input, snakemake.params
+    names = {"dataset": params.dataset, "house": snakemake.wildcards.house}
+    networks = Networks(**{name: Path(path) for name, path in params.models.items()})
     measure_textures(
-        snakemake.input.textures,
-        snakemake.input.crops,
+        found.textures,
+        found.crops,
         params.hidden,
         params.methods,
-        snakemake.output[0],
-        networks=Networks(**{name: Path(path) for name, path in params.models.items()}),
-        dataset=params.dataset,
-        house=snakemake.wildcards.house,
+        snakemake.output.metrics,
+        networks=networks,
+        **names,
     )
+    reference_features(found.crops, networks.features, snakemake.output.references, **names)

@@ -1,13 +1,16 @@
-"""Rule paint: observed colours and shared materials of a house -> paint of its surfaces."""
+"""Rule paint: observed colours, shared materials and textures of a house -> textures in paint."""
 
 from plan2scene.paint.surfaces import write_paint
+from plan2scene.textures.painted import paint_textures
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
+    found, output = snakemake.input, snakemake.output
     write_paint(
-        snakemake.input.colours,
-        snakemake.input.materials,
-        snakemake.output[0],
+        found.colours,
+        found.materials,
+        output.paint,
         dataset=snakemake.params.dataset,
         house=snakemake.wildcards.house,
     )
+    paint_textures(found.textures, output.paint, output.textures)

@@ -7,17 +7,20 @@ from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
-    params = snakemake.params
-    propagate_house(
-        snakemake.input.scene,
-        snakemake.input.surfaces,
-        snakemake.output[0],
-        propagation_model=params.models["propagation"],
-        texture_model=params.models["texture"],
-        predictor=params.predictor,
-        materials=snakemake.input.materials,
-        colours=snakemake.input.colours,
-        hidden_photos=params.hidden,
-        house=snakemake.wildcards.house,
-        dataset=params.dataset,
-    )
+    found, params = snakemake.input, snakemake.params
+    for photos, surfaces, materials, propagated in zip(
+        params.hidden.values(), found.surfaces, found.materials, snakemake.output, strict=True
+    ):
+        propagate_house(
+            found.scene,
+            surfaces,
+            propagated,
+            propagation_model=params.models["propagation"],
+            texture_model=params.models["texture"],
+            predictor=params.predictor,
+            materials=materials,
+            colours=found.colours,
+            hidden_photos=photos,
+            house=snakemake.wildcards.house,
+            dataset=params.dataset,
+        )

@@ -12,37 +12,24 @@ from plan2scene_app.pictures.preview import render_preview
 from plan2scene_app.pictures.room_views import render_rooms
 
 
-def draw_preview(
+def draw_house(
     scene_json: str | Path,
     textures_dir: str | Path,
-    output: str | Path,
-    *,
-    house_id: str,
-    objects: bool = True,
-) -> None:
-    """Write a PNG of the house from above and at a slant (:mod:`plan2scene_app.pictures.preview`).
-
-    Parameters as of :func:`plan2scene.mesh.build.build_house`.
-    """
-    house, textures = textured_house(scene_json, textures_dir, house_id, objects=objects)
-    write_png(output, render_preview(house, textures, assemble(house)))
-
-
-def draw_rooms(
-    scene_json: str | Path,
-    textures_dir: str | Path,
-    output: str | Path,
+    preview: str | Path,
+    rooms: str | Path,
     *,
     house_id: str,
     objects: bool = True,
     traced: bool = False,
 ) -> None:
-    """Write a JPEG of each room as seen by a person in it.
+    """Write a PNG of the house from above and at a slant, and a JPEG of each room at eye level.
 
-    `traced`: by path tracing, where Mitsuba is installed. Other parameters as of
+    `traced`: the rooms by path tracing, where Mitsuba is installed. Other parameters as of
     :func:`plan2scene.mesh.build.build_house`.
     """
     house, textures = textured_house(scene_json, textures_dir, house_id, objects=objects)
-    pictures = render_rooms(house, textures, assemble(house).parts, traced=traced)
-    with atomic_path(output) as temporary:
+    built = assemble(house)
+    write_png(preview, render_preview(house, textures, built))
+    pictures = render_rooms(house, textures, built.parts, traced=traced)
+    with atomic_path(rooms) as temporary:
         temporary.write_bytes(jpeg_bytes(pictures, quality=90))

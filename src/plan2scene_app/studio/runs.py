@@ -42,13 +42,12 @@ STAGES = {
     "crops": "Crops of floors, walls and ceilings",
     "contact_sheet": "Photos to crops",
     "embeddings": "What each crop looks like",
-    "surfaces": "A crop for each surface",
     "materials": "Surfaces of one material",
     "propagated": "Surfaces that no photo shows",
     "textures": "Textures",
+    "paint": "Paint without the photos' light",
     "house": "The house in 3D",
-    "preview": "The house from above",
-    "rooms": "Pictures of the rooms",
+    "pictures": "Pictures of the house",
     "viewer": "The page to walk through it",
 }
 #: Most warnings that are shown.

@@ -12,7 +12,7 @@ from plan2scene.house import SurfaceKey
 from plan2scene.mesh.build import build_house
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene_app.pictures.house_pictures import draw_preview, draw_rooms
+from plan2scene_app.pictures.house_pictures import draw_house
 
 
 @pytest.fixture
@@ -48,8 +48,7 @@ def test_files_of_a_house(folder, gap_house, paint):
     args = folder / "scene.json", folder / "textures"
     outputs = [out / name for name in ("house.glb", "house.scene.json", "preview.png", "rooms.jpg")]
     build_house(*args, *outputs[:2], house_id="gap")
-    draw_preview(*args, outputs[2], house_id="gap")
-    draw_rooms(*args, outputs[3], house_id="gap")
+    draw_house(*args, *outputs[2:], house_id="gap")
     assert Image.open(outputs[2]).size == (1600, 800)
     assert Image.open(outputs[3]).size == (2 * 428 + 8, 312 + 8)
     scene = trimesh.load(out / "house.glb")

@@ -40,7 +40,7 @@ def test_the_drawing_of_a_contact_sheet_is_of_contact_sheets_alone():
 
 def test_a_door_s_mesh_is_of_houses_alone():
     assert users("plan2scene.mesh.joinery") == {
-        *("house", "preview", "rooms", "lit_house", "export_house", "study_house")
+        *("house", "pictures", "lit_house", "export_house", "study_house")
     }
 
 
