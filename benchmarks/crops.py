@@ -47,7 +47,7 @@ from plan2scene.images import medoid_index, read_image
 from plan2scene.io import read_json
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance
 from plan2scene.photos.crops.candidates import CropSettings
-from plan2scene.photos.crops.extract_crops import corrected, crops_of_house
+from plan2scene.photos.crops.extract_crops import crops_of_house
 from plan2scene.photos.crops.sampling import CROP_PX, Candidate
 from plan2scene.photos.crops.selection import select_candidates
 from plan2scene.photos.labels.labeller import labeller
@@ -62,7 +62,6 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 VARIANTS = (
     (),
     ("filter",),
-    ("filter", "corrected"),
 )
 
 
@@ -198,7 +197,6 @@ def measure_house(
     rows = []
     for number, room in sorted(selection.rooms):
         item = drawn.candidates[number]
-        only = corrected([item], drawn.gains)[0] if settings.colours == "corrected" else item
         rows.append(
             {
                 "house": drawn.source.house.id,
@@ -209,7 +207,7 @@ def measure_house(
                 "metres": item.crop.size_m,
                 "wrong": drawn.touched[number][0],
                 "other_plane": drawn.touched[number][1],
-                "image": only.crop.image,
+                "image": item.crop.image,
                 "drawn": len(drawn.candidates),
             }
         )
@@ -315,7 +313,6 @@ def main() -> None:
             for variant in variants:
                 settings = CropSettings(
                     filter="filter" in variant,
-                    colours="corrected" if "corrected" in variant else "photo",
                 )
                 if settings.filter not in windows:
                     windows[settings.filter] = [

@@ -4,9 +4,9 @@
 
 FLAT is a house folder as of `real_house.py` with ``gt/cameras.csv`` as of `locate.py`. The scripts
 that measure one thing each run one after the other, below WORK, and print their tables: of each
-kind of masks first the whole command in corrected colours, then in the photos' own ones by every
-seed, the first seed last; places, errors by surface and predictors are of that one. Verdicts on
-windows, substances and materials are printed of flats that `windows.csv` and `substances.csv` name.
+kind of masks the whole command by every seed, the first seed last; places, errors by surface and
+predictors are of that one. Verdicts on windows, substances and materials are printed of flats that
+`windows.csv` and `substances.csv` name.
 """
 
 from __future__ import annotations
@@ -65,12 +65,10 @@ def whole_command(
     folders = [str(flat) for flat in flats]
     shared = ["real_house.py", str(work / masks), *folders, "--masks", masks]
     shared += ["--brief", *(["--one", *one] if one else [])]
-    corrected = configuration(work, "corrected", {"house": {"colours": "corrected"}})
     title = f"Whole command, {masks} masks"
-    yield f"{title}, corrected colours", [*shared, "--configfile", str(corrected)]
     for seed in reversed(seeds):
         own = configuration(work, f"seed_{seed}", {"seed": seed})
-        yield f"{title}, photos' own colours, seed {seed}", [*shared, "--configfile", str(own)]
+        yield f"{title}, seed {seed}", [*shared, "--configfile", str(own)]
     yield f"By surface, {masks} masks", ["real_surfaces.py", str(work / masks), *folders]
 
 

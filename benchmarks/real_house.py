@@ -185,8 +185,7 @@ def light_figures(truth: Truth, results: Path, table: pd.DataFrame) -> dict[str,
     crops, _ = read_parquet(house / "crops.parquet")
     images = [image_from_bytes(data) for data in crops["png"]]
     gains = np.array([light["gains"].get(photo, [1.0] * 3) for photo in crops["photo"]])
-    carried = gains if light["colours"] == "corrected" else np.ones_like(gains)
-    linear = np.stack([srgb_to_linear(median_colour(image)) for image in images]) / carried
+    linear = np.stack([srgb_to_linear(median_colour(image)) for image in images])
     crops["burnt"] = [float((image.min(axis=2) >= BURNT).mean()) for image in images]
     spread = {}
     for name, factors in (("raw", 1.0), ("corrected", gains)):
@@ -209,7 +208,6 @@ def light_figures(truth: Truth, results: Path, table: pd.DataFrame) -> dict[str,
     ceilings = rgb_to_lab(np.stack(list(table[table.surface == "ceiling"]["tile"])))
     chroma = np.hypot(ceilings[:, 1], ceilings[:, 2])
     return {
-        "colours": light["colours"],
         "gains, median": " ".join(f"{g:.2f}" for g in np.median(every, axis=0)),
         "gains, range": f"{every.min():.2f}-{every.max():.2f}",
         "spread raw": f"{spread['raw']:.2f}",

@@ -50,7 +50,7 @@ def by_photos(truth: Truth, results: Path) -> tuple[HouseGraph, HouseColours]:
     plan = read_scene_json(results / "houses" / truth.house / "scene.json", truth.house)
     graph = house_graph(plan, observed)
     colours = results / "houses" / truth.house / "colours.parquet"
-    return graph, house_colours(colours, (), graph.room_ids, {})
+    return graph, house_colours(colours, (), graph.room_ids)
 
 
 def hidings(graph: HouseGraph, share: float, rooms: bool) -> Iterator[np.ndarray]:

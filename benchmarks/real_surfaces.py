@@ -74,7 +74,7 @@ def surfaces_of(truth: Truth, results: Path) -> list[dict[str, Any]]:
     crops, _ = read_parquet(folder / "crops.parquet")
     expected, _ = read_parquet(results / "drop_0.0" / truth.house / "propagated.parquet")
     rooms = sorted(set(expected["room_id"]))
-    shown = house_colours(folder / "colours.parquet", (), rooms, {})
+    shown = house_colours(folder / "colours.parquet", (), rooms)
     best, photos = of_true_masks(truth), of_photos(folder / "colours.parquet")
     tiles = compared(truth, results, "0.0").set_index(["room_id", "surface"])
     together = {(r.room_id, r.surface): r.colour for r in expected.itertuples()}

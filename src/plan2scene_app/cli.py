@@ -24,7 +24,6 @@ class Colours(StrEnum):
 
     PAINT = "paint"
     PHOTO = "photo"
-    CORRECTED = "corrected"
 
 
 class Walls(StrEnum):

@@ -28,7 +28,7 @@ from plan2scene_app.tracing.picture import read_plan_picture
 _LOG = logging.getLogger("plan2scene")
 DATASET = "own"
 #: In what colours the house may be shown (``house.colours``).
-HOUSE_COLOURS = ("paint", "photo", "corrected")
+HOUSE_COLOURS = ("paint", "photo")
 #: Sides of a tile in pixels that the configuration allows.
 TEXTURE_SIZES = (128, 256, 512)
 #: Files of the house that a user wants.

@@ -218,7 +218,7 @@ def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
 
     asked = []
     monkeypatch.setattr(runs, "run", lambda request, *_, **__: asked.append(request) or {})
-    options = (("--walls", "wall", "--colours", "corrected"), ())
+    options = (("--walls", "wall", "--colours", "photo"), ())
     for given in options:
         assert call("run", "--plan", PLAN, "--out", tmp_path / "out", *given)[0] == 0
     shown = []
@@ -226,7 +226,7 @@ def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
         config = yaml.safe_load(runs.prepare(request, [], tmp_path / str(k)).read_text())
         check_config(config)
         shown.append((config["house"]["walls"], config["house"]["colours"]))
-    assert shown == [("wall", "corrected"), ("room", "paint")]
+    assert shown == [("wall", "photo"), ("room", "paint")]
     assert call("run", "--plan", PLAN, "--out", tmp_path / "out", "--walls", "accent")[0] == 2
     assert len(asked) == 2
 

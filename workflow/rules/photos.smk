@@ -1,8 +1,6 @@
 import functools
 
 PHOTO_ROOMS = f"{RESULTS}/houses/{{house}}/photo_rooms.json"
-# Paint is found from what the photos show.
-CROP_COLOURS = "corrected" if config["house"]["colours"] == "corrected" else "photo"
 
 
 rule masks:
@@ -100,7 +98,6 @@ rule crops:
             per_mask=CROPS["per_mask"],
             tries=CROPS["tries"],
             filter=CROPS["filter"],
-            colours=CROP_COLOURS,
             camera_height_m=config["photos"]["camera_height_m"],
         ),
         seed=config["seed"],

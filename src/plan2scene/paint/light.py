@@ -39,7 +39,6 @@ from plan2scene.paint.observations import HouseColours, SurfaceColour
 
 Axes = tuple[float, float, float]
 _ZERO: Axes = (0.0, 0.0, 0.0)
-_WALL = SURFACES.index("wall")
 
 
 @dataclass(frozen=True)
@@ -261,9 +260,7 @@ def expected_colours(
     """Return the sRGB (n, 3, 3) in [0, 1] that every surface of n rooms is expected to have.
 
     A surface that is well seen keeps its colour; one of which few pixels are seen, or none, follows
-    its kind in the house and its room's light. Under one light the terms of light are left out,
-    but for the house's brightness, and surfaces of one material are one. Walls keep their room's
-    light: nothing in a room tells a wall's paint from its light.
+    its kind in the house and its room's light.
 
     Parameters
     ----------
@@ -275,23 +272,18 @@ def expected_colours(
     """
     size, rooms = observed.photos.size, len(observed.photos)
     room, kind = np.divmod(np.arange(size), len(SURFACES))
-    number = np.arange(size) if observed.materials is None else observed.materials.reshape(-1)
-    _, first, material = np.unique(number, return_index=True, return_inverse=True)
-    one = material[:, None] == material
     values = log_axes(srgb_to_linear(np.clip(usual, 0.0, 1.0))).reshape(-1, 3)
-    values = one @ values / one.sum(axis=1, keepdims=True)
     photos = observed.photos.reshape(-1)
     seen = np.flatnonzero(photos > 0)
     if len(seen):
-        paint = [np.eye(len(SURFACES))[kind], np.eye(len(first))[material]]
         light = [np.ones((size, 1)), np.eye(rooms)[room]]
-        design = np.hstack([*light, *paint])
+        design = np.hstack([*light, np.eye(len(SURFACES))[kind], np.eye(size)])
         deviation = np.vstack(
             [
                 prior.house,
                 np.tile(prior.room, (rooms, 1)),
                 prior.kind,
-                np.array(prior.own)[kind[first]],
+                np.array(prior.own)[kind],
             ]
         )
         sums = LogSums(
@@ -301,12 +293,7 @@ def expected_colours(
             np.zeros_like(deviation),
             deviation,
         )
-        terms = sums.terms()
-        expected = design @ terms
-        if observed.one_light:
-            lit = np.hstack([np.zeros((size, 1)), light[1] * (kind == _WALL)[:, None], *paint])
-            expected = lit @ terms
-            expected[:, 0] += terms[0, 0]
+        expected = design @ sums.terms()
         if as_if_unseen:
             expected[seen] = sums.left_out()
         values = values + expected

@@ -7,7 +7,7 @@ equal shares of its pixels, from the darkest to the brightest. Colours are linea
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,8 +17,6 @@ from plan2scene.colour import LUMINANCE, srgb_to_linear
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 
-#: What crops show (``house.colours``): the photos' own colours, or those under one light.
-COLOURS = ("photo", "corrected")
 #: Equal shares of a plane's pixels whose colours are kept.
 SHARES = 32
 #: Weight of an observation from which on it counts for a whole photo.
@@ -82,16 +80,10 @@ class HouseColours:
         Linear RGB of the surfaces in the order of ``house.SURFACES``; anything where none is seen.
     photos : (n, 3) float64
         How many photos that is worth; 0 for none.
-    materials : (n, 3) int64, optional
-        Surfaces of one number are of one material; all differ without.
-    one_light : bool
-        Whether colours under one white light are wanted, not under that of each room.
     """
 
     colours: np.ndarray
     photos: np.ndarray
-    materials: np.ndarray | None = None
-    one_light: bool = False
 
     @classmethod
     def of_embeddings(cls, embeddings: np.ndarray, observed: np.ndarray) -> HouseColours:
@@ -152,28 +144,14 @@ def usual_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.n
     return np.average(colours[alike], axis=0, weights=weight[alike])
 
 
-def relit(planes: Sequence[PlaneColours], gains: Mapping[str, np.ndarray]) -> list[PlaneColours]:
-    """Return observations with their linear RGB times their photo's gains (3,)."""
-    return [
-        replace(item, colours=np.minimum(item.colours * gains[item.photo], 1.0).astype(np.float32))
-        if item.photo in gains
-        else item
-        for item in planes
-    ]
-
-
 def write_colours(
     path: str | Path,
     planes: Sequence[PlaneColours],
     *,
     dataset: str,
     house_id: str,
-    colours: str = "photo",
 ) -> None:
-    """Write ``colours.parquet`` (docs/conventions.md): a row for each plane and room.
-
-    `colours` is one of :data:`COLOURS`.
-    """
+    """Write ``colours.parquet`` (docs/conventions.md): a row for each plane and room."""
     import pandas as pd
 
     rows = [
@@ -190,42 +168,34 @@ def write_colours(
         for item in planes
         for room in item.rooms
     ]
-    metadata = {"dataset": dataset, "house": house_id, "colours": colours}
+    metadata = {"dataset": dataset, "house": house_id}
     write_parquet(path, pd.DataFrame(rows, columns=_COLUMNS), metadata)
 
 
 def read_colours(
     path: str | Path, hidden_photos: Collection[str] = ()
-) -> tuple[dict[SurfaceKey, list[tuple[str, float, np.ndarray]]], bool]:
-    """Return (photo, weight, colours (SHARES, 3)) of each surface in photos that are not hidden.
-
-    With it whether they are under one light.
-    """
-    table, metadata = read_parquet(path)
+) -> dict[SurfaceKey, list[tuple[str, float, np.ndarray]]]:
+    """Return (photo, weight, colours (SHARES, 3)) of each surface in photos that are not hidden."""
+    table, _ = read_parquet(path)
     observed: dict[SurfaceKey, list[tuple[str, float, np.ndarray]]] = {}
     for row in table.itertuples():
         if row.surface in SURFACES and row.photo not in set(hidden_photos):
             colours = np.asarray(row.colours, dtype=np.float64).reshape(-1, 3)
             key = SurfaceKey(row.room_id, row.surface)
             observed.setdefault(key, []).append((row.photo, float(row.weight), colours))
-    return observed, metadata["colours"] == "corrected"
+    return observed
 
 
 def house_colours(
     path: str | Path,
     hidden_photos: Collection[str],
     room_ids: Sequence[str],
-    materials: Mapping[SurfaceKey, str],
 ) -> HouseColours:
-    """Return what visible photos show of a house, of ``colours.parquet``.
-
-    `materials` names those that surfaces share.
-    """
+    """Return what visible photos show of a house, of ``colours.parquet``."""
     shape = len(room_ids), len(SURFACES)
     linear, photos = np.zeros((*shape, 3)), np.zeros(shape)
-    observed, one_light = read_colours(path, hidden_photos)
-    for key, planes in observed.items():
-        place = _place(key, room_ids)
+    for key, planes in read_colours(path, hidden_photos).items():
+        place = room_ids.index(key.room_id), SURFACES.index(key.surface)
         of_photo: dict[str, float] = {}
         for photo, weight, _ in planes:
             of_photo[photo] = of_photo.get(photo, 0.0) + weight
@@ -234,13 +204,4 @@ def house_colours(
         weights = [weight / of_photo[photo] ** 0.5 for photo, weight, _ in planes]
         linear[place] = usual_colour([shares for *_, shares in planes], weights)
         photos[place] = sum(min(1.0, weight / WHOLE) for weight in of_photo.values())
-    numbers = np.arange(photos.size).reshape(shape)
-    first: dict[str, int] = {}
-    for key, name in materials.items() if one_light else ():
-        place = _place(key, room_ids)
-        numbers[place] = first.setdefault(name, int(numbers[place]))
-    return HouseColours(linear, photos, numbers, one_light)
-
-
-def _place(key: SurfaceKey, room_ids: Sequence[str]) -> tuple[int, int]:
-    return room_ids.index(key.room_id), SURFACES.index(key.surface)
+    return HouseColours(linear, photos)

@@ -56,6 +56,8 @@ _APART = 1e9
 #: Numbers of a code.
 _CODE = 8
 _COLUMNS = ["room_id", "surface", "material", "confidence", "colour", "rooms"]
+#: Photo -> factors on linear RGB.
+Gains = Mapping[str, Sequence[float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,15 +89,15 @@ def find_materials(
 ) -> None:
     """Write ``materials.parquet`` (docs/conventions.md): a row for each surface that shares one.
 
-    `surfaces` is the table of the observed surfaces, `embeddings` that of all crops, `light` says
-    under which light these are.
+    `surfaces` is the table of the observed surfaces, `embeddings` that of all crops, `light` the
+    gains of their photos (``light.json``).
     """
     import pandas as pd
 
     graph = house_graph(read_scene_json(scene_json, house), {})
     doors = np.isfinite(doors_between(len(graph.room_ids), graph.edges))
     place = {room: k for k, room in enumerate(graph.room_ids)}
-    lit = read_json(light)
+    gains = read_json(light)["gains"]
     crops, _ = read_parquet(embeddings)
     crops = crops[~crops["photo"].isin(set(hidden_photos))]
     table, _ = read_parquet(surfaces)
@@ -104,15 +106,16 @@ def find_materials(
         of_kind = crops[crops["surface"] == kind]
         spread = _spread_within(of_kind)
         seen = [
-            _seen_surface(row, of_kind[of_kind["room_id"] == row.room_id], lit, spread)
+            _seen_surface(row, of_kind[of_kind["room_id"] == row.room_id], gains, spread)
             for row in table[table["surface"] == kind].itertuples()
         ]
         index = [place[item.room_id] for item in seen]
         groups = grouped(pair_evidence(seen, kind, doors[np.ix_(index, index)]))
         for number, (members, evidence) in enumerate(groups, start=1):
             rows += _rows_of([seen[k] for k in members], f"{kind}-{number}", kind, evidence)
-    metadata = {"dataset": dataset, "house": house, "colours": str(lit["colours"])}
-    write_parquet(output, pd.DataFrame(rows, columns=_COLUMNS), metadata)
+    write_parquet(
+        output, pd.DataFrame(rows, columns=_COLUMNS), {"dataset": dataset, "house": house}
+    )
 
 
 def _codes(crops: pd.DataFrame) -> np.ndarray:
@@ -130,9 +133,7 @@ def _spread_within(crops: pd.DataFrame) -> np.ndarray:
     return np.asarray(np.sum(squares, axis=0) / free)
 
 
-def _seen_surface(
-    row: Any, crops: pd.DataFrame, light: Mapping[str, Any], spread: np.ndarray
-) -> SeenSurface:
+def _seen_surface(row: Any, crops: pd.DataFrame, gains: Gains, spread: np.ndarray) -> SeenSurface:
     """Return a row of surfaces.parquet with the facts of its visible crops.
 
     A pattern is known from all crops, whose codes differ by a variance of `spread` (8,); of plain
@@ -142,7 +143,7 @@ def _seen_surface(
     code, doubt = values[:-3], np.zeros(_CODE)
     if row.surface == "floor" and len(crops):
         code, doubt = _codes(crops).mean(axis=0), spread / len(crops)
-    linear = srgb_to_linear(np.clip(values[-3:], 0.0, 1.0)) * _gain(light, crops["photo"])
+    linear = srgb_to_linear(np.clip(values[-3:], 0.0, 1.0)) * _gain(gains, crops["photo"])
     after = linear_to_srgb(np.minimum(linear, 1.0))
     photos = max(1, crops["photo"].nunique())
     return SeenSurface(row.room_id, code, after, int(row.n_crops), doubt, photos)
@@ -164,11 +165,8 @@ def _rows_of(
     return [{"room_id": item.room_id} | values for item in members]
 
 
-def _gain(light: Mapping[str, Any], photos: Iterable[str]) -> np.ndarray:
+def _gain(gains: Gains, photos: Iterable[str]) -> np.ndarray:
     """Return the factors (3,) that take a surface's colour under the house's light."""
-    gains = light["gains"]
-    if light["colours"] == "corrected":
-        return np.ones(3)  # the colour has them already
     known = [gains[photo] for photo in photos if photo in gains]
     return np.asarray(np.exp(np.log(known).mean(axis=0))) if known else np.ones(3)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,8 +43,8 @@ def propagate_house(
 ) -> None:
     """Write ``propagated.parquet`` (docs/conventions.md): a row for every surface of the house.
 
-    `predictor` is a name of :data:`plan2scene.propagation.predictors.PREDICTORS`. Surfaces of one
-    of the house's `materials` (``materials.parquet``) share its colour where colours are corrected.
+    `predictor` is a name of :data:`plan2scene.propagation.predictors.PREDICTORS`. `materials`
+    (``materials.parquet``) names the material of those that share one.
     `colours` (``colours.parquet``) is what photos show of all surfaces; `hidden_photos` of it count
     as not taken. Without it the colours of observed surfaces are those of their crops.
     """
@@ -63,13 +62,12 @@ def propagate_house(
     graph = house_graph(plan, {k: row.embedding for k, row in observed.items()})
     photo_colours = None
     if colours is not None:
-        names = {key: one.name for key, one in material.items()}
-        photo_colours = house_colours(colours, hidden_photos, graph.room_ids, names)
+        photo_colours = house_colours(colours, hidden_photos, graph.room_ids)
     predicted = PREDICTORS[predictor](graph, network, means, photo_colours)
     named = {graph.place(key): row.substance for key, row in observed.items()}
     types = [room.types for room in plan.rooms]
     substances = unseen_substances(graph, types, predicted, named, texture_model)
-    embeddings, colour = _all_surfaces(graph, predicted, photo_colours, material)
+    embeddings, colour = _all_surfaces(graph, predicted, photo_colours)
     known = {key: float(row.metres) for key, row in observed.items()}
     rows: list[dict[str, Any]] = []
     for key in plan.surface_keys():
@@ -87,49 +85,31 @@ def propagate_house(
             row |= {"naive_embedding": naive[place[1]], "substance": substances[place]}
         row |= {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)}
         row |= {"embedding": embeddings[place], "colour": colour[place]}
-        rows.append(row | {"material": material[key].name if key in material else ""})
+        rows.append(row | {"material": material.get(key, "")})
     metadata = {"dataset": dataset, "house": house, "model": file_hash(propagation_model)}
     write_parquet(output, pd.DataFrame(rows, columns=_COLUMNS), metadata)
 
 
-@dataclass(frozen=True, eq=False)
-class SharedMaterial:
-    """A material of several rooms: its name; sRGB colour (3,), None where each keeps its own."""
-
-    name: str
-    colour: np.ndarray | None
-
-
-def shared_materials(path: str | Path | None) -> dict[SurfaceKey, SharedMaterial]:
-    """Return the materials of ``materials.parquet`` by surface; none without the file."""
+def shared_materials(path: str | Path | None) -> dict[SurfaceKey, str]:
+    """Return the names of the materials of ``materials.parquet`` by surface; none without it."""
     if path is None:
         return {}
-    table, metadata = read_parquet(path)
-    corrected = metadata["colours"] == "corrected"
-    return {
-        SurfaceKey(row.room_id, row.surface): SharedMaterial(
-            row.material, np.asarray(row.colour, dtype=np.float32) if corrected else None
-        )
-        for row in table.itertuples()
-    }
+    table, _ = read_parquet(path)
+    return {SurfaceKey(row.room_id, row.surface): row.material for row in table.itertuples()}
 
 
 def _all_surfaces(
     graph: HouseGraph,
     predicted: Prediction,
     photo_colours: HouseColours | None,
-    material: Mapping[SurfaceKey, SharedMaterial],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return embeddings (n, 3, 11) and sRGB colours (n, 3, 3) of all surfaces, float32.
 
-    Observed surfaces keep their embedding, except a colour that their material shares. Photos give
-    the colour of every surface they show; without a crop also the colour of its embedding.
+    Observed surfaces keep their embedding. Photos give the colour of every surface they show;
+    without a crop also the colour of its embedding.
     """
     observed = graph.observed[..., None]
     embeddings = np.where(observed, graph.embeddings, predicted.embedding)
-    for key, one in material.items():
-        if one.colour is not None:
-            embeddings[graph.place(key)][-3:] = one.colour
     colour = embeddings[..., -3:].copy()
     if predicted.seen is not None and photo_colours is not None:
         in_photos = photo_colours.photos[..., None] > 0

@@ -41,19 +41,6 @@ def test_a_surface_well_seen_keeps_its_colour_and_a_glimpse_follows_the_house():
     assert unseen[3, 2] == pytest.approx(linear_to_srgb(np.full(3, 0.4)), abs=0.02)
 
 
-def test_under_one_light_a_material_has_one_colour_and_walls_alone_their_room_s_light():
-    seen = {f"s{k}{j}": ((k, j), 0.1 * (k + 1), 4.0) for k in range(3) for j in range(3)}
-    lit = shown(**seen)
-    numbers = np.arange(12).reshape(4, 3)
-    numbers[:3, 0] = 0
-    one = HouseColours(lit.colours, lit.photos, numbers, one_light=True)
-    found, photo = expected_colours(one, GREY), expected_colours(lit, GREY)
-    assert np.ptp(found[:3, 0], axis=0) == pytest.approx(np.zeros(3), abs=1e-9)
-    assert np.ptp(found[:3, 2]) < 0.7 * np.ptp(photo[:3, 2])
-    # A wall's paint and its room's light are not told apart.
-    assert np.ptp(found[:3, 1]) == pytest.approx(np.ptp(photo[:3, 1]), rel=0.15)
-
-
 def test_as_if_unseen_is_what_is_expected_without_it():
     seen = {"a": ((0, 0), 0.1, 2.0), "b": ((1, 0), 0.3, 1.0), "c": ((1, 1), 0.5, 3.0)}
     every = shown(**seen)
@@ -70,8 +57,8 @@ def test_one_photo_with_much_of_a_surface_does_not_outvote_two(tmp_path):
         return {**place, "weight": weight, "colours": np.full(96, grey, np.float32).tolist()}
 
     rows = [row("a.jpg", 0.02, 0.1), row("b.jpg", 0.02, 0.12), row("door.jpg", 0.06, 0.7)]
-    write_parquet(tmp_path / "colours.parquet", pd.DataFrame(rows), {"colours": "photo"})
-    found = house_colours(tmp_path / "colours.parquet", set(), ["hall"], {})
+    write_parquet(tmp_path / "colours.parquet", pd.DataFrame(rows), {})
+    found = house_colours(tmp_path / "colours.parquet", set(), ["hall"])
     assert 0.1 <= found.colours[0, 0].mean() <= 0.12
-    alone = house_colours(tmp_path / "colours.parquet", {"a.jpg"}, ["hall"], {})
+    alone = house_colours(tmp_path / "colours.parquet", {"a.jpg"}, ["hall"])
     assert alone.colours[0, 0] == pytest.approx(np.full(3, 0.7), abs=1e-6)

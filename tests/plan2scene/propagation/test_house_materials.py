@@ -28,15 +28,14 @@ def test_crops_that_differ_make_few_of_them_doubtful(shared_house, tmp_path, cro
     table = pd.DataFrame(rows)
     write_parquet(tmp_path / "embeddings.parquet", table, {})
     write_parquet(tmp_path / "surfaces.parquet", table.drop_duplicates("room_id"), {})
-    write_json(tmp_path / "light.json", {"colours": "photo", "filter": True, "gains": {}})
+    write_json(tmp_path / "light.json", {"gains": {}})
     names = ("scene.json", "surfaces.parquet", "embeddings.parquet", "light.json")
     output = tmp_path / "materials.parquet"
     find_materials(*(tmp_path / n for n in names), (), output, house="h1", dataset="d")
     assert read_parquet(output)[0]["material"].tolist() == materials
 
 
-@pytest.mark.parametrize("colours", ["photo", "corrected"])
-def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path, colours):
+def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path):
     rooms = [room.id for room in shared_house.rooms]
     write_scene_json(shared_house, tmp_path / "scene.json")
     codes = [np.r_[np.zeros(8), [value] * 3].astype(np.float32) for value in (0.5, 0.4)]
@@ -46,20 +45,16 @@ def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path, colours):
     table["photo"] = ["bright.png", "dark.png"]
     write_parquet(tmp_path / "embeddings.parquet", table, {})
     gains = {"bright.png": [1.0] * 3, "dark.png": [1.5] * 3}
-    write_json(tmp_path / "light.json", {"colours": colours, "filter": True, "gains": gains})
+    write_json(tmp_path / "light.json", {"gains": gains})
     names = ("scene.json", "surfaces.parquet", "embeddings.parquet", "light.json")
     output = tmp_path / "materials.parquet"
     find_materials(*(tmp_path / n for n in names), (), output, house="h1", dataset="d")
-    found, metadata = read_parquet(output)
-    assert found["material"].tolist() == ["floor-1"] * 2 and metadata["colours"] == colours
+    found, _ = read_parquet(output)
+    assert found["material"].tolist() == ["floor-1"] * 2
     assert found["rooms"].tolist() == ["|".join(rooms)] * 2
     assert found["confidence"].between(0.9, 1.0).all()
-    shared = shared_materials(output)[SurfaceKey(rooms[0], "floor")]
-    if colours == "photo":
-        assert shared.colour is None
-        assert found["colour"][0][0] == pytest.approx(0.25 * 0.5 + 0.75 * 0.481, abs=0.01)
-    else:
-        assert shared.colour == pytest.approx(np.full(3, 0.425))
+    assert shared_materials(output)[SurfaceKey(rooms[0], "floor")] == "floor-1"
+    assert found["colour"][0][0] == pytest.approx(0.25 * 0.5 + 0.75 * 0.481, abs=0.01)
     assert shared_materials(None) == {}
 
 
@@ -77,7 +72,7 @@ def test_a_floor_is_known_by_all_of_its_crops(shared_house, tmp_path):
     plain = np.r_[np.zeros(8), [0.4] * 3].astype(np.float32)
     rows += [row | {"embedding": plain, "photo": "usual.png"} for row in rows * 5]
     write_parquet(tmp_path / "embeddings.parquet", pd.DataFrame(rows), {})
-    write_json(tmp_path / "light.json", {"colours": "photo", "filter": True, "gains": {}})
+    write_json(tmp_path / "light.json", {"gains": {}})
     names = ("scene.json", "surfaces.parquet", "embeddings.parquet", "light.json")
     output = tmp_path / "materials.parquet"
     for hidden, materials in (((), ["floor-1"] * 2), (("usual.png",), [])):

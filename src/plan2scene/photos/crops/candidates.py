@@ -24,8 +24,7 @@ class CropSettings:
     """How windows are drawn: see :func:`plan2scene.photos.crops.sampling.sample_candidates`.
 
     `camera_height_m` is the prior of :func:`plan2scene.photos.planes.planes.split_planes`,
-    `filter` switches :mod:`plan2scene.photos.crops.filter`, `colours` is one of
-    :data:`plan2scene.paint.observations.COLOURS`.
+    `filter` switches :mod:`plan2scene.photos.crops.filter`.
     """
 
     sizes_m: tuple[float, ...] = sampling.WINDOW_SIZES_M
@@ -33,7 +32,6 @@ class CropSettings:
     tries: int = sampling.TRIES
     camera_height_m: float = PLANES.camera_height_m
     filter: bool = True
-    colours: str = "photo"
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,10 +15,10 @@ import numpy as np
 from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
-from plan2scene.images import image_from_bytes, jpeg_bytes, read_image
+from plan2scene.images import read_image
 from plan2scene.io import read_json, write_json
-from plan2scene.paint.light import estimate_light, house_gains, relight
-from plan2scene.paint.observations import PlaneColours, SurfaceColour, relit, write_colours
+from plan2scene.paint.light import estimate_light, house_gains
+from plan2scene.paint.observations import PlaneColours, SurfaceColour, write_colours
 from plan2scene.parallel import each
 from plan2scene.photos.camera.lines import SEGMENTS, read_segments
 from plan2scene.photos.crops.candidates import (
@@ -60,7 +60,7 @@ class CropFiles:
 
 @dataclass(frozen=True, eq=False)
 class PhotoCrops:
-    """What a photo gives, in its own colours."""
+    """What a photo gives."""
 
     candidates: list[Candidate]
     #: Rows of planes.parquet.
@@ -71,7 +71,7 @@ class PhotoCrops:
 
 @dataclass(frozen=True, eq=False)
 class HouseCrops:
-    """What the photos of a house give, in their own colours."""
+    """What the photos of a house give."""
 
     candidates: list[Candidate]
     planes: list[dict[str, Any]]
@@ -114,7 +114,7 @@ def extract_crops(
     seed : int
         Windows are drawn by (seed, house, photo, surface, plane).
     settings : CropSettings, optional
-        How windows are drawn and corrected.
+        How windows are drawn.
     cameras : path, optional
         ``cameras.json`` of the places stage: located photos give each room in sight its own crops.
     threads : int
@@ -128,15 +128,12 @@ def extract_crops(
     chosen = CropSettings() if settings is None else settings
     inputs = (house, rooms_of_photo, photos, masks_dir)
     made = crops_of_house(*inputs, seed=seed, settings=chosen, cameras=cameras, threads=threads)
-    candidates, colours = made.candidates, made.colours
-    if chosen.colours == "corrected":
-        candidates, colours = corrected(candidates, made.gains), relit(colours, made.gains)
-    _write_light(output.light, made.gains, chosen)
+    _write_light(output.light, made.gains)
     names = {"dataset": dataset, "house_id": house.id}
     write_planes(output.planes, made.planes, **names)
-    write_colours(output.colours, colours, **names, colours=chosen.colours)
+    write_colours(output.colours, made.colours, **names)
     return write_tables(
-        candidates, output.crops, output.candidates, dataset=dataset, house_id=house.id
+        made.candidates, output.crops, output.candidates, dataset=dataset, house_id=house.id
     )
 
 
@@ -230,31 +227,10 @@ def _crops_of_photo(
     )
 
 
-def corrected(candidates: Sequence[Candidate], gains: Mapping[str, np.ndarray]) -> list[Candidate]:
-    """Return the candidates with the linear RGB of their images times their photo's gains (3,)."""
-    return [_under(candidate, gains.get(candidate.photo, np.ones(3))) for candidate in candidates]
-
-
-def _under(candidate: Candidate, gains: np.ndarray) -> Candidate:
-    """Return a candidate whose image's linear RGB is multiplied by `gains` (3,)."""
-    crop = candidate.crop
-    detail = crop.detail
-    if detail:
-        even = relight(image_from_bytes(detail), gains)
-        detail = jpeg_bytes(even, quality=95, full_colour=True)
-    return replace(candidate, crop=replace(crop, image=relight(crop.image, gains), detail=detail))
-
-
-def _write_light(
-    path: str | Path, gains: Mapping[str, np.ndarray], settings: CropSettings | None
-) -> None:
-    """Write light.json; `settings` None for precomputed crops."""
-    used = {
-        "filter": settings is not None and settings.filter,
-        "colours": "photo" if settings is None else settings.colours,
-    }
+def _write_light(path: str | Path, gains: Mapping[str, np.ndarray]) -> None:
+    """Write light.json."""
     photos = {photo: [round(float(gain), 6) for gain in gains[photo]] for photo in sorted(gains)}
-    write_json(path, {**used, "gains": photos})
+    write_json(path, {"gains": photos})
 
 
 def read_precomputed_crops(
@@ -288,7 +264,7 @@ def read_precomputed_crops(
             candidates.append(Candidate(crop, Verdict(), surface, mask, photo, rooms))
     candidates.sort(key=lambda candidate: candidate.photo)
     names = {"dataset": dataset, "house_id": house.id}
-    _write_light(output.light, {}, None)
+    _write_light(output.light, {})
     write_planes(output.planes, [], **names)
     write_colours(output.colours, [], **names)
     tables = (output.crops, output.candidates)
