@@ -33,7 +33,7 @@ from plan2scene.photos.crops.candidates import rooms_by_size
 from plan2scene.photos.crops.filter import inner_mask, judge_of, strong_edges, with_reason
 from plan2scene.photos.crops.sampling import (
     CROP_PX,
-    LAST_UPSAMPLING,
+    SAMPLING,
     Candidate,
     Reason,
     cut_window,
@@ -135,7 +135,7 @@ def _reasons(
             continue
         points = (rays * (-plane.offset / facing)[:, None]) @ plane_axes(plane)[:2].T
         size_m = float(np.ptp(points, axis=0).mean())
-        density = CROP_PX / size_m / (1.2 * LAST_UPSAMPLING)
+        density = CROP_PX / size_m / (1.2 * SAMPLING.upsampling[1])
         rectified = rectify(image, camera, plane, min_density=density)
         place = rectified and _place(rectified, points.mean(axis=0), size_m)
         if not rectified or place is None:

@@ -17,6 +17,7 @@ from shapely.geometry.base import BaseGeometry
 
 from plan2scene.house import House, IconBox, Room
 from plan2scene.mesh.parts import Colour, Corner, MeshPart, PartBuilder
+from plan2scene.plans.levels import STAIRS
 from plan2scene.plans.wall_sides import Frame, Side
 
 Block = tuple[Corner, Corner, Colour]  #: a box: two opposite corners, its colour
@@ -31,8 +32,6 @@ DARK: Colour = (42, 42, 44)
 NEAR_WALL = 0.6
 #: Objects stand this far off the wall, metres: clear of its skirting.
 OFF = 0.02
-#: A step of a stair is at most so high, metres.
-RISER = 0.19
 #: An icon needs this share of its box in a room.
 LEAST_INSIDE = 0.3
 _log = logging.getLogger("plan2scene")
@@ -110,7 +109,7 @@ def wardrobe(w: float, d: float, h: float) -> list[Block]:
 
 def stairs(w: float, d: float, h: float) -> list[Block]:
     """Return a straight flight of closed steps, upwards along x."""
-    count = max(2, int(np.ceil(h / RISER)))
+    count = max(2, int(np.ceil(h / STAIRS.riser)))
     return [
         ((w * k / count, 0, 0), (w * (k + 1) / count, h * (k + 1) / count, d), WOOD)
         for k in range(count)

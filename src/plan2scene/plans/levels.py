@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -16,16 +16,25 @@ from plan2scene.house import House, Level, Room, Stairs
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.parse import Source
 
-#: One steps on and off a flight this far (metres) from its ends.
-STEP_OFF = 0.3
-#: A step is at most so high and at least so deep, metres.
-RISER, TREAD = 0.19, 0.15
-#: Walls may reach so far (metres) into a flight.
-MARGIN = 0.1
-#: Levels are at least so far apart, metres.
-LEAST_RISE = 0.5
-#: A flight is at least so long in plan, metres.
-LEAST_FLIGHT = 0.5
+
+@dataclass(frozen=True)
+class StairLimits:
+    """What levels and flights of stairs may be, metres."""
+
+    #: One steps on and off a flight this far from its ends.
+    step_off: float = 0.3
+    #: A step is at most so high and at least so deep (usual building codes).
+    riser: float = 0.19
+    tread: float = 0.15
+    #: Walls may reach so far into a flight.
+    margin: float = 0.1
+    #: Levels are at least so far apart.
+    least_rise: float = 0.5
+    #: A flight is at least so long in plan.
+    least_flight: float = 0.5
+
+
+STAIRS = StairLimits()
 
 
 def ordered_levels(source: Source, levels: Iterable[Level]) -> tuple[Level, ...]:
@@ -35,9 +44,9 @@ def ordered_levels(source: Source, levels: Iterable[Level]) -> tuple[Level, ...]
     for level, above in pairwise(ordered):
         if ids.count(level.id) > 1:
             raise source.fault("each level id once", f"{level.id} {ids.count(level.id)} times")
-        if above.elevation - level.elevation < LEAST_RISE:
+        if above.elevation - level.elevation < STAIRS.least_rise:
             apart = f"{above.elevation - level.elevation:.2f} m"
-            expected = f"levels {level.id} and {above.id} at least {LEAST_RISE:g} m apart"
+            expected = f"levels {level.id} and {above.id} at least {STAIRS.least_rise:g} m apart"
             raise source.fault(expected, apart)
     return tuple(ordered)
 
@@ -67,8 +76,8 @@ def level_of(
 
 def sound_flight(source: Source, stairs: Stairs) -> Stairs:
     """Return a flight if it has a length and a width."""
-    if stairs.length < LEAST_FLIGHT or stairs.width <= 0:
-        expected = f"stairs {stairs.id} at least {LEAST_FLIGHT:g} m long, with a width"
+    if stairs.length < STAIRS.least_flight or stairs.width <= 0:
+        expected = f"stairs {stairs.id} at least {STAIRS.least_flight:g} m long, with a width"
         raise source.fault(expected, f"{stairs.length:.2f} and {stairs.width:.2f} m")
     return stairs
 
@@ -83,7 +92,7 @@ def flight_area(stairs: Stairs) -> Polygon:
 
 def step_count(rise: float) -> int:
     """Return how many steps a flight of this rise in metres has."""
-    return max(2, math.ceil(rise / RISER - 1e-9))
+    return max(2, math.ceil(rise / STAIRS.riser - 1e-9))
 
 
 def linked(
@@ -107,7 +116,7 @@ def _room_at(stairs: Stairs, rooms: Sequence[Room], level: str, *, foot: bool) -
     """Return the room of a level that one end of a flight is in: before it, else on it."""
     (x0, z0), (x1, z1) = stairs.start, stairs.end
     ux, uz = (x1 - x0) / stairs.length, (z1 - z0) / stairs.length
-    for off in (STEP_OFF, -0.05):
+    for off in (STAIRS.step_off, -0.05):
         spot = (x0 - off * ux, z0 - off * uz) if foot else (x1 + off * ux, z1 + off * uz)
         for room in rooms:
             if room.level == level and room_polygon(room).covers(ShapelyPoint(spot)):
@@ -120,11 +129,11 @@ def _across(house: House, stairs: Stairs) -> Iterator[str]:
     above = house.level_above(stairs.level)
     levels = {stairs.level, stairs.level if above is None else above.id}
     level_by_room = {room.id: room.level for room in house.rooms}
-    area = flight_area(stairs).buffer(-MARGIN)
+    area = flight_area(stairs).buffer(-STAIRS.margin)
     for wall in house.walls:
         if level_by_room[wall.room_ids[0]] not in levels:
             continue
-        if LineString([wall.start, wall.end]).intersection(area).length > MARGIN:
+        if LineString([wall.start, wall.end]).intersection(area).length > STAIRS.margin:
             yield wall.id
 
 
@@ -137,7 +146,7 @@ def _doors_into_the_air(house: House) -> Iterator[tuple[str, str, str]]:
         room = wall.room_ids[0]
         for opening in wall.openings:
             drawn = (room, opening.id) in outer and opening.kind == "door"
-            if drawn and opening.bottom < RISER and level_by_room[room] in higher:
+            if drawn and opening.bottom < STAIRS.riser and level_by_room[room] in higher:
                 where = f"door {opening.id} of level {level_by_room[room]}"
                 yield f"a room or balcony behind {where}", "none", room
 
@@ -157,9 +166,13 @@ def storey_oddities(house: House) -> Iterator[tuple[str, str, str]]:
             expected = f"a room of level {above.id} at the head of stairs {stairs.id}"
             yield expected, "none", lower or ""
         rise = house.rise_of(stairs)
-        if (tread := stairs.length / step_count(rise)) < TREAD:
+        if (tread := stairs.length / step_count(rise)) < STAIRS.tread:
             found = f"{tread:.2f} m ({stairs.length:.2f} m for a rise of {rise:.2f} m)"
-            yield f"steps of stairs {stairs.id} at least {TREAD:g} m deep", found, lower or ""
+            yield (
+                f"steps of stairs {stairs.id} at least {STAIRS.tread:g} m deep",
+                found,
+                lower or "",
+            )
         for wall in _across(house, stairs):
             yield f"stairs {stairs.id} clear of walls", f"wall {wall} across them", lower or ""
     for level in house.levels[:-1]:

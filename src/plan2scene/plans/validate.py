@@ -21,7 +21,7 @@ from shapely.validation import explain_validity
 from plan2scene.errors import InputError
 from plan2scene.house import OPENING_KINDS, ROOM_TYPES, House, Opening, Room, Wall
 from plan2scene.plans.geometry import room_polygon
-from plan2scene.plans.levels import LEAST_FLIGHT, storey_oddities
+from plan2scene.plans.levels import STAIRS, storey_oddities
 from plan2scene.plans.parse import (
     ID_PATTERN,
     MAX_COORDINATE,
@@ -237,7 +237,7 @@ def _level_faults(house: House, fault: _Fault) -> Iterator[InputError]:
             yield fault(f"one of the levels {', '.join(ids)} for stairs {stairs.id}", found)
         numbers = (*stairs.start, *stairs.end, stairs.width)
         sound = all(math.isfinite(v) and abs(v) <= MAX_COORDINATE for v in numbers)
-        if not sound or stairs.length < LEAST_FLIGHT or stairs.width <= 0:
+        if not sound or stairs.length < STAIRS.least_flight or stairs.width <= 0:
             found = f"{stairs.length:g} and {stairs.width:g} m"
             yield fault(f"stairs {stairs.id} with a length and a width", found)
 

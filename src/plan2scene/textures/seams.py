@@ -10,18 +10,30 @@ first gained. Deterministic: the same image gives the same bytes.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from plan2scene.textures.quilting import cheapest_paths
 
-#: A direction tiles already when its step across the wrap edge is up to this times the usual.
-TILING_RATIO = 1.15
-_BAND = 0.25  # width of the resynthesised band, share of the side
-_OVERLAP = 0.09  # width of each joint, share of the side
-_CANDIDATES = 12  # bands whose cuts are computed, the best by overlap error first
-#: Below this mean step (grey levels) an image is flat: its noise must not look like a seam.
-_FLAT_STEP = 0.5
+
+@dataclass(frozen=True)
+class SeamSettings:
+    """How seams are found and corrected. Chosen on the embedded procedural materials."""
+
+    #: A direction tiles already when its step across the wrap edge is up to this times the usual.
+    tiling_ratio: float = 1.15
+    #: Width of the resynthesised band and of each joint, shares of the side.
+    band: float = 0.25
+    overlap: float = 0.09
+    #: Bands whose cuts are computed, the best by overlap error first.
+    candidates: int = 12
+    #: Below this mean step, grey levels, an image is flat: its noise must not look like a seam.
+    flat_step: float = 0.5
+
+
+_S = SeamSettings()
 
 
 def _require(image: np.ndarray) -> np.ndarray:
@@ -46,8 +58,8 @@ def _tiles(image: np.ndarray, axis: int) -> bool:
     Beside it: where a regular pattern is steep at the border, the steps next to it are as large.
     """
     across, interior = _steps(image, axis)
-    usual = max(interior.mean(), (interior[0] + interior[-1]) / 2, _FLAT_STEP)
-    return bool(across <= TILING_RATIO * usual)
+    usual = max(interior.mean(), (interior[0] + interior[-1]) / 2, _S.flat_step)
+    return bool(across <= _S.tiling_ratio * usual)
 
 
 def wrap_ratio(image: np.ndarray) -> float:
@@ -57,7 +69,7 @@ def wrap_ratio(image: np.ndarray) -> float:
     (at least half a grey level), the larger of both directions.
     """
     steps = (_steps(_require(image), axis) for axis in (0, 1))
-    return max(float(across / max(inside.mean(), _FLAT_STEP)) for across, inside in steps)
+    return max(float(across / max(inside.mean(), _S.flat_step)) for across, inside in steps)
 
 
 def make_seamless(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -97,7 +109,7 @@ def with_calm_border(image: np.ndarray) -> np.ndarray:
     """
     for axis in (0, 1):
         across, interior = _steps(_require(image), axis)
-        if across > max(interior.mean(), _FLAT_STEP):
+        if across > max(interior.mean(), _S.flat_step):
             steps = np.r_[across, interior]  # before each line
             around = (np.roll(steps, 1) + 2.0 * steps + np.roll(steps, -1)) / 4.0
             image = np.roll(image, -int(around.argmin()), axis=axis)
@@ -110,7 +122,7 @@ def _repair_columns(image: np.ndarray, *, closed: bool) -> np.ndarray:
     `closed`: the image already tiles from bottom to top and has to stay so.
     """
     width = image.shape[1]
-    band, overlap = max(8, round(_BAND * width)), max(3, round(_OVERLAP * width))
+    band, overlap = max(8, round(_S.band * width)), max(3, round(_S.overlap * width))
     values = image.astype(np.float64)
     start = width // 2 - band // 2
     rolled = np.roll(values, width // 2, axis=1)
@@ -151,7 +163,7 @@ def _best_bands(
     error = energy[index].sum(axis=1)[:, None] - 2.0 * correlation
     if not closed:
         error = error[:, :1]
-    order = np.argsort(error, axis=None, kind="stable")[:_CANDIDATES]
+    order = np.argsort(error, axis=None, kind="stable")[: _S.candidates]
     return columns[order // error.shape[1]], order % error.shape[1]
 
 

@@ -15,9 +15,10 @@ from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES
 from plan2scene.images import decode_image, png_bytes, to_small_srgb
 from plan2scene.io import atomic_path
-from plan2scene.plans import levels, openings, parse, plan_json, validate
+from plan2scene.plans import openings, parse, plan_json, validate
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import SHARED_TOLERANCE
+from plan2scene.plans.levels import STAIRS
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.plan_json import house_to_plan
 from plan2scene.plans.validate import validate_house
@@ -256,10 +257,10 @@ def _limits() -> dict[str, Any]:
         "usual_door": validate.USUAL_DOOR,
         "narrow": validate.NARROW,
         "apart": validate.APART,
-        "least_rise": levels.LEAST_RISE,
-        "least_flight": levels.LEAST_FLIGHT,
-        "step_off": levels.STEP_OFF,
-        "riser": levels.RISER,
-        "tread": levels.TREAD,
-        "flight_margin": levels.MARGIN,
+        "least_rise": STAIRS.least_rise,
+        "least_flight": STAIRS.least_flight,
+        "step_off": STAIRS.step_off,
+        "riser": STAIRS.riser,
+        "tread": STAIRS.tread,
+        "flight_margin": STAIRS.margin,
     }

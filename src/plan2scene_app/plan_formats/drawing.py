@@ -31,7 +31,7 @@ from plan2scene.house import (
     Wall,
 )
 from plan2scene.plans.geometry import find_doors, walls_of_rooms
-from plan2scene.plans.levels import LEAST_FLIGHT, LEAST_RISE, linked
+from plan2scene.plans.levels import STAIRS, linked
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import MAX_ROOMS, Source
 from plan2scene.plans.room_names import room_types
@@ -308,12 +308,12 @@ def _apart(source: Source, storeys: Sequence[DrawnStorey]) -> list[DrawnStorey]:
     """Return storeys, which come by elevation, without those beside a larger one."""
     kept: list[DrawnStorey] = []
     for storey in storeys:
-        if not kept or storey.elevation - kept[-1].elevation >= LEAST_RISE:
+        if not kept or storey.elevation - kept[-1].elevation >= STAIRS.least_rise:
             kept.append(storey)
             continue
         small, large = sorted((kept[-1], storey), key=lambda one: one.drawing.size())
         kept[-1] = large
-        expected = f"levels at least {LEAST_RISE:g} m apart"
+        expected = f"levels at least {STAIRS.least_rise:g} m apart"
         source.warn(expected, f"{small.name} beside {large.name}; left out")
     return kept
 
@@ -369,7 +369,7 @@ def _climbs(icon: IconBox, levels: Sequence[Level]) -> bool:
     return (
         bool(STAIR_WORDS.intersection(words))
         and icon.level != levels[-1].id
-        and max(sides) >= LEAST_FLIGHT
+        and max(sides) >= STAIRS.least_flight
         and min(sides) > 0
     )
 

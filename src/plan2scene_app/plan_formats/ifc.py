@@ -17,7 +17,7 @@ from shapely import polygons, unary_union
 from shapely.geometry import Polygon
 
 from plan2scene.house import House, Stairs
-from plan2scene.plans.levels import LEAST_FLIGHT
+from plan2scene.plans.levels import STAIRS
 from plan2scene.plans.parse import MAX_COORDINATE, MAX_ROOMS, Source
 from plan2scene.plans.plan_file import PlanFormat
 from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, axis_of_area
@@ -228,7 +228,7 @@ def _flight(body: _Body) -> Stairs | None:
     foot = along[heights < body.low + 0.2 * (body.high - body.low)].mean()
     ends = (low, high) if top >= foot else (high, low)
     flight = Stairs("", "", *ends, width)
-    return flight if flight.length >= LEAST_FLIGHT and width > 0 else None
+    return flight if flight.length >= STAIRS.least_flight and width > 0 else None
 
 
 def _leaf(product: Any) -> str:

@@ -10,9 +10,8 @@ import numpy as np
 
 from plan2scene.camera import Camera
 from plan2scene.house import House
-from plan2scene.photos.crops import sampling
 from plan2scene.photos.crops.filter import judge_of, with_reason
-from plan2scene.photos.crops.sampling import Candidate, Reason, sample_candidates
+from plan2scene.photos.crops.sampling import SAMPLING, Candidate, Reason, sample_candidates
 from plan2scene.photos.crops.selection import WORST_RESORT
 from plan2scene.photos.planes.planes import PhotoPlane, Plane, split_planes
 from plan2scene.photos.planes.walls import PLANES, RoomSize
@@ -27,9 +26,9 @@ class CropSettings:
     `filter` switches :mod:`plan2scene.photos.crops.filter`.
     """
 
-    sizes_m: tuple[float, ...] = sampling.WINDOW_SIZES_M
-    per_mask: int = sampling.CROPS_PER_MASK
-    tries: int = sampling.TRIES
+    sizes_m: tuple[float, ...] = SAMPLING.sizes_m
+    per_mask: int = SAMPLING.per_mask
+    tries: int = SAMPLING.tries
     camera_height_m: float = PLANES.camera_height_m
     filter: bool = True
 

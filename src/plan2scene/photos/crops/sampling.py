@@ -101,22 +101,32 @@ def reasons_of_text(text: str) -> tuple[str, ...]:
     return tuple(part for part in text.removeprefix(_LAST_RESORT).split(", ") if part)
 
 
+#: Side of a crop, pixels (paper section 5.2).
 CROP_PX = 128
-CROPS_PER_MASK = 10
-TRIES = 1000
-#: Sides of the windows in metres; the first that fits a plane is taken.
-WINDOW_SIZES_M = (1.0, 0.75, 0.5, 0.35)
-#: Most crop pixels per photo pixel (paper: 256 px windows of a x3 image at 128 px are 1.5).
-MAX_UPSAMPLING = 1.5
-#: The same for planes that are nowhere that sharp: their colour is still useful.
-LAST_UPSAMPLING = 3.0
-#: Windows that fit a plane only in fewer places than this are given up for smaller ones.
-MIN_PLACES = 64
-#: Windows drawn for each crop, where the filter may reject some.
-DRAWS_PER_CROP = 3
-#: Side that a crop's detail has at most, and at least over the crop's own, pixels.
-DETAIL_PX = 512
-DETAIL_GAIN = 1.1
+
+
+@dataclass(frozen=True)
+class SamplingSettings:
+    """How windows are drawn and cut. Without a source: chosen on the synthetic homes."""
+
+    #: Sides of the windows, metres; the first that fits a plane is taken.
+    sizes_m: tuple[float, ...] = (1.0, 0.75, 0.5, 0.35)
+    #: Most crops of a plane, and most draws for each (paper section 5.2).
+    per_mask: int = 10
+    tries: int = 1000
+    #: Most crop pixels per photo pixel (paper: 256 px windows of a x3 image at 128 px are 1.5),
+    #: then those for planes that are nowhere that sharp: their colour is still useful.
+    upsampling: tuple[float, float] = (1.5, 3.0)
+    #: Windows that fit a plane only in fewer places than this are given up for smaller ones.
+    least_places: int = 64
+    #: Windows drawn for each crop, where the filter may reject some.
+    draws_per_crop: int = 3
+    #: Side that a crop's detail has at most, pixels, and at least over the crop's own.
+    detail_px: int = 512
+    detail_gain: float = 1.1
+
+
+SAMPLING = SamplingSettings()
 
 
 @dataclass(frozen=True)
@@ -166,9 +176,9 @@ def sample_candidates(
     plane: Plane,
     rng: np.random.Generator,
     *,
-    sizes_m: Sequence[float] = WINDOW_SIZES_M,
-    per_mask: int = CROPS_PER_MASK,
-    tries: int = TRIES,
+    sizes_m: Sequence[float] = SAMPLING.sizes_m,
+    per_mask: int = SAMPLING.per_mask,
+    tries: int = SAMPLING.tries,
     judge: Judge | None = None,
 ) -> list[Candidate]:
     """Return the windows drawn on a plane of a photo, at most `per_mask` of them good.
@@ -189,9 +199,9 @@ def sample_candidates(
         Says what is wrong with a window; without one all are good.
     """
     candidates: list[Candidate] = []
-    wanted = per_mask if judge is None else DRAWS_PER_CROP * per_mask
+    wanted = per_mask if judge is None else SAMPLING.draws_per_crop * per_mask
     pixels = plane_pixels(camera, plane)
-    for upsampling in (MAX_UPSAMPLING, LAST_UPSAMPLING):
+    for upsampling in SAMPLING.upsampling:
         for size_m in sizes_m:
             density = CROP_PX / size_m / upsampling
             rectified = rectify(image, camera, plane, min_density=density, pixels=pixels)
@@ -222,15 +232,15 @@ def draw_windows(
     size_m: float,
     rng: np.random.Generator,
     *,
-    per_mask: int = CROPS_PER_MASK,
-    tries: int = TRIES,
+    per_mask: int = SAMPLING.per_mask,
+    tries: int = SAMPLING.tries,
 ) -> list[tuple[int, int]]:
     """Return (row, column) of the top left pixels of random windows fully inside the mask.
 
     No window is drawn twice; fewer come back when `tries` draws find none.
     """
     inside = rectified.places(window_pixels(rectified, size_m))
-    if inside.sum() < MIN_PLACES:
+    if inside.sum() < SAMPLING.least_places:
         return []
     chosen: list[tuple[int, int]] = []
     for _ in range(per_mask):
@@ -273,8 +283,8 @@ def detail_of(window: np.ndarray, photo_px: int) -> bytes:
 
     `photo_px` of the photo lie along its side.
     """
-    side = min(len(window), photo_px, DETAIL_PX)
-    if side < DETAIL_GAIN * CROP_PX:
+    side = min(len(window), photo_px, SAMPLING.detail_px)
+    if side < SAMPLING.detail_gain * CROP_PX:
         return b""
     if side < len(window):
         window = cv2.resize(window, (side, side), interpolation=cv2.INTER_AREA)
