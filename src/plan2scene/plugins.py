@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -10,7 +11,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Protocol, TypeVar
 
 from plan2scene.errors import InputError
-from plan2scene.provenance import PACKAGES, code_hash
+from plan2scene.provenance import PACKAGES, WORKFLOW, code_hash
 
 _LOG = logging.getLogger("plan2scene")
 
@@ -60,8 +61,16 @@ def installed(needs: str, house: str = "") -> Iterator[None]:
     except ModuleNotFoundError as error:
         if not needs:
             raise
-        expected = f"{error.name} (pip install '{needs}')"
+        expected = f"{error.name} ({pip_command(needs)})"
         raise InputError(expected, "no such package", house=house) from None
+
+
+def pip_command(needs: str) -> str:
+    """Return the command that installs what is needed, our own extras from this clone."""
+    clone = needs.startswith("plan2scene[") and (WORKFLOW / "pyproject.toml").is_file()
+    if not clone:
+        return f"pip install '{needs}'"
+    return f"{sys.executable} -m pip install -e '{WORKFLOW}{needs.removeprefix('plan2scene')}'"
 
 
 @cache

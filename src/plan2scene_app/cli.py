@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from plan2scene.errors import InputError, WorkflowError, one_line_errors
+from plan2scene.provenance import package_versions
 from plan2scene.textures.methods import methods_table, texture_methods
 from plan2scene_app.exports.registry import export_house, exports
 
@@ -77,6 +78,21 @@ _Method = Annotated[
         help="How textures are made.",
     ),
 ]
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        print(package_versions("plan2scene"))
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    _: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Its version.")
+    ] = False,
+) -> None:
+    """Make textured 3D houses from floorplans and photos."""
 
 
 @app.command("run")

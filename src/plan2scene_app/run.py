@@ -29,6 +29,8 @@ _LOG = logging.getLogger("plan2scene")
 DATASET = "own"
 #: In what colours the house may be shown (``house.colours``).
 HOUSE_COLOURS = ("paint", "photo")
+#: Which walls of a house share a texture (``house.walls``).
+HOUSE_WALLS = ("room", "wall")
 #: Sides of a tile in pixels that the configuration allows.
 TEXTURE_SIZES = (128, 256, 512)
 #: Files of the house that a user wants.
@@ -231,11 +233,23 @@ def run(
         return made_files
 
 
+def _profile_options() -> list[str]:
+    """Return the default profile as options: of a profile Snakemake prints a line in every run."""
+    import yaml
+
+    text = (WORKFLOW / "workflow" / "profiles" / "default" / "profile.yaml").read_text("utf-8")
+    options = ["--workflow-profile", "none"]
+    for name, value in yaml.safe_load(text).items():
+        if value is not False:
+            options += [f"--{name}"] if value is True else [f"--{name}", str(value)]
+    return options
+
+
 def _make(targets: list[str], config: Path, folder: OutFolder, options: list[str]) -> None:
     """Run Snakemake in the work folder; WorkflowError when it fails."""
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(WORKFLOW / "Snakefile")]
     command += ["--directory", str(folder.work), "--configfile", str(config)]
-    command += ["--workflow-profile", str(WORKFLOW / "workflow" / "profiles" / "default")]
+    command += _profile_options()
     command += [*options, "--", *targets]
     # Who inherits the lock keeps it: the folder is free when Snakemake is gone too.
     inherited = (folder.lock,) if folder.lock >= 0 else ()

@@ -71,6 +71,7 @@ class LogHandler(LogHandlerBase):
         self.stream = sys.stderr
         self._events = self.settings.events if self.settings else None
         self._total = self._done = 0
+        self._stopped = False
         self._jobs: dict[int, _Job] = {}
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -87,6 +88,9 @@ class LogHandler(LogHandlerBase):
             self._finish(fields["job_id"], record.created)
         elif event == LogEvent.JOB_ERROR:
             self._fail(fields, record.created)
+        elif event is None and "on user request" in record.getMessage():
+            self._stopped = True
+            self._write("stopped: the same command goes on")
         elif event is None and record.levelno >= _LEVEL:
             self._write(self.format(record))
             self._report("error", message=self.format(record))
@@ -112,11 +116,11 @@ class LogHandler(LogHandlerBase):
         Of a group that failed every job is named: those without a fault in their log are left out.
         """
         job = self._jobs.get(fields["jobid"]) or self._job(fields, now)
-        logs = [Path(log) for log in fields["log"]]
+        logs = [Path(log).resolve() for log in fields["log"]]
         errors = _Job(job.rule, job.house, logs, now).lines("ERROR")
         where = f"see {', '.join(map(str, logs))}" if logs else "no log"
         message = errors[-1] if errors else fields.get("rule_msg") or where
-        if errors or not fields["indent"]:
+        if errors or not (fields["indent"] or self._stopped):
             self._write(f"failed  {job.rule:<15} {job.house}  {'ERROR ' * bool(errors)}{message}")
             self._report("failed", rule=job.rule, house=job.house, message=message)
 

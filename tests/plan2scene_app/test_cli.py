@@ -1,6 +1,7 @@
 """The command line: what each command writes, and one line for each mistake."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,10 @@ def test_metrics_prints_json(tmp_path):
     assert code == 0
     assert list(figures) == ["color", "freq", "tile", "subs"]
     assert figures["color"] == figures["freq"] == figures["subs"] == 0
+
+
+def test_version():
+    assert re.fullmatch(r"plan2scene \d\S+\n", call("--version")[1])
 
 
 def test_masks_are_label_images_of_the_photos_size(tmp_path):

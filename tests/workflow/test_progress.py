@@ -85,3 +85,7 @@ def test_a_failed_job_is_a_line_with_what_its_log_says(tmp_path):
     first, second = handler.stream.getvalue().splitlines()
     assert first.split(maxsplit=2)[2] == "ERROR house h: expected a room, found none"
     assert second.endswith(f"see {tmp_path / 'none.log'}")
+    # After Ctrl+C nothing failed.
+    handler.emit(logging.makeLogRecord({"msg": "Terminating processes on user request, this..."}))
+    handler.emit(logging.makeLogRecord(silent | {"indent": False}))
+    assert handler.stream.getvalue().splitlines()[2:] == ["stopped: the same command goes on"]

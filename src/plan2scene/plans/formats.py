@@ -53,7 +53,7 @@ def read_plan(
         names = ", ".join(entry.name for entry in plan_formats())
         start = plan.binary + (" (plan2scene trace makes a plan of it)" * plan.is_picture)
         start = start or f"{plan.text.split()[0][:40]!r} at its start"
-        raise plan.fault(f"a plan ({names})", start)
+        raise plan.fault(f"a plan ({names}) or a PNG or JPEG picture of one", start)
     if plan_format.needs_scale and not 0 < (metres_per_pixel or 0) <= 1:
         expected = f"metres_per_pixel above 0 and up to 1 for {plan_format.name}"
         raise plan.fault(expected, str(metres_per_pixel))

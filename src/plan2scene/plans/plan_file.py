@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,7 +25,7 @@ _SIGNATURES = (
     (b"II*\x00", "a TIFF picture"),
     (b"MM\x00*", "a TIFF picture"),
     (b"BM", "a BMP picture"),
-    (b"%PDF", "a PDF"),
+    (b"%PDF", "a PDF (save its page as a PNG picture)"),
     (b"AC10", "a DWG drawing (save it as DXF)"),
     (b"\xac\xed", "a serialised Java object"),
     (b"\x1f\x8b", "a gzip archive"),
@@ -60,7 +61,10 @@ class PlanFile:
     @cached_property
     def binary(self) -> str:
         """What kind of file this is when it begins like one that is no text; else empty."""
-        return next((name for start, name in _SIGNATURES if self.head.startswith(start)), "")
+        kind = next((name for start, name in _SIGNATURES if self.head.startswith(start)), "")
+        if self.head.startswith(b"PK") and not zipfile.is_zipfile(self.path):
+            return "a damaged file of Sweet Home 3D or another ZIP archive"
+        return kind
 
     @property
     def is_picture(self) -> bool:

@@ -3,7 +3,7 @@
 import { entryId, newPlan, readTable, Store, withoutRoom } from "./document.js";
 import { ask, button, el, field, isPicture, readFile, readPicture } from "./dom.js";
 import { OpeningTool, RoomTool, WallTool } from "./drawing_tools.js";
-import { add, dist, inside, ringsOf, roundPoint, sub, times } from "./geometry.js";
+import { add, boundsOf, dist, inside, ringsOf, roundPoint, sub, times } from "./geometry.js";
 import { renderPanel } from "./panel.js";
 import { addPhotos, listenToDrops, photoProblems } from "./photos.js";
 import { problemsOf } from "./rules.js";
@@ -17,7 +17,7 @@ import { placeOpenings, wallsOf } from "./walls.js";
 const PICTURE_SIDE = 2400; // pixels
 
 export class App {
-  selection = null; dropRoom = null; problems = []; walls = []; thumbs = new Map(); picture = null; feet = false; notes = [];
+  selection = null; dropRoom = null; problems = []; walls = []; thumbs = new Map(); refused = new Map(); picture = null; feet = false; notes = [];
 
   /** `start` is {house, plan, photos, picture, notes}; `host` saves (files.js; the studio's own). */
   constructor(rules, start, host, page) {
@@ -133,11 +133,11 @@ export class App {
     const { store } = this, rooms = store.state.plan.rooms.length;
     const both = el("label", { className: "check" }, el("input", { type: "checkbox", name: "both", checked: true }), "Scale what is drawn, too");
     const data = await ask("How long is this in reality?", [
-      field("Length", "length", lengthText(dist(a, b), this.feet), () => {}, { name: "length", inputMode: "decimal" }), rooms && store.state.picture ? both : null].filter(Boolean), "Set the scale");
+      field("Length", "length", lengthText(dist(a, b), this.feet), () => {}, { name: "length", inputMode: "decimal" }), rooms && store.state.picture ? both : null].filter(Boolean), "Set the scale",
+      { check: (form) => this.doubtLength(form, dist(a, b)) });
     this.tool.cancel?.();
-    const length = data && readLength(data.get("length"), this.feet);
-    if (!data || !(length > 0)) { if (data) this.say(`A length such as ${lengthText(3.2, this.feet)}, not ${data.get("length")}`); this.refresh(); return; }
-    const share = length / dist(a, b), go = (p) => add(a, times(sub(p, a), share)), far = (p) => roundPoint(go(p));
+    if (!data) { this.refresh(); return; }
+    const share = readLength(data.get("length"), this.feet) / dist(a, b), go = (p) => add(a, times(sub(p, a), share)), far = (p) => roundPoint(go(p));
     const { picture, plan } = store.state;
     const changes = {};
     if (picture) {
@@ -153,6 +153,18 @@ export class App {
     this.setTool(rooms ? "select" : "room");
   }
 
+  /** What is asked about a length that was typed for a drawn one, as nodes; null where it is clear. */
+  doubtLength(form, drawn) {
+    const input = form.elements.namedItem("length"), text = input.value.trim(), length = readLength(text, this.feet);
+    if (!(length > 0)) return [`A length such as ${lengthText(3.2, this.feet)}, not ${text}`];
+    const { picture, plan } = this.store.state, points = plan.rooms.flatMap((room) => room.polygon);
+    const sides = picture && this.picture ? [this.picture.width, this.picture.height].map((side) => side * picture.metres_per_pixel) : sub(boundsOf(points).high, boundsOf(points).low);
+    const wide = (length / drawn) * Math.max(...sides);
+    if (!/^[\d.,]+$/.test(text) || wide <= this.rules.limits.usual_extent) return null;
+    const take = (unit) => { input.value = `${text} ${unit}`; form.requestSubmit(); };
+    return [`${text} of what? In ${this.feet ? "feet" : "metres"} the whole would be ${lengthText(wide, this.feet)} wide. `, ...(this.feet ? ["in", "ft"] : ["mm", "cm", "m"]).map((unit) => button(`${text} ${unit}`, () => take(unit)))];
+  }
+
   /** Put a picture underneath; where the host has traced it and nothing is drawn yet, its plan over it. */
   async openPicture(file) {
     this.say(`Reading ${file.name}\u2026`);
@@ -164,7 +176,8 @@ export class App {
     this.doubt = found.scale?.doubt ?? "";
     this.store.change({ picture: this.placed(this.picture), ...(traced ? { plan: completed(found.plan, this.rules) } : {}) });
     this.fit();
-    this.setTool(traced ? "select" : "scale");
+    this.setTool(traced && !this.doubt ? "select" : "scale");
+    if (traced && this.doubt) this.say(`Its scale is a guess. ${this.tool.hint}`);
   }
   /** Open a plan.json, a photo table or a picture of a plan. */
   async openFile(file) {

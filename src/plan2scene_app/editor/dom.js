@@ -20,16 +20,30 @@ export function field(label, key, value, onchange, properties = {}) {
   return el("label", { className: "field" }, el("span", {}, label), input);
 }
 
-/** Show a dialog with a form; resolves to its data, or null when it is closed. */
-export function ask(title, children, confirm = "OK") {
+/** Show a dialog with a form; resolves to its data, or null when it is closed.
+ *
+ * `check` looks at the form and gives what is shown of its faults, as nodes; null sends it. `other` is
+ * a second answer: {text, value}, to which it resolves.
+ */
+export function ask(title, children, confirm = "OK", { check, other } = {}) {
   return new Promise((resolve) => {
-    const form = el("form", { method: "dialog" }, el("h2", {}, title), ...children,
-      el("div", { className: "row end" }, button("Cancel", () => dialog.close()), el("button", { type: "submit", className: "primary" }, confirm)));
+    const told = el("p", { className: "fault", role: "alert", hidden: true });
+    const away = other ? button(other.text, () => { resolve(other.value); dialog.close(); }) : button("Cancel", () => dialog.close());
+    const form = el("form", { method: "dialog" }, el("h2", {}, title), ...children, told,
+      el("div", { className: "row end" }, away, el("button", { type: "submit", className: "primary" }, confirm)));
     const dialog = el("dialog", { onclose: () => { dialog.remove(); resolve(null); } }, form);
-    form.addEventListener("submit", () => resolve(new FormData(form)));
+    form.addEventListener("submit", (event) => {
+      const fault = check?.(form);
+      if (!fault) { resolve(new FormData(form)); return; }
+      event.preventDefault();
+      told.replaceChildren(...fault);
+      told.hidden = false;
+    });
     document.body.append(dialog);
     dialog.showModal();
-    form.querySelector("input, select, button.primary")?.focus();
+    const first = form.querySelector("input, select, button.primary");
+    first?.focus();
+    if (first?.type === "text") first.select();
   });
 }
 

@@ -1,6 +1,6 @@
 // Tools that draw: a room as a rectangle, walls corner by corner, doors and windows on walls.
 
-import { dist, roundPoint, signedArea } from "./geometry.js";
+import { crossing, dist, roundPoint, signedArea } from "./geometry.js";
 import { drawnRooms } from "./faces.js";
 import { usualHeight, withRoom } from "./document.js";
 import { snap } from "./snapping.js";
@@ -8,6 +8,15 @@ import { freeId } from "./storeys.js";
 import { readLength, readSize } from "./units.js";
 import { draw } from "./view.js";
 import { nearestWall, segmentOn } from "./walls.js";
+
+/** Whether a line of walls runs through an opening or ends in it. */
+function isCut({ from, to }, line) {
+  const length = dist(from, to), slack = 0.02;
+  return line.slice(1).some((p, k) => {
+    const at = crossing(line[k], p, from, to), reach = slack / (dist(line[k], p) || 1);
+    return at && at[0] > -reach && at[0] < 1 + reach && at[1] * length > slack && at[1] * length < length - slack;
+  });
+}
 
 const rectangle = (a, b) => [a, [b[0], a[1]], b, [a[0], b[1]]].map(roundPoint);
 
@@ -118,6 +127,12 @@ export class WallTool extends DrawingTool {
   finish() {
     const { store, rules } = this.app, line = this.line;
     if (line.length < 2) { this.cancel(); return; }
+    const hit = store.plan.openings.find((opening) => isCut(opening, line));
+    if (hit) {
+      line.pop();
+      this.app.say(`This wall would cut ${hit.id}: end it beside the ${hit.kind}, or move that first`);
+      return;
+    }
     const { made, split } = drawnRooms(store.plan.rooms, line, rules.limits.shared_tolerance);
     if (!made.length && !split.size) {
       this.app.say("This line closes no room yet: go on, or press Escape");

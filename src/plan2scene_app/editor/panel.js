@@ -5,7 +5,7 @@ import { button, el, field } from "./dom.js";
 import { lengthField, section } from "./fields.js";
 import { floorSection, stairsSection } from "./floors_panel.js";
 import { dist, mid, polygonArea, ringsOf, roundPoint } from "./geometry.js";
-import { photoCard } from "./photos.js";
+import { photoCard, refusedLines } from "./photos.js";
 import { areaText, lengthText } from "./units.js";
 import { nearestWall, segmentOn } from "./walls.js";
 
@@ -101,7 +101,7 @@ function openingSection(app, opening) {
     const [from, to] = segmentOn(near.wall, near.along, v).map(roundPoint);
     set({ from, to });
   };
-  return section("Opening", el("div", { className: "row types", role: "group", "aria-label": "Kind" }, kinds),
+  return section(`${opening.kind} ${opening.id}`, el("div", { className: "row types", role: "group", "aria-label": "Kind" }, kinds),
     lengthField(app, "Width", "width", dist(opening.from, opening.to), width),
     lengthField(app, "From the floor", "bottom", opening.bottom, (bottom) => set({ bottom })),
     lengthField(app, "Up to", "top", opening.top, (top) => set({ top })),
@@ -123,7 +123,17 @@ function photoSection(app) {
   const shown = chosen ? photos.filter((photo) => photo.rooms.includes(chosen)) : [...photos].sort((a, b) => Boolean(a.rooms.length) - Boolean(b.rooms.length));
   return section(chosen ? `Photos of ${chosen}` : "Photos",
     shown.length ? el("div", { className: "photos" }, shown.map((photo) => photoCard(app, photo))) : el("p", { className: "soft" }, "Drop photos on a room. One that shows two rooms is dropped on both."),
+    ...refusedLines(app),
     button("Add photos\u2026", () => app.pickPhotos(chosen), { className: "wide" }));
+}
+
+/** A line whose names of rooms and openings lead there. */
+function linked(app, line) {
+  const { plan } = app.store.state, rooms = new Set(plan.rooms.map((room) => room.id)), openings = new Set(plan.openings.map((o) => o.id));
+  return line.split(/([A-Za-z0-9_-]+)/).map((word) => {
+    const entry = openings.has(word) ? { opening: word } : rooms.has(word) ? { room: word } : null;
+    return entry ? button(word, () => app.showProblem(entry), { className: "lead" }) : word;
+  });
 }
 
 function problemSection(app) {
@@ -131,7 +141,7 @@ function problemSection(app) {
     button([el("b", {}, `${problem.room || problem.opening || problem.photo || "Plan"}: `), `expected ${problem.expected}, found ${problem.found}`], () => app.showProblem(problem), { className: "line" })));
   const drop = (line) => { app.notes = app.notes.filter((other) => other !== line); app.renderPanel(); };
   const told = app.store.state.picture?.measured ? app.doubt : ""; // two points have answered it
-  for (const line of app.notes.filter((note) => note !== told)) lines.push(el("li", { className: "note" }, button(line, () => drop(line), { className: "line", title: "Click: seen" })));
+  for (const line of app.notes.filter((note) => note !== told)) lines.push(el("li", { className: "note" }, el("p", { className: "line" }, linked(app, line), button("\u00d7", () => drop(line), { title: "Seen", "aria-label": `Seen: ${line}` }))));
   const text = lines.length ? "Problems" : "No problems";
   return el("section", { id: "problems", "aria-live": "polite" }, el("h2", {}, text, lines.length ? el("span", { className: "count" }, String(lines.length)) : null),
     lines.length ? el("ul", { className: "list" }, lines) : null);

@@ -22,22 +22,36 @@ export function photoProblems(photos, rooms) {
 
 /** Take photos into the document, and show that they are of a room (null: of none yet). */
 export async function addPhotos(app, files, room) {
-  const pictures = [...files].filter(isPicture);
-  if (pictures.length < files.length) app.say(`${files.length - pictures.length} of ${files.length} files are no pictures`);
-  if (!pictures.length) return;
-  for (const file of pictures) {
+  const added = [];
+  for (const file of files) {
+    app.refused.delete(file.name);
     try {
-      if (!app.thumbs.has(file.name)) app.thumbs.set(file.name, (await readPicture(file, THUMB)).url);
-      await app.host.photo?.(file);
+      const thumb = await (app.host.photo?.(file) ?? thumbOf(file));
+      if (!app.thumbs.has(file.name)) app.thumbs.set(file.name, thumb);
     } catch (error) {
-      app.say(`${file.name}: ${error.message}`);
+      app.refused.set(file.name, error.message);
       continue;
     }
+    added.push(file.name);
     const photos = app.store.state.photos, known = photos.find((photo) => photo.name === file.name);
     const rooms = room && !known?.rooms.includes(room) ? [...(known?.rooms ?? []), room] : (known?.rooms ?? []);
     app.store.change({ photos: known ? photos.map((p) => (p === known ? { ...p, rooms } : p)) : [...photos, { name: file.name, rooms }] });
   }
-  app.say(`${pictures.length === 1 ? pictures[0].name : `${pictures.length} photos`} ${room ? `in ${room}` : "added: choose their rooms"}`);
+  const none = app.refused.size ? `${app.refused.size} not added: see Photos. ` : "";
+  const names = added.length === 1 ? added[0] : `${added.length} photos`;
+  app.say(none + (added.length ? `${names} ${room ? `in ${room}` : "added: choose their rooms"}` : ""));
+  app.renderPanel();
+}
+
+async function thumbOf(file) {
+  try { return (await readPicture(file, THUMB)).url; } catch { throw new Error(`no picture that can be read here${/\.hei[cf]$/i.test(file.name) ? " (HEIC)" : ""}: save it as JPEG`); }
+}
+
+/** Lines of the files that were not added, each with its reason; a click takes one away. */
+export function refusedLines(app) {
+  const drop = (name) => { app.refused.delete(name); app.renderPanel(); };
+  return [...app.refused].map(([name, why]) => el("p", { className: "fault", role: "alert" }, el("b", {}, name), ` is not added: ${why} `,
+    button("\u00d7", () => drop(name), { "aria-label": `Take the line on ${name} away` })));
 }
 
 export function setRooms(app, name, rooms) {

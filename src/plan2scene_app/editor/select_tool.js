@@ -164,9 +164,9 @@ export class ScaleTool {
   down(p, event) {
     if (this.points.length === 1 && dist(this.points[0], p) * this.app.view.scale < 4) return;
     this.points = this.points.length > 1 ? [p] : [...this.points, this.at(p, event)];
-    if (this.points.length === 2) this.app.askScale(...this.points);
     this.app.refresh();
   }
+  up() { if (this.points.length === 2) this.app.askScale(...this.points); } // a press would take the focus from the dialog
   move(p, event) { this.pointer = this.at(p, event); this.app.refresh(); }
   keydown() { return false; }
   cancel() { const had = this.points.length; this.points = []; return Boolean(had); }

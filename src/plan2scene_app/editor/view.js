@@ -1,6 +1,6 @@
 // The drawing: an SVG of the state, redrawn whole. Metres to pixels by zoom and offset.
 
-import { add, boundsOf, cross, dist, labelPoint, mid, polygonArea, ringsOf, sub, times, unit } from "./geometry.js";
+import { add, boundsOf, cross, dist, dot, labelPoint, mid, polygonArea, ringsOf, sub, times, unit } from "./geometry.js";
 import { gridOf } from "./snapping.js";
 import { flightRing, riseOf, stepCount } from "./storeys.js";
 import { areaText, lengthText } from "./units.js";
@@ -118,9 +118,12 @@ export class View {
   }
 
   drawOpening(parent, wall, { opening, start, end }, width, selection) {
-    const way = unit(sub(wall.end, wall.start)), at = (v) => add(wall.start, times(way, v));
-    const a = at(start), b = at(end), chosen = selection?.kind === "opening" && selection.id === opening.id;
+    const along = unit(sub(wall.end, wall.start)), at = (v) => add(wall.start, times(along, v));
+    // A leaf swings as the opening was drawn, whichever room's wall it is in.
+    const turned = dot(sub(opening.to, opening.from), along) < 0, way = times(along, turned ? -1 : 1);
+    const a = at(turned ? end : start), b = at(turned ? start : end), chosen = selection?.kind === "opening" && selection.id === opening.id;
     const group = draw(parent, "g", { class: `opening ${opening.kind}${chosen ? " chosen" : ""}`, "data-opening": opening.id ?? "" });
+    draw(group, "title", {}, opening.id ?? "");
     draw(group, "path", { d: this.path([a, b], false), class: "gap", "stroke-width": width + 1 });
     const side = [-way[1], way[0]], half = width / 2 / this.scale;
     if (opening.kind === "window") {

@@ -23,6 +23,7 @@ from plan2scene.images import image_from_bytes
 from plan2scene.mesh.baking import LAMP, SKY, lamp_position
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
+from plan2scene.plugins import pip_command
 
 #: Mitsuba's variants in order of preference: the second needs nothing but Mitsuba, and is slower.
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")
@@ -58,7 +59,8 @@ def load_mitsuba() -> Any | None:
         mi = importlib.import_module("mitsuba")
     except ImportError:
         logging.getLogger("plan2scene").warning(
-            "no Mitsuba here (pip install 'plan2scene[render]'): rooms are drawn by baked light"
+            "no Mitsuba here (%s): rooms are drawn by baked light",
+            pip_command("plan2scene[render]"),
         )
         return None
     for name in VARIANTS:

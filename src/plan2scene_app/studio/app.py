@@ -29,7 +29,7 @@ from plan2scene_app.editor.editor_page import FOLDER as EDITOR
 from plan2scene_app.editor.editor_page import joined_program, page_rules
 from plan2scene_app.exports.registry import exports
 from plan2scene_app.html_page import html_page, inline_json, source_hash
-from plan2scene_app.run import TEXTURE_SIZES
+from plan2scene_app.run import HOUSE_COLOURS, HOUSE_WALLS, TEXTURE_SIZES
 from plan2scene_app.studio import plan_source, results, runs
 from plan2scene_app.studio.plan_source import UnreadPlanError
 from plan2scene_app.studio.projects import PICTURE, Conflict, Project, Projects
@@ -86,8 +86,8 @@ def _handled(answer: _Answer) -> _Answer:
             return JSONResponse({"error": str(error)}, 400)
         except Conflict:
             return JSONResponse({"error": "changed in another tab or by another program"}, 409)
-        except TooLarge:
-            return JSONResponse({"error": "expected a smaller file, found one too large"}, 413)
+        except TooLarge as error:
+            return JSONResponse({"error": f"expected at most {error}, found more"}, 413)
         except OSError as error:
             fault = system_fault(error)
             if fault is None:
@@ -303,12 +303,12 @@ class TooLarge(Exception):  # noqa: N818 - an answer
 async def body(request: Request, most: int) -> bytes:
     """Return a request's body; TooLarge as soon as it has more than `most` bytes."""
     if int(request.headers.get("content-length") or 0) > most:
-        raise TooLarge
+        raise TooLarge(f"{most / 1e6:g} MB")
     parts, size = [], 0
     async for part in request.stream():
         size += len(part)
         if size > most:
-            raise TooLarge
+            raise TooLarge(f"{most / 1e6:g} MB")
         parts.append(part)
     return b"".join(parts)
 
@@ -319,8 +319,16 @@ _FOLDER = Path(__file__).parent
 def project_page(start: dict[str, Any]) -> tuple[str, str]:
     """Return the page of a project and its content policy; `start` is the project's state."""
     rules = page_rules() | {
-        "methods": list(texture_methods()),
-        "texture_sizes": list(TEXTURE_SIZES),
+        "settings": {
+            name: {"title": title, "values": list(values), "value": runs.DEFAULTS[name]}
+            for name, title, values in (
+                ("method", "Textures by", texture_methods()),
+                ("texture_size", "Pixels of a tile", TEXTURE_SIZES),
+                ("colours", "Colours as", HOUSE_COLOURS),
+                ("walls", "Walls alike in a", HOUSE_WALLS),
+            )
+        },
+        "max_photo": MAX_PHOTO,
         "exports": {form: export.purpose for form, export in exports().items()},
     }
     editor = (EDITOR / "editor.html").read_text("utf-8")

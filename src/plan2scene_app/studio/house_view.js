@@ -11,9 +11,10 @@ export class HouseView {
 
   constructor(app, host, rules) {
     Object.assign(this, { app, host, rules, box: document.getElementById("run"), results: document.getElementById("results"), make: document.getElementById("make") });
-    this.method = el("select", { "aria-label": "How textures are made" }, rules.methods.map((name) => el("option", { value: name }, name)));
-    this.size = el("select", { "aria-label": "Pixels of a tile" }, rules.texture_sizes.map((size) => el("option", { value: size }, `${size} px`)));
-    this.method.value = "exemplar";
+    this.choices = Object.fromEntries(Object.entries(rules.settings).map(([name, { title, values, value }]) =>
+      [name, el("select", { "aria-label": title }, values.map((each) => el("option", { value: each, selected: each === value }, String(each))))]));
+    this.research = el("details", {}, el("summary", {}, "For researchers"),
+      Object.entries(rules.settings).map(([name, { title }]) => el("label", { className: "field" }, el("span", {}, title), this.choices[name])));
     this.make.addEventListener("click", () => (this.run.state === "running" ? this.cancel() : this.start()));
     this.poll();
   }
@@ -40,15 +41,15 @@ export class HouseView {
     this.shown = text;
     this.render();
   }
-  settle({ method, texture_size: size }) {
-    if (method) this.method.value = method;
-    if (size) this.size.value = size;
+  settle(settings) {
+    for (const [name, choice] of Object.entries(this.choices)) if (name in settings) choice.value = settings[name];
   }
   async start() {
     document.getElementById("tab-house").click();
     try {
       await this.host.flush();
-      const body = JSON.stringify({ method: this.method.value, texture_size: Number(this.size.value) });
+      const chosen = Object.entries(this.choices).map(([name, choice]) => [name, this.rules.settings[name].values[choice.selectedIndex]]);
+      const body = JSON.stringify(Object.fromEntries(chosen));
       await this.take(await asked("run", { method: "POST", body }));
       this.tell("");
     } catch (error) { this.tell(error.message); }
@@ -78,13 +79,13 @@ export class HouseView {
     const { run } = this, changed = run.state === "done" && run.settings.revision !== run.revision;
     const titles = { none: "No house yet", running: "Being made", done: "Ready", failed: "The run failed", cancelled: "Cancelled", interrupted: "Interrupted" };
     return el("section", {}, el("h2", {}, titles[run.state]),
-      el("div", { className: "row" }, this.method, this.size),
       el("div", { className: "row" }, running ? button("Cancel", () => this.cancel(), { id: "cancel" }) : button(WORDS[run.state], () => this.start(), { className: "primary", id: "start-run" })),
       errors && !running ? el("p", { className: "hint" }, `The plan has ${errors} problem${errors > 1 ? "s" : ""} that would stop a run: see Plan and photos.`) : null,
       changed ? el("p", { className: "hint" }, "Plan or photos changed since. Only what depends on the change is made again.") : null,
       this.line ? el("p", { className: "fault" }, this.line) : null,
       run.fault ? el("p", { className: "fault" }, run.fault) : null,
       ["cancelled", "interrupted"].includes(run.state) ? el("p", { className: "soft" }, "What is made stays; a run goes on from there.") : null,
+      running ? null : this.research,
       running && !run.stages.length ? el("p", { className: "soft" }, "Reading plan and photos\u2026") : null,
       run.stages.length ? el("progress", { value: done, max: run.stages.length, "aria-label": "Stages done" }) : null,
       el("ol", { className: "stages" }, run.stages.map((stage) => el("li", { className: stage.state }, stage.title))),

@@ -15,10 +15,10 @@ export async function askReading(reading, typed, line, feet) {
   const { unit, size, metres_per_pixel: now } = reading;
   const text = (name, first) => typed?.get(name) ?? first;
   const input = (label, name, value, more) => field(label, `reading ${name}`, value, () => {}, { name, ...more });
-  const scale = input(`Metres a ${unit}`, "scale", text("scale", now === null ? "" : String(now)), { inputMode: "decimal" });
-  const width = input("or its whole width", "width", text("width", ""), { inputMode: "decimal", placeholder: feet ? "32' 6\"" : "9.8 m" });
-  const parts = [line ? el("p", { className: "fault", role: "alert" }, line) : null, scale,
-    size || reading.names.length ? width : null, size ? el("p", { className: "soft" }, `It is drawn ${sizeText(size[0])} x ${sizeText(size[1])} ${unit}s. Its width: from left to right.`) : null,
+  const scale = input(`${unit === "pixel" ? "or metres" : "Metres"} a ${unit}`, "scale", text("scale", now === null ? "" : String(now)), { inputMode: "decimal" });
+  const width = input(unit === "pixel" ? "Its whole width" : "or its whole width", "width", text("width", ""), { inputMode: "decimal", placeholder: feet ? "32' 6\"" : "9.8 m" });
+  const wide = size || reading.names.length ? width : null;
+  const parts = [line ? el("p", { className: "fault", role: "alert" }, line) : null, ...(unit === "pixel" ? [wide, scale] : [scale, wide]), size ? el("p", { className: "soft" }, `It is drawn ${sizeText(size[0])} x ${sizeText(size[1])} ${unit}s. Its width: from left to right.`) : null,
     ...layerFields(reading, text, input)];
   const data = await ask("How the plan file is read", parts.filter(Boolean), "Read again");
   return data && { data, given: given(data, reading, feet) };

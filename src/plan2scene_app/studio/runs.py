@@ -24,7 +24,7 @@ import psutil
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.io import read_json, write_json
 from plan2scene.textures.methods import method_named
-from plan2scene_app.run import HOUSE_COLOURS, TEXTURE_SIZES, SingleHouse, run
+from plan2scene_app.run import HOUSE_COLOURS, HOUSE_WALLS, TEXTURE_SIZES, SingleHouse, run
 from plan2scene_app.studio.projects import PLAN, TABLE, Project
 
 #: The command of a run, given a project's folder.
@@ -52,17 +52,21 @@ STAGES = {
 }
 #: Most warnings that are shown.
 _WARNINGS = 20
+#: How a house is made where its owner chooses nothing.
+DEFAULTS = {"method": "exemplar", "texture_size": 128, "colours": "paint", "walls": "room"}
 
 
 def settings_of(chosen: Mapping[str, Any], cores: int) -> dict[str, Any]:
     """Return how a house is made, checked."""
-    settings = {"method": "exemplar", "texture_size": 128, "colours": "paint"}
+    settings: dict[str, Any] = dict(DEFAULTS)
     settings |= {key: chosen[key] for key in settings if key in chosen}
     method_named(str(settings["method"]))
     if settings["texture_size"] not in TEXTURE_SIZES:
         raise InputError(f"a texture size of {TEXTURE_SIZES}", repr(settings["texture_size"]))
     if settings["colours"] not in HOUSE_COLOURS:
         raise InputError(f"colours {', '.join(HOUSE_COLOURS)}", repr(settings["colours"]))
+    if settings["walls"] not in HOUSE_WALLS:
+        raise InputError(f"walls {', '.join(HOUSE_WALLS)}", repr(settings["walls"]))
     return settings | {"cores": cores}
 
 
@@ -251,6 +255,7 @@ def make_house(project: Project, settings: Mapping[str, Any]) -> None:
         seed=0,
         texture_size=settings["texture_size"],
         colours=settings["colours"],
+        walls=settings["walls"],
     )
     events = project.path / EVENTS
     warnings = logging.FileHandler(events, encoding="utf-8", delay=True)

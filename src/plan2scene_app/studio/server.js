@@ -63,8 +63,10 @@ export class Server {
 
   async conflict() {
     const theirs = await asked("state");
-    const mine = await ask("This home was changed elsewhere", [el("p", {}, "Another tab or program has saved other changes since. Keep what this tab shows, or take theirs? (Undo brings yours back.)")], "Keep mine");
-    if (mine) { this.revision = theirs.revision; this.#timer = setTimeout(() => this.flush(), 0); } else this.take(theirs);
+    const answer = await ask("This home was changed elsewhere", [el("p", {}, "Another tab or program has saved other changes since. Keep what this tab shows, or take theirs? (Undo brings yours back.)")], "Keep mine", { other: { text: "Take theirs", value: "theirs" } });
+    if (answer === "theirs") this.take(theirs);
+    else if (answer) { this.revision = theirs.revision; this.#timer = setTimeout(() => this.flush(), 0); }
+    else this.app.say("Not saved: it was changed elsewhere, too. The next change asks again.");
   }
   /** Show what the server has. */
   take(found) {
@@ -85,13 +87,15 @@ export class Server {
   }
 
   async photo(file) {
+    const { max_photo: most } = this.app.rules;
+    if (file.size > most) throw new Error(`at most ${most / 1e6} MB, and it has ${Math.ceil(file.size / 1e6)}`);
     await asked(photoUrl(file.name), { method: "PUT", body: file });
+    return photoUrl(file.name);
   }
-  /** The picture as the server keeps it, with the plan that it traced; a scale in doubt is asked for then. */
+  /** The picture as the server keeps it, with the plan that it traced. */
   async picture(file) {
     const found = await this.read(file);
     if (!found.picture) throw new Error("a plan, not a picture");
-    if (found.scale?.doubt && !this.app.store.plan.rooms.length) setTimeout(() => this.readAgain(), 0);
     return found;
   }
   /** A plan of another format: the server reads it. */
@@ -113,7 +117,8 @@ export class Server {
   /** Read the file that was opened with other values. */
   async readAgain() {
     try {
-      const reading = await asked("plan/reading"), found = await this.askUntilRead(reading, reading.doubt);
+      const reading = await asked("plan/reading"), doubt = reading.doubt && "Its scale is a guess: give its width, or close this and click two points with the tool Scale.";
+      const found = await this.askUntilRead(reading, doubt);
       if (found) await this.show(found);
     } catch (error) { this.app.say(error.message); }
   }
@@ -138,6 +143,7 @@ export class Server {
     if (!picture) { await app.openPlan(plan, file); return; }
     app.picture = picture;
     app.store.changeWhole({ picture: app.placed(picture), ...(plan ? { plan: completed(plan, app.rules) } : {}) });
+    app.setTool("select");
     app.fit();
   }
   /** What the panel has below the house: the way back to the plan file's scale and layers. */

@@ -26,8 +26,10 @@ function showTab(name) {
   for (const id of ["tools", "panel"]) document.getElementById(id).hidden = name === "house";
   document.querySelector("main").hidden = name === "house";
   document.body.classList.toggle("in-house", name === "house");
+  history.replaceState(null, "", name === "house" ? "#house" : "#");
   if (name === "plan") app.render();
 }
 for (const [name, tab] of Object.entries(tabs)) tab.addEventListener("click", () => showTab(name));
 document.addEventListener("visibilitychange", () => { if (document.hidden) host.flush(); });
 globalThis.house = new HouseView(app, host, app.rules);
+if (location.hash === "#house") showTab("house"); // where it was before a reload

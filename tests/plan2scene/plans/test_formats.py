@@ -8,6 +8,7 @@ import pytest
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import plan_formats, read_plan
 from plan2scene.plans.plan_file import PlanFile
+from plan2scene.provenance import WORKFLOW
 
 
 def written(tmp_path, text):
@@ -37,7 +38,8 @@ def test_the_message_of_another_file_names_every_format(tmp_path):
         read_plan(path, "h1")
     names = ", ".join(entry.name for entry in plan_formats())
     assert str(caught.value) == (
-        f"file {path}, house h1: expected a plan ({names}), found 'what' at its start"
+        f"file {path}, house h1: expected a plan ({names}) or a PNG or JPEG picture of one, "
+        "found 'what' at its start"
     )
 
 
@@ -49,7 +51,7 @@ def test_a_missing_package_is_one_line(tmp_path, monkeypatch, start, package):
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(InputError) as caught:
         read_plan(written(tmp_path, start), "h1")
-    assert f"expected {package} (pip install 'plan2scene[formats]')" in str(caught.value)
+    assert f"-m pip install -e '{WORKFLOW}[formats]')" in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -57,9 +59,10 @@ def test_a_missing_package_is_one_line(tmp_path, monkeypatch, start, package):
     [
         (b"\x89PNG\r\n\x1a\n\x00", "a PNG picture (plan2scene trace makes a plan of it)"),
         (b"\xff\xd8\xff\xe0\x00", "a JPEG picture (plan2scene trace makes a plan of it)"),
-        (b"%PDF-1.7\n\xff", "a PDF"),
+        (b"%PDF-1.7\n\xff", "a PDF (save its page as a PNG picture)"),
         (b"AC1032\x00\xff", "a DWG drawing (save it as DXF)"),
         (b"PK\x05\x06" + b"\x00" * 18, "an empty ZIP archive"),
+        (b"PK\x03\x04" + b"\x00" * 90, "a damaged file of Sweet Home 3D or another ZIP archive"),
     ],
 )
 def test_a_picture_is_named_for_what_it_is(tmp_path, start, what):

@@ -123,6 +123,42 @@ def test_problems_are_listed_and_lead_to_what_they_are_of(drawing):
     assert "rooms that don't overlap" in drawing.page.inner_text("#problems")
     drawing.page.click("#problems li button")
     assert drawing.page.evaluate("editor.selection.id") == "room"
+    drawing.page.evaluate("editor.notes = ['hardly sure: door (room_2)']; editor.renderPanel()")
+    drawing.page.locator("#problems .note").get_by_role("button", name="door", exact=True).click()
+    drawing.page.get_by_role("heading", name="door door").wait_for()
+    assert drawing.page.evaluate("[editor.selection.id, editor.notes.length]") == ["door", 1]
+
+
+def test_a_wall_ends_in_no_door_and_a_divided_room_keeps_its_swing(drawing):
+    drawing.two_rooms()
+    swing = "document.querySelector('.opening.door .line').getAttribute('d')"
+    before = drawing.page.evaluate(swing)
+    for z, rooms in ((1.5, 2), (2.5, 3)):
+        drawing.press("w")
+        drawing.click(5, z)
+        drawing.click(3, z)
+        assert len(drawing.plan["rooms"]) == rooms
+        if rooms == 2:
+            assert "would cut door" in drawing.page.inner_text("#status")
+        drawing.press("Escape", "Escape")
+    assert drawing.page.evaluate(swing) == before
+    assert drawing.page.evaluate("editor.problems") == []
+
+
+def test_photos_that_cannot_be_read_are_named_and_the_others_kept(drawing, tmp_path):
+    for name in ("corrupt.jpg", "phone.heic", "good.png"):
+        (tmp_path / name).write_bytes(b"no picture")
+    Image.new("RGB", (40, 30), "green").save(tmp_path / "good.png")
+    drawing.page.evaluate("editor.pickPhotos(null)")
+    drawing.page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
+    drawing.page.get_by_text("2 not added: see Photos. good.png added").wait_for()
+    refused = drawing.page.locator("#panel .fault").all_inner_texts()
+    assert [line.split(" is not added: no picture")[0] for line in refused] == [
+        "corrupt.jpg",
+        "phone.heic",
+    ]
+    assert "HEIC" in refused[1]
+    assert [photo["name"] for photo in drawing.photos] == ["good.png"]
 
 
 def test_feet_and_the_scale_of_a_picture(drawing, tmp_path):
@@ -141,6 +177,17 @@ def test_feet_and_the_scale_of_a_picture(drawing, tmp_path):
     drawing.page.wait_for_function("() => editor.tool.name === 'room'")
     after = drawing.page.evaluate(place)["metres_per_pixel"]
     assert after * 200 == pytest.approx(20.5 * 0.3048, rel=0.01)
+    drawing.page.select_option("#feet", "metres")
+    drawing.press("s")
+    drawing.click(0, 1)
+    drawing.click(3, 1)
+    drawing.page.keyboard.type("1180")  # what is typed goes into the dialog
+    drawing.press("Enter")
+    assert "1180 of what?" in drawing.page.get_by_role("alert").inner_text()
+    drawing.page.get_by_role("button", name="1180 cm").click()
+    drawing.page.wait_for_function("() => editor.tool.name === 'room'")
+    last = drawing.page.evaluate(place)["metres_per_pixel"]
+    assert last / after == pytest.approx(11.8 / 3, rel=0.01)
 
 
 def test_saved_files_open_again(drawing, tmp_path):

@@ -9,7 +9,7 @@ from PIL import Image
 from unscaled_drawings import dxf
 
 from plan2scene.plans.formats import read_plan
-from plan2scene_app.studio import runs
+from plan2scene_app.studio import app, runs
 
 #: Stands for the workflow, which takes minutes: tells what it tells, makes a GLB of the plan.
 TELL = """
@@ -83,6 +83,14 @@ def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
     assert download.value.path().read_bytes()[:4] == b"glTF"
     page.get_by_role("button", name="Textures").click()
     assert page.locator(".tiles figcaption").inner_text() == "room floor"
+    page.reload()  # stays with the house
+    page.wait_for_selector("iframe, #results .tiles")
+    assert page.locator("#run select").first.is_hidden()  # one good default
+    page.get_by_text("For researchers").click()
+    page.get_by_label("Walls alike in a").select_option("wall")
+    page.locator("#start-run").click()
+    page.wait_for_function("() => house.run.settings.walls === 'wall'")
+    page.wait_for_function("() => house.run.state === 'done'")
     # The photo shows the other room: its table follows, and the page says what that means.
     page.select_option("#run .photo select", "room_2")
     page.locator("#run .chip", has_text="room_2").wait_for()
@@ -90,6 +98,29 @@ def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
     page.get_by_text("Only what depends on the change").wait_for()
     page.wait_for_function("() => !house.host.pending")
     assert (home / "photos.csv").read_text() == "room_id,photo\nroom_2,bed.jpg\n"
+
+
+def test_refused_photos_and_a_conflict_say_what_they_are(drawing, studio, tmp_path, monkeypatch):
+    page, home = drawing.page, home_of(studio, drawing)
+    monkeypatch.setattr(app, "MAX_PHOTO", 2_000)
+    page.reload()
+    page.wait_for_selector("body[data-ready]")
+    for name, content in (("corrupt.jpg", b"no picture"), ("large.jpg", bytes(3_000))):
+        (tmp_path / name).write_bytes(content)
+    page.evaluate("editor.pickPhotos(null)")
+    page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
+    page.get_by_text("2 not added: see Photos.").wait_for()
+    corrupt, large = page.locator("#panel .fault").all_inner_texts()
+    assert "found text" in corrupt and "at most 0.002 MB" in large
+    assert drawing.photos == []
+    two_rooms(drawing)
+    (home / "photos.csv").write_text("room_id,photo\nroom,theirs.jpg\n")
+    drawing.press("Control+z")
+    page.get_by_role("button", name="Keep mine").wait_for()
+    page.get_by_role("button", name="Take theirs").click()
+    page.wait_for_function("() => editor.store.state.photos.length === 1 && !house.host.pending")
+    assert all("40" in line for line in drawing.faults)  # how a browser tells a refusal
+    drawing.faults.clear()
 
 
 def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, tmp_path):

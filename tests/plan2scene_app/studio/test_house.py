@@ -61,8 +61,11 @@ def test_a_picture_is_traced_mended_and_made(drawing, studio, tmp_path):
     page.click("#open")
     page.set_input_files("#file-input", tmp_path / "flat.png")
     page.wait_for_function("() => editor.store.plan.rooms.length === 2", timeout=100_000)
-    # The scale was a guess, so the studio asks: the flat is 8.1 m wide from wall to wall.
-    page.get_by_label("or its whole width").fill("8.1")
+    # The scale was a guess: two points may tell it, or that the flat is 8.1 m wide.
+    assert page.evaluate("editor.tool.name") == "scale"
+    assert page.locator("dialog[open]").count() == 0
+    page.get_by_role("button", name="How the plan file is read").click()
+    page.get_by_label("Its whole width").fill("8.1")
     page.get_by_role("button", name="Read again").click()
     page.wait_for_function(
         "() => { const rooms = editor.store.plan.rooms;"
