@@ -17,6 +17,7 @@ from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.check import photo_problem
 from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
+from plan2scene.finishes import finishes_file, read_finishes
 from plan2scene.io import atomic_path, safe_join, write_text
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_file import PlanFile
@@ -89,6 +90,8 @@ def read_input(request: SingleHouse) -> list[str]:
     if is_picture(request):
         _check_picture(request)
         return []
+    if finishes_file(request.plan).is_file():
+        read_finishes(finishes_file(request.plan))
     house = read_plan(request.plan, request.house, request.metres_per_pixel, request.dxf_layers)
     for line in validate_house(house, file=request.plan):
         _LOG.warning("%s", line)
@@ -124,6 +127,7 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     suffix = ".png" if is_picture(request) else request.plan.suffix or ".json"
     plan = root / f"plan{suffix}"
     _copy_changed(request.plan, plan)
+    _copy_finishes(request.plan, plan)
     assignment = ""
     if request.photo_table is not None:
         folder = request.photos_dir or request.photo_table.parent
@@ -135,6 +139,15 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
         writer.writerow(COLUMNS)
         writer.writerow([request.house, "test", plan.name, assignment, "|".join(names)])
     return _write_config(request, root, work)
+
+
+def _copy_finishes(plan: Path, copy: Path) -> None:
+    """Copy what is set by hand beside the plan; what an earlier run had of it goes."""
+    source, target = finishes_file(plan), finishes_file(copy)
+    if source.is_file():
+        _copy_changed(source, target)
+    else:
+        target.unlink(missing_ok=True)
 
 
 def _copy_photos(names: list[str], source: Path, target: Path, request: SingleHouse) -> None:

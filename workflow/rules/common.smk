@@ -20,6 +20,7 @@ from plan2scene.plans.formats import reader_code
 from plan2scene.provenance import file_hash
 from plan2scene.workflow.closures import rule_code
 from plan2scene.workflow.slurm import check_cluster
+from plan2scene.finishes import finishes_file
 from plan2scene.textures.methods import method_code, texture_methods
 
 try:
@@ -98,6 +99,13 @@ def plan_files(wildcards):
     boxes = HAS_BOXES and object_boxes_of(wildcards)
     plan = read_plan_of(wildcards) if path.is_file() else None
     return given(plan=plan, assignment=assignment_of(wildcards), object_boxes=boxes)
+
+
+def finish_files(wildcards):
+    """Return what a house's owner has set by hand, and the crops that it may name."""
+    path = finishes_file(DATA_ROOT / row_of(wildcards).plan)
+    crops = f"{RESULTS}/houses/{wildcards.house}/crops.parquet"
+    return {"finishes": str(path), "crops": crops} if path.is_file() else {}
 
 
 def named_files(wildcards):

@@ -16,8 +16,9 @@ wildcard_constraints:
 
 rule paint:
     # The paint of the surfaces and doors that photos show, apart from the photos' light, and the
-    # textures of the 3D house in it.
+    # textures of the 3D house in it, as far as its owner has not set others by hand.
     input:
+        unpack(finish_files),
         textures=CHOSEN_TEXTURES,
         colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
         materials=f"{RESULTS}/drop_0.0/{{house}}/materials.parquet",

@@ -1,4 +1,4 @@
-"""Rule paint: observed colours, shared materials and textures of a house -> textures in paint."""
+"""Rule paint: colours, materials, textures and finishes of a house -> textures in paint."""
 
 from plan2scene.paint.surfaces import write_paint
 from plan2scene.textures.painted import paint_textures
@@ -13,4 +13,10 @@ with job(snakemake.log[0]):
         dataset=snakemake.params.dataset,
         house=snakemake.wildcards.house,
     )
-    paint_textures(found.textures, output.paint, output.textures)
+    paint_textures(
+        found.textures,
+        output.paint,
+        output.textures,
+        finishes=found.get("finishes"),
+        crops=found.get("crops"),
+    )

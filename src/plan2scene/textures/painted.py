@@ -12,12 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_linear
+from plan2scene.finishes import read_finishes
 from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
 from plan2scene.io import atomic_directory, read_json, write_json
 from plan2scene.paint.estimate import PaintPrior
 from plan2scene.paint.light import relight
 from plan2scene.paint.surfaces import door_paints, paint_gains, read_paint
+from plan2scene.textures.by_hand import set_by_hand
 
 #: JPEG quality of maps, as of those that are painted.
 _QUALITY = 85
@@ -27,12 +29,21 @@ _KNEE = 0.88
 _BLACK = 1e-3
 
 
-def paint_textures(textures: str | Path, paint: str | Path, out_dir: str | Path) -> None:
+def paint_textures(
+    textures: str | Path,
+    paint: str | Path,
+    out_dir: str | Path,
+    *,
+    finishes: str | Path | None = None,
+    crops: str | Path | None = None,
+) -> None:
     """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
 
     The folder has the files of the first one, and ``doors.json``: sRGB levels of door leaves by the
-    id of their opening.
+    id of their opening. What `finishes` (:mod:`plan2scene.finishes`) names is as set by
+    hand; `crops` are those of the house.
     """
+    chosen = read_finishes(finishes) if finishes else {}
     root = Path(textures)
     entries = read_json(root / "textures.json")["surfaces"]
     entries = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entries.items()}
@@ -59,3 +70,5 @@ def paint_textures(textures: str | Path, paint: str | Path, out_dir: str | Path)
         for index in ("textures.json", "maps.json"):
             if (root / index).is_file():
                 shutil.copyfile(root / index, folder / index)
+        if chosen and crops:
+            set_by_hand(folder, chosen, crops, paint)

@@ -51,7 +51,7 @@ def drawing(open_home, studio, monkeypatch):
 
 
 def home_of(studio, drawing):
-    return studio.root / drawing.page.url.rstrip("/").split("/")[-1]
+    return studio.root / drawing.page.url.split("#")[0].rstrip("/").split("/")[-1]
 
 
 def two_rooms(drawing):

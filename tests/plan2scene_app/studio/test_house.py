@@ -48,7 +48,7 @@ def assert_is_the_plan(scene, house):
 
 
 def folder_of(studio, drawing):
-    return studio.root / drawing.page.url.rstrip("/").split("/")[-1]
+    return studio.root / drawing.page.url.split("#")[0].rstrip("/").split("/")[-1]
 
 
 def doors_of(plan):

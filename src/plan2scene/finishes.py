@@ -1,0 +1,88 @@
+"""Finishes: what an owner sets by hand, the last word on what surfaces and doors of a house show.
+
+They stand in ``{plan}.finishes.csv`` beside the plan, with the columns room, surface and what:
+
+- room: an id of the plan, or ``*`` for all; of a door the id of its opening.
+- surface: floor, wall, ceiling, ``wall.{id}`` of an accent wall, or door.
+- what: ``white``; a colour ``#c8a472``; a name of :data:`LIBRARY`; ``same:{room}``;
+  ``photo:{name}``, the crops of that photo.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from plan2scene.errors import InputError
+from plan2scene.house import SurfaceKey
+from plan2scene.io import read_text
+
+#: What the source of a texture that is set by hand begins with.
+BY_HAND = "set by hand: "
+COLUMNS = ["room", "surface", "what"]
+SURFACES = ("floor", "wall", "ceiling", "door")
+_COLOUR = re.compile(r"#[0-9a-fA-F]{6}")
+#: Most bytes of the table: a house has at most some hundreds of surfaces.
+_MOST = 1_000_000
+#: The shipped materials: substance, kind and main colour (sRGB) of a procedural one.
+LIBRARY: Mapping[str, tuple[str, str, str]] = {
+    "oak planks": ("wood", "planks", "#c8a472"),
+    "pale ash planks": ("wood", "planks", "#d8bd94"),
+    "walnut planks": ("wood", "planks", "#6b4a32"),
+    "oak herringbone": ("wood", "herringbone", "#b98f5e"),
+    "white tiles": ("tile", "grid", "#ecebe6"),
+    "grey tiles": ("tile", "grid", "#9b9a96"),
+    "black and white tiles": ("tile", "checker", "#e8e6e0"),
+    "terrazzo": ("tile", "terrazzo", "#d9d4ca"),
+    "beige carpet": ("carpet", "cut", "#c9b99f"),
+    "grey carpet": ("carpet", "loop", "#8d8c8a"),
+    "rough plaster": ("plaster", "plaster", "#e6e1d6"),
+    "concrete": ("plaster", "concrete", "#a5a29c"),
+}
+
+
+def finishes_file(plan: str | Path) -> Path:
+    """Return where the finishes of a plan stand: ``home.finishes.csv`` beside ``home.json``."""
+    return Path(plan).with_name(f"{Path(plan).name.split('.')[0]}.finishes.csv")
+
+
+def read_finishes(path: str | Path) -> dict[SurfaceKey, str]:
+    """Return what is set by hand by room and surface; InputError names what no row may say."""
+    if Path(path).stat().st_size > _MOST:
+        raise InputError(f"at most {_MOST} bytes", "more", file=path)
+    rows = [row for row in csv.reader(io.StringIO(read_text(path))) if any(row)]
+    if not rows or [cell.strip() for cell in rows[0]] != COLUMNS:
+        raise InputError(f"the columns {', '.join(COLUMNS)}", str(rows[:1]), file=path)
+    finishes = {}
+    for row in rows[1:]:
+        if len(row) != len(COLUMNS):
+            raise InputError(f"{len(COLUMNS)} cells in each row", str(row), file=path)
+        room, surface, what = (cell.strip() for cell in row)
+        check_finish(room, surface, what, file=path)
+        finishes[SurfaceKey(room, surface)] = what
+    return finishes
+
+
+def check_finish(room: str, surface: str, what: str, *, file: object = "") -> None:
+    """Raise InputError for a row that no house can follow."""
+    kind = surface.partition(".")[0]
+    if kind not in SURFACES or not room:
+        expected = f"a room and a surface of {', '.join(SURFACES)}"
+        raise InputError(expected, repr(surface), file=file, room=room)
+    plain = what == "white" or _COLOUR.fullmatch(what) is not None
+    other = what in LIBRARY or re.match(r"(same|photo):.", what) is not None
+    if not plain and (kind == "door" or not other):
+        more = "" if kind == "door" else f", same:ROOM, photo:NAME, {', '.join(LIBRARY)}"
+        raise InputError(f"white, a colour such as #c8a472{more}", repr(what), file=file, room=room)
+
+
+def finishes_text(finishes: Mapping[SurfaceKey, str]) -> str:
+    """Return the table as its file holds it."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows((*key, what) for key, what in sorted(finishes.items()))
+    return buffer.getvalue()

@@ -1,0 +1,176 @@
+"""Textures of a house as its owner set them by hand (:mod:`plan2scene.finishes`)."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_linear
+from plan2scene.finishes import BY_HAND, LIBRARY
+from plan2scene.house import SurfaceKey
+from plan2scene.images import read_image, write_png
+from plan2scene.io import read_json, read_parquet, write_json
+from plan2scene.materials import random_material
+from plan2scene.paint.estimate import PaintPrior
+from plan2scene.paint.light import relight
+from plan2scene.paint.surfaces import read_paint
+from plan2scene.textures.crops import Crop
+from plan2scene.textures.single import tile_from_crops
+
+_LOG = logging.getLogger("plan2scene")
+#: Side of a tile of one colour in pixels, and the metres that it covers.
+_FLAT_PX, _FLAT_M = 16, 1.0
+
+
+def set_by_hand(
+    folder: str | Path, finishes: Mapping[SurfaceKey, str], crops: str | Path, paint: str | Path
+) -> None:
+    """Give the surfaces of a textures folder the finishes that an owner chose, in place.
+
+    What the finishes do not name keeps its bytes. A finish of a room or photo that the house does
+    not have is left out, with a warning.
+
+    Parameters
+    ----------
+    folder : path
+        Textures in paint: tiles, ``textures.json``, ``maps.json``, ``doors.json``.
+    crops : path
+        ``crops.parquet``, of which ``photo:`` takes.
+    paint : path
+        ``paint.parquet``: the paint of what those crops show.
+    """
+    root = Path(folder)
+    index = read_json(root / "textures.json")
+    entries = {SurfaceKey(*name.rsplit("/", 1)): e for name, e in index["surfaces"].items()}
+    chosen = _spread(finishes, list(entries))
+    house = _House(root, entries, chosen, Path(crops), Path(paint))
+    made = {key: tile for key in chosen if (tile := house.tile(key)) is not None}
+    for key, tile in made.items():
+        write_png(root / f"{key.filename}.png", tile.image)
+        size = {"size_m": tile.size_m, "observed": None, "substance": tile.substance}
+        index["surfaces"]["/".join(key)] = size | {"source": BY_HAND + chosen[key]}
+        (root / f"{key.filename}.jpg").unlink(missing_ok=True)
+    write_json(root / "textures.json", index)
+    if (root / "maps.json").is_file():
+        maps = read_json(root / "maps.json")
+        names = {"/".join(key) for key in made}
+        kept = {name: entry for name, entry in maps["surfaces"].items() if name not in names}
+        write_json(root / "maps.json", maps | {"surfaces": kept})
+    write_json(root / "doors.json", _doors(read_json(root / "doors.json"), finishes))
+
+
+@dataclass(frozen=True)
+class _Tile:
+    """A tile (n, n, 3) uint8 sRGB, the metres that it covers, what it is made of."""
+
+    image: np.ndarray
+    size_m: float
+    substance: str | None
+
+
+@dataclass
+class _House:
+    """A house's tiles as they are, and those that are chosen."""
+
+    root: Path
+    entries: Mapping[SurfaceKey, Mapping[str, Any]]
+    chosen: Mapping[SurfaceKey, str]
+    crops: Path
+    paint: Path
+    _pending: set[SurfaceKey] = field(default_factory=set)
+
+    def tile(self, key: SurfaceKey) -> _Tile | None:
+        """Return the tile that is chosen for a surface; None, with a warning, for what is not."""
+        what = self.chosen[key]
+        form, _, name = what.partition(":")
+        if form == "same":
+            return self._same(key, SurfaceKey(name, key.surface.partition(".")[0]))
+        if form == "photo":
+            return self._of_photo(key, name)
+        if what in LIBRARY:
+            substance, kind, colour = LIBRARY[what]
+            levels = tuple(int(level) for level in _levels(colour))
+            material = random_material(
+                substance, 1, kind=kind, colour_rgb=(levels[0], levels[1], levels[2])
+            )
+            return _Tile(material.albedo, material.size_m, substance)
+        flat = np.broadcast_to(_levels(what), (_FLAT_PX, _FLAT_PX, 3))
+        return _Tile(np.ascontiguousarray(flat), _FLAT_M, "plaster")
+
+    def _same(self, key: SurfaceKey, other: SurfaceKey) -> _Tile | None:
+        if other not in self.entries or other == key or other in self._pending:
+            _LOG.warning("%s/%s can't be as in %s: it stays as found", *key, other.room_id)
+            return None
+        if other in self.chosen:
+            self._pending.add(key)
+            try:
+                return self.tile(other)
+            finally:
+                self._pending.discard(key)
+        entry = self.entries[other]
+        image = read_image(self.root / f"{other.filename}.png")
+        return _Tile(image, float(entry["size_m"]), entry.get("substance"))
+
+    def _of_photo(self, key: SurfaceKey, photo: str) -> _Tile | None:
+        """Return the tile that a photo's crops of this kind of surface give, in its paint."""
+        table, _ = read_parquet(self.crops)
+        kind = key.surface.partition(".")[0]
+        rows = table[(table["photo"] == photo) & (table["surface"] == kind)]
+        if rows.empty:
+            _LOG.warning("no %s in photo %s: %s/%s stays as found", kind, photo, *key)
+            return None
+        crops = [Crop.of(row) for row in rows.itertuples()]
+        source = max(
+            {c.key for c in crops}, key=lambda one: (sum(c.key == one for c in crops), one)
+        )
+        crops = [crop for crop in crops if crop.key == source]
+        own = self.entries.get(source, {})
+        image = tile_from_crops([crop.image() for crop in crops], "exemplar", size_px=256, seed=0)
+        paints, _ = read_paint(self.paint)
+        if source in paints:
+            shown = np.maximum(srgb_to_linear(median_colour(image)), 1e-3)
+            image = relight(image, paints[source] / shown, knee=0.88)
+        sizes = [crop.size_m for crop in crops if np.isfinite(crop.size_m)]
+        size_m = float(np.median(sizes)) if sizes else float(own.get("size_m", 1.0))
+        return _Tile(image, size_m, own.get("substance"))
+
+
+def _levels(what: str) -> np.ndarray:
+    """Return a colour as (3,) uint8 sRGB: ``white`` is white paint, not paper."""
+    if what == "white":
+        return as_uint8(linear_to_srgb(np.exp(PaintPrior().white[0]) * np.ones(3)))
+    return np.array([int(what[k : k + 2], 16) for k in (1, 3, 5)], np.uint8)
+
+
+def _spread(finishes: Mapping[SurfaceKey, str], keys: list[SurfaceKey]) -> dict[SurfaceKey, str]:
+    """Return what is chosen for each surface of a house: the nearest row counts.
+
+    A row of all rooms (``*``) yields to one of a room, one of a room's walls to one of a wall.
+    """
+    known = {key.room_id for key in keys}
+    for room in sorted({k.room_id for k in finishes if k.surface != "door"} - known - {"*"}):
+        _LOG.warning("finishes of room %s, which the plan does not have, are left out", room)
+    chosen = {}
+    for key in keys:
+        kind = key.surface.partition(".")[0]
+        rows = [key, SurfaceKey(key.room_id, kind), SurfaceKey("*", kind)]
+        found = next((finishes[row] for row in rows if row in finishes), None)
+        if found is not None:
+            chosen[key] = found
+    return chosen
+
+
+def _doors(doors: dict[str, list[int]], finishes: Mapping[SurfaceKey, str]) -> dict[str, list[int]]:
+    """Return the colours of door leaves with those that are chosen."""
+    chosen = {
+        key.room_id: [int(level) for level in _levels(what)]
+        for key, what in finishes.items()
+        if key.surface == "door"
+    }
+    whole = chosen.pop("*", None)
+    return (doors if whole is None else {"": whole}) | chosen
