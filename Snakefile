@@ -30,7 +30,7 @@ include: "workflow/rules/collect.smk"
 rule all:
     default_target: True
     input:
-        house_files("house.glb", "preview.png", "rooms.jpg", "viewer.html"),
+        house_files("house.glb", "preview.png", "rooms.jpg", "views.jpg", "viewer.html"),
         house_files("contact_sheet.png", "texture_sheet.png"),
         f"{RESULTS}/tables/paper_table.csv",
         f"{RESULTS}/index.html",

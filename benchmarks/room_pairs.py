@@ -21,9 +21,11 @@ import numpy as np
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import even_light
+from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.plans.scene_json import read_scene_json
-from plan2scene_app.pictures.room_views import room_pictures
+from plan2scene_app.pictures.lit_picture import painter_of
+from plan2scene_app.pictures.room_views import camera_in
 
 METHOD = "exemplar"
 GAP = 8
@@ -48,12 +50,13 @@ def pair(results: Path, house_id: str, room_id: str, *, lit: bool) -> np.ndarray
         tiles = Path(name) / "tiles"
         shutil.copytree(folder, tiles, ignore=shutil.ignore_patterns("maps.json"))
         repeated, whole = (load_textures(place, house) for place in (tiles, folder))
-    (after,) = room_pictures(house, whole, parts, [room_id])
+    camera = camera_in(house, room_id, Rays.of(parts))
+    after = painter_of(house, whole, parts)(camera)
     if lit:
-        (before,) = room_pictures(house, repeated, parts, [room_id])
+        before = painter_of(house, repeated, parts)(camera)
     else:
         first = [part for part in parts if part.extras["kind"] not in LATER]
-        (before,) = room_pictures(house, repeated, first, [room_id], light=even_light(house))
+        before = painter_of(house, repeated, first, light=even_light(house))(camera)
     return np.hstack([before, np.full((len(before), GAP, 3), 255, np.uint8), after])
 
 

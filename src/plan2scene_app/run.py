@@ -42,8 +42,9 @@ DELIVERED: tuple[str, ...] = (
     "rooms.jpg",
     "viewer.html",
 )
-#: What became of the photos, to look at.
-CONTACT_SHEET = "contact_sheet.png"
+#: Files beside them where there are photos: the house seen from where they were taken, and what
+#: became of them.
+OF_PHOTOS: tuple[str, ...] = ("views.jpg", "contact_sheet.png")
 #: What is printed of the progress: nothing, a line for each job (a bar on a terminal), or all.
 PRINTED = {
     "quiet": ("--quiet", "all"),
@@ -223,7 +224,7 @@ def run(
     sources = (request.plan, request.photo_table, request.photos_dir)
     inputs = [path for path in sources if path is not None]
     names = read_input(request)
-    wanted = (*DELIVERED, CONTACT_SHEET) if names else DELIVERED
+    wanted = (*DELIVERED, *OF_PHOTOS) if names else DELIVERED
     wanted += TRACED if is_picture(request) else ()
     with claimed_folder(out, (*wanted, "textures"), inputs) as folder:
         config = prepare(request, names, folder.work)

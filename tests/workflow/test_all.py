@@ -41,6 +41,7 @@ def test_every_house_has_its_files(made):
         assert (folder / "viewer.html").stat().st_size > (folder / "house.glb").stat().st_size
         assert Image.open(folder / "preview.png").size[0] > 400
         assert Image.open(folder / "rooms.jpg").size[0] > 400
+        assert Image.open(folder / "views.jpg").size[1] > 200  # some photos are located
         assert Image.open(folder / "contact_sheet.png").size[0] > 1000
         assert Image.open(folder / "texture_sheet.png").size[0] > 1000
         own = made.root / "results/tiny/drop_0.0/exemplar" / house / "textures"

@@ -67,8 +67,9 @@ rule house:
 
 
 rule pictures:
-    # To look at: the house from above, and each room at eye level.
+    # To look at: the house from above, each room at eye level, each located photo beside the house.
     input:
+        **given(cameras=HAS_MASKS and CAMERAS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         textures=SHOWN_TEXTURES,
     output:
@@ -86,6 +87,13 @@ rule pictures:
             subcategory="{house}",
             labels={"file": "rooms"},
         ),
+        views=report(
+            f"{RESULTS}/houses/{{house}}/views.jpg",
+            caption="../report/views.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "beside photos"},
+        ),
     log:
         f"logs/{DATASET}/pictures/{{house}}.log",
     benchmark:
@@ -98,6 +106,8 @@ rule pictures:
     params:
         objects=config["house"]["objects"],
         traced=config["house"]["pictures"] == "traced",
+        names=photo_names_of,
+        photo_folder=str(LAYOUT.photos),
         code=rule_code("pictures"),
     script:
         "../scripts/pictures.py"

@@ -2,7 +2,9 @@ rule index_page:
     # One page that links every house's files, the table and the plot.
     input:
         scenes=house_files("scene.json"),
-        houses=house_files("house.glb", "preview.png", "rooms.jpg", "viewer.html"),
+        houses=house_files(
+            "house.glb", "preview.png", "rooms.jpg", "views.jpg", "viewer.html"
+        ),
         sheets=house_files("contact_sheet.png", "texture_sheet.png"),
         table=f"{RESULTS}/tables/paper_table.csv",
         plot=f"{RESULTS}/tables/paper_table.png",

@@ -1,15 +1,21 @@
-"""Rule pictures: plan and textures -> the house from above and its rooms, as pictures."""
+"""Rule pictures: plan, textures, places of photos -> house, rooms, views beside photos."""
+
+from pathlib import Path
 
 from plan2scene.workflow.jobs import job
 from plan2scene_app.pictures.house_pictures import draw_house
 
 with job(snakemake.log[0]):
+    given, made, params = snakemake.input, snakemake.output, snakemake.params
     draw_house(
-        snakemake.input.scene,
-        snakemake.input.textures,
-        snakemake.output.preview,
-        snakemake.output.rooms,
+        given.scene,
+        given.textures,
+        made.preview,
+        made.rooms,
+        made.views,
         house_id=snakemake.wildcards.house,
-        objects=snakemake.params.objects,
-        traced=snakemake.params.traced,
+        photos={name: Path(params.photo_folder) / name for name in params.names},
+        cameras=given.get("cameras"),
+        objects=params.objects,
+        traced=params.traced,
     )

@@ -1,15 +1,23 @@
-"""Pictures of a textured house: its preview, and its rooms at eye level."""
+"""Pictures of a textured house: its preview, its rooms at eye level, itself beside its photos."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from plan2scene.images import jpeg_bytes, write_png
 from plan2scene.io import atomic_path
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.build import textured_house
+from plan2scene.mesh.rays import Rays
+from plan2scene.photos.locate.pose import read_poses
+from plan2scene_app.pictures.lit_picture import painter_of
+from plan2scene_app.pictures.photo_views import render_photo_views
 from plan2scene_app.pictures.preview import render_preview
 from plan2scene_app.pictures.room_views import render_rooms
+
+#: JPEG quality.
+_QUALITY = 90
 
 
 def draw_house(
@@ -17,19 +25,38 @@ def draw_house(
     textures_dir: str | Path,
     preview: str | Path,
     rooms: str | Path,
+    views: str | Path,
     *,
     house_id: str,
+    photos: Mapping[str, Path],
+    cameras: str | Path | None,
     objects: bool = True,
     traced: bool = False,
 ) -> None:
-    """Write a PNG of the house from above and at a slant, and a JPEG of each room at eye level.
+    """Write a PNG of the house from above, JPEGs of its rooms at eye level and beside its photos.
 
-    `traced`: the rooms by path tracing, where Mitsuba is installed. Other parameters as of
-    :func:`plan2scene.mesh.build.build_house`.
+    Parameters
+    ----------
+    preview, rooms, views : path
+        Outputs of :mod:`.preview`, :mod:`.room_views` and :mod:`.photo_views`.
+    photos : mapping of str to path
+        Photos by name.
+    cameras : path or None
+        ``cameras.json``; None where no photo was read.
+    traced : bool
+        Rooms and views by path tracing, where Mitsuba is installed.
+
+    Other parameters as of :func:`plan2scene.mesh.build.build_house`.
     """
     house, textures = textured_house(scene_json, textures_dir, house_id, objects=objects)
     built = assemble(house)
     write_png(preview, render_preview(house, textures, built))
-    pictures = render_rooms(house, textures, built.parts, traced=traced)
-    with atomic_path(rooms) as temporary:
-        temporary.write_bytes(jpeg_bytes(pictures, quality=90))
+    painter = painter_of(house, textures, built.parts, traced=traced)
+    poses = {} if cameras is None else read_poses(cameras)
+    sheets = {
+        rooms: render_rooms(house, Rays.of(built.parts), painter),
+        views: render_photo_views(house, photos, poses, painter),
+    }
+    for output, sheet in sheets.items():
+        with atomic_path(output) as temporary:
+            temporary.write_bytes(jpeg_bytes(sheet, quality=_QUALITY))

@@ -101,6 +101,7 @@ export class HouseView {
     if (files["viewer.html"]) views.push("3D");
     if (files["preview.png"]) views.push("Picture");
     if (files["rooms.jpg"]) views.push("Rooms");
+    if (files["views.jpg"]) views.push("Beside photos");
     if (files["contact_sheet.png"]) views.push("Photos to crops");
     if (tiles.length) views.push("Textures");
     if (!views.length) {
@@ -132,7 +133,7 @@ export class HouseView {
   paneOf(files, tiles) {
     const at = (name) => `results/${name}?${files[name] ?? ""}`;
     if (this.view === "3D") return el("iframe", { src: at("viewer.html"), title: "The house in 3D", sandbox: "allow-scripts" });
-    const pictures = { Picture: "preview.png", Rooms: "rooms.jpg", "Photos to crops": "contact_sheet.png" };
+    const pictures = { Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", "Photos to crops": "contact_sheet.png" };
     if (this.view in pictures) {
       const image = el("img", { src: at(pictures[this.view]), alt: this.view, title: "Click: full size, or to fit", onclick: () => image.classList.toggle("full") });
       return el("div", { className: "pane" }, image);

@@ -13,7 +13,7 @@ from typing import Any
 from plan2scene.errors import InputError
 from plan2scene.images import MAX_PHOTO_PIXELS, decode_image, to_small_srgb
 from plan2scene_app.exports.registry import export_house
-from plan2scene_app.run import CONTACT_SHEET, DELIVERED
+from plan2scene_app.run import DELIVERED, OF_PHOTOS
 from plan2scene_app.studio.projects import Project
 
 _TILE = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*\.png")
@@ -24,7 +24,7 @@ THUMB = 240
 def results_of(project: Project) -> dict[str, Any]:
     """Return ``{files: {name: time}, tiles: [name]}`` of what lies ready."""
     times = {}
-    for name in (*DELIVERED, CONTACT_SHEET):
+    for name in (*DELIVERED, *OF_PHOTOS):
         file = project.house / name
         if file.is_file():
             times[name] = file.stat().st_mtime_ns
@@ -37,7 +37,7 @@ def result_file(project: Project, name: str) -> Path:
     """Return a result's path; InputError for a name that is none."""
     tile = name.removeprefix("textures/")
     is_tile = tile != name and _TILE.fullmatch(tile)
-    if name not in (*DELIVERED, CONTACT_SHEET) and not is_tile:
+    if name not in (*DELIVERED, *OF_PHOTOS) and not is_tile:
         raise InputError("a result", "another name")
     path = project.house / name
     if not path.is_file() or project.path.resolve() not in path.resolve().parents:

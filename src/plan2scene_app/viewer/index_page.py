@@ -87,6 +87,9 @@ def _card(scene: Path, base: Path) -> str:
         f"<details><summary>Rooms at eye level</summary>"
         f'<img src="{_link(folder / "rooms.jpg", base)}" loading="lazy" '
         f'alt="Rooms of house {name} at eye level"></details>'
+        f"<details><summary>Beside its photos</summary>"
+        f'<img src="{_link(folder / "views.jpg", base)}" loading="lazy" '
+        f'alt="Photos, each beside house {name} from the same place"></details>'
         f"<h3>{name}</h3><p>{rooms}, {area:.1f} m²</p><p>{links}</p></article>"
     )
 

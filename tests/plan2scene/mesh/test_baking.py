@@ -25,6 +25,7 @@ from plan2scene.mesh.lit_house import lit_part, lit_textures
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.geometry import room_polygon
+from plan2scene_app.pictures.lit_picture import painter_of
 from plan2scene_app.pictures.renderer import sample
 from plan2scene_app.pictures.room_views import SETTINGS, camera_in, render_rooms, standpoints
 
@@ -124,10 +125,14 @@ def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
             assert polygon.exterior.distance(Point(*eye)) > 0.3
 
 
+def drawn(house, textures, parts):
+    return render_rooms(house, Rays.of(parts), painter_of(house, textures, parts))
+
+
 def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
     textures = paint(gap_house)
     parts = build_parts(gap_house)
-    sheet = render_rooms(gap_house, textures, parts)
+    sheet = drawn(gap_house, textures, parts)
     first = sheet[8 : 8 + SETTINGS.size[0], 8 : 8 + SETTINGS.size[1]].astype(int)
     assert sheet.dtype == np.uint8
     # Bright corners of the tiles are orange; nothing is black or burnt.
@@ -135,12 +140,12 @@ def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
     assert 0.1 < orange < 0.5
     assert (first.max(axis=2) < 12).mean() < 0.01
     assert (first.min(axis=2) > 250).mean() < 0.01
-    np.testing.assert_array_equal(render_rooms(gap_house, textures, parts), sheet)
+    np.testing.assert_array_equal(drawn(gap_house, textures, parts), sheet)
 
 
 def test_rooms_are_drawn_without_a_ray_tracer(gap_house, paint, monkeypatch):
     monkeypatch.setitem(sys.modules, "embreex.rtcore_scene", None)
-    first = render_rooms(gap_house, paint(gap_house), build_parts(gap_house))[8:288, 8:428]
+    first = drawn(gap_house, paint(gap_house), build_parts(gap_house))[8:288, 8:428]
     assert (first.max(axis=2) > 40).mean() > 0.95
 
 

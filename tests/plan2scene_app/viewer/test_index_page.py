@@ -17,6 +17,7 @@ def make(tmp_path, small_house):
         "house.scene.json",
         "preview.png",
         "rooms.jpg",
+        "views.jpg",
         "contact_sheet.png",
         "texture_sheet.png",
     ):
@@ -41,7 +42,7 @@ def test_links_are_relative_and_exist(tmp_path, small_house):
     links = re.findall(r'(?:href|src)="((?!data:)[^"]+)"', page)
     assert "houses/small/viewer.html" in links
     assert "houses/small/house.glb" in links
-    assert {"houses/small/preview.png", "houses/small/rooms.jpg"} <= set(links)
+    assert {"houses/small/preview.png", "houses/small/views.jpg"} <= set(links)
     for link in links:
         assert not link.startswith(("/", "http"))
         assert (tmp_path / unquote(link)).is_file()

@@ -1,0 +1,119 @@
+"""Pictures from within a house: under its baked light, or by path tracing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from plan2scene.camera import Camera
+from plan2scene.colour import linear_to_srgb
+from plan2scene.house import House, SurfaceKey
+from plan2scene.mesh.baking import Light, bake_light, compressed, even_light, mean_colours
+from plan2scene.mesh.parts import MeshPart
+from plan2scene.mesh.texture_files import TileTexture
+from plan2scene_app.pictures.path_tracing import TracedScene, load_mitsuba
+from plan2scene_app.pictures.renderer import Triangles, sample
+
+#: A camera -> what it shows, (height, width, 3) uint8 sRGB.
+Painter = Callable[[Camera], np.ndarray]
+
+
+@dataclass(frozen=True)
+class PictureSettings:
+    """How a house is pictured from within."""
+
+    finer: float = 1.25  #: pictures are drawn so many times larger and averaged down
+    texel_m: float = 0.2  #: of the light
+    sky: tuple[float, float, float] = (0.55, 0.70, 0.95)  #: linear RGB overhead
+    horizon: tuple[float, float, float] = (0.90, 0.93, 0.97)  #: linear RGB
+    brightness: float = 0.42  #: mean linear value that a picture is exposed to,
+    exposures: tuple[float, float] = (0.5, 1.5)  #: within these factors
+
+
+SETTINGS = PictureSettings()
+
+
+def painter_of(
+    house: House,
+    textures: Mapping[SurfaceKey, TileTexture],
+    parts: Sequence[MeshPart],
+    *,
+    traced: bool = False,
+    light: Light | None = None,
+) -> Painter:
+    """Return what draws a house from within.
+
+    With `traced` by path tracing (:mod:`.path_tracing`) where Mitsuba is installed, else
+    by `light`, which is baked where it is not given; even where it cannot be baked.
+    """
+    mi = load_mitsuba() if traced else None
+    if mi is not None:
+        scene = TracedScene(mi, house, parts, textures)
+        return lambda camera: _developed(scene.draw(_larger(camera)), camera, (1.0, 1.0))
+    light = light or bake_light(house, parts, mean_colours(textures), SETTINGS.texel_m)
+    baked = _LitTriangles(parts, textures, light or even_light(house))
+    return lambda camera: _developed(baked.draw(_larger(camera)), camera, SETTINGS.exposures)
+
+
+def _larger(camera: Camera) -> Camera:
+    return camera.resized(
+        (round(camera.height * SETTINGS.finer), round(camera.width * SETTINGS.finer))
+    )
+
+
+class _LitTriangles:
+    """The opaque triangles of a house with their light; the sky is behind its windows."""
+
+    def __init__(
+        self,
+        parts: Sequence[MeshPart],
+        textures: Mapping[SurfaceKey, TileTexture],
+        light: Light,
+    ) -> None:
+        opaque = [part for part in parts if part.material != "glass"]
+        self.triangles, self.light = Triangles.of(opaque, textures), light
+        # The eye balances white in each room: coloured walls and a lamp tint the light less.
+        white = {room: mean.mean() / np.maximum(mean, 1e-6) for room, mean in light.rooms.items()}
+        lights, uv, balance = [], [], []
+        for part in opaque:
+            faces, own = part.mesh.faces, light.charts.get(part.name)
+            plain = light.of_plain(part)[faces[:, 0]]
+            lights.append(np.full((len(faces), 3), np.nan) if own else plain)
+            room = white.get(str(part.extras.get("room_id", "")), np.ones(3))
+            balance.append(np.tile(room, (len(faces), 1)))
+            uv.append(light.uv(part)[faces] if own else np.zeros((len(faces), 3, 2)))
+        self.plain, self.light_uv = np.concatenate(lights), np.concatenate(uv)
+        self.balance = np.concatenate(balance).astype(np.float32)
+
+    def draw(self, camera: Camera) -> np.ndarray:
+        """Return a picture, (h, w, 3) float32 linear RGB, not exposed."""
+        fragments = self.triangles.visible(camera, np.ones(len(self.plain), dtype=bool))
+        upward = np.clip(directions(camera)[..., 1:2], 0, 1)
+        horizon, sky = np.array(SETTINGS.horizon), np.array(SETTINGS.sky)
+        image = (horizon + (sky - horizon) * upward).astype(np.float32)
+        light = self.plain[fragments.triangles]
+        baked = np.isnan(light[:, 0])
+        at = fragments.at(self.light_uv)[baked]
+        light[baked] = sample([self.light.image], at, np.ones(len(at)))
+        light *= self.balance[fragments.triangles]
+        image.reshape(-1, 3)[fragments.pixels] = self.triangles.looks(camera, fragments) * light
+        return image
+
+
+def directions(camera: Camera, step: int = 1) -> np.ndarray:
+    """Return the unit directions (rows, columns, 3) of every `step`-th pixel's ray."""
+    rows, columns = np.mgrid[step // 2 : camera.height : step, step // 2 : camera.width : step]
+    return camera.rays(np.stack([columns, rows], axis=-1))
+
+
+def _developed(image: np.ndarray, camera: Camera, exposures: tuple[float, float]) -> np.ndarray:
+    """Return a linear picture exposed, its highlights compressed, at the camera's size, uint8 sRGB.
+
+    Its mean becomes `SETTINGS.brightness`, within the least and the greatest exposure.
+    """
+    image = cv2.resize(image, (camera.width, camera.height), interpolation=cv2.INTER_AREA)
+    image = image * np.clip(SETTINGS.brightness / max(float(image.mean()), 1e-6), *exposures)
+    return np.asarray(np.round(linear_to_srgb(compressed(image).clip(0, 1)) * 255).astype(np.uint8))
