@@ -12,6 +12,9 @@ from plan2scene.errors import InputError
 from plan2scene.provenance import WORKFLOW
 from plan2scene.textures.methods import texture_methods
 
+#: Most values of a configuration, those of an alias counted wherever it stands.
+MAX_VALUES = 10_000
+
 
 def config_schema() -> dict[str, Any]:
     """Return ``workflow/schemas/config.schema.json`` with the names of the texture methods."""
@@ -40,7 +43,9 @@ def check_config(config: Mapping[str, Any]) -> None:
     from jsonschema import Draft202012Validator
     from jsonschema.exceptions import best_match
 
-    for key, value in _leaves(config, ""):
+    for count, (key, value) in enumerate(_values(config)):
+        if count >= MAX_VALUES:
+            raise InputError(f"a configuration of at most {MAX_VALUES} values", "more")
         fault = None
         if isinstance(value, float) and not math.isfinite(value):
             fault = str(value)
@@ -57,14 +62,15 @@ def check_config(config: Mapping[str, Any]) -> None:
     raise InputError("a configuration as config/ has it", found)
 
 
-def _leaves(value: object, key: str) -> Iterator[tuple[str, object]]:
-    """Yield every value of a configuration that is no section or list, with its key."""
-    if isinstance(value, Mapping | list):
-        items = value.items() if isinstance(value, Mapping) else enumerate(value)
-        for name, item in items:
-            yield from _leaves(item, f"{key}.{name}" if key else str(name))
-    else:
+def _values(config: Mapping[str, Any]) -> Iterator[tuple[str, object]]:
+    """Yield every value of a configuration with its key, sections and lists before what is in."""
+    queue: list[tuple[str, object]] = [("", config)]
+    while queue:
+        key, value = queue.pop()
         yield key, value
+        if isinstance(value, Mapping | list):
+            items = list(value.items() if isinstance(value, Mapping) else enumerate(value))
+            queue += [(f"{key}.{name}" if key else str(name), item) for name, item in items[::-1]]
 
 
 def check_official(config: Mapping[str, Any]) -> None:

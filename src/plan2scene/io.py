@@ -262,18 +262,39 @@ def write_parquet(
 
 
 def read_parquet(path: str | os.PathLike[str]) -> tuple[pd.DataFrame, dict[str, Any]]:
-    """Return a table and the metadata that :func:`write_parquet` gave it."""
+    """Return a table and the metadata that :func:`write_parquet` gave it.
+
+    InputError for a file that is damaged: it says how it is made again.
+    """
     import pyarrow.parquet as pq
 
-    table = pq.ParquetFile(path).read()
-    return table.to_pandas(), _own_metadata(table.schema.metadata, path)
+    with _whole(path):
+        table = pq.ParquetFile(path).read()
+        frame = table.to_pandas()
+    return frame, _own_metadata(table.schema.metadata, path)
 
 
 def read_parquet_metadata(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Return the metadata that :func:`write_parquet` gave a table, without its rows."""
     import pyarrow.parquet as pq
 
-    return _own_metadata(pq.read_schema(path).metadata, path)
+    with _whole(path):
+        metadata = pq.read_schema(path).metadata
+    return _own_metadata(metadata, path)
+
+
+@contextmanager
+def _whole(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Turn what pyarrow says of a damaged file into an InputError."""
+    import pyarrow as pa
+
+    try:
+        yield
+    except FileNotFoundError:
+        raise
+    except (pa.ArrowException, OSError, ValueError, KeyError, TypeError) as error:
+        what = f"damage ({error}): `rm '{path}'` and the same command again make it anew"
+        raise InputError("a whole Parquet file", what, file=path) from None
 
 
 def _own_metadata(
@@ -283,8 +304,11 @@ def _own_metadata(
     raw = (schema_metadata or {}).get(b"plan2scene")
     if raw is None:
         raise InputError("a Parquet file of this program", "no plan2scene metadata", file=path)
-    metadata: dict[str, Any] = json.loads(raw)
-    version = metadata.get("schema_version")
+    try:
+        metadata: dict[str, Any] = json.loads(raw)
+        version = metadata.get("schema_version")
+    except (ValueError, AttributeError, RecursionError):
+        raise InputError("a Parquet file of this program", "other metadata", file=path) from None
     if version != SCHEMA_VERSION:
         raise InputError(f"schema version {SCHEMA_VERSION}", str(version), file=path)
     return metadata

@@ -51,6 +51,17 @@ def test_a_path_that_snakemake_could_not_take_is_one_line(value):
         check_config(config)
 
 
+def test_aliases_of_aliases_are_refused_at_once():
+    bomb: list = ["lol"]
+    for _ in range(40):
+        bomb = [bomb] * 10
+    endless: list = []
+    endless.append(endless)
+    for value in (bomb, endless, [[]] * 20_000):
+        with pytest.raises(InputError, match="at most 10000 values, found more"):
+            check_config(merged("benchmark.yaml") | {"methods": value})
+
+
 def defaults(schema: dict) -> dict:
     """Return the defaults of a schema by key, of those keys that have one."""
     found = {}

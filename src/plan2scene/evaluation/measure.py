@@ -12,7 +12,8 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES, SurfaceKey
 from plan2scene.images import METRIC_SIZE, image_from_bytes, medoid_index, metric_image, read_image
-from plan2scene.io import read_json, read_parquet, write_parquet
+from plan2scene.io import read_parquet, write_parquet
+from plan2scene.mesh.texture_files import texture_index
 from plan2scene.metrics.networks import describe, features_of, network_name, substances_of
 from plan2scene.metrics.registry import IMAGE_COLUMNS, image_metrics
 from plan2scene.provenance import file_hash
@@ -71,14 +72,14 @@ def measure_textures(
         references = reference_images(table, photos)
         for method in methods:
             folder = Path(textures) / drop / method
-            entries = read_json(folder / "textures.json")["surfaces"]
+            entries = texture_index(folder / "textures.json", house)
             listed = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entries.items()}
             keys = [key for key in listed if key in references]
             numbers = sorted((path for path in folder.glob("more/*")), key=lambda p: int(p.name))
             frames.append(
                 measure_tiles(
                     {key: read_image(folder / f"{key.filename}.png") for key in keys},
-                    {key for key in keys if listed[key]["observed"]},
+                    {key for key in keys if listed[key].get("observed")},
                     references,
                     networks,
                     house_id=house,

@@ -121,10 +121,10 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
         When textures.json is not of the form in docs/conventions.md or a tile is no image.
     """
     root = Path(folder)
-    entries = _surfaces(root / "textures.json", house.id)
+    entries = texture_index(root / "textures.json", house.id)
     maps = {}
     if (root / "maps.json").is_file():
-        maps = _surfaces(root / "maps.json", house.id)
+        maps = texture_index(root / "maps.json", house.id)
     textures: dict[SurfaceKey, TileTexture] = {}
     for key in house.surface_keys():
         entry = entries.get(f"{key.room_id}/{key.surface}")
@@ -145,7 +145,7 @@ def textured(folder: str | Path, house: House) -> tuple[House, dict[SurfaceKey, 
     That is the accent walls that it has textures of, and the colours of door leaves
     (``doors.json``). As :func:`load_textures`.
     """
-    entries = _surfaces(Path(folder) / "textures.json", house.id)
+    entries = texture_index(Path(folder) / "textures.json", house.id)
     sides = (
         SurfaceKey(room_id, f"wall.{wall.id}") for wall in house.walls for room_id in wall.room_ids
     )
@@ -172,12 +172,19 @@ def _door_colours(file: Path, house_id: str) -> tuple[tuple[str, tuple[int, int,
     return tuple(colours)
 
 
-def _surfaces(file: Path, house_id: str) -> dict[str, dict[str, object]]:
-    """Return the entries of an index file by ``room/surface``."""
+def texture_index(file: Path, house_id: str = "") -> dict[str, dict[str, object]]:
+    """Return the entries of ``textures.json`` or ``maps.json`` by ``room/surface``.
+
+    InputError for a file of another form.
+    """
     index = read_json(file)
     entries = index.get("surfaces") if isinstance(index, dict) else None
     if not isinstance(entries, dict):
         raise InputError("an object 'surfaces'", "none", file=file, house=house_id)
+    for name, entry in entries.items():
+        if "/" not in name or not isinstance(entry, dict):
+            expected = "'room/surface' and an object for each surface"
+            raise InputError(expected, repr(name), file=file, house=house_id)
     return entries
 
 

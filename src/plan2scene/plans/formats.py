@@ -6,13 +6,17 @@ other packages are found in the same way (docs/extending.md).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import logging
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
+from plan2scene.errors import InputError, system_fault
 from plan2scene.house import House
-from plan2scene.plans.plan_file import PlanFile, PlanFormat
+from plan2scene.plans.plan_file import PlanFile, PlanFormat, Unscaled
 from plan2scene.plugins import code_of, installed, plugins
 
+_LOG = logging.getLogger("plan2scene")
 #: Entry points of this group name a :class:`PlanFormat`.
 GROUP = "plan2scene.plan_formats"
 
@@ -30,7 +34,45 @@ def reader_code(suffix: str) -> list[str]:
 
 def format_of(plan: PlanFile) -> PlanFormat | None:
     """Return the format of a file by its content; None for none of them."""
-    return next((entry for entry in plan_formats() if entry.sniff(plan)), None)
+    for entry in plan_formats():
+        with one_line(plan, entry):
+            if entry.sniff(plan):
+                return entry
+    return None
+
+
+@contextmanager
+def one_line(plan: PlanFile, plan_format: PlanFormat) -> Iterator[None]:
+    """Turn what a format's reader did not foresee in a file into one line.
+
+    An InputError without a file gets this one; any other exception (but what the system refuses,
+    and a missing package) becomes an InputError that names its type, with the exception as its
+    cause and its traceback in the log at level INFO: it is a fault of the reader, too.
+    """
+    try:
+        with installed(plan_format.needs, plan.house_id):
+            yield
+    except InputError as error:
+        if str(error).startswith("expected "):
+            raise plan.fault(error.expected, error.found) from error.__cause__
+        raise
+    except ModuleNotFoundError:
+        raise
+    except Exception as error:
+        if isinstance(error, OSError) and system_fault(error) is not None:
+            raise
+        _LOG.info("%s, read as %s", plan.path, plan_format.name, exc_info=True)
+        found = f"{type(error).__name__}: {error} (not foreseen: please report it with the file)"
+        raise plan.fault(f"{plan_format.name} that can be read", found) from error
+
+
+def unscaled(plan: PlanFile) -> tuple[str, Unscaled] | None:
+    """Return the format of a file whose scale may be given, and its look; None for another."""
+    plan_format = format_of(plan)
+    if plan_format is None or plan_format.look is None:
+        return None
+    with one_line(plan, plan_format):
+        return plan_format.name, plan_format.look(plan)
 
 
 def read_plan(
@@ -57,5 +99,5 @@ def read_plan(
     if plan_format.needs_scale and not 0 < (metres_per_pixel or 0) <= 1:
         expected = f"metres_per_pixel above 0 and up to 1 for {plan_format.name}"
         raise plan.fault(expected, str(metres_per_pixel))
-    with installed(plan_format.needs, house_id):
+    with one_line(plan, plan_format):
         return plan_format.read(plan)

@@ -10,11 +10,15 @@ from itertools import pairwise, product
 import numpy as np
 from shapely.geometry import Point as ShapelyPoint
 from shapely.geometry import Polygon
+from shapely.strtree import STRtree
 
+from plan2scene.errors import InputError
 from plan2scene.house import Door, Point, Ring, Room, Wall
 
 #: Outlines closer than this (metres) share one wall when walls are made from outlines.
 SHARED_TOLERANCE = 0.01
+#: Most walls that outlines make.
+MAX_WALLS = 20_000
 #: A room whose outline is this near (metres) to a door, beyond the wall's depth, is behind it.
 BEHIND_TOLERANCE = 0.1
 
@@ -51,35 +55,39 @@ def find_doors(rooms: Sequence[Room], walls: Iterable[Wall]) -> tuple[Door, ...]
         for opening in wall.openings:
             owners.setdefault(opening.id, []).append(wall.room_ids[0])
     level_of = {room.id: room.level for room in rooms}
-    polygons: dict[str, dict[str, Polygon]] = {}
+    by_level: dict[str, list[Room]] = {}
     for room in rooms:
-        polygons.setdefault(room.level, {})[room.id] = room_polygon(room)
+        by_level.setdefault(room.level, []).append(room)
+    behind = {level: _RoomsNear(own) for level, own in by_level.items()}
     doors: dict[tuple[str, frozenset[str | None]], Door] = {}
     for wall in walls:
         for opening in wall.openings:
             if opening.kind == "window":
                 continue
             room_a = wall.room_ids[0]
-            near = polygons[level_of[room_a]]
+            near = behind[level_of[room_a]].of
             others = [*wall.room_ids[1:], *(r for r in owners[opening.id] if r != room_a)]
             middle = point_along(wall, (opening.start + opening.end) / 2)
-            room_b = others[0] if others else _room_near(middle, room_a, wall.depth, near)
+            room_b = others[0] if others else near(middle, room_a, wall.depth)
             key = (opening.id, frozenset((room_a, room_b)))
             doors.setdefault(key, Door(room_a, opening.id, room_b))
     return tuple(doors.values())
 
 
-def _room_near(
-    point: Point, not_room: str, depth: float, polygons: dict[str, Polygon]
-) -> str | None:
-    """Return the room nearest to `point` within the depth of a wall, other than `not_room`."""
-    near = [
-        (polygon.distance(ShapelyPoint(point)), room_id)
-        for room_id, polygon in polygons.items()
-        if room_id != not_room
-    ]
-    distance, room_id = min(near, default=(math.inf, ""))
-    return room_id if distance <= depth + BEHIND_TOLERANCE else None
+class _RoomsNear:
+    """Finds rooms of a level by points."""
+
+    def __init__(self, rooms: Sequence[Room]) -> None:
+        self._ids = [room.id for room in rooms]
+        self._polygons = [room_polygon(room) for room in rooms]
+        self._tree = STRtree(self._polygons)
+
+    def of(self, point: Point, not_room: str, depth: float) -> str | None:
+        """Return the room nearest to `point` within the depth of a wall, other than `not_room`."""
+        spot = ShapelyPoint(point)
+        found = self._tree.query(spot, predicate="dwithin", distance=depth + BEHIND_TOLERANCE)
+        near = [(self._polygons[k].distance(spot), self._ids[k]) for k in found]
+        return min((pair for pair in near if pair[1] != not_room), default=(0.0, None))[1]
 
 
 def walls_of_rooms(rooms: Sequence[Room], *, depth: float = 0.1, shared: bool = True) -> list[Wall]:
@@ -104,6 +112,8 @@ def _walls_of_level(rooms: Sequence[Room], depth: float, *, shared: bool) -> lis
             for start, end in ring_edges(ring):
                 for piece in pairwise(_split(start, end, corners)):
                     pieces.add(piece, room.id, shared)
+                if len(pieces.ends) > MAX_WALLS:
+                    raise InputError(f"outlines that make at most {MAX_WALLS} walls", "more")
     heights = {room.id: room.height for room in rooms}
     counts: Counter[str] = Counter()
     walls = []

@@ -16,6 +16,9 @@ from plan2scene.house import House, Level, Room, Stairs
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.parse import Source
 
+#: Most levels of a house.
+MAX_LEVELS = 50
+
 
 @dataclass(frozen=True)
 class StairLimits:
@@ -40,6 +43,8 @@ STAIRS = StairLimits()
 def ordered_levels(source: Source, levels: Iterable[Level]) -> tuple[Level, ...]:
     """Return levels from the lowest to the highest; InputError for two of one id or height."""
     ordered = sorted(levels, key=lambda level: level.elevation)
+    if len(ordered) > MAX_LEVELS:
+        raise source.fault(f"at most {MAX_LEVELS} levels", len(ordered))
     ids = [level.id for level in ordered]
     for level, above in pairwise(ordered):
         if ids.count(level.id) > 1:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from plan2scene.house import Opening, Point, Wall
 from plan2scene.plans.parse import Source
 
@@ -54,8 +56,9 @@ def place_openings(
     Raises InputError for a segment without length or without a wall.
     """
     placed: dict[int, list[Opening]] = {}
+    lines = np.array([(*wall.start, *wall.end, wall.length) for wall in walls]).reshape(-1, 5)
     for segment in segments:
-        matches = [m for k, wall in enumerate(walls) if (m := _match(wall, k, segment)) is not None]
+        matches = _matches(lines, segment)
         near = sorted((m for m in matches if m.distance <= tolerance), key=lambda m: m.distance)
         if not near:
             nearest = min((m.distance for m in matches), default=math.inf)
@@ -73,27 +76,32 @@ def place_openings(
             opening = Opening(segment.id, segment.kind, start, end, segment.bottom, segment.top)
             placed.setdefault(match.wall, []).append(opening)
     return [
-        replace(wall, openings=wall.openings + tuple(placed.get(k, ())))
+        replace(wall, openings=wall.openings + tuple(placed[k])) if k in placed else wall
         for k, wall in enumerate(walls)
     ]
 
 
-def _match(wall: Wall, number: int, segment: Segment) -> _Match | None:
-    """Return where a segment falls on a wall, or None when it runs elsewhere."""
-    length = wall.length
-    ux, uz = (wall.end[0] - wall.start[0]) / length, (wall.end[1] - wall.start[1]) / length
+def _matches(lines: np.ndarray, segment: Segment) -> list[_Match]:
+    """Return where a segment falls on walls that run its way.
+
+    `lines` is (n, 5) float: x and z of a wall's start and of its end, and its length, metres.
+    """
+    x0, z0, x1, z1, length = lines.T
+    ux, uz = (x1 - x0) / length, (z1 - z0) / length
     along, across = [], []
     for x, z in (segment.start, segment.end):
-        dx, dz = x - wall.start[0], z - wall.start[1]
+        dx, dz = x - x0, z - z0
         along.append(dx * ux + dz * uz)
         across.append(dx * -uz + dz * ux)
-    low, high = sorted(along)
-    if abs(across[1] - across[0]) > math.tan(MAX_ANGLE) * (high - low) or high - low <= 0:
-        return None
-    inside = min(high, length) - max(low, 0.0)
-    if inside < MIN_SHARE * (high - low):
-        return None
-    return _Match(number, low, high, abs(across[0] + across[1]) / 2)
+    low, high = np.minimum(*along), np.maximum(*along)
+    straight = np.abs(across[1] - across[0]) <= math.tan(MAX_ANGLE) * (high - low)
+    inside = np.minimum(high, length) - np.maximum(low, 0.0)
+    distance = np.abs(across[0] + across[1]) / 2
+    found = straight & (high > low) & (inside >= MIN_SHARE * (high - low))
+    return [
+        _Match(int(k), float(low[k]), float(high[k]), float(distance[k]))
+        for k in np.flatnonzero(found)
+    ]
 
 
 def _one_per_side(walls: Sequence[Wall], near: list[_Match]) -> list[_Match]:

@@ -158,7 +158,11 @@ class Source:
 
 
 def parse_json(text: str, file: str | Path, house_id: str = "") -> Any:
-    """Return parsed JSON; InputError for a syntax error, NaN, a repeated key or deep nesting."""
+    """Return parsed JSON.
+
+    InputError for a syntax error, NaN, a repeated key, deep nesting, and half a surrogate pair,
+    which no file can hold.
+    """
 
     def refuse(name: str) -> float:
         raise InputError("finite numbers", name, file=file, house=house_id)
@@ -172,11 +176,17 @@ def parse_json(text: str, file: str | Path, house_id: str = "") -> Any:
         return document
 
     try:
-        return json.loads(text, parse_constant=refuse, object_pairs_hook=once)
+        document = json.loads(text, parse_constant=refuse, object_pairs_hook=once)
+        if "\\ud" in text.lower():
+            json.dumps(document, ensure_ascii=False).encode()
+        return document
     except InputError:
         raise
     except RecursionError:
         raise InputError("JSON", "nesting too deep", file=file, house=house_id) from None
+    except UnicodeEncodeError as error:
+        half = f"\\u{ord(error.object[error.start]):04x}, half a surrogate pair"
+        raise InputError("Unicode text", half, file=file, house=house_id) from None
     except ValueError as error:  # syntax errors, and integers of thousands of digits
         raise InputError("JSON", f"a syntax error ({error})", file=file, house=house_id) from None
 

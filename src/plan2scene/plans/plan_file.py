@@ -34,6 +34,10 @@ _SIGNATURES = (
 )
 
 
+#: JSON plans above this many bytes are refused: parsed, they take twenty times the memory.
+MAX_JSON_BYTES = 32_000_000
+
+
 @dataclass(frozen=True)
 class PlanFile:
     """A plan on disk, read when a format first looks at it.
@@ -84,6 +88,8 @@ class PlanFile:
         """The parsed JSON; None where the text is none (a syntax error is an InputError)."""
         if not self.text.lstrip().startswith(("{", "[")):
             return None
+        if len(self.text) > MAX_JSON_BYTES:
+            raise self.fault(f"at most {MAX_JSON_BYTES} bytes of JSON", str(len(self.text)))
         return parse_json(self.text, self.path, self.house_id)
 
     def fault(self, expected: str, found: str) -> InputError:

@@ -148,8 +148,12 @@ def _islands(house: House) -> Iterator[_Line]:
 
 #: A room with less area than this (square metres) is a drawing fault.
 MIN_AREA = 0.01
+#: Of an outline of more corners that crosses itself no area is worked out: it takes their square.
+MANY_CORNERS = 200
 #: Rooms may overlap by this share of the smaller one (walls drawn on both sides of their line).
 OVERLAP_SHARE = 0.02
+#: Most overlapping pairs of rooms of a storey that are told.
+MAX_OVERLAPS = 200
 #: A hole may reach this far (metres) over its wall through rounding.
 ROUNDING = 1e-3
 #: A wall whose middle is farther (metres) from its room's outline is in the wrong place.
@@ -259,7 +263,8 @@ def _room_faults(room: Room, fault: _Fault) -> Iterator[InputError]:
         yield fault("an outline of at least 3 points", "fewer", room.id)
         return
     polygon = room_polygon(room)
-    if not polygon.is_valid and polygon.buffer(0).area >= MIN_AREA:
+    many = sum(map(len, room.rings)) > MANY_CORNERS
+    if not polygon.is_valid and (many or polygon.buffer(0).area >= MIN_AREA):
         yield fault("an outline that doesn't cross itself", explain_validity(polygon), room.id)
     elif polygon.area < MIN_AREA:
         yield fault(f"an area of at least {MIN_AREA:g} m2", f"{polygon.area:.4f}", room.id)
@@ -314,11 +319,13 @@ def _overlaps(house: House) -> Iterator[tuple[str, str, str]]:
     """Yield (expected, found, room) for each two rooms that overlap."""
     polygons = [room_polygon(room) for room in house.rooms]
     tree = STRtree(polygons)
+    told = 0
     for i, j in sorted(zip(*tree.query(polygons, predicate="intersects"), strict=True)):
-        if i >= j:
+        if i >= j or told >= MAX_OVERLAPS:
             continue
         area = polygons[i].intersection(polygons[j]).area
         if area > OVERLAP_SHARE * min(polygons[i].area, polygons[j].area):
+            told += 1
             found = f"{area:.2f} m2 shared with room {house.rooms[j].id}"
             yield "rooms that don't overlap", found, house.rooms[i].id
 

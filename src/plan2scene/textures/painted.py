@@ -15,7 +15,8 @@ from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_l
 from plan2scene.finishes import read_finishes
 from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
-from plan2scene.io import atomic_directory, read_json, write_json
+from plan2scene.io import atomic_directory, write_json
+from plan2scene.mesh.texture_files import texture_index
 from plan2scene.paint.estimate import PaintPrior
 from plan2scene.paint.light import relight
 from plan2scene.paint.surfaces import door_paints, paint_gains, read_paint
@@ -45,9 +46,9 @@ def paint_textures(
     """
     chosen = read_finishes(finishes) if finishes else {}
     root = Path(textures)
-    entries = read_json(root / "textures.json")["surfaces"]
-    entries = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entries.items()}
-    unseen = {key for key, entry in entries.items() if entry["observed"] is False}
+    listed = texture_index(root / "textures.json")
+    entries = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in listed.items()}
+    unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
     tiles = {key: read_image(root / f"{key.filename}.png") for key in entries}
     shown = {
         key: np.maximum(srgb_to_linear(median_colour(tile)), _BLACK) for key, tile in tiles.items()

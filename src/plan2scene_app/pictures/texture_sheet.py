@@ -12,7 +12,8 @@ from PIL import Image, ImageDraw
 from plan2scene.drawing import INK, PAPER, font
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.images import metric_image, read_image
-from plan2scene.io import atomic_path, read_json, read_parquet
+from plan2scene.io import atomic_path, read_parquet
+from plan2scene.mesh.texture_files import texture_index
 from plan2scene.metrics.color_freq_tile import color_distance
 
 _CELL, _GAP, _LABEL, _HEAD, _CAPTION = 192, 8, 132, 26, 16
@@ -48,7 +49,7 @@ def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[Su
     from plan2scene.evaluation.measure import reference_images
 
     references = reference_images(read_parquet(crops)[0], [])
-    listed = read_json(Path(next(iter(textures.values()))) / "textures.json")["surfaces"]
+    listed = texture_index(Path(next(iter(textures.values()))) / "textures.json")
     rows = {}
     for name, entry in sorted(listed.items(), key=lambda item: _order(item[0])):
         key = SurfaceKey(*name.rsplit("/", 1))
@@ -57,7 +58,7 @@ def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[Su
             method: read_image(Path(folder) / f"{key.filename}.png")
             for method, folder in textures.items()
         }
-        seen = "observed" if entry["observed"] else "not observed"
+        seen = "observed" if entry.get("observed") else "not observed"
         shared = [f"material {entry['material']}"] if "material" in entry else []
         title = (key.room_id, key.surface, str(entry["substance"]), seen, *shared)
         rows[key] = SheetRow(title, every if visible is None else visible, tiles)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from shapely.ops import polygonize
 from shapely.strtree import STRtree
 
 from plan2scene import house
+from plan2scene.errors import InputError
 from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import MAX_ITEMS, Source
 
@@ -20,6 +21,8 @@ from plan2scene.plans.parse import MAX_ITEMS, Source
 DEFAULT_THICKNESS = 0.1
 #: Most wall axes of a plan.
 MAX_AXES = 5000
+#: Most pairs of walls that meet, and of lines of walls side by side.
+MAX_PAIRS = 200_000
 #: Bottom and top in metres of an opening whose file gives none.
 HEIGHTS = {"door": (0.0, 2.05), "passage": (0.0, 2.2), "window": (0.9, 2.1)}
 
@@ -82,6 +85,39 @@ class WallAxis:
     height: float = 0.0
 
 
+def distinct(axes: Iterable[WallAxis]) -> list[WallAxis]:
+    """Return walls once each: of several between the same ends (to `SETTINGS.grid`) the first.
+
+    It is as thick and as high as the thickest and the highest of them.
+    """
+    once: dict[tuple[tuple[int, int], ...], WallAxis] = {}
+    for axis in axes:
+        key = same_ends(axis.start, axis.end)
+        first = once.get(key, axis)
+        thickness, height = max(first.thickness, axis.thickness), max(first.height, axis.height)
+        once[key] = replace(first, thickness=thickness, height=height)
+    return list(once.values())
+
+
+def same_ends(start: Sequence[float], end: Sequence[float]) -> tuple[tuple[int, int], ...]:
+    """Return a key that segments between the same ends have, to `SETTINGS.grid`, either way."""
+    ends = [(round(x / SETTINGS.grid), round(z / SETTINGS.grid)) for x, z in (start, end)]
+    return tuple(sorted(ends))
+
+
+def limit_pairs(lines: Sequence[LineString], distance: float, what: str) -> None:
+    """Raise InputError where more than `MAX_PAIRS` pairs of lines are within a distance.
+
+    They are counted a few lines at a time: the count takes no more time than its limit.
+    """
+    tree, count, step = STRtree(lines), 0, 50
+    for k in range(0, len(lines), step):
+        pairs = tree.query(lines[k : k + step], predicate="dwithin", distance=distance)
+        count += pairs.shape[1]
+        if count > 2 * MAX_PAIRS + len(lines):
+            raise InputError(f"at most {MAX_PAIRS} pairs of {what}", "more")
+
+
 def rooms_of_axes(source: Source, axes: Sequence[WallAxis]) -> list[Polygon]:
     """Return the floors between walls: the faces that the axes close, less the walls' bodies.
 
@@ -95,10 +131,11 @@ def rooms_of_axes(source: Source, axes: Sequence[WallAxis]) -> list[Polygon]:
     axes = [axis for axis in axes if math.dist(axis.start, axis.end) > SETTINGS.join]
     if not axes:
         return []
+    limit_pairs([LineString([a.start, a.end]) for a in axes], 0.0, "walls that meet")
     joined = _joined(axes)
-    network = unary_union(
-        [LineString([a.start, a.end]) for a in joined if a.start != a.end], grid_size=SETTINGS.grid
-    )
+    lines = [LineString([a.start, a.end]) for a in joined if a.start != a.end]
+    limit_pairs(lines, 0.0, "walls that meet")
+    network = unary_union(lines, grid_size=SETTINGS.grid)
     pieces = len(getattr(network, "geoms", [network]))
     if pieces > MAX_ITEMS:
         raise source.fault(f"walls of at most {MAX_ITEMS} pieces between crossings", pieces)
@@ -124,15 +161,19 @@ def _joined(axes: Sequence[WallAxis]) -> list[WallAxis]:
 
     points = np.array([end for axis in axes for end in (axis.start, axis.end)], dtype=np.float64)
     nodes = np.arange(len(points))
-    for i, j in sorted(cKDTree(points).query_pairs(SETTINGS.join)):
+    near = cKDTree(points)
+    if near.count_neighbors(near, SETTINGS.join) > 2 * MAX_PAIRS + len(points):
+        raise InputError(f"at most {MAX_PAIRS} pairs of ends of walls that meet", "more")
+    for i, j in sorted(near.query_pairs(SETTINGS.join)):
         nodes[j] = min(nodes[i], nodes[j])
     points = points[nodes]
     counts = np.bincount(nodes, minlength=len(points))
     lines = [LineString(points[2 * k : 2 * k + 2]) for k in range(len(axes))]
     tree = STRtree(lines)
+    thickness = np.array([axis.thickness for axis in axes])
     moved = points.copy()
     for end in np.flatnonzero(counts[nodes] == 1):
-        target = _touched(int(end), points, axes, lines, tree)
+        target = _touched(int(end), points, thickness, lines, tree)
         if target is not None:
             moved[end] = target
     return [
@@ -144,39 +185,35 @@ def _joined(axes: Sequence[WallAxis]) -> list[WallAxis]:
 def _touched(
     end: int,
     points: np.ndarray,
-    axes: Sequence[WallAxis],
+    thickness: np.ndarray,
     lines: Sequence[LineString],
     tree: STRtree,
 ) -> np.ndarray | None:
     """Return where a loose end (index into `points` (2n, 2)) meets the nearest other axis.
 
-    That is the crossing of both lines, when the bodies of both walls touch there.
+    That is the crossing of both lines, when the bodies of both walls, `thickness` (n,) m, touch
+    there.
     """
     own = end // 2
     here, other_end = points[end], points[end ^ 1]
     direction = here - other_end
     direction = direction / max(float(np.linalg.norm(direction)), 1e-9)
-    half = axes[own].thickness / 2
-    best: tuple[float, np.ndarray | None] = (math.inf, None)
-    reach = (
-        max(half + max(axis.thickness for axis in axes) / 2, SETTINGS.least_reach) + SETTINGS.join
-    )
-    for k in tree.query(lines[own].buffer(reach)):
-        if k == own:
-            continue
-        a, b = points[2 * k], points[2 * k + 1]
-        across = b - a
-        turn = direction[0] * across[1] - direction[1] * across[0]
-        if abs(turn) <= 0.17 * float(np.linalg.norm(across)):
-            continue
-        offset = a - here
-        step = (offset[0] * across[1] - offset[1] * across[0]) / turn
-        place = here + step * direction
-        limit = max(half + axes[k].thickness / 2, SETTINGS.least_reach) + SETTINGS.join
-        off = lines[k].distance(LineString([place, place]))
-        if abs(step) <= limit and off <= limit and abs(step) < best[0]:
-            best = (abs(step), place)
-    return best[1]
+    half = thickness[own] / 2
+    reach = max(half + thickness.max() / 2, SETTINGS.least_reach) + SETTINGS.join
+    others = tree.query(lines[own].buffer(reach))
+    others = others[others != own]
+    across = points[2 * others + 1] - points[2 * others]
+    turns = direction[0] * across[:, 1] - direction[1] * across[:, 0]
+    turned = np.abs(turns) > 0.17 * np.linalg.norm(across, axis=1)
+    others, across, turns = others[turned], across[turned], turns[turned]
+    offsets = points[2 * others] - here
+    steps = (offsets[:, 0] * across[:, 1] - offsets[:, 1] * across[:, 0]) / turns
+    limits = np.maximum(half + thickness[others] / 2, SETTINGS.least_reach) + SETTINGS.join
+    for n in np.argsort(np.abs(steps), kind="stable"):
+        place = here + steps[n] * direction
+        if abs(steps[n]) <= limits[n] and lines[others[n]].distance(Point(place)) <= limits[n]:
+            return np.asarray(place)
+    return None
 
 
 def _body(axis: WallAxis) -> Polygon:
@@ -226,10 +263,12 @@ def _middle_lines(area: Polygon) -> list[tuple[tuple[np.ndarray, np.ndarray], fl
 class NearestAxis:
     """Finds the wall that an opening's area lies in."""
 
-    def __init__(self, axes: list[WallAxis]) -> None:
-        self._axes = axes
-        self._lines = [LineString([axis.start, axis.end]) for axis in axes]
+    def __init__(self, axes: Sequence[WallAxis]) -> None:
+        self._axes = distinct(axes)
+        self._lines = [LineString([axis.start, axis.end]) for axis in self._axes]
         self._tree = STRtree(self._lines)
+        self._starts = np.array([axis.start for axis in self._axes]).reshape(-1, 2)
+        self._ways = np.array([axis.end for axis in self._axes]).reshape(-1, 2) - self._starts
 
     def segment(self, area: Polygon, name: str, kind: str) -> Segment | None:
         """Return an opening's segment: the middle line of its area that runs along the wall."""
@@ -267,13 +306,16 @@ class NearestAxis:
         for number, (start, end) in enumerate(lines):
             if np.linalg.norm(end - start) < SETTINGS.opening_side:
                 continue
-            for k in self._tree.query(LineString([start, end]), predicate="dwithin", distance=0.5):
-                first = np.array(self._axes[k].start)
-                way = np.subtract(self._axes[k].end, first)
-                if _along((start, end), way) > 0.98:
-                    offset = (start + end) / 2 - first
-                    across = abs(way[0] * offset[1] - way[1] * offset[0]) / np.hypot(*way)
-                    best = min(best, (round(float(across), 3), number))
+            near = self._tree.query(LineString([start, end]), predicate="dwithin", distance=0.5)
+            ways, step = self._ways[near], end - start
+            lengths = np.hypot(*ways.T)
+            cosines = np.abs(ways @ step) / np.maximum(np.linalg.norm(step) * lengths, 1e-12)
+            offsets = (start + end) / 2 - self._starts[near]
+            across = np.abs(ways[:, 0] * offsets[:, 1] - ways[:, 1] * offsets[:, 0])
+            parallel = cosines > 0.98
+            if parallel.any():
+                nearest = (across[parallel] / lengths[parallel]).min()
+                best = min(best, (round(float(nearest), 3), number))
         start, end = lines[best[1]]
         return Segment(name, kind, tuple(start.tolist()), tuple(end.tolist()), *HEIGHTS[kind])
 

@@ -35,6 +35,8 @@ _LENGTH = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*(mm|cm|m|in)\s*")
 _METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
 #: Deepest nesting of groups.
 MAX_DEPTH = 100
+#: Longest list of a polygon's points.
+MAX_POINTS_TEXT = 200_000
 #: Least and largest scale in metres a pixel.
 SCALES = (1e-5, 1.0)
 #: Most walls, rooms, openings and pieces of furniture of a page.
@@ -151,7 +153,10 @@ def _area(source: Source, element: Element, matrix: np.ndarray) -> Polygon | Non
     shape = next((item for item in below if item.tag.rsplit("}")[-1] == "polygon"), None)
     if shape is None:
         return None
-    numbers = _numbers(source, shape.get("points", ""))
+    text = shape.get("points", "")
+    if len(text) > MAX_POINTS_TEXT:
+        raise source.fault(f"at most {MAX_POINTS_TEXT} letters of a polygon's points", len(text))
+    numbers = _numbers(source, text)
     if len(numbers) < 6 or len(numbers) % 2:
         raise source.fault("a polygon of at least 3 points", f"{len(numbers)} numbers")
     points = np.column_stack([np.reshape(numbers, (-1, 2)), np.ones(len(numbers) // 2)])

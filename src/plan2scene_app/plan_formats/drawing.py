@@ -33,9 +33,16 @@ from plan2scene.house import (
 from plan2scene.plans.geometry import find_doors, walls_of_rooms
 from plan2scene.plans.levels import STAIRS, linked
 from plan2scene.plans.openings import Segment, place_openings
-from plan2scene.plans.parse import MAX_ROOMS, Source
+from plan2scene.plans.parse import MAX_CORNERS, MAX_ROOMS, Source
 from plan2scene.plans.room_names import room_types
-from plan2scene_app.plan_formats.axes import DEFAULT_THICKNESS, SETTINGS, WallAxis, rooms_of_axes
+from plan2scene_app.plan_formats.axes import (
+    DEFAULT_THICKNESS,
+    MAX_PAIRS,
+    SETTINGS,
+    WallAxis,
+    distinct,
+    rooms_of_axes,
+)
 
 #: Most openings of a plan.
 MAX_OPENINGS = 2000
@@ -64,6 +71,15 @@ class Drawing:
     icons: list[IconBox] = field(default_factory=list)
     stairs: list[Stairs] = field(default_factory=list)  # up to a next storey, ends known
     height: float = DEFAULT_HEIGHT
+    asked: int = 0  # how often `shows` was called
+
+    def add_room(self, room: DrawnRoom) -> None:
+        """Add a room; InputError for more rooms, or corners of one, than a plan may have."""
+        if len(self.rooms) >= MAX_ROOMS:
+            raise InputError(f"at most {MAX_ROOMS} rooms", "more")
+        if (corners := sum(map(len, room.rings))) > MAX_CORNERS:
+            raise InputError(f"at most {MAX_CORNERS} corners of a room", str(corners))
+        self.rooms.append(room)
 
     def floor(self) -> float:
         """Return the area of the rooms in square metres."""
@@ -75,7 +91,13 @@ class Drawing:
         return self.floor() + 1e-3 * sum(lengths)
 
     def shows(self, start: Point, end: Point, kind: str | None = None) -> bool:
-        """Return whether an opening (of that kind, if given) is where this segment is."""
+        """Return whether an opening (of that kind, if given) is where this segment is.
+
+        InputError for more openings than a plan may have, each shown by two rooms.
+        """
+        self.asked += 1
+        if self.asked > 2 * MAX_OPENINGS:
+            raise InputError(f"at most {MAX_OPENINGS} doors and windows", "more")
         middle = np.add(start, end) / 2
         offsets = (
             np.add(o.start, o.end) / 2 - middle for o in self.openings if kind in (None, o.kind)
@@ -99,6 +121,7 @@ def house_of_drawing(source: Source, drawing: Drawing, taken: set[str] | None = 
     neither rooms nor walls that close one, or more than a house can have.
     """
     source.identifier(source.house_id, "a house name")
+    drawing = replace(drawing, axes=distinct(drawing.axes))
     if len(drawing.openings) > MAX_OPENINGS:
         raise source.fault(f"at most {MAX_OPENINGS} doors and windows", len(drawing.openings))
     rooms = _rooms(source, drawing, set() if taken is None else taken)
@@ -124,7 +147,11 @@ def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
     drawn = list(drawing.rooms)
     if len(drawn) > MAX_ROOMS:
         raise source.fault(f"at most {MAX_ROOMS} rooms", len(drawn))
-    polygons = [Polygon(room.rings[0], room.rings[1:]).buffer(0) for room in drawn]
+    corners = sum(len(ring) for room in drawn for ring in room.rings)
+    if corners > MAX_CORNERS:
+        raise source.fault(f"at most {MAX_CORNERS} corners of all rooms", corners)
+    polygons = [Polygon(room.rings[0], room.rings[1:]) for room in drawn]
+    polygons = [area if area.is_valid else area.convex_hull for area in polygons]
     tree = STRtree(polygons)
     faces = rooms_of_axes(source, drawing.axes) if drawing.axes else []
     for face in faces:
@@ -221,7 +248,7 @@ def _with_openings(
     source: Source, walls: list[Wall], openings: Sequence[Segment], along: _Axes
 ) -> list[Wall]:
     """Return the walls with the openings that lie on one; the others are warned of."""
-    placed = list(walls)
+    placed, pairs = list(walls), 0
     tree = STRtree([LineString([wall.start, wall.end]) for wall in walls])
     for segment in openings:
         thickness = along.thickness(segment)
@@ -230,6 +257,9 @@ def _with_openings(
         )
         line = LineString([segment.start, segment.end])
         near = sorted(tree.query(line, predicate="dwithin", distance=2 * reach).tolist())
+        pairs += len(near)
+        if pairs > MAX_PAIRS:
+            raise source.fault(f"at most {MAX_PAIRS} pairs of an opening and a wall", "more")
         try:
             changed = place_openings(source, [placed[k] for k in near], [segment], tolerance=reach)
         except InputError as error:
@@ -296,7 +326,8 @@ def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
             source.warnings.append(f"{error} on level {storey.name}; left out")
             continue
         height = storey.drawing.height
-        level = Level(free_id(storey.name, names), storey.name, storey.elevation - base, height)
+        shown = storey.name.encode("utf-8", "replace").decode()  # half a surrogate pair is no text
+        level = Level(free_id(storey.name, names), shown, storey.elevation - base, height)
         houses.append((level, house))
         stairs += [replace(flight, level=level.id) for flight in storey.drawing.stairs]
     if not houses:

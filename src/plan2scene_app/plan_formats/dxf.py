@@ -306,7 +306,8 @@ class _Drawing:
 
     def _room(self, rings: list[Any], texts: list[tuple[str, Point]]) -> DrawnRoom:
         """Return a room named by the texts inside it."""
-        area = Polygon(rings[0], rings[1:]).buffer(0)
+        area = Polygon(rings[0], rings[1:])
+        area = area if area.is_valid else area.convex_hull
         name = " ".join(text for text, place in texts if area.contains(place))[:100]
         outlines = tuple(self.source.outline(ring, name[:40]) for ring in rings)
         return DrawnRoom(name, outlines)

@@ -26,6 +26,8 @@ from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey,
 #: Most bytes of a model, and triangles of one body.
 MAX_BYTES = 200_000_000
 MAX_TRIANGLES = 20_000
+#: Most triangles of a model, and largest number of a direction.
+MAX_ALL_TRIANGLES, MAX_RATIO = 1_000_000, 1e6
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,11 @@ class _Model:
             self.file = ifcopenshell.open(str(path))
         except (RuntimeError, OSError, ValueError, ifcopenshell.Error) as error:
             raise source.fault("an IFC model that can be read", str(error) or "damage") from None
+        for item in self.file.by_type("IfcDirection"):
+            if not all(abs(ratio) <= MAX_RATIO for ratio in item.DirectionRatios):
+                found = str(item.DirectionRatios)
+                raise source.fault(f"directions of numbers within {MAX_RATIO:g}", found)
+        self.triangles = 0
         self.geometry, self.element = ifcopenshell.geom, ifcopenshell.util.element
         self.settings = ifcopenshell.geom.settings()
         self.settings.set("use-world-coords", True)
@@ -199,6 +206,9 @@ class _Model:
             return None
         points = np.array(shape.geometry.verts, dtype=np.float64).reshape(-1, 3)
         faces = np.array(shape.geometry.faces, dtype=np.int64).reshape(-1, 3)
+        self.triangles += len(faces)
+        if self.triangles > MAX_ALL_TRIANGLES:
+            raise self.source.fault(f"at most {MAX_ALL_TRIANGLES} triangles", "more")
         if not 1 <= len(faces) <= MAX_TRIANGLES:
             what = f"{len(faces)} triangles, left out"
             self.source.warn(f"1 to {MAX_TRIANGLES} triangles of {product.is_a()}", what)

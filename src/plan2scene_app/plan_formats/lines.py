@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 from shapely import unary_union
-from shapely.geometry import LineString, Polygon
+from shapely.geometry import LineString, MultiLineString, Polygon
 from shapely.ops import polygonize
 from shapely.strtree import STRtree
 
@@ -18,6 +18,8 @@ from plan2scene_app.plan_formats.axes import (
     SETTINGS,
     WallAxis,
     is_floor,
+    limit_pairs,
+    same_ends,
 )
 
 
@@ -27,14 +29,14 @@ def axes_of_lines(lines: Sequence[LineString]) -> list[WallAxis]:
     Faces are paired from the nearest pair on; a long face may have several short ones before it,
     as where a wall stands on the other. An axis is as long as the shorter face.
     """
-    pieces = [
-        LineString(pair)
-        for line in lines
-        for pair in pairwise(line.coords)
-        if math.dist(*pair) > 0.01
-    ]
+    drawn = [pair for line in lines for pair in pairwise(line.coords) if math.dist(*pair) > 0.01]
+    once: dict[object, tuple[tuple[float, ...], ...]] = {}
+    for pair in drawn:
+        once.setdefault(same_ends(*pair), pair)
+    pieces = [LineString(pair) for pair in once.values()]
     if not pieces:
         return []
+    limit_pairs(pieces, SETTINGS.faces[1], "lines of walls side by side")
     covered = np.zeros(len(pieces))
     lengths = np.array([piece.length for piece in pieces])
     axes = []
@@ -134,7 +136,9 @@ def rooms_of_outlines(lines: Sequence[LineString], gaps: Sequence[WallAxis]) -> 
 
     `gaps` are the pieces of wall over openings, where outlines end.
     """
-    network = unary_union(list(lines), grid_size=SETTINGS.grid)
+    once = list({line.wkb: line for line in lines}.values())
+    limit_pairs(once, 0.0, "lines of walls that meet")
+    network = unary_union(once, grid_size=SETTINGS.grid)
     thin = [face for face in polygonize(network) if face.buffer(-SETTINGS.thin / 2).is_empty]
     over = [
         LineString([gap.start, gap.end]).buffer(gap.thickness / 2, cap_style="flat") for gap in gaps
@@ -155,18 +159,23 @@ def groups_of_lines(lines: Sequence[LineString]) -> list[Polygon]:
     """
     if not lines:
         return []
+    from scipy.sparse import coo_array  # a third of a second that no other format needs
+    from scipy.sparse.csgraph import connected_components
+
+    lines = list({line.wkb: line for line in lines}.values())
+    limit_pairs(lines, SETTINGS.panes, "lines of doors and windows side by side")
     tree = STRtree(lines)
-    group = list(range(len(lines)))
-    for i, j in sorted(
-        zip(*tree.query(lines, predicate="dwithin", distance=SETTINGS.panes), strict=True)
-    ):
-        if i < j and group[i] != group[j] and _together(lines[i], lines[j]):
-            old, new = group[j], group[i]
-            group = [new if name == old else name for name in group]
+    near = tree.query(lines, predicate="dwithin", distance=SETTINGS.panes)
+    pairs = [(i, j) for i, j in near.T.tolist() if i < j and _together(lines[i], lines[j])]
+    ends = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    links = coo_array((np.ones(len(pairs)), tuple(ends)), shape=(len(lines), len(lines)))
+    _, group = connected_components(links, directed=False)
+    members: dict[int, list[LineString]] = {}
+    for name, line in zip(group.tolist(), lines, strict=True):
+        members.setdefault(name, []).append(line)
     groups = []
-    for name in dict.fromkeys(group):
-        inside = unary_union([line for line, own in zip(lines, group, strict=True) if own == name])
-        area = inside.minimum_rotated_rectangle
+    for inside in members.values():
+        area = MultiLineString(inside).minimum_rotated_rectangle
         if isinstance(area, LineString):
             area = area.buffer(0.005, cap_style="flat")
         if isinstance(area, Polygon):

@@ -15,12 +15,14 @@ from shapely.geometry import Polygon
 
 from plan2scene.house import House, IconBox, Ring
 from plan2scene.plans.openings import Segment
-from plan2scene.plans.parse import Source
+from plan2scene.plans.parse import MAX_ITEMS, MAX_ROOMS, Source
 from plan2scene.plans.plan_file import PlanFormat
 from plan2scene.plans.room_names import room_types
 from plan2scene_app.plan_formats.axes import MAX_AXES, WallAxis
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys
 
+#: Most of a scan's parts.
+_LIMITS = {"walls": MAX_AXES, "floors": MAX_ROOMS, "objects": MAX_ITEMS}
 _KINDS = {"doors": "door", "windows": "window", "openings": "passage"}
 
 
@@ -38,6 +40,10 @@ def house_of_roomplan(document: Any, house_id: str, *, file: str = "") -> House:
     """Return the house of a captured room or structure; its lowest storey is at 0."""
     source = Source(file, house_id)
     rooms = [source.mapping(room, "a room") for room in _rooms(document)]
+    counts = {key: sum(len(source.items(room.get(key), key)) for room in rooms) for key in _LIMITS}
+    for what, limit in _LIMITS.items():
+        if max(counts[what], len(rooms)) > limit:
+            raise source.fault(f"at most {limit} {what} and rooms", max(counts[what], len(rooms)))
     stories: dict[int, list[dict[str, Any]]] = defaultdict(list)
     for room in rooms:
         stories[_story(source, room)].append(room)
@@ -82,11 +88,9 @@ def _drawing(source: Source, rooms: list[dict[str, Any]]) -> Drawing:
             start, end, _, top = _upright(source, wall, "a wall")
             drawing.axes.append(WallAxis(start, end, 0.0, top - base))
             heights.append(top - base)
-        if len(drawing.axes) > MAX_AXES:
-            raise source.fault(f"at most {MAX_AXES} walls", "more")
         height = max(heights, default=drawing.height)
         for floor in source.items(room.get("floors"), "floors"):
-            drawing.rooms.append(_room(source, room, floor, height, f"room {number}"))
+            drawing.add_room(_room(source, room, floor, height, f"room {number}"))
         _add_openings(source, room, base, drawing)
         for item in source.items(room.get("objects"), "objects"):
             drawing.icons.append(_icon(source, item))

@@ -13,6 +13,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from plan2scene.house import House, IconBox, Point, Ring
+from plan2scene.plans.levels import MAX_LEVELS
 from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import MAX_ITEMS, Source
 from plan2scene.plans.plan_file import PlanFormat
@@ -88,6 +89,8 @@ class _Home:
             for tag in ("room", "wall")
             for element in self.root.findall(tag)
         }
+        if len(drawn) > MAX_LEVELS:
+            raise self.source.fault(f"at most {MAX_LEVELS} levels", len(drawn))
         return [name for name in self.levels if name in drawn] or [self._level("")]
 
     def _level(self, named: str) -> str:

@@ -15,11 +15,10 @@ import numpy as np
 
 from plan2scene.house import DEFAULT_HEIGHT, House
 from plan2scene.plans.openings import Segment
-from plan2scene.plans.parse import Source
+from plan2scene.plans.parse import MAX_CORNERS, Source
 from plan2scene.plans.plan_file import PlanFormat, Unscaled
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.plan_formats.drawing import (
-    MAX_OPENINGS,
     Drawing,
     DrawnRoom,
     house_of_drawing,
@@ -123,7 +122,10 @@ def _points(
 ) -> list[tuple[float, float]]:
     """Return points in metres, (x, -y)."""
     points = []
-    for item in source.items(value, "points"):
+    items = source.items(value, "points")
+    if len(items) > MAX_CORNERS:
+        raise source.fault(f"at most {MAX_CORNERS} points of a room", len(items))
+    for item in items:
         pair = [source.number(v, "a coordinate") for v in source.items(item, "a point")]
         if len(pair) != 2:
             raise source.fault("points of 2 numbers", len(pair))
@@ -143,15 +145,13 @@ def _add_room(
 ) -> None:
     """Add a room and its openings: `step` points each, a third one is (bottom, top)."""
     ring = source.outline(_points(source, room.get("vertices"), matrix, move), label[:40])
-    drawing.rooms.append(DrawnRoom(label, (ring,)))
+    drawing.add_room(DrawnRoom(label, (ring,)))
     for key, kind in _KINDS.items():
         raw = source.items(room.get(key), key)
         if raw and isinstance(raw[0], list) and raw[0] and isinstance(raw[0][0], list):
             raw = [point for item in raw for point in source.items(item, key)]
         for k in range(0, len(raw) - 1, step):
             start, end = _points(source, raw[k : k + 2], matrix, move)
-            if len(drawing.openings) > MAX_OPENINGS:
-                raise source.fault(f"at most {MAX_OPENINGS} doors and windows", "more")
             if not drawing.shows(start, end, kind):
                 name = f"opening_{len(drawing.openings)}"
                 drawing.openings.append(Segment(name, kind, start, end, *HEIGHTS[kind]))

@@ -21,3 +21,12 @@ def test_too_much_is_refused_before_it_is_worked_on(tmp_path):
     lines = [f"{i} 0 {i} 900 wall\n0 {i} 900 {i} wall" for i in range(0, 900, 20)]
     with pytest.raises(InputError, match="close 1 to 1000 rooms, found 1936 rooms"):
         house_of_r2v("\n".join(lines), "h1", 0.01)
+
+
+def test_half_a_surrogate_pair_is_no_text(tmp_path):
+    (tmp_path / "plan.json").write_text('{"format": "plan2scene-plan", "name": "a\\uD83D"}')
+    with pytest.raises(InputError, match=r"Unicode text, found \\ud83d, half"):
+        read_plan(tmp_path / "plan.json", "h1")
+    (tmp_path / "plan.json").write_text('{"format": "plan2scene-plan", "name": "\\uD83D\\uDE00"}')
+    with pytest.raises(InputError, match="only the keys"):
+        read_plan(tmp_path / "plan.json", "h1")

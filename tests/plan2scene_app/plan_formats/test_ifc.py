@@ -178,3 +178,11 @@ def test_bad_models_are_one_line(tmp_path, text, line):
         read_plan(path, "h1")
     assert line in str(caught.value)
     assert str(caught.value).startswith(f"file {path}, house h1")
+
+
+def test_a_direction_of_huge_numbers_is_refused(tmp_path):
+    writer = Writer()
+    writer.storey(drawn_flat(2), "ground")
+    writer.file.by_type("IfcDirection")[0].DirectionRatios = [1e20, 0.0, 1.0]
+    with pytest.raises(InputError, match="directions of numbers within 1e"):
+        read_plan(writer.saved(tmp_path), "h1")
