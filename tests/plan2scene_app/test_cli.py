@@ -39,25 +39,23 @@ def test_version():
     assert re.fullmatch(r"plan2scene \d\S+\n", call("--version")[1])
 
 
-def test_masks_are_label_images_of_the_photos_size(tmp_path):
-    photo = tmp_path / "room one.jpg"
+def test_masks_are_label_images_and_take_the_place_of_such_alone(tmp_path):
+    photo, bad, out = tmp_path / "room one.jpg", tmp_path / "bad.png", tmp_path / "out"
     Image.fromarray(np.full((90, 120, 3), 180, np.uint8)).save(photo)
-    code, _ = call("masks", photo, "--out", tmp_path / "out")
-    labels = Image.open(tmp_path / "out" / "room one.png")
-    assert code == 0
+    bad.write_text("no image")
+    code, output = call("masks", bad, photo, "--out", out)
+    assert code == 1  # the bad one is named, the other is done
+    assert "bad.png" in output
+    labels = Image.open(out / "room one.png")
     assert labels.size == (120, 90)
     assert labels.mode == "L"
     assert set(np.unique(np.asarray(labels))) <= {0, 1, 2, 3}
-
-
-def test_a_bad_photo_is_named_and_the_others_are_done(tmp_path):
-    good, bad = tmp_path / "good.png", tmp_path / "bad.png"
-    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(good)
-    bad.write_text("no image")
-    code, output = call("masks", bad, good, "--out", tmp_path / "out")
-    assert code == 1
-    assert "bad.png" in output
-    assert (tmp_path / "out" / "good.png").is_file()
+    assert call("masks", photo, "--out", out)[0] == 0
+    Image.fromarray(np.full((90, 120), 180, np.uint8)).save(out / "room one.png")
+    before = (out / "room one.png").read_bytes()
+    with pytest.raises(InputError, match="expected a folder without other pictures"):
+        call("masks", photo, "--out", out)
+    assert (out / "room one.png").read_bytes() == before
 
 
 def test_texture_writes_a_tile(tmp_path):
@@ -140,19 +138,7 @@ def test_no_command_overwrites_its_input(tmp_path, command):
     assert given.read_bytes() == before
 
 
-def test_labels_take_the_place_of_labels_only(tmp_path):
-    photo, other = tmp_path / "a.jpg", tmp_path / "out" / "a.png"
-    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(photo)
-    for _ in range(2):
-        assert call("masks", photo, "--out", tmp_path / "out")[0] == 0
-    Image.fromarray(np.full((64, 64), 180, np.uint8)).save(other)
-    before = other.read_bytes()
-    with pytest.raises(InputError, match="expected a folder without other pictures"):
-        call("masks", photo, "--out", tmp_path / "out")
-    assert other.read_bytes() == before
-
-
-@pytest.mark.parametrize("command", ["run", "texture", "masks", "import"])
+@pytest.mark.parametrize("command", ["run", "texture", "import"])
 def test_an_output_that_cannot_be_written_is_one_line(tmp_path, monkeypatch, capsys, command):
     photo, blocked = tmp_path / "a.png", tmp_path / "file" / "x"
     Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(photo)

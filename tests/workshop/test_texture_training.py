@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.images import write_png
 from plan2scene.textures.model.texture_model import Architecture, load_texture_model
 from plan2scene_workshop.texture import data as td
 from plan2scene_workshop.texture import run as texture_run
@@ -51,21 +50,6 @@ def test_materials_come_back_as_they_were_made(textures, materials) -> None:
     assert td.seen_textures(learnt)[:2] == ["4 procedural materials.", "No real tileable textures."]
 
 
-def test_real_textures_are_split_as_their_index_says(textures, tmp_path) -> None:
-    rows = ["id,split"]
-    for index, split in enumerate(["train", "train", "val"]):
-        write_png(tmp_path / "real" / "wood" / f"{index}.png", textures.tiles[index])
-        rows.append(f"{index},{split}")
-    (tmp_path / "real" / "index.csv").write_text("\n".join(rows))
-    settings = td.MaterialSettings(procedural=1, held_out=1, folder=str(tmp_path / "real"))
-    td.write_materials(tmp_path / "m.npz", settings, seed=3)
-    learnt, held_out = td.read_materials(tmp_path / "m.npz")
-    assert learnt.scanned.tolist() == [False, True, True]
-    assert np.array_equal(learnt.tiles[1:], textures.tiles[:2])
-    assert np.array_equal(held_out["real"].tiles, textures.tiles[2:3])
-    assert td.seen_textures(learnt)[1].startswith("2 real")
-
-
 def test_training_repeats_itself_and_resumes_to_the_byte(textures, tmp_path) -> None:
     checkpoint = tmp_path / "texture.checkpoint"
     whole = train_texture_model(TINY, textures, SETTINGS, 0).network.state_dict()
@@ -81,19 +65,6 @@ def test_training_repeats_itself_and_resumes_to_the_byte(textures, tmp_path) -> 
     trainer.save(checkpoint)
     assert not texture_trainer(TINY, textures, other, 0).resume(checkpoint)
     assert not texture_trainer(TINY, textures, SETTINGS, 0, run="others").resume(checkpoint)
-
-
-def test_training_reduces_the_loss(textures) -> None:
-    one = textures.of(np.array([0]))
-    settings = TextureSettings(
-        steps=24, batch=2, tile_share=0.0, learning_rate=3e-3, low_precision=False
-    )
-    trainer = texture_trainer(TINY, one, settings, 0)
-    totals = []
-    for _ in range(settings.steps):
-        losses = trainer.train_step()
-        totals.append(float(losses["spectrum"] + losses["colour"] + losses["substance"]))
-    assert np.mean(totals[-5:]) < 0.8 * np.mean(totals[:3])
 
 
 def test_run_writes_weights_and_card(materials, tmp_path, monkeypatch) -> None:

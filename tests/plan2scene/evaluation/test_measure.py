@@ -189,21 +189,6 @@ def test_a_method_that_the_paper_has_not_reads_none(results):
     assert float(rows.iloc[0]["COLOR"]) == float(wide[wide["method"] == "synth"].iloc[0]["COLOR"])
 
 
-def test_each_surface_counts_once_for_fid_however_many_crops_it_has(results):
-    # The floor has three crops, the wall one: the weighted reference mean is that of surfaces.
-    tidy, _ = _table(results, _request())
-    predictions = np.stack(_rows(results, "crop", "0.0")["features"])
-    references = [
-        read_parquet(results / "houses" / h / "reference_features.parquet")[0] for h in ("h1", "h2")
-    ]
-    crops = pd.concat(references)
-    houses = np.repeat([0, 1], [len(frame) for frame in references])
-    units = 2 * houses + (crops["surface"] == "floor").to_numpy()
-    expected = frechet_distance(predictions, np.stack(crops["features"]), None, units)
-    cells = tidy.set_index(["method", "column", "metric"])["value"]
-    assert cells["crop", "observed", "FID"] == pytest.approx(expected, rel=1e-6)
-
-
 def test_missing_houses_and_empty_columns_are_named(results):
     _rewritten(results, lambda f: f[(f["method"] != "synth") | (f["drop"] != "0.6")])
     request = _request(houses=("h1", "h2", "h3"))

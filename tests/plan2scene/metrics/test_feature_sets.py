@@ -63,29 +63,6 @@ def test_kid_is_that_of_torchmetrics_over_the_whole_sets():
     assert kernel_distance(a, b) == pytest.approx(expected, rel=1e-9)
 
 
-def test_units_count_once_in_kid_and_are_not_paired_with_themselves():
-    a, b = _samples(3, 5, 3), _samples(6, 5, 4)
-    units = np.array(["w", "w", "w", "x", "y", "y"])
-
-    def k(x, y):
-        return (x @ y / 5 + 1) ** 3
-
-    groups = [b[units == name] for name in "wxy"]
-    within_b = np.mean(
-        [
-            np.mean([k(x, y) for x in groups[i] for y in groups[j]])
-            for i in range(3)
-            for j in range(3)
-            if i != j
-        ]
-    )
-    within_a = np.mean([k(a[i], a[j]) for i in range(3) for j in range(3) if i != j])
-    across = np.mean([np.mean([k(x, y) for x in a for y in group]) for group in groups])
-    expected = within_a + within_b - 2 * across
-    assert kernel_distance(a, b, None, units) == pytest.approx(expected, rel=1e-12)
-    assert kernel_distance(b, a, units, None) == pytest.approx(expected, rel=1e-12)
-
-
 @pytest.mark.parametrize("distance", [frechet_distance, kernel_distance])
 def test_bad_sets_are_refused(distance):
     with pytest.raises(ValueError, match="features"):

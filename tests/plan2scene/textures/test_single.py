@@ -17,7 +17,6 @@ def test_every_method_gives_a_tile_that_repeats(method):
     tile = tile_from_crops(CROPS, method, size_px=128, seed=0)
     assert tile.shape == (128, 128, 3) and tile.dtype == np.uint8
     assert wrap_ratio(tile) < 1.5
-    assert np.array_equal(tile, tile_from_crops(CROPS, method, size_px=128, seed=0))
 
 
 def test_crops_too_poor_for_an_exemplar_are_decoded():

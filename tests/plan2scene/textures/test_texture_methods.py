@@ -1,7 +1,9 @@
 """Baselines and the texture stage on a small house, and the metrics of what it makes."""
 
 import json
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -132,8 +134,14 @@ def test_crops_of_other_houses_come_after_rooms_of_the_type_and_before_the_rest(
 
 
 @pytest.fixture
-def files(tmp_path):
-    """The files a texture job reads."""
+def files(job_files, tmp_path):
+    """Copies of the files that a texture job reads."""
+    return Path(shutil.copytree(job_files, tmp_path / "job"))
+
+
+@pytest.fixture(scope="module")
+def job_files(tmp_path_factory):
+    tmp_path = tmp_path_factory.mktemp("job")
     write_scene_json(PLAN, tmp_path / "scene.json")
     crops = pd.DataFrame(
         {

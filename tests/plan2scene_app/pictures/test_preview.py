@@ -19,24 +19,6 @@ def square(y, colour):
     return builder.build(f"square {y}")
 
 
-def looking_down(eye, target, scale, size, orthographic=True):
-    camera = Camera.look_at(np.array(eye), np.array(target), scale, size, orthographic=orthographic)
-    return camera
-
-
-@pytest.mark.parametrize("orthographic", [False, True])
-def test_points_of_pixels_project_back(orthographic):
-    triangles = Triangles.of([square(0.3, (255, 0, 0))], {})
-    camera = looking_down([1.4, 3.0, 2.0], [0.5, 0.3, 0.5], 90.0, (80, 90), orthographic)
-    shown = triangles.visible(camera, np.ones(2, dtype=bool))
-    assert len(shown.pixels) > 100
-    np.testing.assert_allclose(shown.points[:, 1], 0.3, atol=1e-4)
-    np.testing.assert_allclose(shown.at(triangles.corners), shown.points, atol=1e-4)
-    rows, columns = np.divmod(shown.pixels, 90)
-    projected = camera.project(shown.points)
-    np.testing.assert_allclose(projected, np.stack([columns, rows], axis=1), atol=0.02)
-
-
 def test_a_floor_that_runs_on_behind_the_camera_is_drawn_before_it():
     floor = PartBuilder()
     floor.quad(np.array([[-50, 0, -50], [-50, 0, 50], [50, 0, 50], [50, 0, -50]], float), (9, 9, 9))

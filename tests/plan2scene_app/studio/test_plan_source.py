@@ -123,18 +123,3 @@ def test_what_is_no_plan_is_not_kept(project):
         read_upload(project, b"no plan at all")
     assert not isinstance(found.value, UnreadPlanError)
     assert (project.path / "plan_source").read_bytes() == svg()
-
-
-def test_the_server_asks_and_reads_again(studio):
-    studio.ask("POST", "projects", {"name": "drawn"})
-    assert studio.ask("GET", "p/drawn/plan/reading")[0] == 400
-    status, found = studio.ask("POST", "p/drawn/plan", svg())
-    assert status == 400
-    assert found["reading"]["size"] == [800, 400]
-    status, found = studio.ask("POST", "p/drawn/plan/reading", b'{"metres_per_pixel": NaN}')
-    assert (status, "finite" in found["error"]) == (400, True)
-    status, found = studio.ask("POST", "p/drawn/plan/reading", {"metres_per_pixel": 0.01})
-    assert status == 200
-    assert len(found["plan"]["rooms"]) == 2
-    status, found = studio.ask("GET", "p/drawn/plan/reading")
-    assert (status, found["metres_per_pixel"]) == (200, 0.01)

@@ -1,6 +1,6 @@
 """Random apartments: a partition, reachable rooms, openings cut into both rooms' walls."""
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from itertools import pairwise
 
 import networkx as nx
@@ -74,17 +74,6 @@ def test_windows_are_on_the_outside() -> None:
             if name in windows:
                 line = shapely.LineString(np.reshape(segments[0], (2, 2)))
                 assert rim.buffer(1e-2).contains(line)
-
-
-def test_variety() -> None:
-    """Homes differ: L-shaped rooms, open plans, passages and most room types occur."""
-    types = Counter(name for house in HOUSES for room in house.rooms for name in room.types)
-    assert {"Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet"} <= set(types)
-    assert any(len(room.types) > 1 for house in HOUSES for room in house.rooms)
-    assert any(len(room.rings[0]) == 6 for house in HOUSES for room in house.rooms)
-    kinds = {o.kind for house in HOUSES for wall in house.walls for o in wall.openings}
-    assert kinds == {"door", "window", "passage"}
-    assert len({len(house.rooms) for house in HOUSES}) >= 5
 
 
 def test_same_seed_same_house() -> None:

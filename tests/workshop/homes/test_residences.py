@@ -3,7 +3,6 @@
 import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -23,9 +22,8 @@ from plan2scene.seeds import generator
 from plan2scene_workshop.homes import residences
 from plan2scene_workshop.homes.style import assign_materials
 from plan2scene_workshop.rendering import RenderedPhoto
-from plan2scene_workshop.rendering.randomised import draw_random_rooms
 
-OPTIONS = residences.ResidenceOptions(height=24, width=32, tile_px=64)
+OPTIONS = residences.ResidenceOptions(height=24, width=32, tile_px=32)
 
 
 def fake_render(house, materials, accents, views, seed, *, height, width, **_) -> Iterator:
@@ -43,7 +41,7 @@ def fake_render(house, materials, accents, views, seed, *, height, width, **_) -
 def _small_and_unrendered() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(residences, "render_house", fake_render)
-        patch.setattr(residences, "assign_materials", partial(assign_materials, size_px=64))
+        patch.setattr(residences, "assign_materials", partial(assign_materials, size_px=32))
         yield
 
 
@@ -86,7 +84,7 @@ def test_a_house_has_plan_photos_and_truth(written: tuple[Path, House]) -> None:
     assert set(materials) == {f"{k.room_id}/{k.surface}" for k in house.surface_keys()}
     for key in house.surface_keys():
         tile = read_image(truth / "materials" / f"{key.filename}.png")
-        assert tile.shape == (64, 64, 3)
+        assert tile.shape == (32, 32, 3)
         assert materials[f"{key.room_id}/{key.surface}"]["size_m"] > 0.1
 
 
@@ -99,37 +97,16 @@ def test_same_seed_same_bytes_and_stale_photos_go(
     assert digest(tmp_path) == digest(written[0])
 
 
-def test_random_rooms_differ_and_the_others_stay_as_they_were(
-    written: tuple[Path, House], tmp_path: Path
-) -> None:
-    usual, house = written
-    options = replace(OPTIONS, random_room_share=0.5)
-    residences.write_residence(tmp_path, "home_1", "val", 3, options=options)
-    random_rooms = draw_random_rooms(house, 0.5, 3)
-    assert 0 < len(random_rooms) < len(house.rooms)
-
-    def pairs(name: str) -> list[tuple]:
-        before, after = (read_json(root / "truth/val/home_1" / name) for root in (usual, tmp_path))
-        return [(key, before[key], after[key]) for key in before]
-
-    for key, before, after in pairs("materials.json"):
-        assert (before == after) == (key.split("/")[0] not in random_rooms), key
-    cameras = pairs("cameras.json")
-    assert {before["room_id"] in random_rooms for _, before, _ in cameras} == {True, False}
-    for _, before, after in cameras:
-        assert (before == after) == (before["room_id"] not in random_rooms)
-
-
 def test_index_lists_houses_and_hides_nested_shares(tmp_path: Path) -> None:
     root = tmp_path
-    names = residences.residence_names("home", {"train": 2, "val": 1, "test": 0})
-    assert names == {"home_train_000": "train", "home_train_001": "train", "home_val_000": "val"}
+    names = residences.residence_names("home", {"train": 1, "val": 1, "test": 0})
+    assert names == {"home_train_000": "train", "home_val_000": "val"}
     for house, split in names.items():
         residences.write_residence(root, house, split, 3, options=OPTIONS)
     assert residences.write_dataset_index(root, names, 3) == []
     table = read_house_table(root / "houses.tsv")
     assert list(table.index if table.index.name == "house" else table["house"]) == list(names)
-    assert (root / "data_lists/train.txt").read_text() == "home_train_000\nhome_train_001\n"
+    assert (root / "data_lists/train.txt").read_text() == "home_train_000\n"
     hidden = read_unobserved(root / "unobserved_photos.json")
     photos = {file.name for file in (root / "photos").iterdir()}
     assert hidden["0.0"] == []

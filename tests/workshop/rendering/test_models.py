@@ -16,18 +16,6 @@ from plan2scene_workshop.rendering.models import (
 )
 
 
-def test_every_eighth_model_is_held_out(tmp_path: Path) -> None:
-    folder = model_folder(tmp_path)
-    names = {
-        train: {
-            e.name for entries in read_model_index(folder, train=train).values() for e in entries
-        }
-        for train in (True, False)
-    }
-    assert names[False] == {"m7", "m15"}
-    assert names[True] == {f"m{k}" for k in range(16)} - names[False]
-
-
 def test_a_piece_has_the_models_size_and_stands_with_its_back_at_zero(tmp_path: Path) -> None:
     shop = ModelShop(read_model_index(model_folder(tmp_path), train=True))
     piece = shop.piece(np.random.default_rng(0), "table")
