@@ -116,7 +116,7 @@ rule pictures:
 rule viewer:
     # To look at: one offline page with the house, its photos' crops and places.
     input:
-        **given(cameras=HAS_MASKS and CAMERAS),
+        **given(cameras=HAS_MASKS and CAMERAS, photos=HAS_MASKS and photos_of),
         propagated=f"{RESULTS}/drop_0.0/{{house}}/propagated.parquet",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
@@ -139,6 +139,7 @@ rule viewer:
     resources:
         mem_mb=1000,
     params:
+        photo_folder=str(LAYOUT.photos),
         code=rule_code("viewer"),
     script:
         "../scripts/viewer.py"

@@ -1,4 +1,6 @@
-"""Rule viewer: GLB, crops and places of photos -> the house in one offline page."""
+"""Rule viewer: GLB, crops, photos and their places -> the house in one offline page."""
+
+from pathlib import Path
 
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.workflow.jobs import job
@@ -7,5 +9,6 @@ from plan2scene_app.viewer.viewer_page import build_viewer, read_facts
 with job(snakemake.log[0]):
     house_id, given = snakemake.wildcards.house, snakemake.input
     house = read_scene_json(given.scene, house_id)
-    facts = read_facts(given.propagated, given.crops, given.get("cameras"), house)
+    photos = Path(snakemake.params.photo_folder)
+    facts = read_facts(given.propagated, given.crops, given.get("cameras"), house, photos)
     build_viewer(given.glb, snakemake.output[0], house_id=house_id, facts=facts)

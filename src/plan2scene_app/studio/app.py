@@ -40,9 +40,9 @@ MAX_PHOTO, MAX_PLAN, MAX_STATE = 60_000_000, 200_000_000, 8_000_000
 _Answer = Callable[[Request], Awaitable[Response]]
 #: What a page of the viewer may do: show itself.
 _VIEWER_POLICY = (
-    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline' blob: data:; "
-    "style-src 'unsafe-inline'; img-src data: blob:; connect-src data: blob:; worker-src blob:; "
-    "frame-ancestors 'self'"
+    "sandbox allow-scripts allow-downloads; default-src 'none'; "
+    "script-src 'unsafe-inline' blob: data:; style-src 'unsafe-inline'; img-src data: blob:; "
+    "connect-src data: blob:; worker-src blob:; frame-ancestors 'self'"
 )
 
 

@@ -132,7 +132,7 @@ export class HouseView {
   }
   paneOf(files, tiles) {
     const at = (name) => `results/${name}?${files[name] ?? ""}`;
-    if (this.view === "3D") return el("iframe", { src: at("viewer.html"), title: "The house in 3D", sandbox: "allow-scripts" });
+    if (this.view === "3D") return el("iframe", { src: at("viewer.html"), title: "The house in 3D", sandbox: "allow-scripts allow-downloads", allow: "fullscreen" });
     const pictures = { Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", "Photos to crops": "contact_sheet.png" };
     if (this.view in pictures) {
       const image = el("img", { src: at(pictures[this.view]), alt: this.view, title: "Click: full size, or to fit", onclick: () => image.classList.toggle("full") });

@@ -2,8 +2,7 @@
 // The eye: orbit around the house, or walk in it; what it sees sharply.
 
 const FIELDS = { orbit: 32, walk: 62 }; // vertical fields of view, degrees
-const EYE = 1.6; // metres above the floor
-const eye = { mode: "orbit", feet: new THREE.Vector3(), yaw: 0, pitch: 0, field: FIELDS.walk };
+const eye = { mode: "orbit", height: 1.6, feet: new THREE.Vector3(), yaw: 0, pitch: 0, field: FIELDS.walk, photo: null };
 const camera = new THREE.PerspectiveCamera(FIELDS.orbit, 1, 0.05, 100);
 let orbit; // three's controls
 let whole = new THREE.Sphere(new THREE.Vector3(), 1); // around everything
@@ -27,10 +26,14 @@ function aim(canvas) {
   // Place, lens and depth range of the camera for the next picture.
   const width = canvas.clientWidth || 1, height = canvas.clientHeight || 1;
   if (eye.mode === "walk") {
-    camera.position.copy(eye.feet).add(new THREE.Vector3(0, EYE, 0));
-    camera.lookAt(camera.position.clone().add(forward()));
+    const [, down, ahead] = eye.photo?.rotation ?? [];
+    camera.position.copy(eye.feet).setY(eye.feet.y + eye.height);
+    camera.up.set(...(down ? down.map((v) => -v) : [0, 1, 0]));
+    camera.lookAt(camera.position.clone().add(ahead ? new THREE.Vector3(...ahead) : forward()));
+    if (eye.photo) eye.field = fieldOf(eye.photo);
     camera.clearViewOffset();
   } else {
+    camera.up.set(0, 1, 0);
     camera.setViewOffset(width, height, -freeWidth(canvas) / 2, 0, width, height);
   }
   camera.fov = eye.mode === "walk" ? eye.field : FIELDS.orbit;
@@ -66,23 +69,33 @@ function fit(list, share, canvas, azimuth = orbit.getAzimuthalAngle(), polar = o
 }
 
 function enter(room) {
-  // Stands in a room and looks along its longer side, where there is more of it.
-  const box = boxOf([room.floor]), centre = box.getCenter(new THREE.Vector3()), size = box.getSize(new THREE.Vector3());
-  eye.feet.copy(room.inside);
-  const across = centre.x >= room.inside.x ? Math.PI / 2 : -Math.PI / 2, along = centre.z >= room.inside.z ? 0 : Math.PI;
-  Object.assign(eye, { yaw: size.x > size.z ? across : along, pitch: -0.08, field: FIELDS.walk });
+  // Stands in a room with its back to a wall, where most of the room lies ahead.
+  if (!barriers) buildWorld();
+  const sight = (from, yaw) => sightIn(room, from, yaw);
+  let best = { ahead: -1 };
+  for (let yaw = 0; yaw < 6.28; yaw += Math.PI / 12) {
+    eye.feet.copy(room.inside);
+    eye.room = room.id;
+    const far = Math.min(6, Math.max(0, sight(eye.feet, yaw + Math.PI) - BODY - 0.05));
+    walkBy(-far * Math.sin(yaw), -far * Math.cos(yaw));
+    if (eye.room !== room.id) continue;
+    const ahead = [-0.5, -0.25, 0, 0.25, 0.5].reduce((sum, turn) => sum + sight(eye.feet, yaw + turn), 0);
+    if (ahead > best.ahead + 0.05) best = { ahead, yaw, feet: eye.feet.clone() };
+  }
+  eye.feet.copy(best.feet ?? room.inside);
+  Object.assign(eye, { room: room.id, yaw: best.yaw ?? 0, pitch: best.ahead < 10 ? -0.3 : -0.08, field: FIELDS.walk, photo: null });
+}
+
+function sightIn(room, from, yaw) {
+  // Metres from a point at eye level to the first wall or door of a room, or out of its box.
+  const around = room.around ??= parts.filter(({ extras }) => extras.room_id === room.id && /^(wall|door|window|glass)$/.test(extras.kind)).map((part) => part.mesh);
+  const way = new THREE.Vector3(Math.sin(yaw), 0, Math.cos(yaw)), { min, max } = room.floor.box;
+  const ray = new THREE.Raycaster(from.clone().setY(from.y + eye.height), way);
+  const out = Math.min(...["x", "z"].map((axis) => (way[axis] ? ((way[axis] > 0 ? max : min)[axis] - from[axis]) / way[axis] : Infinity)));
+  return Math.min(out, ray.intersectObjects(around, false)[0]?.distance ?? Infinity);
 }
 
 function turnBy(dx, dy) {
   eye.yaw += dx * 0.004;
   eye.pitch = Math.max(-1.4, Math.min(1.4, eye.pitch + dy * 0.004));
-}
-
-function standAt(photo) {
-  // Sees what a located photo sees, as wide as it; its roll is left out.
-  const [x, y, z] = photo.position, ahead = photo.rotation[2];
-  eye.feet.set(x, y - EYE, z);
-  eye.yaw = Math.atan2(ahead[0], ahead[2]);
-  eye.pitch = Math.asin(Math.max(-1, Math.min(1, ahead[1])));
-  eye.field = (2 * Math.atan(photo.height / 2 / photo.focal_px) * 180) / Math.PI;
 }

@@ -5,7 +5,7 @@
 
 const LOOKS = { plain: 0, day: 1, lit: 2 };
 const LAMP_BELOW_CEILING = 0.35; // metres
-const LAMP = 1.9; // of a floor right below, as bright as a sheet of paper by day
+const LAMP = 1.1; // of a floor right below, as bright as a sheet of paper by day
 const DARK = new THREE.Vector4(0, 0, 0, 0);
 
 // Vertices have the light of the sky; a lamp's is worked out for each pixel.
@@ -28,7 +28,7 @@ vec3 lit(vec3 colour) {
   #else
   vec3 way = lamp.xyz - place, n = gl_FrontFacing ? out_ : -out_;
   float far = dot(way, way), share = max(dot(n, way) * inversesqrt(far), 0.0) / (1.0 + 0.3 * far);
-  return vec3(1.0, 0.94, 0.86) * (0.42 + lamp.w * share) * (colour + 0.04);
+  return vec3(1.0, 0.94, 0.86) * (0.72 + lamp.w * share) * (colour + 0.04);
   #endif
 }`;
 

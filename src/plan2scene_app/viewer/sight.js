@@ -67,7 +67,7 @@ function nearestFirst(a, b) {
 
 function away(mesh) {
   const { frame } = renderer.info.render, { part } = mesh;
-  if (!part) return 0;
+  if (!part) return Number.MAX_VALUE; // lines over the house come last
   if (part.frame !== frame) Object.assign(part, { frame, away: part.box.distanceToPoint(camera.position) });
   return part.away;
 }

@@ -11,11 +11,25 @@ let tapeLine, tapeEnds, frusta;
 const text = (tag, content) => Object.assign(document.createElement(tag), { textContent: content });
 
 function show(title, rows, ...more) {
-  const list = document.createElement("dl");
-  for (const [name, value] of rows) if (value) list.append(text("dt", name), text("dd", value));
-  $("info").replaceChildren(text("h2", title), list, ...more);
+  $("info").replaceChildren(text("h2", title), listOfFacts(rows), ...more);
   $("info").hidden = false;
 }
+
+function listOfFacts(rows) {
+  const list = document.createElement("dl");
+  for (const [name, value] of rows) if (value) list.append(text("dt", name), text("dd", value));
+  return list;
+}
+
+// Lengths and areas in the unit that is chosen.
+const FOOT = 0.3048;
+let feet = false;
+const metres = (value) => {
+  const inches = Math.round((value / FOOT) * 12);
+  return feet ? `${Math.floor(inches / 12)}' ${inches % 12}"` : `${value.toFixed(2)} m`;
+};
+const area = (value, digits) => (feet ? `${(value / FOOT ** 2).toFixed(0)} sq ft` : `${value.toFixed(digits)} m\u00b2`);
+const likely = (value) => (value == null ? "" : value >= 0.75 ? ", likely so" : value >= 0.4 ? ", may be wrong" : ", hardly more than a guess");
 
 function rayAt(x, y, canvas) {
   const box = canvas.getBoundingClientRect();
@@ -50,16 +64,18 @@ function describe(part) {
   const titleOf = (id) => rooms.find((room) => room.id === id)?.title;
   const known = facts.surfaces[`${extras.room_id}/${extras.surface}`] || {};
   const photo = facts.photos.find((entry) => entry.name === known.photo);
-  const predicted = known.confidence == null ? "predicted" : `predicted, ${share(known.confidence)} sure`;
-  const seen = photo ? `from photo ${photo.number} (${photo.name})` : "from photos";
+  const guess = `guessed: no photo shows it${likely(known.confidence)}`;
+  const byHand = /^set by hand: (.*)/.exec(extras.source ?? "")?.[1];
+  const seen = photo ? `seen in photo ${photo.number} (${photo.name})` : "seen in photos";
   const name = extras.kind === "structure" ? "outer wall" : extras.category || extras.kind || part.name;
   const rows = [["Room", titleOf(extras.room_id)], ["Part", extras.wall_id && extras.surface ? `wall ${extras.wall_id}` : null],
-    ["Leads to", titleOf(extras.leads_to)], ["Area", extras.surface ? `${areaOf(part).toFixed(2)} m\u00b2` : null],
-    ["Substance", extras.substance], ["Texture tile", extras.size_m ? `${extras.size_m.toFixed(2)} m` : null],
-    ["Looks", extras.observed === undefined ? null : extras.observed ? seen : predicted],
-    ["As", extras.observed === false ? known.source : null], ["Texture", extras.source]];
+    ["Leads to", titleOf(extras.leads_to)], ["Area", extras.surface ? area(areaOf(part), 2) : null], ["Material", extras.substance],
+    ["Looks", byHand ? `set by hand: ${byHand}` : extras.observed === undefined ? null : extras.observed ? seen : guess]];
+  const research = document.createElement("details");
+  research.append(text("summary", "For researchers"), listOfFacts([["Sure", known.confidence == null ? null : share(known.confidence)], ["As", extras.observed === false ? known.source : null],
+    ["Texture", extras.source], ["Tile", extras.size_m ? `${extras.size_m.toFixed(2)} m` : null]]));
   const pictures = known.crop ? [Object.assign(new Image(), { src: known.crop, alt: "The photo's piece that shows this surface" })] : [];
-  show(capital(name), rows, ...pictures);
+  show(capital(name), rows, ...pictures, ...(extras.surface ? [research] : []));
 }
 
 function drawFrusta() {
@@ -75,8 +91,8 @@ function drawFrusta() {
     const ring = [corner(0, 0), corner(photo.width, 0), corner(photo.width, photo.height), corner(0, photo.height)];
     ring.forEach((point, k) => lines.push(centre, point, point, ring[(k + 1) % 4]));
   }
-  frusta = new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints(lines), new THREE.LineBasicMaterial({ color: INK, depthTest: false }));
-  frusta.visible = false;
+  frusta = new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints(lines), new THREE.LineBasicMaterial({ color: INK, depthTest: false, toneMapped: false }));
+  Object.assign(frusta, { visible: false, renderOrder: 2 });
   $("shots").parentElement.hidden = !lines.length;
   return frusta;
 }
@@ -86,10 +102,17 @@ function photoAt(x, y, canvas) {
 }
 
 function describePhoto(photo) {
-  const button = Object.assign(text("button", "Look from there"), { type: "button" });
-  button.addEventListener("click", () => { setMode("walk"); standAt(photo); refresh(); });
-  const room = rooms.find((entry) => entry.id === photo.room_id);
-  show(`Photo ${photo.number}`, [["File", photo.name], ["Taken in", room?.title], ["Place", `${share(photo.located)} sure`]], button);
+  const button = (label, go) => {
+    const made = Object.assign(text("button", label), { type: "button" });
+    made.addEventListener("click", go);
+    return made;
+  };
+  const row = Object.assign(document.createElement("div"), { className: "row" });
+  row.append(button("\u2039 Previous", () => nextPhoto(photo, -1)), button("Look from there", () => flyTo(photo)), button("Next \u203a", () => nextPhoto(photo, 1)));
+  const room = rooms.find((entry) => entry.id === photo.room_id), known = photo.located >= 0.75 ? "known well" : photo.located >= 0.4 ? "known roughly" : "hardly known";
+  show(`Photo ${photo.number}`, [["File", photo.name], ["Taken in", room?.title], ["Its place is", known]], row);
+  blending.hidden = !photo.image;
+  $("info").append(blending);
 }
 
 function makeTape() {
@@ -118,7 +141,7 @@ function stretch() {
   tapeLine.visible = points.length === 2;
   tapeEnds.visible = points.length > 0;
   if (points.length === 2) {
-    const metres = (value) => `${value.toFixed(2)} m`, [a, b] = points;
+    const [a, b] = points;
     show(metres(a.distanceTo(b)), [["Level", metres(Math.hypot(a.x - b.x, a.z - b.z))], ["Height", metres(Math.abs(a.y - b.y))]]);
   } else if (tape.on) show("Measure", [], text("p", points.length ? "Click the second point." : "Click two points; near a corner the corner counts."));
 }
@@ -137,6 +160,6 @@ function label(canvas) {
   const place = b && onScreen(a.clone().add(b).multiplyScalar(0.5), canvas);
   $("label").hidden = !place;
   if (!place) return;
-  $("label").textContent = `${a.distanceTo(b).toFixed(2)} m`;
+  $("label").textContent = metres(a.distanceTo(b));
   Object.assign($("label").style, { left: `${place.x}px`, top: `${place.y}px` });
 }

@@ -3,7 +3,7 @@
 
 const HELP = {
   orbit: "Drag to turn, right-drag or Shift-drag to move, scroll to come nearer. Click a surface to read about it.",
-  walk: "W A S D or arrows to walk, drag to look. Click a surface to read about it.",
+  walk: "Click the floor to go there, or walk by W A S D or arrows; drag to look. Click a wall to read about it; the floor, with Shift.",
 };
 const REST = 200; // milliseconds after which a still picture is drawn finely
 const PACES = [1, 0.75, 0.5]; // of the page's pixels, along each side, while the picture moves
@@ -11,6 +11,7 @@ const canvas = $("view");
 const keys = new Set();
 const seen = { ceilings: false, shells: true, level: null }; // a level's id, null for all
 let renderer, scene, pending = false, lastTime = 0, resting = 0;
+let marked = null; // the room that the list marks
 let pace = 0, late = 0, early = 0;
 
 function refresh() {
@@ -54,12 +55,17 @@ function draw(ratio) {
     part.uniforms.glow.value = part === chosen ? 0.3 * Math.max(0, 1 - (performance.now() - chosenAt) / FLASH) : 0;
   }
   aim(canvas);
+  drawMap();
   if (eye.mode === "walk" && seen.ceilings) hideUnseen();
   renderer.render(scene, camera);
   label(canvas);
 }
 
 function markRoom(id) {
+  const level = rooms.find((room) => room.id === id)?.level;
+  if (seen.level !== null && level != null && level !== seen.level) setLevel(level); // up the stairs
+  if (eye.mode === "walk" && id !== marked) keepLink(id);
+  marked = id;
   for (const room of rooms) room.button.setAttribute("aria-current", String(room.id === id));
 }
 
@@ -72,6 +78,7 @@ function setLevel(id) {
 
 function focus(room) {
   const { mode } = eye;
+  stop();
   if (seen.level !== null && room.level !== seen.level) setLevel(room.level);
   if (mode === "walk") enter(room);
   else fit(parts.filter((part) => part.extras.room_id === room.id && part.extras.surface), 0.75, canvas, undefined, Math.min(orbit.getPolarAngle(), 0.52));
@@ -83,7 +90,7 @@ function focus(room) {
 function listRooms() {
   for (const room of rooms) {
     room.button = Object.assign(document.createElement("button"), { type: "button" });
-    room.button.append(room.title, text("span", `${room.size.toFixed(1)} m\u00b2`));
+    room.button.append(room.title, text("span", area(room.size, 1)));
     room.button.addEventListener("click", () => focus(room));
     const item = document.createElement("li");
     item.append(room.button);
@@ -99,6 +106,7 @@ function listRooms() {
 }
 
 function setMode(mode) {
+  stop();
   const current = rooms.find((room) => room.button.getAttribute("aria-current") === "true");
   if (mode !== eye.mode) $("ceilings").checked = seen.ceilings = mode === "walk";
   if (mode === "walk" && eye.mode !== "walk") eye.outside = camera.position.clone();
@@ -110,17 +118,19 @@ function setMode(mode) {
   if (mode === "orbit") orbit.update();
   $("orbit").setAttribute("aria-pressed", String(mode === "orbit"));
   $("walk").setAttribute("aria-pressed", String(mode === "walk"));
+  document.body.classList.toggle("walking", mode === "walk");
   $("pad").hidden = mode !== "walk";
   $("help").textContent = HELP[mode];
   refresh();
 }
 
-function click(x, y) {
-  const photo = photoAt(x, y, canvas);
+function click(x, y, reads) {
+  const photo = photoAt(x, y, canvas), hit = !tape.on && !photo && pick(x, y, canvas);
   if (tape.on) measure(x, y, canvas);
-  else if (photo) describePhoto(photo);
+  else if (photo) flyTo(photo);
+  else if (hit && eye.mode === "walk" && !reads && GROUND.has(hit.part.extras.kind)) goTo(hit.point);
   else {
-    chosen = pick(x, y, canvas)?.part || null;
+    chosen = hit?.part || null;
     chosenAt = performance.now();
     describe(chosen);
   }
@@ -141,11 +151,11 @@ function listenToPointers() {
     const dx = event.clientX - last.clientX, dy = event.clientY - last.clientY;
     travelled += Math.abs(dx) + Math.abs(dy);
     pointers.set(event.pointerId, event);
-    if (eye.mode === "walk") { turnBy(dx, dy); refresh(); }
+    if (eye.mode === "walk" && travelled >= 5) { stop(); turnBy(dx, dy); refresh(); }
   });
   const release = (event) => {
     const held = pointers.delete(event.pointerId);
-    if (held && event.type === "pointerup" && event.button === 0 && travelled < 5) click(event.clientX, event.clientY);
+    if (held && event.type === "pointerup" && event.button === 0 && travelled < 5) click(event.clientX, event.clientY, event.shiftKey);
   };
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", release);
@@ -163,20 +173,21 @@ function listenToKeys() {
     camera.position.sub(orbit.target).multiplyScalar(factor).add(orbit.target);
     orbit.update();
   };
-  canvas.addEventListener("keydown", (event) => {
-    const key = event.key.toLowerCase();
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+  // Anywhere in the page: a click on a button does not take the keys from who walks.
+  document.addEventListener("keydown", (event) => {
+    const key = event.key.toLowerCase(), { tagName, type } = event.target;
+    if (event.ctrlKey || event.metaKey || event.altKey || tagName === "SELECT" || type === "range") return;
     if (key === "+" || key === "=") nearer(0.9);
     else if (key === "-") nearer(1.1);
     else if (key === "m") setTape(!tape.on);
-    else if (key === "escape") { setTape(false); describe(null); }
+    else if (key === "escape") { setTape(false); stop(); describe(null); }
     else if (/^([wasd]|arrow.*)$/.test(key)) hold(key);
     else return;
     event.preventDefault();
     refresh();
   });
-  canvas.addEventListener("keyup", (event) => keys.delete(event.key.toLowerCase()));
-  canvas.addEventListener("blur", () => keys.clear());
+  document.addEventListener("keyup", (event) => keys.delete(event.key.toLowerCase()));
+  window.addEventListener("blur", () => keys.clear());
   for (const button of $("pad").children) {
     button.addEventListener("pointerdown", (event) => { button.setPointerCapture(event.pointerId); hold(button.value); });
     for (const end of ["pointerup", "pointercancel"]) button.addEventListener(end, () => keys.delete(button.value));
@@ -187,13 +198,42 @@ function listen() {
   listenToPointers();
   listenToKeys();
   $("orbit").addEventListener("click", () => setMode("orbit"));
-  $("walk").addEventListener("click", () => { setMode("walk"); canvas.focus(); });
+  $("walk").addEventListener("click", () => setMode("walk"));
   $("plan").addEventListener("click", () => { setMode("orbit"); fit(parts, 0.9, canvas, 0, 0); refresh(); });
   $("measure").addEventListener("click", () => setTape(!tape.on));
   for (const name of Object.keys(LOOKS)) $(name).addEventListener("click", () => setLook(name));
   for (const name of ["ceilings", "shells"]) $(name).addEventListener("change", (event) => { seen[name] = event.target.checked; refresh(); });
+  $("tour").addEventListener("click", () => setTour(!tour));
+  $("photos").addEventListener("click", () => flyTo(eye.photo ?? placed()[0]));
+  $("photos").hidden = !placed().length;
+  blend.addEventListener("input", showBlend);
+  $("map").addEventListener("click", clickMap);
+  $("full").hidden = !document.fullscreenEnabled;
+  $("full").addEventListener("click", () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()));
+  $("shot").addEventListener("click", savePicture);
+  $("tall").addEventListener("change", (event) => { eye.height = Number(event.target.value); refresh(); });
+  $("unit").addEventListener("change", (event) => {
+    feet = event.target.value === "feet";
+    for (const room of rooms) room.button.lastChild.textContent = area(room.size, 1);
+    if (tape.points.length === 2) stretch(); else if (chosen) describe(chosen);
+    refresh();
+  });
+  $("fold").addEventListener("click", () => {
+    const folded = document.body.classList.toggle("folded");
+    $("fold").setAttribute("aria-expanded", String(!folded));
+  });
+  window.addEventListener("hashchange", openLink);
   $("shots").addEventListener("change", (event) => { frusta.visible = event.target.checked; refresh(); });
   new ResizeObserver(refresh).observe(canvas);
+}
+
+function savePicture() {
+  draw(Math.max(2, window.devicePixelRatio || 1)); // the buffer is kept until the task ends
+  canvas.toBlob((blob) => {
+    const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: `${document.querySelector("h1").textContent}.png` });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+  });
 }
 
 function startRenderer() {
@@ -226,6 +266,8 @@ async function start() {
   setMode("orbit");
   setLook("day");
   fit(parts, 0.92, canvas, 0.42, 0.62);
+  if (innerWidth <= 600) $("fold").click();
+  openLink();
   draw(1);
   $("message").textContent = "";
   document.body.dataset.ready = performance.now().toFixed(0);

@@ -9,16 +9,26 @@ from pathlib import Path
 from typing import Any
 
 import cv2
+import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.images import image_from_bytes
+from plan2scene.images import (
+    MAX_PHOTO_PIXELS,
+    decode_image,
+    image_from_bytes,
+    jpeg_bytes,
+    to_small_srgb,
+)
 from plan2scene.io import atomic_path, read_json
 from plan2scene_app.html_page import html_page, inline_json, source_hash
 
 _FOLDER = Path(__file__).parent
 #: The program's files, in the order in which they go into the page.
-PROGRAM = ("house.js", "light.js", "eye.js", "sight.js", "walk.js", "tools.js", "viewer.js")
+PROGRAM = (
+    *("house.js", "light.js", "eye.js", "sight.js", "walk.js", "travel.js", "map.js"),
+    *("tools.js", "viewer.js"),
+)
 #: What the page says of a house of which only the GLB is known.
 NO_FACTS: Mapping[str, Any] = {"surfaces": {}, "photos": []}
 
@@ -83,6 +93,8 @@ def _text(name: str) -> str:
 
 #: Quality of the crops' JPEG files.
 _QUALITY = 85
+#: Longer side in pixels and quality of the photos that the page shows over the house.
+_PHOTO_PX, _PHOTO_QUALITY = 560, 60
 #: What the viewer needs of an entry of cameras.json.
 _CAMERA = ("width", "height", "focal_px", "rotation", "position", "room_id", "located")
 
@@ -92,6 +104,7 @@ def read_facts(
     crops: str | Path,
     cameras: str | Path | None,
     house: House | None = None,
+    photos: Path | None = None,
 ) -> dict[str, Any]:
     """Return what :func:`build_viewer` puts into the page, as plain JSON values.
 
@@ -105,13 +118,16 @@ def read_facts(
         ``cameras.json`` of located photos; None where crops came ready and no photo was read.
     house : House, optional
         Its levels lift the cameras; without it all is one storey at 0.
+    photos : path, optional
+        Folder of the photos: those that are located go into the page, small.
 
     Returns
     -------
     dict
         ``surfaces``: ``{"room/surface": {"photo", "crop"}}`` of observed ones, the chosen crop as
         a data URL; ``{"confidence", "source"}`` of the others. ``photos``: ``[{"name", "number"}]``
-        by name, located ones with their camera (metres, world to camera).
+        by name, located ones with their camera (metres, world to camera) and, of a folder of
+        photos, their ``image`` (a data URL).
     """
     import pyarrow.parquet as pq
 
@@ -125,7 +141,7 @@ def read_facts(
     return {
         "surfaces": {f"{row['room_id']}/{row['surface']}": _surface(row, by_id) for row in rows},
         "photos": [
-            {"name": name, "number": number, **_camera(taken.get(name, {}), house)}
+            {"name": name, "number": number, **_camera(name, taken.get(name, {}), house, photos)}
             for number, name in enumerate(names, 1)
         ],
     }
@@ -135,20 +151,34 @@ def _surface(row: dict[str, Any], crops: dict[str, dict[str, Any]]) -> dict[str,
     """Return the facts of one row of propagated.parquet."""
     if row["observed"]:
         crop = crops.get(row["source"])
-        return {} if crop is None else {"photo": crop["photo"], "crop": _data_url(crop["png"])}
+        return (
+            {}
+            if crop is None
+            else {"photo": crop["photo"], "crop": _data_url(image_from_bytes(crop["png"]))}
+        )
     confidence = row["confidence"]
     known = confidence is not None and confidence == confidence  # NaN: unknown
     return {"confidence": round(confidence, 4) if known else None, "source": row["source"]}
 
 
-def _data_url(png: bytes) -> str:
-    """Return a crop as a small JPEG in a data URL."""
-    image = cv2.cvtColor(image_from_bytes(png), cv2.COLOR_RGB2BGR)
-    _, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
-    return f"data:image/jpeg;base64,{base64.b64encode(data.tobytes()).decode('ascii')}"
+def _data_url(image: np.ndarray, quality: int = _QUALITY) -> str:
+    """Return (h, w, 3) uint8 sRGB as a JPEG in a data URL."""
+    data = base64.b64encode(jpeg_bytes(image, quality=quality)).decode("ascii")
+    return f"data:image/jpeg;base64,{data}"
 
 
-def _camera(entry: dict[str, Any], house: House | None) -> dict[str, Any]:
+def _small(photo: Path) -> np.ndarray:
+    """Return a photo (h, w, 3) uint8 sRGB, its longer side `_PHOTO_PX`."""
+    image = decode_image(
+        photo, lambda opened: to_small_srgb(opened, _PHOTO_PX), max_pixels=MAX_PHOTO_PIXELS
+    )
+    share = min(1.0, _PHOTO_PX / max(image.shape[:2]))
+    return cv2.resize(image, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
+
+
+def _camera(
+    name: str, entry: dict[str, Any], house: House | None, photos: Path | None
+) -> dict[str, Any]:
     """Return a located photo's camera, its position in the house; nothing of others."""
     if entry.get("position") is None:
         return {}
@@ -157,4 +187,6 @@ def _camera(entry: dict[str, Any], house: House | None) -> dict[str, Any]:
         x, y, z = camera["position"]
         y += house.level_of(camera["room_id"]).elevation
         camera["position"] = [x, round(y, 4), z]
+    if photos is not None and (photos / name).is_file():
+        camera["image"] = _data_url(_small(photos / name), _PHOTO_QUALITY)
     return camera

@@ -3,6 +3,7 @@
 // stairs that are near enough underfoot. Inner doors stand open for it.
 
 const BODY = 0.22; // metres: radius of the capsule
+const TALL = 1.6; // metres up to which it is stopped
 const KNEE = 0.45; // what is lower stops nobody, unless it is ground that is too high
 const STEP = 0.3; // the highest step up; down it is twice that
 const STRIDE = 0.04; // metres between two looks for walls
@@ -46,14 +47,13 @@ function groundAt(x, z, feet) {
   return null;
 }
 
+const bodyAt = ({ x, y, z }) => new THREE.Capsule(new THREE.Vector3(x, y + KNEE + BODY, z), new THREE.Vector3(x, y + TALL, z), BODY);
+
 function stride(dx, dz) {
   // One short move; slides along what stops it; returns whether there was a way.
   const place = eye.feet.clone().add(new THREE.Vector3(dx, 0, dz));
-  const capsule = new THREE.Capsule(new THREE.Vector3(), new THREE.Vector3(), BODY);
   for (let pass = 0; pass < 4; pass++) {
-    capsule.start.set(place.x, place.y + KNEE + BODY, place.z);
-    capsule.end.set(place.x, place.y + EYE, place.z);
-    const hit = barriers.capsuleIntersect(capsule);
+    const hit = barriers.capsuleIntersect(bodyAt(place));
     if (!hit) break;
     const push = new THREE.Vector3(hit.normal.x, 0, hit.normal.z);
     if (push.lengthSq() < 1e-6) break;
@@ -82,7 +82,9 @@ function step(seconds) {
   const held = (...names) => (names.some((name) => keys.has(name)) ? 1 : 0);
   const along = held("w", "arrowup") - held("s", "arrowdown"), across = held("d") - held("a");
   const turn = held("arrowright") - held("arrowleft");
-  if (!along && !across && !turn) return keys.size > 0;
+  const gliding = moveGlide();
+  if (!along && !across && !turn) return moveTour(seconds) || gliding || keys.size > 0;
+  stop();
   if (eye.mode === "walk") {
     eye.yaw -= turn * 1.6 * seconds;
     const far = 1.8 * seconds, [sin, cos] = [Math.sin(eye.yaw), Math.cos(eye.yaw)];

@@ -29,9 +29,11 @@ SHOT = {
     "position": [2.0, 1.5, 1.5],
     "room_id": "r",
     "located": 0.75,
+    "image": CROP,
 }
 RESET = """
 setTape(false);
+stop();
 describe(null);
 chosen = null;
 setMode("orbit");
@@ -101,6 +103,12 @@ def on_screen(browser, x, y, z):
     return place["x"], place["y"]
 
 
+def box_of(browser, name):
+    return browser.run(
+        f"(({{x, y, width, height}}) => [x, y, width, height])($('{name}').getBoundingClientRect())"
+    )
+
+
 def test_textured_pixels(view):
     scene = still(view)
     seen = colours(scene)
@@ -134,7 +142,7 @@ def test_occlusion_darkens_and_never_brightens(view):
 def test_ceilings_hide_the_floor_and_rooms_are_listed(view):
     rooms = view.run('[...document.querySelectorAll("#rooms button")].map((b) => b.textContent)')
     assert rooms == ["Bedroom12.0 m²"]
-    view.run('$("walk").click(); eye.pitch = 1.3; eye.yaw = 0.3')
+    view.run('$("walk").click(); eye.feet.set(2, 0, 1.5); eye.pitch = 1.3; eye.yaw = 0.3')
     assert view.run('$("ceilings").checked') is True
     above = still(view)[200:500, 100:500]
     assert (above.min(axis=2) > 140).mean() > 0.9  # light, no texture
@@ -148,12 +156,13 @@ def test_a_click_tells_the_surface_its_photo_and_crop(view):
     view.page.mouse.click(*on_screen(view, 2.0, 0.0, 2.0))
     told = info(view)
     assert "Floor" in told and "12.00" in told and "Bedroom" in told
-    assert f"from photo 2 ({NAME})" in told
+    assert f"seen in photo 2 ({NAME})" in told
     assert view.run('$("info").querySelector("img").src') == CROP
     view.run("Object.assign(eye, {mode: 'walk', yaw: 0, pitch: 0}); enter(rooms[0]); draw(1)")
-    view.run("eye.yaw = 0; eye.pitch = 0; draw(1)")
+    view.run("eye.feet.set(2, 0, 1.5); eye.yaw = 0; eye.pitch = 0; draw(1)")
     view.page.mouse.click(*on_screen(view, 2.0, 1.5, 3.0))
-    assert "predicted, .60 sure" in info(view)
+    assert "guessed: no photo shows it, may be wrong" in info(view)
+    assert view.run('$("info").querySelector("details").open') is False
     assert view.run('$("info").querySelector("img")') is None
 
 
@@ -168,15 +177,28 @@ def test_the_tape_snaps_to_corners(view):
 
 
 def test_photos_stand_where_they_were_taken(view):
-    view.run('$("plan").click(); $("shots").click(); draw(1)')
+    view.run('$("plan").click(); draw(1)')
+    hidden = still(view)
+    view.run('$("shots").click(); draw(1)')
+    ink = (np.abs(still(view) - (0x8A, 0x4B, 0x2A)).max(2) < 30) & (hidden != still(view)).any(2)
+    assert ink.sum() > 60  # over the floor that is nearer than they are
     view.page.mouse.click(*on_screen(view, *SHOT["position"]))
-    assert "Photo 2" in info(view) and ".75 sure" in info(view)
-    view.run('$("info").querySelector("button").click(); draw(1)')
+    assert "Photo 2" in info(view) and "known well" in info(view)
+    view.wait("eye.photo !== null")
+    view.run("draw(1)")
+    assert (
+        box_of(view, "photo") == [0, 0, 900, 600] and view.run("$('photo').style.opacity") == "0.5"
+    )
+    view.run("blend.value = 100; blend.dispatchEvent(new Event('input'))")
+    assert view.run("$('photo').style.opacity") == "1"
     x, y, z = view.run("camera.position.toArray()")
     assert (x, y, z) == pytest.approx(SHOT["position"])
     ahead = view.run("camera.getWorldDirection(new THREE.Vector3()).toArray()")
     assert ahead == pytest.approx(SHOT["rotation"][2], abs=5e-3)
     assert view.run("camera.fov") == pytest.approx(2 * math.degrees(math.atan(240 / 400)))
+    view.page.keyboard.down("ArrowRight")
+    view.wait("$('photo').hidden && eye.photo === null && camera.fov === FIELDS.walk")
+    view.page.keyboard.up("ArrowRight")
 
 
 def test_dragging_turns_and_wheel_comes_nearer(view):
@@ -192,8 +214,10 @@ def test_dragging_turns_and_wheel_comes_nearer(view):
 
 
 def test_keys_walk_and_no_wall_is_passed(view):
-    view.run('$("walk").click(); eye.yaw = 0; eye.pitch = 0; draw(1)')
+    view.run('$("walk").click(); eye.feet.set(2, 0, 1); eye.yaw = 0; eye.pitch = 0; draw(1)')
     start = view.run("eye.feet.z")
+    for button in ("lit", "day", "shells"):  # which take no key from who walks
+        view.page.click(f"#{button}")
     view.page.keyboard.down("w")
     view.wait(f"eye.feet.z > {start} + 0.1")
     view.page.keyboard.up("w")
@@ -215,8 +239,54 @@ def test_keys_walk_and_no_wall_is_passed(view):
     assert np.ptp(x) > 3.4 and np.ptp(z) > 2.4  # and went there
 
 
+def test_the_floor_and_the_map_are_clicked_to_go_there(view):
+    view.run("history.replaceState(null, '', '#'); location.hash = '#room=r'")
+    view.wait("eye.mode === 'walk'")
+    # A room is entered where most of it lies ahead: here its longer side.
+    assert abs(math.sin(view.run("eye.yaw"))) > 0.85
+    view.run("eye.feet.set(0.5, 0, 1.5); eye.yaw = Math.PI / 2; eye.pitch = -0.5; draw(1)")
+    view.page.mouse.click(*on_screen(view, 2.5, 0.0, 1.6))
+    view.wait("!glide && Math.hypot(eye.feet.x - 2.5, eye.feet.z - 1.6) < 0.05")
+    assert info(view) == "" and view.run("marked") == "r"
+    x, y, width, height = box_of(view, "map")
+    view.page.mouse.click(x + 0.15 * width, y + 0.5 * height)
+    view.wait("!glide && eye.feet.x < 1")
+    view.page.keyboard.down("Shift")
+    view.run("eye.yaw = Math.PI / 2; eye.pitch = -0.5; draw(1)")
+    view.page.mouse.click(*on_screen(view, 2.5, 0.0, 1.6))
+    view.page.keyboard.up("Shift")
+    view.page.select_option("#unit", "feet")
+    assert "129 sq ft" in info(view)
+    view.page.select_option("#unit", "metres")
+    view.page.click("#tour")
+    before = view.run("eye.yaw")
+    view.wait(f"tour && Math.abs(eye.yaw - {before}) > 0.02")
+    view.page.keyboard.press("Escape")
+    assert view.run("tour") is None
+    with view.page.expect_download() as download:
+        view.page.click("#shot")
+    assert download.value.path().read_bytes().startswith(b"\x89PNG")
+
+
+def test_lamps_are_as_bright_as_the_day(view):
+    view.run('$("walk").click(); eye.pitch = 0; draw(1)')
+    day = still(view).mean()
+    view.page.click("#lit")
+    assert still(view).mean() > 0.95 * day
+
+
+def test_on_a_phone_the_panel_folds_and_the_card_is_above_the_pad(view):
+    view.page.set_viewport_size({"width": 390, "height": 844})
+    view.run('$("walk").click(); $("fold").click(); describe(parts[0])')
+    panel, card = (box_of(view, name) for name in ("panel", "info"))
+    view.run('$("fold").click()')
+    assert box_of(view, "panel")[3] > 300
+    view.page.set_viewport_size({"width": 900, "height": 600})
+    assert panel[3] < 60 and card[1] + card[3] <= 844 - 14 - 2 * 44 - 6  # the pad's top
+
+
 def test_touch_walks_by_the_pad(view):
-    view.run('$("walk").click(); eye.yaw = 0; draw(1)')
+    view.run('$("walk").click(); eye.feet.set(2, 0, 1); eye.yaw = 0; draw(1)')
     start = view.run("eye.feet.z")
     view.run(
         """(() => {
