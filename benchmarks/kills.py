@@ -1,13 +1,16 @@
 """Kills at random moments: ``python benchmarks/kills.py --kills 100``.
 
 Each round kills ``plan2scene run`` on the example plan and ``snakemake all`` on a house of the
-demo by two methods, the whole process group by SIGKILL, starts each by the same words until it is
-done and compares every file with an undisturbed run's. A row is all rounds until then. Kills fall
-within half the time of an undisturbed run: what is done stays done, so they meet every stage.
+demo by two methods, the whole process group by SIGKILL, or every other time ``run`` alone by
+SIGTERM, SIGINT, SIGHUP or SIGKILL in turn. It counts what is left of it after 10 s, starts each by
+the same words until it is done and compares every file with an undisturbed run's. A row is all
+rounds until then. Kills fall within half the time of an undisturbed run: what is done stays done,
+so they meet every stage.
 """
 
 import argparse
 import random
+import signal
 import subprocess
 import sys
 import tempfile
@@ -20,9 +23,14 @@ CLONE = Path(__file__).parents[1]
 sys.path.insert(0, str(CLONE / "tests" / "workflow"))
 
 from clones import demo_rows, make_clone  # noqa: E402
-from kills import digests, finished, house_command, killed, strays  # noqa: E402
+from kills import digests, finished, house_command, killed, orphans, strays  # noqa: E402
 
-HEAD = "| command | rounds | kills | undisturbed, s | files that differ | stray temporary files |"
+HEAD = (
+    "| command | rounds | kills | undisturbed, s | files that differ | stray temporary files "
+    "| orphans | refused |"
+)
+#: What a process gets alone, in turn.
+ALONE = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGKILL)
 #: What changes from run to run: pages and tables name no time, so only logs and records do.
 OTHER = ("work",)
 #: Of the table, so that a round takes a minute and not four.
@@ -39,6 +47,8 @@ class Seen:
     rounds: int = 0
     differ: int = 0
     strays: int = 0
+    orphans: int = 0
+    refused: int = 0
 
     def add(self, hit: int, whole: dict[str, str], made: Path, but: tuple[str, ...] = ()) -> None:
         """Count a round: kills that hit, files that are not those of an undisturbed run."""
@@ -51,7 +61,8 @@ class Seen:
     def row(self) -> str:
         """Return the row of the table."""
         cells = [f"`{self.command}`", self.rounds, self.kills, f"{self.undisturbed_s:.0f}"]
-        return f"| {' | '.join(map(str, [*cells, self.differ, self.strays]))} |"
+        cells += [self.differ, self.strays, self.orphans, self.refused]
+        return f"| {' | '.join(map(str, cells))} |"
 
 
 def run_rounds(base: Path, kills: int) -> Iterator[str]:
@@ -64,8 +75,12 @@ def run_rounds(base: Path, kills: int) -> Iterator[str]:
     while seen.kills < kills:
         out = base / f"run_{seen.rounds}"
         command = house_command(plan, out)
-        hit = kills_of_a_round(command, seen, base)
-        finished(command)
+        hit = kills_of_a_round(command, seen, base, alone=True)
+        try:
+            finished(command)
+        except AssertionError as error:
+            seen.refused += 1
+            print(error, file=sys.stderr)
         seen.add(hit, whole, out, OTHER)
         yield seen.row()
 
@@ -89,12 +104,22 @@ def all_rounds(base: Path, kills: int) -> Iterator[str]:
 
 
 def kills_of_a_round(
-    command: list[str], seen: Seen, folder: Path, unlock: list[str] | None = None
+    command: list[str],
+    seen: Seen,
+    folder: Path,
+    unlock: list[str] | None = None,
+    *,
+    alone: bool = False,
 ) -> int:
     """Kill a command again and again until it ends before its kill; return how many kills hit."""
     chance, hit = random.Random(seen.rounds), 0
-    while killed(command, chance.uniform(0, seen.undisturbed_s / 2), cwd=folder):
+    while True:
+        sent = ALONE[(hit // 2) % len(ALONE)] if alone and hit % 2 == 0 else None
+        if not killed(command, chance.uniform(0, seen.undisturbed_s / 2), sent, cwd=folder):
+            break
         hit += 1
+        if hit % 3 == 0:  # the next run is started at once, or when nothing may be left
+            seen.orphans += orphans(folder)
         if unlock:
             subprocess.run(unlock, cwd=folder, check=False, capture_output=True)
     return hit
@@ -110,7 +135,7 @@ def main() -> None:
     parser.add_argument("--only", choices=list(COMMANDS), help="one of the two commands")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="kills_") as folder:
-        print(HEAD, "|---" * 6 + "|", sep="\n")
+        print(HEAD, "|---" * 8 + "|", sep="\n")
         for name in [options.only] if options.only else COMMANDS:
             for row in COMMANDS[name](Path(folder), options.kills):
                 print(row, flush=True)

@@ -6,9 +6,12 @@ import errno
 import logging
 import os
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+import socket
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from plan2scene.errors import InputError
@@ -21,6 +24,8 @@ WORK = "work"
 _RECORD = "delivered.json"
 #: In the work folder: held while a run works there; the system frees it when the run is gone.
 _LOCK = "lock"
+#: Seconds that what is left of a killed run has to end.
+_PATIENCE = 15.0
 #: Names that Snakemake leaves in folders it makes.
 _BYPRODUCTS = (".snakemake_timestamp", ".tmp_*")
 
@@ -131,9 +136,49 @@ def _full(folder: Path) -> bool:
     return any(folder.iterdir())
 
 
+def _own_name() -> bytes:
+    return f"{socket.gethostname()} {os.getpid()}\n".encode()
+
+
+def _holder_is_gone(handle: int) -> bool:
+    """Return whether the process that a lock file names has ended, on this machine."""
+    host, _, number = os.pread(handle, 300, 0).decode(errors="replace").rpartition(" ")
+    if host != socket.gethostname() or not number.strip().isdecimal():
+        return False
+    try:
+        os.kill(int(number), 0)
+    except (ProcessLookupError, OverflowError):
+        return True
+    except PermissionError:
+        return False
+    return False
+
+
+def _wait_for(lock: Callable[[], None], handle: int, path: Path) -> None:
+    """Lock an open file; InputError where another run has it."""
+    deadline = time.monotonic() + _PATIENCE
+    told = False
+    while True:
+        try:
+            lock()
+        except BlockingIOError:
+            if time.monotonic() > deadline or not _holder_is_gone(handle):
+                expected = "an --out folder in which no other run works"
+                raise InputError(expected, "a run that is under way", file=path) from None
+            if not told:
+                _LOG.warning("%s: what is left of a killed run ends first", path)
+            told = True
+            time.sleep(0.1)
+        else:
+            return
+
+
 @contextmanager
 def _locked(file: Path, path: Path) -> Iterator[int]:
     """Hold a lock file while the block runs; InputError where another process holds it.
+
+    The file names the process that holds it. Where that is gone, what it started is about to end,
+    which is waited for.
 
     Not by `filelock`, whose release unlocks the file for the children that inherited it, too: the
     folder must stay taken until Snakemake is gone, even when this process was killed.
@@ -146,18 +191,13 @@ def _locked(file: Path, path: Path) -> Iterator[int]:
     handle = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
     try:
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            expected = "an --out folder in which no other run works"
-            raise InputError(
-                expected,
-                "a run that is under way (what is left of a killed one ends by itself)",
-                file=path,
-            ) from None
+            _wait_for(partial(fcntl.flock, handle, fcntl.LOCK_EX | fcntl.LOCK_NB), handle, path)
         except OSError as error:
             if error.errno not in (errno.ENOLCK, errno.ENOTSUP):
                 raise
             _LOG.warning("%s has no locks: start one run at a time into it", path)
+        os.ftruncate(handle, 0)
+        os.pwrite(handle, _own_name(), 0)
         yield handle
     finally:
         os.close(handle)

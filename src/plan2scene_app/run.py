@@ -6,7 +6,6 @@ import csv
 import filecmp
 import logging
 import shutil
-import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import validate_house
 from plan2scene.provenance import WORKFLOW
+from plan2scene_app.bound_process import run_bound
 from plan2scene_app.out_folder import OutFolder, claimed_folder
 from plan2scene_app.tracing.picture import read_plan_picture
 
@@ -267,5 +267,5 @@ def _make(targets: list[str], config: Path, folder: OutFolder, options: list[str
     command += [*options, "--", *targets]
     # Who inherits the lock keeps it: the folder is free when Snakemake is gone too.
     inherited = (folder.lock,) if folder.lock >= 0 else ()
-    if subprocess.run(command, check=False, pass_fds=inherited).returncode != 0:
+    if run_bound(command, pass_fds=inherited) != 0:
         raise WorkflowError(f"the workflow failed; its logs are in {folder.work / 'logs'}")

@@ -92,6 +92,23 @@ def test_a_second_run_is_refused_while_the_first_or_its_child_lives(tmp_path):
         pass
 
 
+def test_what_is_left_of_a_killed_run_is_waited_for(tmp_path, caplog):
+    holds = f"""
+import os, subprocess, sys
+from pathlib import Path
+from plan2scene_app.out_folder import claimed_folder
+with claimed_folder(Path({str(tmp_path)!r}), (), []) as folder:
+    code = "import time; time.sleep(1.5)"
+    subprocess.Popen([sys.executable, "-c", code], pass_fds=(folder.lock,))
+    os._exit(1)
+"""
+    subprocess.run([sys.executable, "-c", holds], check=False)
+    with claimed_folder(tmp_path, NAMES, []):
+        assert [r.getMessage() for r in caplog.records] == [
+            f"{tmp_path}: what is left of a killed run ends first"
+        ]
+
+
 def test_a_killed_run_leaves_no_lock_of_snakemake(tmp_path):
     locks = tmp_path / "work" / ".snakemake" / "locks"
     with claimed_folder(tmp_path, NAMES, []):

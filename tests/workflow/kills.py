@@ -10,9 +10,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-#: How often a command is started again after its last kill before that counts as stuck: what is
-#: left of it ends by itself, and a `plan2scene run` waits for nobody.
-STARTS = 30
+import psutil
 
 
 def house_command(plan: Path, out: Path, *further: str) -> list[str]:
@@ -21,8 +19,13 @@ def house_command(plan: Path, out: Path, *further: str) -> list[str]:
     return [*program, "run", "--plan", str(plan), "--out", str(out), "--cores", "1", *further]
 
 
-def killed(command: Sequence[str], after_s: float, **options: object) -> bool:
-    """Start a command, kill its whole process group after some seconds; False if it was done."""
+def killed(
+    command: Sequence[str], after_s: float, alone: signal.Signals | None = None, **options: object
+) -> bool:
+    """Start a command, kill its whole process group after some seconds; False if it was done.
+
+    With `alone` the command's own process gets that signal, and no other one.
+    """
     process = subprocess.Popen(
         command,
         start_new_session=True,
@@ -33,24 +36,36 @@ def killed(command: Sequence[str], after_s: float, **options: object) -> bool:
     try:
         process.wait(timeout=after_s)
     except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
+        if alone is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.send_signal(alone)
         process.wait()
         return True
     return False
 
 
 def finished(command: Sequence[str], **options: object) -> str:
-    """Start a command by the same words until it is done; return its last output, or raise."""
-    for _ in range(STARTS):
-        run = subprocess.run(
-            command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **options
-        )
-        if run.returncode == 0:
-            return run.stdout
-        if "a run that is under way" not in run.stdout:
-            raise AssertionError(run.stdout[-3000:])
-        time.sleep(1)
-    raise AssertionError("still locked")
+    """Start a command and let it finish; return its output, or raise."""
+    run = subprocess.run(
+        command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **options
+    )
+    if run.returncode:
+        raise AssertionError(run.stdout[-3000:])
+    return run.stdout
+
+
+def orphans(folder: Path, within_s: float = 10.0) -> int:
+    """Return how many processes that name a folder in their command line are left after a time."""
+    until = time.monotonic() + within_s
+    while True:
+        left = 0
+        for process in psutil.process_iter(["cmdline", "pid"]):
+            words = process.info["cmdline"] or []
+            left += process.pid != os.getpid() and any(str(folder) in word for word in words)
+        if not left or time.monotonic() > until:
+            return left
+        time.sleep(0.2)
 
 
 def kill_often(
