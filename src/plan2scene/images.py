@@ -6,14 +6,16 @@ imported by the functions that need it.
 
 from __future__ import annotations
 
+import importlib
 import io
 import os
 import re
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -178,9 +180,16 @@ MAX_IMAGE_BYTES = 200_000_000
 #: What Pillow may try; JPEG includes those with a second picture that many phones write (MPO).
 #: Others are refused: Pillow would hand PostScript to an outside program.
 FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "TIFF", "BMP", "PPM")
-FORMAT_NAMES = "JPEG, PNG, GIF, WebP, TIFF, BMP or PPM"
+FORMAT_NAMES = "JPEG, PNG, GIF, WebP, TIFF, BMP, PPM or HEIC"
 #: How names of pictures end, for who must tell before files are read (jobs are planned).
-SUFFIXES = (".png", ".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff", ".bmp", ".ppm")
+SUFFIXES = (
+    *(".png", ".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff", ".bmp", ".ppm"),
+    *(".heic", ".heif", ".hif", ".pdf"),
+)
+#: Brands of HEIF files whose pictures are HEVC, what phones write.
+_HEIF_BRANDS = (b"heic", b"heix", b"heim", b"heis", b"mif1", b"msf1", b"hevc", b"hevx")
+#: Pages of a document that are looked at, and pixels of a page's longer side.
+_MAX_PAGES, _PAGE_SIDE = 40, 3000
 #: Side in pixels at which the paper compares textures.
 METRIC_SIZE = 128
 
@@ -197,12 +206,13 @@ def read_image(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarra
 
 
 def read_reduced_image(
-    path: str | os.PathLike[str], side: int, *, house_id: str = ""
+    path: str | os.PathLike[str], side: int, *, house_id: str = "", pages: bool = False
 ) -> tuple[np.ndarray, tuple[int, int]]:
     """Return an image as :func:`read_image` does, and the (height, width) that its file has.
 
-    One of over `MAX_PIXELS` pixels, up to `MAX_PHOTO_PIXELS`, comes back smaller, its longer side
-    not below `side`: memory stays that of a picture of that size, or about 1 GB.
+    With `pages` a PDF is read too, as :func:`decode_image` says. One of over `MAX_PIXELS` pixels,
+    up to `MAX_PHOTO_PIXELS`, comes back smaller, its longer side not below `side`: memory stays
+    that of a picture of that size, or about 1 GB.
     """
 
     def reduced(image: Image.Image) -> tuple[np.ndarray, tuple[int, int]]:
@@ -212,7 +222,7 @@ def read_reduced_image(
         turned = (pixels.shape[0] > pixels.shape[1]) != (height > width)
         return pixels, (width, height) if turned else (height, width)
 
-    return decode_image(path, reduced, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS)
+    return decode_image(path, reduced, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS, pages=pages)
 
 
 def decode_image(
@@ -221,8 +231,12 @@ def decode_image(
     *,
     house_id: str = "",
     max_pixels: int = MAX_PIXELS,
+    pages: bool = False,
 ) -> _Decoded:
-    """Return what `decode` makes of the opened Pillow image; one InputError for all that fails."""
+    """Return what `decode` makes of the opened Pillow image; one InputError for all that fails.
+
+    With `pages` a PDF is an image, too: its page with the most drawn lines.
+    """
     from PIL import Image, UnidentifiedImageError
 
     file, head = ("" if isinstance(source, io.BytesIO) else source), b""
@@ -235,7 +249,13 @@ def decode_image(
             _check_webp(head, max_pixels)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            with Image.open(source, formats=FORMATS) as image:
+            if pages and head.startswith(b"%PDF"):
+                return decode(_page_with_most_lines(source))
+            formats: tuple[str, ...] = FORMATS
+            if head[4:8] == b"ftyp" and head[8:12] in _HEIF_BRANDS:
+                importlib.import_module("pillow_heif").register_heif_opener(thumbnails=False)
+                formats = ("HEIF",)
+            with Image.open(source, formats=formats) as image:
                 _check_size(*image.size, max_pixels)
                 return decode(image)
     except InputError as error:
@@ -248,6 +268,21 @@ def decode_image(
         raise fault(f"an image of at most {max_pixels} pixels", found) from None
     except Exception as error:  # decoders raise many kinds on damaged data; all mean the same
         raise fault("an image that decodes", f"{type(error).__name__}: {error}") from None
+
+
+def _page_with_most_lines(source: Any) -> Image.Image:
+    """Return the page of a PDF that has the most paths, drawn; the first where none has any."""
+    pdfium = importlib.import_module("pypdfium2")
+    with pdfium.PdfDocument(source) as document:
+        counts = []
+        for number in range(min(len(document), _MAX_PAGES)):
+            with closing(document[number]) as page:
+                kinds = [item.type for item in page.get_objects(max_depth=3)]
+            counts.append(kinds.count(pdfium.raw.FPDF_PAGEOBJ_PATH))
+        if not counts:
+            raise InputError("a PDF with pages", "none")
+        with closing(document[int(np.argmax(counts))]) as page:
+            return page.render(scale=_PAGE_SIDE / max(page.get_size())).to_pil()
 
 
 def _check_file(path: Path) -> None:
@@ -275,7 +310,7 @@ def _kind_of(head: bytes) -> str:
     """Return in words what the first bytes of a file that is no readable image look like."""
     if head[4:8] == b"ftyp":
         brand = head[8:12].decode("ascii", "replace")
-        return f"a HEIF or AVIF picture or a video ({brand}); convert it to JPEG"
+        return f"an AVIF picture, a damaged HEIC or a video ({brand}); convert it to JPEG"
     signatures = (
         (b"%PDF", "a PDF"),
         (b"%!PS", "PostScript"),

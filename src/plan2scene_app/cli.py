@@ -99,9 +99,12 @@ def common(
 def run_house(
     plan: Annotated[Path, typer.Option(help="Floorplan in any format that is read.")],
     out: Annotated[Path, typer.Option(help="Folder for the results.")],
-    photos: Annotated[Path | None, typer.Option(help="CSV table: room_id, photo.")] = None,
+    photos: Annotated[
+        Path | None,
+        typer.Option(help="Folder of photos, or CSV table: photo, and room_id where known."),
+    ] = None,
     photos_dir: Annotated[
-        Path | None, typer.Option(help="Folder of the photos; default: beside the table.")
+        Path | None, typer.Option(help="Folder of the table's photos; default: beside the table.")
     ] = None,
     method: _Method = "exemplar",
     cores: Annotated[int, typer.Option(min=1)] = 2,
@@ -114,6 +117,14 @@ def run_house(
         Colours,
         typer.Option(help="Paint without light, as photos show it, or under one light."),
     ] = Colours.PAINT,
+    fov: Annotated[
+        float | None,
+        typer.Option(
+            min=11,
+            max=149,
+            help="Field of view of the photos along their longer side, degrees, where known.",
+        ),
+    ] = None,
     walls: Annotated[
         Walls, typer.Option(help="All of a room alike, or accent walls in their own paint.")
     ] = Walls.ROOM,
@@ -126,10 +137,11 @@ def run_house(
     from plan2scene_app.run import SingleHouse, run
 
     printed = "quiet" if quiet else "verbose" if verbose else "lines"
+    folder = photos is not None and photos.is_dir()
     request = SingleHouse(
         plan=plan,
-        photo_table=photos,
-        photos_dir=photos_dir,
+        photo_table=None if folder else photos,
+        photos_dir=photos if folder else photos_dir,
         house=_house_id(plan, house),
         method=method,
         metres_per_pixel=metres_per_pixel,
@@ -138,6 +150,7 @@ def run_house(
         colours=colours.value,
         walls=walls.value,
         dxf_layers=_layers(dxf_layer),
+        fov_deg=fov,
     )
     for name, path in run(request, out, cores=cores, printed=printed).items():
         print(f"{name}: {path}")

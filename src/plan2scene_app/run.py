@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import filecmp
+import io
 import logging
 import shutil
 import sys
@@ -17,7 +18,7 @@ from plan2scene.datasets.check import photo_problem
 from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.finishes import finishes_file, read_finishes
-from plan2scene.io import atomic_path, safe_join, write_text
+from plan2scene.io import absent, atomic_path, safe_join, write_text
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import validate_house
@@ -42,9 +43,9 @@ DELIVERED: tuple[str, ...] = (
     "rooms.jpg",
     "viewer.html",
 )
-#: Files beside them where there are photos: the house seen from where they were taken, and what
-#: became of them.
-OF_PHOTOS: tuple[str, ...] = ("views.jpg", "contact_sheet.png")
+#: Files beside them where there are photos: the house seen from where they were taken, what became
+#: of them, what is not sure, and the table of their rooms, to be corrected and given again.
+OF_PHOTOS: tuple[str, ...] = ("views.jpg", "contact_sheet.png", "doubts.html", "photos.csv")
 #: What is printed of the progress: nothing, a line for each job (a bar on a terminal), or all.
 PRINTED = {
     "quiet": ("--quiet", "all"),
@@ -61,6 +62,7 @@ class SingleHouse:
 
     plan: Path
     photo_table: Path | None
+    #: The table's photos, by default beside it; without a table all that are in there.
     photos_dir: Path | None
     house: str
     method: str
@@ -70,6 +72,8 @@ class SingleHouse:
     colours: str = "paint"
     walls: str = "room"
     dxf_layers: Mapping[str, str] | None = None
+    #: Field of view of the photos along their longer side, degrees; None: it is estimated.
+    fov_deg: float | None = None
 
 
 def is_picture(request: SingleHouse) -> bool:
@@ -77,44 +81,69 @@ def is_picture(request: SingleHouse) -> bool:
     return PlanFile(request.plan, request.house).is_picture
 
 
-def _check_picture(request: SingleHouse) -> None:
-    """Refuse a picture that can't be read, and a photo table: its rooms have no names yet."""
-    read_plan_picture(request.plan)
-    if request.photo_table is not None:
-        how = f"plan2scene trace {request.plan.name} --out plan.json names its rooms"
-        expected = "a plan whose rooms the photo table names"
-        raise InputError(expected, f"a picture: {how}", file=request.plan)
-
-
 def read_input(request: SingleHouse) -> list[str]:
     """Read plan and photo table, so that mistakes are found before any job; return the photos."""
+    house = None
     if is_picture(request):
-        _check_picture(request)
+        read_plan_picture(request.plan)
+    else:
+        if finishes_file(request.plan).is_file():
+            read_finishes(finishes_file(request.plan))
+        house = read_plan(request.plan, request.house, request.metres_per_pixel, request.dxf_layers)
+        for line in validate_house(house, file=request.plan):
+            _LOG.warning("%s", line)
+    if request.photo_table is not None:
+        rows = read_assignment(request.photo_table, house, house_id=request.house)
+        names = sorted({row.photo for row in rows})
+    elif request.photos_dir is not None:
+        names = photos_in(request.photos_dir, request.plan)
+    else:
         return []
-    if finishes_file(request.plan).is_file():
-        read_finishes(finishes_file(request.plan))
-    house = read_plan(request.plan, request.house, request.metres_per_pixel, request.dxf_layers)
-    for line in validate_house(house, file=request.plan):
-        _LOG.warning("%s", line)
-    if request.photo_table is None:
-        return []
-    names = sorted({row.photo for row in read_assignment(request.photo_table, house)})
-    folder = request.photos_dir or request.photo_table.parent
     faults = []
     for name in names:
-        path = safe_join(folder, name, file=request.photo_table, house_id=request.house)
+        path = _photo_path(request, name)
         try:
             photo_problem(path, house_id=request.house)
         except InputError as fault:
             faults.append(str(fault))
     if names and len(faults) == len(names):
         what = f"none of {len(names)}; the first: {faults[0]}"
-        raise InputError("a photo that can be read", what, file=request.photo_table)
+        source = request.photo_table or request.photos_dir or ""
+        raise InputError("a photo that can be read", what, file=source)
     for line in faults:
         _LOG.warning("%s", line)
     if faults:
         _LOG.warning("%d of %d photos are used", len(names) - len(faults), len(names))
     return names
+
+
+def photos_in(folder: Path, plan: Path) -> list[str]:
+    """Return the names of a folder's files but hidden ones, the plan and repeated photos, sorted.
+
+    InputError for no folder, and one without files.
+    """
+    if not folder.is_dir():
+        raise InputError("a folder of photos, or a photo table", absent(folder), file=folder)
+    kept: dict[str, Path] = {}
+    for path in sorted(folder.iterdir()):
+        if path.name.startswith(".") or path.is_dir() or path.samefile(plan):
+            continue
+        same = [old for old in kept.values() if filecmp.cmp(old, path, shallow=False)]
+        same += [kept[path.stem]] if path.stem in kept else []
+        if same:
+            _LOG.warning("photo %s left out: %s is the same", path.name, same[0].name)
+        else:
+            kept[path.stem] = path
+    if not kept:
+        raise InputError("a folder of photos", "no file in it", file=folder)
+    return sorted(path.name for path in kept.values())
+
+
+def _photo_path(request: SingleHouse, name: str) -> Path:
+    """Return where a photo of the request lies."""
+    table = request.photo_table
+    folder = request.photos_dir or (table.parent if table else Path())
+    return safe_join(folder, name, file=table or folder, house_id=request.house)
 
 
 def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
@@ -130,11 +159,13 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     _copy_changed(request.plan, plan)
     _copy_finishes(request.plan, plan)
     assignment = ""
-    if request.photo_table is not None:
-        folder = request.photos_dir or request.photo_table.parent
-        _copy_photos(names, folder, photos, request)
-        _copy_changed(request.photo_table, root / "photoroom.csv")
+    if request.photo_table is not None or names:
+        _copy_photos(names, photos, request)
         assignment = "photoroom.csv"
+    if request.photo_table is not None:
+        _copy_changed(request.photo_table, root / assignment)
+    elif names:
+        _write_changed(_table_of(names), root / assignment)
     with (root / "houses.tsv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, delimiter="\t", lineterminator="\n")
         writer.writerow(COLUMNS)
@@ -151,10 +182,23 @@ def _copy_finishes(plan: Path, copy: Path) -> None:
         target.unlink(missing_ok=True)
 
 
-def _copy_photos(names: list[str], source: Path, target: Path, request: SingleHouse) -> None:
+def _table_of(names: list[str]) -> str:
+    """Return a photo table of photos whose rooms are not known."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([["photo"], *([name] for name in names)])
+    return text.getvalue()
+
+
+def _write_changed(text: str, target: Path) -> None:
+    """Write a text unless the target has it."""
+    if not target.is_file() or target.read_bytes() != text.encode():
+        write_text(target, text)
+
+
+def _copy_photos(names: list[str], target: Path, request: SingleHouse) -> None:
     """Copy the photos that there are; what an earlier run copied of the others goes."""
     for name in names:
-        path = safe_join(source, name, file=request.photo_table or "", house_id=request.house)
+        path = _photo_path(request, name)
         copy = safe_join(target, name)
         if path.is_file():
             _copy_changed(path, copy)
@@ -189,6 +233,7 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     config["drops"] = [0.0]
     house = {"method": request.method, "colours": request.colours, "walls": request.walls}
     config["house"] |= house
+    config["photos"]["known_fov_deg"] = request.fov_deg
     config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
     config["floorplans"]["dxf_layers"] = dict(request.dxf_layers or {}) or None
     config["textures"]["size_px"] = request.texture_size
@@ -226,6 +271,8 @@ def run(
     names = read_input(request)
     wanted = (*DELIVERED, *OF_PHOTOS) if names else DELIVERED
     wanted += TRACED if is_picture(request) else ()
+    # A table of an earlier run that was corrected is the user's.
+    wanted = tuple(name for name in wanted if (out / name).resolve() != _resolved(request))
     with claimed_folder(out, (*wanted, "textures"), inputs) as folder:
         config = prepare(request, names, folder.work)
         base = f"results/{DATASET}/houses/{request.house}"
@@ -257,6 +304,11 @@ def _profile_options() -> list[str]:
         if value is not False:
             options += [f"--{name}"] if value is True else [f"--{name}", str(value)]
     return options
+
+
+def _resolved(request: SingleHouse) -> Path | None:
+    """Return the photo table's real path."""
+    return None if request.photo_table is None else request.photo_table.resolve()
 
 
 def _make(targets: list[str], config: Path, folder: OutFolder, options: list[str]) -> None:

@@ -304,11 +304,29 @@ FAILS: dict[str, tuple[Callable[[], bytes], str]] = {
     "renamed_page.jpg": (lambda: b"<!DOCTYPE html><html></html>", "HTML"),
     "renamed.pdf.jpg": (lambda: b"%PDF-1.7\n", "PDF"),
     "postscript.jpg": (lambda: b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n", "PostScript"),
-    "phone.heic": (lambda: b"\0\0\0\x18ftypheic\0\0\0\0mif1heic" + b"\0" * 99, "HEIF"),
+    "phone.heic": (lambda: b"\0\0\0\x18ftypheic\0\0\0\0mif1heic" + b"\0" * 99, "HEIC"),
     "zeros.jpg": (lambda: b"\0" * 4096, "none"),
     "random.jpg": (lambda: np.random.default_rng(1).bytes(4096), "found"),
     "empty.jpg": (lambda: b"", "empty"),
 }
+
+
+def test_photos_of_phones_and_pages_are_read(tmp_path: Path) -> None:
+    import pillow_heif
+
+    heic = tmp_path / "phone.HEIC"
+    pillow_heif.from_pillow(rgb().resize((480, 320), Image.Resampling.NEAREST)).save(heic)
+    assert np.abs(read_image(heic)[::10, ::10].astype(int) - drawn()).max() < 40
+    page = tmp_path / "plan.pdf"
+    rgb().save(page, format="PDF", resolution=1.0)
+    pixels, size = images.read_reduced_image(page, 64, pages=True)
+    assert size == (2000, 3000)
+    assert np.abs(pixels[500::1000, 750::1500].reshape(4, 3) - np.array(QUARTERS)).max() < 12
+    with pytest.raises(InputError, match="found a PDF"):
+        read_image(page)  # no photo
+    page.write_bytes(page.read_bytes()[:200])
+    with pytest.raises(InputError, match="an image that decodes"):
+        images.read_reduced_image(page, 64, pages=True)
 
 
 @pytest.mark.parametrize("name", sorted(FAILS))

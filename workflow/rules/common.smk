@@ -119,8 +119,21 @@ def named_files(wildcards):
 def read_plan_of(wildcards):
     """Return the plan that is read: of a picture what is traced, there or not."""
     path = DATA_ROOT / row_of(wildcards).plan
-    traced = path.suffix.lower() in SUFFIXES and path.is_file()
+    traced = is_traced(wildcards)
     return f"{RESULTS}/houses/{wildcards.house}/plan.json" if traced else str(path)
+
+
+def is_traced(wildcards):
+    """Return whether the plan is a picture, from which its rooms are traced."""
+    path = DATA_ROOT / row_of(wildcards).plan
+    return path.suffix.lower() in SUFFIXES and path.is_file()
+
+
+def trace_files(wildcards):
+    """Return what tracing says of a plan that is a picture."""
+    plan = f"{RESULTS}/houses/{wildcards.house}/plan"
+    made = dict(overlay=f"{plan}.overlay.png", doubts=f"{plan}.doubts.txt")
+    return made if is_traced(wildcards) else {}
 
 
 @functools.cache

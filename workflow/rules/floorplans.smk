@@ -19,6 +19,7 @@ rule floorplan:
         photos=str(LAYOUT.photos),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         dxf_layers=config["floorplans"]["dxf_layers"],
+        traced=is_traced,
         code=plan_code_of,
     script:
         "../scripts/floorplan.py"

@@ -33,6 +33,7 @@ rule masks:
         pretrained=config["photos"]["pretrained"],
         openings=config["photos"]["openings"],
         fov_deg=config["photos"]["fov_deg"],
+        known_fov_deg=config["photos"]["known_fov_deg"],
         code=rule_code("masks"),
     script:
         "../scripts/masks.py"
@@ -47,6 +48,7 @@ rule places:
     output:
         **given(cameras=HAS_MASKS and CAMERAS),
         rooms=PHOTO_ROOMS,
+        table=f"{RESULTS}/houses/{{house}}/photos.csv",
     log:
         f"logs/{DATASET}/places/{{house}}.log",
     benchmark:
@@ -57,6 +59,7 @@ rule places:
     resources:
         mem_mb=worker_memory(1000, 300),
     params:
+        traced=is_traced,
         code=rule_code("places"),
     script:
         "../scripts/places.py"
@@ -104,6 +107,31 @@ rule crops:
         code=rule_code("crops"),
     script:
         "../scripts/crops.py"
+
+
+rule doubts:
+    # A page to read and to correct by: the plan, each photo in its room, and what is not sure.
+    input:
+        unpack(trace_files),
+        **given(masks=HAS_MASKS and MASKS, cameras=HAS_MASKS and CAMERAS),
+        table=f"{RESULTS}/houses/{{house}}/photos.csv",
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+    output:
+        f"{RESULTS}/houses/{{house}}/doubts.html",
+    log:
+        f"logs/{DATASET}/doubts/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/doubts/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=800,
+    params:
+        photo_folder=str(LAYOUT.photos),
+        code=rule_code("doubts"),
+    script:
+        "../scripts/doubts.py"
 
 
 rule contact_sheet:

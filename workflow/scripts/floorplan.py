@@ -13,4 +13,5 @@ with job(snakemake.log[0]):
         object_boxes=snakemake.input.get("object_boxes") or None,
         metres_per_pixel=snakemake.params.metres_per_pixel,
         dxf_layers=snakemake.params.dxf_layers,
+        traced=snakemake.params.traced,
     )

@@ -23,5 +23,6 @@ with job(snakemake.log[0]):
         snakemake.output[0],
         house_id=house_id,
         fov_deg=params.fov_deg,
+        known_fov_deg=params.known_fov_deg,
         threads=snakemake.threads,
     )

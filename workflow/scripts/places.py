@@ -8,7 +8,9 @@ from plan2scene.workflow.jobs import job
 with job(snakemake.log[0]):
     masks, cameras = snakemake.input.get("masks"), snakemake.output.get("cameras")
     house = read_scene_json(snakemake.input.scene, snakemake.wildcards.house)
-    assigned = rooms_of_photos(snakemake.input.assignment or None, house)
+    assigned = rooms_of_photos(
+        snakemake.input.assignment or None, house, traced=snakemake.params.traced
+    )
     if masks:
         locate_photos(house, assigned, masks, cameras, threads=snakemake.threads)
-    write_photo_rooms(house, assigned, cameras, snakemake.output.rooms)
+    write_photo_rooms(house, assigned, cameras, snakemake.output.rooms, snakemake.output.table)

@@ -25,7 +25,7 @@ class PhotoAssignment(NamedTuple):
 
 
 def read_assignment(
-    path: str | Path | None, house: House | None = None, *, house_id: str = ""
+    path: str | Path | None, house: House | None = None, *, house_id: str = "", traced: bool = False
 ) -> tuple[PhotoAssignment, ...]:
     """Return the rows of a photo table in file order, repeated rows once.
 
@@ -44,6 +44,9 @@ def read_assignment(
         When given, each room id must be one of its rooms.
     house_id : str
         Name for messages when `house` is not given.
+    traced : bool
+        The table may be older than the plan, whose rooms got their names by tracing: a room that
+        the plan lacks counts as left empty.
     """
     name = house.id if house is not None else house_id
     rows = [] if not path else read_rows(path, house_id=name)
@@ -52,6 +55,8 @@ def read_assignment(
     stems: dict[str, str] = {}
     rooms = None if house is None else {room.id for room in house.rooms}
     for row in rows:
+        if traced and rooms is not None and row.room_id not in rooms:
+            row = row._replace(room_id="")
         if rooms is not None and row.room_id and row.room_id not in rooms:
             known = ", ".join(sorted(rooms))
             found = f"{row.room_id!r} for photo {row.photo}"
@@ -124,12 +129,14 @@ def check_assignment(
     return list(warnings)
 
 
-def rooms_of_photos(path: str | Path | None, house: House) -> dict[str, list[str]]:
+def rooms_of_photos(
+    path: str | Path | None, house: House, *, traced: bool = False
+) -> dict[str, list[str]]:
     """Return photo -> rooms that it shows, in the order of a photo table (`read_assignment`).
 
     No rooms where the table does not say.
     """
     rooms: dict[str, list[str]] = {}
-    for row in read_assignment(path, house):
+    for row in read_assignment(path, house, traced=traced):
         rooms.setdefault(row.photo, []).extend([row.room_id] if row.room_id else [])
     return rooms

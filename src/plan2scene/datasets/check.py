@@ -131,7 +131,13 @@ def check_plan(
     plan = PlanFile(Path(path), house_id)
     try:
         if plan.path.is_file() and plan.is_picture:
-            decode_image(path, _verified_format, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS)
+            decode_image(
+                path,
+                _verified_format,
+                house_id=house_id,
+                max_pixels=MAX_PHOTO_PIXELS,
+                pages=True,
+            )
             expected = "a plan with rooms (plan2scene trace shows what is read of a picture)"
             return None, _warnings([str(plan.fault(expected, plan.binary))])
         house = read_plan(path, house_id, metres_per_pixel, dxf_layers)

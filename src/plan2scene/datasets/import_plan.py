@@ -95,18 +95,20 @@ def import_plan(
     assignment: str | Path | None = None,
     photos_dir: str | Path | None = None,
     object_boxes: str | Path | None = None,
+    traced: bool = False,
 ) -> House:
     """Read, check and write a plan as scene.json; warnings go to the log. Return the house.
 
     `assignment` is the house's photo table: its rooms and photo names are checked here, so that
     a wrong table stops the house before any photo is worked on. An empty one, or "" for a house
     that has none, is a warning, and so is a photo that `photos_dir` lacks; None asks for no check.
+    `traced` as of :func:`.assignments.read_assignment`.
     Boxes of an `object_boxes` file become the house's icons; a faulty file is a warning.
     """
     house = read_plan(path, house_id, metres_per_pixel, dxf_layers)
     warnings = validate_house(house, file=path)
     if assignment is not None:
-        rows = read_assignment(assignment, house)
+        rows = read_assignment(assignment, house, traced=traced)
         if photos_dir is not None or not rows:
             warnings += check_assignment(house, rows, photos_dir or "", file=assignment)
     if object_boxes:

@@ -5,14 +5,18 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from plan2scene.camera import Camera
+import numpy as np
+
+from plan2scene.camera import Camera, focal_of
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_directory, safe_join, write_json
 from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal, read_exif_focal
+from plan2scene.photos.camera.lens import with_shared_lenses
 from plan2scene.photos.camera.lines import (
     SEGMENTS,
     PhotoSegments,
@@ -22,6 +26,7 @@ from plan2scene.photos.camera.lines import (
 from plan2scene.photos.labels.labeller import Labeller
 from plan2scene.photos.labels.palette import (
     PROBABILITIES,
+    read_label_png,
     without_openings,
     write_label_png,
     write_probability_png,
@@ -38,6 +43,7 @@ def make_masks(
     *,
     house_id: str,
     fov_deg: float = DEFAULT_FOV_DEG,
+    known_fov_deg: float | None = None,
     threads: int = 1,
 ) -> list[str]:
     """Write the masks folder of a house and return its warnings.
@@ -55,41 +61,84 @@ def make_masks(
         ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
         ``segments.parquet``, ``warnings.json`` (``docs/conventions.md``).
     fov_deg : float
-        Horizontal field of view in degrees where neither EXIF data nor vanishing points give one.
+        Horizontal field of view in degrees where neither EXIF data nor vanishing points give one,
+        nor those of the other photos.
+    known_fov_deg : float, optional
+        Field of view of all photos along their longer side, degrees: goes before EXIF data.
     threads : int
         Photos worked on at a time; the result does not depend on it.
     """
     _refuse_equal_stems(photos, house_id)
     with atomic_directory(out_dir) as folder:
-        cameras: dict[str, object] = {}
-        segments: dict[str, PhotoSegments] = {}
+        shots: dict[str, _Shot] = {}
         warnings: list[str] = []
         if photos:
             one = partial(
-                _label_photo, labeller=label(), folder=folder, house_id=house_id, fov_deg=fov_deg
+                _label_photo,
+                labeller=label(),
+                folder=folder,
+                house_id=house_id,
+                fov_deg=fov_deg,
+                known_fov_deg=known_fov_deg,
             )
             with ThreadPoolExecutor(threads) as pool:
                 labelled = pool.map(lambda name: one(name, photos[name]), sorted(photos))
-                for name, (estimate, lines) in zip(sorted(photos), labelled, strict=True):
+                for name, (shot, lines) in zip(sorted(photos), labelled, strict=True):
                     warnings += lines
-                    if estimate is not None:
-                        cameras[name] = estimate[0].to_json()
-                        segments[name] = estimate[1]
-        _log.info("%d photos labelled, %d left out", len(cameras), len(photos) - len(cameras))
-        write_json(folder / "cameras.json", cameras)
-        write_segments(folder / SEGMENTS, segments)
+                    if shot is not None:
+                        shots[name] = shot
+        _log.info("%d photos labelled, %d left out", len(shots), len(photos) - len(shots))
+        write_json(folder / "cameras.json", _cameras(shots, folder, fov_deg))
+        write_segments(folder / SEGMENTS, {name: shot.segments for name, shot in shots.items()})
         write_json(folder / "warnings.json", warnings)
     return warnings
 
 
+@dataclass(frozen=True)
+class _Shot:
+    """What is known of a labelled photo."""
+
+    camera: Camera
+    segments: PhotoSegments
+    exif: ExifFocal
+
+
+def _cameras(shots: Mapping[str, _Shot], folder: Path, fov_deg: float) -> dict[str, object]:
+    """Return the photos' cameras as JSON: of those that do not tell it, by the others' lens."""
+
+    def refit(name: str, told: ExifFocal) -> Camera:
+        shot = shots[name]
+        if shot.exif.focal_px is not None:
+            return shot.camera
+        size = (shot.camera.height, shot.camera.width, 3)
+        labels = read_label_png(folder / f"{Path(name).stem}.png")
+        nothing = np.broadcast_to(np.uint8(0), size)  # the segments are known
+        return estimate_camera(nothing, labels, fov_deg=fov_deg, exif=told, segments=shot.segments)
+
+    cameras = {name: shot.camera for name, shot in shots.items()}
+    models = {name: shot.exif.model for name, shot in shots.items()}
+    shared = with_shared_lenses(cameras, models, refit)
+    return {name: camera.to_json() for name, camera in shared.items()}
+
+
 def _label_photo(
-    name: str, path: Path, *, labeller: Labeller, folder: Path, house_id: str, fov_deg: float
-) -> tuple[tuple[Camera, PhotoSegments] | None, list[str]]:
-    """Write a photo's label PNG; return camera and segments (None: left out), and warnings."""
+    name: str,
+    path: Path,
+    *,
+    labeller: Labeller,
+    folder: Path,
+    house_id: str,
+    fov_deg: float,
+    known_fov_deg: float | None,
+) -> tuple[_Shot | None, list[str]]:
+    """Write a photo's label PNG; return what is known of it (None: left out), and warnings."""
     try:
         safe_join("", name, house_id=house_id)
         image = read_photo(path, house_id=house_id)
         exif = read_exif_focal(path, (image.shape[0], image.shape[1]))
+        if known_fov_deg is not None:
+            focal = focal_of(np.radians(known_fov_deg), max(image.shape[:2]))
+            exif = ExifFocal(focal, model=exif.model)
         segments = find_segments(image)
         labelled = labeller.labelled(name, image, fov_deg=fov_deg, exif=exif, segments=segments)
     except InputError as error:
@@ -102,7 +151,8 @@ def _label_photo(
         write_probability_png(
             folder / PROBABILITIES / f"{Path(name).stem}.png", labelled.probabilities
         )
-    return (camera, segments), [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
+    lines = [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
+    return _Shot(camera, segments, exif), lines
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

@@ -65,6 +65,8 @@ class PlanFile:
     @cached_property
     def binary(self) -> str:
         """What kind of file this is when it begins like one that is no text; else empty."""
+        if self.head[4:8] == b"ftyp":
+            return "a HEIC picture"
         kind = next((name for start, name in _SIGNATURES if self.head.startswith(start)), "")
         if self.head.startswith(b"PK") and not zipfile.is_zipfile(self.path):
             return "a damaged file of Sweet Home 3D or another ZIP archive"
@@ -72,8 +74,8 @@ class PlanFile:
 
     @property
     def is_picture(self) -> bool:
-        """Whether it is a picture, which is to be traced."""
-        return self.binary.endswith("picture")
+        """Whether it is a picture, which is to be traced; a PDF is one."""
+        return self.binary.endswith("picture") or self.binary == "a PDF"
 
     @cached_property
     def text(self) -> str:

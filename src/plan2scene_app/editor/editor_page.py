@@ -146,7 +146,7 @@ def _untraced(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
         sizes.append(max(image.size))
         return to_small_srgb(image, PICTURE_SIDE)
 
-    pixels = decode_image(path, reduced)
+    pixels = decode_image(path, reduced, pages=True)
     file_pixels = sizes[0] / max(pixels.shape[:2])
     scale = {"metres_per_pixel": metres_per_pixel * file_pixels} if metres_per_pixel else {}
     return {

@@ -27,7 +27,7 @@ class PlanPicture:
 
 def read_plan_picture(path: str | Path) -> PlanPicture:
     """Return a picture of at most `long_side_px` pixels a side; InputError for an empty page."""
-    image, (height, width) = read_reduced_image(path, SETTINGS.long_side_px)
+    image, (height, width) = read_reduced_image(path, SETTINGS.long_side_px, pages=True)
     if min(height, width) < SETTINGS.least_side_px:
         expected = f"a plan of at least {SETTINGS.least_side_px} pixels a side"
         raise InputError(expected, f"{width}x{height}", file=path)

@@ -62,6 +62,11 @@ def test_assignment_headers(tmp_path, text):
     assert rows == (PhotoAssignment("a", "one.jpg"), PhotoAssignment("a", "two.jpg"))
 
 
+def test_rooms_that_a_traced_plan_lacks_are_left_empty(tmp_path):
+    path = table(tmp_path, "room_id,photo\na,x.jpg\nattic,y.jpg\n")
+    assert rooms_of_photos(path, small_house(), traced=True) == {"x.jpg": ["a"], "y.jpg": []}
+
+
 def test_rooms_of_photos(tmp_path):
     path = table(tmp_path, "room_id,photo\nb,x.jpg\na,y.jpg\na,x.jpg\nb,x.jpg\n")
     house = small_house()
@@ -246,7 +251,7 @@ def test_every_problem_is_a_line(dataset):
         "found no such file"
     )
     assert lines[3] == f"warning: file {photos / 'text.jpg'}, house h1: expected an image (" + (
-        "JPEG, PNG, GIF, WebP, TIFF, BMP or PPM), found text"
+        "JPEG, PNG, GIF, WebP, TIFF, BMP, PPM or HEIC), found text"
     )
     assert lines[4] == (
         f"error: file {dataset / 'none.json'}, house h2: expected a plan, found no such file"

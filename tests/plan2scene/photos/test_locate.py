@@ -5,6 +5,7 @@ import pytest
 from box_room import SIZE, box_house, rendered
 from views import camera_looking
 
+from plan2scene.datasets.assignments import PhotoAssignment, read_assignment
 from plan2scene.errors import InputError
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import canonical
@@ -114,17 +115,19 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     cameras = {f"{name}.jpg": photo.camera.to_json() for name in ("a", "b")}
     write_json(masks / "cameras.json", cameras)
     output = tmp_path / "cameras.json"
-    rooms = tmp_path / "photo_rooms.json"
+    rooms, placed = tmp_path / "photo_rooms.json", tmp_path / "photos.csv"
     table = {"a.jpg": [], "b.jpg": [], "damaged.jpg": []}
     poses = locate_photos(house, table, masks, output)
     np.testing.assert_allclose(poses["a.jpg"].camera.matrix, true.matrix, atol=1e-6)
-    assert write_photo_rooms(house, table, output, rooms) == {"a.jpg": ["room"]}
+    assert write_photo_rooms(house, table, output, rooms, placed) == {"a.jpg": ["room"]}
     asked = "expected a room_id in the photo table where a photo's place in the plan is not clear"
     assert caplog.messages[-1] == f"house h: {asked}, found none for b.jpg; left out"
     given = {"b.jpg": ["store"], "a.jpg": []}
-    assert write_photo_rooms(house, given, output, rooms) == {"b.jpg": ["store"], "a.jpg": ["room"]}
-    assert read_json(rooms) == {"b.jpg": ["store"], "a.jpg": ["room"]}
-    with pytest.raises(InputError, match=r"room_id in the photo table .* found none for b\.jpg$"):
-        write_photo_rooms(house, {"b.jpg": []}, output, rooms)
-    with pytest.raises(InputError, match=r"none for a\.jpg"):
-        write_photo_rooms(house, {"a.jpg": []}, None, rooms)
+    both = {"b.jpg": ["store"], "a.jpg": ["room"]}
+    assert write_photo_rooms(house, given, output, rooms, placed) == both
+    assert read_json(rooms) == both
+    sure = f"{poses['a.jpg'].located:.2f}"
+    assert placed.read_text() == f"room_id,photo,probability\nstore,b.jpg,\nroom,a.jpg,{sure}\n"
+    # A house of which no photo finds its place is made all the same.
+    assert write_photo_rooms(house, {"b.jpg": []}, output, rooms, placed) == {}
+    assert read_assignment(placed, house) == (PhotoAssignment("", "b.jpg"),)

@@ -1,5 +1,7 @@
 """A picture as the plan of ``plan2scene run``."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -38,11 +40,32 @@ def test_the_house_table_names_a_picture_whatever_its_name(picture, tmp_path):
     assert (tmp_path / "dataset" / "plan.png").read_bytes() == picture.read_bytes()
 
 
-def test_photos_of_rooms_that_nobody_has_seen_are_one_line(picture, tmp_path):
+def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
+    photos = tmp_path / "photos"
+    photos.mkdir()
+    for name, value in (("b.jpg", 90), ("a.png", 180), ("a copy.png", 180)):
+        write_png(photos / name, np.full((64, 64, 3), value, np.uint8))
+    (photos / "notes.txt").write_text("no photo")
+    (photos / ".hidden").write_text("of the system")
+    (photos / picture.name).symlink_to(picture)
+    given = replace(request(picture), photos_dir=photos)
+    names = read_input(given)
+    assert names == ["a copy.png", "b.jpg", "notes.txt"]
+    told = "\n".join(caplog.messages)
+    assert "a.png left out: a copy.png is the same" in told
+    assert "notes.txt" in told
+    prepare(given, names, tmp_path)
+    dataset = tmp_path / "dataset"
+    rows = (dataset / "houses.tsv").read_text().splitlines()[1].split("\t")
+    assert rows[3:] == ["photoroom.csv", "a copy.png|b.jpg|notes.txt"]
+    assert (dataset / "photoroom.csv").read_text() == "photo\na copy.png\nb.jpg\nnotes.txt\n"
+
+
+def test_a_table_is_given_with_a_picture_whose_rooms_have_no_names_yet(picture, tmp_path):
+    write_png(tmp_path / "a.png", np.full((64, 64, 3), 180, np.uint8))
     table = tmp_path / "photos.csv"
-    table.write_text("room_id,photo\nhall,a.jpg\n")
-    with pytest.raises(InputError, match=r"plan2scene trace scan\.any --out plan\.json"):
-        read_input(request(picture, table))
+    table.write_text("room_id,photo\nhall,a.png\n")
+    assert read_input(request(picture, table)) == ["a.png"]
 
 
 def test_an_empty_page_is_told_before_any_job(tmp_path):

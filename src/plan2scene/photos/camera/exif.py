@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Tag = ExifTags.Base
 _log = logging.getLogger("plan2scene")
 #: Formats of cameras whose EXIF block Pillow finds without decoding pixels.
-FORMATS = ("JPEG", "MPO", "WEBP")
+FORMATS = ("JPEG", "MPO", "WEBP", "HEIF")
 #: Diagonal of a 36 x 24 mm frame.
 FRAME_DIAGONAL_MM = 43.2666
 #: Horizontal fields of view that are accepted, degrees.
@@ -46,6 +46,8 @@ class ExifFocal:
     cropped: bool = False
     #: Why a focal length that was there is not used; empty otherwise.
     warning: str = ""
+    #: The camera's model; empty when it is not told.
+    model: str = ""
 
 
 def read_exif_focal(path: str | os.PathLike[str], size: tuple[int, int]) -> ExifFocal:
@@ -74,15 +76,17 @@ def read_exif_focal(path: str | os.PathLike[str], size: tuple[int, int]) -> Exif
     else:
         focal = _focal_of_sensor(tags, noted, size)
         text = f"focal length {_number(tags.get(Tag.FocalLength)):g} mm"
+    model = str(tags.get(Tag.Model) or "").strip()
     if focal <= 0:
-        return ExifFocal()
+        return ExifFocal(model=model)
     fov = float(np.degrees(2 * np.arctan(width / 2 / focal)))
     if not FOV_RANGE_DEG[0] <= fov <= FOV_RANGE_DEG[1]:
         return ExifFocal(
             warning=f"EXIF {text} not used: {fov:.0f} degrees wide, expected "
-            f"{FOV_RANGE_DEG[0]:.0f} to {FOV_RANGE_DEG[1]:.0f}"
+            f"{FOV_RANGE_DEG[0]:.0f} to {FOV_RANGE_DEG[1]:.0f}",
+            model=model,
         )
-    return ExifFocal(focal, _is_cropped(noted, size))
+    return ExifFocal(focal, _is_cropped(noted, size), model=model)
 
 
 def _tags(path: str | os.PathLike[str]) -> dict[int, Any]:
@@ -95,7 +99,10 @@ def _tags(path: str | os.PathLike[str]) -> dict[int, Any]:
 
 
 def _exif_block(image: Image.Image) -> dict[int, Any]:
-    return dict(image.getexif().get_ifd(ExifTags.IFD.Exif)) if image.format in FORMATS else {}
+    if image.format not in FORMATS:
+        return {}
+    tags = image.getexif()
+    return {**tags.get_ifd(ExifTags.IFD.Exif), Tag.Model: tags.get(Tag.Model)}
 
 
 def _number(value: Any) -> float:

@@ -5,6 +5,7 @@ Each photo is searched alone, then again under the height that the photos share.
 
 from __future__ import annotations
 
+import csv
 import logging
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ import numpy as np
 from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.io import read_json, write_json
+from plan2scene.io import atomic_path, read_json, write_json
 from plan2scene.parallel import each
 from plan2scene.photos.labels.palette import (
     DOOR,
@@ -212,13 +213,14 @@ def write_photo_rooms(
     rooms_of_photo: Mapping[str, Sequence[str]],
     cameras: str | Path | None,
     output: str | Path,
+    table: str | Path,
 ) -> dict[str, list[str]]:
     """Write photo_rooms.json and return it: photo -> the rooms that it shows.
 
     These are the rooms of the photo table; for a photo without any, the room that it was located
     in. `cameras` is the cameras.json of `locate_photos`, None where photos have no camera. A photo
-    without a room is left out; if it has a camera, one line asks for its room. InputError where no
-    photo of the house has a room.
+    without a room is left out; one line names them all. `table` is written, too: a photo table of
+    these rooms, how probable each is, and the photos without a room.
     """
     located = {} if cameras is None else read_poses(cameras)
     rooms = {
@@ -226,14 +228,18 @@ def write_photo_rooms(
         for photo, named in rooms_of_photo.items()
     }
     known = rooms if cameras is None else read_json(cameras)
-    asked = sorted(photo for photo, named in rooms.items() if not named and photo in known)
-    if asked:
-        names = ", ".join(asked[:8]) + (f" and {len(asked) - 8} more" if len(asked) > 8 else "")
+    left_out = sorted(photo for photo, named in rooms.items() if not named and photo in known)
+    if left_out:
         expected = "a room_id in the photo table where a photo's place in the plan is not clear"
-        fault = InputError(expected, f"none for {names}", house=house.id)
-        if not any(rooms.values()):
-            raise fault
-        _log.warning("%s; left out", fault)
+        found = f"none for {', '.join(left_out)}"
+        _log.warning("%s; left out", InputError(expected, found, house=house.id))
+    with atomic_path(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["room_id", "photo", "probability"])
+        for photo, named in rooms.items():
+            told = bool(rooms_of_photo[photo]) or not named
+            sure = "" if told else f"{located[photo].located:.2f}"
+            writer.writerows([room, photo, sure] for room in named or [""])
     rooms = {photo: named for photo, named in rooms.items() if named}
     write_json(output, rooms)
     return rooms

@@ -1,0 +1,223 @@
+"""doubts.html: the plan beside the photos, each in its room, and all that is not sure."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import html
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.house import House, Room
+from plan2scene.images import read_image, read_reduced_image
+from plan2scene.io import atomic_path, read_json, read_text
+from plan2scene.photos.locate.pose import read_poses
+from plan2scene.plans.geometry import room_polygon
+from plan2scene_app.html_page import html_page, source_hash
+
+_FOLDER = Path(__file__).parent
+#: Longer side in pixels of photos and of the traced picture on the page.
+_PHOTO_SIDE, _PICTURE_SIDE = 300, 1100
+#: A photo whose room is less probable than this is a doubt.
+SURE = 0.8
+
+
+@dataclass(frozen=True)
+class PlacedPhoto:
+    """A row of photos.csv."""
+
+    name: str
+    room_id: str  #: empty: in none
+    probability: float | None  #: None where the photo table told the room
+
+
+@dataclass(frozen=True)
+class DoubtFiles:
+    """What the page is made of: files of one house (docs/conventions.md)."""
+
+    table: str | Path
+    masks: str | Path | None = None
+    cameras: str | Path | None = None
+    #: Of a plan that was a picture.
+    overlay: str | Path | None = None
+    doubts: str | Path | None = None
+
+
+def read_placed(path: str | Path) -> list[PlacedPhoto]:
+    """Return the rows of the photos.csv that the places stage wrote."""
+    rows = csv.DictReader(read_text(path).splitlines())
+    return [
+        PlacedPhoto(
+            row["photo"],
+            row["room_id"],
+            float(row["probability"]) if row["probability"] else None,
+        )
+        for row in rows
+    ]
+
+
+def write_doubts(
+    output: str | Path, photo_folder: str | Path, files: DoubtFiles, *, house: House
+) -> list[str]:
+    """Write the page, which needs no network and runs no script; return its lines of doubt.
+
+    Parameters
+    ----------
+    output : path
+        The page.
+    photo_folder : path
+        Where the photos of the table lie; one that is missing is named without a picture.
+    files : DoubtFiles
+        What the stages wrote.
+    house : House
+        The plan.
+    """
+    placed = read_placed(files.table)
+    left_out = read_json(Path(files.masks) / "warnings.json") if files.masks else []
+    traced = read_text(files.doubts).splitlines() if files.doubts else []
+    lines = list(doubt_lines(house, placed, left_out, traced))
+    poses = read_poses(files.cameras) if files.cameras else {}
+    eyes = {name: (pose.room_id, pose.eye[0], pose.eye[2]) for name, pose in poses.items()}
+    folder = Path(photo_folder)
+    groups = [_room_section(room, placed, folder) for room in house.rooms]
+    style = (_FOLDER / "doubts.css").read_text(encoding="utf-8")
+    picture = "" if files.overlay is None else _picture(files.overlay)
+    page = html_page(
+        _FOLDER / "doubts.html",
+        title=house.id,
+        style=style,
+        policy=f"default-src 'none'; style-src {source_hash(style)}; img-src data:",
+        doubts="\n".join(f"<li>{_linked(line, house)}</li>" for line in lines),
+        count=f"{len(lines)} doubts" if len(lines) != 1 else "1 doubt",
+        plans="\n".join(_plan(storey, level.name, eyes) for level, storey in house.storeys()),
+        picture=picture,
+        rooms="\n".join(groups),
+        unplaced=_cards([row for row in placed if not row.room_id], folder),
+    )
+    with atomic_path(output) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+    return lines
+
+
+def doubt_lines(
+    house: House,
+    placed: Sequence[PlacedPhoto],
+    left_out: Sequence[str],
+    traced: Sequence[str],
+) -> Iterator[str]:
+    """Yield what is not sure, the gravest first.
+
+    `left_out` are the warnings of the masks stage, `traced` the lines of a plan's tracing.
+    """
+    lost = [row.name for row in placed if not row.room_id]
+    if placed and len(lost) == len(placed):
+        yield f"no photo finds its place in the plan: the house is made without {len(lost)} photos"
+    yield from (f"plan: {line}" for line in traced)
+    yield from left_out
+    if lost and len(lost) < len(placed):
+        yield f"no room is found for {', '.join(lost)}"
+    for row in placed:
+        if row.probability is not None and row.probability < SURE:
+            yield f"{row.name} is in {row.room_id} with a probability of {row.probability:.0%}"
+    seen = {row.room_id for row in placed}
+    bare = [room.id for room in house.rooms if room.id not in seen and not room.open_air]
+    if placed and bare and len(lost) < len(placed):
+        yield f"no photo shows {', '.join(bare)}: made like the other rooms"
+
+
+def _linked(line: str, house: House) -> str:
+    """Return a line as HTML; the first room that it names leads to its place in the plan."""
+    text = html.escape(line)
+    words = line.replace(",", " ").replace(":", " ").split()
+    named = next((room.id for room in house.rooms if room.id in words), None)
+    if named is None:
+        return text
+    name = html.escape(named)
+    return text.replace(name, f'<a href="#plan-{name}">{name}</a>', 1)
+
+
+def _room_section(room: Room, placed: Sequence[PlacedPhoto], folder: Path) -> str:
+    """Return the HTML of a room and its photos."""
+    name, title = html.escape(room.id), html.escape(room.title)
+    area = room_polygon(room).area
+    cards = _cards([row for row in placed if row.room_id == room.id], folder)
+    return (
+        f'<section id="room-{name}"><h3><a href="#plan-{name}">{name}</a> '
+        f"<small>{title}, {area:.1f} m²</small></h3>{cards or '<p>no photo</p>'}</section>"
+    )
+
+
+def _cards(rows: Sequence[PlacedPhoto], folder: Path) -> str:
+    """Return the HTML of photos side by side."""
+    return "".join(
+        f"<figure>{_thumbnail(folder / row.name)}<figcaption>{html.escape(row.name)}"
+        f"{_sure(row)}</figcaption></figure>"
+        for row in rows
+    )
+
+
+def _sure(row: PlacedPhoto) -> str:
+    if not row.room_id:
+        return ""
+    if row.probability is None:
+        return " <small>as told</small>"
+    kind = "" if row.probability >= SURE else ' class="doubt"'
+    return f" <small{kind}>{row.probability:.0%}</small>"
+
+
+def _thumbnail(path: Path) -> str:
+    """Return a photo as an HTML image; nothing for one that can't be read."""
+    try:
+        image, _ = read_reduced_image(path, _PHOTO_SIDE)
+    except InputError:
+        return ""
+    return f'<img src="{_jpeg(image, _PHOTO_SIDE, 80)}" alt="">'
+
+
+def _picture(path: str | Path) -> str:
+    """Return what was traced, over the picture of the plan."""
+    source = _jpeg(read_image(path), _PICTURE_SIDE, 85)
+    return f'<details open><summary>As traced</summary><img src="{source}" alt="Plan"></details>'
+
+
+def _jpeg(image: np.ndarray, side: int, quality: int) -> str:
+    """Return (h, w, 3) uint8 sRGB as a data URL, its longer side at most `side` pixels."""
+    zoom = min(1.0, side / max(image.shape[:2]))
+    if zoom < 1:
+        image = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
+    options = [cv2.IMWRITE_JPEG_QUALITY, quality]
+    _, data = cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), options)
+    return f"data:image/jpeg;base64,{base64.b64encode(data.tobytes()).decode('ascii')}"
+
+
+def _plan(house: House, level: str, eyes: Mapping[str, tuple[str, float, float]]) -> str:
+    """Return a storey as SVG: its rooms, and where located photos were taken (room, x, z)."""
+    points = np.array([point for room in house.rooms for point in room.rings[0]])
+    low, high = points.min(axis=0) - 0.3, points.max(axis=0) + 0.3
+    shapes, labels = [], []
+    for room in house.rooms:
+        name = html.escape(room.id)
+        path = " ".join(
+            "M" + " ".join(f"{x:.2f},{z:.2f}" for x, z in ring) + "Z" for ring in room.rings
+        )
+        spot = room_polygon(room).representative_point()
+        shapes.append(f'<a href="#room-{name}"><path id="plan-{name}" d="{path}"/></a>')
+        labels.append(f'<text x="{spot.x:.2f}" y="{spot.y:.2f}">{name}</text>')
+    ids = {room.id for room in house.rooms}
+    dots = [
+        f'<circle cx="{x:.2f}" cy="{z:.2f}" r=".12"><title>{html.escape(name)}</title></circle>'
+        for name, (room_id, x, z) in eyes.items()
+        if room_id in ids
+    ]
+    size = high - low
+    box = f"{low[0]:.2f} {low[1]:.2f} {size[0]:.2f} {size[1]:.2f}"
+    caption = f"<figcaption>{html.escape(level)}</figcaption>" if level else ""
+    return (
+        f'<figure class="plan">{caption}<svg viewBox="{box}" role="img">'
+        f"{''.join(shapes + labels + dots)}</svg></figure>"
+    )

@@ -1,0 +1,45 @@
+"""The page of doubts: what is not sure comes with its place, in words that escape nothing."""
+
+import numpy as np
+from box_room import box_house
+
+from plan2scene.images import write_png
+from plan2scene.io import write_json
+from plan2scene_app.doubts.page import DoubtFiles, PlacedPhoto, doubt_lines, write_doubts
+
+
+def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
+    house = box_house()
+    table = tmp_path / "photos.csv"
+    table.write_text(
+        "room_id,photo,probability\nroom,a.png,0.61\nroom,b.png,\nstore,c.png,0.97\n,<d>.png,\n"
+    )
+    masks = tmp_path / "masks"
+    masks.mkdir()
+    write_json(masks / "warnings.json", ["photo e.txt left out: found text"])
+    for name in "abc":
+        write_png(tmp_path / f"{name}.png", np.full((40, 60, 3), 99, np.uint8))
+    page = tmp_path / "doubts.html"
+    lines = write_doubts(page, tmp_path, DoubtFiles(table, masks), house=house)
+    assert lines == [
+        "photo e.txt left out: found text",
+        "no room is found for <d>.png",
+        "a.png is in room with a probability of 61%",
+    ]
+    text = page.read_text()
+    assert text.count("data:image/jpeg") == 3
+    assert "&lt;d&gt;.png" in text
+    assert "<d>" not in text
+    room, store = text.index('id="room-room"'), text.index('id="room-store"')
+    assert room < text.index("b.png <small>as told") < store < text.index("c.png <small>97%")
+    assert '<a href="#plan-room">room</a> with a probability' in text
+
+
+def test_photos_without_any_place_are_the_first_doubt():
+    lost = [PlacedPhoto(name, "", None) for name in ("a.jpg", "b.jpg")]
+    lines = list(doubt_lines(box_house(), lost, ["photo c left out"], ["the scale is a guess"]))
+    assert lines == [
+        "no photo finds its place in the plan: the house is made without 2 photos",
+        "plan: the scale is a guess",
+        "photo c left out",
+    ]

@@ -1,0 +1,20 @@
+"""Rule doubts: plan, photos and where they were placed -> the page of what is not sure."""
+
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.workflow.jobs import job
+from plan2scene_app.doubts.page import DoubtFiles, write_doubts
+
+with job(snakemake.log[0]):
+    inputs = snakemake.input
+    write_doubts(
+        snakemake.output[0],
+        snakemake.params.photo_folder,
+        DoubtFiles(
+            inputs.table,
+            inputs.get("masks"),
+            inputs.get("cameras"),
+            inputs.get("overlay"),
+            inputs.get("doubts"),
+        ),
+        house=read_scene_json(inputs.scene, snakemake.wildcards.house),
+    )
