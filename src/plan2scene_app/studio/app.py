@@ -23,6 +23,7 @@ from starlette.routing import Mount, Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from plan2scene.errors import InputError, system_fault
+from plan2scene.finishes import LIBRARY
 from plan2scene.plans.parse import parse_json
 from plan2scene.textures.methods import texture_methods
 from plan2scene_app.editor.editor_page import FOLDER as EDITOR
@@ -63,6 +64,8 @@ def studio_app(root: Path, token: str, port: int, cores: int) -> Guard:
         Route("/run", _handled(studio.start), methods=["POST"]),
         Route("/run", _handled(studio.cancel), methods=["DELETE"]),
         Route("/results/{file:path}", _handled(studio.result), methods=["GET"]),
+        Route("/finishes", _handled(studio.finishes), methods=["GET"]),
+        Route("/finishes", _handled(studio.set_finishes), methods=["PUT"]),
         Route("/zip", _handled(studio.zip), methods=["GET"]),
         Route("/export/{form}", _handled(studio.export), methods=["GET"]),
     ]
@@ -187,7 +190,18 @@ class _Studio:
         return JSONResponse(
             runs.status(project)
             | {"results": results.results_of(project), "revision": project.revision()}
+            | {"finishes": project.finishes_revision()}
         )
+
+    async def finishes(self, request: Request) -> Response:
+        """Give what the owner has set by hand."""
+        return JSONResponse({"rows": self._of(request).finishes()})
+
+    async def set_finishes(self, request: Request) -> Response:
+        """Keep what the owner sets by hand."""
+        project, sent = self._of(request), _object(await body(request, MAX_STATE))
+        project.set_finishes(sent.get("rows"))
+        return JSONResponse({"rows": project.finishes()})
 
     async def start(self, request: Request) -> Response:
         """Start a run."""
@@ -329,6 +343,7 @@ def project_page(start: dict[str, Any]) -> tuple[str, str]:
             )
         },
         "max_photo": MAX_PHOTO,
+        "library": {name: colour for name, (_, _, colour) in LIBRARY.items()},
         "exports": {form: export.purpose for form, export in exports().items()},
     }
     editor = (EDITOR / "editor.html").read_text("utf-8")

@@ -1,6 +1,7 @@
 // The house of a project: how far its run is, what came out, downloads.
 
 import { button, download, el } from "./dom.js";
+import { Finishes } from "./finishes.js";
 import { photoCard } from "./photos.js";
 import { asked } from "./server.js";
 
@@ -15,6 +16,7 @@ export class HouseView {
       [name, el("select", { "aria-label": title }, values.map((each) => el("option", { value: each, selected: each === value }, String(each))))]));
     this.research = el("details", {}, el("summary", {}, "For researchers"),
       Object.entries(rules.settings).map(([name, { title }]) => el("label", { className: "field" }, el("span", {}, title), this.choices[name])));
+    this.finishes = new Finishes(this, rules.library);
     this.make.addEventListener("click", () => (this.run.state === "running" ? this.cancel() : this.start()));
     this.poll();
   }
@@ -24,6 +26,10 @@ export class HouseView {
     try {
       await this.take(await asked("run"));
       await this.host.look(this.run.revision);
+      if (this.due && this.run.state !== "running") {
+        this.due = false;
+        if (this.run.state === "done" && this.run.settings.finishes !== this.run.finishes) { this.start(); return; }
+      }
       if (this.away) this.tell("");
       this.away = false;
     } catch (error) {
@@ -55,6 +61,11 @@ export class HouseView {
     } catch (error) { this.tell(error.message); }
     this.poll();
   }
+  /** Make a house that is there with what was set by hand since; after the run under way. */
+  makeAgain() {
+    this.due = true;
+    this.poll();
+  }
   async cancel() {
     try { await this.take(await asked("run", { method: "DELETE" })); } catch (error) { this.tell(error.message); }
   }
@@ -72,11 +83,11 @@ export class HouseView {
     this.make.textContent = running ? "Cancel" : WORDS[run.state];
     this.make.className = running ? "" : "primary";
     document.getElementById("badge").textContent = running ? (run.stages.length ? `${done}/${run.stages.length}` : "\u2026") : "";
-    this.box.replaceChildren(this.runSection(running, errors, done), this.photoSection());
+    this.box.replaceChildren(this.runSection(running, errors, done), ...(this.run.results.files["viewer.html"] ? [this.finishes.node] : []), this.photoSection());
     this.renderResults();
   }
   runSection(running, errors, done) {
-    const { run } = this, changed = run.state === "done" && run.settings.revision !== run.revision;
+    const { run } = this, changed = run.state === "done" && (run.settings.revision !== run.revision || run.settings.finishes !== run.finishes);
     const titles = { none: "No house yet", running: "Being made", done: "Ready", failed: "The run failed", cancelled: "Cancelled", interrupted: "Interrupted" };
     return el("section", {}, el("h2", {}, titles[run.state]),
       el("div", { className: "row" }, running ? button("Cancel", () => this.cancel(), { id: "cancel" }) : button(WORDS[run.state], () => this.start(), { className: "primary", id: "start-run" })),
@@ -130,9 +141,11 @@ export class HouseView {
     const name = answer.headers.get("content-disposition").match(/filename="(.*)"/)[1];
     download(name, await answer.blob(), "application/octet-stream");
   }
+  /** The viewer opens where the last surface was clicked. */
+  get place() { return this.finishes.surface ? `#room=${encodeURIComponent(this.finishes.surface.room)}` : ""; }
   paneOf(files, tiles) {
     const at = (name) => `results/${name}?${files[name] ?? ""}`;
-    if (this.view === "3D") return el("iframe", { src: at("viewer.html"), title: "The house in 3D", sandbox: "allow-scripts allow-downloads", allow: "fullscreen" });
+    if (this.view === "3D") return el("iframe", { src: at("viewer.html") + this.place, title: "The house in 3D", sandbox: "allow-scripts allow-downloads", allow: "fullscreen" });
     const pictures = { Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", "Photos to crops": "contact_sheet.png" };
     if (this.view in pictures) {
       const image = el("img", { src: at(pictures[this.view]), alt: this.view, title: "Click: full size, or to fit", onclick: () => image.classList.toggle("full") });

@@ -20,6 +20,8 @@ from typing import Any
 from plan2scene.datasets.assignments import read_rows
 from plan2scene.datasets.check import photo_problem
 from plan2scene.errors import InputError
+from plan2scene.finishes import check_finish, finishes_file, finishes_text, read_finishes
+from plan2scene.house import SurfaceKey
 from plan2scene.io import atomic_path, read_json, safe_join, write_json, write_text
 from plan2scene.plans.plan_json import FORMAT
 
@@ -109,6 +111,29 @@ class Project:
             if not _has(self.path / file, text):
                 write_text(self.path / file, text)
         return self.revision()
+
+    def finishes(self) -> list[list[str]]:
+        """Return what the owner has set by hand: rows of room, surface and what."""
+        file = finishes_file(self.path / PLAN)
+        found = read_finishes(file) if file.is_file() else {}
+        return [[*key, what] for key, what in found.items()]
+
+    def finishes_revision(self) -> str:
+        """Return a name of the present content of what is set by hand; empty for nothing."""
+        file = finishes_file(self.path / PLAN)
+        return hashlib.sha256(file.read_bytes()).hexdigest()[:20] if file.is_file() else ""
+
+    def set_finishes(self, rows: Any) -> None:
+        """Write what the owner sets by hand; InputError for what no house can follow."""
+        chosen = {}
+        for row in rows if isinstance(rows, list) else [None]:
+            cells = row if isinstance(row, list) else []
+            if len(cells) != 3 or not all(isinstance(cell, str) for cell in cells):
+                raise InputError("rows of room, surface and what", "others")
+            room, surface, what = (cell[:200] for cell in cells)
+            check_finish(room, surface, what)
+            chosen[SurfaceKey(room, surface)] = what
+        write_text(finishes_file(self.path / PLAN), finishes_text(chosen))
 
     def add_photo(self, name: str, content: bytes) -> None:
         """Keep an uploaded photo; InputError for what is none, or another of its name."""

@@ -75,7 +75,10 @@ def start(project: Project, settings: dict[str, Any]) -> None:
     _let_end(project)
     if _process(project) is not None or _is_starting(project):
         raise InputError("no run under way in this project", "one")
-    settings = settings | {"revision": project.revision()}
+    settings = settings | {
+        "revision": project.revision(),
+        "finishes": project.finishes_revision(),
+    }
     write_json(project.path / RECORD, {"state": "starting", "settings": settings})
     (project.path / EVENTS).unlink(missing_ok=True)
     with (project.path / LOG).open("wb") as log:

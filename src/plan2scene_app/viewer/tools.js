@@ -58,6 +58,30 @@ const near = (place, x, y) => place && Math.hypot(place.x - x, place.y - y) < SN
 const capital = (word) => word.replace(/^./, (c) => c.toUpperCase());
 const share = (value) => value.toFixed(2).replace(/^0/, "");
 
+// In the studio a clicked surface is told to the page around, which says how it is painted.
+const doorOf = ({ extras }) => extras.kind === "door" && extras.opening_id, surfaceOf = ({ extras }) => extras.surface;
+
+function tellStudio(part, title) {
+  if (window.parent === window) return;
+  const room = doorOf(part) || part.extras.room_id, surface = doorOf(part) ? "door" : surfaceOf(part);
+  window.parent.postMessage({ kind: "surface", room, surface, title }, "*");
+}
+
+function paintAs({ room, surface, colour }) {
+  for (const part of parts) {
+    const own = surface === "door" ? doorOf(part) === room : part.extras.room_id === room && (surfaceOf(part) === surface || surfaceOf(part)?.startsWith(`${surface}.`));
+    if (!own) continue;
+    const levels = [1, 3, 5].map((k) => (parseInt(colour.slice(k, k + 2), 16) / 255) ** 2);
+    Object.assign(part.mesh.material, { map: null, needsUpdate: true });
+    part.mesh.material.color.setRGB(...levels);
+  }
+  refresh();
+}
+
+window.addEventListener("message", ({ source, data }) => {
+  if (source === window.parent && source !== window && data?.kind === "paint" && /^#[0-9a-f]{6}$/i.test(data.colour)) paintAs(data);
+});
+
 function describe(part) {
   if (!part) { $("info").hidden = true; return; }
   const { extras } = part;
@@ -68,6 +92,7 @@ function describe(part) {
   const byHand = /^set by hand: (.*)/.exec(extras.source ?? "")?.[1];
   const seen = photo ? `seen in photo ${photo.number} (${photo.name})` : "seen in photos";
   const name = extras.kind === "structure" ? "outer wall" : extras.category || extras.kind || part.name;
+  tellStudio(part, `${capital(name)}${titleOf(extras.room_id) ? `, ${titleOf(extras.room_id)}` : ""}`);
   const rows = [["Room", titleOf(extras.room_id)], ["Part", extras.wall_id && extras.surface ? `wall ${extras.wall_id}` : null],
     ["Leads to", titleOf(extras.leads_to)], ["Area", extras.surface ? area(areaOf(part), 2) : null], ["Material", extras.substance],
     ["Looks", byHand ? `set by hand: ${byHand}` : extras.observed === undefined ? null : extras.observed ? seen : guess]];

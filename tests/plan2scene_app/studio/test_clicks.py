@@ -123,6 +123,56 @@ def test_refused_photos_and_a_conflict_say_what_they_are(drawing, studio, tmp_pa
     drawing.faults.clear()
 
 
+#: Stands for a workflow that makes a viewer alone: a click in it chooses a wall.
+CLICKED = (
+    TELL
+    + """
+from pathlib import Path
+home = Path(sys.argv[1])
+(home / "house").mkdir(exist_ok=True)
+(home / "house" / "viewer.html").write_text(
+    "<h1>the house</h1><script>onmessage = (e) => (document.querySelector('h1').textContent ="
+    " e.data.colour); document.body.onclick = () => parent.postMessage("
+    "{kind: 'surface', room: 'room', surface: 'wall', title: 'Wall'}, '*')</script>"
+)
+record = json.loads((home / "run.json").read_text())
+(home / "run.json").write_text(json.dumps(record | dict(state="done")))
+"""
+)
+
+
+def test_a_surface_is_clicked_and_set_by_hand(drawing, studio, monkeypatch):
+    page, table = drawing.page, home_of(studio, drawing) / "plan.finishes.csv"
+    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", CLICKED))
+    two_rooms(drawing)
+    page.click("#make")
+    page.wait_for_function("() => house.run.state === 'done'")
+    title = page.frame_locator("iframe").locator("h1")
+    title.click()
+    page.get_by_label("Same as in", exact=False).select_option("same:room_2")
+    page.get_by_text("room, wall: same:room_2").wait_for()
+    page.get_by_role("button", name="White").click()
+    page.get_by_text("room, wall: white").wait_for()
+    assert table.read_text() == "room,surface,what\nroom,wall,white\n"
+    # It is made again by itself; until then the viewer shows it, as far as it is a colour.
+    page.wait_for_function(
+        "() => house.run.finishes && house.run.settings.finishes === house.run.finishes"
+    )
+    page.wait_for_function("() => house.run.state === 'done'")
+    title.click()
+    page.get_by_label("Colour of Wall").fill("#204060")
+    title.get_by_text("#204060").wait_for()
+    page.locator("#finishes").get_by_role("button", name="Undo").click()
+    page.get_by_text("room, wall: white").wait_for()
+    page.get_by_label("room wall as found").click()
+    page.get_by_text("room, wall:").wait_for(state="detached")
+    assert table.read_text() == "room,surface,what\n"
+    answer = studio.ask(
+        "PUT", f"p/{table.parent.name}/finishes", {"rows": [["a", "roof", "white"]]}
+    )
+    assert answer[0] == 400 and "a surface of floor, wall, ceiling, door" in answer[1]["error"]
+
+
 def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, tmp_path):
     pytest.importorskip("ezdxf")
     page, file = drawing.page, tmp_path / "flat.dxf"

@@ -331,6 +331,10 @@ def test_doors_inside_are_passed_and_stairs_climbed(browser, gap_house, tmp_path
     write_glb(gap_house, textures, tmp_path / "house.glb")
     build_viewer(tmp_path / "house.glb", tmp_path / "viewer.html", house_id="gap")
     browser.open(tmp_path / "viewer.html")
+    browser.run('paintAs({room: "a", surface: "floor", colour: "#ff0000"})')
+    floors = "parts.filter((p) => p.extras.kind === 'floor').map((p) => p.mesh.material)"
+    assert browser.run(f"{floors}.map((m) => m.map === null)") == [True, False]
+    assert browser.run(f"{floors}[0].color.toArray()") == [1, 0, 0]
     # Who looks at the door sees the next room through it; who turns away draws nothing of it.
     look = """setMode("walk"); eye.feet.set(1.5, 0, 1.4); eye.pitch = 0; eye.yaw = {yaw}; draw(1);
       ["a/floor", "b/floor"].map((name) => parts.find((p) => p.name === name).mesh.visible)"""
