@@ -248,6 +248,7 @@ HAS_BOXES = (LAYOUT.data / "object_aabbs").is_dir()
 HAS_MASKS = CROPS["source"] != "precomputed"
 MASKS = f"{RESULTS}/houses/{{house}}/masks"
 CAMERAS = f"{RESULTS}/houses/{{house}}/cameras.json"
+PATTERNS = f"{RESULTS}/houses/{{house}}/patterns.parquet"
 
 
 def metric_model(network):

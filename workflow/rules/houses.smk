@@ -14,6 +14,32 @@ wildcard_constraints:
     export="|".join(exports()),
 
 
+rule patterns:
+    # The planks and tiles of the floors that photos show: kind, size, direction.
+    input:
+        masks=MASKS,
+        cameras=CAMERAS,
+        planes=f"{RESULTS}/houses/{{house}}/planes.parquet",
+        materials=f"{RESULTS}/drop_0.0/{{house}}/materials.parquet",
+    output:
+        PATTERNS,
+    log:
+        f"logs/{DATASET}/patterns/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/patterns/{{house}}.tsv"
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        photo_folder=str(LAYOUT.photos),
+        dataset=DATASET,
+        code=rule_code("patterns"),
+    script:
+        "../scripts/patterns.py"
+
+
 rule paint:
     # The paint of the surfaces and doors that photos show, apart from the photos' light, and the
     # textures of the 3D house in it, as far as its owner has not set others by hand.

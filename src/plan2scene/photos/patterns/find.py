@@ -1,0 +1,237 @@
+"""The pattern of a floor from all its views: what repeats in them at one size."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from plan2scene.photos.patterns.joints import (
+    DISTANCES,
+    JOINTS,
+    Direction,
+    along,
+    next_row,
+    refined,
+)
+from plan2scene.photos.patterns.views import FloorView
+
+
+@dataclass(frozen=True)
+class FindSettings:
+    """Tuned constants, chosen on renderings of procedural materials."""
+
+    same_size: float = 0.1  #: log ratio by which the scale of photos of one floor may differ
+    most_m2: float = 3.0  #: area from which on a larger view has no more weight
+    enough_m2: float = 2.0  #: area that all views have to show for full confidence
+    grain: float = 2.0  #: contrast kept along planks over that kept across them
+    part: float = 0.7  #: score of a third or fifth of a distance, over its own, that makes it true
+    plain: float = 0.16  #: score of floors without joints
+    clear: float = 0.36  #: score from which on there is no doubt
+    least_length: float = 0.12  #: score of the joints across rows
+    square: float = 0.12  #: log ratio of the sides of square tiles
+    plank: float = 2.2  #: length over width of planks, at least
+    widest_plank_m: float = 0.3
+
+
+FIND = FindSettings()
+NAN = float("nan")
+
+
+@dataclass(frozen=True)
+class FoundPattern:
+    """The pattern of a floor.
+
+    Attributes
+    ----------
+    kind : str
+        ``planks``, ``tiles`` or ``plain``.
+    width_m, length_m : float
+        Of a unit with half a joint on each side; NaN where not known (planks of many lengths).
+    width_spread : float
+        Standard deviation of the width between photos, over the width.
+    direction_deg : float
+        Of the planks or of the tiles' longer side in the plan, from +x towards +z, [0, 180); of
+        square tiles [0, 90). NaN where no located photo shows it.
+    offset : float
+        Shift of a row against the row before, over the length.
+    confidence : float
+        0..1.
+    line : str
+        What the joints are against the units: ``dark``, ``light`` or only a ``step`` of tone.
+    photos : tuple of str
+        Those that show it.
+    """
+
+    kind: str
+    width_m: float = NAN
+    length_m: float = NAN
+    width_spread: float = NAN
+    direction_deg: float = NAN
+    offset: float = 0.0
+    confidence: float = 0.0
+    line: str = ""
+    photos: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """One view's part in a pattern: its direction, its own width (metres) and what it counts."""
+
+    view: FloorView
+    direction: Direction
+    width_m: float
+    score: float
+
+    @property
+    def weight(self) -> float:
+        return self.score * _area(self.view)
+
+
+def find_pattern(views: Sequence[FloorView]) -> FoundPattern:
+    """Return the pattern of the floor that views show; plain where none is evident."""
+    if not views:
+        return FoundPattern("plain")
+    curves = [np.max([d.scores for d in _likely(view)], axis=0) for view in views]
+    weights = np.array([_area(view) for view in views])
+    reach = 2 * round(100 * FIND.same_size) + 1
+    pooled = weights @ maximum_filter1d(np.array(curves), reach, axis=1) / weights.sum()
+    k = _whole(pooled)
+    readings = [_read(view, float(DISTANCES[k])) for view in views]
+    readings = [r for r in readings if r.score >= 0.5 * FIND.plain]
+    score = float(pooled[k])
+    shown = sum(r.view.square_m for r in readings) / FIND.enough_m2
+    clear = (score - FIND.plain) / (FIND.clear - FIND.plain)
+    confidence = float(np.clip(clear, 0.0, 1.0) * min(shown, 1.0))
+    if not readings or confidence <= 0.0:
+        return FoundPattern("plain", confidence=1.0 - confidence)
+    width, spread = _middle([r.width_m for r in readings], [r.weight for r in readings])
+    ratio, offset = _length(readings)
+    photos = tuple(dict.fromkeys(r.view.photo for r in readings))
+    line = _line(readings)
+    kind, square = "planks", abs(np.log(ratio)) < FIND.square if np.isfinite(ratio) else False
+    if square or (not np.isfinite(ratio) and width > FIND.widest_plank_m):
+        kind, ratio, square = "tiles", 1.0, True
+    elif ratio < 1.0:
+        width, ratio, offset = width * ratio, 1.0 / ratio, 0.0
+        readings = [_turned(r) for r in readings]
+    if ratio < FIND.plank or width > FIND.widest_plank_m:
+        kind = "tiles"
+    direction = _direction(readings, 90.0 if square else 180.0)
+    return FoundPattern(
+        kind, width, ratio * width, spread, direction, offset, confidence, line, photos
+    )
+
+
+def _area(view: FloorView) -> float:
+    """Return what a view counts: its area, square metres, up to a limit."""
+    return min(view.square_m, FIND.most_m2)
+
+
+def _likely(view: FloorView) -> list[Direction]:
+    """Return the directions that long joints may have: grain leaves only one."""
+    first, second = view.directions
+    return [first] if first.kept > FIND.grain * second.kept else [first, second]
+
+
+def _whole(pooled: np.ndarray) -> int:
+    """Return the place of the best distance that is no multiple of another.
+
+    The likeness at an odd multiple of a period is as high as at the period.
+    """
+    best = int(pooled.argmax())
+    for parts in (5, 3):
+        k = best - round(100 * np.log(parts))
+        low, high = max(k - 6, 0), k + 7
+        if high > 0:
+            near = low + int(pooled[low:high].argmax())
+            if pooled[near] >= FIND.part * pooled[best]:
+                return near
+    return best
+
+
+def _read(view: FloorView, width_m: float) -> _Reading:
+    """Return what a view says of joints about `width_m` apart."""
+    options = [(d, *d.near(width_m, 2 * FIND.same_size)) for d in _likely(view)]
+    direction, width, score = max(options, key=lambda option: option[2])
+    return _Reading(view, direction, width, score)
+
+
+def _turned(reading: _Reading) -> _Reading:
+    """Return a reading by the lines across."""
+    first, second = reading.view.directions
+    other = second if reading.direction is first else first
+    return _Reading(reading.view, other, reading.width_m, reading.score)
+
+
+def _length(readings: Sequence[_Reading]) -> tuple[float, float]:
+    """Return length over width (NaN where nothing repeats) and the offset of the next row."""
+    weights = np.array([r.weight for r in readings])
+    kinds = [along(r.direction.view, r.width_m) for r in readings]
+    curves = [np.max(list(found.values()), axis=0) for found in kinds]
+    shifts = [round(100 * np.log(r.width_m / 0.1)) for r in readings]
+    # Over the width the lengths agree whatever the scale of a photo.
+    size = len(DISTANCES)
+    reach = max(map(abs, shifts), default=0)
+    wide = np.zeros((len(readings), size + 2 * reach))
+    for row, curve, shift in zip(wide, curves, shifts, strict=True):
+        row[reach - shift : reach - shift + size] = curve
+    pooled = weights @ maximum_filter1d(wide, 7, axis=1) / weights.sum()
+    k = int(pooled.argmax())
+    if pooled[k] < FIND.least_length:
+        return NAN, 0.0
+    at = k - reach
+    ratio = float(DISTANCES[0] * np.exp(0.01 * at) / 0.1)
+    lengths, offsets, counts = [], [], []
+    for r, curve, found, shift in zip(readings, curves, kinds, shifts, strict=True):
+        low, high = max(at + shift - 5, 0), min(at + shift + 6, size)
+        if low >= high or curve[low:high].max() < 0.5 * FIND.least_length:
+            continue
+        own = refined(curve, low + int(curve[low:high].argmax()))
+        line = max(found, key=lambda name: found[name][low:high].max())
+        lengths.append(own / r.width_m)
+        offsets.append(next_row(r.direction.view, r.width_m, own, line))
+        counts.append(r.weight * float(curve[low:high].max()))
+    if not lengths:
+        return ratio, 0.0
+    turn = np.exp(2j * np.pi * np.array(offsets)) @ np.array(counts)
+    return _middle(lengths, counts)[0], float(np.angle(turn) / (2 * np.pi) % 1.0)
+
+
+def _line(readings: Sequence[_Reading]) -> str:
+    """Return the kind of line that shows the joints best."""
+    worth: dict[str, float] = {}
+    for r in readings:
+        k = int(np.abs(DISTANCES - r.width_m).argmin())
+        for name, scores in r.direction.lines.items():
+            worth[name] = worth.get(name, 0.0) + r.weight * float(
+                scores[max(k - 3, 0) : k + 4].max()
+            )
+    return max(worth, key=lambda name: worth[name])
+
+
+def _middle(values: Sequence[float], weights: Sequence[float]) -> tuple[float, float]:
+    """Return the mean of positive values near their weighted median, and all values' spread."""
+    order = np.argsort(values)
+    ordered, heavy = np.log(np.array(values)[order]), np.array(weights)[order]
+    middle = ordered[np.searchsorted(np.cumsum(heavy), 0.5 * heavy.sum())]
+    heavy = heavy / heavy.sum()
+    spread = float(np.sqrt(heavy @ (ordered - middle) ** 2))
+    near = heavy * (np.abs(ordered - middle) <= FIND.same_size)
+    return float(np.exp(near @ ordered / near.sum())), spread
+
+
+def _direction(readings: Sequence[_Reading], turn: float) -> float:
+    """Return the direction in the plan modulo `turn` degrees that most located views share."""
+    found = [(r.direction.angle_deg % turn, r.weight) for r in readings if r.view.in_plan]
+    if not found:
+        return NAN
+    angles, weights = (np.array(column) for column in zip(*found, strict=True))
+    away = np.abs((angles[:, None] - angles + turn / 2) % turn - turn / 2)
+    best = int(((away <= 2 * JOINTS.step_deg) @ weights).argmax())
+    near = (angles - angles[best] + turn / 2) % turn - turn / 2
+    kept = np.abs(near) <= 2 * JOINTS.step_deg
+    mean = float(near[kept] @ weights[kept] / weights[kept].sum())
+    return float(round((angles[best] + mean) % turn, 2) % turn)

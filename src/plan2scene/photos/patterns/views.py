@@ -1,0 +1,88 @@
+"""Floors that photos show, seen straight on in metres."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from plan2scene.camera import Camera
+from plan2scene.io import read_json
+from plan2scene.photos.locate.pose import read_poses
+from plan2scene.photos.patterns.joints import JOINTS, Direction, directions, evened
+from plan2scene.photos.photo_files import read_photo
+from plan2scene.photos.planes.planes import plane_of_row, read_planes
+from plan2scene.photos.planes.rectification import rectify
+
+
+@dataclass(frozen=True, eq=False)
+class FloorView:
+    """A floor in one photo, seen straight on.
+
+    Attributes
+    ----------
+    photo : str
+    rooms : tuple of str
+        Rooms that it may belong to.
+    in_plan : bool
+        Whether +x and +y (down) of the image are the plan's x and z, else the photo's own frame.
+    image : (h, w, 3) uint8
+        sRGB at `JOINTS.px_per_m`.
+    mask : (h, w) bool
+        The floor.
+    directions : list of Direction
+        Of its lines.
+    """
+
+    photo: str
+    rooms: tuple[str, ...]
+    in_plan: bool
+    image: np.ndarray
+    mask: np.ndarray
+    directions: list[Direction]
+
+    @property
+    def square_m(self) -> float:
+        """Return the area that is seen, square metres."""
+        return float(self.mask.sum()) / JOINTS.px_per_m**2
+
+
+@dataclass(frozen=True)
+class PhotoFiles:
+    """What the stages before know of a house's photos: files, and the photos by name."""
+
+    photos: Mapping[str, Path]
+    masks: Path
+    cameras: Path
+    planes: Path
+
+
+def floor_views(files: PhotoFiles, *, house_id: str = "") -> Iterator[FloorView]:
+    """Yield the floors that photos show largely enough, by photo."""
+    poses, frames = read_poses(files.cameras), read_json(files.masks / "cameras.json")
+    for photo, rows in sorted(read_planes(files.planes).items()):
+        rows = [row for row in rows if row["surface"] == "floor"]
+        if not rows:
+            continue
+        image = read_photo(files.photos[photo], house_id=house_id)
+        for row in rows:
+            item = plane_of_row(row, image.shape[:2])
+            camera = (
+                poses[photo].camera
+                if item.in_plan and photo in poses
+                else Camera.from_json(frames[photo], file=files.masks)
+            )
+            whole = rectify(image, camera, item.plane, min_density=JOINTS.least_px_per_m)
+            if whole is None:
+                continue
+            scale = whole.metres_per_pixel * JOINTS.px_per_m
+            size = tuple(max(1, round(side * scale)) for side in whole.mask.shape[::-1])
+            way = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
+            straight = cv2.resize(whole.image, size, interpolation=way)
+            mask = cv2.resize(whole.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
+            found = directions(*evened(straight, mask > 0))
+            if found:
+                yield FloorView(photo, item.rooms, item.in_plan, straight, mask > 0, found)

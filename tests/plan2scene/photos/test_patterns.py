@@ -1,0 +1,70 @@
+"""Patterns of floors, found in views of floors whose units have known sizes."""
+
+import cv2
+import numpy as np
+import pytest
+
+from plan2scene.materials import bonds, random_material
+from plan2scene.photos.patterns.find import find_pattern
+from plan2scene.photos.patterns.house_patterns import floor_patterns
+from plan2scene.photos.patterns.joints import JOINTS, directions, evened
+from plan2scene.photos.patterns.views import FloorView
+
+SIDE_M = 2.4
+
+
+def floor(columns: int, rows: int, offset: float, seed: int) -> np.ndarray:
+    """Return a floor of units of random tones, uneven within, with dark joints of 3 mm."""
+    size = round(SIDE_M * JOINTS.px_per_m)
+    rng = np.random.default_rng(seed)
+    layout = bonds.bond(size, columns, rows, SIDE_M, np.arange(rows) * offset)
+    grain = cv2.GaussianBlur(rng.normal(0, 0.3, (size, size)), (0, 0), sigmaX=12, sigmaY=1)
+    value = 0.5 + layout.draw(rng, 0.02) + grain - 0.2 * layout.joint(0.003)
+    return np.repeat(value[..., None], 3, axis=2)
+
+
+def view(image: np.ndarray, angle: float, *, scale: float = 1.0, room: str = "hall") -> FloorView:
+    """Return a view of a floor turned by an angle, under uneven light, with noise."""
+    side = image.shape[0]
+    turn = cv2.getRotationMatrix2D((side / 2, side / 2), -angle, scale)
+    light = np.linspace(0.6, 1.2, side)[:, None, None]
+    noise = np.random.default_rng(int(angle)).normal(0, 0.01, image.shape)
+    seen = cv2.warpAffine(image, turn, (side, side), borderMode=cv2.BORDER_REFLECT) * light + noise
+    mask = np.zeros((side, side), np.uint8)
+    cv2.circle(mask, (side // 2, side // 2), round(0.45 * side), 1, -1)
+    shown = np.rint(255 * np.clip(seen, 0, 1)).astype(np.uint8)
+    found = directions(*evened(shown, mask > 0))
+    return FloorView(f"{room}{angle}.jpg", (room,), True, shown, mask > 0, found)
+
+
+FLOORS = [(4, 16, 0.5), (8, 8, 0.0), (4, 8, 0.0)]
+
+
+@pytest.mark.parametrize(("columns", "rows", "offset"), FLOORS)
+def test_size_kind_and_direction_are_those_of_the_floor(columns, rows, offset):
+    image = floor(columns, rows, offset, seed=1)
+    found = find_pattern([view(image, 25.0), view(image, 25.5, scale=1.03)])
+    assert found.kind == ("planks" if rows > 2 * columns else "tiles")
+    assert found.width_m == pytest.approx(SIDE_M / rows, rel=0.04)
+    assert found.length_m == pytest.approx(SIDE_M / columns, rel=0.04)
+    assert found.direction_deg == pytest.approx(25.0, abs=1.5)
+    assert abs((found.offset - offset + 0.5) % 1.0 - 0.5) < 0.08
+    assert found.confidence > 0.6
+
+
+@pytest.mark.parametrize(("substance", "kind"), [("carpet", "cut"), ("plaster", "concrete")])
+def test_what_has_no_joints_has_no_pattern(substance, kind):
+    material = random_material(substance, 1, kind=kind, size_px=512)
+    side = round(SIDE_M * JOINTS.px_per_m)
+    image = cv2.resize(material.albedo / 255.0, (side, side), interpolation=cv2.INTER_AREA)
+    assert find_pattern([view(image, 10.0)]).kind == "plain"
+
+
+def test_a_room_of_the_material_has_its_size_and_keeps_its_own_direction():
+    planks = floor(4, 16, 0.5, seed=2)
+    views = [view(planks, 0.0, room="hall"), view(planks, 90.0, scale=1.06, room="bedroom")]
+    views.append(view(planks, 1.0, room="hall"))
+    found = floor_patterns(views, {"hall": "floor-1", "bedroom": "floor-1"})
+    assert found["bedroom"].width_m == found["hall"].width_m == pytest.approx(0.15, rel=0.04)
+    assert found["bedroom"].direction_deg == pytest.approx(90.0, abs=1.5)
+    assert min(found["hall"].direction_deg, 180 - found["hall"].direction_deg) < 1.5

@@ -1,0 +1,20 @@
+"""Rule patterns: photos, their planes and shared materials -> patterns of the floors."""
+
+from pathlib import Path
+
+from plan2scene.io import read_json
+from plan2scene.photos.patterns.house_patterns import write_patterns
+from plan2scene.photos.patterns.views import PhotoFiles
+from plan2scene.workflow.jobs import job
+
+with job(snakemake.log[0]):
+    found, params = snakemake.input, snakemake.params
+    photos = {name: Path(params.photo_folder) / name for name in read_json(found.cameras)}
+    files = PhotoFiles(photos, Path(found.masks), Path(found.cameras), Path(found.planes))
+    write_patterns(
+        files,
+        found.materials,
+        snakemake.output[0],
+        dataset=params.dataset,
+        house=snakemake.wildcards.house,
+    )
