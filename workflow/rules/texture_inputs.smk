@@ -34,9 +34,14 @@ def textures_of(wildcards):
     """
     return texture_params(wildcards.method) | {
         "hidden": hidden_at(wildcards.drop, wildcards),
-        "maps": shown_in_3d(wildcards) and config["house"]["surfaces"] == "maps",
+        "maps": maps_of(wildcards),
         "walls": walls_of(wildcards),
     }
+
+
+def maps_of(wildcards):
+    """Return whether there are maps of whole surfaces beside these textures."""
+    return shown_in_3d(wildcards) and config["house"]["surfaces"] == "maps"
 
 
 def walls_of(wildcards):
@@ -52,5 +57,8 @@ def texture_inputs(wildcards):
     colours = (
         walls_of(wildcards) == "wall" and f"{RESULTS}/houses/{{house}}/colours.parquet"
     )
+    patterns = maps_of(wildcards) and HAS_MASKS and PATTERNS
     weights = made(decoder(wildcards.method))
-    return given(library=library, pool=pool, colours=colours, **weights)
+    return given(
+        library=library, pool=pool, colours=colours, patterns=patterns, **weights
+    )

@@ -46,10 +46,14 @@ def make_textures(
         house, surfaces, tiles = with_accents(inputs, tiles, find_accents(files.colours))
     whole = None
     if maps:
+        from plan2scene.textures.laying import read_patterns
         from plan2scene.textures.maps import house_maps
 
+        file = inputs.data.files.patterns
+        patterns = {} if file is None else read_patterns(file)
         materials = {surface.key: surface.material for surface in surfaces}
-        whole = house_maps(house, tiles, materials, seed=inputs.settings.seed)
+        seed = inputs.settings.seed
+        whole = house_maps(house, tiles, materials, patterns, seed=seed)
     write_tiles(out_dir, name, surfaces, tiles, whole)
 
 

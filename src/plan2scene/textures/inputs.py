@@ -28,7 +28,7 @@ class HouseFiles:
     """Files of one house that do not depend on the drop, and what methods take from elsewhere.
 
     `library` are the tiles of Retrieve, `crop_pool` crops of other houses, `colours` what photos
-    show of all surfaces; None without.
+    show of all surfaces, `patterns` those of floors; None without.
     """
 
     house_id: str
@@ -37,18 +37,18 @@ class HouseFiles:
     library: Path | None = None
     crop_pool: Path | None = None
     colours: Path | None = None
+    patterns: Path | None = None
 
     @classmethod
     def of(cls, paths: Mapping[str, Any], house_id: str) -> HouseFiles:
         """Return the files among a job's inputs: scene, crops and, where given, the others."""
-        library, pool, colours = (paths.get(name) for name in ("library", "pool", "colours"))
+        names = ("library", "pool", "colours", "patterns")
+        others = (Path(paths[name]) if paths.get(name) else None for name in names)
         return cls(
             house_id,
             Path(paths["scene"]),
             Path(paths["crops"]),
-            Path(library) if library else None,
-            Path(pool) if pool else None,
-            Path(colours) if colours else None,
+            *others,
         )
 
 

@@ -22,10 +22,12 @@ from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.paint.light import recoloured
 from plan2scene.paint.shading import log_luma
+from plan2scene.photos.patterns.joints import JOINTS
 from plan2scene.plans.surface_areas import Area, surface_areas
 from plan2scene.seeds import generator
 from plan2scene.textures.exemplar.lattice import straightened
 from plan2scene.textures.exemplar.make import Pattern
+from plan2scene.textures.laying import LaidPattern, laid, pattern_of
 from plan2scene.textures.quilting import Cell, Patches, Source, quilted
 from plan2scene.textures.tiles import Tile
 
@@ -409,6 +411,7 @@ def house_maps(
     house: House,
     tiles: Mapping[SurfaceKey, Tile],
     materials: Mapping[SurfaceKey, str],
+    patterns: Mapping[SurfaceKey, LaidPattern] | None = None,
     *,
     seed: int,
 ) -> dict[SurfaceKey, SurfaceMap]:
@@ -423,6 +426,8 @@ def house_maps(
     tiles : mapping of SurfaceKey to Tile
     materials : mapping of SurfaceKey to str
         Name of what a surface shares with other rooms, or empty.
+    patterns : mapping of SurfaceKey to LaidPattern, optional
+        Floors that are laid from whole units; floors of the same crops are laid alike.
     seed : int
         Patches are drawn by (seed, house, room, surface).
     """
@@ -434,7 +439,13 @@ def house_maps(
     ]
     maps: dict[SurfaceKey, SurfaceMap] = {}
     details: dict[int, Detail] = {}
-    for group in joined(surfaces):
+    floors = [surface for surface in surfaces if surface.key.surface == "floor"]
+    for surface in floors:
+        alike = [f.key for f in floors if f.tile.pattern is surface.tile.pattern is not None]
+        pattern = pattern_of(patterns or {}, surface.key, *alike)
+        if pattern is not None:
+            maps[surface.key] = _laid(surface, pattern, seed)
+    for group in joined(surface for surface in surfaces if surface.key not in maps):
         detail = _detail(group[0].tile, details)
         rng = generator(seed, "maps", house.id, *group[0].key)
         maps |= dict(_maps(group, detail, rng))
@@ -442,6 +453,15 @@ def house_maps(
     _log = logging.getLogger("plan2scene")
     _log.info("house %s: %d surface maps, %.1f Mpx", house.id, len(maps), pixels / 1e6)
     return maps
+
+
+def _laid(surface: MappedSurface, pattern: LaidPattern, seed: int) -> SurfaceMap:
+    """Return the map of a floor that is laid by a pattern, in the colour of its tile."""
+    colour = median_colour(surface.tile.image)
+    image, area = laid(pattern, surface.area, colour, seed)
+    image = _fitting(recoloured(image, colour, median_colour(image[::3, ::3])))
+    made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
+    return SurfaceMap(*made, min(JOINTS.px_per_m, made[2]))
 
 
 def joined(surfaces: Iterable[MappedSurface]) -> list[list[MappedSurface]]:

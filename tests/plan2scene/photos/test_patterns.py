@@ -43,7 +43,7 @@ FLOORS = [(4, 16, 0.5), (8, 8, 0.0), (4, 8, 0.0)]
 @pytest.mark.parametrize(("columns", "rows", "offset"), FLOORS)
 def test_size_kind_and_direction_are_those_of_the_floor(columns, rows, offset):
     image = floor(columns, rows, offset, seed=1)
-    found = find_pattern([view(image, 25.0), view(image, 25.5, scale=1.03)])
+    found, _ = find_pattern([view(image, 25.0), view(image, 25.5, scale=1.03)])
     assert found.kind == ("planks" if rows > 2 * columns else "tiles")
     assert found.width_m == pytest.approx(SIDE_M / rows, rel=0.04)
     assert found.length_m == pytest.approx(SIDE_M / columns, rel=0.04)
@@ -57,14 +57,27 @@ def test_what_has_no_joints_has_no_pattern(substance, kind):
     material = random_material(substance, 1, kind=kind, size_px=512)
     side = round(SIDE_M * JOINTS.px_per_m)
     image = cv2.resize(material.albedo / 255.0, (side, side), interpolation=cv2.INTER_AREA)
-    assert find_pattern([view(image, 10.0)]).kind == "plain"
+    assert find_pattern([view(image, 10.0)])[0].kind == "plain"
 
 
 def test_a_room_of_the_material_has_its_size_and_keeps_its_own_direction():
     planks = floor(4, 16, 0.5, seed=2)
     views = [view(planks, 0.0, room="hall"), view(planks, 90.0, scale=1.06, room="bedroom")]
     views.append(view(planks, 1.0, room="hall"))
-    found = floor_patterns(views, {"hall": "floor-1", "bedroom": "floor-1"})
+    pairs = floor_patterns(views, {"hall": "floor-1", "bedroom": "floor-1"})
+    found = {room: pattern for room, (pattern, _) in pairs.items()}
     assert found["bedroom"].width_m == found["hall"].width_m == pytest.approx(0.15, rel=0.04)
     assert found["bedroom"].direction_deg == pytest.approx(90.0, abs=1.5)
     assert min(found["hall"].direction_deg, 180 - found["hall"].direction_deg) < 1.5
+
+
+def test_units_are_whole_and_without_joints():
+    image = floor(4, 16, 0.5, seed=3)
+    (_, units) = floor_patterns([view(image, 0.0), view(image, 30.0)], {})["hall"]
+    assert len(units.images) > 12
+    for unit in units.images:
+        assert unit.shape[:2] == pytest.approx((30, 120), abs=4)
+    dark = [(unit.mean(axis=2) < 100).mean() for unit in units.images]
+    assert np.median(dark) < 0.01
+    # A joint of 3 mm is .2 darker than units of .5.
+    assert units.joint_m * units.joint.mean() == pytest.approx(0.003 * 0.4, rel=0.5)

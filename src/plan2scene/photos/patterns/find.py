@@ -30,6 +30,7 @@ class FindSettings:
     part: float = 0.7  #: score of a third or fifth of a distance, over its own, that makes it true
     plain: float = 0.16  #: score of floors without joints
     clear: float = 0.36  #: score from which on there is no doubt
+    believed: float = 0.4  #: confidence under which a floor counts as plain
     least_length: float = 0.12  #: score of the joints across rows
     square: float = 0.12  #: log ratio of the sides of square tiles
     plank: float = 2.2  #: length over width of planks, at least
@@ -77,7 +78,7 @@ class FoundPattern:
 
 
 @dataclass(frozen=True)
-class _Reading:
+class Reading:
     """One view's part in a pattern: its direction, its own width (metres) and what it counts."""
 
     view: FloorView
@@ -87,13 +88,17 @@ class _Reading:
 
     @property
     def weight(self) -> float:
+        """Return what it counts beside other views."""
         return self.score * _area(self.view)
 
 
-def find_pattern(views: Sequence[FloorView]) -> FoundPattern:
-    """Return the pattern of the floor that views show; plain where none is evident."""
+def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading]]:
+    """Return the pattern of the floor that views show, and what each view says of it.
+
+    Plain where none is evident.
+    """
     if not views:
-        return FoundPattern("plain")
+        return FoundPattern("plain"), []
     curves = [np.max([d.scores for d in _likely(view)], axis=0) for view in views]
     weights = np.array([_area(view) for view in views])
     reach = 2 * round(100 * FIND.same_size) + 1
@@ -105,8 +110,8 @@ def find_pattern(views: Sequence[FloorView]) -> FoundPattern:
     shown = sum(r.view.square_m for r in readings) / FIND.enough_m2
     clear = (score - FIND.plain) / (FIND.clear - FIND.plain)
     confidence = float(np.clip(clear, 0.0, 1.0) * min(shown, 1.0))
-    if not readings or confidence <= 0.0:
-        return FoundPattern("plain", confidence=1.0 - confidence)
+    if not readings or confidence < FIND.believed:
+        return FoundPattern("plain", confidence=1.0 - confidence), []
     width, spread = _middle([r.width_m for r in readings], [r.weight for r in readings])
     ratio, offset = _length(readings)
     photos = tuple(dict.fromkeys(r.view.photo for r in readings))
@@ -115,14 +120,14 @@ def find_pattern(views: Sequence[FloorView]) -> FoundPattern:
     if square or (not np.isfinite(ratio) and width > FIND.widest_plank_m):
         kind, ratio, square = "tiles", 1.0, True
     elif ratio < 1.0:
+        readings = [_turned(r, ratio) for r in readings]
         width, ratio, offset = width * ratio, 1.0 / ratio, 0.0
-        readings = [_turned(r) for r in readings]
     if ratio < FIND.plank or width > FIND.widest_plank_m:
         kind = "tiles"
     direction = _direction(readings, 90.0 if square else 180.0)
-    return FoundPattern(
-        kind, width, ratio * width, spread, direction, offset, confidence, line, photos
-    )
+    sizes = width, ratio * width, spread
+    found = FoundPattern(kind, *sizes, direction, offset, confidence, line, photos)
+    return found, readings
 
 
 def _area(view: FloorView) -> float:
@@ -152,21 +157,21 @@ def _whole(pooled: np.ndarray) -> int:
     return best
 
 
-def _read(view: FloorView, width_m: float) -> _Reading:
+def _read(view: FloorView, width_m: float) -> Reading:
     """Return what a view says of joints about `width_m` apart."""
     options = [(d, *d.near(width_m, 2 * FIND.same_size)) for d in _likely(view)]
     direction, width, score = max(options, key=lambda option: option[2])
-    return _Reading(view, direction, width, score)
+    return Reading(view, direction, width, score)
 
 
-def _turned(reading: _Reading) -> _Reading:
-    """Return a reading by the lines across."""
+def _turned(reading: Reading, ratio: float) -> Reading:
+    """Return a reading by the lines across, whose distance is `ratio` times the other."""
     first, second = reading.view.directions
     other = second if reading.direction is first else first
-    return _Reading(reading.view, other, reading.width_m, reading.score)
+    return Reading(reading.view, other, reading.width_m * ratio, reading.score)
 
 
-def _length(readings: Sequence[_Reading]) -> tuple[float, float]:
+def _length(readings: Sequence[Reading]) -> tuple[float, float]:
     """Return length over width (NaN where nothing repeats) and the offset of the next row."""
     weights = np.array([r.weight for r in readings])
     kinds = [along(r.direction.view, r.width_m) for r in readings]
@@ -200,7 +205,7 @@ def _length(readings: Sequence[_Reading]) -> tuple[float, float]:
     return _middle(lengths, counts)[0], float(np.angle(turn) / (2 * np.pi) % 1.0)
 
 
-def _line(readings: Sequence[_Reading]) -> str:
+def _line(readings: Sequence[Reading]) -> str:
     """Return the kind of line that shows the joints best."""
     worth: dict[str, float] = {}
     for r in readings:
@@ -223,7 +228,7 @@ def _middle(values: Sequence[float], weights: Sequence[float]) -> tuple[float, f
     return float(np.exp(near @ ordered / near.sum())), spread
 
 
-def _direction(readings: Sequence[_Reading], turn: float) -> float:
+def _direction(readings: Sequence[Reading], turn: float) -> float:
     """Return the direction in the plan modulo `turn` degrees that most located views share."""
     found = [(r.direction.angle_deg % turn, r.weight) for r in readings if r.view.in_plan]
     if not found:

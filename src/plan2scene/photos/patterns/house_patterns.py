@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from plan2scene.images import jpeg_bytes
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.photos.patterns.find import FIND, FoundPattern, find_pattern
+from plan2scene.photos.patterns.find import FIND, FoundPattern, Reading, find_pattern
+from plan2scene.photos.patterns.units import NONE, Units, cut_units
 from plan2scene.photos.patterns.views import FloorView, PhotoFiles, floor_views
 
 if TYPE_CHECKING:
@@ -28,8 +30,11 @@ _COLUMNS = {
     "length_m": "float64",
     "direction_deg": "float64",
     "offset": "float64",
+    "joint": "object",
+    "joint_m": "float64",
     "confidence": "float64",
     "photos": "str",
+    "units": "object",
 }
 
 
@@ -57,7 +62,7 @@ def write_patterns(
     floors = table[table["surface"] == "floor"]
     shared = dict(zip(floors["room_id"], floors["material"], strict=True))
     found = floor_patterns(list(floor_views(files, house_id=house)), shared)
-    rows = [_row(room, found[room]) for room in sorted(found)]
+    rows = [_row(room, *found[room]) for room in sorted(found)]
     result = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
     write_parquet(output, result, {"dataset": dataset, "house": house})
     for row in result[result["kind"] != "plain"].itertuples():
@@ -68,42 +73,51 @@ def write_patterns(
 
 def floor_patterns(
     views: Sequence[FloorView], materials: Mapping[str, str]
-) -> dict[str, FoundPattern]:
-    """Return the pattern of each room's floor that `views` show.
+) -> dict[str, tuple[FoundPattern, Units]]:
+    """Return the pattern of each room's floor that `views` show, and units cut out of them.
 
     Rooms of one material (room -> its name) are read together: photos' scales differ. A room whose
     own photos show something else evidently keeps that.
     """
     rooms = sorted({room for view in views for room in view.rooms})
-    together: dict[str, FoundPattern] = {}
+    together = {}
     for name in sorted(set(materials.values())):
         members = [view for view in views if any(materials.get(r) == name for r in view.rooms)]
-        together[name] = find_pattern(members)
+        together[name] = _cut(*find_pattern(members))
     found = {}
     for room in rooms:
-        own = find_pattern([view for view in views if room in view.rooms])
+        own, readings = find_pattern([view for view in views if room in view.rooms])
         whole = together.get(materials.get(room, ""))
-        found[room] = own if whole is None else _agreed(own, whole)
+        if whole is None or (whole[0].kind == "plain" and whole[0].confidence < own.confidence):
+            found[room] = _cut(own, readings)
+        else:
+            found[room] = _turned(whole[0], own), whole[1]
     return found
 
 
-def _agreed(own: FoundPattern, whole: FoundPattern) -> FoundPattern:
-    """Return a room's pattern, of what its own photos show and those of its material.
+def _cut(pattern: FoundPattern, readings: Sequence[Reading]) -> tuple[FoundPattern, Units]:
+    """Return a pattern and its units."""
+    return pattern, NONE if pattern.kind == "plain" else cut_units(pattern, readings)
 
-    Planks may run another way in each room.
-    """
-    if whole.confidence < own.confidence and whole.kind == "plain":
-        return own
-    same = own.kind == whole.kind and abs(np.log(own.width_m / whole.width_m)) < 2 * FIND.same_size
-    if same and np.isfinite(own.direction_deg):
+
+def _turned(whole: FoundPattern, own: FoundPattern) -> FoundPattern:
+    """Return the pattern of a material in a room: planks may run another way in each."""
+    alike = abs(np.log(own.width_m / whole.width_m)) < 2 * FIND.same_size
+    if own.kind == whole.kind and alike and np.isfinite(own.direction_deg):
         return replace(whole, direction_deg=own.direction_deg)
     return whole
 
 
-def _row(room: str, pattern: FoundPattern) -> dict[str, Any]:
+def _row(room: str, pattern: FoundPattern, units: Units) -> dict[str, Any]:
     """Return a row of patterns.parquet."""
-    values = {name: getattr(pattern, name) for name in _COLUMNS if hasattr(pattern, name)}
-    for name, value in values.items():
-        if isinstance(value, float) and np.isfinite(value):
-            values[name] = round(value, 4)
-    return {**values, "room_id": room, "surface": "floor", "photos": "|".join(pattern.photos)}
+    numbers = ("width_m", "width_spread", "length_m", "direction_deg", "offset", "confidence")
+    return {
+        "room_id": room,
+        "surface": "floor",
+        "kind": pattern.kind,
+        **{name: round(getattr(pattern, name), 4) for name in numbers},
+        "joint": [round(float(value), 4) for value in units.joint],
+        "joint_m": round(units.joint_m, 5),
+        "photos": "|".join(pattern.photos),
+        "units": [jpeg_bytes(unit, quality=92, full_colour=True) for unit in units.images],
+    }

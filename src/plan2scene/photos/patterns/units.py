@@ -1,0 +1,289 @@
+"""Whole planks and tiles cut out of the photos, and the joints between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from plan2scene.photos.patterns.find import FoundPattern, Reading
+from plan2scene.photos.patterns.joints import JOINTS, lines
+
+
+@dataclass(frozen=True)
+class UnitSettings:
+    """Tuned constants, chosen by looking at units of development homes."""
+
+    most: int = 60  #: units of a pattern
+    light_m: float = 0.4  #: what varies more slowly within a view is light
+    even_m: float = 0.15  #: and within a unit
+    tone: float = 2.5  #: times the usual spread of units' tones, that a unit's tone may be off
+    odd: float = 1.35  #: times the usual strongest mark of a unit: what has more shows a thing
+    blot_m: float = 0.02  #: sigma of shadows' edges within a unit
+    blot: float = 1.6  #: times their usual contrast, at most
+    strip_m: float = 0.4  #: length over which a row's borders are straight
+    loose: float = 0.12  #: of the width, by which a joint may be off its place
+    inset_m: float = 0.006  #: that a unit leaves at its border for the joint
+    longest_m: float = 2.0  #: run of planks without a known length
+    shortest_m: float = 0.45
+    burnt: int = 250  #: sRGB level from which on a pixel shows a reflection
+    most_gain: float = 1.6  #: of the light within a unit against the view's
+    sharp: float = 0.55  #: of the better units' contrast, that a unit has at least
+    joint_px: int = 4  #: on either side of a joint, where its tone is measured
+    depth: float = 0.5  #: by which a joint is believed to differ from its units
+
+
+UNITS = UnitSettings()
+
+
+@dataclass(frozen=True, eq=False)
+class Units:
+    """What a pattern is laid of.
+
+    Attributes
+    ----------
+    images : list of (h, w, 3) uint8
+        At `JOINTS.px_per_m`, along the length to the right, without joints: sRGB levels times 0.5
+        over the floor's usual ones.
+    joint : (3,) float
+        By how much a joint's sRGB is less than its units', over theirs; negative for light joints.
+    joint_m : float
+        Width of a joint that differs so.
+    """
+
+    images: list[np.ndarray]
+    joint: np.ndarray
+    joint_m: float
+
+
+NONE = Units([], np.zeros(3), 0.0)
+
+
+def cut_units(pattern: FoundPattern, readings: Sequence[Reading]) -> Units:
+    """Return the units of a pattern that its views show whole."""
+    cut, profiles = [], []
+    for reading in sorted(readings, key=lambda r: -r.weight):
+        if abs(np.log(reading.width_m / pattern.width_m)) <= 2 * UNITS.loose:
+            rows = _Rows(pattern, reading)
+            profiles += rows.profiles()
+            cut += list(rows.units())
+    joint, joint_m = _joint(profiles)
+    return Units(_alike(cut)[: UNITS.most], joint, joint_m)
+
+
+def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return the units (h, w, 3) in [0, 1] that are sharp and show nothing but the floor, uint8."""
+    if not cut:
+        return []
+    sigma = UNITS.even_m * JOINTS.px_per_m
+    slow = [cv2.GaussianBlur(image, (0, 0), sigma) for image in cut]
+    flat = [image / np.maximum(light, 0.02) for image, light in zip(cut, slow, strict=True)]
+    tones = np.log([np.median(image, axis=(0, 1)) for image in cut])
+    away = tones - np.median(tones, axis=0)
+    usual = 1.5 * np.median(np.abs(away))
+    tones = np.clip(away, -UNITS.tone * usual, UNITS.tone * usual)
+    grey = [image.mean(axis=2) for image in flat]
+    fine = np.array([np.abs(cv2.Laplacian(g, cv2.CV_32F)).mean() for g in grey])
+    dark = [np.log(np.maximum(g, 0.02)) for g in grey]
+    blots = [cv2.GaussianBlur(g, (0, 0), UNITS.blot_m * JOINTS.px_per_m).std() for g in dark]
+    marks = np.array([np.percentile(np.abs(g), 99.5) for g in dark])
+    good = (fine >= UNITS.sharp * np.percentile(fine, 80)) & (marks <= UNITS.odd * np.median(marks))
+    good &= np.array(blots) <= UNITS.blot * np.median(blots)
+    good &= (np.abs(away) <= 2 * UNITS.tone * max(usual, 1e-6)).all(axis=1)
+    made = (0.5 * image * np.exp(tone) for image, tone in zip(flat, tones, strict=True))
+    return [
+        np.clip(np.rint(255 * image), 0, 255).astype(np.uint8)
+        for image, chosen in zip(made, good, strict=True)
+        if chosen
+    ]
+
+
+def _joint(profiles: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
+    """Return how joints differ from their units (3,), and how wide they are, metres."""
+    if not profiles:
+        return np.zeros(3), 0.0
+    usual = np.median(profiles, axis=0)
+    beside = 0.5 * (usual[0] + usual[-1])
+    total = (1.0 - usual / np.maximum(beside, 1e-3)).sum(axis=0) / JOINTS.px_per_m
+    width = float(np.abs(total.mean())) / UNITS.depth
+    return total / max(width, 1e-6), width
+
+
+class _Rows:
+    """The rows of units in one view, straightened."""
+
+    def __init__(self, pattern: FoundPattern, reading: Reading) -> None:
+        view, whole = reading.direction.view, reading.view
+        self._pattern = pattern
+        self._width = reading.width_m * JOINTS.px_per_m
+        self._scale = pattern.width_m / reading.width_m
+        size = view.valid.shape[::-1]
+        self._valid = view.valid
+        colour = cv2.warpAffine(whole.image, view.turn, size, flags=cv2.INTER_LINEAR)
+        self._burnt = colour.max(axis=2) >= UNITS.burnt
+        self._even, self._gain = _evenly_lit(colour / 255.0, view.valid)
+        along = JOINTS.along_m * JOINTS.px_per_m
+        self._across = dict(lines(view, along, down=True))[pattern.line]
+        ends = dict(lines(view, max(1.5, JOINTS.of_row * self._width), down=False))
+        self._ends = (
+            np.max([ends["dark"], ends["light"]], axis=0)
+            if pattern.line == "step"
+            else (ends[pattern.line])
+        )
+
+    def tracks(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Yield rows: middles of strips (n,) px and the row's borders there (n, 2) px."""
+        strip = round(UNITS.strip_m * JOINTS.px_per_m)
+        height, width = self._valid.shape
+        going: list[tuple[list[float], list[np.ndarray]]] = []
+        for left in range(0, max(width - strip // 2, 1), strip):
+            part = slice(left, min(left + strip, width))
+            borders = self._borders(part)
+            middle = 0.5 * (part.start + part.stop)
+            fresh = []
+            for pair in borders:
+                match = next(
+                    (t for t in going if np.abs(t[1][-1] - pair).max() < 0.25 * self._width), None
+                )
+                if match is not None and match[0][-1] >= middle - 1.5 * strip:
+                    match[0].append(middle)
+                    match[1].append(pair)
+                    going.remove(match)
+                    fresh.append(match)
+                else:
+                    fresh.append(([middle], [pair]))
+            yield from ((np.array(t[0]), np.array(t[1])) for t in going)
+            going = fresh
+        yield from ((np.array(t[0]), np.array(t[1])) for t in going)
+
+    def _borders(self, part: slice) -> list[np.ndarray]:
+        """Return upper and lower border (2,) of the rows within columns of the view."""
+        seen = self._valid[:, part]
+        count = seen.sum(axis=1)
+        enough = count >= 0.3 * seen.shape[1]
+        if enough.sum() < 1.5 * self._width:
+            return []
+        line = np.where(
+            enough, (self._across[:, part] * seen).sum(axis=1) / np.maximum(count, 1), 0.0
+        )
+        places = comb(line, self._width, UNITS.loose)
+        inside = [y for y in places if 0 <= y < len(enough) and enough[int(y)]]
+        pairs = zip(inside[:-1], inside[1:], strict=True)
+        return [np.array(p) for p in pairs if abs((p[1] - p[0]) / self._width - 1) < 0.2]
+
+    def units(self) -> Iterator[np.ndarray]:
+        """Yield the units that are seen whole, evenly lit."""
+        for middles, borders in self.tracks():
+            row = self._straight(middles, borders)
+            if row is None:
+                continue
+            image, good, ends = row
+            for left, right in self._pieces(good, ends):
+                inset = round(UNITS.inset_m * JOINTS.px_per_m)
+                piece = image[inset : image.shape[0] - inset, left + inset : right - inset]
+                length = self._pattern.length_m * JOINTS.px_per_m
+                wide = round(length) if np.isfinite(length) else right - left
+                yield cv2.resize(piece, (wide, image.shape[0]), interpolation=cv2.INTER_CUBIC)
+
+    def _straight(
+        self, middles: np.ndarray, borders: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        """Return a row's image, which of its columns are good, and its end joints' profile."""
+        strip = round(UNITS.strip_m * JOINTS.px_per_m)
+        low, high = middles[0] - strip / 2, middles[-1] + strip / 2
+        columns = round((high - low) * self._scale)
+        rows = max(4, round(self._pattern.width_m * JOINTS.px_per_m))
+        x = low + (np.arange(columns) + 0.5) / self._scale - 0.5
+        top, bottom = (np.interp(x, middles, borders[:, k]) for k in (0, 1))
+        share = (np.arange(rows) + 0.5) / rows
+        y = (top + share[:, None] * (bottom - top)).astype(np.float32)
+        across = np.broadcast_to(x, y.shape).astype(np.float32)
+
+        def taken(values: np.ndarray) -> np.ndarray:
+            return cv2.remap(values.astype(np.float32), across, y, cv2.INTER_LINEAR)
+
+        good = taken(self._valid & ~self._burnt).min(axis=0) > 0.9
+        gain = taken(self._gain).mean(axis=0)
+        good &= (gain < UNITS.most_gain) & (gain > 1 / UNITS.most_gain)
+        if good.sum() < UNITS.shortest_m * JOINTS.px_per_m * 0.5:
+            return None
+        return taken(self._even), good, taken(self._ends)[rows // 8 : rows - rows // 8].mean(axis=0)
+
+    def _pieces(self, good: np.ndarray, ends: np.ndarray) -> Iterator[tuple[int, int]]:
+        """Yield first and last column of the units of a row."""
+        length = self._pattern.length_m * JOINTS.px_per_m
+        if np.isfinite(length):
+            places = [round(x) for x in comb(np.where(good, ends, 0.0), length, UNITS.loose)]
+            pairs = list(zip(places[:-1], places[1:], strict=True))
+        else:
+            edges = np.flatnonzero(np.diff(np.r_[0, good.astype(int), 0]))
+            most = round(UNITS.longest_m * JOINTS.px_per_m)
+            pairs = [
+                (left, min(left + most, right))
+                for first, right in edges.reshape(-1, 2)
+                for left in range(first, right, most)
+            ]
+        shortest = UNITS.shortest_m * JOINTS.px_per_m
+        for left, right in pairs:
+            inside = 0 <= left < right <= len(good)
+            whole = _whole(ends, left, right) if np.isfinite(length) else right - left >= shortest
+            if inside and whole and good[left:right].all():
+                yield left, right
+
+    def profiles(self) -> list[np.ndarray]:
+        """Return the colours (2 n + 1, 3) across joints between rows, n = `UNITS.joint_px`."""
+        found = []
+        reach = np.arange(-UNITS.joint_px, UNITS.joint_px + 1)
+        for middles, borders in self.tracks():
+            for x, (top, _) in zip(middles, borders, strict=True):
+                rows = round(top) + reach
+                part = slice(max(int(x) - 20, 0), int(x) + 20)
+                if rows[0] < 0 or rows[-1] >= len(self._valid) or not self._valid[rows, part].all():
+                    continue
+                found.append(self._even[rows, part].mean(axis=1))
+        return found
+
+
+def _whole(ends: np.ndarray, left: int, right: int) -> bool:
+    """Return whether a unit's ends show joints more clearly than anything between them."""
+    rim = max(1, round(UNITS.loose * (right - left)))
+    inner = ends[left + rim : right - rim]
+    at_ends = [ends[max(x - 2, 0) : x + 3] for x in (left, right)]
+    return all(part.size for part in at_ends) and bool(
+        inner.max(initial=0.0) < min(part.max() for part in at_ends)
+    )
+
+
+def comb(line: np.ndarray, step: float, loose: float) -> list[float]:
+    """Return the places of joints about `step` px apart in their strength along a line (n,)."""
+    starts = np.arange(0.0, step, 0.5)
+    at = np.arange(len(line))
+    counts = np.arange(int(len(line) / step) + 1)
+    sums = [float(np.interp(s + counts * step, at, line, right=0.0).sum()) for s in starts]
+    first = starts[int(np.argmax(sums))]
+    places = []
+    for place in first + counts * step:
+        low, high = (round(place + way * loose * step) for way in (-1, 1))
+        part = line[max(low, 0) : high + 1]
+        if place > len(line) - 1 or not len(part):
+            continue
+        places.append(float(max(low, 0) + int(part.argmax())) if part.max() > 0 else float(place))
+    return places
+
+
+def _evenly_lit(image: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return an image (h, w, 3) about 0.5 in one light, and the light (h, w) over its mean."""
+    weight = valid.astype(np.float32)
+    sigma = UNITS.light_m * JOINTS.px_per_m
+    side = 2 * round(0.86 * sigma) + 1
+
+    def near(values: np.ndarray) -> np.ndarray:
+        return np.asarray(cv2.blur(cv2.blur(values, (side, side)), (side, side)))
+
+    light = near((image * weight[..., None]).astype(np.float32))
+    light /= np.maximum(near(weight), 1e-3)[..., None]
+    usual = np.median(light[valid], axis=0)
+    even = 0.5 * image / np.maximum(light, 1 / 255)
+    return even.astype(np.float32), light.mean(axis=2) / usual.mean()

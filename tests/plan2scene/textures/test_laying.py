@@ -1,0 +1,41 @@
+"""Floors laid from units of a known size."""
+
+import numpy as np
+import pytest
+
+from plan2scene.plans.surface_areas import Area
+from plan2scene.textures.laying import LAYING, LaidPattern, laid
+
+WHITE = np.full(3, 0.5)
+
+
+def pattern(direction: float, *, length: float = 0.5) -> LaidPattern:
+    """Return a pattern of ten units of one tone each, with dark joints of 1 cm."""
+    units = [np.full((50, 100, 3), 110 + 4 * k, np.uint8) for k in range(10)]
+    return LaidPattern(0.25, length, direction, 0.5, np.full(3, 0.9), 0.01, units)
+
+
+@pytest.mark.parametrize("direction", [0.0, 90.0])
+def test_joints_are_the_patterns(direction):
+    image, area = laid(pattern(direction), Area((-0.5, -0.5), (1.0, 1.0)), WHITE, seed=1)
+    if direction:
+        image = image.swapaxes(0, 1)
+    dark = image[..., 0] < 60
+    rows = np.flatnonzero(dark.mean(axis=1) > 0.9) / LAYING.px_per_m - 0.5
+    assert np.abs(rows / 0.25 - np.round(rows / 0.25)).max() < 0.04
+    assert len(np.unique(np.round(rows / 0.25))) >= 6
+    ends = np.flatnonzero(dark[20:40].all(axis=0)) / LAYING.px_per_m
+    assert np.diff(ends[np.r_[True, np.diff(ends) > 0.1]]) == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("length", [0.5, float("nan")])
+@pytest.mark.parametrize("direction", [0.0, 30.0])
+def test_a_floor_runs_on_from_room_to_room(direction, length):
+    planks = pattern(direction, length=length)
+    whole, _ = laid(planks, Area((-1.0, 0.0), (2.0, 1.0)), WHITE, seed=1)
+    part, area = laid(planks, Area((0.5, 0.25), (2.0, 1.0)), WHITE, seed=1)
+    assert area == Area((0.5, 0.25), (2.0, 1.0))
+    column, row = (round(metres * LAYING.px_per_m) for metres in (1.5, 0.25))
+    shown = whole[row : row + part.shape[0], column:].astype(int)
+    assert np.abs(shown - part)[2:-2, 2:-2].max() <= 2
+    assert len(np.unique(part[..., 0])) > 8
