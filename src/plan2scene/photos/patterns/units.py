@@ -21,6 +21,8 @@ class UnitSettings:
     even_m: float = 0.15  #: and within a unit
     tone: float = 2.5  #: times the usual spread of units' tones, that a unit's tone may be off
     odd: float = 1.35  #: times the usual strongest mark of a unit: what has more shows a thing
+    hue_m: float = 0.02  #: sigma over which hue is averaged
+    hue: float = 0.4  #: share of its variation that a unit keeps
     blot_m: float = 0.02  #: sigma of shadows' edges within a unit
     blot: float = 1.6  #: times their usual contrast, at most
     strip_m: float = 0.4  #: length over which a row's borders are straight
@@ -80,6 +82,7 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
     sigma = UNITS.even_m * JOINTS.px_per_m
     slow = [cv2.GaussianBlur(image, (0, 0), sigma) for image in cut]
     flat = [image / np.maximum(light, 0.02) for image, light in zip(cut, slow, strict=True)]
+    flat = [_calm(image) for image in flat]
     tones = np.log([np.median(image, axis=(0, 1)) for image in cut])
     away = tones - np.median(tones, axis=0)
     usual = 1.5 * np.median(np.abs(away))
@@ -98,6 +101,15 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
         for image, chosen in zip(made, good, strict=True)
         if chosen
     ]
+
+
+def _calm(image: np.ndarray) -> np.ndarray:
+    """Return a unit (h, w, 3) with little of its stains of hue: light of two colours, and noise."""
+    grey = np.maximum(image.mean(axis=2, keepdims=True), 0.02)
+    hue = np.maximum(image / grey, 0.02)
+    smooth = cv2.GaussianBlur(hue, (0, 0), UNITS.hue_m * JOINTS.px_per_m)
+    usual = np.median(hue, axis=(0, 1))
+    return np.asarray(grey * usual * (smooth / usual) ** UNITS.hue)
 
 
 def _joint(profiles: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
