@@ -17,7 +17,7 @@ def pattern(direction: float, *, length: float = 0.5) -> LaidPattern:
 
 @pytest.mark.parametrize("direction", [0.0, 90.0])
 def test_joints_are_the_patterns(direction):
-    image, area = laid(pattern(direction), Area((-0.5, -0.5), (1.0, 1.0)), WHITE, seed=1)
+    image, _ = laid(pattern(direction), Area((-0.5, -0.5), (1.0, 1.0)), WHITE, seed=1)
     if direction:
         image = image.swapaxes(0, 1)
     dark = image[..., 0] < 60

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -148,7 +149,7 @@ class _Rows:
     def tracks(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Yield rows: middles of strips (n,) px and the row's borders there (n, 2) px."""
         strip = round(UNITS.strip_m * JOINTS.px_per_m)
-        height, width = self._valid.shape
+        width = self._valid.shape[1]
         going: list[tuple[list[float], list[np.ndarray]]] = []
         for left in range(0, max(width - strip // 2, 1), strip):
             part = slice(left, min(left + strip, width))
@@ -182,7 +183,7 @@ class _Rows:
         )
         places = comb(line, self._width, UNITS.loose)
         inside = [y for y in places if 0 <= y < len(enough) and enough[int(y)]]
-        pairs = zip(inside[:-1], inside[1:], strict=True)
+        pairs = pairwise(inside)
         return [np.array(p) for p in pairs if abs((p[1] - p[0]) / self._width - 1) < 0.2]
 
     def units(self) -> Iterator[np.ndarray]:
@@ -228,7 +229,7 @@ class _Rows:
         length = self._pattern.length_m * JOINTS.px_per_m
         if np.isfinite(length):
             places = [round(x) for x in comb(np.where(good, ends, 0.0), length, UNITS.loose)]
-            pairs = list(zip(places[:-1], places[1:], strict=True))
+            pairs = list(pairwise(places))
         else:
             edges = np.flatnonzero(np.diff(np.r_[0, good.astype(int), 0]))
             most = round(UNITS.longest_m * JOINTS.px_per_m)
