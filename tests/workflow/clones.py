@@ -62,10 +62,8 @@ def demo_rows() -> list[dict[str, str]]:
 def make_clone(root: Path, rows: list[dict[str, str]], **changes: object) -> Clone:
     """Copy workflow and config to `root`, with those houses of the demo as its data set."""
     root.mkdir(parents=True, exist_ok=True)
-    for name in ("workflow", "config", "envs", "src"):
-        shutil.copytree(
-            ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info")
-        )
+    for name in ("workflow", "config", "envs", "src"):  # with what Python has compiled
+        shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("*.egg-info"))
     shutil.copy(ROOT / "Snakefile", root)
     (root / "profiles").symlink_to("workflow/profiles")
     (root / "resources").mkdir()

@@ -6,8 +6,11 @@ from clones import Clone, demo_rows, make_clone
 
 @pytest.fixture(scope="session")
 def made(tmp_path_factory) -> Clone:
-    """Two houses, everything made."""
-    clone = make_clone(tmp_path_factory.mktemp("made") / "clone", demo_rows()[:2])
-    run = clone.snakemake("all")
+    """Two houses: of the first everything is made, of the other its crops."""
+    other, first = demo_rows()[:2]
+    dataset = {"name": "tiny", "root": "data", "table": "houses.tsv", "splits": ["test"]}
+    dataset |= {"houses": [first["house"]]}
+    clone = make_clone(tmp_path_factory.mktemp("made") / "clone", [first, other], dataset=dataset)
+    run = clone.snakemake("all", f"results/tiny/houses/{other['house']}/crops.parquet")
     assert run.returncode == 0, run.stdout[-6000:]
     return clone

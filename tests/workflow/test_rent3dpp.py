@@ -87,16 +87,6 @@ def test_one_command_makes_the_table(place):
     assert all(torch.equal(value, state[name]) for name, value in network.state_dict().items())
 
 
-def test_an_empty_path_is_one_line(place):
-    (place.root.parent / "empty").mkdir()
-    run = place.snakemake("--dry-run", TABLE, *CONFIG, "dataset={root: ../empty}")
-    assert run.returncode != 0
-    lines = [text for text in run.stdout.splitlines() if text.startswith("plan2scene: ")]
-    assert len(lines) == 1
-    assert "file ../empty: expected a Rent3D++ copy" in lines[0]
-    assert "Traceback" not in run.stdout
-
-
 def test_without_ready_crops_they_are_sampled(place):
     copy = place.root.parent / "bare"
     copy.mkdir()

@@ -1,10 +1,16 @@
-"""An installed wheel, away from the clone, makes its example of two storeys, with photos."""
+"""An installed wheel, away from the clone, makes its example of two storeys, with photos.
+
+A run that is killed goes on by the same words, to the same bytes (benchmarks/kills.py: 100 kills).
+"""
 
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
+from kills import digests, house_command, kill_often, strays
 
 from plan2scene.plans.scene_json import read_scene_json
 
@@ -13,33 +19,35 @@ ROOT = Path(__file__).parents[2]
 TABLE = "room_id,photo\nkitchen,kitchen_0.jpg\nbedroom,bedroom_0.jpg\n"
 
 
-def test_the_wheel_makes_a_house_from_an_empty_directory(tmp_path):
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """Return the folder that the wheel is installed into."""
+    root = tmp_path_factory.mktemp("wheel")
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    wheels, site, work = tmp_path / "wheels", tmp_path / "site", tmp_path / "work"
-    work.mkdir()
-    build = ["wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(wheels), str(ROOT)]
-    subprocess.run([*pip, *build], check=True, cwd=tmp_path)
-    (wheel,) = wheels.glob("plan2scene-*.whl")
+    build = ["wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(root), str(ROOT)]
+    subprocess.run([*pip, *build], check=True, cwd=root)
+    (wheel,) = root.glob("plan2scene-*.whl")
+    site = root / "site"
     subprocess.run([*pip, "install", "--no-deps", "--target", str(site), str(wheel)], check=True)
-    example = site / "plan2scene" / "_workflow" / "resources" / "examples" / "two_storeys"
+    return site
+
+
+def test_the_wheel_makes_a_house_and_a_killed_run_ends_as_an_undisturbed_one(installed, tmp_path):
+    example = installed / "plan2scene" / "_workflow" / "resources" / "examples" / "two_storeys"
     assert (example / "photos.csv").read_text().count("\n") == 7
-    (work / "photos.csv").write_text(TABLE)
-    given = ["--plan", str(example / "plan.json"), "--photos", "photos.csv"]
-    given += ["--photos-dir", str(example / "photos"), "--out", "house", "--house", "two"]
-    command = "import plan2scene, sys; sys.stderr.write(plan2scene.__file__)"
-    program = f"{command}; from plan2scene_app.cli import main; main()"
-    run = subprocess.run(
-        [sys.executable, "-c", program, "run", *given],
-        cwd=work,
-        env=os.environ | {"PYTHONPATH": str(site)},
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        check=False,
-    )
-    assert run.returncode == 0, run.stdout[-4000:]
-    assert str(site) in run.stdout
-    assert_both_storeys(work / "house")
+    (tmp_path / "photos.csv").write_text(TABLE)
+    given = ["--photos", "photos.csv", "--photos-dir", str(example / "photos"), "--house", "two"]
+    options = {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": str(installed)}}
+    where = [sys.executable, "-c", "import plan2scene; print(plan2scene.__file__)"]
+    assert str(installed) in subprocess.run(where, capture_output=True, text=True, **options).stdout
+    for name, kills in (("whole", 0), ("killed", 2)):
+        command = house_command(example / "plan.json", Path(name), *given)
+        assert (kill_often(command, kills, 30.0, seed=1, **options) > 0) == (kills > 0)
+        assert strays(tmp_path / name) == []
+    assert_both_storeys(tmp_path / "whole")
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    assert digests(killed, but=["work"]) == digests(whole, but=["work"])
+    assert digests(killed / "work/results") == digests(whole / "work/results")
 
 
 def assert_both_storeys(out):

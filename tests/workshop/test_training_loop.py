@@ -86,20 +86,6 @@ def test_fit_writes_checkpoints_that_another_run_does_not_take(tmp_path):
     assert not trainer().resume(tmp_path / "none")
 
 
-def test_the_best_evaluation_is_kept():
-    run, scores, seen = trainer(), [0.1, math.nan, 0.7, 0.5], []
-
-    def evaluate(network: nn.Module) -> float:
-        assert not network.training
-        seen.append(network[3].weight.clone())
-        return scores[len(seen) - 1]
-
-    run.evaluate = evaluate
-    found = run.fit()
-    assert (found.step, found.score) == (9, 0.7)
-    assert torch.equal(found.network[3].weight, seen[2])
-
-
 def test_card_names_command_settings_seed_and_figures(tmp_path):
     weights = tmp_path / "toy.safetensors"
     weights.write_bytes(b"weights")

@@ -6,15 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plan2scene.evaluation.houses import propagated_at
-from plan2scene.evaluation.measure import reference_images
 from plan2scene.evaluation.sweep import sweep_house, sweep_table
 from plan2scene.evaluation.tables import TableRequest
-from plan2scene.images import metric_image, read_image
-from plan2scene.io import read_json, read_parquet
-from plan2scene.metrics.color_freq_tile import color_distance
-from plan2scene.textures.house_textures import make_textures
-from plan2scene.textures.inputs import HouseData, Visible
+from plan2scene.io import read_parquet
 from plan2scene.textures.methods import texture_methods
 
 HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}
@@ -36,33 +30,6 @@ def test_every_method_is_measured_at_every_drop(swept):
     seen = frame[frame["method"] == "synth"].groupby("drop")["observed"].sum()
     assert seen.to_dict() == {"0.0": 4, "0.1": 4, "0.5": 2, "1.0": 0}
     assert np.isfinite(frame[["color", "freq", "tile"]].to_numpy()).all()
-
-
-def test_figures_are_those_of_the_stages(swept, house, embeddings, tmp_path):
-    frame, _ = read_parquet(swept)
-    _, propagated = propagated_at(house, embeddings, HIDDEN["0.5"], tmp_path)
-    visible = Visible(propagated, HIDDEN["0.5"])
-    inputs = HouseData(house.files).at(visible, house.models.decoders, house.settings)
-    references = reference_images(inputs.data.crops, HIDDEN["0.5"])
-    folder = tmp_path / "synth"
-    make_textures("synth", inputs.only(references), folder)
-    entries = read_json(folder / "textures.json")["surfaces"]
-    mine = frame[(frame["method"] == "synth") & (frame["drop"] == "0.5")]
-    assert len(mine) == len(entries) == 4
-    for row in mine.itertuples():
-        assert entries[f"{row.room_id}/{row.surface}"]["observed"] == row.observed
-        shown, every = references[row.room_id, row.surface]
-        assert (shown is not None) == row.observed
-        tile = read_image(folder / f"{row.room_id}_{row.surface}.png")
-        assert tile.shape == (64, 64, 3)
-        assert row.color == color_distance(metric_image(tile), shown if row.observed else every)
-
-
-def test_crop_is_its_own_reference_while_observed(swept):
-    frame, _ = read_parquet(swept)
-    crops = frame[frame["method"] == "crop"]
-    assert (crops[crops["observed"]]["color"] == 0).all()
-    assert (crops[crops["drop"] == "1.0"]["color"] > 0).all()
 
 
 def test_the_table_has_every_cell_and_a_plot(swept, references, tmp_path):

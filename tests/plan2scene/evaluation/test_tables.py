@@ -8,15 +8,11 @@ import pytest
 
 from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.tables import (
-    TABLE_COLUMNS,
     TableRequest,
-    latex_table,
-    published_value,
     tidy_table,
 )
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
-from plan2scene.metrics.registry import METRICS
 
 NETWORKS = {"features": "embedded", "model": "a", "substances": "vgg16", "substance_model": "b"}
 METHODS = ("synth", "crop")
@@ -120,62 +116,3 @@ def test_a_house_without_rows_is_missing(tmp_path):
     tidy = tidy_table(Measurements(*files), _request(2))
     assert set(tidy["missing"]) == {"h1"}
     assert set(tidy["houses"]) == {1}
-
-
-VALUES = {
-    ("crop", "observed"): (0.0, 0.0, 0.0, 0.0516, 34.66, -0.0104),
-    ("synth", "observed"): (0.3294, 0.0157, 0.125, 1.9172, 17.43, 0.2),
-    ("medoid_colour", "observed"): (0.3291, 0.0162, 0.25, 2.5, 17.35, -0.0003),
-    ("crop", "unobserved"): (0.757, 0.0371, 0.318, 3.302, 35.52, 0.1),
-    ("synth", "unobserved"): (0.68, 0.018, 0.364, 8.283, 13.72, 0.4),
-    ("medoid_colour", "unobserved"): (float("nan"),) * 6,
-}
-
-
-def _made_up():
-    networks = {"SUBS": "vgg16", "FID": "embedded", "KID": "embedded"}
-    rows = []
-    for method in ("crop", "synth", "medoid_colour"):
-        for column in TABLE_COLUMNS:
-            values = VALUES.get((method, column), (0.5, 0.5, 0.5, 0.5, 0.5, 0.5))
-            missing = values[0] != values[0]
-            for metric, value in zip(METRICS, values, strict=True):
-                rows.append(
-                    {
-                        "dataset": "demo",
-                        "method": method,
-                        "column": column,
-                        "n": 0 if missing else 22 if column == "unobserved" else 48,
-                        "seed": 0,
-                        "version": "9.9",
-                        "packages": "numpy 2.0, scipy 1.12",
-                        "metric": metric,
-                        "features": networks.get(metric, "none"),
-                        "value": value,
-                        "published": published_value(method, column, metric),
-                    }
-                )
-    return pd.DataFrame(rows)
-
-
-def _latex_rows(text):
-    """Return the cells of each row of a table's body; a group's name stands in its first row."""
-    lines = [line.removesuffix(" \\\\") for line in text.splitlines() if " & " in line]
-    return [line.split(" & ") for line in lines]
-
-
-def test_latex_by_value():
-    text = latex_table(_made_up(), ["of a test"])
-    assert text.startswith("% data set demo, seed 0, plan2scene 9.9\n% numpy 2.0, scipy 1.12\n")
-    assert "% of a test\n\\begin{tabular}{llrrrrrr}\n\\toprule\n" in text
-    head, crop, synth, medoid, *others = _latex_rows(text)
-    assert head[2:6] == ["COLOR", "FREQ", "SUBS (vgg16)", "FID (embedded)"]
-    # Crop compared with itself is never the best.
-    assert crop[:4] == ["Observed (n = 48)", "crop", "0.000 (0.000)", "0.000 (0.000)"]
-    assert synth[1:4] == ["synth", r"\textbf{0.329} (0.431)", r"\textbf{0.016} (0.035)"]
-    assert synth[5:] == [r"\textbf{1.917} (196.1)", r"\textbf{17.4} (16.4)", "0.200"]
-    assert medoid[1:3] == [r"medoid\_colour", r"\textbf{0.329}"] and medoid[-1] == r"\textbf{0.000}"
-    assert others[0][0] == "Unobserved (n = 0 to 22)"
-    assert others[0][4] == r"\textbf{0.318} (0.345)"
-    assert others[2][1:] == [r"medoid\_colour", *["--"] * 6]
-    assert others[3][0] == "All (n = 48)" and others[3][2] == r"\textbf{0.500} (0.459)"

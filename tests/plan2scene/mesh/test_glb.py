@@ -1,6 +1,5 @@
 """GLB and OBJ files, read again by trimesh; lamps and the sun; normal maps."""
 
-import io
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from plan2scene.images import png_bytes
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import lamp_position
 from plan2scene.mesh.glb import ROUGHNESS, write_glb
-from plan2scene.mesh.relief import SETTINGS, normal_map, tangents
+from plan2scene.mesh.relief import tangents
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene_app.exports.obj import write_obj
 
@@ -157,27 +156,6 @@ def joints(contrast=90, size_px=64, size_m=0.5):
     image[middle] = image[:, middle] = 130 - contrast
     image = image.astype(np.uint8)
     return TileTexture(png_bytes(image), size_m, True, "tile")
-
-
-def slopes(data):
-    """Return x and y of a normal map, (h, w) each in [-1, 1]."""
-    values = np.asarray(Image.open(io.BytesIO(data)), np.float64) / 127.5 - 1
-    np.testing.assert_allclose(np.linalg.norm(values, axis=2), 1, atol=0.1)
-    return values[..., 0], values[..., 1]
-
-
-@pytest.mark.parametrize("contrast", [90, -90])
-def test_surfaces_fall_towards_joints_light_or_dark(contrast):
-    x, y = slopes(normal_map(joints(contrast)))
-    assert x[10, 28:31].min() > 0.05 and x[10, 33:36].max() < -0.05  # the joint is right, left
-    assert y[28:31, 10].max() < -0.05 and y[33:36, 10].min() > 0.05  # below, above
-    assert abs(x.mean()) < 0.01 and abs(y.mean()) < 0.01
-
-
-def test_as_steep_as_the_substance_and_the_contrast_say():
-    few, some, many = (np.hypot(*slopes(normal_map(joints(c)))) for c in (14, 26, 110))
-    assert few.mean() < 0.7 * some.mean() < 0.7 * many.mean()
-    assert np.sqrt((many**2).mean()) == pytest.approx(SETTINGS.slopes["tile"], rel=0.3)
 
 
 def test_files_have_them_on_demand_and_valid(gap_house, tmp_path):

@@ -7,17 +7,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from plan2scene.house import Level
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.structure import CAP_COLOUR
 from plan2scene.plans.geometry import walls_of_rooms
-from plan2scene.plans.levels import linked
 from plan2scene_app.exports.solids import house_solids
 
 WELL = 0.9 * 3.6
-OUTLINE = ((0.0, 0.0), (8.0, 0.0), (8.0, 6.0), (0.0, 6.0))
 
 
 @pytest.fixture(scope="module")
@@ -111,33 +108,6 @@ def test_what_juts_out_has_an_underside(house, parts):
     under = made["structure/soffit/upper"].mesh
     assert (under.face_normals[:, 1] < -0.99).all()
     assert under.area == pytest.approx(1.5 * 2.6 + 1.5 * 2 * 0.12, rel=0.01)
-
-
-def test_flights_above_each_other_leave_the_way_free(house):
-    attic = replace(house.room("bedroom"), id="attic", level="attic", rings=(OUTLINE,))
-    rooms = (*house.rooms, attic)
-    levels = (*house.levels, Level("attic", "Attic", 5.6, 2.2))
-    stairs = linked(
-        (*house.stairs, replace(house.stairs[0], id="on", level="upper")), rooms, levels
-    )
-    high = replace(
-        house,
-        rooms=rooms,
-        walls=(*house.walls, *walls_of_rooms([attic])),
-        levels=levels,
-        stairs=stairs,
-    )
-    made = {part.name: part for part in build_parts(high)}
-    assert stairs[1].room_ids == ("landing", "attic")
-    assert made["attic/floor"].mesh.area == pytest.approx(8 * 6 - WELL)
-    railing = made["landing/railing/stairs"].mesh.vertices
-    assert railing[:, 2].max() < 4.6 - 0.05  # open at the foot: there the next flight begins
-    rays = Rays.of(list(made.values()))
-    assert rays is not None
-    for share in (0.2, 0.5, 0.8):  # the head of one who climbs the lower flight
-        tread = 2.8 * share + 2.8 / 15
-        eye = np.array([[0.45, tread + 0.05, 4.6 - 3.6 * share]])
-        assert rays.distances(eye, np.array([[0.0, 1.0, 0.0]]))[0] > 2.2
 
 
 @pytest.fixture

@@ -118,12 +118,3 @@ def test_vgg_tells_substances(small_vgg):
     assert np.array_equal(found, expected)
     assert len(set(found.tolist())) > 1
     assert substances_of(path, []).shape == (0,)
-
-
-def test_weights_of_something_else_are_refused(tmp_path):
-    header = {"network": "other"}
-    save_model_file(tmp_path / "o.safetensors", {"a": torch.zeros(1)}, header)
-    with pytest.raises(InputError, match="metric's network"):
-        network_name(tmp_path / "o.safetensors")
-    with pytest.raises(InputError, match="a safetensors file"):
-        network_name(tmp_path / "absent.safetensors")

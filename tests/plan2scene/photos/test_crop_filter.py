@@ -1,7 +1,5 @@
 """Filters before the selection: what they refuse, and that patterns and shading pass."""
 
-from dataclasses import replace
-
 import cv2
 import numpy as np
 import pytest
@@ -12,12 +10,8 @@ from plan2scene.photos.crops.filter import (
     step_of,
 )
 from plan2scene.photos.crops.sampling import (
-    Candidate,
-    Crop,
     Reason,
-    Verdict,
 )
-from plan2scene.photos.crops.selection import LAST_RESORT, WORST_RESORT, select_candidates
 
 
 def plain(seed=0, colour=(190, 180, 165), noise=2.0):
@@ -36,12 +30,6 @@ def checker(cell=16, dark=(120, 100, 80)):
 def shaded(image, left=0.8, right=1.2):
     gain = np.linspace(left, right, 128)[None, :, None]
     return np.clip(image * gain, 0, 255).astype(np.uint8)
-
-
-def candidate(*reasons, index=0):
-    nan = (float("nan"),) * 4
-    crop = Crop(index, nan, 1.0, 1.0, 60.0, plain(index))
-    return Candidate(crop, Verdict.of(reasons, crop.sharpness), "wall", 0)
 
 
 @pytest.mark.parametrize(
@@ -75,27 +63,6 @@ def test_shadow_edges_and_things_of_another_colour_divide_a_crop():
     assert step_of(door) is Reason.CLUTTER
     assert step_of(shaded(plain(), 0.75, 1.25)) is None
     assert step_of(checker(32)) is None
-
-
-def test_a_surface_without_good_windows_keeps_its_least_bad():
-    def place(item, photo="a.png", rooms=("r1",), surface="wall"):
-        return replace(item, photo=photo, rooms=rooms, surface=surface)
-
-    bad, mild, good = candidate(Reason.CLUTTER), candidate(Reason.OBLIQUE), candidate()
-    selected = select_candidates([place(bad), place(mild), place(good)])
-    assert selected.rooms == {(2, "r1")}
-    assert selected.crop_index == {2: 0}
-    selected = select_candidates([place(bad), *[place(mild)] * (LAST_RESORT + 2)])
-    assert selected.rooms == {(number, "r1") for number in range(1, LAST_RESORT + 1)}
-    selected = select_candidates([place(bad)] * 9)
-    assert len(selected.rooms) == WORST_RESORT
-    # With grave reasons every photo has a say, not only the one whose windows look least bad.
-    worse = candidate(Reason.BORDER, Reason.CLUTTER)
-    selected = select_candidates([*[place(bad)] * 5, *[place(worse, photo="b.png")] * 5])
-    assert selected.rooms == {(number, "r1") for number in (0, 1, 2, 5, 6, 7)}
-    # A room that has a good one elsewhere leaves out what another must select.
-    shared = [place(mild, rooms=("r1", "r2")), place(good, photo="b.png", rooms=("r2",))]
-    assert select_candidates(shared).rooms == {(0, "r1"), (1, "r2")}
 
 
 def planks(width=21, seed=3):

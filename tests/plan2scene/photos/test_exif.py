@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from PIL import ExifTags, Image
-from PIL.TiffImagePlugin import IFDRational
 
 from plan2scene.photos.camera.exif import ExifFocal, read_exif_focal
 
@@ -37,26 +36,6 @@ def test_orientation_changes_nothing(tmp_path):
     tags = {EQUIVALENT: 26, **noted(4000, 3000)}
     upright = read_exif_focal(photo(tmp_path / "a.jpg", tags, orientation=6), (400, 300))
     assert upright == read_exif_focal(tmp_path / "a.jpg", SIZE)
-
-
-def test_sensor_resolution_where_there_is_no_equivalent(tmp_path):
-    # 5 mm lens, 6.4 mm wide sensor of 4000 pixels, photo reduced to 400.
-    tags = {
-        Tag.FocalLength: IFDRational(5, 1),
-        Tag.FocalPlaneXResolution: IFDRational(4000, 6),
-        Tag.FocalPlaneResolutionUnit: 4,
-        EQUIVALENT: 0,
-    }
-    file = photo(tmp_path / "a.jpg", tags | noted(4000, 3000))
-    assert read_exif_focal(file, SIZE).focal_px == pytest.approx(5 * 4000 / 6 / 10)
-    # Without the camera's own pixels nothing tells how far the photo was reduced.
-    assert read_exif_focal(photo(tmp_path / "b.jpg", tags), SIZE) == ExifFocal()
-
-
-def test_another_aspect_means_a_crop(tmp_path):
-    file = photo(tmp_path / "a.jpg", {EQUIVALENT: 26, **noted(4000, 3000)}, (300, 300))
-    assert read_exif_focal(file, (300, 300)).cropped
-    assert not read_exif_focal(photo(tmp_path / "b.jpg", {EQUIVALENT: 26}), SIZE).cropped
 
 
 @pytest.mark.parametrize("equivalent", [2, 900])

@@ -101,59 +101,6 @@ def test_furniture_along_the_foot_hides_no_corner():
             assert (truth & plane.mask).sum() / (truth | plane.mask).sum() > 0.9
 
 
-def prism_view(corners, heading_deg, eye, height=2.5, fov_deg=75.0):
-    """Labels, wall of each pixel (-1: none), outward normals and camera of a room of any outline.
-
-    `corners` (n, 2) are x, z of a convex outline; wall i runs from corner i to the next.
-    """
-    _, _, camera = box_view(heading_deg, 6.0, eye, fov_deg)
-    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
-    rays = camera.rays(np.stack([x, y], axis=-1))
-    along = np.roll(corners, -1, axis=0) - corners
-    outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-    outward *= np.sign(((corners - corners.mean(axis=0)) * outward).sum(axis=1))[:, None]
-    ahead = rays[..., [0, 2]] @ outward.T
-    distance = ((corners - eye[[0, 2]]) * outward).sum(axis=1)
-    reach = np.where(ahead > 1e-9, distance / np.maximum(ahead, 1e-9), np.inf)
-    wall, near = reach.argmin(axis=-1), reach.min(axis=-1)
-    rise = rays[..., 1] * near
-    labels = np.full(SIZE, WALL, np.uint8)
-    labels[rise < -eye[1]] = FLOOR
-    labels[rise > height - eye[1]] = CEILING
-    return labels, np.where(labels == WALL, wall, -1), outward, distance, camera
-
-
-BAY = np.array([[-2.2, -2.0], [2.2, -2.0], [2.2, 1.4], [1.0, 2.6], [-1.0, 2.6], [-2.2, 1.4]])
-CHAMFER = np.array([[-2.0, -2.0], [2.4, -2.0], [2.4, 2.6], [0.2, 2.6], [-2.0, 1.33]])
-
-
-@pytest.mark.parametrize(
-    ("corners", "heading", "own"),
-    [(BAY, 0.0, (2, 4)), (BAY, -25.0, (2,)), (CHAMFER, 20.0, (3,)), (CHAMFER, 5.0, (3,))],
-)
-def test_slanted_walls_have_normals_of_their_own(corners, heading, own):
-    eye = np.array([0.1, 1.5, -1.2])
-    labels, wall, outward, distance, camera = prism_view(corners, heading, eye)
-    rng = np.random.default_rng(0)
-    ragged = np.roll(labels, 1, axis=0)
-    labels = np.where(rng.random(SIZE) < 0.3, ragged, labels)
-    planes = [p for p in split_planes(labels, camera, room_height_m=2.5) if p.surface == "wall"]
-    for side in own:
-        assert (wall == side).mean() > 0.04
-        plane = max(planes, key=lambda p: int((p.mask & (wall == side)).sum()))
-        truth = wall == side
-        assert (truth & plane.mask).sum() / (truth | plane.mask).sum() > 0.85
-        normal = -np.array([plane.normal[0], plane.normal[2]])
-        assert np.degrees(np.arccos(np.clip(normal @ outward[side], -1, 1))) < 3.0
-        assert -plane.offset == pytest.approx(distance[side], rel=0.05)
-    # The others keep the Manhattan directions.
-    for side in {int(s) for s in np.unique(wall[wall >= 0])} - set(own):
-        if (wall == side).mean() > 0.04:
-            plane = max(planes, key=lambda p: int((p.mask & (wall == side)).sum()))
-            assert max(abs(value) for value in plane.normal) == 1.0
-
-
 def test_through_a_door_nothing_is_the_rooms():
     _, pose, labels, ends = open_door_view()
     camera = pose.camera.with_rotation(canonical(pose.camera.matrix))

@@ -127,30 +127,6 @@ def test_both_networks_come_back_from_their_files(tmp_path, monkeypatch):
     assert not list((tmp_path / "temporary").iterdir())  # the library writes its templates there
 
 
-def test_a_file_of_another_network_is_refused(tmp_path):
-    save_model_file(tmp_path / "x", {"a": torch.zeros(1)}, {"network": "oracle"})
-    with pytest.raises(InputError, match="gated, pointer"):
-        load_propagation(tmp_path / "x")
-    save_model_file(tmp_path / "y", {"a": torch.zeros(1)}, {"network": "gated", "size": 3})
-    with pytest.raises(InputError, match="argument 'size'"):
-        load_propagation(tmp_path / "y")
-
-
-@pytest.mark.parametrize("name", ["trunk.conv1.weight", "none.bias", "deviation"])
-def test_weights_of_other_shapes_are_refused(tmp_path, name):
-    state = {f"network.{k}": v for k, v in PointerNetwork(8, 2, 4).state_dict().items()}
-    sizes = {"network": "pointer", "width": 8, "layers": 2, "pair_width": 4}
-    state[f"network.{name}"] = torch.zeros(2, 2)
-    save_model_file(tmp_path / "wrong", state, sizes)
-    with pytest.raises(InputError, match=rf"found \(2, 2\) for tensor {name}, which") as caught:
-        load_propagation(tmp_path / "wrong")
-    assert "\n" not in str(caught.value)
-    del state[f"network.{name}"]
-    save_model_file(tmp_path / "less", state, sizes)
-    with pytest.raises(InputError, match=f"found none for tensor {name}, which"):
-        load_propagation(tmp_path / "less")
-
-
 def test_substances_are_what_the_texture_model_says_on_that_kind_of_surface(tmp_path):
     torch.manual_seed(5)
     model = TextureModel(Architecture(width=4))

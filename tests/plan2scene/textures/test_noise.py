@@ -32,21 +32,5 @@ def test_values_of_the_reference() -> None:
 
 
 @pytest.fixture
-def coefficients() -> torch.Tensor:
-    return torch.randn(3, 32, generator=torch.Generator().manual_seed(3)) * 0.7
-
-
-@pytest.fixture
 def seeds() -> torch.Tensor:
     return torch.rand(3, 8, 3, generator=torch.Generator().manual_seed(4))
-
-
-@pytest.mark.parametrize("shift", [(2.0, 0.0), (0.0, 2.0), (-2.0, 4.0)])
-def test_torus_noise_repeats_over_the_tile(coefficients, seeds, shift) -> None:
-    # Positions off the cell borders, where rounding decides between two cells.
-    grid = noise.position_grid(32, periodic=True) + 0.00371
-    moved = grid + torch.tensor(shift).view(2, 1, 1)
-    here = noise.torus_noise(coefficients, seeds, grid)
-    there = noise.torus_noise(coefficients, seeds, moved)
-    assert ((here - there).abs() < 1e-3).float().mean() > 0.999
-    assert here.shape == (3, 48, 32, 32)

@@ -1,15 +1,12 @@
 """The renderer against formulas, and previews of small houses."""
 
 import numpy as np
-import pytest
 
-from plan2scene.camera import Camera
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh.parts import PartBuilder
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene_app.pictures.preview import render_preview
-from plan2scene_app.pictures.renderer import Triangles
 
 
 def square(y, colour):
@@ -17,17 +14,6 @@ def square(y, colour):
     corners = np.array([[0, y, 0], [0, y, 1], [1, y, 1], [1, y, 0]], dtype=float)
     builder.quad(corners, colour)
     return builder.build(f"square {y}")
-
-
-def test_a_floor_that_runs_on_behind_the_camera_is_drawn_before_it():
-    floor = PartBuilder()
-    floor.quad(np.array([[-50, 0, -50], [-50, 0, 50], [50, 0, 50], [50, 0, -50]], float), (9, 9, 9))
-    triangles = Triangles.of([floor.build("floor")], {})
-    camera = Camera.look_at(np.array([0, 1.5, 0]), np.array([0, 1.5, 5.0]), 40.0, (61, 80))
-    shown = triangles.visible(camera, np.ones(2, dtype=bool))
-    rows = shown.pixels // 80
-    assert np.unique(rows) == pytest.approx(np.arange(32, 61))  # below the horizon, row 30
-    np.testing.assert_allclose(shown.depth, 1.5 * 40.0 / (rows - 30.0), rtol=1e-4)
 
 
 def test_preview_shows_each_floor_where_it_is(gap_house, paint):

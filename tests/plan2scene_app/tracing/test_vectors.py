@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy import ndimage
-from shapely.geometry import Point
 
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.openings import find_openings
@@ -12,39 +11,12 @@ from plan2scene_app.tracing.regions import find_regions, structure_of
 from plan2scene_app.tracing.rooms import describe_rooms, room_polygons
 from plan2scene_app.tracing.settings import ROOM
 
-from .conftest import FLOORS, PPM, as_probabilities, flat_labels
+from .conftest import PPM, as_probabilities, flat_labels
 
 
 def traced(probabilities):
     regions = find_regions(structure_of(probabilities), PPM)
     return regions, room_polygons(regions)
-
-
-def test_rooms_meet_in_the_middle_of_walls(probabilities):
-    regions, polygons = traced(probabilities)
-    assert regions.count == 2
-    assert regions.wall_px == pytest.approx(0.1 * PPM, abs=0.5)
-    for x0, y0, x1, y1 in FLOORS.values():
-        middle = Point((x0 + x1) / 2 * PPM, (y0 + y1) / 2 * PPM)
-        (own,) = (p for p in polygons.values() if p.contains(middle))
-        wide = np.array([x0 - 0.05, y0 - 0.05, x1 + 0.05, y1 + 0.05]) * PPM
-        assert np.abs(np.array(own.bounds) + 0.5 - wide).max() < 1.2
-        assert len(own.exterior.coords) == 5
-    one, other = polygons.values()
-    assert one.intersection(other).area < 1e-6
-    assert one.intersection(other).length == pytest.approx(3.0 * PPM, rel=0.05)
-
-
-def test_rooms_are_rectangles_in_spite_of_ragged_borders():
-    labels = flat_labels()
-    rng = np.random.default_rng(0)
-    rows, columns = np.indices(labels.shape)
-    moved = labels[
-        np.clip(rows + rng.integers(-1, 2, labels.shape), 0, labels.shape[0] - 1),
-        np.clip(columns + rng.integers(-1, 2, labels.shape), 0, labels.shape[1] - 1),
-    ]
-    _, polygons = traced(as_probabilities(moved))
-    assert [len(p.exterior.coords) for p in polygons.values()] == [5, 5]
 
 
 def test_a_slanted_wall_stays_slanted():
@@ -57,21 +29,6 @@ def test_a_slanted_wall_stays_slanted():
     cut = min(polygons.values(), key=lambda p: p.centroid.x)
     assert len(cut.exterior.coords) == 6
     assert cut.area == pytest.approx((regions.rooms == 1).sum(), rel=0.03)
-
-
-def test_openings_lie_on_walls(probabilities):
-    regions, polygons = traced(probabilities)
-    found = find_openings(regions, polygons, probabilities)
-    doors = sorted((o for o in found if o.kind == "door"), key=lambda o: bool(o.other))
-    windows = [o for o in found if o.kind == "window"]
-    assert len(found) == 3 and len(doors) == 2 and len(windows) == 1
-    assert doors[0].other == 0 and {doors[1].room, doors[1].other} == {1, 2}
-    assert [o.width / PPM for o in doors] == pytest.approx([0.9, 0.9], abs=0.06)
-    assert windows[0].width / PPM == pytest.approx(1.5, abs=0.06)
-    outlines = [polygon.exterior for polygon in polygons.values()]
-    for opening in found:
-        assert min(line.distance(Point(opening.start)) for line in outlines) < 1e-6
-    assert all(o.confidence == pytest.approx(0.9, abs=0.01) for o in found)
 
 
 def test_floor_that_goes_on_is_a_passage():

@@ -124,35 +124,6 @@ def test_same_seed_same_bytes(photos: list[RenderedPhoto]) -> None:
     assert (again.labels == photo.labels).all() and again.camera == photo.camera
 
 
-def test_tiles_keep_their_metric_size() -> None:
-    """A floor tile that is white where x < 0.5 m of each metre shows so in the albedo."""
-    house = _house()
-    materials = _materials()
-    stripes = np.zeros((64, 64, 3), np.uint8)
-    stripes[:, :32] = 250
-    materials[SurfaceKey("a", "floor")] = Material("s", "wood", "plain", stripes, 1.0, 1.0)
-    rows = np.zeros((64, 64, 3), np.uint8)
-    rows[:32] = 250
-    materials[SurfaceKey("a", "wall")] = Material("r", "plaster", "paint", rows, 1.0, 1.0)
-    view = plan_views(house, ["a"], 1, 11)[0]
-    scene = build_room_scene(house, "a", materials, {}, [view], 5)
-    tracer = Tracer(scene.geometry, scene.finishes, load_mitsuba(VARIANT))
-    size = (60, 80)
-    truth = tracer.truth(view, size)
-    albedo = tracer.guide(view, size, 4, 0).albedo[..., 0]
-    inner = truth.planes == 0
-    phase = truth.position[..., 0] % 1.0
-    clear = np.minimum(np.abs(phase - 0.5), np.minimum(phase, 1 - phase)) > 0.08
-    assert (inner & clear).sum() > 100
-    assert np.mean((albedo > 0.5)[inner & clear] == (phase < 0.5)[inner & clear]) > 0.98
-    first_wall = [i for i, p in enumerate(scene.planes) if p.key == SurfaceKey("a", "wall")]
-    wall = np.isin(truth.planes, first_wall)
-    down = (HEIGHT - truth.position[..., 1]) % 1.0
-    clear = np.minimum(np.abs(down - 0.5), np.minimum(down, 1 - down)) > 0.08
-    assert (wall & clear).sum() > 100
-    assert np.mean((albedo > 0.5)[wall & clear] == (down < 0.5)[wall & clear]) > 0.98
-
-
 def test_models_furnish_listings_and_keep_clear_of_cameras(tmp_path: Path) -> None:
     house = _house()
     models = read_model_index(model_folder(tmp_path), train=True)

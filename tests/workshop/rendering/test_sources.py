@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
-from plan2scene_workshop.rendering.sources import TEXTURE_PX, load_environments, load_textures
+from plan2scene_workshop.rendering.sources import TEXTURE_PX, load_textures
 
 
 def _flat_folder(folder: Path, substance: str = "floor_wood") -> Path:
@@ -41,19 +40,3 @@ def test_unknown_substances_are_refused(tmp_path: Path) -> None:
         load_textures(_flat_folder(tmp_path, "floor_lava"), train=True)
     with pytest.raises(InputError, match=r"index\.csv of textures"):
         load_textures(tmp_path / "none", train=True)
-
-
-def test_environments_have_the_sky_above_and_its_tint(tmp_path: Path) -> None:
-    pytest.importorskip("mitsuba", exc_type=ImportError)
-    image = np.full((64, 128, 3), 0.2, np.float32)
-    image[:32] = (4.0, 2.0, 1.0)  # OpenCV writes blue first
-    cv2.imwrite(str(tmp_path / "sky.hdr"), image)
-    (tmp_path / "index.csv").write_text("file\nsky.hdr\n")
-    (found,) = load_environments(tmp_path, train=True)
-    assert found.panorama.shape == (256, 1024, 3)
-    assert found.panorama[:100].mean() > 5 * found.panorama[160:].mean()
-    assert found.tint == pytest.approx((3 / 7, 6 / 7, 12 / 7), rel=0.05)
-    assert load_environments(tmp_path, train=False) == []
-    (tmp_path / "sky.hdr").write_bytes(b"no image")
-    with pytest.raises(InputError, match="HDR or EXR"):
-        load_environments(tmp_path, train=True)

@@ -1,9 +1,10 @@
-"""What the sweep, the ablation and the user study ask of the workflow (dry runs)."""
+"""What targets ask of the workflow (dry runs)."""
 
+import shutil
 from collections import Counter
 
 import pytest
-from clones import demo_rows, make_clone
+from clones import ROOT, Clone, demo_rows, make_clone
 
 
 @pytest.fixture(scope="module")
@@ -20,21 +21,13 @@ def test_a_house_is_one_job_of_the_sweep_and_one_of_the_ablation(bare):
     assert rules["metrics"] == 2
 
 
-def test_what_the_table_needs_of_a_house(bare):
-    rules = Counter(rule for rule, _ in bare.jobs("results/tiny/tables/paper_table.csv"))
-    # Tiles of the 3D house are taken, those of other methods and drops made.
-    assert rules["table_textures"] == rules["embeddings"] == rules["textures"] == 2
-    assert rules["metrics"] == rules["materials"] == rules["propagated"] == 2
-    assert "house" not in rules and "texture_sheet" not in rules
-
-
 def test_accent_walls_are_no_part_of_the_table(bare, tmp_path):
     config = tmp_path / "walls.yaml"
     config.write_text("house: {walls: wall}\n")
     configs = ("--configfile", "config/config.yaml", str(config))
     rules = Counter(rule for rule, _ in bare.jobs("results/tiny/tables/paper_table.csv", *configs))
     assert rules["table_textures"] == 2
-    assert "textures" not in rules
+    assert "textures" not in rules and "house" not in rules
 
 
 def test_the_jobs_of_a_house(bare):
@@ -42,25 +35,23 @@ def test_the_jobs_of_a_house(bare):
     once = {"floorplan", "masks", "places", "crops", "contact_sheet", "embeddings"}
     once |= {"materials", "propagated", "textures", "table_textures", "metrics", "texture_sheet"}
     assert rules == dict.fromkeys(once | {"paint", "house", "pictures", "viewer"}, 2)
-
-
-def test_a_house_is_made_without_table_and_pictures(bare):
-    house = bare.houses()[0]
-    rules = Counter(rule for rule, _ in bare.jobs(f"results/tiny/houses/{house}/house.glb"))
-    assert rules["textures"] == 1
-    assert not rules.keys() & {"table_textures", "pictures", "viewer", "contact_sheet"}
+    assert not (bare.root / "results").exists()  # a dry run writes nothing
 
 
 def test_one_method_of_one_house_can_be_asked_for(bare):
     house = bare.houses()[0]
-    for drop, method in (("0.6", "crop"), ("0.0", "projection")):
-        jobs = bare.jobs(f"results/tiny/drop_{drop}/{method}/{house}/textures")
-        rules = Counter(rule for rule, _ in jobs)
-        assert rules["textures"] == rules["texture_library"] == 1
-        assert "table_textures" not in rules
-    # A method that takes no tile of the library does not wait for it.
-    jobs = bare.jobs(f"results/tiny/drop_0.6/synth/{house}/textures")
-    assert "texture_library" not in {rule for rule, _ in jobs}
+    copies = (
+        f"results/tiny/drop_{drop}/{house}/textures" for drop in ("0.6/crop", "0.0/projection")
+    )
+    rules = Counter(rule for rule, _ in bare.jobs(*copies))
+    assert rules["textures"] == 2
+    assert rules["texture_library"] == 1
+    assert "table_textures" not in rules
+    # A method that takes no tile of the library does not wait for it, the 3D house for no picture.
+    jobs = bare.jobs(f"results/tiny/houses/{house}/house.glb")
+    rules = {rule for rule, _ in jobs}
+    assert "textures" in rules
+    assert not rules & {"texture_library", "table_textures", "pictures", "viewer"}
 
 
 def test_an_unknown_house_is_one_line_with_the_table_and_the_nearest_names(bare):
@@ -78,11 +69,6 @@ def test_without_a_finished_house_there_is_no_partial_table(bare):
     assert run.stdout.endswith("expected a finished house in results/tiny, found none\n")
 
 
-def test_a_dry_run_writes_no_result(bare):
-    assert bare.jobs("all")
-    assert not (bare.root / "results").exists()
-
-
 def test_every_stage_has_a_target_over_the_data_set(bare):
     stages = ["plans", "masks", "places", "crops", "embeddings", "surfaces", "materials"]
     stages += ["propagated", "textures", "meshes", "metrics"]
@@ -92,3 +78,30 @@ def test_every_stage_has_a_target_over_the_data_set(bare):
     assert {rules[rule] for rule in once} == {2}
     # Nothing that is only looked at.
     assert not rules.keys() & {"pictures", "viewer", "contact_sheet", "texture_sheet"}
+
+
+def test_a_batch_plans_only_its_houses(tmp_path):
+    rows = demo_rows()[:3]
+    names = [row["house"] for row in rows]
+    dataset = {"name": "tiny", "root": "data", "table": "houses.tsv", "splits": ["test"]}
+    clone = make_clone(tmp_path / "clone", rows, dataset=dataset | {"houses": names[1:2]})
+    (clone.root / "data" / rows[0]["plan"]).unlink()
+    jobs = clone.jobs("all")
+    assert {house for _, house in jobs} == {names[1], ""}
+    assert ("paper_table", "") in jobs
+    assert ("house", names[1]) in jobs
+
+
+def test_the_workflow_in_batches_leaves_the_table_to_the_last(bare):
+    jobs = bare.jobs("--batch", "all=1/3", "--", "all")
+    assert {house for _, house in jobs} - {""} == {demo_rows()[0]["house"]}
+    assert "paper_table" not in {rule for rule, _ in jobs}
+
+
+def test_the_catalog_plans_two_houses_of_the_demo(tmp_path):
+    """Of the two houses of ``.test/``, which Snakemake's workflow catalog runs."""
+    shutil.copytree(ROOT / ".test" / "config", tmp_path / ".test" / "config")
+    (tmp_path / "resources").symlink_to(ROOT / "resources")
+    jobs = Clone(tmp_path).jobs("-s", str(ROOT / "Snakefile"), "--directory", ".test")
+    assert {house for _, house in jobs if house} == {"flat_test_002", "flat_test_003"}
+    assert ("paper_table", "") in jobs
