@@ -50,7 +50,7 @@ def make_house(home: Path, out: Path) -> float:
     photos = {name: home / "photos" / name for name in assigned}
     make_masks(photos, lambda: labeller("embedded", model=SEGMENTATION), masks, house_id="home")
     locate_photos(house, assigned, masks, cameras)
-    write_photo_rooms(house, assigned, cameras, out / "rooms.json")
+    write_photo_rooms(house, assigned, cameras, out / "rooms.json", out / "photos.csv")
     rooms = read_json(out / "rooms.json")
     extract_crops(house, rooms, photos, masks, crops, dataset="example", seed=SEED, cameras=cameras)
 
