@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from plan2scene.colour import log_axes
+from plan2scene.colour import delta_e_2000, linear_to_srgb, log_axes, rgb_to_lab
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.paint.estimate import Observation, estimate_paint
@@ -16,6 +16,8 @@ from plan2scene.paint.observations import usual_colour
 
 #: Observations of fewer pixels (share of the photo's) are left out.
 LEAST_WEIGHT = 2e-5
+#: Paints that differ by less (CIEDE2000) are about one.
+ONE_PAINT = 14.0
 #: No paint reflects more, linear.
 MOST_PAINT = 0.9
 _COLUMNS = ["room_id", "surface", "paint", "white", "photos"]
@@ -101,43 +103,74 @@ def read_paint(path: str | Path) -> tuple[dict[SurfaceKey, np.ndarray], frozense
 def paint_gains(
     shown: Mapping[SurfaceKey, np.ndarray],
     paint: Mapping[SurfaceKey, np.ndarray],
-    white: frozenset[SurfaceKey],
-    unseen: Collection[SurfaceKey],
+    whites: Collection[SurfaceKey],
     usual_white: Sequence[float],
 ) -> dict[SurfaceKey, np.ndarray]:
     """Return the factors (3,) that take the textures of all surfaces to their paint.
 
-    A surface whose paint is known gets it. Of the others, an `unseen` wall or ceiling is white
-    where most known ones of its kind are, or where none is known; else a surface gets the factor of
-    the known one of its kind, or of all, whose texture looks most alike.
+    A surface whose paint is known gets it. Those that `plain_whites` names are white. Others get
+    the factor of a known one of their kind, or of all, whose texture looks most alike.
 
     Parameters
     ----------
     shown : dict of SurfaceKey to (3,) float
         Linear RGB of the texture of each surface. A wall of its own (``wall.{id}``) gets the factor
         of the walls of its room.
-    paint, white
+    paint
         As of :func:`read_paint`.
-    unseen
-        Surfaces that no photo shows.
+    whites
+        Of :func:`plain_whites`.
     usual_white : (3,) float
         Linear reflectance of white paint.
     """
     own = {key: paint[key] / shown[key] for key in shown if key in paint}
     gains = {}
     for key in shown:
-        kind, _, accent = key.surface.partition(".")
-        whole = SurfaceKey(key.room_id, kind)
+        whole = SurfaceKey(key.room_id, key.kind)
         if whole in own:
             gains[key] = own[whole]
             continue
-        observed = [other for other in own if other.surface == kind]
-        whites = sum(other in white for other in observed)
-        if kind != "floor" and key in unseen and not accent and 2 * whites >= len(observed):
+        observed = [other for other in own if other.surface == key.kind]
+        if key in whites:
             gains[key] = np.asarray(usual_white) / shown[key]
         else:
             gains[key] = own[_alike(shown, key, observed or list(own))] if own else np.ones(3)
     return gains
+
+
+def plain_whites(
+    paint: Mapping[SurfaceKey, np.ndarray],
+    white: frozenset[SurfaceKey],
+    unseen: Iterable[SurfaceKey],
+) -> set[SurfaceKey]:
+    """Return which walls and ceilings of the `unseen` are white, as of :func:`read_paint`.
+
+    A strong colour stays in the rooms that show it: what no photo shows has the paint of most known
+    surfaces of its kind where most have about one, as panelled rooms do; else it is white.
+    """
+    whites = set()
+    for key in unseen:
+        known = [other for other in paint if other.surface == key.surface]
+        if key.surface not in ("wall", "ceiling"):
+            continue
+        if key in paint:
+            is_white = key in white
+        else:
+            group = _commonest([paint[other] for other in known])
+            is_white = 2 * len(group) <= max(2, len(known)) or known[group[0]] in white
+        if is_white:
+            whites.add(key)
+    return whites
+
+
+def _commonest(paints: Sequence[np.ndarray]) -> list[int]:
+    """Return the largest group of paints (3,) that look like one of them, that one first."""
+    if not paints:
+        return []
+    labs = rgb_to_lab(linear_to_srgb(np.array(paints)))
+    apart = delta_e_2000(labs[:, None], labs[None])
+    nearest = apart[int((apart < ONE_PAINT).sum(axis=1).argmax())]
+    return [int(k) for k in np.argsort(nearest, kind="stable") if nearest[k] < ONE_PAINT]
 
 
 def _alike(

@@ -6,8 +6,10 @@ house again, so its textures are to hold paint alone.
 
 from __future__ import annotations
 
-import shutil
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,17 +17,23 @@ from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_l
 from plan2scene.finishes import read_finishes
 from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
-from plan2scene.io import atomic_directory, write_json
+from plan2scene.io import atomic_directory, read_json, write_json
 from plan2scene.mesh.texture_files import texture_index
 from plan2scene.paint.estimate import PaintPrior
 from plan2scene.paint.light import relight
-from plan2scene.paint.surfaces import door_paints, paint_gains, read_paint
+from plan2scene.paint.surfaces import door_paints, paint_gains, plain_whites, read_paint
 from plan2scene.textures.by_hand import set_by_hand
+from plan2scene.textures.plain import plain
 
 #: JPEG quality of maps, as of those that are painted.
 _QUALITY = 85
 #: Linear value on from which brightened values bend, so that none burns out: above white paint.
 _KNEE = 0.88
+#: Patterns of white surfaces that are fainter (standard deviation of log brightness) are grain or
+#: relief, not tiles or panels.
+FAINT = 0.08
+#: Substances whose patterns are no stains.
+PATTERNED = ("tile", "wood")
 #: Least linear value of a texture's median.
 _BLACK = 1e-3
 
@@ -40,9 +48,10 @@ def paint_textures(
 ) -> None:
     """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
 
-    The folder has the files of the first one, and ``doors.json``: sRGB levels of door leaves by the
-    id of their opening. What `finishes` (:mod:`plan2scene.finishes`) names is as set by
-    hand; `crops` are those of the house.
+    The folder has the files of the first one, without maps of plain white surfaces, whose tile has
+    all that there is, and ``doors.json``: sRGB levels of door leaves by the id of their opening.
+    An unseen white wall has no pattern of another room. What `finishes`
+    (:mod:`plan2scene.finishes`) names is as set by hand; `crops` are those of the house.
     """
     chosen = read_finishes(finishes) if finishes else {}
     root = Path(textures)
@@ -55,21 +64,68 @@ def paint_textures(
     }
     white = np.exp(PaintPrior().white[0]) * np.ones(3)
     paints, white_surfaces = read_paint(paint)
-    gains = paint_gains(shown, paints, white_surfaces, unseen, white)
+    whites = plain_whites(paints, white_surfaces, unseen)
+    gains = paint_gains(shown, paints, whites, white)
     doors = {
         name: as_uint8(linear_to_srgb(colour)).tolist()
         for name, colour in door_paints(paints, white_surfaces).items()
     }
+    plains = _plain_tiles(tiles, gains, entries, white_surfaces | whites, whites)
     with atomic_directory(out_dir) as folder:
         for key, tile in tiles.items():
-            write_png(folder / f"{key.filename}.png", relight(tile, gains[key], knee=_KNEE))
+            bare = plains[key].image if key in plains else relight(tile, gains[key], knee=_KNEE)
+            write_png(folder / f"{key.filename}.png", bare)
             whole = root / f"{key.filename}.jpg"
-            if whole.is_file():
+            if whole.is_file() and key not in plains:
                 lit = relight(read_image(whole), gains[key], knee=_KNEE)
                 (folder / whole.name).write_bytes(jpeg_bytes(lit, quality=_QUALITY))
         write_json(folder / "doors.json", doors)
-        for index in ("textures.json", "maps.json"):
-            if (root / index).is_file():
-                shutil.copyfile(root / index, folder / index)
+        facts = {
+            "/".join(key): {"size_m": made.size_m, "substance": made.substance}
+            for key, made in plains.items()
+        }
+        index = read_json(root / "textures.json")
+        sized = {name: entry | facts.get(name, {}) for name, entry in listed.items()}
+        write_json(folder / "textures.json", index | {"surfaces": sized})
+        if (root / "maps.json").is_file():
+            maps = read_json(root / "maps.json")
+            kept = {name: e for name, e in maps["surfaces"].items() if name not in facts}
+            write_json(folder / "maps.json", maps | {"surfaces": kept})
         if chosen and crops:
             set_by_hand(folder, chosen, crops, paint)
+
+
+@dataclass(frozen=True)
+class _Tile:
+    """A tile (n, n, 3) uint8 sRGB, the metres that it covers, how strong its pattern was."""
+
+    image: np.ndarray
+    size_m: float
+    substance: str | None
+    pattern: float
+
+
+def _plain_tiles(
+    tiles: Mapping[SurfaceKey, np.ndarray],
+    gains: Mapping[SurfaceKey, np.ndarray],
+    entries: Mapping[SurfaceKey, Mapping[str, Any]],
+    white: Collection[SurfaceKey],
+    unseen: Collection[SurfaceKey],
+) -> dict[SurfaceKey, _Tile]:
+    """Return the tiles of plain white walls and ceilings; an `unseen` one is always plain."""
+    made = {}
+    for key in sorted(tiles.keys() & set(white)):
+        substance = entries[key].get("substance")
+        patterned = substance in PATTERNED and key not in unseen
+        if key.surface in ("wall", "ceiling") and not patterned:
+            image, size_m = tiles[key], float(entries[key]["size_m"])
+            colour = gains[key] * srgb_to_linear(median_colour(image))
+            image, pattern = plain(image, colour, len(image) / size_m)
+            made[key] = _Tile(image, size_m, substance, pattern)
+    plainest: dict[str, _Tile] = {}
+    for key, tile in sorted(made.items(), key=lambda item: item[1].pattern):
+        if key not in unseen:
+            plainest.setdefault(key.surface, tile)
+    handed_on = {k: plainest.get(k.surface, t) for k, t in made.items() if k in unseen}
+    faint = {key: tile for key, tile in made.items() if tile.pattern < FAINT}
+    return {key: tile for key, tile in handed_on.items() if key not in faint} | faint

@@ -29,8 +29,7 @@ class PictureSettings:
     texel_m: float = 0.2  #: of the light
     sky: tuple[float, float, float] = (0.55, 0.70, 0.95)  #: linear RGB overhead
     horizon: tuple[float, float, float] = (0.90, 0.93, 0.97)  #: linear RGB
-    brightness: float = 0.42  #: mean linear value that a picture is exposed to,
-    exposures: tuple[float, float] = (0.5, 1.5)  #: within these factors
+    white: float = 0.86  #: linear value of pure white in the median light of a picture
 
 
 SETTINGS = PictureSettings()
@@ -52,10 +51,10 @@ def painter_of(
     mi = load_mitsuba() if traced else None
     if mi is not None:
         scene = TracedScene(mi, house, parts, textures)
-        return lambda camera: _developed(scene.draw(_larger(camera)), camera, (1.0, 1.0))
+        return lambda camera: _developed(scene.draw(_larger(camera)), camera)
     light = light or bake_light(house, parts, mean_colours(textures), SETTINGS.texel_m)
     baked = _LitTriangles(parts, textures, light or even_light(house))
-    return lambda camera: _developed(baked.draw(_larger(camera)), camera, SETTINGS.exposures)
+    return lambda camera: _developed(baked.draw(_larger(camera)), camera)
 
 
 def _larger(camera: Camera) -> Camera:
@@ -89,7 +88,7 @@ class _LitTriangles:
         self.balance = np.concatenate(balance).astype(np.float32)
 
     def draw(self, camera: Camera) -> np.ndarray:
-        """Return a picture, (h, w, 3) float32 linear RGB, not exposed."""
+        """Return a picture, (h, w, 3) float32 linear RGB, exposed to the light alone."""
         fragments = self.triangles.visible(camera, np.ones(len(self.plain), dtype=bool))
         upward = np.clip(directions(camera)[..., 1:2], 0, 1)
         horizon, sky = np.array(SETTINGS.horizon), np.array(SETTINGS.sky)
@@ -99,6 +98,7 @@ class _LitTriangles:
         at = fragments.at(self.light_uv)[baked]
         light[baked] = sample([self.light.image], at, np.ones(len(at)))
         light *= self.balance[fragments.triangles]
+        light *= SETTINGS.white / max(float(np.median(light)) if len(light) else 1.0, 1e-6)
         image.reshape(-1, 3)[fragments.pixels] = self.triangles.looks(camera, fragments) * light
         return image
 
@@ -109,11 +109,7 @@ def directions(camera: Camera, step: int = 1) -> np.ndarray:
     return camera.rays(np.stack([columns, rows], axis=-1))
 
 
-def _developed(image: np.ndarray, camera: Camera, exposures: tuple[float, float]) -> np.ndarray:
-    """Return a linear picture exposed, its highlights compressed, at the camera's size, uint8 sRGB.
-
-    Its mean becomes `SETTINGS.brightness`, within the least and the greatest exposure.
-    """
+def _developed(image: np.ndarray, camera: Camera) -> np.ndarray:
+    """Return a linear picture, its highlights compressed, at the camera's size, uint8 sRGB."""
     image = cv2.resize(image, (camera.width, camera.height), interpolation=cv2.INTER_AREA)
-    image = image * np.clip(SETTINGS.brightness / max(float(image.mean()), 1e-6), *exposures)
     return np.asarray(np.round(linear_to_srgb(compressed(image).clip(0, 1)) * 255).astype(np.uint8))

@@ -9,7 +9,13 @@ from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
 from plan2scene.io import read_json, write_json, write_parquet
 from plan2scene.paint.observations import PlaneColours, write_colours
-from plan2scene.paint.surfaces import door_paints, paint_gains, read_paint, write_paint
+from plan2scene.paint.surfaces import (
+    door_paints,
+    paint_gains,
+    plain_whites,
+    read_paint,
+    write_paint,
+)
 from plan2scene.textures.painted import paint_textures
 
 
@@ -45,27 +51,66 @@ def test_a_white_and_a_blue_wall(paint):
     assert red < green < blue
 
 
-def test_tiles_and_maps_get_the_paint_and_keep_their_pattern(paint, tmp_path):
-    rng = np.random.default_rng(0)
-    folder = tmp_path / "textures"
+def test_a_strong_colour_stays_in_its_room_unless_most_rooms_have_it():
+    red, wood = np.array([0.5, 0.05, 0.05]), np.array([0.5, 0.25, 0.1])
+    unseen = {SurfaceKey("z", "wall"), SurfaceKey("z", "floor")}
+    white = {SurfaceKey("z", "wall")}
+    one = {SurfaceKey("a", "wall"): red}
+    assert plain_whites(one, frozenset(), unseen) == white
+    differ = one | {SurfaceKey("b", "wall"): red[::-1], SurfaceKey("c", "wall"): wood}
+    assert plain_whites(differ, frozenset(), unseen) == white
+    panelled = {SurfaceKey(name, "wall"): wood * (0.8 + 0.1 * k) for k, name in enumerate("bcd")}
+    assert plain_whites(one | panelled, frozenset(), unseen) == set()
+
+
+def textures_of(folder, tiles, **entry):
+    """Write a textures folder of tiles (sRGB) by `room/surface`, all with maps."""
     folder.mkdir()
-    tile = rng.integers(110, 140, (32, 32, 3), dtype=np.uint8)
-    write_png(folder / "a_wall.png", tile)
-    (folder / "a_wall.jpg").write_bytes(jpeg_bytes(tile, quality=95))
-    index = {"method": "toy", "surfaces": {"a/wall": {"size_m": 1.0, "observed": True}}}
-    write_json(folder / "textures.json", index)
-    write_json(folder / "maps.json", {"surfaces": {}})
+    index = {
+        name: {"size_m": 1.0, "observed": True, "substance": "plaster"} | entry.get(name, {})
+        for name in tiles
+    }
+    for name, tile in tiles.items():
+        write_png(folder / f"{name.replace('/', '_')}.png", tile)
+        (folder / f"{name.replace('/', '_')}.jpg").write_bytes(jpeg_bytes(tile, quality=95))
+    write_json(folder / "textures.json", {"method": "toy", "surfaces": index})
+    write_json(folder / "maps.json", {"surfaces": {name: {"px_per_m": 64.0} for name in tiles}})
+    return folder
+
+
+def test_tiles_and_maps_get_the_paint_and_keep_their_pattern(paint, tmp_path):
+    tile = np.random.default_rng(0).integers(110, 140, (64, 64, 3), dtype=np.uint8)
+    folder = textures_of(tmp_path / "textures", {"b/wall": tile})
     paint_textures(folder, paint, tmp_path / "out")
-    painted = read_image(tmp_path / "out" / "a_wall.png")
+    painted = read_image(tmp_path / "out" / "b_wall.png")
     linear = srgb_to_linear(median_colour(painted))
-    assert linear == pytest.approx(read_paint(paint)[0][SurfaceKey("a", "wall")], abs=0.02)
+    assert linear == pytest.approx(read_paint(paint)[0][SurfaceKey("b", "wall")], abs=0.02)
     together = np.corrcoef(tile[..., 1].ravel(), painted[..., 1].ravel())[0, 1]
     assert together > 0.95
     assert painted.max() < 255
-    whole = read_image(tmp_path / "out" / "a_wall.jpg")
+    whole = read_image(tmp_path / "out" / "b_wall.jpg")
     assert median_colour(whole) == pytest.approx(median_colour(painted), abs=0.02)
-    assert read_json(tmp_path / "out" / "textures.json") == index
-    assert np.array_equal(read_image(folder / "a_wall.png"), tile)
+    for name in ("textures.json", "maps.json"):
+        assert read_json(tmp_path / "out" / name) == read_json(folder / name)
+    assert np.array_equal(read_image(folder / "b_wall.png"), tile)
+
+
+def test_white_paint_is_one_colour_and_takes_no_pattern_of_another_room(paint, tmp_path):
+    rng = np.random.default_rng(0)
+    grain = rng.normal(0.0, 2.0, (64, 64, 1))
+    across = np.sin(np.arange(64) / 64 * 2 * np.pi)[None, :, None]
+    stained = np.uint8(np.clip(130 + grain + across * np.array([12.0, 8.0, -8.0]), 0, 255))
+    chequered = np.uint8(np.tile(np.kron([[60, 170], [170, 60]], np.ones((8, 8))), (4, 4)))
+    tiles = {"a/wall": stained, "c/wall": np.dstack([chequered] * 3)}
+    folder = textures_of(tmp_path / "t", tiles, **{"c/wall": {"observed": False, "size_m": 0.5}})
+    paint_textures(folder, paint, tmp_path / "out")
+    white = read_image(tmp_path / "out" / "a_wall.png").astype(int)
+    columns = white.mean(axis=0)
+    assert np.ptp(columns, axis=0).max() < 6  # 24 before
+    assert np.corrcoef(grain[..., 0].ravel(), white[..., 1].ravel())[0, 1] > 0.9
+    assert np.array_equal(read_image(tmp_path / "out" / "c_wall.png"), white)
+    assert read_json(tmp_path / "out" / "maps.json")["surfaces"] == {}
+    assert read_json(tmp_path / "out" / "textures.json")["surfaces"]["c/wall"]["size_m"] == 1.0
 
 
 def test_unseen_surfaces_follow_the_house():
@@ -80,24 +125,22 @@ def test_unseen_surfaces_follow_the_house():
     }
     paint = {key("a", "wall"): white, key("a", "floor"): grey}
     unseen = {key("b", "wall"), key("b", "floor")}
-    gains = paint_gains(shown, paint, frozenset({key("a", "wall")}), unseen, white)
+    whites = plain_whites(paint, frozenset({key("a", "wall")}), unseen)
+    gains = paint_gains(shown, paint, whites, white)
     assert gains[key("b", "wall")] * grey == pytest.approx(white)
     assert gains[key("b", "floor")] == pytest.approx([2.0] * 3)
-    blue = {key("a", "wall"): np.array([0.1, 0.2, 0.4])}
-    gains = paint_gains(shown, blue, frozenset(), unseen, white)
-    assert gains[key("b", "wall")] * grey == pytest.approx(blue[key("a", "wall")])
 
 
 def test_without_photos_walls_are_white_and_floors_as_made():
     shown = {SurfaceKey("a", "wall"): np.full(3, 0.4), SurfaceKey("a", "floor"): np.full(3, 0.1)}
-    gains = paint_gains(shown, {}, frozenset(), set(shown), [0.8] * 3)
+    gains = paint_gains(shown, {}, plain_whites({}, frozenset(), shown), [0.8] * 3)
     assert gains[SurfaceKey("a", "wall")] == pytest.approx([2.0] * 3)
     assert gains[SurfaceKey("a", "floor")] == pytest.approx([1.0] * 3)
 
 
 def test_a_surface_of_ready_crops_keeps_its_colour():
     shown = {SurfaceKey("a", "wall"): np.full(3, 0.4)}
-    gains = paint_gains(shown, {}, frozenset(), set(), [0.8] * 3)
+    gains = paint_gains(shown, {}, set(), [0.8] * 3)
     assert gains[SurfaceKey("a", "wall")] == pytest.approx([1.0] * 3)
 
 
@@ -116,5 +159,5 @@ def test_an_unseen_floor_is_lit_like_the_floor_that_looks_alike():
     oak, slate = np.array([0.2, 0.12, 0.06]), np.full(3, 0.02)
     shown = {key("a", "floor"): oak, key("b", "floor"): slate, key("c", "floor"): 0.9 * oak}
     paint = {key("a", "floor"): 1.5 * oak, key("b", "floor"): 4.0 * slate}
-    gains = paint_gains(shown, paint, frozenset(), {key("c", "floor")}, [0.8] * 3)
+    gains = paint_gains(shown, paint, set(), [0.8] * 3)
     assert gains[key("c", "floor")] == pytest.approx([1.5] * 3)
