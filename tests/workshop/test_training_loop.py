@@ -1,13 +1,10 @@
 """The training loop: repeats itself, goes on from a checkpoint, keeps the best, averages."""
 
-import math
-
 import numpy as np
 import pytest
 import torch
 from torch import nn
 
-from plan2scene_workshop.training.card import Card, table, write_card
 from plan2scene_workshop.training.loop import (
     Trained,
     Trainer,
@@ -84,25 +81,3 @@ def test_fit_writes_checkpoints_that_another_run_does_not_take(tmp_path):
     assert not other.resume(tmp_path / "10")
     assert other.step == 0
     assert not trainer().resume(tmp_path / "none")
-
-
-def test_card_names_command_settings_seed_and_figures(tmp_path):
-    weights = tmp_path / "toy.safetensors"
-    weights.write_bytes(b"weights")
-    card = Card(
-        "toy",
-        "Adds three numbers.",
-        ["No real number."],
-        trainer().options,
-        7,
-        table(["on", "n", "error"], {"held out": [8, 0.25], "train": [4, math.nan]}),
-        "Four numbers.",
-    )
-    write_card(tmp_path / "toy.md", card, Trained(nn.Linear(1, 1), 3, 0.5, 90.0), weights)
-    text = (tmp_path / "toy.md").read_text()
-    assert "results/training/models/toy.safetensors" in text
-    assert "Seed 7" in text
-    assert "`clip_norm` 1.0" in text
-    assert "Weights of step 3, the best evaluation (0.5000); 1.5 minutes" in text
-    assert "| held out | 8 | 0.250 |\n| train | 4 | - |" in text
-    assert text.endswith("## Limits\n\nFour numbers.\n")
