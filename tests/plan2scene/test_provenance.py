@@ -1,9 +1,11 @@
 """The hash of a module follows what the module imports, at any distance."""
 
+import os
+
 import pytest
 
 from plan2scene import provenance
-from plan2scene.provenance import code_hash, imports
+from plan2scene.provenance import code_hash, contents_hash, imports
 
 
 @pytest.fixture
@@ -58,3 +60,19 @@ def test_a_change_elsewhere_does_not(packages):
     before = fresh("library.top", packages=packages)
     (packages[0] / "other.py").write_text("Y = 2\n")
     assert fresh("library.top", packages=packages) == before
+
+
+def test_contents_decide_whatever_the_times(tmp_path):
+    seen = set()
+    for size in (30, 3_000_000):
+        path = tmp_path / f"{size}.bin"
+        for change in (None, 0, size // 2, size - 1):
+            content = bytearray(size)
+            if change is not None:
+                content[change] = 1
+            path.write_bytes(content)
+            os.utime(path, (10, 10))
+            seen.add(contents_hash([path, tmp_path, tmp_path / "none"]))
+            os.utime(path, (99, 99))
+            seen.add(contents_hash([path]))
+    assert len(seen) == 8

@@ -133,6 +133,27 @@ def test_touching_a_photo_reruns_its_house_alone(made):
     assert {name for _, name in jobs} == {house}
 
 
+@pytest.mark.parametrize("kind", ["photos", "plan", "assignment"])
+def test_an_older_file_in_the_place_of_another_is_read(made, kind):
+    table = read_table(made.root / "data" / "houses.tsv")
+    house = next(name for name in made.houses() if table[name].photos)
+    row, data = table[house], made.root / "data"
+    path = data / "photos" / row.photos[0] if kind == "photos" else data / getattr(row, kind)
+    content, before = path.read_bytes(), path.stat()
+    path.write_bytes(content[:-9] + bytes(9))
+    os.utime(path, (10, 10))
+    try:
+        jobs = made.jobs("all")
+        path.write_bytes(content)
+        os.utime(path, (10, 10))
+        assert made.jobs("all") == []
+    finally:
+        path.write_bytes(content)
+        os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert ("masks" if kind == "photos" else "floorplan", house) in jobs
+    assert {name for _, name in jobs} == {house, ""}
+
+
 def test_another_room_of_a_photo_makes_what_depends_on_it_alone(made):
     house = made.houses()[0]
     file = made.root / "data" / read_table(made.root / "data/houses.tsv")[house].assignment

@@ -17,7 +17,7 @@ from plan2scene.datasets.house_table import (
 from plan2scene.errors import InputError
 from plan2scene.images import SUFFIXES
 from plan2scene.plans.formats import reader_code
-from plan2scene.provenance import file_hash
+from plan2scene.provenance import contents_hash, file_hash
 from plan2scene.workflow.closures import rule_code
 from plan2scene.workflow.slurm import check_cluster
 from plan2scene.finishes import finishes_file
@@ -106,6 +106,11 @@ def finish_files(wildcards):
     path = finishes_file(DATA_ROOT / row_of(wildcards).plan)
     crops = f"{RESULTS}/houses/{wildcards.house}/crops.parquet"
     return {"finishes": str(path), "crops": crops} if path.is_file() else {}
+
+
+def picture_of(wildcards):
+    """Return the plan of a house, which is a picture."""
+    return str(DATA_ROOT / row_of(wildcards).plan)
 
 
 def named_files(wildcards):
@@ -210,6 +215,27 @@ def hashes(models):
 def ready_hash(path):
     """Return the hash of weights; their absence is told by the first job that reads them."""
     return file_hash(path) if os.path.isfile(path) else "absent"
+
+
+def contents_of(*input_functions):
+    """Return a params function: the hash of those inputs of a job that no rule makes.
+
+    So contents decide: an older file in the place of another one makes the job anew, too. (Of a
+    function of `input` Snakemake keeps no record.)
+    """
+
+    def contents(wildcards):
+        files = []
+        for function in input_functions:
+            named = function(wildcards)
+            parts = named.values() if isinstance(named, dict) else [named]
+            for part in parts:
+                files += [part] if isinstance(part, str) else part
+        return contents_hash(
+            file for file in files if not file.startswith(f"{RESULTS}/")
+        )
+
+    return contents
 
 
 def given(**inputs):

@@ -20,6 +20,7 @@ rule floorplan:
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         dxf_layers=config["floorplans"]["dxf_layers"],
         traced=is_traced,
+        contents=contents_of(plan_files),
         code=plan_code_of,
     script:
         "../scripts/floorplan.py"
@@ -28,7 +29,7 @@ rule floorplan:
 rule trace:
     # A plan that is a picture: rooms and openings by the plan network, scale and names by its text.
     input:
-        picture=lambda wildcards: str(DATA_ROOT / row_of(wildcards).plan),
+        picture=picture_of,
     output:
         plan=f"{RESULTS}/houses/{{house}}/plan.json",
         overlay=f"{RESULTS}/houses/{{house}}/plan.overlay.png",
@@ -46,6 +47,7 @@ rule trace:
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         model=model_of("plans"),
         weights=hashes({"plans": model_of("plans")}),
+        contents=contents_of(picture_of),
         code=rule_code("trace"),
     script:
         "../scripts/trace.py"

@@ -62,6 +62,7 @@ rule paint:
         mem_mb=1000,
     params:
         dataset=DATASET,
+        contents=contents_of(finish_files),
         code=rule_code("paint"),
     script:
         "../scripts/paint.py"

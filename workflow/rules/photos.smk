@@ -34,6 +34,14 @@ rule masks:
         openings=config["photos"]["openings"],
         fov_deg=config["photos"]["fov_deg"],
         known_fov_deg=config["photos"]["known_fov_deg"],
+        contents=contents_of(
+            photos_of,
+            *(
+                [precomputed_masks_of]
+                if config["photos"]["masks"] == "precomputed"
+                else []
+            ),
+        ),
         code=rule_code("masks"),
     script:
         "../scripts/masks.py"
@@ -60,6 +68,7 @@ rule places:
         mem_mb=worker_memory(1000, 300),
     params:
         traced=is_traced,
+        contents=contents_of(assignment_of),
         code=rule_code("places"),
     script:
         "../scripts/places.py"
@@ -104,6 +113,8 @@ rule crops:
             camera_height_m=config["photos"]["camera_height_m"],
         ),
         seed=config["seed"],
+        # Photos come by way of their masks.
+        contents=None if HAS_MASKS else contents_of(photos_of, precomputed_crops_of),
         code=rule_code("crops"),
     script:
         "../scripts/crops.py"

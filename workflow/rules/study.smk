@@ -39,6 +39,7 @@ rule study_house:
         others=STUDY_OTHERS,
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),
+        contents=contents_of(assignment_of, photos_of),
         code=rule_code("study_house"),
     script:
         "../scripts/study_house.py"
