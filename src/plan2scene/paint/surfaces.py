@@ -188,10 +188,10 @@ def door_paints(
     """Return the linear reflectance (3,) of door leaves by the id of their opening.
 
     The id "" stands for all doors that no photo shows: they are like the others where at least two
-    are seen and most are not white. There is none where they are white.
+    more are coloured than white. There is none where they are white.
     """
     doors = {key.room_id: value for key, value in paint.items() if key.surface == "door"}
     coloured = [value for key, value in doors.items() if SurfaceKey(key, "door") not in white]
-    if len(doors) >= 2 and 2 * len(coloured) > len(doors):
+    if 2 * len(coloured) >= len(doors) + 2:
         doors[""] = np.median(coloured, axis=0)
     return doors

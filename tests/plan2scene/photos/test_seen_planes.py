@@ -4,8 +4,9 @@ import numpy as np
 from box_room import DOOR_EYE as EYE
 from box_room import WIDE, open_door_view
 
-from plan2scene.photos.labels.palette import DOOR
+from plan2scene.photos.labels.palette import DOOR, OTHER
 from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.seen_doors import seen_doors
 from plan2scene.photos.locate.seen_planes import seen_planes
 
 
@@ -46,3 +47,15 @@ def test_planes_of_the_own_room_name_their_walls():
         for wall in item.walls:
             off = (ends[wall] - EYE[[0, 2]]) @ normal - item.plane.offset
             np.testing.assert_allclose(off, 0.0, atol=0.2)
+
+
+def test_a_leaf_is_seen_where_a_door_is_likely_and_shut():
+    house, pose, labels, ends = open_door_view()
+    behind = ends[..., 0] > WIDE + 0.05
+    shut = np.where(behind, OTHER, labels)
+    doors, shapes = behind.astype(float), room_shapes(house)
+    ((opening, pixels),) = seen_doors(shut, doors, pose, shapes)
+    assert opening in {o.id for wall in house.walls for o in wall.openings}
+    assert behind[tuple(pixels.T)].all()
+    assert list(seen_doors(labels, doors, pose, shapes)) == []  # open: the store's floor
+    assert list(seen_doors(shut, 0.02 * doors, pose, shapes)) == []  # furniture

@@ -150,8 +150,8 @@ def test_unseen_doors_are_like_the_others():
     assert set(door_paints(seen, frozenset())) == {"1"}
     seen[SurfaceKey("2", "door")] = oak
     assert door_paints(seen, frozenset())[""] == pytest.approx(oak)
-    seen[SurfaceKey("2", "door")] = white
-    assert "" not in door_paints(seen, frozenset({SurfaceKey("2", "door")}))
+    seen[SurfaceKey("3", "door")] = white
+    assert "" not in door_paints(seen, frozenset({SurfaceKey("3", "door")}))
 
 
 def test_an_unseen_floor_is_lit_like_the_floor_that_looks_alike():

@@ -32,7 +32,13 @@ from plan2scene.photos.crops.colours import colours_of_photo, door_colours, surf
 from plan2scene.photos.crops.filter import inner_mask, mark_outvoted, strong_edges
 from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Verdict
 from plan2scene.photos.crops.selection import write_tables
-from plan2scene.photos.labels.palette import read_label_png
+from plan2scene.photos.labels.palette import (
+    DOOR,
+    OTHER,
+    PROBABILITIES,
+    read_label_png,
+    read_probability_png,
+)
 from plan2scene.photos.locate.plan_view import RoomShape, room_shapes
 from plan2scene.photos.locate.pose import Pose, read_poses
 from plan2scene.photos.locate.seen_doors import seen_doors
@@ -217,7 +223,13 @@ def _crops_of_photo(
     _log.info("%s: %d candidates, camera %s", photo, len(candidates), camera.focal_source)
     colours = colours_of_photo(image, camera, planes, photo, inner)
     if photo in poses:
-        doors = seen_doors(labels, poses[photo], shapes)
+        likely = masks_dir / PROBABILITIES / f"{Path(photo).stem}.png"
+        likely_door = (
+            read_probability_png(likely, house_id=house.id)[DOOR]
+            if likely.is_file()
+            else (labels == OTHER).astype(np.float32)
+        )
+        doors = seen_doors(labels, likely_door, poses[photo], shapes)
         colours += door_colours(image, photo, poses[photo].room_id, doors)
     return PhotoCrops(
         candidates,

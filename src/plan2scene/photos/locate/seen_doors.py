@@ -1,4 +1,4 @@
-"""Shut doors that a located photo shows, and the pixels of their leaves."""
+"""Doors that a located photo shows, and the pixels of their leaves."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from plan2scene.photos.locate.pose import Pose
 
 @dataclass(frozen=True)
 class DoorSettings:
-    """When a photo shows a door leaf. Chosen by looking at two real flats (development)."""
+    """When a photo shows a door leaf. Chosen by looking at real homes (development)."""
 
     #: Share of the opening's width and height left out on each side: frame, handle, a pose that is
     #: not exact.
@@ -22,23 +22,29 @@ class DoorSettings:
     #: Points along and up the leaf that are looked at.
     points: tuple[int, int] = (48, 96)
     #: Least share of them in the photo and in sight.
-    least_seen: float = 0.4
-    #: Least share of those that no floor, wall or ceiling covers: an open door shows the next room.
-    least_other: float = 0.8
+    least_seen: float = 0.33
+    #: Least share of those that no floor, wall or ceiling covers, and most that a floor does: an
+    #: open door shows the next room.
+    least_other: float = 0.65
+    most_floor: float = 0.05
+    #: Least mean probability of a door: furniture before a wrong place of a photo has .00 to .04.
+    least_door: float = 0.05
 
 
 DOORS = DoorSettings()
 
 
 def seen_doors(
-    labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]
+    labels: np.ndarray, doors: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]
 ) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield (opening id, pixels (n, 2) int of row and column) of the shut doors of a photo.
+    """Yield (opening id, pixels (n, 2) int of row and column) of the leaves of a photo's doors.
 
     Parameters
     ----------
     labels : (h, w) uint8
         Labels of :mod:`plan2scene.photos.labels.palette`.
+    doors : (h', w') float
+        How likely each pixel is of a door, at any resolution.
     pose : Pose
         Of a located photo.
     shapes
@@ -55,10 +61,17 @@ def seen_doors(
         shown = inside.all(axis=1) & _in_sight(pose, shapes, points, index)
         if shown.mean() < DOORS.least_seen:
             continue
-        columns, rows = np.unique(np.rint(pixels[shown]).astype(int), axis=0).T
-        other = ~np.isin(labels[rows, columns], (FLOOR, WALL, CEILING))
-        if other.mean() >= DOORS.least_other:
-            yield hole.opening_id, np.stack([rows[other], columns[other]], axis=1)
+        places = np.unique(np.rint(pixels[shown]).astype(int), axis=0)[:, ::-1]
+        found = labels[tuple(places.T)]
+        likely = doors[tuple((places * doors.shape / labels.shape).astype(int).T)]
+        other = ~np.isin(found, (FLOOR, WALL, CEILING))
+        if (
+            other.mean() >= DOORS.least_other
+            and (found == FLOOR).mean() <= DOORS.most_floor
+            and likely.mean() >= DOORS.least_door
+        ):
+            # Of what is no leaf (an open door, things before it) the network is less sure.
+            yield hole.opening_id, places[other & (likely >= likely[other].mean())]
 
 
 def _leaf_points(shape: RoomShape, hole: Hole) -> np.ndarray:
