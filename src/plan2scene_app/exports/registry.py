@@ -91,6 +91,12 @@ def _map(house: House, textures: Textures, folder: Path) -> None:
     write_map(house, textures, folder)
 
 
+def _plan(house: House, textures: Textures, folder: Path) -> None:
+    from plan2scene_app.exports.plan_sheet import write_plan
+
+    write_plan(house, textures, folder)
+
+
 def _obj(house: House, textures: Textures, folder: Path) -> None:
     from plan2scene_app.exports.obj import write_obj
 
@@ -130,6 +136,13 @@ MAP = Export(
     ("map.pgm", "map.yaml"),
     "occupancy map for ROS, 5 cm",
     ("map_{level}.pgm", "map_{level}.yaml"),
+)
+PLAN = Export(
+    "plan",
+    _plan,
+    ("plan.pdf", "plan.svg"),
+    "dimensioned plan to print, PDF and SVG",
+    ("plan_{level}.svg",),
 )
 OBJ = Export(
     "obj", _obj, ("house.obj", "house.mtl", "house_textures/"), "Wavefront OBJ with textures"
