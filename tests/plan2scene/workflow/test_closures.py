@@ -1,0 +1,50 @@
+"""What each rule depends on: a change of one module makes again what it can change, no more."""
+
+from importlib.metadata import entry_points
+
+import pytest
+
+from plan2scene.plans.formats import GROUP
+from plan2scene.workflow.closures import rule_modules, rules
+
+CLOSURES = {rule: set(rule_modules(rule)) for rule in rules()}
+
+
+def users(module):
+    """Return the rules that a change of a module makes again."""
+    return {rule for rule, modules in CLOSURES.items() if module in modules}
+
+
+def test_textures_hang_on_few_modules():
+    assert len(CLOSURES["textures"]) < 60
+    assert not [name for name in CLOSURES["textures"] if name.startswith("plan2scene.mesh")]
+
+
+def test_plan_readers_are_of_the_plan_alone():
+    readers = {entry.module for entry in entry_points(group=GROUP)} - {
+        "plan2scene.plans.scene_json"
+    }
+    assert {"plan2scene_app.plan_formats.dxf", "plan2scene_app.plan_formats.ifc"} <= readers
+    for reader in (*readers, "plan2scene.plans.formats"):
+        assert users(reader) <= {"floorplan", "trace"}, reader
+
+
+def test_a_dxf_reader_is_no_part_of_reading_a_scene():
+    # Each plan's own reader joins these by its suffix.
+    assert "plan2scene_app.plan_formats.dxf" not in CLOSURES["floorplan"]
+
+
+def test_the_drawing_of_a_contact_sheet_is_of_contact_sheets_alone():
+    assert users("plan2scene_app.contact_sheet.sheet") == {"contact_sheet"}
+
+
+def test_a_door_s_mesh_is_of_houses_alone():
+    assert users("plan2scene.mesh.joinery") == {
+        *("house", "pictures", "lit_house", "export_house", "study_house")
+    }
+
+
+@pytest.mark.parametrize("rule", CLOSURES)
+def test_every_rule_hangs_on_its_script_s_modules(rule):
+    assert CLOSURES[rule]
+    assert not [name for name in CLOSURES[rule] if name.startswith("plan2scene.workflow")]
