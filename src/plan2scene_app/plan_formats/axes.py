@@ -54,6 +54,15 @@ class DrawingSettings:
     rectangle: float = 0.85  #: share of the rectangle around it that a wall's outline fills
     flat: float = 0.02  #: m between a curve and the lines that it is cut into
     arc_step: float = math.radians(15.0)  #: rad that a piece of a curved wall turns at most
+    # Gaps between walls in line.
+    gap: tuple[float, float] = (0.5, 1.3)  #: m of a gap that is a passage
+    gap_room: float = 2.5  #: m2 of the smallest room that a gap closes
+    in_line: float = math.radians(8.0)  #: rad between the walls beside it
+    off_line: float = 0.15  #: m between their lines
+    # What is unlikely.
+    most_height: float = 6.0  #: m of a room
+    most_floor: tuple[float, float] = (6000.0, 50_000.0)  #: m2 of a storey: a doubt, none
+    bordering: float = 0.6  #: share of the walls that border a room, below which it is a doubt
     # Rooms and openings.
     drawn_share: float = 0.1  #: share of a face that drawn rooms cover, below which it is a room
     agreement: float = 0.1  #: share by which scales of areas written in rooms may differ
@@ -148,6 +157,70 @@ def rooms_of_axes(source: Source, axes: Sequence[WallAxis]) -> list[Polygon]:
             if is_floor(part):
                 rooms.append(_plain(part))
     return sorted(rooms, key=lambda room: (round(room.bounds[1], 3), round(room.bounds[0], 3)))
+
+
+def gaps_in_line(axes: Sequence[WallAxis]) -> list[WallAxis]:
+    """Return pieces that join walls in line, from an end to the end that faces it.
+
+    A piece lies between two ends that nothing joins, or outside all rooms that the walls close: a
+    corridor between two walls in line stays open.
+    """
+    lines = [LineString([axis.start, axis.end]) for axis in axes]
+    tree = STRtree(lines)
+    network = unary_union(lines, grid_size=SETTINGS.grid)
+    inside = unary_union([face.buffer(-SETTINGS.touch) for face in polygonize(network)])
+    pieces: dict[tuple[int, int], WallAxis] = {}
+    for k, axis in enumerate(axes):
+        for end, start in ((axis.end, axis.start), (axis.start, axis.end)):
+            found = _facing(k, np.array(end), np.array(start), axes, lines, tree)
+            if found is None:
+                continue
+            other, there = found
+            piece = LineString([end, there])
+            free = _is_free(end, k, lines, tree) and _is_free(there, other, lines, tree)
+            if free or not inside.contains(piece.centroid):
+                thickness = min(axis.thickness, axes[other].thickness)
+                ends = sorted([tuple(map(float, end)), tuple(map(float, there))])
+                key = (min(k, other), max(k, other))
+                pieces[key] = WallAxis(ends[0], ends[1], thickness, axis.height)
+    return [pieces[key] for key in sorted(pieces)]
+
+
+def _facing(
+    own: int,
+    end: np.ndarray,
+    start: np.ndarray,
+    axes: Sequence[WallAxis],
+    lines: Sequence[LineString],
+    tree: STRtree,
+) -> tuple[int, np.ndarray] | None:
+    """Return the nearest wall in line beyond an end of a wall, and the end of it that faces."""
+    way = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
+    least, most = SETTINGS.gap
+    best: tuple[float, int, np.ndarray] | None = None
+    for k in sorted(tree.query(Point(end).buffer(most)).tolist()):
+        a, b = np.array(axes[k].start), np.array(axes[k].end)
+        if k == own or np.allclose(a, b):
+            continue
+        for near, far in ((a, b), (b, a)):
+            step, on = near - end, (far - near) / np.linalg.norm(far - near)
+            along, across = float(step @ way), abs(float(step[0] * way[1] - step[1] * way[0]))
+            straight = float(on @ way) >= math.cos(SETTINGS.in_line)
+            reach = SETTINGS.off_line + axes[own].thickness / 2
+            if straight and least <= along <= most and across <= reach:
+                best = min(best or (math.inf, k, near), (along, k, near), key=lambda b: b[:2])
+    if best is None:
+        return None
+    piece = LineString([end + 0.1 * way, best[2] - 0.1 * way])
+    crossed = [k for k in tree.query(piece, predicate="intersects") if k not in (own, best[1])]
+    return None if crossed else (best[1], best[2])
+
+
+def _is_free(end: house.Point, own: int, lines: Sequence[LineString], tree: STRtree) -> bool:
+    """Return whether no other wall is at an end; a stroke across it, as doors have, is none."""
+    place = Point(end)
+    near = tree.query(place, predicate="dwithin", distance=SETTINGS.touch)
+    return not any(k != own and lines[k].length > SETTINGS.room_width for k in near)
 
 
 def is_floor(face: Polygon) -> bool:

@@ -1,7 +1,7 @@
 """Reader of SVG plans in the classes of CubiCasa: Space, Wall, Door, Window, FixedFurniture.
 
 Pixels, x right, y down. The scale is given, or read: from a page size with a unit, or from areas
-written in the rooms.
+or sides written in the rooms.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from plan2scene_app.plan_formats.drawing import (
     house_of_drawing,
     largest_storey,
 )
-from plan2scene_app.plan_formats.measures import read_areas
+from plan2scene_app.plan_formats.measures import read_areas, read_sides
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _TRANSFORM = re.compile(r"(matrix|translate|scale|rotate)\s*\(([^)]*)\)")
@@ -70,7 +70,7 @@ def house_of_cubicasa(
     storey = _storey(source, root)
     m = metres_per_pixel or _page_scale(root) or _written_scale(source, storey)
     if m is None or not SCALES[0] < m <= SCALES[1]:
-        expected = f"metres_per_pixel up to {SCALES[1]:g}, or areas in m2 written in the rooms"
+        expected = f"metres_per_pixel up to {SCALES[1]:g}, or areas or sides written in the rooms"
         raise source.fault(expected, str(m))
     return house_of_drawing(source, _drawing(source, storey, m))
 
@@ -138,7 +138,7 @@ def _read(source: Source, root: Element) -> list[_Storey]:
         kind = next((word for word in words[:1] if word in _KINDS), "")
         area = _area(source, element, matrix) if kind else None
         if area is not None:
-            storey.items.append((kind, words[1:], area, " ".join(element.itertext())[:500]))
+            storey.items.append((kind, words[1:], area, "\n".join(element.itertext())[:500]))
             count += 1
         if count > MAX_ITEMS:
             raise source.fault(f"at most {MAX_ITEMS} walls and rooms", "more")
@@ -208,19 +208,33 @@ def _page_scale(root: Element) -> float | None:
 
 
 def _written_scale(source: Source, storey: _Storey) -> float | None:
-    """Return metres a pixel by the areas written in rooms, where they agree."""
+    """Return metres a pixel by the sizes written in rooms, where they agree."""
     scales = []
     for _, area, text in storey.of("Space"):
         if area.area > 0:
             scales += [float(np.sqrt(square / area.area)) for square, _ in read_areas(text)]
+            scales += _by_sides(area, text)
     if not scales:
         return None
     middle = median(scales)
     agree = [scale for scale in scales if abs(scale - middle) <= SETTINGS.agreement * middle]
     if len(agree) <= len(scales) / 2:
-        raise source.fault("areas written in the rooms that agree", f"scales {scales[:5]}")
-    source.warn("metres_per_pixel", f"none; {middle:.5f} read from {len(scales)} written areas")
+        raise source.fault("sizes written in the rooms that agree", f"scales {scales[:5]}")
+    source.warn("metres_per_pixel", f"none; {middle:.5f} read from {len(scales)} written sizes")
     return middle
+
+
+def _by_sides(area: Polygon, text: str) -> list[float]:
+    """Return metres a pixel by two sides written in a room; none where they do not fit it."""
+    x0, y0, x1, y1 = area.bounds
+    fitting = []
+    for line in text.splitlines():
+        for sides in read_sides(line):
+            drawn = sorted((x1 - x0, y1 - y0))
+            low, high = (side / pixels for side, pixels in zip(sorted(sides), drawn, strict=True))
+            if max(low, high) <= (1 + SETTINGS.agreement) * min(low, high):
+                fitting.append(float(np.sqrt(low * high)))
+    return fitting
 
 
 PLAN_FORMAT = PlanFormat(

@@ -14,7 +14,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from shapely import unary_union
 from shapely.geometry import LineString, Polygon
+from shapely.geometry import Point as Place
 from shapely.strtree import STRtree
 
 from plan2scene.errors import InputError
@@ -37,10 +39,12 @@ from plan2scene.plans.parse import MAX_CORNERS, MAX_ROOMS, Source
 from plan2scene.plans.room_names import room_types
 from plan2scene_app.plan_formats.axes import (
     DEFAULT_THICKNESS,
+    HEIGHTS,
     MAX_PAIRS,
     SETTINGS,
     WallAxis,
     distinct,
+    gaps_in_line,
     rooms_of_axes,
 )
 
@@ -126,6 +130,7 @@ def house_of_drawing(source: Source, drawing: Drawing, taken: set[str] | None = 
         raise source.fault(f"at most {MAX_OPENINGS} doors and windows", len(drawing.openings))
     rooms = _rooms(source, drawing, set() if taken is None else taken)
     source.limit_corners(rooms)
+    _doubt(source, drawing, rooms)
     along = _Axes(drawing.axes)
     walls = [along.applied(wall) for wall in walls_of_rooms(rooms, depth=DEFAULT_THICKNESS)]
     walls = _with_openings(source, walls, drawing.openings, along)
@@ -142,6 +147,30 @@ def house_of_drawing(source: Source, drawing: Drawing, taken: set[str] | None = 
     )
 
 
+def _doubt(source: Source, drawing: Drawing, rooms: Sequence[Room]) -> None:
+    """Warn of rooms of an unlikely size and walls that border none; refuse an impossible floor."""
+    polygons = [Polygon(room.rings[0], room.rings[1:]) for room in rooms]
+    floor = sum(polygon.area for polygon in polygons)
+    if floor > SETTINGS.most_floor[1]:
+        expected = f"at most {SETTINGS.most_floor[1]:,.0f} m2 of a storey (is the unit right?)"
+        raise source.fault(expected, f"{floor:,.0f} m2")
+    if floor > SETTINGS.most_floor[0]:
+        source.warn("the floor of a home", f"{floor:,.0f} m2: please check the unit")
+    tallest = max(room.height for room in rooms)
+    if tallest > SETTINGS.most_height:
+        source.warn(f"rooms up to {SETTINGS.most_height:g} m high", f"{tallest:.1f} m")
+    if not drawing.axes:
+        return
+    reach = SETTINGS.opening_reach + max(axis.thickness for axis in drawing.axes) / 2
+    near = unary_union([polygon.boundary for polygon in polygons]).buffer(reach)
+    lines = [LineString([axis.start, axis.end]) for axis in drawing.axes]
+    borders = [near.intersection(line).length >= line.length / 2 for line in lines]
+    length = sum(line.length for line, has in zip(lines, borders, strict=True) if has)
+    if length < SETTINGS.bordering * sum(line.length for line in lines):
+        what = f"{len(rooms)} rooms; {borders.count(False)} of {len(borders)} walls border none"
+        source.warn("walls that close rooms", f"{what}, left out")
+
+
 def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
     """Return the rooms drawn, and those that walls close where none is drawn."""
     drawn = list(drawing.rooms)
@@ -153,7 +182,7 @@ def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
     polygons = [Polygon(room.rings[0], room.rings[1:]) for room in drawn]
     polygons = [area if area.is_valid else area.convex_hull for area in polygons]
     tree = STRtree(polygons)
-    faces = rooms_of_axes(source, drawing.axes) if drawing.axes else []
+    faces = closed_rooms(source, drawing) if drawing.axes else []
     for face in faces:
         covered = sum(face.intersection(polygons[k]).area for k in tree.query(face))
         if covered <= SETTINGS.drawn_share * face.area:
@@ -173,6 +202,45 @@ def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
         rings = tuple(source.outline(ring, name) for ring in room.rings)
         rooms.append(Room(name, types or ("Unknown",), rings, room.height or drawing.height))
     return rooms
+
+
+def closed_rooms(source: Source, drawing: Drawing) -> list[Polygon]:
+    """Return the floors that the walls of a drawing close.
+
+    Where it has no rooms, gaps between walls in line become passages of it, with a warning.
+    """
+    faces = rooms_of_axes(source, drawing.axes)
+    gaps = [] if drawing.rooms else gaps_in_line(drawing.axes)
+    if not gaps:
+        return faces
+    reach = SETTINGS.touch + max(axis.thickness for axis in drawing.axes) / 2
+    for _ in range(2):  # without the gaps that close a cupboard, and then those beside them
+        closed = rooms_of_axes(source, [*drawing.axes, *gaps])
+        borders = [face.exterior.buffer(reach) for face in closed]
+        kept = []
+        for gap in gaps:
+            middle = Place(np.add(gap.start, gap.end) / 2)
+            areas = [
+                face.area for face, rim in zip(closed, borders, strict=True) if rim.contains(middle)
+            ]
+            kept += [gap] if areas and min(areas) >= SETTINGS.gap_room else []
+        gaps = kept
+    closed = rooms_of_axes(source, [*drawing.axes, *gaps])
+    if len(closed) <= len(faces):
+        return faces
+    opened = []
+    for gap in gaps:
+        drawing.axes.append(gap)
+        if not drawing.shows(gap.start, gap.end):
+            opened.append(math.dist(gap.start, gap.end))
+            name = f"gap_{len(drawing.openings)}"
+            drawing.openings.append(
+                Segment(name, "passage", gap.start, gap.end, *HEIGHTS["passage"])
+            )
+    if opened:
+        widths = f"{len(opened)} of {min(opened):.2f} to {max(opened):.2f} m"
+        source.warn("walls without gaps", f"{widths}, read as passages: please look")
+    return closed
 
 
 def _ring(ring: LineString) -> Ring:

@@ -5,6 +5,7 @@ The bodies' triangles are looked at from above. Metres; IFC's z goes up: (x, y, 
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -28,6 +29,9 @@ MAX_BYTES = 200_000_000
 MAX_TRIANGLES = 20_000
 #: Most triangles of a model, and largest number of a direction.
 MAX_ALL_TRIANGLES, MAX_RATIO = 1_000_000, 1e6
+#: Letters of a file in which its header ends.
+MAX_HEAD = 100_000
+_SCHEMA = re.compile(r"(FILE_SCHEMA\s*\(\s*\(\s*')([^']*)(')", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,21 @@ def house_of_ifc(path: Path, house_id: str) -> House:
     return house_of_storeys(source, storeys)
 
 
+def _parsed(source: Source, path: Path) -> Any:
+    """Return the parsed file; of an exporter older than IFC2X3 as that, with a warning."""
+    import ifcopenshell
+
+    try:
+        return ifcopenshell.open(str(path))
+    except ifcopenshell.SchemaError:
+        text = path.read_text(encoding="latin-1")
+        named = _SCHEMA.search(text[:MAX_HEAD])
+        if named is None or not named[2].upper().startswith("IFC2"):
+            raise
+        source.warn("schema IFC2X3 or IFC4", f"{named[2][:40]}, read as IFC2X3")
+        return ifcopenshell.file.from_string(_SCHEMA.sub(r"\1IFC2X3\3", text, count=1))
+
+
 def _has(items: list[Any], *kinds: str) -> bool:
     """Return whether any product is of one of these kinds."""
     return any(item.is_a(kind) for item in items for kind in kinds)
@@ -88,7 +107,7 @@ class _Model:
         if path.stat().st_size > MAX_BYTES:
             raise source.fault(f"at most {MAX_BYTES} bytes of IFC", path.stat().st_size)
         try:
-            self.file = ifcopenshell.open(str(path))
+            self.file = _parsed(source, path)
         except (RuntimeError, OSError, ValueError, ifcopenshell.Error) as error:
             raise source.fault("an IFC model that can be read", str(error) or "damage") from None
         for item in self.file.by_type("IfcDirection"):

@@ -19,7 +19,13 @@ from plan2scene.plans.parse import MAX_ITEMS, MAX_ROOMS, Source
 from plan2scene.plans.plan_file import PlanFormat
 from plan2scene.plans.room_names import room_types
 from plan2scene_app.plan_formats.axes import MAX_AXES, WallAxis
-from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys
+from plan2scene_app.plan_formats.drawing import (
+    Drawing,
+    DrawnRoom,
+    DrawnStorey,
+    closed_rooms,
+    house_of_storeys,
+)
 
 #: Most of a scan's parts.
 _LIMITS = {"walls": MAX_AXES, "floors": MAX_ROOMS, "objects": MAX_ITEMS}
@@ -83,19 +89,48 @@ def _drawing(source: Source, rooms: list[dict[str, Any]]) -> Drawing:
     drawing = Drawing()
     for number, room in enumerate(rooms):
         base = _floor_height(source, room)
-        heights = []
-        for wall in source.items(room.get("walls"), "walls"):
-            start, end, _, top = _upright(source, wall, "a wall")
-            drawing.axes.append(WallAxis(start, end, 0.0, top - base))
-            heights.append(top - base)
-        height = max(heights, default=drawing.height)
-        for floor in source.items(room.get("floors"), "floors"):
-            drawing.add_room(_room(source, room, floor, height, f"room {number}"))
+        walls = _walls(source, room, base)
+        height = max((wall.height for wall in walls), default=drawing.height)
         _add_openings(source, room, base, drawing)
+        scan = Drawing(axes=walls, openings=drawing.openings)
+        floors = source.items(room.get("floors"), "floors")
+        parts = _parts(source, room, height, scan, len(floors))
+        for part in parts:
+            drawing.add_room(part)
+        drawing.axes += scan.axes
+        if len(drawing.axes) > MAX_AXES:
+            raise source.fault(f"at most {MAX_AXES} walls", "more")
+        for floor in () if parts else floors:
+            drawing.add_room(_room(source, room, floor, height, f"room {number}"))
         for item in source.items(room.get("objects"), "objects"):
             drawing.icons.append(_icon(source, item))
     drawing.height = max((axis.height for axis in drawing.axes), default=drawing.height)
     return drawing
+
+
+def _walls(source: Source, room: dict[str, Any], base: float) -> list[WallAxis]:
+    """Return a room's walls, as high as their tops are above the floor at `base`."""
+    walls = [_upright(source, wall, "a wall") for wall in source.items(room.get("walls"), "walls")]
+    return [WallAxis(start, end, 0.0, top - base) for start, end, _, top in walls]
+
+
+def _parts(
+    source: Source, room: dict[str, Any], height: float, scan: Drawing, floors: int
+) -> list[DrawnRoom]:
+    """Return the rooms of a scan of several with one floor: those that its walls close.
+
+    Such a scan has a section in each room. Empty where the walls close no more rooms than floors.
+    """
+    if len(source.items(room.get("sections"), "sections")) <= floors or not scan.axes:
+        return []
+    parts = []
+    for face in closed_rooms(source, scan):
+        ring = [(float(x), float(z)) for x, z in face.exterior.coords[:-1]]
+        parts.append(_labelled(source, room, source.ring(ring, "a room"), height))
+    if len(parts) <= floors:
+        return []
+    source.warn("a floor for each room", f"{floors} for {len(parts)}, closed from walls")
+    return parts
 
 
 def _floor_height(source: Source, room: dict[str, Any]) -> float:
@@ -131,8 +166,12 @@ def _upright(
 
 
 def _room(source: Source, room: dict[str, Any], floor: Any, height: float, name: str) -> DrawnRoom:
-    """Return a floor as a room; its types are those of the sections inside it."""
-    ring = _floor_ring(source, floor, name)
+    """Return a floor as a room."""
+    return _labelled(source, room, _floor_ring(source, floor, name), height)
+
+
+def _labelled(source: Source, room: dict[str, Any], ring: Ring, height: float) -> DrawnRoom:
+    """Return a room whose types are those of the sections inside it."""
     polygon = Polygon(ring)
     labels = []
     for section in source.items(room.get("sections"), "sections"):

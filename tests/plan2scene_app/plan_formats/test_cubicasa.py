@@ -25,10 +25,17 @@ def body(ends, thickness, **more):
     return LineString(ends).buffer(thickness / 2, **more)
 
 
-def elements(plan, *, written=False):
+def sides(area):
+    """Two sides in feet and inches, as the label of a room has them."""
+    x0, y0, x1, y1 = area.bounds
+    feet = [divmod(round(side / 0.0254), 12) for side in (y1 - y0, x1 - x0)]
+    return " x ".join(f"{foot}'{inch}\"" for foot, inch in feet)
+
+
+def elements(plan, *, written=None):
     parts = []
     for _, types, area in plan.rooms:
-        text = f"<text>{area.area:.2f} m²</text>" if written else ""
+        text = f"<text>{written(area)}</text>" if written else ""
         parts.append(group(f"Space {' / '.join(types)}", area, text))
     parts += [group("Wall", body(ends, plan.thickness, cap_style="square")) for ends in plan.axes]
     for hole in plan.holes:
@@ -52,11 +59,14 @@ def test_round_trip(tmp_path, number):
     assert_found(plan, found, heights=False)
 
 
-def test_the_scale_is_read_from_written_areas(tmp_path):
+@pytest.mark.parametrize("written", [lambda area: f"{area.area:.2f} m²", sides])
+def test_the_scale_is_read_from_written_sizes(tmp_path, written):
     plan = drawn_flat(2)
-    found = read_plan(svg(tmp_path, elements(plan, written=True)), "h1")
-    assert_found(plan, found, heights=False)
-    assert any("0.02000 read from 4 written areas" in line for line in found.warnings)
+    path = svg(tmp_path, elements(plan, written=written))
+    found = read_plan(path, "h1")
+    (line,) = [line for line in found.warnings if "read from 4 written sizes" in line]
+    assert float(line.split("none; ")[1].split()[0]) == pytest.approx(0.02, rel=0.003)
+    assert len(found.rooms) == len(plan.rooms)
 
 
 def test_the_scale_is_read_from_the_page(tmp_path):
@@ -98,7 +108,7 @@ SQUARE = '<g class="Space Kitchen"><polygon points="0,0 100,0 100,100 0,100"/>{}
     ("inside", "line"),
     [
         ("<rect/>", "groups of class Space or Wall, as CubiCasa has them, found none"),
-        (SQUARE.format(""), "metres_per_pixel up to 1, or areas in m2 written in the rooms"),
+        (SQUARE.format(""), "metres_per_pixel up to 1, or areas or sides written in the rooms"),
         (SQUARE.format("<text>0 m2</text>"), "metres_per_pixel up to 1"),
         ('<g class="Wall"><polygon points="0,0 1,0"/></g>', "a polygon of at least 3 points"),
         ('<g class="Wall"><polygon points="0,0 1,0 1,1e300"/></g>', "coordinates below 1e7"),

@@ -120,6 +120,16 @@ def test_spaces_that_a_storey_contains(tmp_path):
     assert found.levels == () and not found.warnings
 
 
+@pytest.mark.parametrize(
+    ("schema", "line"), [("IFC2X_FINAL", "IfcWall in the model"), ("IFC9", "schema: IFC9")]
+)
+def test_an_old_schema_is_read_as_the_next_one(tmp_path, schema, line):
+    path = tmp_path / "plan.ifc"
+    path.write_text(ifcopenshell.file(schema="IFC2X3").to_string().replace("IFC2X3", schema))
+    with pytest.raises(InputError, match=line):
+        read_plan(path, "h1")
+
+
 def test_a_model_without_spaces(tmp_path):
     plan, writer = drawn_flat(2), Writer()
     writer.storey(plan, "ground", spaces=False)

@@ -108,6 +108,17 @@ def test_one_room_alone(tmp_path, floors):
     assert (*icon.p1, *icon.p2) == pytest.approx((1, 0.5, 3, 1.5))
 
 
+def test_one_floor_for_several_rooms_is_divided_by_the_walls(tmp_path):
+    plan = drawn_flat(2)
+    parts = rooms_of(plan)
+    whole = {**parts[0], "floors": [parts[0]["floors"][0]]}
+    for key in ("walls", "doors", "windows", "openings", "sections"):
+        whole[key] = [item for part in parts for item in part[key]]
+    found = read_plan(written(tmp_path, whole), "h1")
+    assert_found(plan, found)
+    assert any("1 for 4, closed from walls" in line for line in found.warnings)
+
+
 def test_two_storeys_come_back(tmp_path):
     large, small = drawn_flat(2), drawn_flat(0)
     rooms = [*rooms_of(small, base=-1.2), *rooms_of(large, story=1, base=2.0)]

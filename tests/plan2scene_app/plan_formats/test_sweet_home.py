@@ -1,6 +1,7 @@
 """Sweet Home 3D: what is written is read back, levels, old and damaged files."""
 
 import zipfile
+from itertools import pairwise
 from math import atan2, pi
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
@@ -101,6 +102,24 @@ def test_a_loose_end_meets_the_wall_whose_face_it_touches(tmp_path):
     middle = wall(200, 10, 200, 290, thickness=10)
     house = read_plan(home(tmp_path, *SQUARE, middle), "h1")
     assert [round(room_polygon(r).area, 3) for r in house.rooms] == [5.18, 5.18]
+
+
+def test_a_gap_in_line_is_a_passage_and_a_doubt(tmp_path):
+    outside = [wall(400, 0, 150, 0), wall(50, 0, 0, 0), *SQUARE[1:]]
+    inside = [wall(200, 0, 200, 100), wall(200, 200, 200, 300), wall(600, 0, 600, 1900)]
+    house = read_plan(home(tmp_path, *outside, *inside), "h1")
+    assert [round(room_polygon(r).area, 2) for r in house.rooms] == [5.04, 5.04]
+    widths = [o.end - o.start for w in house.walls for o in w.openings]
+    assert widths == pytest.approx(3 * [1.0])  # the inner one in a wall of either room
+    assert "2 of 1.00 to 1.00 m, read as passages" in house.warnings[0]
+    assert "2 rooms; 1 of 10 walls border none" in " ".join(house.warnings)
+
+
+def test_rooms_of_an_impossible_size_are_refused(tmp_path):
+    square = [(0, 0), (50_000, 0), (50_000, 15_000), (0, 15_000), (0, 0)]
+    walls = [wall(*a, *b) for a, b in pairwise(square)]
+    with pytest.raises(InputError, match="at most 50,000 m2 of a storey"):
+        read_plan(home(tmp_path, *walls), "h1")
 
 
 def test_a_curved_wall_bulges(tmp_path):
