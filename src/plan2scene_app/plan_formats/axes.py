@@ -167,6 +167,7 @@ def gaps_in_line(axes: Sequence[WallAxis]) -> list[WallAxis]:
     """
     lines = [LineString([axis.start, axis.end]) for axis in axes]
     tree = STRtree(lines)
+    limit_pairs(lines, SETTINGS.gap[1], "walls side by side")
     network = unary_union(lines, grid_size=SETTINGS.grid)
     inside = unary_union([face.buffer(-SETTINGS.touch) for face in polygonize(network)])
     pieces: dict[tuple[int, int], WallAxis] = {}

@@ -50,6 +50,8 @@ from plan2scene_app.plan_formats.axes import (
 
 #: Most openings of a plan.
 MAX_OPENINGS = 2000
+#: Most of them that are named each in a line of its own.
+MAX_LINES = 3
 
 
 @dataclass(frozen=True)
@@ -161,14 +163,25 @@ def _doubt(source: Source, drawing: Drawing, rooms: Sequence[Room]) -> None:
         source.warn(f"rooms up to {SETTINGS.most_height:g} m high", f"{tallest:.1f} m")
     if not drawing.axes:
         return
-    reach = SETTINGS.opening_reach + max(axis.thickness for axis in drawing.axes) / 2
-    near = unary_union([polygon.boundary for polygon in polygons]).buffer(reach)
-    lines = [LineString([axis.start, axis.end]) for axis in drawing.axes]
-    borders = [near.intersection(line).length >= line.length / 2 for line in lines]
-    length = sum(line.length for line, has in zip(lines, borders, strict=True) if has)
-    if length < SETTINGS.bordering * sum(line.length for line in lines):
-        what = f"{len(rooms)} rooms; {borders.count(False)} of {len(borders)} walls border none"
+    beside = _bordering(drawing.axes, polygons)
+    if bordering_share(drawing.axes, polygons) < SETTINGS.bordering:
+        what = f"{len(rooms)} rooms; {beside.count(False)} of {len(beside)} walls border none"
         source.warn("walls that close rooms", f"{what}, left out")
+
+
+def _bordering(axes: Sequence[WallAxis], rooms: Sequence[Polygon]) -> list[bool]:
+    """Return which walls run along the outline of a room."""
+    reach = SETTINGS.opening_reach + max(axis.thickness for axis in axes) / 2
+    near = unary_union([room.boundary for room in rooms]).buffer(reach)
+    lines = [LineString([axis.start, axis.end]) for axis in axes]
+    return [near.intersection(line).length >= line.length / 2 for line in lines]
+
+
+def bordering_share(axes: Sequence[WallAxis], rooms: Sequence[Polygon]) -> float:
+    """Return the share of the length of all walls that borders a room."""
+    lengths = [math.dist(axis.start, axis.end) for axis in axes]
+    beside = _bordering(axes, rooms)
+    return sum(v for v, has in zip(lengths, beside, strict=True) if has) / max(sum(lengths), 1e-9)
 
 
 def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
@@ -317,6 +330,7 @@ def _with_openings(
 ) -> list[Wall]:
     """Return the walls with the openings that lie on one; the others are warned of."""
     placed, pairs = list(walls), 0
+    lost: list[str] = []
     tree = STRtree([LineString([wall.start, wall.end]) for wall in walls])
     for segment in openings:
         thickness = along.thickness(segment)
@@ -331,10 +345,14 @@ def _with_openings(
         try:
             changed = place_openings(source, [placed[k] for k in near], [segment], tolerance=reach)
         except InputError as error:
-            source.warnings.append(f"{error}; left out")
+            lost.append(f"{error}; left out")
             continue
         for k, wall in zip(near, changed, strict=True):
             placed[k] = wall
+    source.warnings.extend(lost[:MAX_LINES])
+    if len(lost) > MAX_LINES:
+        found = f"{len(lost)} of {len(openings)} that are in none, left out"
+        source.warn("doors and windows in walls of rooms", found)
     return placed
 
 

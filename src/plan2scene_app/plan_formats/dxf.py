@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -21,16 +21,43 @@ from shapely.geometry import LineString, Point, Polygon, box
 
 from plan2scene.errors import InputError
 from plan2scene.house import House
+from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import MAX_ROOMS, Source
 from plan2scene.plans.plan_file import PlanFile, PlanFormat, Unscaled
-from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, WallAxis, axis_of_area
-from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, house_of_drawing
+from plan2scene_app.plan_formats.axes import (
+    HEIGHTS,
+    MAX_AXES,
+    SETTINGS,
+    NearestAxis,
+    WallAxis,
+    axis_of_area,
+)
+from plan2scene_app.plan_formats.drawing import (
+    Drawing,
+    DrawnRoom,
+    bordering_share,
+    closed_rooms,
+    house_of_drawing,
+)
+from plan2scene_app.plan_formats.dxf_content import (
+    DXF,
+    MAX_ENTITIES,
+    MAX_NESTING,
+    UNITS,
+    Leaf,
+    alphabet,
+    each_entity,
+    leaves_of,
+    unit_of,
+)
+from plan2scene_app.plan_formats.dxf_rooms import rooms_of_layers, rooms_of_lines
 from plan2scene_app.plan_formats.lines import (
     axes_of_lines,
     bridges,
     groups_of_lines,
     rooms_of_outlines,
 )
+from plan2scene_app.plan_formats.measures import read_areas
 
 #: Patterns of layer and block names, as CAD programs have them: parted by commas, of the whole
 #: name in any case; ``*`` any letters, ``?`` one, ``[aä]`` one of these, ``[!a-z]`` none of these.
@@ -95,10 +122,8 @@ class LayerKinds:
         return next((kind for name in names_of(entity) if (kind := self.of_name(name))), "")
 
 
-#: Most entities of a block, points of one curve, nesting of blocks.
-MAX_ENTITIES = 100_000
+#: Most points of one curve.
 MAX_POINTS = 2000
-MAX_NESTING = 12
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 
 
@@ -129,6 +154,20 @@ class Curves:
                 [array[:-1] if np.allclose(array[0], array[-1], atol=1e-3) else array, array[:1]]
             )
         return LineString(array)
+
+    def borders(self, hatch: Any) -> list[LineString]:
+        """Return the outlines of a hatch in metres, (x, -y), as closed lines."""
+        from ezdxf import path
+
+        try:
+            paths = list(path.from_hatch(hatch))
+            rings = [[(p.x, -p.y) for p in one.flattening(0.05 / self.metres)] for one in paths]
+        except (TypeError, ValueError, ArithmeticError, AttributeError):
+            return []
+        arrays = [np.array(ring, dtype=np.float64) * self.metres for ring in rings if len(ring) > 3]
+        if sum(len(array) for array in arrays) > MAX_POINTS:
+            raise self.source.fault(f"at most {MAX_POINTS} points of a hatch", "more")
+        return [LineString([*array, array[0]]) for array in arrays if np.isfinite(array).all()]
 
     def block_area(self, insert: Any, depth: int = 0) -> Polygon | None:
         """Return the box around what an inserted block draws, as the insert turns it."""
@@ -190,8 +229,18 @@ def house_of_dxf(
     """
     source = Source(str(path), house_id)
     document = load_dxf(source, path)
-    drawing = _Drawing(source, document, metres_per_unit or _unit(source, document), layers or {})
-    return house_of_drawing(source, drawing.read())
+    kinds = LayerKinds(source, layers or {})
+    entities = list(each_entity(source, document.modelspace(), kinds.of))
+    leaves = leaves_of(entity for entity, _ in entities)
+    metres = metres_per_unit or _unit(source, document, leaves)
+    drawing = _Drawing(source, document, metres, entities, leaves)
+    house = house_of_drawing(source, drawing.read())
+    printed = None if metres_per_unit else drawing.printed_unit(house)
+    if printed is None:
+        return house
+    again = Source(str(path), house_id)
+    again.warn("a unit of the header that suits the areas written", f"{printed:g} m by them")
+    return house_of_drawing(again, _Drawing(again, document, printed, entities, leaves).read())
 
 
 def load_dxf(source: Source, path: Path) -> Any:
@@ -205,13 +254,13 @@ def load_dxf(source: Source, path: Path) -> Any:
         StopIteration,  # the file ends within a point
     )
     try:
-        return ezdxf.readfile(path)
+        return ezdxf.readfile(path, encoding=alphabet(path))
     except damage as error:
         raise source.fault("a DXF drawing that can be read", repr(error)) from None
 
 
-def _unit(source: Source, document: Any) -> float:
-    """Return metres of the unit in the header."""
+def _unit(source: Source, document: Any, leaves: list[Leaf]) -> float:
+    """Return metres of the unit in the header, or of the one that the doors tell."""
     from ezdxf import units
 
     code = document.header.get("$INSUNITS", 0)
@@ -219,10 +268,12 @@ def _unit(source: Source, document: Any) -> float:
         metres = float(units.conversion_factor(units.InsertUnits(code), units.InsertUnits.Meters))
     except (ValueError, KeyError, TypeError):
         metres = 0.0
-    if code == 0 or not 0 < metres <= 1000:
+    known = metres if code != 0 and 0 < metres <= 1000 else None
+    unit = unit_of(source, known, leaves)
+    if unit is None:
         expected = "a unit in the header ($INSUNITS), or metres_per_pixel for the drawing's unit"
         raise source.fault(expected, f"$INSUNITS {code}")
-    return metres
+    return unit
 
 
 def entities_of(source: Source, document: Any) -> Iterator[Any]:
@@ -233,46 +284,134 @@ def entities_of(source: Source, document: Any) -> Iterator[Any]:
         yield entity
 
 
+_LETTERS = re.compile(r"[^\W\d_]{2}")
 #: A door's or window's layer, its area, its insertion point where it is a block.
 _Mark = tuple[str, Polygon, Point | None]
 
 
 class _Drawing:
-    """Entities of the model space, in metres."""
+    """Entities of the model space with their kinds, in metres."""
 
     def __init__(
-        self, source: Source, document: Any, metres: float, layers: Mapping[str, str]
+        self,
+        source: Source,
+        document: Any,
+        metres: float,
+        entities: Sequence[tuple[Any, str]],
+        leaves: Sequence[Leaf],
     ) -> None:
-        self.source, self.document, self.metres = source, document, metres
-        self.kinds = LayerKinds(source, layers)
+        self.source, self.metres = source, metres
+        self.entities, self.leaves = entities, leaves
         self.curves = Curves(source, document, metres)
+        self.written: list[tuple[str, Point]] = []
 
     def read(self) -> Drawing:
         """Return the drawing: rooms, walls, openings, names."""
         lines: dict[str, list[LineString]] = {key: [] for key in LAYERS}
+        others: dict[str, list[LineString]] = {}
+        hatches: dict[str, list[LineString]] = {key: [] for key in LAYERS}
         marks: list[_Mark] = []
-        texts: list[tuple[str, Point]] = []
         pieces = 0
-        for entity in entities_of(self.source, self.document):
-            kind = self.kinds.of(entity)
+        swung = {id(leaf.line) for leaf in self.leaves}
+        for entity, kind in self.entities:
             if entity.dxftype() == "INSERT":
-                area = self.curves.block_area(entity) if kind in ("doors", "windows") else None
+                area = self.curves.block_area(entity)
                 marks += [] if area is None else [(kind, area, self._place(entity))]
             elif entity.dxftype() in ("TEXT", "MTEXT"):
-                texts += self._text(entity)
-            elif kind and entity.dxftype() in CURVES:
+                self.written += self._text(entity)
+            elif entity.dxftype() == "HATCH" and kind:
+                hatches[kind] += self.curves.borders(entity)
+            elif entity.dxftype() in CURVES and id(entity) not in swung:
                 line = self.curves.line(entity)
                 if line is None or line.length == 0:
+                    continue
+                if not kind:
+                    straight = line.is_closed or entity.dxftype() not in ("ARC", "CIRCLE")
+                    others.setdefault(str(entity.dxf.layer), []).extend([line] * straight)
                     continue
                 lines[kind].append(line)
                 pieces += (len(line.coords) - 1) * (kind == "walls")
                 if pieces > 2 * MAX_AXES:
                     raise self.source.fault(f"at most {2 * MAX_AXES} lines of walls", "more")
-        shift = _shift([*lines["rooms"], *lines["walls"]])
-        moved = {key: [_move(line, shift) for line in own] for key, own in lines.items()}
-        texts = [(text, _move(point, shift)) for text, point in texts]
+        for kind in ("walls", "rooms"):
+            lines[kind] = lines[kind] or hatches[kind]
+        known = [*lines["rooms"], *lines["walls"]]
+        shift = _shift(known or [line for own in others.values() for line in own])
+        self.written = [(text, _move(point, shift)) for text, point in self.written]
         marks = [(kind, _move(area, shift), at and _move(at, shift)) for kind, area, at in marks]
-        return self._drawing(moved, marks, texts)
+        moved, left = (
+            {key: [_move(line, shift) for line in own] for key, own in group.items()}
+            for group in (lines, others)
+        )
+        leaves = [
+            LineString([(x * self.metres, -y * self.metres) for x, y in (leaf.hinge, leaf.closed)])
+            for leaf in self.leaves
+        ]
+        doors = [
+            Segment(f"leaf_{k}", "door", *_move(leaf, shift).coords, *HEIGHTS["door"])
+            for k, leaf in enumerate(leaves)
+        ]
+        names = [(text, place) for text, place in self.written if _LETTERS.search(text)]
+        return self._unlayered(self._drawing(moved, marks, names), left, marks, doors, names)
+
+    def printed_unit(self, house: House) -> float | None:
+        """Return the unit by areas that are written in rooms; None where they suit the rooms."""
+        rooms = [Polygon(room.rings[0]).buffer(0) for room in house.rooms]
+        shares = [
+            float(np.sqrt(read_areas(text)[0][0] / room.area))
+            for text, place in self.written
+            if read_areas(text)
+            for room in rooms
+            if room.contains(place)
+        ]
+        if len(shares) < DXF.least_leaves:
+            return None
+        told = float(np.median(shares)) * self.metres
+        nearest = min(UNITS.values(), key=lambda unit: abs(np.log(unit / told)))
+        off = abs(nearest / told - 1)
+        return nearest if off <= DXF.printed and nearest != self.metres else None
+
+    def _unlayered(
+        self,
+        named: Drawing,
+        others: Mapping[str, list[LineString]],
+        marks: list[_Mark],
+        doors: list[Segment],
+        names: list[tuple[str, Point]],
+    ) -> Drawing:
+        """Return a drawing by its layers, unless they tell little and the rest tells more."""
+        if named.rooms and not named.axes:
+            return named
+        trial = replace(named, axes=list(named.axes), openings=list(named.openings))
+        faces = closed_rooms(replace(self.source, warnings=[]), trial) if named.axes else []
+        if faces and bordering_share(named.axes, faces) >= SETTINGS.bordering:
+            return named
+        floor = max(named.floor(), sum(face.area for face in faces))
+        by_layer = rooms_of_layers(others)
+        if sum(area.area for _, area in by_layer) > DXF.more * floor:
+            drawing = Drawing()
+            alone = Counter(layer for layer, _ in by_layer)
+            for layer, area in by_layer:
+                room = self._room([ring.coords[:-1] for ring in _rings(area)], names)
+                drawing.rooms.append(replace(room, name=room.name or layer))
+            self._add_openings(drawing, marks)
+            layers = ", ".join(sorted(alone)[:5])
+            found = f"none; {len(by_layer)} outlines on {len(alone)} layers ({layers} ...)"
+            self.source.warn("layers of rooms", found)
+            return drawing
+        reading = rooms_of_lines(self.source, others, doors, [place for _, place in names])
+        if reading is None or sum(face.area for face in reading.faces) <= DXF.more * floor:
+            if not faces and not named.rooms and others:
+                layers = ", ".join(sorted(others, key=lambda k: -len(others[k]))[:8])
+                what = f"{len(named.axes)} walls that close none; layers {layers}"
+                raise self.source.fault("rooms, or walls that close some (dxf_layers)", what)
+            return named
+        self.source.warn("layers of walls", f"none; lines of layer {reading.layer!r} read as walls")
+        drawing = Drawing(axes=reading.drawing.axes, openings=reading.drawing.openings)
+        for face in reading.faces:
+            drawing.rooms.append(self._room([ring.coords[:-1] for ring in _rings(face)], names))
+        self._add_openings(drawing, marks)
+        return drawing
 
     def _drawing(
         self,
@@ -335,16 +474,20 @@ class _Drawing:
                 self.source.warn(expected, f"{width:.2f} m, left out")
 
     def _text(self, entity: Any) -> list[tuple[str, Point]]:
-        """Return a text's words and place; nothing for measures."""
+        """Return a text's words and place."""
         text = entity.plain_text() if entity.dxftype() == "MTEXT" else entity.dxf.get("text", "")
         text = " ".join(str(text).split())[:100]
         place = self._place(entity)
-        return [(text, place)] if place is not None and re.search(r"[^\W\d_]{2}", text) else []
+        return [(text, place)] if place is not None else []
 
     def _place(self, entity: Any) -> Point | None:
         """Return the insertion point of a text or block."""
         place = entity.dxf.get("insert")
         return None if place is None else Point(place.x * self.metres, -place.y * self.metres)
+
+
+def _rings(area: Polygon) -> list[Any]:
+    return [area.exterior, *area.interiors]
 
 
 def _shift(lines: Sequence[LineString]) -> tuple[float, float]:

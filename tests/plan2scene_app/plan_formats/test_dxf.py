@@ -2,7 +2,7 @@
 
 import time
 from itertools import pairwise
-from math import atan2, degrees
+from math import atan2, cos, degrees, radians, sin
 
 import pytest
 from plan_drawing import FLATS, assert_found, drawn_flat
@@ -14,6 +14,7 @@ from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.parse import Source
 from plan2scene_app.plan_formats.dxf import LayerKinds, house_of_dxf
+from plan2scene_app.plan_formats.dxf_content import alphabet
 
 ezdxf = pytest.importorskip("ezdxf")
 MILLIMETRES = 4
@@ -122,6 +123,80 @@ def test_round_trip_of_faces_alone(tmp_path, number):
     assert_found(without_passages(plan), found, types=False, heights=False)
 
 
+def nested(doc, plan):
+    """The drawing turned by 20 degrees, in a block in a block."""
+    doc.blocks.new("plan")
+    for entity in list(doc.modelspace()):
+        doc.modelspace().move_to_layout(entity, doc.blocks.get("plan"))
+    doc.blocks.new("sheet").add_blockref("plan", (5000, 0), dxfattribs={"rotation": 20})
+    doc.modelspace().add_blockref("sheet", (0, 700))
+
+
+def hatched(doc, plan):
+    for line in list(doc.modelspace().query("LWPOLYLINE")):
+        hatch = doc.modelspace().add_hatch(dxfattribs={"layer": "WAND"})
+        hatch.paths.add_polyline_path([p[:2] for p in line.get_points()], is_closed=True)
+        doc.modelspace().delete_entity(line)
+
+
+def unlayered(doc, plan):
+    """Single lines on layer 0, each door a leaf that stands open by 30 degrees and its arc."""
+    space = doc.modelspace()
+    space.delete_all_entities()
+    for ends in plan.axes:
+        space.add_line(*points(ends))
+    for hole in plan.holes:
+        start, end = points(hole.ends)
+        if hole.kind == "door":
+            turn = degrees(atan2(end[1] - start[1], end[0] - start[0]))
+            space.add_arc(start, hole.width * 1000, turn, turn + 30)
+            turn, size = radians(turn + 30), hole.width * 1000
+            space.add_line(start, (start[0] + size * cos(turn), start[1] + size * sin(turn)))
+
+
+def outlined(doc, plan):
+    """Each room an outline on a layer of its own."""
+    doc.modelspace().delete_all_entities()
+    for number, (_, _, area) in enumerate(plan.rooms):
+        ring = points(area.exterior.coords[:-1])
+        layer = {"layer": f"F12-{number}"}
+        doc.modelspace().add_lwpolyline(ring, close=True, dxfattribs=layer)
+
+
+@pytest.mark.parametrize("change", [nested, hatched, unlayered, outlined])
+def test_drawings_as_others_make_them(tmp_path, change):
+    plan, doc = drawn_flat(2), document()
+    add_walls(doc, plan, "bodies")
+    change(doc, plan)
+    found = read_plan(saved(doc, tmp_path), "h1")
+    areas = sorted(room_polygon(room).area for room in found.rooms)
+    assert areas == pytest.approx(sorted(a.area for _, _, a in plan.rooms), rel=0.03)
+    doors = [o for wall in found.walls for o in wall.openings if o.kind == "door"]
+    assert bool(doors) == (change is unlayered)
+
+
+@pytest.mark.parametrize("units", [0, 1, 6])
+def test_a_unit_that_does_not_suit_the_doors(tmp_path, units):
+    plan, doc = drawn_flat(2), document(units)
+    unlayered(doc, plan)
+    found = read_plan(saved(doc, tmp_path), "h1")
+    assert "mm by their widths" in found.warnings[0]
+    assert sum(room_polygon(r).area for r in found.rooms) == pytest.approx(
+        sum(a.area for _, _, a in plan.rooms), rel=0.05
+    )
+
+
+def test_names_of_a_japanese_program(tmp_path):
+    doc = ezdxf.new("R12")
+    path = saved(doc, tmp_path)
+    assert alphabet(path) is None
+    named = path.read_bytes()
+    path.write_bytes(named + "999\n基準線と壁の窓\n".encode("cp932"))
+    assert alphabet(path) == "cp932"
+    path.write_bytes(named + "999\nKüche, Flur, Gästebad\n".encode("cp1252"))
+    assert alphabet(path) is None
+
+
 def test_axes_far_from_the_origin(tmp_path):
     plan, doc = drawn_flat(2), document()
     add_walls(doc, plan, "axes", shift=(3.5e9, 5.4e9))
@@ -137,7 +212,7 @@ def test_units_layers_and_names(tmp_path):
         doc.modelspace().add_lwpolyline(ring, close=True, dxfattribs={"layer": "X1"})
         doc.modelspace().add_text(name).set_placement((x + 50, 50))
     path = saved(doc, tmp_path)
-    with pytest.raises(InputError, match="expected rooms, or walls that close some, found none"):
+    with pytest.raises(InputError, match="0 walls that close none; layers X1"):
         read_plan(path, "h1")
     house = house_of_dxf(path, "h1", layers={"rooms": "X?"})
     assert [room.id for room in house.rooms] == ["room", "wohnzimmer"]

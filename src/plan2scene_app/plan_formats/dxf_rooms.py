@@ -1,0 +1,117 @@
+"""Rooms of a DXF whose layers tell nothing: outlines as large as rooms, lines that close."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from itertools import pairwise
+
+from shapely import unary_union
+from shapely.geometry import LineString, Point, Polygon
+
+from plan2scene.errors import InputError
+from plan2scene.plans.openings import Segment
+from plan2scene.plans.parse import Source
+from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, WallAxis, distinct, is_floor
+from plan2scene_app.plan_formats.drawing import Drawing, closed_rooms
+from plan2scene_app.plan_formats.dxf_content import DXF
+from plan2scene_app.plan_formats.lines import axes_of_lines
+
+#: Names of layers whose outlines are no floor, in English and German.
+VOIDS = ("*void*", "*atrium*", "*shaft*", "*schacht*", "*luftraum*")
+
+
+def rooms_of_layers(
+    outlines: Mapping[str, Sequence[LineString]],
+) -> list[tuple[str, Polygon]]:
+    """Return (layer, floor) of closed outlines in metres on layers whose outlines are rooms.
+
+    An outline around several others is what they leave of it, as corridors are. The name of a
+    layer that holds one room is the room's, of others the layer's is.
+    """
+    found: list[tuple[str, Polygon]] = []
+    holes: list[Polygon] = []
+    for layer, lines in outlines.items():
+        areas = [Polygon(line).buffer(0) for line in lines if line.is_closed]
+        areas = [area for area in areas if isinstance(area, Polygon) and is_floor(area)]
+        if any(fnmatchcase(layer.casefold(), pattern) for pattern in VOIDS):
+            holes += areas
+            continue
+        large = [area for area in areas if area.area >= DXF.room[0]]
+        if large and len(large) >= DXF.outlines * len(areas):
+            found += [(layer, area) for area in large]
+    found.sort(key=lambda pair: pair[1].area)
+    rooms: list[tuple[str, Polygon]] = []
+    for layer, area in found:
+        inside = [room for _, room in rooms if area.contains(room.representative_point())]
+        taken = [room for _, room in rooms if area.intersects(room)]
+        if area.intersection(unary_union(taken)).area > (1 - DXF.outlines) * area.area or inside:
+            # As far from the others as a wall is thick.
+            free = area.difference(unary_union([*taken, *holes]).buffer(0.15, join_style="mitre"))
+            free = free.buffer(-DXF.corridor / 2).buffer(DXF.corridor / 2, join_style="mitre")
+            parts = [p for p in getattr(free, "geoms", [free]) if p.area >= DXF.left_over]
+            rooms += [(layer, part.simplify(0.05)) for part in parts if len(taken) < len(found)]
+        elif area.area <= DXF.room[1]:
+            rooms.append((layer, area))
+    return rooms if len(rooms) >= DXF.least_rooms else []
+
+
+@dataclass(frozen=True)
+class LineReading:
+    """What the lines of a layer close: its walls, its floors, how many doors swing at them."""
+
+    layer: str
+    drawing: Drawing
+    faces: tuple[Polygon, ...]
+    doors: int
+
+
+def rooms_of_lines(
+    source: Source,
+    strokes: Mapping[str, Sequence[LineString]],
+    doors: Sequence[Segment],
+    words: Iterable[Point],
+) -> LineReading | None:
+    """Return the reading of the layer whose lines, as walls, close the most floor.
+
+    A layer of walls has doors or names in its rooms, and few faces too small for one. Of several
+    drawings the one with most doors is read.
+    """
+    best: LineReading | None = None
+    spots = list(words)
+    for layer, lines in strokes.items():
+        pieces = sum(len(line.coords) - 1 for line in lines)
+        if not DXF.least_lines <= pieces <= MAX_AXES:
+            continue
+        single = [WallAxis(*pair) for line in lines for pair in pairwise(line.coords)]
+        for way in (axes_of_lines, lambda _, single=single: distinct(single)):
+            try:
+                drawing = Drawing(axes=way(lines), openings=list(doors))
+                faces = closed_rooms(replace(source, warnings=[]), drawing)
+            except InputError:  # too many lines side by side: no walls
+                continue
+            for view in _views(faces):
+                around = unary_union(view).buffer(SETTINGS.opening_reach)
+                swung = sum(around.contains(Point(door.start)) for door in doors)
+                named = sum(any(face.contains(spot) for spot in spots) for face in view)
+                tiny = sum(face.area < DXF.tiny for face in view)
+                if swung + named < 2 or tiny > DXF.tiny_share * len(view):
+                    continue
+                reading = LineReading(layer, drawing, tuple(view), swung)
+                if best is None or _rank(reading) > _rank(best):
+                    best = reading
+    return best
+
+
+def _rank(reading: LineReading) -> tuple[int, float]:
+    return reading.doors, sum(face.area for face in reading.faces)
+
+
+def _views(faces: Sequence[Polygon]) -> list[list[Polygon]]:
+    """Return the floors drawn together, as those of one plan are."""
+    if not faces:
+        return []
+    joined = unary_union([face.buffer(SETTINGS.faces[1] / 2) for face in faces])
+    parts = getattr(joined, "geoms", [joined])
+    return [[f for f in faces if part.contains(f.representative_point())] for part in parts]
