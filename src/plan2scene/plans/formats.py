@@ -88,13 +88,13 @@ def read_plan(
     plan = PlanFile(Path(path), house_id, metres_per_pixel, dxf_layers)
     if not plan.path.is_file():
         raise plan.fault("a plan", "no such file")
-    if not plan.binary and not plan.text.strip():
+    if not plan.head.strip():
         raise plan.fault("a plan", "an empty file")
     plan_format = format_of(plan)
     if plan_format is None:
         names = ", ".join(entry.name for entry in plan_formats())
         start = plan.binary + (" (plan2scene trace makes a plan of it)" * plan.is_picture)
-        start = start or f"{plan.text.split()[0][:40]!r} at its start"
+        start = start or f"{(plan.text.split() or ['?'])[0][:40]!r} at its start"
         raise plan.fault(f"a plan ({names}) or a PNG or JPEG picture of one", start)
     if plan_format.needs_scale and not 0 < (metres_per_pixel or 0) <= 1:
         expected = f"metres_per_pixel above 0 and up to 1 for {plan_format.name}"

@@ -79,10 +79,12 @@ class PlanFile:
 
     @cached_property
     def text(self) -> str:
-        """The file as UTF-8 text; empty for a :attr:`binary` one."""
+        """The file as UTF-8 text; empty for a :attr:`binary` one, and for a DXF of another code."""
         try:
             return "" if self.binary else read_text(self.path)
         except InputError as error:
+            if b"SECTION" in self.head.split()[:40]:  # its reader knows the code pages of DXF
+                return ""
             raise self.fault(error.expected, error.found) from None
 
     @cached_property

@@ -165,59 +165,55 @@ def gaps_in_line(axes: Sequence[WallAxis]) -> list[WallAxis]:
     A piece lies between two ends that nothing joins, or outside all rooms that the walls close: a
     corridor between two walls in line stays open.
     """
+    axes = [axis for axis in axes if math.dist(axis.start, axis.end) > SETTINGS.join]
     lines = [LineString([axis.start, axis.end]) for axis in axes]
-    tree = STRtree(lines)
+    if not lines:
+        return []
     limit_pairs(lines, SETTINGS.gap[1], "walls side by side")
+    tree = STRtree(lines)
     network = unary_union(lines, grid_size=SETTINGS.grid)
     inside = unary_union([face.buffer(-SETTINGS.touch) for face in polygonize(network)])
+    ends = np.array([end for axis in axes for end in (axis.start, axis.end)], dtype=np.float64)
     pieces: dict[tuple[int, int], WallAxis] = {}
-    for k, axis in enumerate(axes):
-        for end, start in ((axis.end, axis.start), (axis.start, axis.end)):
-            found = _facing(k, np.array(end), np.array(start), axes, lines, tree)
-            if found is None:
-                continue
-            other, there = found
-            piece = LineString([end, there])
-            free = _is_free(end, k, lines, tree) and _is_free(there, other, lines, tree)
-            if free or not inside.contains(piece.centroid):
-                thickness = min(axis.thickness, axes[other].thickness)
-                ends = sorted([tuple(map(float, end)), tuple(map(float, there))])
-                key = (min(k, other), max(k, other))
-                pieces[key] = WallAxis(ends[0], ends[1], thickness, axis.height)
+    for end, other in _facing(ends, np.array([axis.thickness for axis in axes])):
+        one, two = axes[end // 2], axes[other // 2]
+        piece = LineString(ends[[end, other]])
+        way = (ends[other] - ends[end]) / piece.length
+        middle = LineString([ends[end] + 0.1 * way, ends[other] - 0.1 * way])
+        if set(tree.query(middle, predicate="intersects").tolist()) - {end // 2, other // 2}:
+            continue
+        free = all(_is_free(ends[k], k // 2, lines, tree) for k in (end, other))
+        if free or not inside.contains(piece.centroid):
+            (x0, z0), (x1, z1) = ends[sorted((end, other))].tolist()
+            thickness = min(one.thickness, two.thickness)
+            key = (min(end, other), max(end, other))
+            pieces[key] = WallAxis((x0, z0), (x1, z1), thickness, one.height)
     return [pieces[key] for key in sorted(pieces)]
 
 
-def _facing(
-    own: int,
-    end: np.ndarray,
-    start: np.ndarray,
-    axes: Sequence[WallAxis],
-    lines: Sequence[LineString],
-    tree: STRtree,
-) -> tuple[int, np.ndarray] | None:
-    """Return the nearest wall in line beyond an end of a wall, and the end of it that faces."""
-    way = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
-    least, most = SETTINGS.gap
-    best: tuple[float, int, np.ndarray] | None = None
-    for k in sorted(tree.query(Point(end).buffer(most)).tolist()):
-        a, b = np.array(axes[k].start), np.array(axes[k].end)
-        if k == own or np.allclose(a, b):
-            continue
-        for near, far in ((a, b), (b, a)):
-            step, on = near - end, (far - near) / np.linalg.norm(far - near)
-            along, across = float(step @ way), abs(float(step[0] * way[1] - step[1] * way[0]))
-            straight = float(on @ way) >= math.cos(SETTINGS.in_line)
-            reach = SETTINGS.off_line + axes[own].thickness / 2
-            if straight and least <= along <= most and across <= reach:
-                best = min(best or (math.inf, k, near), (along, k, near), key=lambda b: b[:2])
-    if best is None:
-        return None
-    piece = LineString([end + 0.1 * way, best[2] - 0.1 * way])
-    crossed = [k for k in tree.query(piece, predicate="intersects") if k not in (own, best[1])]
-    return None if crossed else (best[1], best[2])
+def _facing(ends: np.ndarray, thickness: np.ndarray) -> list[tuple[int, int]]:
+    """Return for each end (index into `ends` (2n, 2)) the nearest one that faces it in line."""
+    from scipy.spatial import cKDTree  # a third of a second that no other format needs
+
+    outward = ends - ends.reshape(-1, 2, 2)[:, ::-1].reshape(-1, 2)
+    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    pairs = cKDTree(ends).query_pairs(SETTINGS.gap[1], output_type="ndarray")
+    pairs = pairs[np.lexsort(pairs.T[::-1])]
+    found: dict[int, tuple[float, int]] = {}
+    for one, other in (pairs.T, pairs.T[::-1]):
+        steps, ways = ends[other] - ends[one], outward[one]
+        along = (steps * ways).sum(1)
+        across = np.abs(steps[:, 0] * ways[:, 1] - steps[:, 1] * ways[:, 0])
+        straight = -(ways * outward[other]).sum(1) >= math.cos(SETTINGS.in_line)
+        near = across <= SETTINGS.off_line + thickness[one // 2] / 2
+        fits = straight & near & (along >= SETTINGS.gap[0]) & (along <= SETTINGS.gap[1])
+        for k in np.flatnonzero(fits & (one // 2 != other // 2)):
+            best = found.get(int(one[k]), (math.inf, -1))
+            found[int(one[k])] = min(best, (float(along[k]), int(other[k])))
+    return [(end, other) for end, (_, other) in sorted(found.items())]
 
 
-def _is_free(end: house.Point, own: int, lines: Sequence[LineString], tree: STRtree) -> bool:
+def _is_free(end: np.ndarray, own: int, lines: Sequence[LineString], tree: STRtree) -> bool:
     """Return whether no other wall is at an end; a stroke across it, as doors have, is none."""
     place = Point(end)
     near = tree.query(place, predicate="dwithin", distance=SETTINGS.touch)

@@ -229,13 +229,12 @@ def closed_rooms(source: Source, drawing: Drawing) -> list[Polygon]:
     reach = SETTINGS.touch + max(axis.thickness for axis in drawing.axes) / 2
     for _ in range(2):  # without the gaps that close a cupboard, and then those beside them
         closed = rooms_of_axes(source, [*drawing.axes, *gaps])
-        borders = [face.exterior.buffer(reach) for face in closed]
+        tree = STRtree([face.exterior for face in closed])
         kept = []
         for gap in gaps:
             middle = Place(np.add(gap.start, gap.end) / 2)
-            areas = [
-                face.area for face, rim in zip(closed, borders, strict=True) if rim.contains(middle)
-            ]
+            beside = tree.query(middle, predicate="dwithin", distance=reach)
+            areas = [closed[k].area for k in beside]
             kept += [gap] if areas and min(areas) >= SETTINGS.gap_room else []
         gaps = kept
     closed = rooms_of_axes(source, [*drawing.axes, *gaps])

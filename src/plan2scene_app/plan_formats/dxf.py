@@ -343,14 +343,11 @@ class _Drawing:
             {key: [_move(line, shift) for line in own] for key, own in group.items()}
             for group in (lines, others)
         )
-        leaves = [
-            LineString([(x * self.metres, -y * self.metres) for x, y in (leaf.hinge, leaf.closed)])
-            for leaf in self.leaves
-        ]
-        doors = [
-            Segment(f"leaf_{k}", "door", *_move(leaf, shift).coords, *HEIGHTS["door"])
-            for k, leaf in enumerate(leaves)
-        ]
+        doors = []
+        for leaf in self.leaves:
+            ends = [(x * self.metres + shift[0], shift[1] - y * self.metres) for x, y in leaf.ends]
+            name = f"leaf_{len(doors)}"
+            doors.append(Segment(name, "door", ends[0], ends[1], *HEIGHTS["door"]))
         names = [(text, place) for text, place in self.written if _LETTERS.search(text)]
         return self._unlayered(self._drawing(moved, marks, names), left, marks, doors, names)
 

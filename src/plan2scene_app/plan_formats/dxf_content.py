@@ -37,6 +37,7 @@ class DxfSettings:
     least_lines: int = 8  #: straight lines of a layer that may be of walls
     tiny: float = 1.5  #: m2: smaller faces between lines are furniture
     tiny_share: float = 0.34  #: share of them above which lines are no walls
+    pattern: int = 50  #: of them that are no drawing of rooms
     more: float = 1.5  #: times the floor that another reading must have
 
 
@@ -115,6 +116,11 @@ class Leaf:
     hinge: tuple[float, float]
     closed: tuple[float, float]
     line: Any
+
+    @property
+    def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The ends of the opening."""
+        return self.hinge, self.closed
 
     @property
     def length(self) -> float:

@@ -13,7 +13,14 @@ from shapely.geometry import LineString, Point, Polygon
 from plan2scene.errors import InputError
 from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import Source
-from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, WallAxis, distinct, is_floor
+from plan2scene_app.plan_formats.axes import (
+    MAX_AXES,
+    SETTINGS,
+    WallAxis,
+    distinct,
+    is_floor,
+    rooms_of_axes,
+)
 from plan2scene_app.plan_formats.drawing import Drawing, closed_rooms
 from plan2scene_app.plan_formats.dxf_content import DXF
 from plan2scene_app.plan_formats.lines import axes_of_lines
@@ -88,6 +95,8 @@ def rooms_of_lines(
         for way in (axes_of_lines, lambda _, single=single: distinct(single)):
             try:
                 drawing = Drawing(axes=way(lines), openings=list(doors))
+                if _is_pattern(rooms_of_axes(source, drawing.axes)):
+                    continue
                 faces = closed_rooms(replace(source, warnings=[]), drawing)
             except InputError:  # too many lines side by side: no walls
                 continue
@@ -102,6 +111,12 @@ def rooms_of_lines(
                 if best is None or _rank(reading) > _rank(best):
                     best = reading
     return best
+
+
+def _is_pattern(faces: Sequence[Polygon]) -> bool:
+    """Return whether lines are a grid, tiles or steps."""
+    tiny = sum(face.area < DXF.tiny for face in faces)
+    return tiny > DXF.pattern and tiny > DXF.tiny_share * len(faces)
 
 
 def _rank(reading: LineReading) -> tuple[int, float]:

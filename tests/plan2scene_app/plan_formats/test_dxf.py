@@ -193,6 +193,8 @@ def test_names_of_a_japanese_program(tmp_path):
     named = path.read_bytes()
     path.write_bytes(named + "999\n基準線と壁の窓\n".encode("cp932"))
     assert alphabet(path) == "cp932"
+    with pytest.raises(InputError, match="INSUNITS"):
+        read_plan(path, "h1")
     path.write_bytes(named + "999\nKüche, Flur, Gästebad\n".encode("cp1252"))
     assert alphabet(path) is None
 
