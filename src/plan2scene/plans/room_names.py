@@ -40,16 +40,19 @@ _STEMS = {
         "closet wardrobe storage store abstellraum abstellkammer kammer dressing placard "
         "cellier armario vestidor trastero despensa ripostiglio sgabuzzino berging kast "
         "pantry utility laundry cupboard walkin speisekammer buanderie lavanderia lavadero "
-        "ankleide bijkeuken technical larder klk kladkammare forrad garderob tvatt"
+        "ankleide bijkeuken technical larder klk kladkammare forrad garderob tvatt "
+        "bir wir wic robe l'dry linen cub"
     ),
     "Reception": (
         "living reception wohnzimmer wohnen wohn sejour salon sala soggiorno woonkamer lounge "
-        "dining esszimmer essen salle_a_manger comedor pranzo eetkamer family den library "
+        "dining sitting esszimmer essen salle_a_manger comedor pranzo eetkamer family den library "
         "great_room drawing parlour parlor office study buro arbeitszimmer bureau despacho "
         "studio ufficio werkkamer stube zimmer vardagsrum matplats allrum activity theatre"
     ),
 }
-_TYPES = {name.lower(): name for name in ROOM_TYPES}
+#: Whole names: a room (German) that is for nothing else, and what stands on closets.
+_WHOLE = {"zimmer": "Bedroom", "c": "Closet", "cl": "Closet", "w i cl": "Closet"}
+_TYPES = {name.lower(): name for name in ROOM_TYPES} | _WHOLE
 
 
 def room_types(name: str) -> tuple[str, ...]:
@@ -58,7 +61,7 @@ def room_types(name: str) -> tuple[str, ...]:
     A name may join several rooms ("Living / Kitchen"): each is told alone.
     """
     types: list[str] = []
-    for part in re.split(r"[/+&,;|]| und | and | et | y | e | en ", f"{name} "):
+    for part in re.split(r"(?<!\b[wW])[/+&,;|]| und | and | et | y | e | en ", f"{name} "):
         kind = _type_of(part)
         if kind is not None and kind not in types:
             types.append(kind)

@@ -343,7 +343,7 @@ class _Drawing:
             {key: [_move(line, shift) for line in own] for key, own in group.items()}
             for group in (lines, others)
         )
-        doors = []
+        doors: list[Segment] = []
         for leaf in self.leaves:
             ends = [(x * self.metres + shift[0], shift[1] - y * self.metres) for x, y in leaf.ends]
             name = f"leaf_{len(doors)}"

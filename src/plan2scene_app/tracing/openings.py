@@ -53,7 +53,7 @@ def find_openings(
     edges = _edges(polygons)
     openings: list[TracedOpening] = []
     for label, kind in OPENINGS.items():
-        places, count = ndimage.label(regions.structure == label, np.ones((3, 3)))
+        places, count = _apart(regions.structure == label, 1.5 * regions.wall_px + 2)
         for number, box in enumerate(ndimage.find_objects(places, count), start=1):
             rows, columns = np.nonzero(places[box] == number)
             if len(rows) < SETTINGS.opening * regions.ppm:
@@ -65,6 +65,37 @@ def find_openings(
                 openings.append(opening)
     openings += _undrawn_passages(edges, regions, polygons, openings)
     return _joined(openings, regions.ppm)
+
+
+def _apart(drawn: np.ndarray, thick: float) -> tuple[np.ndarray, int]:
+    """Return the parts (h, w) of what is drawn, numbered from 1, and how many.
+
+    A part wider than `thick` pixels both ways is two doors that meet in a corner: what runs along
+    x is parted from what runs along y.
+    """
+    places, count = ndimage.label(drawn, np.ones((3, 3)))
+    for number, box in enumerate(ndimage.find_objects(places, count), start=1):
+        if min(s.stop - s.start for s in box) <= thick:
+            continue
+        own = places[box] == number
+        upright = own & (_runs(own) < _runs(own.T).T)
+        pieces, more = ndimage.label(upright, np.ones((3, 3)))
+        places[box][upright] = pieces[upright] + count
+        flat, others = ndimage.label(own & ~upright, np.ones((3, 3)))
+        places[box][own & ~upright] = flat[own & ~upright] + count + more
+        count += more + others
+    kept, numbered = np.unique(places, return_inverse=True)
+    return numbered.reshape(places.shape), len(kept) - 1
+
+
+def _runs(drawn: np.ndarray) -> np.ndarray:
+    """Return for each pixel how long the run in its row is that it belongs to."""
+    lengths = np.zeros(drawn.shape, np.int32)
+    for row, line in zip(lengths, drawn, strict=True):
+        edges = np.flatnonzero(np.diff(np.r_[0, line.astype(np.int8), 0]))
+        for start, stop in zip(edges[::2], edges[1::2], strict=True):
+            row[start:stop] = stop - start
+    return lengths
 
 
 def _edges(polygons: dict[int, Polygon]) -> list[_Edge]:

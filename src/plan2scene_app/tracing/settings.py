@@ -79,6 +79,17 @@ class TraceSettings:
     free_end: float = 0.08  #: m that a wall's end is free on both sides
     standing: float = 1.8  #: m: what joins no wall and is shorter is furniture
     parted_floor: float = 3.0  #: m2 on both sides of such a passage
+    # Solid walls and what is drawn in their gaps.
+    solid: float = 0.6  #: share of the wall's pixels from which walls are drawn solid
+    solid_ink: float = 0.3  #: darkness of solid walls, grey ones too
+    ink: float = 0.15  #: darkness of thin lines
+    thin_wall: float = 0.06  #: m of the thinnest solid wall
+    gap: tuple[float, float] = (0.45, 3.0)  #: m of a gap in a solid wall
+    door_gap: tuple[float, float] = (0.55, 1.3)  #: m of one between rooms that is a door
+    arc_angles: tuple[float, float] = (15.0, 75.0)  #: degrees of an arc that are looked at
+    arc_radii: tuple[float, ...] = (0.8, 0.86, 0.92, 0.98, 1.04)  #: shares of the gap
+    arc_drawn: float = 0.85  #: share of an arc that is drawn
+    arc_beside: float = 0.5  #: share of what is beside it that may be drawn
     # Rooms.
     neck: float = 0.5  #: m: a narrower neck parts two rooms
     room_floor: float = 0.6  #: m2 of the smallest room

@@ -20,6 +20,7 @@ from plan2scene.plans.plan_json import FORMAT, house_of_plan
 from plan2scene.plans.validate import validate_house
 from plan2scene.weights import MODELS
 from plan2scene_app.plan_formats.axes import HEIGHTS
+from plan2scene_app.tracing.ink import with_drawn_doors
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
 from plan2scene_app.tracing.picture import (
@@ -135,6 +136,7 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter) -> tuple[Frame, np.ndarra
     probabilities = segmenter.probabilities(frame.image, views=SETTINGS.views)
     structure = structure_of(probabilities)
     ppm = first_scale(structure)
+    structure = with_drawn_doors(structure, frame.image, ppm)
     return frame, probabilities, find_regions(with_passages(structure, ppm), ppm)
 
 

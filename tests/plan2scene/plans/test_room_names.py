@@ -14,6 +14,8 @@ from plan2scene.plans.room_names import room_types
         ("Küche/Essen", ("Kitchen", "Reception")),
         ("Living / Kitchen", ("Reception", "Kitchen")),
         ("Wohnzimmer", ("Reception",)),
+        ("Zimmer 2", ("Bedroom",)),
+        ("W/I CL", ("Closet",)),
         ("Séjour", ("Reception",)),
         ("Baño", ("Bathroom",)),
         ("Soggiorno", ("Reception",)),

@@ -1,0 +1,131 @@
+"""What the lines of a plan say where the network is wrong: gaps in solid walls, swings of doors.
+
+Agents draw walls solid and doors as a gap with a thin arc: a network sees wall or window there.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from scipy import ndimage
+
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, SETTINGS, WALL, WINDOW
+
+
+def ink_of(image: np.ndarray) -> np.ndarray:
+    """Return how dark a picture (h, w, 3) uint8 is, 0 for paper to 1, (h, w) float32."""
+    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
+    paper, dark = np.percentile(grey, [90, 0.5])
+    return np.asarray(np.clip((paper - grey) / max(paper - dark, 1.0), 0, 1), np.float32)
+
+
+def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
+    """Return the structure (h, w) uint8 with gaps in solid walls, and swings, as doors.
+
+    Left as it is where the walls are not drawn solid.
+    """
+    ink = ink_of(image)
+    solid = _solid(ink, ppm)
+    wall = structure == WALL
+    if wall.sum() == 0 or solid[wall].mean() < SETTINGS.solid:
+        return structure
+    changed = structure.copy()
+    thin = ndimage.binary_dilation(ink > SETTINGS.ink, np.ones((3, 3)))
+    near = ndimage.binary_dilation(solid, np.ones((3, 3)))
+    for label in (WALL, WINDOW):
+        places, count = ndimage.label((structure == label) & ~near)
+        for number, box in enumerate(ndimage.find_objects(places, count), start=1):
+            gap = _gap(places, number, box, solid, ppm)
+            if gap is None:
+                continue
+            rows, columns, turned, width = gap
+            swings = _swings(thin, rows, columns, turned)
+            low, high = SETTINGS.door_gap
+            sides = _beside(structure, rows, columns, turned)
+            inner = ROOM in sides and OUTSIDE not in sides
+            if swings or (label == WALL and inner and low * ppm <= width <= high * ppm):
+                part = changed[rows, columns]
+                part[part != ROOM] = DOOR
+                part[solid[rows, columns]] = WALL
+    return changed
+
+
+def _solid(ink: np.ndarray, ppm: float) -> np.ndarray:
+    """Return what is drawn solid and as thick as a thin wall, (h, w) bool."""
+    side = max(3, round(SETTINGS.thin_wall * ppm))
+    dark = (ink > SETTINGS.solid_ink).astype(np.uint8)
+    return np.asarray(cv2.morphologyEx(dark, cv2.MORPH_OPEN, np.ones((side, side), np.uint8)) > 0)
+
+
+_Gap = tuple[slice, slice, bool, int]
+
+
+def _gap(
+    places: np.ndarray, number: int, box: tuple[slice, slice], solid: np.ndarray, ppm: float
+) -> _Gap | None:
+    """Return rows, columns, whether it runs along y, and width of a gap between solid ends."""
+    height, width = (s.stop - s.start for s in box)
+    turned = height > width
+    long, short = max(height, width), min(height, width)
+    if not SETTINGS.gap[0] * ppm <= long <= SETTINGS.gap[1] * ppm or short > 0.6 * long:
+        return None
+    if (places[box] == number).mean() < 0.4:
+        return None
+    plane = solid.T if turned else solid
+    across, along = (box[1], box[0]) if turned else box
+    reach = max(4, round(0.2 * ppm))
+    before = plane[across, max(0, along.start - reach) : along.start]
+    after = plane[across, along.stop : along.stop + reach]
+    if not (before.any() and after.any()):
+        return None
+    start = along.start - (reach if along.start >= reach else along.start)
+    first = start + int(np.flatnonzero(before.any(0))[-1]) + 1
+    last = along.stop + int(np.flatnonzero(after.any(0))[0])
+    along = slice(first, last)
+    rows, columns = (along, across) if turned else (across, along)
+    return rows, columns, turned, last - first
+
+
+def _beside(structure: np.ndarray, rows: slice, columns: slice, turned: bool) -> tuple[int, int]:
+    """Return the label that is most frequent on either side of a gap."""
+    plane = structure.T if turned else structure
+    across, along = (columns, rows) if turned else (rows, columns)
+    sides = []
+    for row in (across.start - 4, across.stop + 3):
+        near = plane[min(max(row, 0), len(plane) - 1), along]
+        sides.append(int(np.bincount(near).argmax()) if near.size else OUTSIDE)
+    return sides[0], sides[1]
+
+
+def _swings(thin: np.ndarray, rows: slice, columns: slice, turned: bool) -> bool:
+    """Return whether an arc swings from an end of a gap, of one leaf as wide or of two halves.
+
+    `thin` (h, w) is where lines are; the arc's centre may be in any depth of the wall.
+    """
+    plane = thin.T if turned else thin
+    across, along = (columns, rows) if turned else (rows, columns)
+    width = along.stop - along.start
+    clear = 4  # pixels from a line to the blank beside it
+    angles = np.radians(np.linspace(*SETTINGS.arc_angles, 15))
+    for leaf in (width, width / 2):
+        for radius in leaf * np.array(SETTINGS.arc_radii):
+            if radius < 5:
+                continue
+            for hinge, way in ((along.start, 1), (along.stop - 1, -1)):
+                x = np.round(hinge + way * radius * np.cos(angles)).astype(int)
+                for side in (1, -1):
+                    for y0 in {across.start, (across.start + across.stop) // 2, across.stop - 1}:
+                        y = np.round(y0 + side * radius * np.sin(angles)).astype(int)
+                        drawn = _drawn(plane, x, y)
+                        if drawn < SETTINGS.arc_drawn:
+                            continue
+                        beside = [_drawn(plane, x + way * d, y + side * d) for d in (-clear, clear)]
+                        if max(beside) <= SETTINGS.arc_beside:
+                            return True
+    return False
+
+
+def _drawn(plane: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
+    """Return the share of points inside a picture (h, w) bool at which something is drawn."""
+    inside = (y >= 0) & (y < plane.shape[0]) & (x >= 0) & (x < plane.shape[1])
+    return float(plane[y, x].mean()) if inside.all() else 0.0

@@ -1,0 +1,51 @@
+"""Doors that the network takes for windows or walls: an arc or a gap in a solid wall tells."""
+
+import cv2
+import numpy as np
+import pytest
+
+from plan2scene_app.tracing.ink import with_drawn_doors
+from plan2scene_app.tracing.openings import find_openings
+from plan2scene_app.tracing.regions import find_regions
+from plan2scene_app.tracing.rooms import room_polygons
+from plan2scene_app.tracing.settings import DOOR, ROOM, WALL, WINDOW
+
+from .conftest import PPM, as_probabilities, flat_labels
+
+
+def drawn(labels):
+    """Return a page whose walls are solid, all openings gaps between two thin lines."""
+    page = np.full((*labels.shape, 3), 255, np.uint8)
+    page[labels == WALL] = 0
+    return page
+
+
+@pytest.mark.parametrize("arc", [True, False])
+def test_an_arc_makes_a_window_a_door(arc):
+    labels = flat_labels()
+    page = drawn(labels)
+    if arc:
+        cv2.ellipse(page, (180, 33), (45, 45), 0, 0, 90, (0, 0, 0), 1)
+    found = with_drawn_doors(labels, page, PPM)
+    assert found[31, 200] == (DOOR if arc else WINDOW)
+    assert (found == ROOM).sum() == (labels == ROOM).sum()
+
+
+def test_a_gap_in_a_wall_between_rooms_is_a_door():
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    page = drawn(labels)
+    labels[60:87, 150:153] = WALL  # the door between both rooms
+    assert (with_drawn_doors(labels, page, PPM)[62:85, 151] == DOOR).all()
+    page[:] = 255  # walls that are not solid
+    assert with_drawn_doors(labels, page, PPM) is labels
+
+
+def test_two_doors_that_meet_in_a_corner_are_two():
+    labels = flat_labels()
+    labels[30:33, 212:237] = DOOR
+    labels[30:60, 240:243] = DOOR
+    labels[30:33, 237:243] = DOOR
+    regions = find_regions(np.where(labels >= ROOM, ROOM, labels).astype(np.uint8), PPM)
+    doors = find_openings(regions, room_polygons(regions), as_probabilities(labels))
+    widths = sorted(round(o.width / PPM, 1) for o in doors if o.kind == "door")
+    assert widths == pytest.approx([0.9, 0.9, 0.9, 1.0], abs=0.15)
