@@ -68,7 +68,7 @@ def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
     found = {}
     for row in table.itertuples():
         enough = len(row.units) >= LAYING.least_units
-        if row.kind == "plain" or not enough:
+        if row.kind not in ("planks", "tiles") or not enough:
             continue
         found[SurfaceKey(row.room_id, row.surface)] = LaidPattern(
             float(row.width_m),

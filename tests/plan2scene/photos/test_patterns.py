@@ -13,11 +13,19 @@ from plan2scene.photos.patterns.views import FloorView
 SIDE_M = 2.4
 
 
+SIZE_PX = round(SIDE_M * JOINTS.px_per_m)
+
+
 def floor(columns: int, rows: int, offset: float, seed: int) -> np.ndarray:
-    """Return a floor of units of random tones, uneven within, with dark joints of 3 mm."""
-    size = round(SIDE_M * JOINTS.px_per_m)
+    """Return a floor of rows of units."""
+    offsets = np.arange(rows) * offset
+    return made_of(bonds.bond(SIZE_PX, columns, rows, SIDE_M, offsets), seed)
+
+
+def made_of(layout: bonds.Layout, seed: int) -> np.ndarray:
+    """Return units of random tones, uneven within, with dark joints of 3 mm."""
+    size = layout.key.shape[0]
     rng = np.random.default_rng(seed)
-    layout = bonds.bond(size, columns, rows, SIDE_M, np.arange(rows) * offset)
     grain = cv2.GaussianBlur(rng.normal(0, 0.3, (size, size)), (0, 0), sigmaX=12, sigmaY=1)
     value = 0.5 + layout.draw(rng, 0.02) + grain - 0.2 * layout.joint(0.003)
     return np.repeat(value[..., None], 3, axis=2)
@@ -55,9 +63,14 @@ def test_size_kind_and_direction_are_those_of_the_floor(columns, rows, offset):
 @pytest.mark.parametrize(("substance", "kind"), [("carpet", "cut"), ("plaster", "concrete")])
 def test_what_has_no_joints_has_no_pattern(substance, kind):
     material = random_material(substance, 1, kind=kind, size_px=512)
-    side = round(SIDE_M * JOINTS.px_per_m)
-    image = cv2.resize(material.albedo / 255.0, (side, side), interpolation=cv2.INTER_AREA)
+    image = cv2.resize(material.albedo / 255.0, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_AREA)
     assert find_pattern([view(image, 10.0)])[0].kind == "plain"
+
+
+def test_herringbone_is_not_taken_for_rows():
+    part = made_of(bonds.herringbone(SIZE_PX // 3, 5, SIDE_M / 3, diagonal=False), seed=4)
+    image = np.tile(part, (3, 3, 1))
+    assert find_pattern([view(image, 0.0)])[0].kind == "other"
 
 
 def test_a_room_of_the_material_has_its_size_and_keeps_its_own_direction():

@@ -15,6 +15,7 @@ from plan2scene.photos.patterns.joints import (
     along,
     next_row,
     refined,
+    run_on,
 )
 from plan2scene.photos.patterns.views import FloorView
 
@@ -32,6 +33,8 @@ class FindSettings:
     clear: float = 0.36  #: score from which on there is no doubt
     believed: float = 0.4  #: confidence under which a floor counts as plain
     least_length: float = 0.12  #: score of the joints across rows
+    breaks: float = 0.3  #: of joints that come again, over their likeness: no rows
+    fades: float = 0.25  #: likeness of joints half a metre on, over that beside: less is no row
     square: float = 0.12  #: log ratio of the sides of square tiles
     plank: float = 2.2  #: length over width of planks, at least
     widest_plank_m: float = 0.3
@@ -48,7 +51,7 @@ class FoundPattern:
     Attributes
     ----------
     kind : str
-        ``planks``, ``tiles`` or ``plain``.
+        ``planks``, ``tiles``, ``plain``, or ``other``: it repeats, but not in rows, as herringbone.
     width_m, length_m : float
         Of a unit with half a joint on each side; NaN where not known (planks of many lengths).
     width_spread : float
@@ -125,6 +128,8 @@ def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading
     if ratio < FIND.plank or width > FIND.widest_plank_m:
         kind = "tiles"
     direction = _direction(readings, 90.0 if square else 180.0)
+    if not _in_rows(readings, line):
+        return FoundPattern("other", width, confidence=confidence, photos=photos), []
     sizes = width, ratio * width, spread
     found = FoundPattern(kind, *sizes, direction, offset, confidence, line, photos)
     return found, readings
@@ -203,6 +208,20 @@ def _length(readings: Sequence[Reading]) -> tuple[float, float]:
         return ratio, 0.0
     turn = np.exp(2j * np.pi * np.array(offsets)) @ np.array(counts)
     return _middle(lengths, counts)[0], float(np.angle(turn) / (2 * np.pi) % 1.0)
+
+
+def _in_rows(readings: Sequence[Reading], line: str) -> bool:
+    """Return whether joints run on through the floor, so that its units lie in rows."""
+    curves = np.array([run_on(r.direction.view, r.width_m, line) for r in readings])
+    weights = np.array([[r.weight] for r in readings]) * np.isfinite(curves)
+    total = weights.sum(axis=0)
+    seen = int(np.argmin(np.r_[total > 0.3 * total[0], False]))
+    if seen < 10:
+        return True
+    mean = (np.nan_to_num(curves) * weights).sum(axis=0)[:seen] / total[:seen]
+    smooth = np.convolve(mean, np.full(5, 0.2), "valid") / max(float(mean[:12].mean()), 1e-6)
+    again = float((smooth - np.minimum.accumulate(smooth)).max())
+    return again <= FIND.breaks and float(smooth[35:55].mean() if seen > 50 else 1.0) > FIND.fades
 
 
 def _line(readings: Sequence[Reading]) -> str:

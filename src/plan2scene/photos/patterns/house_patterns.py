@@ -65,7 +65,7 @@ def write_patterns(
     rows = [_row(room, *found[room]) for room in sorted(found)]
     result = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
     write_parquet(output, result, {"dataset": dataset, "house": house})
-    for row in result[result["kind"] != "plain"].itertuples():
+    for row in result[result["length_m"].notna() | result["direction_deg"].notna()].itertuples():
         size = f"{100 * row.width_m:.1f} x {100 * row.length_m:.1f} cm"
         _log.info("%s: %s %s, confidence %.2f", row.room_id, row.kind, size, row.confidence)
     return result
@@ -97,7 +97,7 @@ def floor_patterns(
 
 def _cut(pattern: FoundPattern, readings: Sequence[Reading]) -> tuple[FoundPattern, Units]:
     """Return a pattern and its units."""
-    return pattern, NONE if pattern.kind == "plain" else cut_units(pattern, readings)
+    return pattern, cut_units(pattern, readings) if readings else NONE
 
 
 def _turned(whole: FoundPattern, own: FoundPattern) -> FoundPattern:

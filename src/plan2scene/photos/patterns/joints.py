@@ -215,6 +215,21 @@ def along(view: Upright, row_m: float) -> dict[str, np.ndarray]:
     return found
 
 
+def run_on(view: Upright, row_m: float, line: str) -> np.ndarray:
+    """Return how alike neighbouring joints along x are at shifts along of 0, 1 ... cm (100,).
+
+    Each over what is beside them; NaN where too little is seen. Joints of rows run on, those of a
+    herringbone break off and come again.
+    """
+    row = row_m * JOINTS.px_per_m
+    strength = dict(lines(view, JOINTS.along_m * JOINTS.px_per_m, down=True))[line]
+    shifts = Overlap(view.valid).alike(strength)
+    there = shifts.right(row, JOINTS.same_row * row, best=True)
+    beside = 0.5 * sum(shifts.right(part * row, 0.0) for part in (0.5, 1.5))
+    found = (there - beside)[:: round(JOINTS.px_per_m / 100)][:100]
+    return np.pad(found, (0, 100 - len(found)), constant_values=np.nan)
+
+
 def next_row(view: Upright, row_m: float, length_m: float, line: str) -> float:
     """Return where (0..1 of the length) the joints of the next row lie."""
     row, length = row_m * JOINTS.px_per_m, length_m * JOINTS.px_per_m
@@ -299,10 +314,17 @@ class Shifts:
         sideways = np.arange(-(band // 2), band // 2 + 1)
         return _each_pixel(_mean(self.alike[: self.size[0]][:, sideways], 1))
 
-    def right(self, down: float, loose: float) -> np.ndarray:
-        """Return the same to the right, at shifts down within `loose` px of `down`."""
+    def right(self, down: float, loose: float, *, best: bool = False) -> np.ndarray:
+        """Return the same to the right, at shifts down within `loose` px of `down`.
+
+        The mean of those shifts, or at each shift to the right the best of both ways.
+        """
         rows = np.arange(round((down - loose) / 2), round((down + loose) / 2) + 1)
-        return _each_pixel(_mean(self.alike[rows][:, : self.size[1]], 0))
+        part = self.alike[rows]
+        if not best:
+            return _each_pixel(_mean(part[:, : self.size[1]], 0))
+        ways = (part[:, : self.size[1]], part[:, -np.arange(self.size[1])])
+        return _each_pixel(np.mean([way.max(axis=0) for way in ways], axis=0))
 
 
 def _each_pixel(values: np.ndarray) -> np.ndarray:
