@@ -21,6 +21,7 @@ from plan2scene.plans.formats import unscaled
 from plan2scene.plans.plan_file import PlanFile, Unscaled
 from plan2scene_app.editor.editor_page import opened, picture_bytes
 from plan2scene_app.plan_formats.dxf import LAYERS, MAX_PATTERN
+from plan2scene_app.studio.limited import limited
 from plan2scene_app.studio.projects import PICTURE, Project
 
 SOURCE, READING = "plan_source", "plan_source.json"
@@ -100,7 +101,8 @@ def reading_of(project: Project) -> dict[str, Any]:
 def _opened(project: Project, file: Path, values: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the editor makes of a file; a picture is kept in the project."""
     try:
-        start = opened(file, project.name, values["metres_per_pixel"], values["dxf_layers"])
+        scale, layers = values["metres_per_pixel"], values["dxf_layers"]
+        start = limited(opened, file, project.name, scale, layers)
     except InputError as error:
         fault = InputError(error.expected, error.found)
         try:
@@ -171,7 +173,7 @@ def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unsca
 
 
 def _reading(file: Path, house: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    name, look = _look(file, house, values)
+    name, look = limited(_look, file, house, values)
     return {
         "format": name,
         "unit": look.unit,
@@ -193,7 +195,7 @@ def _values(project: Project, changes: Mapping[str, Any]) -> dict[str, Any]:
     values = _kept(project) | {"dxf_layers": _layers(changes.get("dxf_layers") or {})}
     if scale is not None and width is not None:
         raise InputError("the scale or the width of the house", "both")
-    _, look = _look(_file(project), project.name, values)
+    _, look = limited(_look, _file(project), project.name, values)
     if width is not None:
         metres = _number(width, "a width of the house in metres", WIDTHS)
         if look.size is None or not look.size[0] > 0:

@@ -1,6 +1,9 @@
 """Plans that tell no scale or odd layers: what is asked, what may be given, what is kept."""
 
 import json
+import math
+import os
+import time
 
 import numpy as np
 import pytest
@@ -8,6 +11,7 @@ from unscaled_drawings import dxf, svg
 
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
+from plan2scene_app.studio import limited as limits
 from plan2scene_app.studio.plan_source import UnreadPlanError, read_again, read_upload, reading_of
 from plan2scene_app.studio.projects import Projects
 
@@ -123,3 +127,22 @@ def test_what_is_no_plan_is_not_kept(project):
         read_upload(project, b"no plan at all")
     assert not isinstance(found.value, UnreadPlanError)
     assert (project.path / "plan_source").read_bytes() == svg()
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "found"),
+    [
+        (math.sqrt, (4.0,), 2.0),
+        (time.sleep, (60.0,), "within 5 s, found one that takes longer"),
+        (np.ones, (250_000_000,), "with 1 GB of memory, found one that takes more"),
+        (os.abort, (), "crashes"),
+    ],
+)
+def test_a_file_is_read_within_limits(monkeypatch, function, arguments, found):
+    monkeypatch.setattr(limits, "SECONDS", 5.0)
+    monkeypatch.setattr(limits, "BYTES", 1_000_000_000)
+    if isinstance(found, float):
+        assert limits.limited(function, *arguments) == found
+        return
+    with pytest.raises(InputError, match=found):
+        limits.limited(function, *arguments)
