@@ -123,12 +123,24 @@ _PHOTO_ENDS = (".jpg", ".JPG", ".jpeg", ".JPEG", ".png", ".PNG")
 SCHEMA_VERSION = 1
 
 
+def _flush(path: Path) -> None:
+    """Wait until a file's contents, or a folder's names, are on the disk."""
+    if os.name == "nt" and path.is_dir():
+        return  # there folders cannot be opened
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
 @contextmanager
-def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+def atomic_path(path: str | os.PathLike[str], *, flush: bool = False) -> Iterator[Path]:
     """Yield a temporary path beside `path`; rename it to `path` when the block succeeds.
 
     What a killed process left of the same file is removed first. The file has the mode that the
-    umask gives, whatever mode the writer gave the temporary one.
+    umask gives, whatever mode the writer gave the temporary one. With `flush` it is on the disk
+    before it takes its name, and so is the name: a power cut leaves the old file or the new one.
     """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -139,17 +151,21 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         mode = stat.S_IMODE(temporary.stat().st_mode)
         yield temporary
         temporary.chmod(mode)
+        if flush:
+            _flush(temporary)
         temporary.replace(target)
+        if flush:
+            _flush(target.parent)
     finally:
         temporary.unlink(missing_ok=True)
 
 
 @contextmanager
-def atomic_directory(path: str | os.PathLike[str]) -> Iterator[Path]:
+def atomic_directory(path: str | os.PathLike[str], *, flush: bool = False) -> Iterator[Path]:
     """Yield an empty temporary directory; it replaces directory `path` when the block succeeds.
 
     The old directory stays until the new one takes its place; for a moment neither is there
-    (:func:`_replace_directory`).
+    (:func:`_replace_directory`). `flush` is as for :func:`atomic_path`, of all files in it.
     """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -158,7 +174,11 @@ def atomic_directory(path: str | os.PathLike[str]) -> Iterator[Path]:
     try:
         temporary.mkdir()
         yield temporary
+        for inside in (*temporary.rglob("*"), temporary) if flush else ():
+            _flush(inside)
         _replace_directory(temporary, target)
+        if flush:
+            _flush(target.parent)
     finally:
         _remove(temporary)
 
@@ -195,14 +215,14 @@ def read_json(path: str | os.PathLike[str]) -> Any:
         raise InputError("JSON", f"a syntax error ({error})", file=path) from None
 
 
-def write_json(path: str | os.PathLike[str], value: Any) -> None:
-    """Write JSON atomically, indented, keys in the order given, with a final newline."""
-    write_text(path, json.dumps(value, indent=1, allow_nan=False) + "\n")
+def write_json(path: str | os.PathLike[str], value: Any, *, flush: bool = False) -> None:
+    """Write JSON as :func:`write_text`, indented, keys in the order given, a final newline."""
+    write_text(path, json.dumps(value, indent=1, allow_nan=False) + "\n", flush=flush)
 
 
-def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write UTF-8 text atomically."""
-    with atomic_path(path) as temporary:
+def write_text(path: str | os.PathLike[str], text: str, *, flush: bool = False) -> None:
+    """Write UTF-8 text as :func:`atomic_path`."""
+    with atomic_path(path, flush=flush) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 

@@ -53,14 +53,14 @@ class OutFolder:
         for name, source in files.items():
             if source.is_dir():
                 names |= {f"{name}/{path.name}" for path in source.iterdir()}
-        write_json(self.work / _RECORD, {"files": sorted(names)})
+        write_json(self.work / _RECORD, {"files": sorted(names)}, flush=True)
         for name, source in files.items():
             if source.is_dir():
                 ignored = shutil.ignore_patterns(*_BYPRODUCTS)
-                with atomic_directory(made[name]) as folder:
+                with atomic_directory(made[name], flush=True) as folder:
                     shutil.copytree(source, folder, ignore=ignored, dirs_exist_ok=True)
             else:
-                with atomic_path(made[name]) as temporary:
+                with atomic_path(made[name], flush=True) as temporary:
                     shutil.copyfile(source, temporary)
         return made
 

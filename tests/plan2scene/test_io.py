@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -162,3 +163,20 @@ def test_written_files_obey_the_umask(tmp_path, umask, file, folder):
         os.umask(before)
     modes = {path.name: path.stat().st_mode & 0o777 for path in tmp_path.rglob("*")}
     assert modes == {"a.json": file, "b": folder, "c.json": file}
+
+
+def test_finals_are_on_the_disk_before_they_take_their_name(tmp_path, monkeypatch):
+    steps, fsync, replace = [], os.fsync, Path.replace
+
+    def flushed(handle):
+        steps.append(Path(f"/proc/self/fd/{handle}").readlink().name[:5])
+        fsync(handle)
+
+    monkeypatch.setattr(os, "fsync", flushed)
+    monkeypatch.setattr(Path, "replace", lambda a, b: (steps.append(b.name), replace(a, b)))
+    with p2s_io.atomic_path(tmp_path / "a.txt", flush=True) as path:
+        path.write_text("a")
+    with p2s_io.atomic_directory(tmp_path / "b", flush=True) as folder:
+        (folder / "inside").write_text("b")
+    parent = tmp_path.name[:5]
+    assert steps == [".tmp_", "a.txt", parent, "insid", ".tmp_", "b", parent]

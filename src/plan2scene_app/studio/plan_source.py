@@ -117,7 +117,7 @@ def _opened(project: Project, file: Path, values: Mapping[str, Any]) -> dict[str
 
 
 def _keep(project: Project, content: bytes, values: Mapping[str, Any]) -> None:
-    with atomic_path(project.path / SOURCE) as temporary:
+    with atomic_path(project.path / SOURCE, flush=True) as temporary:
         temporary.write_bytes(content)
     write_json(project.path / READING, values)
 

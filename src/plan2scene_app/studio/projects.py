@@ -109,7 +109,7 @@ class Project:
         ):
             # Snakemake goes by times: what did not change keeps its own.
             if not _has(self.path / file, text):
-                write_text(self.path / file, text)
+                write_text(self.path / file, text, flush=True)
         return self.revision()
 
     def finishes(self) -> list[list[str]]:
@@ -144,7 +144,7 @@ class Project:
             return
         if self.photos.is_dir() and sum(1 for _ in self.photos.iterdir()) >= MAX_PHOTOS:
             raise InputError(f"at most {MAX_PHOTOS} photos", "more")
-        with atomic_path(target) as temporary:
+        with atomic_path(target, flush=True) as temporary:
             temporary.write_bytes(content)
             try:
                 photo_problem(temporary)

@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+import asyncio
+import os
 import secrets
 import socket
+import tempfile
 import webbrowser
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from plan2scene.errors import InputError
 from plan2scene.plugins import installed
+
+if TYPE_CHECKING:
+    import uvicorn
+    from starlette.types import ASGIApp
+
+
+#: Seconds that a connection may stay silent within a request.
+PATIENCE = 20.0
 
 
 def serve(folder: Path, *, port: int, cores: int, browser: bool) -> None:
@@ -17,8 +31,6 @@ def serve(folder: Path, *, port: int, cores: int, browser: bool) -> None:
     InputError where the extra ``studio`` is not installed, or the port is taken.
     """
     with installed("plan2scene[studio]"):
-        import uvicorn
-
         from plan2scene_app.studio.app import studio_app
     if folder.exists() and not folder.is_dir():
         raise InputError("a folder for the projects", "a file", file=folder)
@@ -32,14 +44,75 @@ def serve(folder: Path, *, port: int, cores: int, browser: bool) -> None:
     token = secrets.token_urlsafe(24)
     address = f"http://127.0.0.1:{port}/{token}/"
     print(f"The studio is at {address} (Ctrl+C ends it; runs go on)", flush=True)  # noqa: T201
-    if browser:
-        webbrowser.open(address)
+    with redirect_file(folder, address) as file:
+        if browser:
+            webbrowser.open(file.as_uri())
+        http_server(studio_app(folder, token, port, cores)).run(sockets=[listener])
+
+
+@contextmanager
+def redirect_file(folder: Path, address: str) -> Iterator[Path]:
+    """Yield a file of this user alone that leads a browser to the address.
+
+    Every user of the machine sees the command line of a browser, and the address has the token.
+    The file lies among the projects: browsers in a sandbox do not see the temporary folder.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(".html", "studio_", folder.resolve())
+    with os.fdopen(handle, "w", encoding="utf-8") as file:
+        file.write(f'<meta http-equiv="refresh" content="0; url={address}">\n')
+    try:
+        yield Path(name)
+    finally:
+        Path(name).unlink(missing_ok=True)
+
+
+def http_server(app: ASGIApp) -> uvicorn.Server:
+    """Return a server that ends connections whose request stays half-sent."""
+    import uvicorn
+
     config = uvicorn.Config(
-        studio_app(folder, token, port, cores),
+        app,
         log_level="warning",
         access_log=False,
         server_header=False,
         h11_max_incomplete_event_size=64_000,
+        http=_patient_protocol(),
         ws="none",
     )
-    uvicorn.Server(config).run(sockets=[listener])
+    return uvicorn.Server(config)
+
+
+def _patient_protocol() -> type[asyncio.Protocol]:
+    """Return uvicorn's HTTP protocol, with an end of connections whose request stays half-sent."""
+    import h11
+    from uvicorn.protocols.http.h11_impl import H11Protocol
+
+    class Patient(H11Protocol):
+        waiting: asyncio.TimerHandle | None = None
+
+        def connection_made(self, transport: Any) -> None:
+            super().connection_made(transport)
+            self._wait()
+
+        def data_received(self, data: bytes) -> None:
+            super().data_received(data)
+            if self.conn.their_state in (h11.DONE, h11.MUST_CLOSE, h11.CLOSED):
+                self._stop()
+            elif self.waiting is None or self.conn.their_state is h11.SEND_BODY:
+                self._wait()  # a body may take its time, as long as some of it comes
+
+        def connection_lost(self, exc: Exception | None) -> None:
+            self._stop()
+            super().connection_lost(exc)
+
+        def _stop(self) -> None:
+            if self.waiting is not None:
+                self.waiting.cancel()
+            self.waiting = None
+
+        def _wait(self) -> None:
+            self._stop()
+            self.waiting = self.loop.call_later(PATIENCE, self.transport.close)
+
+    return Patient

@@ -14,15 +14,14 @@ class Studio(StudioClient):
     """A server in a thread and the folder of its homes."""
 
     def __init__(self, root: Path):
-        import uvicorn
-
         from plan2scene_app.studio.app import studio_app
+        from plan2scene_app.studio.server import http_server
 
         self.root = root
         listener = socket.create_server(("127.0.0.1", 0))
         self.port = listener.getsockname()[1]
         app = studio_app(root, TOKEN, self.port, cores=1)
-        self.server = uvicorn.Server(uvicorn.Config(app, log_level="warning", ws="none"))
+        self.server = http_server(app)
         self.thread = threading.Thread(target=self.server.run, args=([listener],), daemon=True)
         self.thread.start()
         self.url = f"http://127.0.0.1:{self.port}/{TOKEN}/"

@@ -2,6 +2,7 @@
 
 import io
 import json
+import socket
 import zipfile
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,7 +12,7 @@ from PIL import Image
 
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene_app.studio import app
+from plan2scene_app.studio import app, server
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
 
@@ -72,6 +73,28 @@ def test_uploads_have_limits(studio, home, monkeypatch):
     assert "expected" in found["error"]
     assert studio.ask("PUT", f"{home}/state", b"[1]")[0] == 400
     assert studio.ask("PUT", f"{home}/state", b"{" * 100_000)[0] == 400
+    assert studio.ask("PUT", f"{home}/state", b'{"plan": {"name": "\\ud800"}}')[0] == 400
+    assert studio.ask("POST", f"{home}/run", {"method": []})[0] == 400
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [b"", b"GET / HTTP/1.1\r\nHost:", b"PUT / HTTP/1.1\r\nHost: x\r\nContent-Length: 99\r\n\r\n{"],
+)
+def test_half_sent_requests_end(studio, monkeypatch, sent):
+    monkeypatch.setattr(server, "PATIENCE", 0.3)
+    with socket.create_connection(("127.0.0.1", studio.port), timeout=5) as connection:
+        connection.sendall(sent)
+        while connection.recv(1000):
+            pass
+
+
+def test_the_token_is_in_a_file_of_this_user_alone(tmp_path):
+    address = "http://127.0.0.1:1/token/"
+    with server.redirect_file(tmp_path / "homes", address) as file:
+        assert address in file.read_text()
+        assert file.stat().st_mode & 0o777 == 0o600
+    assert not file.exists()
 
 
 def test_plans_of_other_formats_and_pictures_are_read(studio, home):
