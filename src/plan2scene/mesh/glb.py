@@ -207,6 +207,7 @@ def _extras(part: MeshPart, tile: TileTexture | None) -> dict[str, Any]:
         facts["source"] = tile.source or None
         if isinstance(tile, MapTexture):
             facts["map_m"] = list(tile.extent_m)
+            facts["pattern"] = tile.pattern or None
         extras.update({name: value for name, value in facts.items() if value is not None})
     return extras
 

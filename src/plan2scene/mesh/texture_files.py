@@ -88,10 +88,13 @@ class MapTexture(TileTexture):
         JPEG, sRGB.
     extent_m : (2,) tuple of float
         Metres that its width and height cover.
+    pattern : str
+        Kind and size of the units that it is laid of, in words; empty for none.
     """
 
     jpeg: bytes = b""
     extent_m: tuple[float, float] = (1.0, 1.0)
+    pattern: str = ""
 
     @property
     def image(self) -> bytes:
@@ -230,7 +233,8 @@ def _map(
         raise InputError(expected, str(entry), file=file, house=house_id, room=key.room_id)
     facts = {field.name: getattr(tile, field.name) for field in fields(tile)}
     jpeg = _bytes(root / f"{key.filename}.jpg", house_id)
-    return MapTexture(**facts | {"origin_m": corner}, jpeg=jpeg, extent_m=extent)
+    pattern = str(entry.get("pattern", ""))
+    return MapTexture(**facts | {"origin_m": corner}, jpeg=jpeg, extent_m=extent, pattern=pattern)
 
 
 def _bytes(file: Path, house_id: str) -> bytes:

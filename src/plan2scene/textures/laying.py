@@ -40,6 +40,8 @@ class LaidPattern:
 
     Attributes
     ----------
+    kind : str
+        ``planks`` or ``tiles``.
     width_m, length_m : float
         Of a unit; length NaN for planks of many lengths.
     direction_deg : float
@@ -53,6 +55,7 @@ class LaidPattern:
         sRGB levels, 127.5 where the floor has its usual colour.
     """
 
+    kind: str
     width_m: float
     length_m: float
     direction_deg: float
@@ -60,6 +63,13 @@ class LaidPattern:
     joint: np.ndarray
     joint_m: float
     units: list[np.ndarray]
+
+    @property
+    def words(self) -> str:
+        """Return kind and size as ``planks 15 x 60 cm``."""
+        width = f"{self.kind} {100 * self.width_m:.0f}"
+        known = np.isfinite(self.length_m)
+        return f"{width} x {100 * self.length_m:.0f} cm" if known else f"{width} cm wide"
 
 
 def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
@@ -71,6 +81,7 @@ def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
         if row.kind not in ("planks", "tiles") or not enough:
             continue
         found[SurfaceKey(row.room_id, row.surface)] = LaidPattern(
+            row.kind,
             float(row.width_m),
             float(row.length_m),
             float(row.direction_deg),

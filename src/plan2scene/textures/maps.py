@@ -380,16 +380,20 @@ class SurfaceMap:
         What it covers in the mesh's texture coordinates, metres.
     px_per_m, photo_px_per_m : float
         Its pixels per metre, and those that the photos have of the surface.
+    pattern : str
+        Kind and size of the units that it is laid of, in words; empty for none.
     """
 
     jpeg: bytes
     area: Area
     px_per_m: float
     photo_px_per_m: float
+    pattern: str = ""
 
     def facts(self) -> dict[str, Any]:
         """Return what ``maps.json`` says about it."""
-        return {
+        named = {"pattern": self.pattern} if self.pattern else {}
+        return named | {
             "origin_m": [round(value, 6) for value in self.area.low],
             "extent_m": [round(value, 6) for value in self.area.size],
             "px_per_m": round(self.px_per_m, 2),
@@ -461,7 +465,7 @@ def _laid(surface: MappedSurface, pattern: LaidPattern, seed: int) -> SurfaceMap
     image, area = laid(pattern, surface.area, colour, seed)
     image = _fitting(recoloured(image, colour, median_colour(image[::3, ::3])))
     made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
-    return SurfaceMap(*made, min(JOINTS.px_per_m, made[2]))
+    return SurfaceMap(*made, min(JOINTS.px_per_m, made[2]), pattern.words)
 
 
 def joined(surfaces: Iterable[MappedSurface]) -> list[list[MappedSurface]]:

@@ -94,7 +94,7 @@ function describe(part) {
   const name = extras.kind === "structure" ? "outer wall" : extras.category || extras.kind || part.name;
   tellStudio(part, `${capital(name)}${titleOf(extras.room_id) ? `, ${titleOf(extras.room_id)}` : ""}`);
   const rows = [["Room", titleOf(extras.room_id)], ["Part", extras.wall_id && extras.surface ? `wall ${extras.wall_id}` : null],
-    ["Leads to", titleOf(extras.leads_to)], ["Area", extras.surface ? area(areaOf(part), 2) : null], ["Material", extras.substance],
+    ["Leads to", titleOf(extras.leads_to)], ["Area", extras.surface ? area(areaOf(part), 2) : null], ["Material", [extras.substance, extras.pattern].filter(Boolean).join(", ") || null],
     ["Looks", byHand ? `set by hand: ${byHand}` : extras.observed === undefined ? null : extras.observed ? seen : guess]];
   const research = document.createElement("details");
   research.append(text("summary", "For researchers"), listOfFacts([["Sure", known.confidence == null ? null : share(known.confidence)], ["As", extras.observed === false ? known.source : null],

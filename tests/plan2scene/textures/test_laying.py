@@ -12,7 +12,7 @@ WHITE = np.full(3, 0.5)
 def pattern(direction: float, *, length: float = 0.5) -> LaidPattern:
     """Return a pattern of ten units of one tone each, with dark joints of 1 cm."""
     units = [np.full((50, 100, 3), 110 + 4 * k, np.uint8) for k in range(10)]
-    return LaidPattern(0.25, length, direction, 0.5, np.full(3, 0.9), 0.01, units)
+    return LaidPattern("planks", 0.25, length, direction, 0.5, np.full(3, 0.9), 0.01, units)
 
 
 @pytest.mark.parametrize("direction", [0.0, 90.0])
@@ -20,6 +20,7 @@ def test_joints_are_the_patterns(direction):
     image, _ = laid(pattern(direction), Area((-0.5, -0.5), (1.0, 1.0)), WHITE, seed=1)
     if direction:
         image = image.swapaxes(0, 1)
+    assert pattern(direction).words == "planks 25 x 50 cm"
     dark = image[..., 0] < 60
     rows = np.flatnonzero(dark.mean(axis=1) > 0.9) / LAYING.px_per_m - 0.5
     assert np.abs(rows / 0.25 - np.round(rows / 0.25)).max() < 0.04
