@@ -56,7 +56,8 @@ def build_house(
     parts = assemble(furnished).parts
     write_glb(furnished, textures, glb, parts, relief=relief)
     tiles = {key: (tile.png, tile.size_m) for key, tile in textures.items()}
-    write_scene_json(house, textured_scene_json, tiles)
+    evidence = {key: tile.evidence for key, tile in textures.items() if tile.evidence}
+    write_scene_json(house, textured_scene_json, tiles, evidence)
     logging.getLogger("plan2scene").info(
         "house %s: %d rooms, %d parts, %d triangles, %d textures",
         house_id,

@@ -205,6 +205,7 @@ def _extras(part: MeshPart, tile: TileTexture | None) -> dict[str, Any]:
             "substance": tile.substance,
         }
         facts["source"] = tile.source or None
+        facts["evidence"] = tile.evidence.get("words")
         if isinstance(tile, MapTexture):
             facts["map_m"] = list(tile.extent_m)
             facts["pattern"] = tile.pattern or None

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from dataclasses import dataclass, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,8 @@ class TileTexture:
         Name of what it shares with other rooms, or empty.
     crops : tuple of str
         Ids of the crops that it was quilted from.
+    evidence : mapping
+        How its look is known (:mod:`plan2scene.textures.evidence`); empty when unknown.
     """
 
     png: bytes
@@ -50,6 +53,7 @@ class TileTexture:
     origin_m: tuple[float, float] = (0.0, 0.0)
     material: str = ""
     crops: tuple[str, ...] = ()
+    evidence: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def image(self) -> bytes:
@@ -209,6 +213,7 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house_id: str) 
     if not data.startswith(b"\x89PNG"):
         data = png_bytes(read_image(file, house_id=house_id))
     observed, substance = entry.get("observed"), entry.get("substance")
+    evidence = entry.get("evidence")
     crops = entry.get("crops")
     return TileTexture(
         png=data,
@@ -219,6 +224,7 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, object], house_id: str) 
         origin_m=origin,
         material=str(entry.get("material", "")),
         crops=tuple(map(str, crops)) if isinstance(crops, list) else (),
+        evidence=evidence if isinstance(evidence, dict) else {},
     )
 
 
@@ -231,7 +237,7 @@ def _map(
         expected = "a map with origin_m and extent_m, two numbers of metres each"
         file = root / "maps.json"
         raise InputError(expected, str(entry), file=file, house=house_id, room=key.room_id)
-    facts = {field.name: getattr(tile, field.name) for field in fields(tile)}
+    facts = {item.name: getattr(tile, item.name) for item in fields(tile)}
     jpeg = _bytes(root / f"{key.filename}.jpg", house_id)
     pattern = str(entry.get("pattern", ""))
     return MapTexture(**facts | {"origin_m": corner}, jpeg=jpeg, extent_m=extent, pattern=pattern)

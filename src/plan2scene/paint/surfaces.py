@@ -100,6 +100,12 @@ def read_paint(path: str | Path) -> tuple[dict[SurfaceKey, np.ndarray], frozense
     return paint, frozenset(key for key, is_white in white if is_white)
 
 
+def read_seen_photos(path: str | Path) -> dict[SurfaceKey, list[str]]:
+    """Return the photos that show each observed surface, of ``paint.parquet``."""
+    table, _ = read_parquet(path)
+    return {SurfaceKey(r.room_id, r.surface): r.photos.split("|") for r in table.itertuples()}
+
+
 def paint_gains(
     shown: Mapping[SurfaceKey, np.ndarray],
     paint: Mapping[SurfaceKey, np.ndarray],

@@ -97,9 +97,16 @@ def write_scene_json(
     house: House,
     path: str | Path,
     textures: Mapping[SurfaceKey, tuple[bytes, float]] | None = None,
+    evidence: Mapping[SurfaceKey, Mapping[str, Any]] | None = None,
 ) -> None:
-    """Write a house as scene.json, atomically; see :func:`house_to_scene`."""
-    write_json(path, house_to_scene(house, textures))
+    """Write a house as scene.json, atomically; see :func:`house_to_scene`.
+
+    `evidence`, how the look of surfaces is known, goes beside the scene by ``room/surface``.
+    """
+    scene = house_to_scene(house, textures)
+    if evidence:
+        scene["evidence"] = {"/".join(key): dict(value) for key, value in evidence.items()}
+    write_json(path, scene)
 
 
 def _scene(house: House, arch: dict[str, Any]) -> dict[str, Any]:

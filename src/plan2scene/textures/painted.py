@@ -21,8 +21,15 @@ from plan2scene.io import atomic_directory, read_json, write_json
 from plan2scene.mesh.texture_files import texture_index
 from plan2scene.paint.estimate import PaintPrior
 from plan2scene.paint.light import relight
-from plan2scene.paint.surfaces import door_paints, paint_gains, plain_whites, read_paint
+from plan2scene.paint.surfaces import (
+    door_paints,
+    paint_gains,
+    plain_whites,
+    read_paint,
+    read_seen_photos,
+)
 from plan2scene.textures.by_hand import set_by_hand
+from plan2scene.textures.evidence import evidence_of
 from plan2scene.textures.plain import plain
 
 #: JPEG quality of maps, as of those that are painted.
@@ -85,7 +92,13 @@ def paint_textures(
             for key, made in plains.items()
         }
         index = read_json(root / "textures.json")
-        sized = {name: entry | facts.get(name, {}) for name, entry in listed.items()}
+        photos, rooms = read_seen_photos(paint), {key.room_id for key in entries}
+        sized = {
+            "/".join(key): entry
+            | facts.get("/".join(key), {})
+            | {"evidence": evidence_of(key, entry, photos.get(key, ()), rooms, white=key in whites)}
+            for key, entry in entries.items()
+        }
         write_json(folder / "textures.json", index | {"surfaces": sized})
         if (root / "maps.json").is_file():
             maps = read_json(root / "maps.json")

@@ -16,6 +16,7 @@ from plan2scene.paint.surfaces import (
     read_paint,
     write_paint,
 )
+from plan2scene.textures.evidence import evidence_of
 from plan2scene.textures.painted import paint_textures
 
 
@@ -90,8 +91,10 @@ def test_tiles_and_maps_get_the_paint_and_keep_their_pattern(paint, tmp_path):
     assert painted.max() < 255
     whole = read_image(tmp_path / "out" / "b_wall.jpg")
     assert median_colour(whole) == pytest.approx(median_colour(painted), abs=0.02)
-    for name in ("textures.json", "maps.json"):
-        assert read_json(tmp_path / "out" / name) == read_json(folder / name)
+    assert read_json(tmp_path / "out" / "maps.json") == read_json(folder / "maps.json")
+    entry = read_json(tmp_path / "out" / "textures.json")["surfaces"]["b/wall"]
+    assert entry.pop("evidence") == {"photos": ["2.jpg"], "like": None, "words": "seen in 1 photo"}
+    assert entry == read_json(folder / "textures.json")["surfaces"]["b/wall"]
     assert np.array_equal(read_image(folder / "b_wall.png"), tile)
 
 
@@ -161,3 +164,16 @@ def test_an_unseen_floor_is_lit_like_the_floor_that_looks_alike():
     paint = {key("a", "floor"): 1.5 * oak, key("b", "floor"): 4.0 * slate}
     gains = paint_gains(shown, paint, set(), [0.8] * 3)
     assert gains[key("c", "floor")] == pytest.approx([1.5] * 3)
+
+
+def test_evidence_is_said_in_words():
+    rooms = {"a", "dining_room"}
+
+    def words(photos, white=False, **entry):
+        return evidence_of(SurfaceKey("a", "wall"), entry, photos, rooms, white=white)["words"]
+
+    like = {"observed": False, "source": "exemplar of dining_room, 2.9 dE2000 to the colour"}
+    assert words(["1", "2"], observed=True) == "seen in 2 photos"
+    assert words(["1"], **like) == "colour seen in 1 photo, the rest guessed"
+    assert words([], **like) == "guessed from the dining room"
+    assert words([], white=True, **like) == "guessed: white, as most walls here"
