@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import torch
 import yaml
 from hypothesis import configuration
@@ -32,12 +33,15 @@ from plan2scene.datasets.house_table import read_house_table
 from plan2scene.datasets.import_plan import add_object_boxes
 from plan2scene.errors import InputError
 from plan2scene.images import image_from_bytes
+from plan2scene.io import read_parquet, write_parquet
 from plan2scene.materials import load_texture_folder
+from plan2scene.mesh.texture_files import texture_index
 from plan2scene.photos.camera.exif import read_exif_focal
 from plan2scene.photos.crops.extract_crops import CropFiles, read_precomputed_crops
 from plan2scene.photos.labels.palette import labels_from_folder
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.plans.formats import read_plan
+from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.scene_json import house_of_scene
 from plan2scene.plans.scene_writer import house_to_scene
 from plan2scene.plans.validate import validate_house
@@ -64,9 +68,14 @@ def house():
 
 
 def read_any_plan(path: Path) -> None:
-    """Read a plan; what holds must survive the round trip through scene.json."""
+    """Read a plan; what holds must survive the round trip through scene.json.
+
+    What no home has must be told: silent nonsense is worse than a fault.
+    """
     found = read_plan(path, "h1", 0.05)
-    validate_house(found, file=path)
+    lines = validate_house(found, file=path)
+    thickest = max(wall.depth for wall in found.walls)
+    assert lines or thickest <= 1, f"walls of {thickest:g} m without a word"
     assert house_of_scene(house_to_scene(found), "h1") == found
 
 
@@ -143,6 +152,24 @@ def layouts() -> list[bytes]:
     scales = {"f1": 1.0, "f2": 1.5}
     parts = {"redraw": {"f1": {"r": room}}, "merger": {"f2": {"c": panos}}}
     return [json.dumps({"scale_meters_per_coordinate": scales, **parts}).encode()]
+
+
+def models() -> list[bytes]:
+    """Return an IFC model of a room of 4 x 3 m with a door."""
+    from plan2scene_app.exports.ifc4 import write_ifc
+
+    small = {**json.loads(own_plans()[1]), "openings": [DOOR]}
+    with tempfile.TemporaryDirectory() as folder:
+        write_ifc(house_of_plan(small, "h1"), {}, Path(folder))
+        return [(Path(folder) / "house.ifc").read_bytes()]
+
+
+def parquets() -> list[bytes]:
+    """Return a table as the workflow keeps it."""
+    rows = {"room": ["a", "b"] * 50, "x": np.arange(100.0), "image": [b"png"] * 100}
+    with tempfile.TemporaryDirectory() as folder:
+        write_parquet(Path(folder) / "x.parquet", pd.DataFrame(rows), {"house": "h1"})
+        return [(Path(folder) / "x.parquet").read_bytes()]
 
 
 def configs() -> list[bytes]:
@@ -254,8 +281,10 @@ def read_released(path: Path) -> None:
     fitted_state(state_dict_of(read_checkpoint(path), path), SHAPES, path)
 
 
+DOOR = {"kind": "door", "from": [1, 0], "to": [2, 0], "bottom": 0, "top": 2}
 BOXES = {"objects": [{"type": "bed", "bound_box": {"p1": [1, 1], "p2": [2, 2.5]}}]}
 UNOBSERVED = {"0.0": [], "0.6": ["a.jpg", "b.jpg"], "1": ["c.jpg"]}
+TEXTURES = {"method": "crop", "surfaces": {"living/floor": {"size_m": 2.0, "observed": True}}}
 TABLE = "house\tsplit\tplan\tassignment\tphotos\nh1\ttest\tp.json\ta.csv\ta.jpg|b.jpg\n"
 
 READERS = (
@@ -267,6 +296,7 @@ READERS = (
     Reader("home.sh3d", homes, read_any_plan),
     Reader("zind_data.json", layouts, read_any_plan),
     Reader("plan.dxf", lambda: [dxf(20, "WALL")], read_any_plan),
+    Reader("plan.ifc", models, read_any_plan),
     Reader(
         "boxes.json",
         lambda: [json.dumps(BOXES).encode()],
@@ -287,6 +317,8 @@ READERS = (
     Reader("mask.png", masks, lambda path: labels_from_folder(path.parent, "mask.jpg", (40, 40))),
     Reader("crop.png", crops, read_crop),
     Reader("texture.png", pictures, read_texture),
+    Reader("crops.parquet", parquets, read_parquet),
+    Reader("textures.json", lambda: [json.dumps(TEXTURES).encode()], texture_index),
     Reader("model.safetensors", weights, read_weights),
     Reader("checkpoint.pt", checkpoints, read_released),
 )
@@ -296,6 +328,7 @@ WORDS = [b"", *rb"""0 -1 1e308 1e400 NaN nan inf null true " { } [ ] , ; ' \ | %
 WORDS += [b"\t", b"\n", b"\r", b"\x00", b"\xff", b"\xef\xbb\xbf", b"../../x", b"/etc/passwd"]
 WORDS += [b"{house}", b"\xe2\x80\xa8", b"\xed\xa0\x80", b"\\ud800", b"&a [*a]"]
 WORDS += [b"9" * 400, b"a" * 400, b"[" * 3000, b"!!python/object:os.system"]
+DIGITS = [b"0", b"-1", b"1e20", b"1e308", b"0.001", b"999999999", b"3.5", b"7", b"nan"]
 NUMBERS = [
     struct.pack(f, v)
     for f, v in (
@@ -344,6 +377,31 @@ def _other_values(draw: Callable, data: bytes) -> bytes:
     return json.dumps(document).encode()
 
 
+def _other_numbers(draw: Callable, data: bytes) -> bytes:
+    """Return text with some of its numbers changed."""
+    for _ in range(draw(st.integers(1, 3))):
+        found = [match.span() for match in re.finditer(rb"-?\d+(?:\.\d*)?", data)]
+        if not found:
+            break
+        start, end = found[draw(st.integers(0, len(found) - 1))]
+        data = data[:start] + draw(st.sampled_from(DIGITS)) + data[end:]
+    return data
+
+
+def _other_entry(draw: Callable, data: bytes) -> bytes:
+    """Return a ZIP archive whose first entry is damaged, and not the archive."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        entries = {name: archive.read(name) for name in archive.namelist()}
+    first = next(iter(entries))
+    damage = draw(st.sampled_from([_other_bytes, _other_numbers]))
+    entries[first] = damage(draw, entries[first])
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in entries.items():
+            archive.writestr(name, content)
+    return buffer.getvalue()
+
+
 def _other_bytes(draw: Callable, data: bytes) -> bytes:
     """Return bytes that are cut, changed, repeated or have odd words put in."""
     for _ in range(draw(st.integers(1, 4))):
@@ -380,12 +438,17 @@ def foreign_bytes(draw: Callable, reader: Reader) -> bytes:
         return draw(st.binary(max_size=200))
     if way <= 6 and data.lstrip()[:1] == b"{":
         return _other_values(draw, data)
+    if way <= 8 and zipfile.is_zipfile(io.BytesIO(data)) and b"Home.xml" in data:
+        return _other_entry(draw, data)
+    if way <= 4 and b"\x00" not in data:
+        return _other_numbers(draw, data)
     return _other_bytes(draw, data)
 
 
 def outcome(reader: Reader, data: bytes, folder: Path) -> str:
-    """Return "read" or "one line"; raise where a reader does anything else with a file.
+    """Return "read", "one line" or "unforeseen"; raise for anything else that a reader does.
 
+    Unforeseen is one line that stands for an exception which the reader did not expect.
     `folder` is empty before and after: what a reader writes must lie in it.
     """
     path = folder / reader.name
@@ -396,5 +459,5 @@ def outcome(reader: Reader, data: bytes, folder: Path) -> str:
         assert re.fullmatch(r"[^\n\r]*expected [^\n\r]+, found [^\n\r]*", str(fault)), str(fault)
         assert len(str(fault)) < 1500, str(fault)
         str(fault).encode()
-        return "one line"
+        return "one line" if fault.__cause__ is None else "unforeseen"
     return "read"

@@ -37,6 +37,8 @@ MAX_EXTENT, MAX_USUAL_AREA = 300.0, 1000.0
 HEIGHTS, USUAL_HEIGHTS = (0.5, 30.0), (1.8, 6.0)
 #: Beyond these (metres, square metres) a plan gets a warning.
 USUAL_EXTENT, USUAL_AREA = 100.0, (0.3, 60.0)
+#: Walls are at most so thick, metres.
+USUAL_DEPTH = 1.0
 #: The usual door of a home is this wide (metres), and no hole is narrower than the last.
 USUAL_DOOR, NARROW = (0.4, 1.6), 0.2
 #: Rooms farther than this (metres) from all others stand for themselves.
@@ -80,6 +82,10 @@ def oddities(house: House) -> Iterator[_Line]:
         if not low <= room.height <= high:
             yield f"a height of {low:g} to {high:g} m", f"{room.height:g}", room.id
     yield from _holes(house)
+    thick = [wall for wall in house.walls if wall.depth > USUAL_DEPTH]
+    for wall in thick[:1]:
+        found = f"{len(thick)}, wall {wall.id} of {wall.depth:.2f} m"
+        yield f"walls at most {USUAL_DEPTH:g} m thick", found, wall.room_ids[0]
     for _, storey in house.storeys():
         yield from _islands(storey)
     yield from name_oddities("room ids", [room.id for room in house.rooms])
