@@ -76,7 +76,7 @@ def test_herringbone_is_not_taken_for_rows():
 def test_a_room_of_the_material_has_its_size_and_keeps_its_own_direction():
     planks = floor(4, 16, 0.5, seed=2)
     views = [view(planks, 0.0, room="hall"), view(planks, 90.0, scale=1.06, room="bedroom")]
-    views.append(view(planks, 1.0, room="hall"))
+    views += [view(planks, 1.0, room="hall"), view(planks, 91.0, scale=1.06, room="bedroom")]
     pairs = floor_patterns(views, {"hall": "floor-1", "bedroom": "floor-1"})
     found = {room: pattern for room, (pattern, _) in pairs.items()}
     assert found["bedroom"].width_m == found["hall"].width_m == pytest.approx(0.15, rel=0.04)

@@ -32,6 +32,7 @@ class FindSettings:
     plain: float = 0.16  #: score of floors without joints
     clear: float = 0.36  #: score from which on there is no doubt
     believed: float = 0.4  #: confidence under which a floor counts as plain
+    located: int = 2  #: views that give a room a direction of its own
     least_length: float = 0.12  #: score of the joints across rows
     breaks: float = 0.3  #: of joints that come again, over their likeness: no rows
     fades: float = 0.25  #: likeness of joints half a metre on, over that beside: less is no row
@@ -67,6 +68,8 @@ class FoundPattern:
         What the joints are against the units: ``dark``, ``light`` or only a ``step`` of tone.
     photos : tuple of str
         Those that show it.
+    located : int
+        Located views that share the direction.
     """
 
     kind: str
@@ -78,6 +81,7 @@ class FoundPattern:
     confidence: float = 0.0
     line: str = ""
     photos: tuple[str, ...] = ()
+    located: int = 0
 
 
 @dataclass(frozen=True)
@@ -127,11 +131,11 @@ def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading
         width, ratio, offset = width * ratio, 1.0 / ratio, 0.0
     if ratio < FIND.plank or width > FIND.widest_plank_m:
         kind = "tiles"
-    direction = _direction(readings, 90.0 if square else 180.0)
+    direction, located = _direction(readings, 90.0 if square else 180.0)
     if not _in_rows(readings, line):
         return FoundPattern("other", width, confidence=confidence, photos=photos), []
     sizes = width, ratio * width, spread
-    found = FoundPattern(kind, *sizes, direction, offset, confidence, line, photos)
+    found = FoundPattern(kind, *sizes, direction, offset, confidence, line, photos, located)
     return found, readings
 
 
@@ -247,15 +251,18 @@ def _middle(values: Sequence[float], weights: Sequence[float]) -> tuple[float, f
     return float(np.exp(near @ ordered / near.sum())), spread
 
 
-def _direction(readings: Sequence[Reading], turn: float) -> float:
-    """Return the direction in the plan modulo `turn` degrees that most located views share."""
+def _direction(readings: Sequence[Reading], turn: float) -> tuple[float, int]:
+    """Return the direction in the plan modulo `turn` degrees that most located views share.
+
+    And how many do; NaN where there is none.
+    """
     found = [(r.direction.angle_deg % turn, r.weight) for r in readings if r.view.in_plan]
     if not found:
-        return NAN
+        return NAN, 0
     angles, weights = (np.array(column) for column in zip(*found, strict=True))
     away = np.abs((angles[:, None] - angles + turn / 2) % turn - turn / 2)
     best = int(((away <= 2 * JOINTS.step_deg) @ weights).argmax())
     near = (angles - angles[best] + turn / 2) % turn - turn / 2
     kept = np.abs(near) <= 2 * JOINTS.step_deg
     mean = float(near[kept] @ weights[kept] / weights[kept].sum())
-    return float(round((angles[best] + mean) % turn, 2) % turn)
+    return float(round((angles[best] + mean) % turn, 2) % turn), int(kept.sum())

@@ -103,7 +103,7 @@ def _cut(pattern: FoundPattern, readings: Sequence[Reading]) -> tuple[FoundPatte
 def _turned(whole: FoundPattern, own: FoundPattern) -> FoundPattern:
     """Return the pattern of a material in a room: planks may run another way in each."""
     alike = abs(np.log(own.width_m / whole.width_m)) < 2 * FIND.same_size
-    if own.kind == whole.kind and alike and np.isfinite(own.direction_deg):
+    if own.kind == whole.kind and alike and own.located >= FIND.located:
         return replace(whole, direction_deg=own.direction_deg)
     return whole
 

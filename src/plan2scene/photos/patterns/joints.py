@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from scipy import fft
 
-from plan2scene.paint.shading import filled, log_luma
+from plan2scene.paint.shading import log_luma
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def evened(image: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     `image` (h, w, 3) uint8 sRGB at `JOINTS.px_per_m`, `mask` (h, w) bool: the floor.
     """
     scale = JOINTS.px_per_m
-    luma = filled(log_luma(image / 255.0), ~mask)
+    luma = log_luma(image / 255.0)
     fine = luma - _nearby(luma, mask, JOINTS.slow_m * scale)
     spread = np.sqrt(np.maximum(_nearby(fine**2, mask, JOINTS.near_m * scale), 0.0))
     fine = np.clip(fine / np.maximum(spread, 1e-4), -JOINTS.most, JOINTS.most)
@@ -178,12 +178,13 @@ def _kept(turned: Upright, px_per_m: float) -> float:
 
 def upright(contrast: np.ndarray, valid: np.ndarray, angle_deg: float) -> Upright:
     """Return an image turned so that lines at `angle_deg` run along x."""
-    rows, columns = np.nonzero(valid)
+    rows = np.flatnonzero(valid.any(axis=1))
     if not len(rows):
         return Upright(contrast[:1, :1], valid[:1, :1], np.eye(2, 3))
     turn = cv2.getRotationMatrix2D((0.0, 0.0), angle_deg, 1.0)
-    rim = cv2.convexHull(np.stack([columns, rows], axis=1).astype(np.int32))[:, 0]
-    corners = rim @ turn[:, :2].T
+    first, last = valid[rows].argmax(axis=1), valid[rows, ::-1].argmax(axis=1)
+    ends = np.concatenate([first, valid.shape[1] - 1 - last])
+    corners = np.stack([ends, np.tile(rows, 2)], axis=1) @ turn[:, :2].T
     low = np.floor(corners.min(axis=0))
     size = np.ceil(corners.max(axis=0) - low).astype(int) + 1
     turn[:, 2] = -low
