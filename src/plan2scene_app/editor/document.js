@@ -109,7 +109,7 @@ export const planText = (plan) => JSON.stringify(plan, null, 1).replace(/\[\s+(-
 /** The photo table as its file holds it. */
 export function tableText(photos) {
   const cell = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-  const rows = photos.flatMap((photo) => photo.rooms.map((room) => `${cell(room)},${cell(photo.name)}`));
+  const rows = photos.flatMap((photo) => (photo.rooms.length ? photo.rooms : [""]).map((room) => `${cell(room)},${cell(photo.name)}`));
   return ["room_id,photo", ...rows].join("\n") + "\n";
 }
 
@@ -119,12 +119,12 @@ export function readTable(text) {
     .map((line) => [...line.matchAll(/("(?:[^"]|"")*"|[^,]*)(,|$)/g)].map((m) => m[1].replace(/^"|"$/g, "").replaceAll('""', '"').trim()));
   if (!rows.length) return [];
   const room = rows[0].findIndex((name) => name === "room_id" || name === "roomId"), photo = rows[0].indexOf("photo");
-  if (room < 0 || photo < 0) throw new Error("expected columns room_id and photo in the table");
+  if (photo < 0) throw new Error("expected the columns room_id and photo in the table");
   const photos = new Map();
   for (const row of rows.slice(1)) {
-    if (!row[room] || !row[photo]) throw new Error("expected a room and a photo in each row of the table");
+    if (!row[photo]) throw new Error("expected a photo in each row of the table");
     const rooms = photos.get(row[photo]) ?? [];
-    photos.set(row[photo], rooms.includes(row[room]) ? rooms : [...rooms, row[room]]);
+    photos.set(row[photo], !row[room] || rooms.includes(row[room]) ? rooms : [...rooms, row[room]]);
   }
   return [...photos].map(([name, rooms]) => ({ name, rooms }));
 }

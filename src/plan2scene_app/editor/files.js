@@ -45,7 +45,7 @@ export class Files {
     const errors = app.problems.filter((problem) => problem.level === "error");
     if (errors.length && !(await ask(`${errors.length} problem${errors.length > 1 ? "s" : ""} would stop a run`, [el("p", {}, `expected ${errors[0].expected}, found ${errors[0].found}`)], "Save anyway"))) return;
     download("plan.json", planText(plan), "application/json");
-    if (photos.some((photo) => photo.rooms.length)) download("photos.csv", tableText(photos), "text/csv");
+    if (photos.length) download("photos.csv", tableText(photos), "text/csv");
     app.store.markSaved();
     app.say(`Saved. Next: plan2scene run --plan plan.json${photos.length ? " --photos photos.csv --photos-dir FOLDER_OF_PHOTOS" : ""} --out ${app.house || "my_house"}`);
   }

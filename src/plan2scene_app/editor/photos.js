@@ -1,6 +1,6 @@
 // Photos of rooms: dropped on rooms or added in the panel; the table of rooms and photos.
 
-import { button, el, isPicture, readPicture } from "./dom.js";
+import { ask, button, el, isPicture, readPicture } from "./dom.js";
 
 const THUMB = 240; // pixels
 
@@ -15,7 +15,7 @@ export function photoProblems(photos, rooms) {
     if (stems.has(stem)) tell("error", "photo names that differ before the extension", `${stems.get(stem)} and ${name}`, name);
     stems.set(stem, name);
     for (const id of shown) if (!known.has(id)) tell("error", `a room of the plan (${[...known].sort().join(", ").slice(0, 150)})`, `'${id}' for photo ${name}`, name);
-    if (!shown.length) tell("note", "a room for each photo", `${name} without one: it is not in the table`, name);
+    if (!shown.length) tell("note", "a room for each photo", `${name} without one: it is looked for when the house is made`, name);
   }
   return found;
 }
@@ -39,7 +39,7 @@ export async function addPhotos(app, files, room) {
   }
   const none = app.refused.size ? `${app.refused.size} not added: see Photos. ` : "";
   const names = added.length === 1 ? added[0] : `${added.length} photos`;
-  app.say(none + (added.length ? `${names} ${room ? `in ${room}` : "added: choose their rooms"}` : ""));
+  app.say(none + (added.length ? `${names} ${room ? `in ${room}` : "added; a room that you do not choose is looked for"}` : ""));
   app.renderPanel();
 }
 
@@ -96,8 +96,29 @@ export function listenToDrops(app, target) {
     }
     const files = [...event.dataTransfer.files];
     if (!files.length) return;
-    if (files.length === 1 && !isPicture(files[0])) await app.openFile(files[0]);
-    else if (!app.store.state.plan.rooms.length && !app.picture && files.length === 1) await app.openPicture(files[0]);
-    else await addPhotos(app, files, room);
+    await takeFiles(app, files, room);
   });
+}
+
+/** Take files that came together: a plan or a picture of one, a photo table, photos. */
+export async function takeFiles(app, files, room = null) {
+  const isPhoto = (file) => isPicture(file) || /\.hei[cf]$/i.test(file.name);
+  let photos = files.filter(isPhoto);
+  const empty = () => !app.store.state.plan.rooms.length && !app.picture;
+  for (const file of files.filter((one) => !isPhoto(one))) await app.openFile(file);
+  if (empty() && photos.length) {
+    const plan = photos.length === 1 ? photos[0] : await askPlan(photos);
+    if (plan === null) return;
+    photos = photos.filter((file) => file !== plan);
+    if (plan) await app.openPicture(plan);
+  }
+  if (photos.length) await addPhotos(app, photos, room);
+}
+
+/** Which of some pictures the plan is; undefined for none of them, null when the dialog is closed. */
+async function askPlan(pictures) {
+  const likely = pictures.find(({ name }) => /plan|grundriss|floor|layout|piso|etage/i.test(name));
+  const choice = el("select", { name: "plan", "aria-label": "Picture of the plan" }, pictures.map((file, k) => el("option", { value: k, selected: file === likely }, file.name)));
+  const answer = await ask("Which picture is the plan?", [el("p", { className: "soft" }, "The others are kept as photos."), choice], "This one", { other: { text: "None of them", value: "none" } });
+  return answer === "none" ? undefined : answer && pictures[Number(answer.get("plan"))];
 }

@@ -73,7 +73,7 @@ class Project:
         rooms: dict[str, list[str]] = {name: [] for name in extra.get("photos", [])}
         if (self.path / TABLE).is_file():
             for row in read_rows(self.path / TABLE, house_id=self.name):
-                rooms.setdefault(row.photo, []).append(row.room_id)
+                rooms.setdefault(row.photo, []).extend([row.room_id] * bool(row.room_id))
         if "photos" not in extra and self.photos.is_dir():
             for file in sorted(self.photos.iterdir()):
                 if _PHOTO.fullmatch(file.name):
@@ -101,7 +101,7 @@ class Project:
         buffer = io.StringIO()
         writer = csv.writer(buffer, lineterminator="\n")
         writer.writerow(["room_id", "photo"])
-        writer.writerows((room, name) for name, rooms in rows.items() for room in rooms)
+        writer.writerows((room, name) for name, rooms in rows.items() for room in rooms or [""])
         for file, text in (
             (PLAN, json.dumps(plan, indent=1, allow_nan=False) + "\n"),
             (TABLE, buffer.getvalue()),

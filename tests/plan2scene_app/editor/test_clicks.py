@@ -86,6 +86,23 @@ def test_two_rooms_from_nothing_to_a_glb(drawing, tmp_path):
     assert (tmp_path / "house.glb").read_bytes()[:4] == b"glTF"
 
 
+def test_a_plan_and_photos_dropped_together(drawing):
+    drawing.page.evaluate(
+        """async () => {
+          const canvas = new OffscreenCanvas(400, 300), data = new DataTransfer();
+          canvas.getContext("2d").fillRect(0, 0, 40, 30);
+          const blob = await canvas.convertToBlob();
+          for (const name of ["bed.png", "Grundriss.png", "hall.png"])
+            data.items.add(new File([blob], name, { type: "image/png" }));
+          editor.view.svg.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
+        }"""
+    )
+    drawing.page.get_by_role("button", name="This one").click()
+    drawing.page.wait_for_function("() => editor.store.state.photos.length === 2")
+    assert drawing.page.evaluate("editor.picture.width") == 400
+    assert drawing.photos == [{"name": name, "rooms": []} for name in ("bed.png", "hall.png")]
+
+
 def test_walls_move_with_both_rooms_and_what_is_in_them(drawing):
     two_rooms(drawing)
     drawing.drag((3, 2.6), (3.5, 2.6))
@@ -194,7 +211,7 @@ def test_saved_files_open_again(drawing, tmp_path):
     two_rooms(drawing)
     plan = drawing.plan
     (tmp_path / "plan.json").write_text(json.dumps(plan))
-    (tmp_path / "photos.csv").write_text('room_id,photo\nroom_2,"a, b.jpg"\nroom,c.jpg\n')
+    (tmp_path / "photos.csv").write_text('room_id,photo\nroom_2,"a, b.jpg"\nroom,c.jpg\n,d.jpg\n')
     drawing.press("Control+z")
     for name in ("plan.json", "photos.csv"):
         drawing.page.click("#open")
@@ -204,6 +221,7 @@ def test_saved_files_open_again(drawing, tmp_path):
     assert drawing.photos == [
         {"name": "a, b.jpg", "rooms": ["room_2"]},
         {"name": "c.jpg", "rooms": ["room"]},
+        {"name": "d.jpg", "rooms": []},
     ]
 
 
