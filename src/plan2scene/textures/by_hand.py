@@ -53,7 +53,10 @@ def set_by_hand(
     for key, tile in made.items():
         write_png(root / f"{key.filename}.png", tile.image)
         size = {"size_m": tile.size_m, "observed": None, "substance": tile.substance}
-        index["surfaces"]["/".join(key)] = size | {"source": BY_HAND + chosen[key]}
+        said = BY_HAND + chosen[key]
+        words = said.replace("same:", "as in ").replace("photo:", "as in photo ")
+        evidence: dict[str, Any] = {"photos": [], "like": None, "words": words}
+        index["surfaces"]["/".join(key)] = size | {"source": said, "evidence": evidence}
         (root / f"{key.filename}.jpg").unlink(missing_ok=True)
     write_json(root / "textures.json", index)
     if (root / "maps.json").is_file():

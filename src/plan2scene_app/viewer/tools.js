@@ -89,18 +89,18 @@ function describe(part) {
   const known = facts.surfaces[`${extras.room_id}/${extras.surface}`] || {};
   const photo = facts.photos.find((entry) => entry.name === known.photo);
   const guess = `guessed: no photo shows it${likely(known.confidence)}`;
-  const byHand = /^set by hand: (.*)/.exec(extras.source ?? "")?.[1];
+  const byHand = extras.evidence?.startsWith("set by hand");
   const seen = photo ? `seen in photo ${photo.number} (${photo.name})` : "seen in photos";
   const words = extras.evidence && photo ? `${extras.evidence}; this piece in photo ${photo.number} (${photo.name})` : extras.evidence;
   const name = extras.kind === "structure" ? "outer wall" : extras.category || extras.kind || part.name;
   tellStudio(part, `${capital(name)}${titleOf(extras.room_id) ? `, ${titleOf(extras.room_id)}` : ""}`);
   const rows = [["Room", titleOf(extras.room_id)], ["Part", extras.wall_id && extras.surface ? `wall ${extras.wall_id}` : null],
     ["Leads to", titleOf(extras.leads_to)], ["Area", extras.surface ? area(areaOf(part), 2) : null], ["Material", [extras.substance, extras.pattern].filter(Boolean).join(", ") || null],
-    ["Looks", byHand ? `set by hand: ${byHand}` : words ? words : extras.observed === undefined ? null : extras.observed ? seen : guess]];
+    ["Looks", byHand ? extras.evidence : words || (extras.observed === undefined ? null : extras.observed ? seen : guess)]];
   const research = document.createElement("details");
   research.append(text("summary", "For researchers"), listOfFacts([["Sure", known.confidence == null ? null : share(known.confidence)], ["As", extras.observed === false ? known.source : null],
     ["Texture", extras.source], ["Tile", extras.size_m ? `${extras.size_m.toFixed(2)} m` : null]]));
-  const pictures = known.crop ? [Object.assign(new Image(), { src: known.crop, alt: "The photo's piece that shows this surface" })] : [];
+  const pictures = known.crop && !byHand ? [Object.assign(new Image(), { src: known.crop, alt: "The photo's piece that shows this surface" })] : [];
   show(capital(name), rows, ...pictures, ...(extras.surface ? [research] : []));
 }
 

@@ -66,6 +66,7 @@ def test_each_kind_of_finish_and_nothing_else(house, caplog):
     assert red == pytest.approx(0.665, abs=0.02) and max(green, blue) < 0.3
     entries = read_json(house / "set" / "textures.json")["surfaces"]
     assert entries["a/wall"]["source"] == "set by hand: white"
+    assert entries["a/floor"]["evidence"]["words"] == "set by hand: as in photo p.jpg"
     assert entries["b/ceiling"]["source"] == "x"
     assert read_json(house / "set" / "maps.json") == {"surfaces": {}}
     assert not (house / "set" / "a_wall.jpg").exists()
