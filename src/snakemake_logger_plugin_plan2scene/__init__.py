@@ -89,8 +89,7 @@ class LogHandler(LogHandlerBase):
         elif event == LogEvent.JOB_ERROR:
             self._fail(fields, record.created)
         elif event is None and "on user request" in record.getMessage():
-            self._stopped = True
-            self._write("stopped: the same command goes on")
+            self._stopped = True  # whoever stopped it is told by the command
         elif event is None and record.levelno >= _LEVEL:
             self._write(self.format(record))
             self._report("error", message=self.format(record))
