@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Sequence
+from statistics import median
 
 _FOOT = 0.3048
 _NUMBER = r"\d{1,5}(?:[.,]\d{1,3})?"
@@ -16,7 +18,9 @@ _FEET = re.compile(
 )
 _METRIC = re.compile(rf"^({_NUMBER})\s*(mm|cm|m)?\.?$", re.IGNORECASE)
 _CROSS = re.compile(r"(?<=[\d'\"m”″’ ])\s*[x×X*]\s*(?=\d)")
+_SMALL = re.compile(r"^\d{1,2}(?:[.,]\d{1,2})?$")
 #: Lengths (metres) and areas (m2) that rooms and homes have.
+_HALL = 6.5  #: m that the median side of a home's rooms is not
 _LENGTHS, _AREAS = (0.3, 60.0), (0.5, 600.0)
 
 
@@ -52,15 +56,34 @@ def read_length(text: str) -> list[float]:
     return _possible([value / 1000, value / 100])
 
 
+def sides_in_feet(texts: Iterable[str]) -> bool:
+    """Return whether sides without a unit are decimal feet: as metres they were halls'."""
+    plain = [pairs for text in texts if in_two_units(pairs := read_sides(text))]
+    sides = [side for pairs in plain for side in pairs[0]]
+    return bool(sides) and median(sides) > _HALL
+
+
+def in_two_units(pairs: Sequence[tuple[float, float]]) -> bool:
+    """Return whether sides are metres or decimal feet, as :func:`read_sides` returns both."""
+    return len(pairs) == 2 and abs(pairs[1][0] / pairs[0][0] - _FOOT) < 1e-6
+
+
 def read_sides(text: str) -> list[tuple[float, float]]:
-    """Return what a text may mean as the two sides of a room, in metres."""
-    plain = re.sub(r"\s*(mm|cm|m|ft)\.?$", r"\1", text.strip(), flags=re.IGNORECASE)
+    """Return what a text may mean as the two sides of a room, in metres.
+
+    Small numbers without a unit are metres or decimal feet, in this order.
+    """
+    plain = re.sub(r"\s*(mm|cm|m|ft)\.?$", r"\1", text.strip(" ~"), flags=re.IGNORECASE)
     parts = _CROSS.split(plain)
     if len(parts) != 2:
         return []
     unit = re.search(r"(mm|cm|m)$", parts[1], re.IGNORECASE)
     if unit and not re.search(r"m$", parts[0].strip(), re.IGNORECASE):
         parts[0] += unit[1]
+    if all(_SMALL.match(part.strip()) for part in parts):  # metres or decimal feet
+        numbers = [_value(part.strip())[0] for part in parts]
+        pairs = ([unit * number for number in numbers] for unit in (1.0, _FOOT))
+        return [(a, b) for a, b in pairs if _possible([a, b]) == [a, b]]
     first, second = (read_length(part) for part in parts)
     if len(first) == len(second):
         return list(zip(first, second, strict=True))

@@ -25,7 +25,7 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
     Left as it is where the walls are not drawn solid.
     """
     ink = ink_of(image)
-    solid = _solid(ink, ppm)
+    solid = solid_walls(ink, ppm)
     wall = structure == WALL
     if wall.sum() == 0 or solid[wall].mean() < SETTINGS.solid:
         return structure
@@ -50,7 +50,7 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
     return changed
 
 
-def _solid(ink: np.ndarray, ppm: float) -> np.ndarray:
+def solid_walls(ink: np.ndarray, ppm: float) -> np.ndarray:
     """Return what is drawn solid and as thick as a thin wall, (h, w) bool."""
     side = max(3, round(SETTINGS.thin_wall * ppm))
     dark = (ink > SETTINGS.solid_ink).astype(np.uint8)

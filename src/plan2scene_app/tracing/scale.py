@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from plan2scene_app.plan_formats.measures import read_areas, read_length, read_sides
+from plan2scene_app.plan_formats.measures import in_two_units, read_areas, read_length, read_sides
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.settings import SETTINGS
 
@@ -42,8 +42,20 @@ class RoomSize:
     texts: Sequence[TextLine] = field(default=())
 
 
-def room_evidence(room: RoomSize) -> list[Evidence]:
-    """Return what the texts in a room say: its area, its sides."""
+def told_area(text: str, *, feet: bool = False) -> list[float]:
+    """Return the area in m2 that a text tells of its room, by itself or by two sides, if any."""
+    areas = [area for area, _ in read_areas(text)]
+    return areas[:1] or [a * b for a, b in _sides(text, feet=feet)[:1]]
+
+
+def _sides(text: str, *, feet: bool) -> list[tuple[float, float]]:
+    """Return what a text may mean as two sides in metres; small numbers are feet or metres."""
+    pairs = read_sides(text)
+    return pairs[feet:][:1] if in_two_units(pairs) else pairs
+
+
+def room_evidence(room: RoomSize, *, feet: bool = False) -> list[Evidence]:
+    """Return what the texts in a room say: its area, its sides; small ones in `feet` or metres."""
     evidence = []
     for line in room.texts:
         for area, digit in read_areas(line.text)[:1]:
@@ -51,7 +63,7 @@ def room_evidence(room: RoomSize) -> list[Evidence]:
             meaning = 0.5 * float(np.log(area / room.area))
             evidence.append(Evidence(line.text, (meaning,), deviation, 1.0))
         meanings = []
-        for a, b in read_sides(line.text):
+        for a, b in _sides(line.text, feet=feet):
             for first, second in ((a, b), (b, a)):
                 logs = np.log([first / room.sides[0], second / room.sides[1]])
                 if abs(logs[0] - logs[1]) < 0.12:

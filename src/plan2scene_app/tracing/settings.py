@@ -90,6 +90,12 @@ class TraceSettings:
     arc_radii: tuple[float, ...] = (0.8, 0.86, 0.92, 0.98, 1.04)  #: shares of the gap
     arc_drawn: float = 0.85  #: share of an arc that is drawn
     arc_beside: float = 0.5  #: share of what is beside it that may be drawn
+    # Walls that are thin lines.
+    thin_line: float = 0.45  #: m of the shortest
+    thin_gap: tuple[float, float] = (0.4, 2.0)  #: m of a gap in line, the scale a first guess
+    thin_wall_beside: float = 1.0  #: m of the longer of these two
+    thin_rounds: int = 6  #: in which furniture is joined with its room
+    thin_names: int = 2  #: names more that such lines part
     # Rooms.
     neck: float = 0.5  #: m: a narrower neck parts two rooms
     room_floor: float = 0.6  #: m2 of the smallest room
@@ -108,7 +114,7 @@ class TraceSettings:
     joined: float = 0.2  #: m within which two on a wall are one
     off_wall: float = 0.3  #: m from an outline to an opening's middle, beyond the wall's thickness
     open_floor: float = 0.4  #: m of floor between two rooms that are a passage
-    least_door: float = 0.45  #: m
+    least_door: float = 0.4  #: m
     least_window: float = 0.3  #: m
     least_passage: float = 0.5  #: m
     widest_door: float = 1.2  #: m: a wider gap between rooms is a passage

@@ -17,9 +17,11 @@ from shapely.geometry import Polygon
 from plan2scene.images import write_png
 from plan2scene.io import write_json, write_text
 from plan2scene.plans.plan_json import FORMAT, house_of_plan
+from plan2scene.plans.room_names import room_types
 from plan2scene.plans.validate import validate_house
 from plan2scene.weights import MODELS
 from plan2scene_app.plan_formats.axes import HEIGHTS
+from plan2scene_app.plan_formats.measures import sides_in_feet
 from plan2scene_app.tracing.ink import with_drawn_doors
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
@@ -47,9 +49,11 @@ from plan2scene_app.tracing.scale import (
     chain_evidence,
     find_scale,
     room_evidence,
+    told_area,
 )
 from plan2scene_app.tracing.segmenter import PlanSegmenter, load_plan_segmenter
 from plan2scene_app.tracing.settings import MODEL, ROOM, SETTINGS
+from plan2scene_app.tracing.thin_walls import with_thin_walls
 
 #: Metres: what is narrower than this is no opening.
 LEAST_WIDTH = {
@@ -97,7 +101,7 @@ def trace_picture(
     page = dark_on_light(picture.image)
     read = reader_installed()
     texts = read_lines(page) if read else []
-    frame, probabilities, regions = _seen(without_text(page, texts), segmenter)
+    frame, probabilities, regions = _seen(without_text(page, texts), segmenter, texts)
     polygons = room_polygons(regions) if regions.count else {}
     openings = find_openings(regions, polygons, probabilities)
     sure = how_sure(probabilities, regions)
@@ -125,7 +129,9 @@ def trace_picture(
     )
 
 
-def _seen(image: np.ndarray, segmenter: PlanSegmenter) -> tuple[Frame, np.ndarray, Regions]:
+def _seen(
+    image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
+) -> tuple[Frame, np.ndarray, Regions]:
     """Return the straight frame of a picture, its probabilities and regions."""
     first = whole(image, segmenter.long_side)
     rough = segmenter.probabilities(first.image, views=SETTINGS.first_views)
@@ -136,8 +142,14 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter) -> tuple[Frame, np.ndarra
     probabilities = segmenter.probabilities(frame.image, views=SETTINGS.views)
     structure = structure_of(probabilities)
     ppm = first_scale(structure)
-    structure = with_drawn_doors(structure, frame.image, ppm)
-    return frame, probabilities, find_regions(with_passages(structure, ppm), ppm)
+    lines = _in_frame(texts, frame)
+    names = [line.middle for line in lines if room_types(line.text)]
+    feet = sides_in_feet(line.text for line in lines)
+    sizes = [(*line.middle, area) for line in lines for area in told_area(line.text, feet=feet)]
+    divided, ppm = with_thin_walls(structure, frame.image, names, sizes, ppm)
+    if divided is structure:
+        divided = with_passages(with_drawn_doors(structure, frame.image, ppm), ppm)
+    return frame, probabilities, find_regions(divided, ppm)
 
 
 def _in_frame(lines: Sequence[TextLine], frame: Frame) -> list[TextLine]:
@@ -163,10 +175,11 @@ def _scale(
     """Return the scale that texts, doors and rooms agree on."""
     areas = np.bincount(regions.floors.ravel(), minlength=regions.count + 1).astype(float)
     evidence = []
+    feet = sides_in_feet(line.text for line in lines)
     for room in rooms:
         rows, columns = np.nonzero(regions.floors == room.number)
         sides = float(np.ptp(columns) + 1), float(np.ptp(rows) + 1)
-        evidence += room_evidence(RoomSize(float(areas[room.number]), sides, room.texts))
+        evidence += room_evidence(RoomSize(float(areas[room.number]), sides, room.texts), feet=feet)
     xs, ys = _walls([room.polygon for room in rooms])
     for line in lines:
         measure = chain_evidence(line, xs, ys)

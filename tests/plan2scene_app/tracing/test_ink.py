@@ -9,6 +9,7 @@ from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.regions import find_regions
 from plan2scene_app.tracing.rooms import room_polygons
 from plan2scene_app.tracing.settings import DOOR, ROOM, WALL, WINDOW
+from plan2scene_app.tracing.thin_walls import with_thin_walls
 
 from .conftest import PPM, as_probabilities, flat_labels
 
@@ -49,3 +50,20 @@ def test_two_doors_that_meet_in_a_corner_are_two():
     doors = find_openings(regions, room_polygons(regions), as_probabilities(labels))
     widths = sorted(round(o.width / PPM, 1) for o in doors if o.kind == "door")
     assert widths == pytest.approx([0.9, 0.9, 0.9, 1.0], abs=0.15)
+
+
+def test_thin_lines_part_named_rooms_and_gaps_in_them_are_doors():
+    labels = np.zeros((300, 420), np.uint8)
+    labels[30:270, 30:390], labels[36:264, 36:384] = WALL, ROOM
+    page = np.full((*labels.shape, 3), 255, np.uint8)
+    page[labels == WALL] = 0
+    page[36:120, 200] = page[150:264, 200] = 90  # a wall with a gap of a metre
+    page[160, 201:384] = 90  # a wall across
+    page[60:90, 60] = page[60:90, 90] = page[60, 60:90] = page[90, 60:91] = 90  # a table
+    names = [(100.0, 200.0), (300.0, 80.0), (300.0, 220.0)]
+    sizes = [(100.0, 200.0, 41.5), (300.0, 80.0, 25.1)]
+    found, ppm = with_thin_walls(labels, page, names, sizes, PPM)
+    assert ppm == pytest.approx(30, rel=0.03)
+    assert (found[125:145, 200] == DOOR).all() and (found[160, 210:380] == WALL).all()
+    assert found[75, 62] == ROOM
+    assert with_thin_walls(labels, page, names[:1], sizes, PPM)[0] is labels
