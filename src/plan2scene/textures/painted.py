@@ -37,8 +37,9 @@ _QUALITY = 85
 #: Linear value on from which brightened values bend, so that none burns out: above white paint.
 _KNEE = 0.88
 #: Patterns of white surfaces that are fainter (standard deviation of log brightness) are grain or
-#: relief, not tiles or panels.
-FAINT = 0.08
+#: relief: .006 to .027 on plain walls of real and synthetic homes (development), .03 to .06 on
+#: tiles, wallpaper and rough ceilings.
+FAINT = 0.028
 #: Substances whose patterns are no stains.
 PATTERNED = ("tile", "wood")
 #: Least linear value of a texture's median.
@@ -110,7 +111,7 @@ def paint_textures(
 
 @dataclass(frozen=True)
 class _Tile:
-    """A tile (n, n, 3) uint8 sRGB, the metres that it covers, how strong its pattern was."""
+    """A tile (n, n, 3) uint8 sRGB, the metres that it covers, how strong its pattern is."""
 
     image: np.ndarray
     size_m: float

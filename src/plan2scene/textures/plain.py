@@ -20,7 +20,6 @@ class PlainSettings:
 
     slow_m: float = 0.1  #: standard deviation of the filter that takes slow variation, metres
     noise: float = 0.06  #: fainter colours (log red or blue against green) are noise
-    relief: float = 0.025  #: at most this standard deviation of log brightness: the rest is stains
     brightest: float = 0.95  #: linear
 
 
@@ -28,7 +27,7 @@ SETTINGS = PlainSettings()
 
 
 def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.ndarray, float]:
-    """Return a tile in one paint with its relief, and how strong its pattern was.
+    """Return a tile in one paint with its relief, and how strong its pattern is.
 
     Parameters
     ----------
@@ -47,7 +46,6 @@ def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.nd
     detail[..., 1:] -= faint
     detail[..., 0] -= np.median(detail[..., 0])
     pattern = float(detail[..., 0].std())
-    detail[..., 0] *= min(1.0, SETTINGS.relief / max(pattern, 1e-6))
     linear = from_log_axes(log_axes(np.asarray(colour)) + detail)
     painted = as_uint8(linear_to_srgb(np.minimum(linear, SETTINGS.brightest)))
     return painted, pattern

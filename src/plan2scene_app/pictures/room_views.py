@@ -34,7 +34,7 @@ class RoomViewSettings:
     door_m: float = 0.05  #: so far within the room
     near_m: float = 0.6  #: what is nearer stands in the way, and what is no floor or wall
     near_thing_m: float = 1.3  #: where it is nearer than this:
-    most_near: float = 0.15  #: it may fill this share of a picture
+    most_near: float = 0.08  #: it may fill this share of a picture
     least_facing: float = 0.1  #: cosine: what is seen at a flatter angle counts as at this one
 
 
@@ -42,9 +42,20 @@ SETTINGS = RoomViewSettings()
 
 
 def render_rooms(house: House, rays: Rays | None, painter: Painter) -> np.ndarray:
-    """Return a sheet of a picture of each room, (h, w, 3) uint8 sRGB."""
-    names = [room.id for room in house.rooms]
-    return _sheet([painter(camera_in(house, name, rays)) for name in names], names)
+    """Return a sheet of a picture of each room, (h, w, 3) uint8 sRGB.
+
+    A small room of which only its door's leaf would be seen is left out.
+    """
+    cameras = {room.id: camera_in(house, room.id, rays) for room in house.rooms}
+    for room in house.rooms:
+        small = room_polygon(room).area < SETTINGS.small_m2 and len(cameras) > 1
+        if (
+            rays is not None
+            and small
+            and _seen_area(cameras[room.id], room.id, rays)[1] >= 2 * SETTINGS.most_near
+        ):
+            del cameras[room.id]
+    return _sheet([painter(camera) for camera in cameras.values()], list(cameras))
 
 
 def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
@@ -61,7 +72,12 @@ def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
     cameras = [_camera(*line, height, SETTINGS.look_down[small]) for line in lines]
     if rays is None:
         return cameras[0]
-    return max(cameras, key=lambda camera: _seen_area(camera, room_id, rays))
+
+    def worth(camera: Camera) -> float:
+        shown, near = _seen_area(camera, room_id, rays)
+        return shown if near < SETTINGS.most_near else 1e-3 * shown * (1.0 - near)
+
+    return max(cameras, key=worth)
 
 
 def _camera(eye: np.ndarray, target: np.ndarray, height: float, look_down: float) -> Camera:
@@ -72,8 +88,8 @@ def _camera(eye: np.ndarray, target: np.ndarray, height: float, look_down: float
     return Camera.look_at(np.array([eye[0], height, eye[1]]), ahead, focal, SETTINGS.size)
 
 
-def _seen_area(camera: Camera, room_id: str, rays: Rays) -> float:
-    """Return how much of a room's floor and walls a picture shows, m2; less for what is near."""
+def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[float, float]:
+    """Return how much of a room's floor and walls a picture shows, m2, and its near share."""
     ways = directions(camera, 16).reshape(-1, 3)
     eyes = np.tile(camera.position, (len(ways), 1))
     triangles = rays.hits(eyes, ways)
@@ -90,9 +106,7 @@ def _seen_area(camera: Camera, room_id: str, rays: Rays) -> float:
     angle = (ways[hit] @ camera.matrix[2]) ** 3
     area = metres**2 * angle / np.maximum(facing, SETTINGS.least_facing)
     near = metres < np.where(thing, SETTINGS.near_thing_m, SETTINGS.near_m)
-    share = float(near.sum() / len(ways))
-    shown = float(area[own].sum())
-    return shown if share < SETTINGS.most_near else 1e-3 * shown * (1.0 - share)
+    return float(area[own].sum()), float(near.sum() / len(ways))
 
 
 def _doorways(house: House, room: Room) -> list[tuple[np.ndarray, np.ndarray]]:

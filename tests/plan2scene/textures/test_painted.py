@@ -100,7 +100,7 @@ def test_tiles_and_maps_get_the_paint_and_keep_their_pattern(paint, tmp_path):
 
 def test_white_paint_is_one_colour_and_takes_no_pattern_of_another_room(paint, tmp_path):
     rng = np.random.default_rng(0)
-    grain = rng.normal(0.0, 2.0, (64, 64, 1))
+    grain = rng.normal(0.0, 1.2, (64, 64, 1))
     across = np.sin(np.arange(64) / 64 * 2 * np.pi)[None, :, None]
     stained = np.uint8(np.clip(130 + grain + across * np.array([12.0, 8.0, -8.0]), 0, 255))
     chequered = np.uint8(np.tile(np.kron([[60, 170], [170, 60]], np.ones((8, 8))), (4, 4)))
@@ -110,7 +110,7 @@ def test_white_paint_is_one_colour_and_takes_no_pattern_of_another_room(paint, t
     white = read_image(tmp_path / "out" / "a_wall.png").astype(int)
     columns = white.mean(axis=0)
     assert np.ptp(columns, axis=0).max() < 6  # 24 before
-    assert np.corrcoef(grain[..., 0].ravel(), white[..., 1].ravel())[0, 1] > 0.9
+    assert np.corrcoef(grain[..., 0].ravel(), white[..., 1].ravel())[0, 1] > 0.8
     assert np.array_equal(read_image(tmp_path / "out" / "c_wall.png"), white)
     assert read_json(tmp_path / "out" / "maps.json")["surfaces"] == {}
     assert read_json(tmp_path / "out" / "textures.json")["surfaces"]["c/wall"]["size_m"] == 1.0
