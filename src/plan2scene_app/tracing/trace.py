@@ -208,8 +208,24 @@ def plan_origin(plan: TracedPlan) -> np.ndarray:
     return np.asarray(corners.min(0))
 
 
-def plan_document(plan: TracedPlan) -> dict[str, Any]:
-    """Return the plan as this program's plan JSON, in metres from its upper left corner."""
+def place_in_picture(plan: TracedPlan, file: str) -> dict[str, Any]:
+    """Return where the plan's metres lie in the file's pixels (`picture` in the schema)."""
+    corner = plan_origin(plan)
+    there = plan.frame.to_picture(np.array([corner, corner + [1, 0]])) * plan.shrunk
+    step = there[1] - there[0]
+    return {
+        "file": file,
+        "origin": [round(float(v), 2) for v in there[0]],
+        "metres_per_pixel": round(plan.file_metres, 7),
+        "turned": round(float(np.degrees(np.arctan2(step[1], step[0]))), 3),
+    }
+
+
+def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
+    """Return the plan as this program's plan JSON, in metres from its upper left corner.
+
+    With the name of its picture's `file` it tells where it lies in that.
+    """
     origin = plan_origin(plan)
 
     def metric(point: Any) -> list[float]:
@@ -235,9 +251,11 @@ def plan_document(plan: TracedPlan) -> dict[str, Any]:
             }
         )
     depth = round(float(np.clip(plan.wall_px * plan.metres, 0.05, 0.5)), 3)
+    place = {"picture": place_in_picture(plan, file)} if file else {}
     return {
         "format": FORMAT,
         "version": 1,
+        **place,
         "wall_depth": depth,
         "rooms": rooms,
         "openings": openings,
@@ -343,7 +361,7 @@ def write_trace(
 ) -> tuple[TracedPlan, list[str]]:
     """Trace a picture; write what :func:`traced_files` names. Return plan and lines of doubt."""
     plan = trace_picture(path, metres_per_pixel=metres_per_pixel, model=model)
-    document = plan_document(plan)
+    document = plan_document(plan, Path(path).name)
     house = house_of_plan(document, "traced", file=str(path))
     lines = list(dict.fromkeys([*doubts(plan), *validate_house(house, file=path)]))
     target, picture, notes = traced_files(Path(out))

@@ -1,5 +1,7 @@
 """A picture becomes a plan: the shipped network, the texts, what is written, what is refused."""
 
+import json
+
 import cv2
 import numpy as np
 import pytest
@@ -54,6 +56,11 @@ def test_a_drawing_becomes_a_plan_by_the_command_the_same_again(picture, texts, 
     assert areas["wohnzimmer"] == pytest.approx(4.06 * 5.12, rel=0.05)
     assert plan.scale.confidence > 0.6
     assert plan.metres * plan.frame.zoom == pytest.approx(1 / PPM, rel=0.02)
+    place = json.loads(out.read_text())["picture"]
+    assert place["file"] == picture.name and abs(place["turned"]) < 1
+    pixels = [np.divide(house.rooms[0].rings[0][k], place["metres_per_pixel"]) for k in (0, 1)]
+    corner = plan.frame.to_picture(np.array(plan.rooms[0].polygon.exterior.coords[:2]))
+    assert pixels + np.array(place["origin"]) == pytest.approx(corner * plan.shrunk, abs=3)
     joined = [door for door in house.doors if door.room_b is not None]
     assert len(joined) == 1
     assert all(path.is_file() for path in traced_files(out))
