@@ -111,7 +111,7 @@ def locate_house(
             (truth.room_id,) if rooms_known else rooms,
             read_probability_png(probable) if own else None,
         )
-    poses = locate_shots(house, shots)
+    poses = locate_shots(house, shots).poses
     found = [Found(photo, 0.0, False, float("nan")) for photo in sorted(set(shots) - set(poses))]
     for photo, pose in poses.items():
         ahead, truth = pose.camera.matrix[2], truths[photo]

@@ -45,6 +45,7 @@ def test_shipped_weights_have_cards_and_fit_their_budget():
     files = sorted(MODELS.glob("*.safetensors"))
     assert [file.stem for file in files] == [
         "features",
+        "kinds",
         "naivesynth",
         "plans",
         "propagation",

@@ -317,9 +317,15 @@ def finished(name):
 
 
 def label_model():
-    """Return the embedded segmentation model by name; none where it does not label."""
-    source = config["photos"]["masks"]
-    return {"segmentation": model_of("segmentation")} if source == "embedded" else {}
+    """Return the embedded models of photos by name; none where they do not label.
+
+    The classifier of rooms reads the shipped network.
+    """
+    if config["photos"]["masks"] != "embedded":
+        return {}
+    own = config["models"].get("segmentation") and not config["models"].get("kinds")
+    names = ["segmentation", *([] if own else ["kinds"])]
+    return {name: model_of(name) for name in names}
 
 
 def pretrained_files():

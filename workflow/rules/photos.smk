@@ -69,6 +69,7 @@ rule places:
     params:
         traced=is_traced,
         contents=contents_of(assignment_of),
+        name_hints=config["photos"]["name_hints"],
         code=rule_code("places"),
     script:
         "../scripts/places.py"

@@ -14,6 +14,7 @@ with job(snakemake.log[0]):
         lambda: labeller(
             params.source,
             model=params.models.get("segmentation"),
+            kinds=params.models.get("kinds"),
             precomputed_dir=params.masks_folder,
             pretrained=params.pretrained,
             openings=params.openings,

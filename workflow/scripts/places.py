@@ -12,5 +12,12 @@ with job(snakemake.log[0]):
         snakemake.input.assignment or None, house, traced=snakemake.params.traced
     )
     if masks:
-        locate_photos(house, assigned, masks, cameras, threads=snakemake.threads)
+        locate_photos(
+            house,
+            assigned,
+            masks,
+            cameras,
+            name_hints=snakemake.params.name_hints,
+            threads=snakemake.threads,
+        )
     write_photo_rooms(house, assigned, cameras, snakemake.output.rooms, snakemake.output.table)

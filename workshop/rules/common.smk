@@ -5,6 +5,7 @@ from pathlib import Path
 
 import plan2scene_workshop
 from plan2scene import provenance
+from plan2scene.weights import MODELS
 from plan2scene_workshop.homes.residences import ResidenceOptions, residence_names
 from snakemake.utils import validate
 

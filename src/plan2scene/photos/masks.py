@@ -25,12 +25,15 @@ from plan2scene.photos.camera.lines import (
 )
 from plan2scene.photos.labels.labeller import Labeller
 from plan2scene.photos.labels.palette import (
+    KINDS_FILE,
+    MATCHES_FILE,
     PROBABILITIES,
     read_label_png,
     without_openings,
     write_label_png,
     write_probability_png,
 )
+from plan2scene.photos.matches import Points, find_points, match_photos
 from plan2scene.photos.photo_files import read_photo
 
 _log = logging.getLogger("plan2scene")
@@ -59,7 +62,8 @@ def make_masks(
     out_dir : path
         Replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
         ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
-        ``segments.parquet``, ``warnings.json`` (``docs/conventions.md``).
+        ``segments.parquet``, ``kinds.json``, ``matches.json``, ``warnings.json``
+        (``docs/conventions.md``).
     fov_deg : float
         Horizontal field of view in degrees where neither EXIF data nor vanishing points give one,
         nor those of the other photos.
@@ -89,6 +93,9 @@ def make_masks(
                         shots[name] = shot
         _log.info("%d photos labelled, %d left out", len(shots), len(photos) - len(shots))
         write_json(folder / "cameras.json", _cameras(shots, folder, fov_deg))
+        write_json(folder / KINDS_FILE, {name: shot.kinds for name, shot in shots.items()})
+        matches = match_photos({name: shot.points for name, shot in shots.items()})
+        write_json(folder / MATCHES_FILE, [[*pair, count] for pair, count in matches.items()])
         write_segments(folder / SEGMENTS, {name: shot.segments for name, shot in shots.items()})
         write_json(folder / "warnings.json", warnings)
     return warnings
@@ -101,6 +108,9 @@ class _Shot:
     camera: Camera
     segments: PhotoSegments
     exif: ExifFocal
+    #: How probable each of `palette.KINDS` is; none where nothing tells it.
+    kinds: list[float]
+    points: Points
 
 
 def _cameras(shots: Mapping[str, _Shot], folder: Path, fov_deg: float) -> dict[str, object]:
@@ -152,7 +162,9 @@ def _label_photo(
             folder / PROBABILITIES / f"{Path(name).stem}.png", labelled.probabilities
         )
     lines = [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
-    return _Shot(camera, segments, exif), lines
+    kinds = [] if labeller.kinds is None else labeller.kinds(image).tolist()
+    shot = _Shot(camera, segments, exif, [round(p, 4) for p in kinds], find_points(image))
+    return shot, lines
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

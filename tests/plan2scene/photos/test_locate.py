@@ -45,7 +45,7 @@ VIEWS = [
 def test_a_photo_is_found_where_it_was_taken(heading_deg, eye):
     house = box_house()
     photo, true = shot(house, heading_deg, eye)
-    pose = locate_shots(house, {"a.jpg": photo})["a.jpg"]
+    pose = locate_shots(house, {"a.jpg": photo}).poses["a.jpg"]
     assert pose.room_id == "room"
     assert pose.believed
     np.testing.assert_allclose(pose.camera.matrix, true.matrix, atol=1e-6)
@@ -55,7 +55,7 @@ def test_a_photo_is_found_where_it_was_taken(heading_deg, eye):
 def test_an_empty_square_room_tells_no_heading():
     house = box_house(openings=False, wide=4.0, deep=4.0)
     photo, _ = shot(house, 30.0, (1.0, 1.5, 1.0))
-    pose = locate_shots(house, {"a.jpg": photo})["a.jpg"]
+    pose = locate_shots(house, {"a.jpg": photo}).poses["a.jpg"]
     assert not pose.believed
     entry = pose_to_json(photo.camera, pose)
     assert entry["room_id"] is None
@@ -92,6 +92,8 @@ def test_the_stage_writes_every_camera(tmp_path):
         write_label_png(masks / f"{name}.png", photo.labels)
     cameras = {f"{name}.jpg": photo.camera.to_json() for name in ("a", "b")}
     write_json(masks / "cameras.json", cameras)
+    write_json(masks / "kinds.json", {})
+    write_json(masks / "matches.json", [])
     output = tmp_path / "cameras.json"
     locate_photos(house, {"a.jpg": ["room"]}, masks, output)
     assert list(read_json(output)) == ["a.jpg", "b.jpg"]
@@ -101,7 +103,7 @@ def test_the_stage_writes_every_camera(tmp_path):
     np.testing.assert_allclose(found["a.jpg"].camera.matrix, true.matrix, atol=1e-6)
     # Doors and windows of the mask count: it says more than one without them.
     plain = Shot(photo.camera, without_openings(photo.labels), ("room",))
-    alone = locate_shots(house, {"a.jpg": plain})["a.jpg"]
+    alone = locate_shots(house, {"a.jpg": plain}).poses["a.jpg"]
     assert found["a.jpg"].located > alone.located
 
 
@@ -112,12 +114,14 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     masks.mkdir()
     write_label_png(masks / "a.png", photo.labels)
     write_label_png(masks / "b.png", np.full(SIZE, 2, np.uint8))
-    cameras = {f"{name}.jpg": photo.camera.to_json() for name in ("a", "b")}
-    write_json(masks / "cameras.json", cameras)
+    known = photo.camera.to_json()
+    write_json(masks / "cameras.json", {"a.jpg": known, "b.jpg": {**known, "fallback": True}})
+    write_json(masks / "kinds.json", {})
+    write_json(masks / "matches.json", [])
     output = tmp_path / "cameras.json"
     rooms, placed = tmp_path / "photo_rooms.json", tmp_path / "photos.csv"
     table = {"a.jpg": [], "b.jpg": [], "damaged.jpg": []}
-    poses = locate_photos(house, table, masks, output)
+    poses = locate_photos(house, table, masks, output).poses
     np.testing.assert_allclose(poses["a.jpg"].camera.matrix, true.matrix, atol=1e-6)
     assert write_photo_rooms(house, table, output, rooms, placed) == {"a.jpg": ["room"]}
     asked = "expected a room_id in the photo table where a photo's place in the plan is not clear"
@@ -126,8 +130,10 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     both = {"b.jpg": ["store"], "a.jpg": ["room"]}
     assert write_photo_rooms(house, given, output, rooms, placed) == both
     assert read_json(rooms) == both
-    sure = f"{poses['a.jpg'].located:.2f}"
-    assert placed.read_text() == f"room_id,photo,probability\nstore,b.jpg,\nroom,a.jpg,{sure}\n"
+    sure = read_json(output)["a.jpg"]["rooms"]["room"]
+    assert poses["a.jpg"].located < sure < 1.0
+    rows = ["room_id,photo,probability", "store,b.jpg,", f"room,a.jpg,{sure:.2f}"]
+    assert placed.read_text().splitlines() == rows
     # A house of which no photo finds its place is made all the same.
     assert write_photo_rooms(house, {"b.jpg": []}, output, rooms, placed) == {}
     assert read_assignment(placed, house) == (PhotoAssignment("", "b.jpg"),)

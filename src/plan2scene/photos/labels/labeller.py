@@ -42,6 +42,8 @@ class Labeller:
     #: Given pixels, labels 0 to 3 that the camera is estimated from; None where the labels do not
     #: depend on the camera.
     draft: Callable[[np.ndarray], np.ndarray] | None = None
+    #: Given pixels, how probable each of `palette.KINDS` is, (k,); None where nothing tells it.
+    kinds: Callable[[np.ndarray], np.ndarray] | None = None
 
     def labelled(
         self,
@@ -69,6 +71,7 @@ def labeller(
     source: str,
     *,
     model: str | Path | None = None,
+    kinds: str | Path | None = None,
     precomputed_dir: str | Path | None = None,
     pretrained: Mapping[str, str | None] | None = None,
     openings: bool = False,
@@ -82,6 +85,8 @@ def labeller(
     source : {"embedded", "precomputed", "pretrained"}
     model : path
         Embedded: the safetensors file.
+    kinds : path, optional
+        Embedded: that of the classifier of rooms, which reads the network of `model`.
     precomputed_dir : path
         Precomputed: the folder of ``{stem}.png``.
     pretrained : mapping
@@ -108,11 +113,12 @@ def labeller(
 
         ade20k = load_pretrained(Checkpoint(**pretrained))
         return Labeller(lambda _photo, image, _camera: Labelled(ade20k.labels(image)))
-    return _embedded(str(model), openings)
+    return _embedded(str(model), kinds, openings)
 
 
-def _embedded(model: str, openings: bool) -> Labeller:
-    """Return the network of a weights file."""
+def _embedded(model: str, kinds: str | Path | None, openings: bool) -> Labeller:
+    """Return the network of a weights file, and the classifier of another."""
+    from plan2scene.photos.labels.kinds import load_kinds
     from plan2scene.photos.labels.segmentation import labels_of, load_segmenter, probabilities_of
 
     segmenter = load_segmenter(model)
@@ -123,7 +129,8 @@ def _embedded(model: str, openings: bool) -> Labeller:
         tells = len(logits) == len(LABELS_AND_OPENINGS)
         return Labelled(labels, probabilities_of(logits) if tells else None)
 
-    return Labeller(label, segmenter.draft if segmenter.network.elevation else None)
+    tell = load_kinds(kinds, segmenter).probabilities if kinds else None
+    return Labeller(label, segmenter.draft if segmenter.network.elevation else None, tell)
 
 
 def _precomputed(folder: str | Path | None, openings: bool, house_id: str) -> Labeller:

@@ -208,8 +208,8 @@ class SegmentationNet(nn.Module):
         )
         self.head = nn.Conv2d(decoder // 4, labels, 3, padding=1)
 
-    def maps(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> list[torch.Tensor]:
-        """Return the decoder's maps at strides 16, 8, 4 and 2; arguments as of the network."""
+    def encoded(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> list[torch.Tensor]:
+        """Return the encoder's maps at strides 2, 4, 8, 16 and 32; arguments as of the network."""
         n, _, h, w = x.shape
         rows = torch.linspace(-1, 1, h, device=x.device).view(1, 1, h, 1).expand(n, 1, h, w)
         columns = torch.linspace(-1, 1, w, device=x.device).view(1, 1, 1, w).expand(n, 1, h, w)
@@ -220,13 +220,17 @@ class SegmentationNet(nn.Module):
             known = ~elevation.isnan()
             planes += [(2 * elevation).where(known, 0)[:, None], known[:, None].to(x.dtype)]
         y = self.stem(torch.cat(planes, dim=1))
-        skips = [y]
+        encoded = [y]
         for stage in self.stages:
             y = stage(y)
-            skips.append(y)
-        y = self.attention(self.context(y))
+            encoded.append(y)
+        return [*encoded[:-1], self.attention(self.context(y))]
+
+    def maps(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> list[torch.Tensor]:
+        """Return the decoder's maps at strides 16, 8, 4 and 2; arguments as of the network."""
+        *skips, y = self.encoded(x, elevation)
         decoded: list[torch.Tensor] = []
-        for up, skip in zip(self.ups, reversed(skips[:-1]), strict=True):
+        for up, skip in zip(self.ups, reversed(skips), strict=True):
             y = up(y, skip)
             if not decoded:
                 y = self.attention_up(y)

@@ -26,6 +26,10 @@ OTHER, FLOOR, WALL, CEILING, DOOR, WINDOW = range(6)
 #: Names of the labels of files that label openings.
 LABELS_AND_OPENINGS = (*LABELS, "door", "window")
 IGNORE = 255
+#: What a photographed room may be used for; files of a masks folder with how probable that is for
+#: each photo, and with the photos that show the same things.
+KINDS_FILE, MATCHES_FILE = "kinds.json", "matches.json"
+KINDS = ("Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet")
 #: Folder of a masks folder with how likely each label is.
 PROBABILITIES = "probabilities"
 #: sRGB colour of each label in the palette PNG and in overlays.

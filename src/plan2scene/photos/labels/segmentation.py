@@ -115,14 +115,15 @@ class Segmenter:
         self.network = network.eval()
         quick = folded(self.network)
         members = list(quick.members) if isinstance(quick, Ensemble) else [quick]
-        self._members = cast("list[SegmentationNet]", members)
+        #: The networks, ready for inference.
+        self.members = cast("list[SegmentationNet]", members)
 
     def draft(self, image: np.ndarray) -> np.ndarray:
         """Return (h, w) uint8 labels 0 to 3 as the first network gives them at one size.
 
         Enough to find a photo's camera by; arguments as of :meth:`labels`.
         """
-        logits = self._seen(self._members[:1], image, None, (DRAFT_SCALE,))
+        logits = self._seen(self.members[:1], image, None, (DRAFT_SCALE,))
         return labels_of(logits, (image.shape[0], image.shape[1]))
 
     def logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
@@ -130,7 +131,7 @@ class Segmenter:
 
         With the network's adjustment, divided by its temperature. Arguments as of :meth:`labels`.
         """
-        return self._seen(self._members, image, camera, SCALES)
+        return self._seen(self.members, image, camera, SCALES)
 
     def _seen(
         self,

@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 import logging
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,8 @@ from plan2scene.io import atomic_path, read_json, write_json
 from plan2scene.parallel import each
 from plan2scene.photos.labels.palette import (
     DOOR,
+    KINDS_FILE,
+    MATCHES_FILE,
     PROBABILITIES,
     read_label_png,
     read_probability_png,
@@ -27,9 +29,11 @@ from plan2scene.photos.labels.palette import (
 from plan2scene.photos.locate.likelihood import OPENING, log_table, make_profile
 from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.photos.locate.plan_view import room_shapes
-from plan2scene.photos.locate.pose import Pose, pose_to_json, read_poses, turned
+from plan2scene.photos.locate.pose import Pose, pose_to_json, turned
 from plan2scene.photos.locate.search import HeightPrior, Hypothesis, RoomSearch
+from plan2scene.photos.locate.which_room import PhotoEvidence, likely_room, room_probabilities
 from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.room_names import room_types
 
 _log = logging.getLogger("plan2scene")
 
@@ -69,12 +73,30 @@ class Shot:
     rooms: tuple[str, ...]
     #: (6, h', w') float32 over the same view: how likely each label is, where that is known.
     probabilities: np.ndarray | None = None
+    #: What else tells the room; None where the photo table does.
+    hints: PhotoEvidence | None = None
 
 
-def locate_shots(house: House, shots: Mapping[str, Shot], threads: int = 1) -> dict[str, Pose]:
-    """Return the best pose of each photo that has a frame and a room, with its probability.
+@dataclass(frozen=True)
+class Located:
+    """Where the photos of a house were taken."""
 
-    `threads` photos are searched at a time; the result does not depend on it.
+    #: The best pose of each photo that has a frame and a room, with its probability.
+    poses: dict[str, Pose]
+    #: How probable each room is (`which_room.NOWHERE`: none) for photos of the table without one.
+    rooms: dict[str, dict[str, float]]
+
+
+def locate_shots(
+    house: House,
+    shots: Mapping[str, Shot],
+    matches: Mapping[tuple[str, str], int] | None = None,
+    threads: int = 1,
+) -> Located:
+    """Return the rooms of photos and their poses in them.
+
+    `matches` as of :func:`.which_room.room_probabilities`. `threads` photos are searched at a time;
+    the result does not depend on it.
     """
     shapes = room_shapes(house)
     openings = labelled_openings(shots.values())
@@ -99,11 +121,38 @@ def locate_shots(house: House, shots: Mapping[str, Shot], threads: int = 1) -> d
         hypotheses = list(
             each(lambda rooms: _best(rooms, prior), (s for s, _ in searched), threads)
         )
-    return {
-        name: _pose(shots[name], poses, openings)
-        for name, poses in zip(names, hypotheses, strict=True)
-        if poses
-    }
+    found = dict(zip(names, hypotheses, strict=True))
+    rooms = _rooms(house, shots, found, matches or {})
+    poses = {}
+    for name, every in found.items():
+        room, sure = likely_room(rooms[name]) if name in rooms else (None, 1.0)
+        kept = [pose for pose in every if room is None or pose.room_id == room]
+        if kept:
+            pose = _pose(shots[name], kept, openings)
+            poses[name] = replace(pose, located=sure * pose.located)
+    return Located(poses, rooms)
+
+
+def _rooms(
+    house: House,
+    shots: Mapping[str, Shot],
+    found: Mapping[str, Sequence[Hypothesis]],
+    matches: Mapping[tuple[str, str], int],
+) -> dict[str, dict[str, float]]:
+    """Return how probable each room is for the photos whose room is not told."""
+    evidence = {}
+    for name, shot in shots.items():
+        if shot.hints is None:
+            evidence[name] = PhotoEvidence(told=shot.rooms)
+            continue
+        scores: dict[str, float] = {}
+        for pose in found.get(name, ()):
+            scores[pose.room_id] = max(pose.score, scores.get(pose.room_id, -np.inf))
+        evidence[name] = replace(shot.hints, scores=scores)
+    if all(item.told for item in evidence.values()):
+        return {}
+    every = room_probabilities(house, evidence, matches)
+    return {name: rooms for name, rooms in every.items() if not evidence[name].told}
 
 
 def labelled_openings(shots: Iterable[Shot]) -> str:
@@ -153,7 +202,8 @@ def _best(searches: Sequence[RoomSearch], prior: HeightPrior) -> list[Hypothesis
 def _pose(shot: Shot, poses: Sequence[Hypothesis], openings: str) -> Pose:
     """Return the best of the poses and its probability."""
     best, (heading, elsewhere) = poses[0], margins(poses)
-    located = probability(Evidence(heading, elsewhere, openings, len(shot.rooms)))
+    rooms = len({pose.room_id for pose in poses})
+    located = probability(Evidence(heading, elsewhere, openings, rooms))
     return Pose(best.room_id, best.position, turned(shot.camera, best.turn), located)
 
 
@@ -163,9 +213,10 @@ def locate_photos(
     masks_dir: str | Path,
     output: str | Path,
     *,
+    name_hints: bool = True,
     threads: int = 1,
-) -> dict[str, Pose]:
-    """Write a house's cameras.json and return the best pose of each photo that has one.
+) -> Located:
+    """Write a house's cameras.json; return the photos' poses and what is known of their rooms.
 
     Parameters
     ----------
@@ -178,12 +229,15 @@ def locate_photos(
         Output of the masks stage.
     output : path
         The cameras of the masks stage with their places (``docs/conventions.md``).
+    name_hints : bool
+        Whether the names of photos tell what rooms they may show.
     threads : int
         Photos searched at a time; the result does not depend on it.
     """
     folder = Path(masks_dir)
     file = folder / "cameras.json"
     cameras = {name: Camera.from_json(value, file=file) for name, value in read_json(file).items()}
+    kinds = read_json(folder / KINDS_FILE)
     anywhere = [room.id for room in house.rooms]
     shots = {
         name: Shot(
@@ -191,16 +245,28 @@ def locate_photos(
             read_label_png(folder / f"{Path(name).stem}.png", house_id=house.id, openings=True),
             tuple(dict.fromkeys(rooms_of_photo[name] or anywhere)),
             _probabilities(folder / PROBABILITIES / f"{Path(name).stem}.png", house.id),
+            None if rooms_of_photo[name] else _hints(name, kinds.get(name), name_hints),
         )
         for name, camera in sorted(cameras.items())
         if name in rooms_of_photo
     }
-    poses = locate_shots(house, shots, threads)
-    entries = {name: pose_to_json(cameras[name], poses.get(name)) for name in sorted(cameras)}
+    matches = {(a, b): int(count) for a, b, count in read_json(folder / MATCHES_FILE)}
+    located = locate_shots(house, shots, matches, threads)
+    entries = {
+        name: pose_to_json(cameras[name], located.poses.get(name))
+        | ({"rooms": located.rooms[name]} if name in located.rooms else {})
+        for name in sorted(cameras)
+    }
     write_json(output, entries)
-    count = sum(pose.believed for pose in poses.values())
+    count = sum(pose.believed for pose in located.poses.values())
     _log.info("%d of %d photos located", count, len(cameras))
-    return poses
+    return located
+
+
+def _hints(name: str, kinds: Sequence[float] | None, name_hints: bool) -> PhotoEvidence:
+    """Return what a photo tells of its room beside its labels."""
+    named = room_types(Path(name).stem.replace("_", " ")) if name_hints else ()
+    return PhotoEvidence(kinds=np.array(kinds) if kinds else None, named=named)
 
 
 def _probabilities(path: Path, house_id: str) -> np.ndarray | None:
@@ -217,18 +283,22 @@ def write_photo_rooms(
 ) -> dict[str, list[str]]:
     """Write photo_rooms.json and return it: photo -> the rooms that it shows.
 
-    These are the rooms of the photo table; for a photo without any, the room that it was located
-    in. `cameras` is the cameras.json of `locate_photos`, None where photos have no camera. A photo
+    These are the rooms of the photo table; for a photo without any, the most probable one.
+    `cameras` is the cameras.json of `locate_photos`, None where photos have no camera. A photo
     without a room is left out; one line names them all. `table` is written, too: a photo table of
     these rooms, how probable each is, and the photos without a room.
     """
-    located = {} if cameras is None else read_poses(cameras)
+    known = {} if cameras is None else read_json(cameras)
+    likely = {
+        name: likely_room(entry["rooms"]) for name, entry in known.items() if "rooms" in entry
+    }
     rooms = {
-        photo: list(named) or ([located[photo].room_id] if photo in located else [])
+        photo: list(named) or [room for room, _ in [likely.get(photo, ("", 0.0))] if room]
         for photo, named in rooms_of_photo.items()
     }
-    known = rooms if cameras is None else read_json(cameras)
-    left_out = sorted(photo for photo, named in rooms.items() if not named and photo in known)
+    left_out = sorted(
+        photo for photo, named in rooms.items() if not named and (cameras is None or photo in known)
+    )
     if left_out:
         expected = "a room_id in the photo table where a photo's place in the plan is not clear"
         found = f"none for {', '.join(left_out)}"
@@ -238,7 +308,7 @@ def write_photo_rooms(
         writer.writerow(["room_id", "photo", "probability"])
         for photo, named in rooms.items():
             told = bool(rooms_of_photo[photo]) or not named
-            sure = "" if told else f"{located[photo].located:.2f}"
+            sure = "" if told else f"{likely[photo][1]:.2f}"
             writer.writerows([room, photo, sure] for room in named or [""])
     rooms = {photo: named for photo, named in rooms.items() if named}
     write_json(output, rooms)

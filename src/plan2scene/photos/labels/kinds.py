@@ -1,0 +1,83 @@
+"""What a photographed room is used for: a linear classifier of the segmentation network's maps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import torch
+from torch import nn
+
+from plan2scene.photos.labels.palette import KINDS
+from plan2scene.photos.labels.segmentation import (
+    Segmenter,
+    brightened,
+    network_size,
+    to_tensor,
+)
+from plan2scene.weights import filled, load_model_file
+
+#: Longer side in pixels that a photo is seen at.
+SIDE = 384
+#: Maps of the encoder that are averaged, by the halvings of their size less one: strides 8 to 32.
+MAPS = (2, 3, 4)
+
+
+@torch.inference_mode()
+def kind_features(segmenter: Segmenter, image: np.ndarray) -> np.ndarray:
+    """Return (f,) float32: mean, maximum and deviation of the encoders' channels over a photo.
+
+    `image` is (h, w, 3) uint8 sRGB of any size.
+    """
+    size = network_size((image.shape[0], image.shape[1]), SIDE)
+    way = cv2.INTER_AREA if image.shape[1] > size[1] else cv2.INTER_LINEAR
+    photo = to_tensor(cv2.resize(brightened(image), size[::-1], interpolation=way))[None]
+    parts = []
+    for member in segmenter.members:
+        encoded = member.encoded(photo)
+        for y in (encoded[k].flatten(2)[0] for k in MAPS):
+            parts += [y.mean(1), y.amax(1), y.std(1)]
+    return torch.cat(parts).numpy()
+
+
+class RoomKinds(nn.Module):
+    """Features -> logits of :data:`KINDS`; `inputs` is the number of features.
+
+    Shapes: (n, inputs) -> (n, kinds).
+    """
+
+    mean: torch.Tensor
+    scale: torch.Tensor
+
+    def __init__(self, *, inputs: int) -> None:
+        super().__init__()
+        self.architecture = {"inputs": inputs}
+        self.register_buffer("mean", torch.zeros(inputs))
+        self.register_buffer("scale", torch.ones(inputs))
+        self.linear = nn.Linear(inputs, len(KINDS))
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        """Return logits; see the class for shapes."""
+        y: torch.Tensor = self.linear((x - self.mean) * self.scale)
+        return y
+
+
+class KindClassifier:
+    """Tells what rooms are used for, given the segmenter that its weights were trained on."""
+
+    def __init__(self, segmenter: Segmenter, network: RoomKinds) -> None:
+        self._segmenter, self._network = segmenter, network.eval()
+
+    @torch.inference_mode()
+    def probabilities(self, image: np.ndarray) -> np.ndarray:
+        """Return how probable each of :data:`KINDS` is, (k,) float32, for a (h, w, 3) photo."""
+        features = torch.from_numpy(kind_features(self._segmenter, image))
+        return torch.softmax(self._network(features[None])[0], dim=0).numpy()
+
+
+def load_kinds(path: str | Path, segmenter: Segmenter) -> KindClassifier:
+    """Return the classifier of a weights file; InputError when it is none of this network."""
+    state, architecture = load_model_file(path)
+    network = filled(lambda: RoomKinds(**architecture), state, "the classifier of rooms", path)
+    return KindClassifier(segmenter, network)

@@ -1,0 +1,240 @@
+"""Which room each photo shows: all evidence together, all photos of a home jointly.
+
+A photo alone hardly tells its room. What counts: how well its labels agree with each room of the
+plan, what the room is used for, photos that show the same things, the photo's name, and that
+people photograph every main room of a home before they photograph one often.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from plan2scene.house import House, Room
+from plan2scene.photos.labels.palette import KINDS
+from plan2scene.plans.geometry import room_polygon
+from plan2scene.seeds import generator
+
+#: Room types and the kinds that photos of them look like; other types may be of any kind.
+KIND_OF = {kind: kind for kind in KINDS} | {"Entrance": "Corridor", "Staircase": "Corridor"}
+#: What photos of a room of a kind look like: many kitchens have a table, many bedrooms a desk.
+LOOKS = {
+    "Reception": {"Reception": 0.8, "Kitchen": 0.1, "Bedroom": 0.1},
+    "Bedroom": {"Bedroom": 0.8, "Reception": 0.2},
+    "Kitchen": {"Kitchen": 0.65, "Reception": 0.35},
+    "Bathroom": {"Bathroom": 0.9, "Closet": 0.1},
+    "Corridor": {"Corridor": 0.8, "Bathroom": 0.1, "Closet": 0.1},
+    "Closet": {"Closet": 0.6, "Corridor": 0.2, "Bathroom": 0.2},
+}
+#: Name of no room: a garden, a facade, a face.
+NOWHERE = ""
+
+
+@dataclass(frozen=True)
+class WhichRoomSettings:
+    """Weights of the evidence, in e-folds of probability.
+
+    Source: set by hand on two listings (development), reported on others.
+    """
+
+    #: Of a unit of the score of the best pose in a room, and the most that it can tell.
+    place: float = 12.0
+    most_place: float = 3.0
+    #: Of the logarithm of the classifier's odds.
+    kind: float = 1.4
+    #: Of a name that means a type of room.
+    name: float = 2.5
+    #: Of photos that match: for each e-fold of matched points beyond the first number.
+    match: float = 1.0
+    matched: float = 14.0
+    most_match: float = 3.0
+    #: Share of that where the rooms are open to each other.
+    open_match: float = 0.7
+    #: How often rooms are photographed, by type; others as a closet.
+    photographed: dict[str, float] = field(
+        default_factory=lambda: {
+            "Reception": 3.0,
+            "Kitchen": 2.5,
+            "Bedroom": 1.5,
+            "Bathroom": 1.2,
+            "Corridor": 0.5,
+            "Entrance": 0.5,
+            "Staircase": 0.4,
+            "Unknown": 0.6,
+        }
+    )
+    rarely: float = 0.15
+    #: Power of a room's area in that, relative to 12 square metres, and of its present photos.
+    area: float = 0.5
+    usual_m2: float = 12.0
+    #: A main room that no other photo shows is more probable by this.
+    first: float = 0.8
+    main: tuple[str, ...] = ("Reception", "Kitchen", "Bedroom", "Bathroom")
+    #: Probability that a photo shows no room, without evidence.
+    nowhere: float = 0.03
+    #: A room less probable than this is not taken.
+    least: float = 0.3
+    #: Sweeps of the sampler that count, and those before.
+    sweeps: int = 1500
+    warm: int = 300
+
+
+WHICH = WhichRoomSettings()
+
+
+@dataclass(frozen=True)
+class PhotoEvidence:
+    """What one photo tells of its room."""
+
+    #: Rooms that the photo table names; then nothing else counts.
+    told: tuple[str, ...] = ()
+    #: Score of the best pose in each room; empty where the photo has no frame.
+    scores: Mapping[str, float] = field(default_factory=dict)
+    #: How probable each of `KINDS` is, (k,) in [0, 1]; None where nothing told it.
+    kinds: np.ndarray | None = None
+    #: Types of room that the photo's name means.
+    named: tuple[str, ...] = ()
+
+    @property
+    def tells(self) -> bool:
+        """Whether anything is known."""
+        return bool(self.told or self.scores or self.named) or self.kinds is not None
+
+
+def room_probabilities(
+    house: House,
+    photos: Mapping[str, PhotoEvidence],
+    matches: Mapping[tuple[str, str], int],
+) -> dict[str, dict[str, float]]:
+    """Return how probable each room is for each photo; `NOWHERE` for none.
+
+    Parameters
+    ----------
+    house : House
+        The plan.
+    photos : mapping
+        Photo to what it tells.
+    matches : mapping
+        Points that two photos share (a pair of names, the lesser first).
+
+    Notes
+    -----
+    Gibbs sampling of the rooms of all photos: the same input gives the same numbers.
+    """
+    names, rooms = sorted(photos), [room.id for room in house.rooms]
+    if not names:
+        return {}
+    alone = np.array([_alone(house, photos[name]) for name in names])
+    pairs = _pairs(names, matches)
+    known = [photos[name].tells or bool(pairs[k]) for k, name in enumerate(names)]
+    near = _nearness(house)
+    frequent, first = _frequency(house)
+    rng = generator(0, "which room", house.id)
+    state = np.where(known, alone.argmax(axis=1), len(rooms))
+    counts = np.bincount(state, minlength=len(rooms) + 1).astype(float)
+    seen = np.zeros((len(names), len(rooms) + 1))
+    free = [k for k, name in enumerate(names) if not photos[name].told and known[k]]
+    for sweep in range(WHICH.warm + WHICH.sweeps):
+        for k in free:
+            counts[state[k]] -= 1
+            log = alone[k] + np.log(frequent + np.minimum(counts, 2.0) * 0.3)
+            log += np.where(counts == 0, first, 0.0)
+            for other, weight in pairs[k]:
+                log += weight * near[state[other]]
+            odds = np.exp(log - log.max())
+            if sweep >= WHICH.warm:
+                seen[k] += odds / odds.sum()
+            state[k] = int(np.searchsorted(np.cumsum(odds), rng.random() * odds.sum()))
+            counts[state[k]] += 1
+    found = {}
+    for k, name in enumerate(names):
+        told = photos[name].told
+        if told:
+            found[name] = {room: 1.0 for room in told}
+            continue
+        if not known[k]:
+            found[name] = {NOWHERE: 1.0}
+            continue
+        share = seen[k] / seen[k].sum()
+        found[name] = {
+            room: round(float(p), 4) for room, p in zip([*rooms, NOWHERE], share, strict=True)
+        }
+    return found
+
+
+def likely_room(rooms: Mapping[str, float]) -> tuple[str, float]:
+    """Return the most probable room of :func:`room_probabilities` and how probable it is.
+
+    `NOWHERE` where no room is probable enough.
+    """
+    room, sure = max(rooms.items(), key=lambda item: item[1])
+    return (room, sure) if sure >= WHICH.least else (NOWHERE, 1.0 - sure)
+
+
+def _alone(house: House, photo: PhotoEvidence) -> np.ndarray:
+    """Return what a photo tells by itself, (rooms + 1,) log odds; the last is no room."""
+    log = np.zeros(len(house.rooms) + 1)
+    if photo.told:
+        log[[room.id not in photo.told for room in house.rooms] + [True]] = -1e3
+        return log
+    if photo.scores:
+        best = max(photo.scores.values())
+        for k, room in enumerate(house.rooms):
+            lead = (photo.scores.get(room.id, -np.inf) - best) * WHICH.place
+            log[k] += max(lead, -WHICH.most_place)
+        log[-1] -= WHICH.most_place / 2
+    if photo.kinds is not None:
+        for k, room in enumerate(house.rooms):
+            odds = float(_looks(room) @ photo.kinds) * len(KINDS)
+            log[k] += WHICH.kind * float(np.log(max(odds, 1e-3)))
+    if photo.named:
+        for k, room in enumerate(house.rooms):
+            log[k] += WHICH.name * bool(set(photo.named) & set(room.types))
+    log[-1] += np.log(WHICH.nowhere)
+    return log
+
+
+def _looks(room: Room) -> np.ndarray:
+    """Return the shares (k,) of `KINDS` that photos of a room look like."""
+    kinds = [KIND_OF[kind] for kind in room.types if kind in KIND_OF] or list(KINDS)
+    return np.array([[LOOKS[kind].get(k, 0.0) for k in KINDS] for kind in kinds]).mean(axis=0)
+
+
+def _frequency(house: House) -> tuple[np.ndarray, np.ndarray]:
+    """Return how often each room is photographed, and what a first photo of it adds."""
+    often, first = [], []
+    for room in house.rooms:
+        usual = max((WHICH.photographed.get(t, WHICH.rarely) for t in room.types), default=0.6)
+        area = room_polygon(room).area / WHICH.usual_m2
+        often.append(usual * float(np.clip(area, 0.1, 4.0)) ** WHICH.area)
+        first.append(WHICH.first if set(room.types) & set(WHICH.main) else 0.0)
+    return np.array([*often, 1.0]), np.array([*first, 0.0])
+
+
+def _nearness(house: House) -> np.ndarray:
+    """Return (rooms + 1, rooms + 1) of how much photos of two rooms may match."""
+    index = {room.id: k for k, room in enumerate(house.rooms)}
+    near = np.eye(len(index) + 1)
+    near[-1, -1] = 0.5
+    open_ = {o.id for wall in house.walls for o in wall.openings if o.kind == "passage"}
+    for door in house.doors:
+        if door.opening_id in open_ and door.room_b is not None:
+            a, b = index[door.room_a], index[door.room_b]
+            near[a, b] = near[b, a] = WHICH.open_match
+    return near
+
+
+def _pairs(
+    names: Sequence[str], matches: Mapping[tuple[str, str], int]
+) -> list[list[tuple[int, float]]]:
+    """Return for each photo the others that match it, and how much that tells."""
+    index = {name: k for k, name in enumerate(names)}
+    pairs: list[list[tuple[int, float]]] = [[] for _ in names]
+    for (a, b), count in matches.items():
+        if a in index and b in index and count > WHICH.matched:
+            weight = min(WHICH.match * float(np.log(count / WHICH.matched)), WHICH.most_match)
+            pairs[index[a]].append((index[b], weight))
+            pairs[index[b]].append((index[a], weight))
+    return pairs

@@ -1,0 +1,98 @@
+"""Photos that show the same things: points of one that are found again in another."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+
+@dataclass(frozen=True)
+class MatchSettings:
+    """Constants of the matching of photos. Source: set by hand on a listing (development)."""
+
+    #: Longer side that photos are reduced to, pixels.
+    side_px: int = 800
+    #: Most points of a photo; fewer of each where there are more photos than `usual_photos`.
+    points: int = 900
+    usual_photos: int = 48
+    #: Least contrast of a point (OpenCV's SIFT).
+    contrast: float = 0.02
+    #: A match is nearer than the second best by this (Lowe 2004).
+    ratio: float = 0.8
+    #: Points at the same place of both photos belong to a watermark, pixels.
+    apart_px: float = 6.0
+    #: Distance to the epipolar line of a match that agrees with the others, pixels.
+    agrees_px: float = 1.5
+    #: Fewer matches than this are not looked at, fewer that agree count as none.
+    least: int = 8
+
+
+MATCHES = MatchSettings()
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Points of a photo."""
+
+    places: np.ndarray  #: (n, 2) float32, pixels of the reduced photo
+    looks: np.ndarray  #: (n, 128) float32 of length 1
+
+
+def find_points(image: np.ndarray) -> Points:
+    """Return the points of a (h, w, 3) uint8 sRGB photo, the clearest first."""
+    zoom = min(1.0, MATCHES.side_px / max(image.shape[:2]))
+    small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
+    grey = cv2.createCLAHE(2.0, (8, 8)).apply(cv2.cvtColor(small, cv2.COLOR_RGB2GRAY))
+    finder = cv2.SIFT.create(MATCHES.points, contrastThreshold=MATCHES.contrast)
+    found, looks = finder.detectAndCompute(grey, None)
+    if not found:
+        return Points(np.zeros((0, 2), np.float32), np.zeros((0, 128), np.float32))
+    order = np.argsort([-point.response for point in found], kind="stable")[: MATCHES.points]
+    roots = np.sqrt(looks / np.maximum(looks.sum(axis=1, keepdims=True), 1e-9))
+    places = np.array([point.pt for point in found], np.float32)
+    return Points(places[order], roots[order].astype(np.float32))
+
+
+def match_photos(photos: Mapping[str, Points]) -> dict[tuple[str, str], int]:
+    """Return how many points each pair of photos shares, the lesser name first; none of no pair."""
+    share = min(1.0, MATCHES.usual_photos / max(1, len(photos)))
+    kept = {
+        name: Points(
+            p.places[: int(share * MATCHES.points)], p.looks[: int(share * MATCHES.points)]
+        )
+        for name, p in photos.items()
+    }
+    counts = {
+        pair: shared_points(kept[pair[0]], kept[pair[1]])
+        for pair in itertools.combinations(sorted(kept), 2)
+    }
+    return {pair: count for pair, count in counts.items() if count}
+
+
+def shared_points(one: Points, other: Points) -> int:
+    """Return how many points of two photos match and agree with one motion of the camera."""
+    if min(len(one.looks), len(other.looks)) < MATCHES.least:
+        return 0
+    alike = one.looks @ other.looks.T
+    best = alike.argmax(axis=1)
+    rows = np.arange(len(best))
+    first = alike[rows, best]
+    mutual = alike.argmax(axis=0)[best] == rows
+    alike[rows, best] = -1.0
+    away, second = (np.sqrt(np.maximum(2 - 2 * a, 0)) for a in (first, alike.max(axis=1)))
+    moved = np.linalg.norm(one.places - other.places[best], axis=1) > MATCHES.apart_px
+    kept = np.flatnonzero(mutual & moved & (away < MATCHES.ratio * second))
+    if len(kept) < MATCHES.least:
+        return 0
+    here, there = one.places[kept], other.places[best[kept]]
+    try:
+        how = (cv2.USAC_MAGSAC, MATCHES.agrees_px, 0.999, 1000)
+        _, inliers = cv2.findFundamentalMat(here, there, *how)
+    except cv2.error:  # no motion fits any of the samples
+        return 0
+    count = 0 if inliers is None else int(inliers.sum())
+    return count if count >= MATCHES.least else 0

@@ -1,0 +1,86 @@
+"""Which room photos show: each kind of evidence counts, and the photos of a home count together."""
+
+import numpy as np
+import pytest
+
+from plan2scene.house import House, Opening, Room, Wall
+from plan2scene.photos.labels.palette import KINDS
+from plan2scene.photos.locate.which_room import (
+    NOWHERE,
+    PhotoEvidence,
+    likely_room,
+    room_probabilities,
+)
+from plan2scene.photos.matches import find_points, match_photos
+
+
+def home():
+    """Two bedrooms of one size, a kitchen and a bath."""
+    types = {"bed_1": "Bedroom", "bed_2": "Bedroom", "kitchen": "Kitchen", "bath": "Bathroom"}
+    rooms = []
+    for k, (name, kind) in enumerate(types.items()):
+        ring = ((4.0 * k, 0.0), (4.0 * k + 4, 0.0), (4.0 * k + 4, 3.0), (4.0 * k, 3.0))
+        rooms.append(Room(name, (kind,), (ring,), 2.6))
+    window = Opening("w", "window", 1.0, 2.0, 0.9, 2.1)
+    walls = (Wall("wall", ("bed_1",), (0.0, 0.0), (4.0, 0.0), 2.6, openings=(window,)),)
+    return House("h", tuple(rooms), walls)
+
+
+def looks_like(kind, sure=0.9):
+    """The kinds of a photo of which the classifier is so sure."""
+    kinds = np.full(len(KINDS), (1 - sure) / (len(KINDS) - 1))
+    kinds[KINDS.index(kind)] = sure
+    return kinds
+
+
+def rooms_of(photos, matches=None):
+    return room_probabilities(home(), photos, matches or {})
+
+
+def test_what_a_room_is_used_for_and_its_name_tell_it():
+    found = rooms_of(
+        {
+            "a": PhotoEvidence(kinds=looks_like("Kitchen")),
+            "b": PhotoEvidence(named=("Bathroom",)),
+            "c": PhotoEvidence(told=("bed_2",)),
+            "d": PhotoEvidence(),
+        }
+    )
+    assert likely_room(found["a"])[0] == "kitchen"
+    assert likely_room(found["b"])[0] == "bath"
+    assert found["c"] == {"bed_2": 1.0}
+    assert found["d"] == {NOWHERE: 1.0}
+    for name in "ab":
+        assert sum(found[name].values()) == pytest.approx(1.0, abs=1e-3)
+    assert rooms_of({"a": PhotoEvidence(kinds=looks_like("Kitchen"))}) == rooms_of(
+        {"a": PhotoEvidence(kinds=looks_like("Kitchen"))}
+    )
+
+
+def test_two_bedrooms_are_two_photos_and_matching_photos_one_room():
+    told = {"a": PhotoEvidence(told=("bed_1",)), "b": PhotoEvidence(kinds=looks_like("Bedroom"))}
+    apart, together = rooms_of(told), rooms_of(told, {("a", "b"): 80})
+    assert likely_room(apart["b"])[0] == "bed_2"
+    assert likely_room(together["b"])[0] == "bed_1"
+    assert together["b"]["bed_1"] > 0.7 > apart["b"]["bed_1"]
+
+
+def test_places_count_more_the_more_they_differ():
+    rooms = ("bed_1", "bed_2", "kitchen", "bath")
+    sure = []
+    for lead in (0.0, 0.05, 0.15):
+        scores = {room: -1.0 - lead * (room != "bath") for room in rooms}
+        sure.append(rooms_of({"a": PhotoEvidence(scores=scores)})["a"]["bath"])
+    assert sure[0] < sure[1] < sure[2]
+
+
+def test_points_of_one_wall_are_found_again_but_not_a_watermark():
+    rng = np.random.default_rng(0)
+    blocks = np.kron(rng.integers(0, 255, (60, 80, 3)), np.ones((8, 8, 1))).astype(np.uint8)
+    other = np.kron(rng.integers(0, 255, (60, 80, 3)), np.ones((8, 8, 1))).astype(np.uint8)
+    marked = other.copy()
+    marked[100:200, 100:260] = blocks[100:200, 100:260]
+    photos = {"a": blocks[:400, :560], "b": blocks[60:460, 60:620], "c": marked[:400, :560]}
+    counts = match_photos({name: find_points(image) for name, image in photos.items()})
+    assert counts[("a", "b")] > 100
+    assert counts.get(("a", "c"), 0) < 20

@@ -1,0 +1,1 @@
+"""The classifier of rooms: what a photographed room is used for."""
