@@ -94,16 +94,22 @@ def start(project: Project, settings: dict[str, Any]) -> None:
     _record_start(project, record)
 
 
+def _record(project: Project) -> dict[str, Any]:
+    """Return what is on record of a run; another program may have written other JSON."""
+    record = read_json(project.path / RECORD)
+    return record if isinstance(record, dict) else {}
+
+
 def _let_end(project: Project) -> None:
     """Wait for the process of a run that has recorded its end: it takes a moment to go."""
     process = _process(project)
-    if process and read_json(project.path / RECORD).get("state") not in ("starting", "running"):
+    if process and _record(project).get("state") not in ("starting", "running"):
         psutil.wait_procs([process], timeout=_GRACE)
 
 
 def _record_start(project: Project, record: dict[str, Any]) -> None:
     """Record a child, unless it was so quick that it has recorded its end."""
-    if read_json(project.path / RECORD).get("state") == "starting":
+    if _record(project).get("state") == "starting":
         write_json(project.path / RECORD, record)
 
 
@@ -116,7 +122,7 @@ def status(project: Project) -> dict[str, Any]:
     if not file.is_file():
         return {"state": "none", "stages": [], "fault": "", "warnings": [], "settings": {}}
     alive = _process(project) is not None or _is_starting(project)
-    record = read_json(file)  # after the look at the process: its end is on record by then
+    record = _record(project)  # after the look at the process: its end is on record by then
     state = record.get("state", "failed")
     if state in ("starting", "running"):
         state = "running" if alive else "interrupted"
@@ -199,7 +205,7 @@ def cancel(project: Project) -> None:
     if process is None:
         return
     family = [process, *process.children(recursive=True)]
-    write_json(project.path / RECORD, read_json(project.path / RECORD) | {"state": "cancelled"})
+    write_json(project.path / RECORD, _record(project) | {"state": "cancelled"})
     for member in family:
         _signal(member, kill=False)
     _, alive = psutil.wait_procs(family, timeout=_GRACE)
@@ -207,14 +213,14 @@ def cancel(project: Project) -> None:
         _signal(member, kill=True)
     psutil.wait_procs(alive, timeout=_GRACE)
     time.sleep(0.05)
-    write_json(project.path / RECORD, read_json(project.path / RECORD) | {"state": "cancelled"})
+    write_json(project.path / RECORD, _record(project) | {"state": "cancelled"})
 
 
 def _is_starting(project: Project) -> bool:
     """Return whether a run was asked for a moment ago and its process is not on record yet."""
     file = project.path / RECORD
     fresh = file.is_file() and time.time() - file.stat().st_mtime < _GRACE
-    return fresh and read_json(file).get("state") == "starting"
+    return fresh and _record(project).get("state") == "starting"
 
 
 def _signal(process: psutil.Process, *, kill: bool) -> None:
@@ -225,7 +231,7 @@ def _signal(process: psutil.Process, *, kill: bool) -> None:
 def _process(project: Project) -> psutil.Process | None:
     """Return the process of the run under way: the one on record, not another of its number."""
     file = project.path / RECORD
-    record = read_json(file) if file.is_file() else {}
+    record = _record(project) if file.is_file() else {}
     if not isinstance(record.get("pid"), int):
         return None
     try:
@@ -265,7 +271,7 @@ def make_house(project: Project, settings: Mapping[str, Any]) -> None:
     warnings.setFormatter(_AsEvent())
     warnings.setLevel(logging.WARNING)
     logging.getLogger("plan2scene").addHandler(warnings)
-    record = read_json(project.path / RECORD)
+    record = _record(project)
     try:
         run(request, project.house, cores=settings["cores"], events=events)
         end = {"state": "done"}

@@ -181,3 +181,9 @@ def test_a_bad_plan_is_one_clear_line_of_the_real_job(project):
 def test_settings_are_checked(given):
     with pytest.raises(InputError):
         runs.settings_of(given, 1)
+
+
+def test_a_record_of_another_form_is_a_failed_run(project):
+    (project.path / "run.json").write_text("[]")
+    assert runs.status(project)["state"] == "failed"
+    runs.cancel(project)
