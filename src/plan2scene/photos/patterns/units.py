@@ -24,6 +24,8 @@ class UnitSettings:
     odd: float = 1.35  #: times the usual strongest mark of a unit: what has more shows a thing
     hue_m: float = 0.02  #: sigma over which hue is averaged
     hue: float = 0.4  #: share of its variation that a unit keeps
+    crossed: float = 2.5  #: times the usual stripes across a unit, at most
+    stripe_m: float = 0.01  #: sigma of the narrowest such stripes
     blot_m: float = 0.02  #: sigma of shadows' edges within a unit
     blot: float = 1.6  #: times their usual contrast, at most
     strip_m: float = 0.4  #: length over which a row's borders are straight
@@ -94,6 +96,8 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
     blots = [cv2.GaussianBlur(g, (0, 0), UNITS.blot_m * JOINTS.px_per_m).std() for g in dark]
     marks = np.array([np.percentile(np.abs(g), 99.5) for g in dark])
     good = (fine >= UNITS.sharp * np.percentile(fine, 80)) & (marks <= UNITS.odd * np.median(marks))
+    crossed = [_stripes(g) for g in dark]
+    good &= np.array(crossed) <= UNITS.crossed * np.median(crossed)
     good &= np.array(blots) <= UNITS.blot * np.median(blots)
     good &= (np.abs(away) <= 2 * UNITS.tone * max(usual, 1e-6)).all(axis=1)
     made = (0.5 * image * np.exp(tone) for image, tone in zip(flat, tones, strict=True))
@@ -102,6 +106,12 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
         for image, chosen in zip(made, good, strict=True)
         if chosen
     ]
+
+
+def _stripes(dark: np.ndarray) -> float:
+    """Return how strongly a unit's log grey values (h, w) bend from column to column."""
+    line = cv2.GaussianBlur(dark.mean(axis=0)[None], (0, 0), UNITS.stripe_m * JOINTS.px_per_m)
+    return float(np.abs(np.diff(line[0], 2)).mean())
 
 
 def _calm(image: np.ndarray) -> np.ndarray:
