@@ -19,6 +19,7 @@ from plan2scene.io import write_json, write_text
 from plan2scene.plans.plan_json import FORMAT, house_of_plan
 from plan2scene.plans.room_names import room_types
 from plan2scene.plans.validate import validate_house
+from plan2scene.plugins import pip_command
 from plan2scene.weights import MODELS
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.plan_formats.measures import sides_in_feet
@@ -274,7 +275,7 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
     if plan.sure < SETTINGS.busy[0]:
         yield f"the picture as a whole: {plan.sure:.0%} sure of what it shows"
     if not plan.read:
-        yield "no text is read: pip install 'plan2scene[trace]'"
+        yield f"no text is read: {pip_command('plan2scene[trace]')}"
     if scale.differ:
         yield f"measures that do not fit the scale: {', '.join(scale.differ)}"
     yield from _doubts_of_rooms(plan)

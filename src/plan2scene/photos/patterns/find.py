@@ -22,7 +22,7 @@ from plan2scene.photos.patterns.views import FloorView
 
 @dataclass(frozen=True)
 class FindSettings:
-    """Tuned constants, chosen on renderings of procedural materials."""
+    """Constants chosen on renderings of procedural materials and by looking at real floors."""
 
     same_size: float = 0.1  #: log ratio by which the scale of photos of one floor may differ
     most_m2: float = 3.0  #: area from which on a larger view has no more weight

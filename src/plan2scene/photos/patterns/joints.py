@@ -21,7 +21,7 @@ from plan2scene.paint.shading import log_luma
 
 @dataclass(frozen=True)
 class JointSettings:
-    """Tuned constants, chosen on renderings of procedural materials."""
+    """Constants chosen on renderings of procedural materials and by looking at real floors."""
 
     px_per_m: float = 200.0  #: of the images that are read
     slow_m: float = 0.06  #: sigma: what varies more slowly is light, not a joint
