@@ -53,7 +53,9 @@ def test_a_signal_to_the_starter_alone_ends_all(name):
 
 
 def test_control_c_in_the_first_seconds_is_one_line():
-    code = "print(flush=True); from plan2scene_app.start import main; main()"
+    # A shell's job in the background starts with the signal ignored.
+    code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    code += "print(flush=True); from plan2scene_app.start import main; main()"
     command = subprocess.Popen(
         [sys.executable, "-c", code, "--help"],
         text=True,

@@ -27,7 +27,7 @@ BAD = {
     "cut.jpg": "decodes",
     "empty.jpg": "an empty file",
     "gone.jpg": "no such file",
-    "phone.jpg": "HEIF",
+    "phone.jpg": "damaged HEIC",
     "point.png": "found 1x1",
     "strip.png": "found 20000x10",
     "text.jpg": "found text",

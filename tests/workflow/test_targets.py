@@ -33,8 +33,10 @@ def test_accent_walls_are_no_part_of_the_table(bare, tmp_path):
 def test_the_jobs_of_a_house(bare):
     rules = Counter(rule for rule, house in bare.jobs("all") if house)
     once = {"floorplan", "masks", "places", "crops", "contact_sheet", "embeddings"}
-    once |= {"materials", "propagated", "textures", "table_textures", "metrics", "texture_sheet"}
-    assert rules == dict.fromkeys(once | {"paint", "house", "pictures", "viewer"}, 2)
+    once |= {"materials", "propagated", "patterns", "textures", "table_textures", "metrics"}
+    assert rules == dict.fromkeys(
+        once | {"texture_sheet", "paint", "house", "pictures", "viewer"}, 2
+    )
     assert not (bare.root / "results").exists()  # a dry run writes nothing
 
 

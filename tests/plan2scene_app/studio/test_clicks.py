@@ -114,6 +114,8 @@ def test_refused_photos_and_a_conflict_say_what_they_are(drawing, studio, tmp_pa
     assert "found text" in corrupt and "at most 0.002 MB" in large
     assert drawing.photos == []
     two_rooms(drawing)
+    (home / "photos").mkdir(exist_ok=True)
+    Image.new("RGB", (8, 8)).save(home / "photos" / "theirs.jpg")
     (home / "photos.csv").write_text("room_id,photo\nroom,theirs.jpg\n")
     drawing.press("Control+z")
     page.get_by_role("button", name="Keep mine").wait_for()

@@ -82,7 +82,7 @@ def test_without_a_reader_the_scale_is_a_guess_that_is_said(picture, monkeypatch
     monkeypatch.setattr(trace, "reader_installed", lambda: False)
     _, lines = write_trace(picture, tmp_path / "plan.json")
     assert any("a guess" in line and "--metres-per-pixel" in line for line in lines)
-    assert any("plan2scene[trace]" in line for line in lines)
+    assert any("[trace]'" in line for line in lines)
 
 
 def test_text_is_read(tmp_path):
