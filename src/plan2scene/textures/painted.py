@@ -28,7 +28,6 @@ from plan2scene.paint.surfaces import (
     read_paint,
     read_seen_photos,
 )
-from plan2scene.textures.by_hand import set_by_hand
 from plan2scene.textures.evidence import evidence_of
 from plan2scene.textures.plain import plain
 
@@ -106,6 +105,9 @@ def paint_textures(
             kept = {name: e for name, e in maps["surfaces"].items() if name not in facts}
             write_json(folder / "maps.json", maps | {"surfaces": kept})
         if chosen and crops:
+            # PyTorch takes seconds to import: most houses have no finishes.
+            from plan2scene.textures.by_hand import set_by_hand
+
             set_by_hand(folder, chosen, crops, paint)
 
 
