@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from plan2scene.config import check_config, check_metrics, check_official
+from plan2scene.datasets.assignments import lacks_rooms
 from plan2scene.datasets.drops import hidden_photos, read_unobserved
 from plan2scene.datasets.layout import find_layout
 from plan2scene.datasets.house_table import (
@@ -156,6 +157,12 @@ def assignment_of(wildcards):
     """Return the photo table of a house; empty when the house has none."""
     path = named_assignment_of(wildcards)
     return path if path and os.path.isfile(path) else []
+
+
+def finds_rooms(wildcards):
+    """Return whether the room of a photo is to be found: the photo table may leave it out."""
+    path = assignment_of(wildcards)
+    return bool(path) and (is_traced(wildcards) or lacks_rooms(path))
 
 
 def object_boxes_of(wildcards):

@@ -34,6 +34,7 @@ rule masks:
         openings=config["photos"]["openings"],
         fov_deg=config["photos"]["fov_deg"],
         known_fov_deg=config["photos"]["known_fov_deg"],
+        find_rooms=finds_rooms,
         contents=contents_of(
             photos_of,
             *(

@@ -106,6 +106,14 @@ def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
     return rows
 
 
+def lacks_rooms(path: str | Path) -> bool:
+    """Return whether a photo table leaves a room out; not of one that is no table."""
+    try:
+        return any(not row.room_id for row in read_rows(path))
+    except InputError:
+        return False  # the job that reads it tells
+
+
 def check_assignment(
     house: House,
     assignments: Sequence[PhotoAssignment],

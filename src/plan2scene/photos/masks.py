@@ -47,6 +47,7 @@ def make_masks(
     house_id: str,
     fov_deg: float = DEFAULT_FOV_DEG,
     known_fov_deg: float | None = None,
+    find_rooms: bool = True,
     threads: int = 1,
 ) -> list[str]:
     """Write the masks folder of a house and return its warnings.
@@ -69,6 +70,9 @@ def make_masks(
         nor those of the other photos.
     known_fov_deg : float, optional
         Field of view of all photos along their longer side, degrees: goes before EXIF data.
+    find_rooms : bool
+        Whether the room of a photo is to be found: without, ``kinds.json`` and ``matches.json``,
+        which only tell that, are empty.
     threads : int
         Photos worked on at a time; the result does not depend on it.
     """
@@ -84,6 +88,7 @@ def make_masks(
                 house_id=house_id,
                 fov_deg=fov_deg,
                 known_fov_deg=known_fov_deg,
+                find_rooms=find_rooms,
             )
             with ThreadPoolExecutor(threads) as pool:
                 labelled = pool.map(lambda name: one(name, photos[name]), sorted(photos))
@@ -93,8 +98,10 @@ def make_masks(
                         shots[name] = shot
         _log.info("%d photos labelled, %d left out", len(shots), len(photos) - len(shots))
         write_json(folder / "cameras.json", _cameras(shots, folder, fov_deg))
-        write_json(folder / KINDS_FILE, {name: shot.kinds for name, shot in shots.items()})
-        matches = match_photos({name: shot.points for name, shot in shots.items()})
+        kinds = {name: shot.kinds for name, shot in shots.items() if find_rooms}
+        write_json(folder / KINDS_FILE, kinds)
+        points = {name: shot.points for name, shot in shots.items() if shot.points is not None}
+        matches = match_photos(points)
         write_json(folder / MATCHES_FILE, [[*pair, count] for pair, count in matches.items()])
         write_segments(folder / SEGMENTS, {name: shot.segments for name, shot in shots.items()})
         write_json(folder / "warnings.json", warnings)
@@ -110,7 +117,8 @@ class _Shot:
     exif: ExifFocal
     #: How probable each of `palette.KINDS` is; none where nothing tells it.
     kinds: list[float]
-    points: Points
+    #: None where the photo's room is known.
+    points: Points | None
 
 
 def _cameras(shots: Mapping[str, _Shot], folder: Path, fov_deg: float) -> dict[str, object]:
@@ -140,6 +148,7 @@ def _label_photo(
     house_id: str,
     fov_deg: float,
     known_fov_deg: float | None,
+    find_rooms: bool,
 ) -> tuple[_Shot | None, list[str]]:
     """Write a photo's label PNG; return what is known of it (None: left out), and warnings."""
     try:
@@ -162,9 +171,9 @@ def _label_photo(
             folder / PROBABILITIES / f"{Path(name).stem}.png", labelled.probabilities
         )
     lines = [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
-    kinds = [] if labeller.kinds is None else labeller.kinds(image).tolist()
-    shot = _Shot(camera, segments, exif, [round(p, 4) for p in kinds], find_points(image))
-    return shot, lines
+    kinds = labeller.kinds(image).tolist() if find_rooms and labeller.kinds else []
+    points = find_points(image) if find_rooms else None
+    return _Shot(camera, segments, exif, [round(p, 4) for p in kinds], points), lines
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

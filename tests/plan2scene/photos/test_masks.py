@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from plan2scene.datasets.assignments import lacks_rooms
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
+from plan2scene.io import read_json
 from plan2scene.photos.labels import palette as masks
 from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.masks import make_masks
@@ -110,6 +112,35 @@ def test_make_masks_refuses_two_photos_with_one_stem(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"a\.jpg and a\.png"):
         make_masks(photos, partial(labeller, "embedded"), tmp_path / "out", house_id="h")
     assert not (tmp_path / "out").exists()
+
+
+def test_what_only_tells_rooms_is_made_where_one_is_sought(tmp_path: Path) -> None:
+    photo = np.kron(_photo(), np.ones((5, 5, 1), np.uint8))
+    (tmp_path / "labels").mkdir()
+    for number, name in enumerate(("a", "b")):
+        write_png(tmp_path / f"{name}.png", np.roll(photo, 20 * number, axis=(0, 1)))
+        masks.write_label_png(tmp_path / "labels" / f"{name}.png", _labels(300, 400))
+    photos = {name: tmp_path / name for name in ("a.png", "b.png")}
+    label = partial(labeller, "precomputed", precomputed_dir=tmp_path / "labels", house_id="h")
+    for out, find_rooms in (("sought", True), ("told", False)):
+        make_masks(photos, label, tmp_path / out, house_id="h", find_rooms=find_rooms)
+    sought, told = (
+        [
+            read_json(tmp_path / out / file)
+            for file in ("cameras.json", "kinds.json", "matches.json")
+        ]
+        for out in ("sought", "told")
+    )
+    assert told == [sought[0], {}, []]
+    assert [pair[:2] for pair in sought[2]] == [["a.png", "b.png"]]
+
+
+@pytest.mark.parametrize(
+    ("rows", "lacks"), [("hall,a.jpg\n", False), ("hall,a.jpg\n,b.jpg\n", True), ('"', False)]
+)
+def test_a_photo_table_tells_whether_it_leaves_a_room_out(tmp_path: Path, rows, lacks) -> None:
+    (tmp_path / "photos.csv").write_text(f"room_id,photo\n{rows}")
+    assert lacks_rooms(tmp_path / "photos.csv") is lacks
 
 
 def test_masks_that_tell_openings_are_read_with_and_without_them(tmp_path: Path) -> None:
