@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -88,14 +90,25 @@ def build_storey(
     portals = _largest(openings.portals)
     leaves = dict(house.door_colours)
     usual = leaves.get("", LEAF_COLOUR)
+    doors, indoors = _doors_of_rooms(portals), {r.id for r in house.rooms if not r.open_air}
     for portal in portals:
         strip = threshold(portal)
         leaf = leaves.get(portal.hole.opening.id, usual)
-        parts.extend(([strip] if strip is not None else []) + fixtures(portal, leaf))
+        # Leaves open into rooms, not into the halls that join them.
+        inwards = portal.other is None or doors[portal.side.room_id] <= doors[portal.other]
+        hatch = {portal.side.room_id, portal.other} <= indoors
+        made = fixtures(portal, leaf, inwards=inwards, hatch=hatch)
+        parts.extend(([strip] if strip is not None else []) + made)
     parts.extend(objects(house, sides, polygons))
     if below is not None:
         parts.extend(soffit(level, together, bodies, below))
     return Storey(level, house, tuple(parts), tuple(bodies), tuple(portals), well, above)
+
+
+def _doors_of_rooms(portals: Iterable[Portal]) -> Counter[str | None]:
+    """Return how many doors each room has."""
+    doors = [portal for portal in portals if portal.hole.opening.kind == "door"]
+    return Counter(room for portal in doors for room in (portal.side.room_id, portal.other))
 
 
 def _largest(portals: list[Portal]) -> list[Portal]:

@@ -32,22 +32,26 @@ class JoinerySizes:
     pane: float = 0.9  #: a window has a mullion about every so many metres
     proud: float = 0.012  #: frames stand out of the wall by this much
     least_depth: float = 0.09  #: of a frame, also where the wall has no thickness
+    low_sill: float = 0.3  #: lower windows reach the floor: no sill board, no upper lights
 
 
 JOINERY = JoinerySizes()
 
 
-def fixtures(portal: Portal, leaf: Colour = LEAF_COLOUR) -> list[MeshPart]:
+def fixtures(
+    portal: Portal, leaf: Colour = LEAF_COLOUR, *, inwards: bool = True, hatch: bool = False
+) -> list[MeshPart]:
     """Return the parts of a door, window or passage (none when it is under 15 cm wide or high).
 
-    `leaf` is the colour of a door's leaves.
+    `leaf` is the colour of a door's leaves; they open into the portal's room where `inwards`, else
+    into the other. A window is a `hatch` between two rooms: a lining and a board, no glass.
     """
     hole = portal.hole
     if hole.right - hole.left < 0.15 or hole.top - hole.bottom < 0.15:
         return []
     if hole.opening.kind == "window":
-        return _window(portal)
-    return [_door(portal, leaf)]
+        return _window(portal, hatch=hatch)
+    return [_door(portal, leaf, 1.0 if inwards else -1.0)]
 
 
 def _centre(portal: Portal) -> np.ndarray:
@@ -76,8 +80,11 @@ def _surround(
         builder.box(frame, (width, low, -half), (size - width, low + width, half), colour)
 
 
-def _door(portal: Portal, leaf: Colour) -> MeshPart:
-    """Return a door's frame and leaves, or a passage's lining."""
+def _door(portal: Portal, leaf: Colour, swing: float) -> MeshPart:
+    """Return a door's frame and leaves, or a passage's lining.
+
+    The leaves open into the portal's room where `swing` is 1, into the other where it is -1.
+    """
     builder = PartBuilder()
     room, opening = portal.side.room_id, portal.hole.opening
     extras = {"kind": opening.kind, "room_id": room, "opening_id": opening.id}
@@ -94,10 +101,10 @@ def _door(portal: Portal, leaf: Colour) -> MeshPart:
     low, high = portal.hole.bottom + 0.008, portal.hole.top - jamb - gap
     if width > JOINERY.two_leaves:
         half = clear / 2 - gap / 2
-        _leaf(builder, portal, jamb + gap, 1.0, (half, low, high), leaf)
-        _leaf(builder, portal, width - jamb - gap, -1.0, (half, low, high), leaf)
+        _leaf(builder, portal, jamb + gap, (1.0, swing), (half, low, high), leaf)
+        _leaf(builder, portal, width - jamb - gap, (-1.0, swing), (half, low, high), leaf)
     else:
-        _leaf(builder, portal, jamb + gap, 1.0, (clear, low, high), leaf)
+        _leaf(builder, portal, jamb + gap, (1.0, swing), (clear, low, high), leaf)
     return builder.build(f"{room}/door/{opening.id}", extras=extras)
 
 
@@ -105,12 +112,13 @@ def _leaf(
     builder: PartBuilder,
     portal: Portal,
     hinge: float,
-    turn: float,
+    turn: tuple[float, float],
     size: tuple[float, float, float],
     colour: Colour,
 ) -> None:
-    """Add a door leaf hinged at `hinge` metres; `turn` is +1 when it extends to the right.
+    """Add a door leaf hinged at `hinge` metres.
 
+    `turn` is +1 when it extends to the right, and +1 when it opens into the portal's room, else -1.
     `size` is (width, bottom, top). Doors to the outside are shut.
     """
     width, low, high = size
@@ -119,11 +127,11 @@ def _leaf(
     panel: Colour = (red, green, blue)
     base = _centre(portal)
     angle = 0.0 if outside else JOINERY.ajar
-    inward = base[2]
-    along = turn * base[0] * math.cos(angle) + inward * math.sin(angle)
+    inward = turn[1] * base[2]
+    along = turn[0] * base[0] * math.cos(angle) + inward * math.sin(angle)
     across = np.cross(along, base[1])
     frame = np.array([along, base[1], across, base[3] + hinge * base[0]])
-    if not outside:  # the pivot is at the room's face of the frame, so the leaf clears the jamb
+    if not outside:  # the pivot is at the face of the frame, so the leaf clears the jamb
         frame[3] += inward * (_depth(portal) - JOINERY.leaf)
     half = JOINERY.leaf / 2
     builder.box(frame, (0, low, -half), (width, high, half), colour)
@@ -144,31 +152,33 @@ def _leaf(
             )
 
 
-def _window(portal: Portal) -> list[MeshPart]:
+def _window(portal: Portal, *, hatch: bool) -> list[MeshPart]:
     """Return a window's frame with mullions, transom and sill board, and its glass."""
     builder, glass = PartBuilder(), PartBuilder()
     room, opening = portal.side.room_id, portal.hole.opening
     width, low, high = portal.width, portal.hole.bottom, portal.hole.top
     bar = min(JOINERY.frame, 0.12 * min(width, high - low))
-    _surround(builder, portal, bar, FRAME_COLOUR, sill=True)
+    _surround(builder, portal, 0.015 if hatch else bar, FRAME_COLOUR, sill=True)
     frame, colour = _centre(portal), FRAME_COLOUR
-    count = max(1, round((width - bar) / JOINERY.pane))
-    for k in range(1, count):
-        s = width * k / count
-        builder.box(frame, (s - bar / 2, low + bar, -0.03), (s + bar / 2, high - bar, 0.03), colour)
-    if high - low > 1.6:  # a tall window has its upper lights apart
-        y = high - 0.25 * (high - low)
-        builder.box(frame, (bar, y - bar / 2, -0.025), (width - bar, y + bar / 2, 0.025), colour)
-    if low > 0.3:
-        reach = _depth(portal) + 0.04
-        builder.box(frame, (-0.03, low - 0.03, 0.0), (width + 0.03, low, reach), colour)
-    (x0, y0), (x1, y1) = (bar, low + bar), (width - bar, high - bar)
-    pane = np.array([[x0, y0, 0], [x1, y0, 0], [x1, y1, 0], [x0, y1, 0]])
-    glass.quad(pane @ frame[:3] + frame[3], (255, 255, 255))
+    if low > JOINERY.low_sill:
+        reach, back = _depth(portal) + 0.04, -_depth(portal) - 0.04 if hatch else 0.0
+        builder.box(frame, (-0.03, low - 0.03, back), (width + 0.03, low, reach), colour)
     extras = {"kind": "window", "room_id": room, "opening_id": opening.id}
     if portal.other is not None:
         extras["leads_to"] = portal.other
     name = f"{room}/window/{opening.id}"
+    if hatch:
+        return [builder.build(name, extras=extras)]
+    count = max(1, round((width - bar) / JOINERY.pane))
+    for k in range(1, count):
+        s = width * k / count
+        builder.box(frame, (s - bar / 2, low + bar, -0.03), (s + bar / 2, high - bar, 0.03), colour)
+    if high - low > 1.6 and low > JOINERY.low_sill:  # a tall window has its upper lights apart
+        y = high - 0.25 * (high - low)
+        builder.box(frame, (bar, y - bar / 2, -0.025), (width - bar, y + bar / 2, 0.025), colour)
+    (x0, y0), (x1, y1) = (bar, low + bar), (width - bar, high - bar)
+    pane = np.array([[x0, y0, 0], [x1, y0, 0], [x1, y1, 0], [x0, y1, 0]])
+    glass.quad(pane @ frame[:3] + frame[3], (255, 255, 255))
     return [
         builder.build(name, extras=extras),
         glass.build(f"{name}/glass", "glass", extras={**extras, "kind": "glass"}),

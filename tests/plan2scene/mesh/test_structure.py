@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapely.geometry import Polygon
 
-from plan2scene.house import Door, House
+from plan2scene.house import Door, House, Opening
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.structure import SKIRTING
 
@@ -127,18 +127,33 @@ def test_doors_and_windows_are_closed_solids(l_house):
             assert max(volumes) == pytest.approx(0.792 * 2.038 * 0.04, rel=1e-3)
 
 
-def test_a_window_between_two_rooms_says_where_it_leads(gap_house):
+@pytest.mark.parametrize(
+    ("kind", "made"), [("Bathroom", {"window"}), ("Balcony", {"window", "glass"})]
+)
+def test_a_window_between_two_rooms_is_a_hatch_unless_one_is_outside(gap_house, kind, made):
     def glazed(wall):
         openings = tuple(dataclasses.replace(o, kind="window", bottom=1.0) for o in wall.openings)
         return dataclasses.replace(wall, openings=openings)
 
     walls = tuple(glazed(wall) for wall in gap_house.walls)
-    parts = build_parts(dataclasses.replace(gap_house, walls=walls, doors=()))
+    rooms = gap_house.rooms[0], dataclasses.replace(gap_house.rooms[1], types=(kind,))
+    parts = build_parts(dataclasses.replace(gap_house, rooms=rooms, walls=walls, doors=()))
     found = [part.extras for part in parts if part.extras["kind"] in ("window", "glass")]
-    assert [(e["kind"], {e["room_id"], e["leads_to"]}) for e in found] == [
-        ("window", {"a", "b"}),
-        ("glass", {"a", "b"}),
-    ]
+    assert {e["kind"] for e in found} == made
+    assert all({e["room_id"], e["leads_to"]} == {"a", "b"} for e in found)
+
+
+def test_a_leaf_opens_into_the_room_with_fewer_doors(gap_house):
+    def reach(house):
+        points = by_name(house)["a/door/ha"].mesh.vertices[:, 0]
+        return 3.0 - points.min(), points.max() - 3.1
+
+    into_a = reach(gap_house)
+    walls = list(gap_house.walls)
+    front = Opening("front", "door", 1.0, 1.8, 0.0, 2.0)
+    walls[3] = dataclasses.replace(walls[3], openings=(front,))
+    into_b = reach(dataclasses.replace(gap_house, walls=tuple(walls)))
+    assert into_a[0] > 0.3 > into_a[1] and into_b[1] > 0.3 > into_b[0]
 
 
 def board(house, name):
