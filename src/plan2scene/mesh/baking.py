@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from scipy import ndimage
+from scipy.spatial import cKDTree
 from shapely.geometry import Point, Polygon
 from shapely.ops import unary_union
 
@@ -216,6 +217,8 @@ class LightSettings:
     lamp_drop_m: float = 0.35  #: how far below the ceiling it hangs
     lamp_glow_m: float = 1.1  #: radius of its glow: light does not grow without end towards it
     middle: float = 0.9  #: median light of a house after exposure
+    before_m: float = 0.1  #: plain things have the light of walls near a point so far before them
+    near_texels: int = 24  #: number of texels near it
     brightest: float = 1.3  #: mean light that a room or a balcony has at most
     knee: float = 0.75  #: linear value from which highlights of pictures are compressed
 
@@ -233,26 +236,46 @@ class Light:
         Linear factors on surface colours.
     charts : mapping of part name to Chart
     rooms : mapping of room id to (3,) float64
-        Mean light of a room, for what has no texels.
+        Mean light of a room.
+    walls : (tree, (n, 3) float64, (n,) str) or None
+        Points of wall texels, the light there and the rooms: what has no texels has the light of
+        walls near it.
     """
 
     image: np.ndarray
     charts: Mapping[str, Chart]
     rooms: Mapping[str, np.ndarray]
+    walls: tuple[cKDTree, np.ndarray, np.ndarray] | None = None
 
     def uv(self, part: MeshPart) -> np.ndarray:
         """Return texture coordinates (n, 2) of a part's vertices in the image, v down."""
         height, width = self.image.shape[:2]
         return self.charts[part.name].texels(np.asarray(part.uv)) / [width, height]
 
-    def of_plain(self, part: MeshPart) -> np.ndarray:
-        """Return the light (n, 3) of the vertices of a part without texels: its room's mean.
+    def of_plain(
+        self, part: MeshPart, balance: Mapping[str, np.ndarray] | None = None
+    ) -> np.ndarray:
+        """Return the light (n, 3) of the vertices of a part without texels: that of walls near it.
 
-        What looks up is a little brighter.
+        What looks up is a little brighter. `balance` are factors (3,) on the light of rooms by id.
         """
-        mean = np.mean(list(self.rooms.values()), axis=0)
-        room = self.rooms.get(str(part.extras.get("room_id", "")), mean)
-        return np.asarray(room * (0.85 + 0.15 * part.mesh.vertex_normals[:, 1:2]))
+        normals = part.mesh.vertex_normals
+        if self.walls is None:
+            light = np.ones((len(normals), 3))
+        else:
+            tree, lights, owner = self.walls
+            before = part.mesh.vertices + LIGHT.before_m * normals
+            away, near = tree.query(before, k=min(LIGHT.near_texels, len(lights)))
+            shape = len(before), -1
+            near = near.reshape(shape)
+            same = owner[near] == owner[near[:, :1]]  # walls of two rooms stand back to back
+            weights = same / (away.reshape(shape) + LIGHT.before_m)
+            weighted = lights[near] * weights[..., None]
+            for room, factors in (balance or {}).items():
+                weighted[owner[near] == room] *= factors
+            light = weighted.sum(axis=1)
+            light /= weights.sum(axis=1, keepdims=True)
+        return np.asarray(light * (1.0 + 0.15 * normals[:, 1:2]))
 
 
 @dataclass(eq=False)
@@ -313,7 +336,12 @@ def bake_light(
             values[:] = np.median(light, axis=0)
         chart.paste(image, *_continued(_smooth(values, inside), inside))
         start += count
-    return Light(image, {chart.part.name: chart for chart in charts}, rooms)
+    kinds = np.array([chart.part.extras.get("kind") == "wall" for chart in charts])
+    upright = kinds[texels.charts]
+    walls = None
+    if upright.any():
+        walls = cKDTree(texels.points[upright]), light[upright], owner[upright]
+    return Light(image, {chart.part.name: chart for chart in charts}, rooms, walls)
 
 
 def even_light(house: House) -> Light:

@@ -79,9 +79,9 @@ class _LitTriangles:
         lights, uv, balance = [], [], []
         for part in opaque:
             faces, own = part.mesh.faces, light.charts.get(part.name)
-            plain = light.of_plain(part)[faces[:, 0]]
-            lights.append(np.full((len(faces), 3), np.nan) if own else plain)
-            room = white.get(str(part.extras.get("room_id", "")), np.ones(3))
+            plain = light.of_plain(part, white)[faces]
+            lights.append(np.full((*faces.shape, 3), np.nan) if own else plain)
+            room = white.get(str(part.extras.get("room_id", "")) if own else "", np.ones(3))
             balance.append(np.tile(room, (len(faces), 1)))
             uv.append(light.uv(part)[faces] if own else np.zeros((len(faces), 3, 2)))
         self.plain, self.light_uv = np.concatenate(lights), np.concatenate(uv)
@@ -93,7 +93,7 @@ class _LitTriangles:
         upward = np.clip(directions(camera)[..., 1:2], 0, 1)
         horizon, sky = np.array(SETTINGS.horizon), np.array(SETTINGS.sky)
         image = (horizon + (sky - horizon) * upward).astype(np.float32)
-        light = self.plain[fragments.triangles]
+        light = fragments.at(self.plain)
         baked = np.isnan(light[:, 0])
         at = fragments.at(self.light_uv)[baked]
         light[baked] = sample([self.light.image], at, np.ones(len(at)))

@@ -68,6 +68,20 @@ def test_a_window_lights_the_floor_before_it(windowed):
     np.testing.assert_array_equal(light_of(windowed).image, light.image)
 
 
+def test_what_has_no_texels_has_the_light_of_walls_near_it(windowed):
+    light = light_of(windowed)
+    parts = {part.name: part for part in build_parts(windowed)}
+    door = parts["a/door/ha"]
+    upright, x = np.abs(door.mesh.vertex_normals[:, 1]) < 0.1, door.mesh.vertices[:, 0]
+    plain = light.of_plain(door)
+    wall = at(light, parts["a/wall/a_w1"], (3.0, 1.0, 2.3))
+    in_a, in_b = upright & (x < 2.8), upright & (x > 3.11)
+    np.testing.assert_allclose(plain[in_a].mean(axis=0), wall, rtol=0.25)
+    balanced = light.of_plain(door, {"a": np.full(3, 2.0)})
+    np.testing.assert_allclose(balanced[in_a], 2.0 * plain[in_a])
+    np.testing.assert_allclose(balanced[in_b], plain[in_b])
+
+
 def test_a_lamp_is_brightest_below_itself(gap_house):
     light = light_of(gap_house)
     parts = {part.name: part for part in build_parts(gap_house)}
