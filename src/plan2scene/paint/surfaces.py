@@ -16,6 +16,8 @@ from plan2scene.paint.observations import usual_colour
 
 #: Observations of fewer pixels (share of the photo's) are left out.
 LEAST_WEIGHT = 2e-5
+#: A surface of which a photo taken in its room shows more takes no colour from other rooms' photos.
+OWN_WEIGHT = 2e-3
 #: Paints that differ by less (CIEDE2000) are about one.
 ONE_PAINT = 14.0
 #: No paint reflects more, linear.
@@ -36,7 +38,8 @@ def observations_of(path: str | Path) -> list[Observation]:
             red, green, blue = map(float, usual_colour(shares, list(rows["weight"])))
             key, own = SurfaceKey(room_id, surface), bool(rows["own"].any())
             found.append(Observation(photo, key, own, weight, (red, green, blue)))
-    return found
+    within = {item.surface for item in found if item.own and item.weight > OWN_WEIGHT}
+    return [item for item in found if item.own or item.surface not in within]
 
 
 def joined(

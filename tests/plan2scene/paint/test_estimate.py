@@ -5,7 +5,8 @@ import pytest
 
 from plan2scene.house import SurfaceKey
 from plan2scene.paint.estimate import Observation, PaintPrior, estimate_paint
-from plan2scene.paint.surfaces import joined
+from plan2scene.paint.observations import SHARES, PlaneColours, write_colours
+from plan2scene.paint.surfaces import joined, observations_of
 
 WHITE = np.exp(PaintPrior().white[0])
 
@@ -89,6 +90,18 @@ def test_few_pixels_of_another_room_do_not_paint_a_wall():
     items = observed(paints, {"1": (GREY, "a"), "2": (GREY, "b")})
     oak = Observation("2", SurfaceKey("a", "wall"), False, 0.0005, (0.12, 0.06, 0.02))
     assert SurfaceKey("a", "wall") in estimate_paint([*items, oak]).white
+
+
+@pytest.mark.parametrize(("seen", "kept"), [(0.03, 1), (0.001, 2)])
+def test_what_is_seen_within_a_room_takes_no_colour_from_another(tmp_path, seen, kept):
+    def plane(photo, own, weight, colour):
+        shares = np.tile(np.array(colour, dtype=np.float32), (SHARES, 1))
+        return PlaneColours(photo, ("hall",), "floor", 0, own, (), weight, shares)
+
+    planes = [plane("hall", True, seen, (0.2, 0.01, 0.02)), plane("bed", False, 0.01, (0.3,) * 3)]
+    path = tmp_path / "colours.parquet"
+    write_colours(path, planes, dataset="d", house_id="h")
+    assert len(observations_of(path)) == kept
 
 
 def test_no_photo_no_paint():
