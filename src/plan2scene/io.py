@@ -313,8 +313,18 @@ def _whole(path: str | os.PathLike[str]) -> Iterator[None]:
     except FileNotFoundError:
         raise
     except (pa.ArrowException, OSError, ValueError, KeyError, TypeError) as error:
-        what = f"damage ({error}): `rm '{path}'` and the same command again make it anew"
+        what = f"damage ({error}): {how_to_make_anew(path)}"
         raise InputError("a whole Parquet file", what, file=path) from None
+
+
+def how_to_make_anew(path: str | os.PathLike[str]) -> str:
+    """Return, in words, what makes a damaged file of a stage anew.
+
+    A stage that makes a whole folder (Snakemake's stamp lies in it) makes it anew as a whole.
+    """
+    folder = Path(path).parent
+    rm = f"rm -r '{folder}'" if (folder / ".snakemake_timestamp").is_file() else f"rm '{path}'"
+    return f"`{rm}` and the same command again make it anew"
 
 
 def _own_metadata(

@@ -33,19 +33,23 @@ from plan2scene.datasets.house_table import read_house_table
 from plan2scene.datasets.import_plan import add_object_boxes
 from plan2scene.errors import InputError
 from plan2scene.images import image_from_bytes
-from plan2scene.io import read_parquet, write_parquet
+from plan2scene.io import read_parquet, write_json, write_parquet
 from plan2scene.materials import load_texture_folder
-from plan2scene.mesh.texture_files import texture_index
+from plan2scene.mesh.texture_files import textured
 from plan2scene.photos.camera.exif import read_exif_focal
 from plan2scene.photos.crops.extract_crops import CropFiles, read_precomputed_crops
 from plan2scene.photos.labels.palette import labels_from_folder
+from plan2scene.photos.locate.pose import read_poses
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.scene_json import house_of_scene
 from plan2scene.plans.scene_writer import house_to_scene
 from plan2scene.plans.validate import validate_house
+from plan2scene.stage_json import FORMS, read_stage_json
 from plan2scene.weights import filled, load_model_file, read_model_arrays
+from plan2scene_app.studio.projects import Project
+from plan2scene_app.studio.runs import status
 
 # Else it keeps what it knows of the sources in the folder where the tests are started.
 configuration.set_hypothesis_home_dir(Path(tempfile.gettempdir()) / "plan2scene_hypothesis")
@@ -284,7 +288,50 @@ def read_released(path: Path) -> None:
 DOOR = {"kind": "door", "from": [1, 0], "to": [2, 0], "bottom": 0, "top": 2}
 BOXES = {"objects": [{"type": "bed", "bound_box": {"p1": [1, 1], "p2": [2, 2.5]}}]}
 UNOBSERVED = {"0.0": [], "0.6": ["a.jpg", "b.jpg"], "1": ["c.jpg"]}
-TEXTURES = {"method": "crop", "surfaces": {"living/floor": {"size_m": 2.0, "observed": True}}}
+CAMERA = {"width": 40, "height": 30, "focal_px": 30.5, "cx": 19.5, "cy": 14.5, "located": 0.9}
+CAMERA |= {"rotation": [[1, 0, 0], [0, -1, 0], [0, 0, -1]], "focal_source": "exif"}
+CAMERA |= {"confidence": 0.5, "fallback": False, "room_id": "living", "position": [1, 1.6, 1]}
+TILE = {"size_m": 2.0, "observed": True, "substance": "wood", "source": "crop", "crops": ["a"]}
+TILE |= {"material": "floor-1", "origin_m": [0.5, 0], "evidence": {"photos": ["a"], "like": None}}
+MAP = {"origin_m": [0, 0], "extent_m": [2, 3.5], "px_per_m": 100, "pattern": "planks"}
+#: A good example of every form of what stages leave.
+LEFT = {
+    "cameras": {"a.jpg": CAMERA, "b.jpg": CAMERA | {"room_id": None, "rooms": {"hall": 0.5}}},
+    "kinds": {"a.jpg": [0.5, 0.1, 0.1, 0.1, 0.1, 0.1]},
+    "matches": [["a.jpg", "b.jpg", 12]],
+    "warnings": ["photo a.jpg left out: no picture"],
+    "photo_rooms": {"a.jpg": ["living", "hall"]},
+    "light": {"gains": {"a.jpg": [1.1, 1.0, 0.9]}},
+    "textures": {"method": "crop", "surfaces": {"living/floor": TILE}},
+    "maps": {"surfaces": {"living/floor": MAP}},
+    "doors": {"": [90, 60, 30], "d1": [255, 255, 255]},
+    "sheet": {"house": "h1", "photos": ["photo_1.jpg"], "methods": ["crop"]},
+}
+
+
+RUN = {"state": "failed", "settings": {"method": "crop"}, "fault": "disk", "pid": 1, "born": 1.0}
+
+
+def read_run(path: Path) -> None:
+    found = status(Project(path.parent))
+    assert isinstance(found["state"], str), found
+    assert isinstance(found["settings"], dict), found
+
+
+def read_left(path: Path) -> None:
+    """Read what a stage left as the stages after it do."""
+    read_stage_json(path, path.stem)
+    if path.stem == "cameras":
+        read_poses(path)
+    if path.stem in ("textures", "maps", "doors"):
+        other = {"textures", "maps", "doors"} - {path.stem}
+        for form in other:
+            write_json(path.with_name(f"{form}.json"), LEFT[form])
+        for suffix in (".png", ".jpg"):
+            path.with_name(f"living_floor{suffix}").write_bytes(crops()[0])
+        textured(path.parent, house())
+
+
 TABLE = "house\tsplit\tplan\tassignment\tphotos\nh1\ttest\tp.json\ta.csv\ta.jpg|b.jpg\n"
 
 READERS = (
@@ -318,9 +365,18 @@ READERS = (
     Reader("crop.png", crops, read_crop),
     Reader("texture.png", pictures, read_texture),
     Reader("crops.parquet", parquets, read_parquet),
-    Reader("textures.json", lambda: [json.dumps(TEXTURES).encode()], texture_index),
     Reader("model.safetensors", weights, read_weights),
     Reader("checkpoint.pt", checkpoints, read_released),
+    Reader(
+        "studio.json",
+        lambda: [json.dumps({"photos": ["a.jpg"], "place": None}).encode()],
+        lambda path: json.dumps(Project(path.parent).state()),
+    ),
+    Reader("run.json", lambda: [json.dumps(RUN).encode()], read_run),
+    *(
+        Reader(f"{form}.json", lambda form=form: [json.dumps(LEFT[form]).encode()], read_left)
+        for form in FORMS
+    ),
 )
 
 #: What tends to hurt readers of text, of bytes, and of JSON.

@@ -2,13 +2,14 @@
 
 from pathlib import Path
 
-from plan2scene.io import read_json
 from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.stage_json import read_stage_json
 from plan2scene.workflow.jobs import job
 from plan2scene_app.contact_sheet.sheet import SheetFiles, write_contact_sheet
 
 with job(snakemake.log[0]):
     inputs, params = snakemake.input, snakemake.params
+    house = read_scene_json(inputs.scene, snakemake.wildcards.house)
     files = SheetFiles(
         inputs.crops,
         inputs.candidates,
@@ -19,8 +20,8 @@ with job(snakemake.log[0]):
     write_contact_sheet(
         snakemake.output[0],
         {photo: Path(params.photo_folder) / photo for photo in params.names},
-        read_json(inputs.rooms),
+        read_stage_json(inputs.rooms, "photo_rooms", house=house),
         files,
-        house=read_scene_json(inputs.scene, snakemake.wildcards.house),
+        house=house,
         threads=snakemake.threads,
     )

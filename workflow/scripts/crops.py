@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from plan2scene.io import read_json
 from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.extract_crops import (
     CropFiles,
@@ -10,12 +9,13 @@ from plan2scene.photos.crops.extract_crops import (
     read_precomputed_crops,
 )
 from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.stage_json import read_stage_json
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
     params, output = snakemake.params, snakemake.output
     house = read_scene_json(snakemake.input.scene, snakemake.wildcards.house)
-    rooms = read_json(snakemake.input.rooms)
+    rooms = read_stage_json(snakemake.input.rooms, "photo_rooms", house=house)
     files = CropFiles(output.crops, output.candidates, output.planes, output.colours, output.light)
     masks = snakemake.input.get("masks")
     if masks:

@@ -2,14 +2,16 @@
 
 from pathlib import Path
 
-from plan2scene.io import read_json
 from plan2scene.photos.patterns.house_patterns import write_patterns
 from plan2scene.photos.patterns.views import PhotoFiles
+from plan2scene.stage_json import read_stage_json
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
     found, params = snakemake.input, snakemake.params
-    photos = {name: Path(params.photo_folder) / name for name in read_json(found.cameras)}
+    photos = {
+        name: Path(params.photo_folder) / name for name in read_stage_json(found.cameras, "cameras")
+    }
     files = PhotoFiles(photos, Path(found.masks), Path(found.cameras), Path(found.planes))
     write_patterns(
         files,

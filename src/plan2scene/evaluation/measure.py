@@ -72,7 +72,7 @@ def measure_textures(
         references = reference_images(table, photos)
         for method in methods:
             folder = Path(textures) / drop / method
-            entries = texture_index(folder / "textures.json", house)
+            entries = texture_index(folder)
             listed = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entries.items()}
             keys = [key for key in listed if key in references]
             numbers = sorted((path for path in folder.glob("more/*")), key=lambda p: int(p.name))

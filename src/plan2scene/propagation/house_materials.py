@@ -22,9 +22,10 @@ from scipy.spatial.distance import squareform
 
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
 from plan2scene.house import SURFACES
-from plan2scene.io import read_json, read_parquet, write_parquet
+from plan2scene.io import read_parquet, write_parquet
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.graph import doors_between, house_graph
+from plan2scene.stage_json import read_stage_json
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -97,7 +98,7 @@ def find_materials(
     graph = house_graph(read_scene_json(scene_json, house), {})
     doors = np.isfinite(doors_between(len(graph.room_ids), graph.edges))
     place = {room: k for k, room in enumerate(graph.room_ids)}
-    gains = read_json(light)["gains"]
+    gains = read_stage_json(light, "light")["gains"]
     crops, _ = read_parquet(embeddings)
     crops = crops[~crops["photo"].isin(set(hidden_photos))]
     table, _ = read_parquet(surfaces)

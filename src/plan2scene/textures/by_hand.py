@@ -14,11 +14,12 @@ from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_l
 from plan2scene.finishes import BY_HAND, LIBRARY
 from plan2scene.house import SurfaceKey
 from plan2scene.images import read_image, write_png
-from plan2scene.io import read_json, read_parquet, write_json
+from plan2scene.io import read_parquet, write_json
 from plan2scene.materials import random_material
 from plan2scene.paint.estimate import PaintPrior
 from plan2scene.paint.light import relight
 from plan2scene.paint.surfaces import read_paint
+from plan2scene.stage_json import read_stage_json
 from plan2scene.textures.crops import Crop
 from plan2scene.textures.single import tile_from_crops
 
@@ -45,7 +46,7 @@ def set_by_hand(
         ``paint.parquet``: the paint of what those crops show.
     """
     root = Path(folder)
-    index = read_json(root / "textures.json")
+    index = read_stage_json(root / "textures.json", "textures")
     entries = {SurfaceKey(*name.rsplit("/", 1)): e for name, e in index["surfaces"].items()}
     chosen = _spread(finishes, list(entries))
     house = _House(root, entries, chosen, Path(crops), Path(paint))
@@ -60,11 +61,12 @@ def set_by_hand(
         (root / f"{key.filename}.jpg").unlink(missing_ok=True)
     write_json(root / "textures.json", index)
     if (root / "maps.json").is_file():
-        maps = read_json(root / "maps.json")
+        maps = read_stage_json(root / "maps.json", "maps")
         names = {"/".join(key) for key in made}
         kept = {name: entry for name, entry in maps["surfaces"].items() if name not in names}
         write_json(root / "maps.json", maps | {"surfaces": kept})
-    write_json(root / "doors.json", _doors(read_json(root / "doors.json"), finishes))
+    doors = read_stage_json(root / "doors.json", "doors")
+    write_json(root / "doors.json", _doors(doors, finishes))
 
 
 @dataclass(frozen=True)

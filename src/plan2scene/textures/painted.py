@@ -17,7 +17,7 @@ from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_l
 from plan2scene.finishes import read_finishes
 from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
-from plan2scene.io import atomic_directory, read_json, write_json
+from plan2scene.io import atomic_directory, write_json
 from plan2scene.mesh.texture_files import texture_index
 from plan2scene.paint.estimate import PaintPrior
 from plan2scene.paint.light import relight
@@ -28,6 +28,7 @@ from plan2scene.paint.surfaces import (
     read_paint,
     read_seen_photos,
 )
+from plan2scene.stage_json import read_stage_json
 from plan2scene.textures.evidence import evidence_of
 from plan2scene.textures.plain import plain
 
@@ -62,7 +63,7 @@ def paint_textures(
     """
     chosen = read_finishes(finishes) if finishes else {}
     root = Path(textures)
-    listed = texture_index(root / "textures.json")
+    listed = texture_index(root)
     entries = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in listed.items()}
     unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
     tiles = {key: read_image(root / f"{key.filename}.png") for key in entries}
@@ -91,7 +92,7 @@ def paint_textures(
             "/".join(key): {"size_m": made.size_m, "substance": made.substance}
             for key, made in plains.items()
         }
-        index = read_json(root / "textures.json")
+        index = read_stage_json(root / "textures.json", "textures")
         photos, rooms = read_seen_photos(paint), {key.room_id for key in entries}
         sized = {
             "/".join(key): entry
@@ -101,7 +102,7 @@ def paint_textures(
         }
         write_json(folder / "textures.json", index | {"surfaces": sized})
         if (root / "maps.json").is_file():
-            maps = read_json(root / "maps.json")
+            maps = read_stage_json(root / "maps.json", "maps")
             kept = {name: e for name, e in maps["surfaces"].items() if name not in facts}
             write_json(folder / "maps.json", maps | {"surfaces": kept})
         if chosen and crops:

@@ -24,7 +24,6 @@ from plan2scene.drawing import INK, PAPER, font
 from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.images import write_png
-from plan2scene.io import read_json
 from plan2scene.parallel import each
 from plan2scene.photos.camera.lines import SEGMENTS, read_segments
 from plan2scene.photos.labels.palette import LABELS, read_label_png
@@ -32,6 +31,7 @@ from plan2scene.photos.locate.plan_view import RoomShape, room_shapes
 from plan2scene.photos.locate.pose import Pose, read_poses
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes.planes import PhotoPlane, Plane, plane_of_row, read_planes
+from plan2scene.stage_json import read_stage_json
 from plan2scene_app.contact_sheet import panels
 from plan2scene_app.contact_sheet.panels import (
     KINDS,
@@ -128,7 +128,8 @@ def write_contact_sheet(
     windows = read_windows(files.crops, files.candidates)
     planes = read_planes(files.planes)
     segments = {} if files.masks is None else read_segments(Path(files.masks) / SEGMENTS, "camera")
-    poses = {} if files.cameras is None else read_poses(files.cameras)
+    poses = {} if files.cameras is None else read_poses(files.cameras, house)
+    masks = None if files.masks is None else _Masks.of(Path(files.masks))
     shapes = room_shapes(house)
     names = sorted(set(photos) | set(windows))
     drawn = names[:MAX_PHOTOS]
@@ -140,7 +141,7 @@ def write_contact_sheet(
     def row_of(name: str) -> np.ndarray:
         rooms = tuple(rooms_of_photo.get(name, ()))
         photo = SheetPhoto(name, rooms, windows.get(name, ()), pose=poses.get(name))
-        photo = _with_pixels(photo, photos.get(name), files.masks, house.id)
+        photo = _with_pixels(photo, photos.get(name), masks, house.id)
         if photo.labels is not None:
             size = (photo.labels.shape[0], photo.labels.shape[1])
             own = (plane_of_row(row, size) for row in planes.get(name, ()))
@@ -158,8 +159,22 @@ def write_contact_sheet(
     return {"photos": len(drawn), **counts}
 
 
+@dataclass(frozen=True)
+class _Masks:
+    """What the masks stage left: its folder, cameras by photo, warnings."""
+
+    folder: Path
+    cameras: Mapping[str, Any]
+    warnings: Sequence[str]
+
+    @classmethod
+    def of(cls, folder: Path) -> _Masks:
+        cameras = read_stage_json(folder / "cameras.json", "cameras")
+        return cls(folder, cameras, read_stage_json(folder / "warnings.json", "warnings"))
+
+
 def _with_pixels(
-    photo: SheetPhoto, path: Path | None, masks_dir: str | Path | None, house_id: str
+    photo: SheetPhoto, path: Path | None, masks: _Masks | None, house_id: str
 ) -> SheetPhoto:
     """Return a photo with its pixels, mask and camera, or with a note why it has none."""
     if path is None:
@@ -169,15 +184,14 @@ def _with_pixels(
     except InputError as error:
         return replace(photo, note=str(error))
     photo = replace(photo, image=fit(full, PANEL), full=full)
-    if masks_dir is None:
+    if masks is None:
         return replace(photo, note="crops come from a folder: no masks, no camera")
-    folder = Path(masks_dir)
-    camera = read_json(folder / "cameras.json").get(photo.name)
+    camera = masks.cameras.get(photo.name)
     if camera is None:
-        lines = read_json(folder / "warnings.json")
-        line = next((line for line in lines if line.startswith(f"photo {photo.name} ")), "no mask")
+        start = f"photo {photo.name} "
+        line = next((line for line in masks.warnings if line.startswith(start)), "no mask")
         return replace(photo, note=line)
-    labels = read_label_png(folder / f"{Path(photo.name).stem}.png", house_id=house_id)
+    labels = read_label_png(masks.folder / f"{Path(photo.name).stem}.png", house_id=house_id)
     return replace(photo, labels=labels, camera=Camera.from_json(camera))
 
 

@@ -15,9 +15,10 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
 from plan2scene.images import read_image, read_reduced_image
-from plan2scene.io import atomic_path, read_json, read_text
+from plan2scene.io import atomic_path, read_text
 from plan2scene.photos.locate.pose import read_poses
 from plan2scene.plans.geometry import room_polygon
+from plan2scene.stage_json import read_stage_json
 from plan2scene_app.html_page import html_page, source_hash
 
 _FOLDER = Path(__file__).parent
@@ -78,7 +79,8 @@ def write_doubts(
         The plan.
     """
     placed = read_placed(files.table)
-    left_out = read_json(Path(files.masks) / "warnings.json") if files.masks else []
+    warned = files.masks and Path(files.masks) / "warnings.json"
+    left_out = read_stage_json(warned, "warnings") if warned else []
     traced = read_text(files.doubts).splitlines() if files.doubts else []
     lines = list(doubt_lines(house, placed, left_out, traced))
     poses = read_poses(files.cameras) if files.cameras else {}

@@ -49,7 +49,7 @@ def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[Su
     from plan2scene.evaluation.measure import reference_images
 
     references = reference_images(read_parquet(crops)[0], [])
-    listed = texture_index(Path(next(iter(textures.values()))) / "textures.json")
+    listed = texture_index(next(iter(textures.values())))
     rows = {}
     for name, entry in sorted(listed.items(), key=lambda item: _order(item[0])):
         key = SurfaceKey(*name.rsplit("/", 1))

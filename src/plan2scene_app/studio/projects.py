@@ -161,7 +161,9 @@ class Project:
     def _extra(self) -> dict[str, Any]:
         file = self.path / EXTRA
         extra = read_json(file) if file.is_file() else {}
-        return extra if isinstance(extra, dict) else {}
+        names = extra.get("photos", []) if isinstance(extra, dict) else None
+        whole = isinstance(names, list) and all(isinstance(name, str) for name in names)
+        return extra if whole else {}
 
 
 class Projects:

@@ -97,7 +97,10 @@ def start(project: Project, settings: dict[str, Any]) -> None:
 def _record(project: Project) -> dict[str, Any]:
     """Return what is on record of a run; another program may have written other JSON."""
     record = read_json(project.path / RECORD)
-    return record if isinstance(record, dict) else {}
+    if not isinstance(record, dict):
+        return {}
+    kinds = {"state": str, "fault": str, "settings": dict}
+    return {k: v for k, v in record.items() if isinstance(v, kinds.get(k, object))}
 
 
 def _let_end(project: Project) -> None:
@@ -238,7 +241,7 @@ def _process(project: Project) -> psutil.Process | None:
         process = psutil.Process(record["pid"])
         same = abs(process.create_time() - float(record["born"])) < 1.0
         return process if same and process.status() != psutil.STATUS_ZOMBIE else None
-    except (psutil.NoSuchProcess, psutil.AccessDenied, ValueError, TypeError):
+    except (psutil.Error, ArithmeticError, KeyError, ValueError, TypeError):
         return None
 
 

@@ -21,8 +21,9 @@ from pathlib import Path
 import pandas as pd
 
 from plan2scene.errors import InputError
-from plan2scene.io import read_json, read_text, write_csv, write_text
+from plan2scene.io import read_text, write_csv, write_text
 from plan2scene.seeds import generator
+from plan2scene.stage_json import read_stage_json
 from plan2scene_app.html_page import html_page, inline_json, source_hash
 
 _BODY = Path(__file__).with_name("study_form.html")
@@ -78,7 +79,7 @@ def write_study(
     asked = []
     for item in questions:
         folder = folders[item["house"]]
-        photos = read_json(folder / "sheet.json")["photos"]
+        photos = read_stage_json(folder / "sheet.json", "sheet")["photos"]
         names = ["plan.jpg", *photos, f"{item['left']}.jpg", f"{item['right']}.jpg"]
         plan, *shots, left, right = (places.setdefault(folder / n, len(places)) for n in names)
         question = {"id": item["question"], "plan": plan, "photos": shots}

@@ -20,7 +20,8 @@ from plan2scene.images import (
     jpeg_bytes,
     to_small_srgb,
 )
-from plan2scene.io import atomic_path, read_json
+from plan2scene.io import atomic_path
+from plan2scene.stage_json import read_stage_json
 from plan2scene_app.html_page import html_page, inline_json, source_hash
 
 _FOLDER = Path(__file__).parent
@@ -136,7 +137,7 @@ def read_facts(
     chosen = {row["source"] for row in rows if row["observed"]}
     pictures = pq.ParquetFile(crops).read(["crop_id", "photo", "png"])
     by_id = {row["crop_id"]: row for row in pictures.to_pylist() if row["crop_id"] in chosen}
-    taken = {} if cameras is None else read_json(cameras)
+    taken = {} if cameras is None else read_stage_json(cameras, "cameras", house=house)
     names = sorted(taken.keys() | set(pictures.column("photo").to_pylist()))
     return {
         "surfaces": {f"{row['room_id']}/{row['surface']}": _surface(row, by_id) for row in rows},
@@ -180,7 +181,7 @@ def _camera(
     name: str, entry: dict[str, Any], house: House | None, photos: Path | None
 ) -> dict[str, Any]:
     """Return a located photo's camera, its position in the house; nothing of others."""
-    if entry.get("position") is None:
+    if entry.get("position") is None or entry.get("room_id") is None:
         return {}
     camera = {name: entry[name] for name in _CAMERA}
     if house is not None and house.levels:

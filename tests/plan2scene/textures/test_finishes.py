@@ -28,7 +28,8 @@ def house(tmp_path):
         (folder / "a_wall.jpg").write_bytes(jpeg_bytes(image, quality=85))
         index = {name: {"size_m": 0.7, "observed": True, "source": "x"} for name in NAMES}
         write_json(folder / "textures.json", {"surfaces": index})
-        write_json(folder / "maps.json", {"surfaces": {"a/wall": {}, "b/wall": {}}})
+        whole = {"origin_m": [0, 0], "extent_m": [4, 3]}
+        write_json(folder / "maps.json", {"surfaces": dict.fromkeys(("a/wall", "b/wall"), whole)})
         write_json(folder / "doors.json", {"": [1, 2, 3], "d1": [4, 5, 6]})
     image = png_bytes(np.full((128, 128, 3), (200, 30, 20), np.uint8))
     row = {"crop_id": "c", "photo": "p.jpg", "room_id": "b", "surface": "floor", "png": image}

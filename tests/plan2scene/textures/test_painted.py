@@ -75,7 +75,8 @@ def textures_of(folder, tiles, **entry):
         write_png(folder / f"{name.replace('/', '_')}.png", tile)
         (folder / f"{name.replace('/', '_')}.jpg").write_bytes(jpeg_bytes(tile, quality=95))
     write_json(folder / "textures.json", {"method": "toy", "surfaces": index})
-    write_json(folder / "maps.json", {"surfaces": {name: {"px_per_m": 64.0} for name in tiles}})
+    whole = {"origin_m": [0.0, 0.0], "extent_m": [1.0, 1.0], "px_per_m": 64.0}
+    write_json(folder / "maps.json", {"surfaces": dict.fromkeys(tiles, whole)})
     return folder
 
 

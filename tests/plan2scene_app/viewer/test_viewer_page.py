@@ -84,11 +84,12 @@ def tables(tmp_path):
     crops = [("floor/a_0_crop0", "a.jpg", png), ("floor/b_0_crop0", "b.jpg", png)]
     frame = pd.DataFrame(crops, columns=["crop_id", "photo", "png"])
     frame.to_parquet(tmp_path / "crops.parquet")
-    shared = {"width": 4, "height": 3, "focal_px": 5.0, "rotation": [[1, 0, 0]], "located": 0.7}
+    shared = {"width": 4, "height": 3, "focal_px": 5.0, "cx": 2, "cy": 1, "located": 0.7}
+    shared |= {"rotation": np.eye(3).tolist()}
     write_json(
         tmp_path / "cameras.json",
         {
-            "a.jpg": {**shared, "room_id": "r", "position": [1.0, 1.4, 2.0], "cx": 2},
+            "a.jpg": {**shared, "room_id": "r", "position": [1.0, 1.4, 2.0]},
             "0.jpg": {**shared, "room_id": None, "position": None},
         },
     )

@@ -16,7 +16,7 @@ from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
 from plan2scene.images import read_image
-from plan2scene.io import read_json, write_json
+from plan2scene.io import write_json
 from plan2scene.paint.light import estimate_light, house_gains
 from plan2scene.paint.observations import PlaneColours, SurfaceColour, write_colours
 from plan2scene.parallel import each
@@ -45,6 +45,7 @@ from plan2scene.photos.locate.seen_doors import seen_doors
 from plan2scene.photos.locate.seen_planes import seen_planes
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes.planes import plane_row, write_planes
+from plan2scene.stage_json import read_stage_json
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -156,7 +157,7 @@ def crops_of_house(
 ) -> HouseCrops:
     """Return what the photos of a house give. Parameters as in :func:`extract_crops`."""
     masks_dir = Path(masks_dir)
-    known = read_json(masks_dir / "cameras.json")
+    known = read_stage_json(masks_dir / "cameras.json", "cameras")
     labelled = []
     for photo in sorted(rooms_of_photo):
         if photo in known:
@@ -169,7 +170,7 @@ def crops_of_house(
         masks_dir=masks_dir,
         known=known,
         segments=cache(partial(read_segments, masks_dir / SEGMENTS, "walls")),
-        poses={} if cameras is None else read_poses(cameras),
+        poses={} if cameras is None else read_poses(cameras, house),
         shapes=room_shapes(house),
         seed=seed,
         settings=settings,

@@ -16,7 +16,7 @@ import numpy as np
 from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.io import atomic_path, read_json, write_json
+from plan2scene.io import atomic_path, write_json
 from plan2scene.parallel import each
 from plan2scene.photos.labels.palette import (
     DOOR,
@@ -34,6 +34,7 @@ from plan2scene.photos.locate.search import HeightPrior, Hypothesis, RoomSearch
 from plan2scene.photos.locate.which_room import PhotoEvidence, likely_room, room_probabilities
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.room_names import room_types
+from plan2scene.stage_json import read_stage_json
 
 _log = logging.getLogger("plan2scene")
 
@@ -236,8 +237,11 @@ def locate_photos(
     """
     folder = Path(masks_dir)
     file = folder / "cameras.json"
-    cameras = {name: Camera.from_json(value, file=file) for name, value in read_json(file).items()}
-    kinds = read_json(folder / KINDS_FILE)
+    cameras = {
+        name: Camera.from_json(value, file=file)
+        for name, value in read_stage_json(file, "cameras").items()
+    }
+    kinds = read_stage_json(folder / KINDS_FILE, "kinds")
     anywhere = [room.id for room in house.rooms]
     shots = {
         name: Shot(
@@ -250,7 +254,9 @@ def locate_photos(
         for name, camera in sorted(cameras.items())
         if name in rooms_of_photo
     }
-    matches = {(a, b): int(count) for a, b, count in read_json(folder / MATCHES_FILE)}
+    matches = {
+        (a, b): int(count) for a, b, count in read_stage_json(folder / MATCHES_FILE, "matches")
+    }
     located = locate_shots(house, shots, matches, threads)
     entries = {
         name: pose_to_json(cameras[name], located.poses.get(name))
@@ -288,7 +294,7 @@ def write_photo_rooms(
     without a room is left out; one line names them all. `table` is written, too: a photo table of
     these rooms, how probable each is, and the photos without a room.
     """
-    known = {} if cameras is None else read_json(cameras)
+    known = {} if cameras is None else read_stage_json(cameras, "cameras", house=house)
     likely = {
         name: likely_room(entry["rooms"]) for name, entry in known.items() if "rooms" in entry
     }

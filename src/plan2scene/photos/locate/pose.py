@@ -10,7 +10,8 @@ import numpy as np
 
 from plan2scene.camera import Camera
 from plan2scene.errors import InputError
-from plan2scene.io import read_json
+from plan2scene.house import House
+from plan2scene.stage_json import read_stage_json
 
 #: From this probability on a photo counts as located.
 LOCATED = 0.5
@@ -79,7 +80,10 @@ def pose_from_json(value: Any, *, file: object = "") -> Pose | None:
         raise InputError(expected, f"{type(error).__name__}: {error}", file=file) from None
 
 
-def read_poses(path: str | Path) -> dict[str, Pose]:
-    """Return the poses of the located photos of a cameras.json, by name."""
-    poses = {name: pose_from_json(value, file=path) for name, value in read_json(path).items()}
+def read_poses(path: str | Path, house: House | None = None) -> dict[str, Pose]:
+    """Return the poses of the located photos of a cameras.json, by name, in rooms of `house`."""
+    poses = {
+        name: pose_from_json(value, file=path)
+        for name, value in read_stage_json(path, "cameras", house=house).items()
+    }
     return {name: pose for name, pose in poses.items() if pose is not None}

@@ -10,12 +10,13 @@ import cv2
 import numpy as np
 
 from plan2scene.camera import Camera
-from plan2scene.io import read_json
+from plan2scene.errors import InputError
 from plan2scene.photos.locate.pose import read_poses
 from plan2scene.photos.patterns.joints import JOINTS, Direction, directions, evened
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes.planes import plane_of_row, read_planes
 from plan2scene.photos.planes.rectification import rectify
+from plan2scene.stage_json import read_stage_json
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,11 +63,17 @@ class PhotoFiles:
 
 def floor_views(files: PhotoFiles, *, house_id: str = "") -> Iterator[FloorView]:
     """Yield the floors that photos show largely enough, by photo."""
-    poses, frames = read_poses(files.cameras), read_json(files.masks / "cameras.json")
+    poses, frames = (
+        read_poses(files.cameras),
+        read_stage_json(files.masks / "cameras.json", "cameras"),
+    )
     for photo, rows in sorted(read_planes(files.planes).items()):
         rows = [row for row in rows if row["surface"] == "floor"]
         if not rows:
             continue
+        if photo not in files.photos or photo not in frames:
+            expected = "a camera of every photo with planes"
+            raise InputError(expected, f"none of {photo}", file=files.cameras, house=house_id)
         image = read_photo(files.photos[photo], house_id=house_id)
         for row in rows:
             item = plane_of_row(row, image.shape[:2])
