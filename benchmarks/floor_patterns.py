@@ -1,25 +1,33 @@
-"""Patterns of floors against sizes measured by hand.
+"""Patterns of floors against sizes measured by hand, and how much floors laid by them repeat.
 
 ``python benchmarks/floor_patterns.py TRUTH.csv FOLDER``
 
 TRUTH.csv has home, room_id, kind (planks, tiles, plain), width_m, length_m and direction (x or z
 of the plan); what is empty is not compared. FOLDER has ``{home}/patterns.parquet``; homes that it
-has not are left out.
+has not are left out. Repetition (:mod:`plan2scene.metrics.repetition`) of 4 x 4 m of each pattern:
+as laid, of its joints alone (1 for any regular bond), and between the joints.
 """
 
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pandas as pd
 
 from plan2scene.io import read_parquet
+from plan2scene.metrics.repetition import repetition
+from plan2scene.plans.surface_areas import Area
+from plan2scene.textures.laying import LaidPattern, laid, read_patterns
 
 AXES = {"x": 0.0, "z": 90.0}
 #: Degrees within which a direction is right.
 WITHIN_DEG = 10.0
+#: Side of the floors whose repetition is measured, metres, and their pixels a metre.
+SIDE_M, SHOWN_PX_PER_M = 4.0, 64.0
 
 
 def compared(truth: pd.Series, found: pd.Series | None) -> dict[str, object]:
@@ -38,13 +46,26 @@ def compared(truth: pd.Series, found: pd.Series | None) -> dict[str, object]:
     return row
 
 
+def repeats(pattern: LaidPattern) -> list[float]:
+    """Return the repetition of a laid floor, of its joints alone and between the joints."""
+    flat = [np.full_like(unit, 127) for unit in pattern.units]
+    variants = pattern, replace(pattern, units=flat), replace(pattern, joint=np.zeros(3))
+    found = []
+    for variant in variants:
+        image, _ = laid(variant, Area((0.0, 0.0), (SIDE_M, SIDE_M)), np.full(3, 0.5), 0)
+        side = round(SIDE_M * SHOWN_PX_PER_M)
+        small = cv2.resize(image, (side, side), interpolation=cv2.INTER_AREA)
+        found.append(round(repetition(small, SHOWN_PX_PER_M), 2))
+    return found
+
+
 def main() -> None:
     """Print a row for each floor, then the medians."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("truth", type=Path)
     parser.add_argument("folder", type=Path)
     args = parser.parse_args()
-    rows = []
+    rows, repeated = [], {}
     for home, floors in pd.read_csv(args.truth).groupby("home", sort=False):
         file = args.folder / str(home) / "patterns.parquet"
         if not file.is_file():
@@ -54,6 +75,10 @@ def main() -> None:
         for _, truth in floors.iterrows():
             found = table.loc[truth.room_id] if truth.room_id in table.index else None
             rows.append(compared(truth, found))
+        for pattern in read_patterns(file).values():
+            name = f"{home}: {pattern.words}, {len(pattern.units)} units"
+            if name not in repeated:
+                repeated[name] = repeats(pattern)
     result = pd.DataFrame(rows)
     print(result.to_string(index=False, na_rep=""))
     for name in ("width %", "length %"):
@@ -61,6 +86,9 @@ def main() -> None:
         print(f"{name}: median {errors.median():.1f}, worst {errors.max():.1f}, of {len(errors)}")
     print(f"kind right {result['right'].mean():.0%}, direction right", end=" ")
     print(f"{result['direction'].dropna().mean():.0%} of {result['direction'].notna().sum()}")
+    print("repetition as laid, of joints alone, between joints")
+    for name, values in repeated.items():
+        print(f"{name}: {values}")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,14 @@
 """Floors laid from whole planks and tiles that were cut out of photos.
 
-The grid is the plan's, not the room's: a floor runs on through doors, planks and all. A row is a
-tape of all units, shifted and mirrored anew in each row, so that equal ones are never side by side.
+The grid is the plan's, not the room's: a floor runs on through doors, planks and all. Each unit is
+one of those that lie farthest away by then, mirrored otherwise than there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import groupby
 from pathlib import Path
 
 import cv2
@@ -28,7 +29,9 @@ class LayingSettings:
     least_units: int = 6  #: with fewer, the same ones would lie side by side
     px_per_m: float = 256.0  #: of a map
     upright_deg: float = 6.0  #: from the plan's axes, within which a floor lies along them
-    apart: float = 0.382  #: of the tape, by which it is shifted from row to row
+    sight_m: float = 3.0  #: within which equal units are kept apart
+    drawn: float = 0.25  #: share of the units, the farthest, of which one is drawn
+    run: float = 0.4  #: share of a run of planks without a known length, at least, that is laid
 
 
 LAYING = LayingSettings()
@@ -65,6 +68,16 @@ class LaidPattern:
     units: list[np.ndarray]
 
     @property
+    def square(self) -> bool:
+        """Return whether units are as long as wide."""
+        return bool(abs(self.length_m - self.width_m) < 1e-6)
+
+    @property
+    def longest_m(self) -> float:
+        """Return the length of the longest unit."""
+        return max(unit.shape[1] for unit in self.units) / JOINTS.px_per_m
+
+    @property
     def words(self) -> str:
         """Return kind and size as ``planks 15 x 60 cm``."""
         width = f"{self.kind} {100 * self.width_m:.0f}"
@@ -99,100 +112,178 @@ def pattern_of(patterns: Mapping[SurfaceKey, LaidPattern], *keys: SurfaceKey) ->
 
 
 def laid(
-    pattern: LaidPattern, area: Area, colour: np.ndarray, seed: int
+    pattern: LaidPattern, area: Area, colour: np.ndarray, seed: int, whole: Area | None = None
 ) -> tuple[np.ndarray, Area]:
     """Return a floor's image (h, w, 3) uint8 sRGB, and the area that it covers.
 
     Rows are +z and columns +x of the plan. `colour` (3,) is the floor's usual sRGB in [0, 1]. With
-    one `seed` floors run on from room to room.
+    one `seed` and `whole`, which holds all of them, floors run on from room to room.
     """
     scale = LAYING.px_per_m
-    low = np.floor(np.array(area.low) * scale).astype(int)
-    size = np.ceil(np.array(area.high) * scale).astype(int) - low
-    angle = pattern.direction_deg
-    if not np.isfinite(angle):
-        angle = 0.0 if size[0] >= size[1] else 90.0
-    upright = round(angle / 90.0) * 90.0
-    if abs(angle - upright) <= LAYING.upright_deg:
-        angle = upright
-    turn = np.array(
-        [
-            [np.cos(np.radians(angle)), np.sin(np.radians(angle))],
-            [-np.sin(np.radians(angle)), np.cos(np.radians(angle))],
-        ]
-    )
-    corners = low + size * np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
-    along = corners @ turn.T
-    first, last = np.floor(along.min(axis=0)).astype(int), np.ceil(along.max(axis=0)).astype(int)
-    rows = _rows(pattern, (first[0], last[0] + 1), (first[1], last[1] + 1), scale, seed)
+    low, size = _pixels(area)
+    turn = _turn(pattern, size)
+    first, last = _extent(low, size, turn)
+    begin, end = _extent(*_pixels(whole or area), turn) / scale
+    rows = _rows(pattern, first, last, _places(pattern, begin, end, seed))
     # Pixel middles of the map, in those of the rows.
     middle = turn @ (low + 0.5) - first - 0.5
     to_rows = np.column_stack([turn, middle])
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     shape = (int(size[0]), int(size[1]))
     image = cv2.warpAffine(rows, to_rows, shape, flags=flags, borderMode=cv2.BORDER_REPLICATE)
-    whole = as_uint8(np.clip(2.0 * image * colour, 0.0, 1.0))
-    far = (low + size) / scale
-    begin = low / scale
-    return whole, Area((float(begin[0]), float(begin[1])), (float(far[0]), float(far[1])))
+    made = as_uint8(np.clip(2.0 * image * colour, 0.0, 1.0))
+    near, far = low / scale, (low + size) / scale
+    return made, Area((float(near[0]), float(near[1])), (float(far[0]), float(far[1])))
+
+
+def _pixels(area: Area) -> tuple[np.ndarray, np.ndarray]:
+    """Return the first pixel (2,) of an area and its size (2,) in the plan's grid."""
+    low = np.floor(np.array(area.low) * LAYING.px_per_m).astype(int)
+    return low, np.ceil(np.array(area.high) * LAYING.px_per_m).astype(int) - low
+
+
+def _turn(pattern: LaidPattern, size: np.ndarray) -> np.ndarray:
+    """Return the rotation (2, 2) from the plan to rows along x; `size` (2,) of the room."""
+    angle = pattern.direction_deg
+    if not np.isfinite(angle):
+        angle = 0.0 if size[0] >= size[1] else 90.0
+    upright = round(angle / 90.0) * 90.0
+    if abs(angle - upright) <= LAYING.upright_deg:
+        angle = upright
+    cosine, sine = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    return np.array([[cosine, sine], [-sine, cosine]])
+
+
+def _extent(low: np.ndarray, size: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """Return the first and last pixel (2, 2) along and down the rows of a rectangle."""
+    corners = low + size * np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
+    along = corners @ turn.T
+    return np.array([np.floor(along.min(axis=0)), np.ceil(along.max(axis=0)) + 1]).astype(int)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a unit lies: number of its row, its ends (metres), and how it is turned."""
+
+    row: int
+    start: float
+    end: float
+    unit: int
+    way: int
+    begin: float  #: share of a run by which the part that is laid begins
+
+
+@dataclass
+class _Used:
+    """Where units have been laid, and how often."""
+
+    count: int
+    turns: np.ndarray = field(init=False)
+    units: list[int] = field(default_factory=list)
+    places: list[tuple[float, float]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.turns = np.zeros(self.count, int)
+
+    def next(self, x: float, y: float, rng: np.random.Generator) -> int:
+        """Return a unit for a place that is none of those near it."""
+        away = np.full(self.count, LAYING.sight_m)
+        if self.units:
+            apart = np.hypot(*(np.array(self.places) - (x, y)).T)
+            np.minimum.at(away, self.units, apart)
+        far = np.argsort(-(away + 1e-3 * rng.random(self.count)))
+        unit = int(far[rng.integers(max(1, round(LAYING.drawn * self.count)))])
+        self.turns[unit] += 1
+        self.units.append(unit)
+        self.places.append((x, y))
+        return unit
+
+    def forget(self, above: float) -> None:
+        """Forget places above a row."""
+        kept = [k for k, place in enumerate(self.places) if place[1] >= above]
+        self.units = [self.units[k] for k in kept]
+        self.places = [self.places[k] for k in kept]
+
+
+def _places(pattern: LaidPattern, low: np.ndarray, high: np.ndarray, seed: int) -> Iterator[_Place]:
+    """Yield the places of units in all rows between two corners (2,), metres, row by row."""
+    rng = np.random.default_rng(seed)
+    used = _Used(len(pattern.units))
+    rows = np.floor([low[1] / pattern.width_m, high[1] / pattern.width_m + 1]).astype(int)
+    ways = rng.permutation(8 if pattern.square else 4)
+    for row in range(*rows):
+        y = (row + 0.5) * pattern.width_m
+        used.forget(y - LAYING.sight_m)
+        length = pattern.length_m
+        if np.isfinite(length):
+            begin = (pattern.offset * row % 1.0) * length
+            end = begin + np.floor((low[0] - begin) / length) * length
+        else:
+            end = low[0] - rng.uniform(0.0, pattern.longest_m)
+        while end < high[0]:
+            start, begin = end, 0.0
+            usual = length if np.isfinite(length) else pattern.longest_m / 2
+            unit = used.next(start + usual / 2, y, rng)
+            end = start + length
+            if not np.isfinite(length):
+                run = pattern.units[unit].shape[1] / JOINTS.px_per_m
+                share = rng.uniform(LAYING.run, 1.0)
+                begin, end = float(rng.uniform(0.0, 1.0 - share)), start + share * run
+            yield _Place(row, start, end, unit, int(ways[used.turns[unit] % len(ways)]), begin)
 
 
 def _rows(
-    pattern: LaidPattern, across: tuple[int, int], down: tuple[int, int], scale: float, seed: int
+    pattern: LaidPattern, first: np.ndarray, last: np.ndarray, places: Iterator[_Place]
 ) -> np.ndarray:
     """Return rows of units (h, w, 3) float32, 0.5 where the floor has its usual colour.
 
-    `across` and `down`: first and last pixel of the grid, whose rows begin at 0.
+    `first` and `last` (2,): pixels along and down the grid, whose rows begin at 0.
     """
+    scale = LAYING.px_per_m
     width = pattern.width_m * scale
-    canvas = np.full((down[1] - down[0], across[1] - across[0], 3), 0.5, np.float32)
+    canvas = np.full((last[1] - first[1], last[0] - first[0], 3), 0.5, np.float32)
     depth = pattern.joint.astype(np.float32)
     joint = max(pattern.joint_m * scale, 1e-6)
-    for number in range(int(np.floor(down[0] / width)), int(np.ceil(down[1] / width)) + 1):
+    for number, row in groupby(places, key=lambda place: place.row):
         top, bottom = number * width, (number + 1) * width
-        row, ends = _tape(pattern, number, across, round(bottom) - round(top), scale, seed)
-        line = _coverage(np.arange(round(top), round(bottom)) + 0.5, [top, bottom], joint)
-        joints = np.maximum(line[:, None], _coverage(np.arange(*across) + 0.5, ends, joint))
-        row *= 1.0 - joints[..., None] * depth
-        first, last = max(round(top), down[0]), min(round(bottom), down[1])
-        if first < last:
-            canvas[first - down[0] : last - down[0]] = row[first - round(top) : last - round(top)]
+        low, high = max(round(top), first[1]), min(round(bottom), last[1])
+        if low >= high:
+            continue
+        laid_row = canvas[low - first[1] : high - first[1]]
+        ends = []
+        for place in row:
+            ends.append(place.end * scale)
+            _lay(pattern, place, laid_row, first[0], (low - round(top), round(bottom) - round(top)))
+        line = _coverage(np.arange(low, high) + 0.5, [top, bottom], joint)
+        across = np.arange(first[0], last[0]) + 0.5
+        joints = np.maximum(line[:, None], _coverage(across, ends, joint))
+        laid_row *= 1.0 - joints[..., None] * depth
     return canvas
 
 
-def _tape(
-    pattern: LaidPattern, number: int, across: tuple[int, int], height: int, scale: float, seed: int
-) -> tuple[np.ndarray, list[float]]:
-    """Return a row of units (height, w, 3) between two pixels, and where units end."""
-    count = len(pattern.units)
-    rng = np.random.default_rng([seed, number % (1 << 32)])
-    order = np.random.default_rng(seed).permutation(count)
-    lengths = [unit.shape[1] / JOINTS.px_per_m * scale for unit in pattern.units]
-    if np.isfinite(pattern.length_m):
-        lengths = [pattern.length_m * scale] * count
-        begin = (pattern.offset * number % 1.0) * lengths[0]
-    else:
-        begin = float(rng.uniform(0.0, sum(lengths)))
-    mirrored = rng.random((count, 2)) < 0.5
-    row = np.full((height, across[1] - across[0], 3), 0.5, np.float32)
-    k = round(LAYING.apart * count * number)
-    tape = sum(lengths)
-    turns = int(np.floor((across[0] - begin) / tape))
-    end, ends = begin + turns * tape, []
-    while end < across[1]:
-        which = int(order[k % count])
-        start, end, k = end, end + lengths[which], k + 1
-        ends.append(end)
-        left, right = round(start), round(end)
-        low, high = max(left, across[0]), min(right, across[1])
-        if low >= high:
-            continue
-        unit = pattern.units[which]
-        unit = unit[:, :: -1 if mirrored[which, 0] else 1][:: -1 if mirrored[which, 1] else 1]
-        size = (right - left, height)
-        image = cv2.resize(np.ascontiguousarray(unit), size, interpolation=cv2.INTER_LINEAR)
-        row[:, low - across[0] : high - across[0]] = image[:, low - left : high - left] / 255.0
-    return row, ends
+def _lay(
+    pattern: LaidPattern, place: _Place, row: np.ndarray, first: int, rows: tuple[int, int]
+) -> None:
+    """Put a unit into a row's image (h, w, 3), whose columns begin at pixel `first`.
+
+    `rows`: which row of the unit is the image's first, and how many it has.
+    """
+    left, right = (round(end * LAYING.px_per_m) for end in (place.start, place.end))
+    low, high = max(left, first), min(right, first + row.shape[1])
+    if low >= high:
+        return
+    unit = pattern.units[place.unit]
+    if not np.isfinite(pattern.length_m):
+        columns = round((place.end - place.start) * JOINTS.px_per_m)
+        begin = round(place.begin * unit.shape[1])
+        unit = unit[:, begin : begin + columns]
+    unit = unit[:: -1 if place.way & 1 else 1, :: -1 if place.way & 2 else 1]
+    if place.way & 4:
+        unit = unit.swapaxes(0, 1)
+    size = (right - left, rows[1])
+    image = cv2.resize(np.ascontiguousarray(unit), size, interpolation=cv2.INTER_LINEAR)
+    part = image[rows[0] : rows[0] + row.shape[0], low - left : high - left]
+    row[:, low - first : high - first] = part / 255.0
 
 
 def _coverage(places: np.ndarray, joints: list[float], width: float) -> np.ndarray:

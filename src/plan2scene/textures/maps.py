@@ -444,11 +444,12 @@ def house_maps(
     maps: dict[SurfaceKey, SurfaceMap] = {}
     details: dict[int, Detail] = {}
     floors = [surface for surface in surfaces if surface.key.surface == "floor"]
+    everywhere = reduce(Area.union, (floor.area for floor in floors)) if floors else None
     for surface in floors:
         alike = [f.key for f in floors if f.tile.pattern is surface.tile.pattern is not None]
         pattern = pattern_of(patterns or {}, surface.key, *alike)
         if pattern is not None:
-            maps[surface.key] = _laid(surface, pattern, seed)
+            maps[surface.key] = _laid(surface, pattern, seed, everywhere)
     for group in joined(surface for surface in surfaces if surface.key not in maps):
         detail = _detail(group[0].tile, details)
         rng = generator(seed, "maps", house.id, *group[0].key)
@@ -459,10 +460,15 @@ def house_maps(
     return maps
 
 
-def _laid(surface: MappedSurface, pattern: LaidPattern, seed: int) -> SurfaceMap:
-    """Return the map of a floor that is laid by a pattern, in the colour of its tile."""
+def _laid(
+    surface: MappedSurface, pattern: LaidPattern, seed: int, whole: Area | None
+) -> SurfaceMap:
+    """Return the map of a floor that is laid by a pattern, in the colour of its tile.
+
+    `whole` holds all floors of the house.
+    """
     colour = median_colour(surface.tile.image)
-    image, area = laid(pattern, surface.area, colour, seed)
+    image, area = laid(pattern, surface.area, colour, seed, whole)
     image = _fitting(recoloured(image, colour, median_colour(image[::3, ::3])))
     made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
     return SurfaceMap(*made, min(JOINTS.px_per_m, made[2]), pattern.words)

@@ -34,9 +34,24 @@ def test_joints_are_the_patterns(direction):
 def test_a_floor_runs_on_from_room_to_room(direction, length):
     planks = pattern(direction, length=length)
     whole, _ = laid(planks, Area((-1.0, 0.0), (2.0, 1.0)), WHITE, seed=1)
-    part, area = laid(planks, Area((0.5, 0.25), (2.0, 1.0)), WHITE, seed=1)
+    everywhere = Area((-1.0, 0.0), (2.0, 1.0))
+    part, area = laid(planks, Area((0.5, 0.25), (2.0, 1.0)), WHITE, 1, everywhere)
     assert area == Area((0.5, 0.25), (2.0, 1.0))
     column, row = (round(metres * LAYING.px_per_m) for metres in (1.5, 0.25))
     shown = whole[row : row + part.shape[0], column:].astype(int)
     assert np.abs(shown - part)[2:-2, 2:-2].max() <= 2
     assert len(np.unique(part[..., 0])) > 8
+
+
+def test_no_unit_is_laid_twice_within_sight():
+    # Square tiles of 25 cm, forty tones: the plan's tones tell where each lies.
+    units = [np.full((50, 50, 3), 60 + 3 * k, np.uint8) for k in range(40)]
+    tiles = LaidPattern("tiles", 0.25, 0.25, 0.0, 0.0, np.zeros(3), 0.0, units)
+    image, _ = laid(tiles, Area((0.0, 0.0), (4.0, 3.0)), WHITE, seed=3)
+    step = round(0.25 * LAYING.px_per_m)
+    shown = image[step // 2 :: step, step // 2 :: step, 0].astype(int)
+    assert len(np.unique(shown)) == 40
+    for tone in np.unique(shown):
+        places = np.argwhere(shown == tone) * 0.25
+        apart = np.hypot(*(places[:, None] - places[None]).T)
+        assert apart[apart > 0].min(initial=9.0) >= 0.75
