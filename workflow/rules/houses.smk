@@ -20,6 +20,8 @@ rule patterns:
         masks=MASKS,
         cameras=CAMERAS,
         planes=f"{RESULTS}/houses/{{house}}/planes.parquet",
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
+        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         materials=f"{RESULTS}/drop_0.0/{{house}}/materials.parquet",
     output:
         PATTERNS,

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from plan2scene.photos.patterns.house_patterns import write_patterns
 from plan2scene.photos.patterns.views import PhotoFiles
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.stage_json import read_stage_json
 from plan2scene.workflow.jobs import job
 
@@ -15,8 +16,9 @@ with job(snakemake.log[0]):
     files = PhotoFiles(photos, Path(found.masks), Path(found.cameras), Path(found.planes))
     write_patterns(
         files,
+        read_scene_json(found.scene, snakemake.wildcards.house),
+        found.crops,
         found.materials,
         snakemake.output[0],
         dataset=params.dataset,
-        house=snakemake.wildcards.house,
     )

@@ -51,6 +51,13 @@ def make_textures(
 
         file = inputs.data.files.patterns
         patterns = {} if file is None else read_patterns(file)
+        like = {key: SurfaceKey(p.like, key.surface) for key, p in patterns.items() if p.like}
+        runs_on = {
+            key: replace(tiles[other], source=f"runs on from {other.room_id}")
+            for key, other in like.items()
+            if key in tiles and other in tiles
+        }
+        tiles = {**tiles, **runs_on}
         materials = {surface.key: surface.material for surface in surfaces}
         seed = inputs.settings.seed
         whole = house_maps(house, tiles, materials, patterns, seed=seed)

@@ -56,6 +56,8 @@ class LaidPattern:
     joint_m : float
     units : list of (h, w, 3) uint8
         sRGB levels, 127.5 where the floor has its usual colour.
+    like : str
+        Room whose floor runs on in this one, which no photo shows; empty for none.
     """
 
     kind: str
@@ -66,6 +68,7 @@ class LaidPattern:
     joint: np.ndarray
     joint_m: float
     units: list[np.ndarray]
+    like: str = ""
 
     @property
     def square(self) -> bool:
@@ -102,6 +105,7 @@ def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
             np.array(row.joint, dtype=np.float64),
             float(row.joint_m),
             [image_from_bytes(unit) for unit in row.units],
+            row.like,
         )
     return found
 

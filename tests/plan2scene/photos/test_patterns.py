@@ -4,9 +4,10 @@ import cv2
 import numpy as np
 import pytest
 
+from plan2scene.house import Door, House, Room
 from plan2scene.materials import bonds, random_material
-from plan2scene.photos.patterns.find import find_pattern
-from plan2scene.photos.patterns.house_patterns import floor_patterns
+from plan2scene.photos.patterns.find import FoundPattern, find_pattern
+from plan2scene.photos.patterns.house_patterns import continued, floor_patterns
 from plan2scene.photos.patterns.joints import JOINTS, directions, evened
 from plan2scene.photos.patterns.views import FloorView
 
@@ -94,3 +95,19 @@ def test_units_are_whole_and_without_joints():
     assert np.median(dark) < 0.01
     # A joint of 3 mm is .2 darker than units of .5.
     assert units.joint_m * units.joint.mean() == pytest.approx(0.003 * 0.4, rel=0.5)
+
+
+def test_a_floor_that_no_crop_shows_runs_on_from_its_neighbours():
+    outline = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    types = {
+        "closet": "Closet",
+        "bath": "Bathroom",
+        "hall": "Hall",
+        "store": "Closet",
+        "den": "Den",
+    }
+    rooms = tuple(Room(name, (kind,), (outline,), 2.5) for name, kind in types.items())
+    doors = (("closet", "hall"), ("bath", "hall"), ("store", "hall"), ("store", "den"))
+    plan = House("h", rooms, (), tuple(Door(a, "", b) for a, b in doors))
+    patterns = {"hall": FoundPattern("planks", 0.15), "den": FoundPattern("plain")}
+    assert continued(plan, {"hall", "den"}, patterns) == {"closet": "hall"}

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from plan2scene.house import House
 from plan2scene.images import jpeg_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.photos.patterns.find import FIND, FoundPattern, Reading, find_pattern
@@ -34,23 +35,35 @@ _COLUMNS = {
     "joint_m": "float64",
     "confidence": "float64",
     "photos": "str",
+    "like": "str",
     "units": "object",
 }
+#: Types of rooms whose floor seldom runs on from the next room.
+_WET = "Bathroom"
 
 
 def write_patterns(
-    files: PhotoFiles, materials: str | Path, output: str | Path, *, dataset: str, house: str
+    files: PhotoFiles,
+    plan: House,
+    crops: str | Path,
+    materials: str | Path,
+    output: str | Path,
+    *,
+    dataset: str,
 ) -> pd.DataFrame:
     """Find the patterns of a house's floors; write ``patterns.parquet``.
 
     Parameters
     ----------
     files : PhotoFiles
+    plan : House
+    crops : path
+        ``crops.parquet``: a floor without crops takes the pattern of the rooms beside it.
     materials : path
         ``materials.parquet``: floors of one material are read together.
     output : path
-    dataset, house : str
-        For the metadata and messages.
+    dataset : str
+        For the metadata.
 
     Returns
     -------
@@ -61,10 +74,16 @@ def write_patterns(
     table, _ = read_parquet(materials)
     floors = table[table["surface"] == "floor"]
     shared = dict(zip(floors["room_id"], floors["material"], strict=True))
-    found = floor_patterns(list(floor_views(files, house_id=house)), shared)
-    rows = [_row(room, *found[room]) for room in sorted(found)]
+    found = floor_patterns(list(floor_views(files, house_id=plan.id)), shared)
+    pictured, _ = read_parquet(crops)
+    seen = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
+    like = continued(plan, seen, {room: pattern for room, (pattern, _) in found.items()})
+    rows = [
+        _row(room, *found[like.get(room, room)], like.get(room, ""))
+        for room in sorted(found | like)
+    ]
     result = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
-    write_parquet(output, result, {"dataset": dataset, "house": house})
+    write_parquet(output, result, {"dataset": dataset, "house": plan.id})
     for row in result[result["length_m"].notna() | result["direction_deg"].notna()].itertuples():
         size = f"{100 * row.width_m:.1f} x {100 * row.length_m:.1f} cm"
         _log.info("%s: %s %s, confidence %.2f", row.room_id, row.kind, size, row.confidence)
@@ -95,6 +114,35 @@ def floor_patterns(
     return found
 
 
+def continued(
+    plan: House, seen: Collection[str], patterns: Mapping[str, FoundPattern]
+) -> dict[str, str]:
+    """Return the rooms whose floor runs on from a room beside them, by room.
+
+    They are those without a `seen` floor whose neighbours' floors, as far as seen, have all one
+    pattern of planks or tiles; neither bathrooms nor what is open to the air.
+    """
+    indoors = {r.id for r in plan.rooms if not r.open_air}
+    doors = [pair for pair in plan.adjacency() if indoors.issuperset(pair)]
+    found = {}
+    for room in plan.rooms:
+        if room.id in seen or room.id not in indoors or _WET in room.types:
+            continue
+        beside = sorted(
+            {a if b == room.id else b for a, b in doors if room.id in (a, b)} & set(seen)
+        )
+        kinds = {_size(patterns.get(name)) for name in beside}
+        if len(kinds) == 1 and None not in kinds:
+            found[room.id] = beside[0]
+    return found
+
+
+def _size(pattern: FoundPattern | None) -> tuple[str, float] | None:
+    """Return what tells patterns of planks or tiles apart; None for others."""
+    laid = pattern is not None and pattern.kind in ("planks", "tiles")
+    return (pattern.kind, pattern.width_m) if pattern is not None and laid else None
+
+
 def _cut(pattern: FoundPattern, readings: Sequence[Reading]) -> tuple[FoundPattern, Units]:
     """Return a pattern and its units."""
     return pattern, cut_units(pattern, readings) if readings else NONE
@@ -108,7 +156,7 @@ def _turned(whole: FoundPattern, own: FoundPattern) -> FoundPattern:
     return whole
 
 
-def _row(room: str, pattern: FoundPattern, units: Units) -> dict[str, Any]:
+def _row(room: str, pattern: FoundPattern, units: Units, like: str) -> dict[str, Any]:
     """Return a row of patterns.parquet."""
     numbers = ("width_m", "width_spread", "length_m", "direction_deg", "offset", "confidence")
     return {
@@ -119,5 +167,6 @@ def _row(room: str, pattern: FoundPattern, units: Units) -> dict[str, Any]:
         "joint": [round(float(value), 4) for value in units.joint],
         "joint_m": round(units.joint_m, 5),
         "photos": "|".join(pattern.photos),
+        "like": like,
         "units": [jpeg_bytes(unit, quality=92, full_colour=True) for unit in units.images],
     }
