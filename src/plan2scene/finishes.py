@@ -3,7 +3,8 @@
 They stand in ``{plan}.finishes.csv`` beside the plan, with the columns room, surface and what:
 
 - room: an id of the plan, or ``*`` for all; of a door the id of its opening.
-- surface: floor, wall, ceiling, ``wall.{id}`` of an accent wall, or door.
+- surface: floor, wall, ceiling, ``wall.{id}`` of an accent wall, door, or trim (skirting, frames
+  of doors and windows, linings). Doors and trim take white and colours only.
 - what: ``white``; a colour ``#c8a472``; a name of :data:`LIBRARY`; ``same:{room}``;
   ``photo:{name}``, the crops of that photo.
 """
@@ -23,7 +24,9 @@ from plan2scene.io import read_text
 #: What the source of a texture that is set by hand begins with.
 BY_HAND = "set by hand: "
 COLUMNS = ["room", "surface", "what"]
-SURFACES = ("floor", "wall", "ceiling", "door")
+SURFACES = ("floor", "wall", "ceiling", "door", "trim")
+#: Those without a texture.
+_PLAIN = ("door", "trim")
 _COLOUR = re.compile(r"#[0-9a-fA-F]{6}")
 #: Most bytes of the table: a house has at most some hundreds of surfaces.
 _MOST = 1_000_000
@@ -74,8 +77,8 @@ def check_finish(room: str, surface: str, what: str, *, file: object = "") -> No
         raise InputError(expected, repr(surface), file=file, room=room)
     plain = what == "white" or _COLOUR.fullmatch(what) is not None
     other = what in LIBRARY or re.match(r"(same|photo):.", what) is not None
-    if not plain and (kind == "door" or not other):
-        more = "" if kind == "door" else f", same:ROOM, photo:NAME, {', '.join(LIBRARY)}"
+    if not plain and (kind in _PLAIN or not other):
+        more = "" if kind in _PLAIN else f", same:ROOM, photo:NAME, {', '.join(LIBRARY)}"
         raise InputError(f"white, a colour such as #c8a472{more}", repr(what), file=file, room=room)
 
 

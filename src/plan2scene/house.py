@@ -202,7 +202,8 @@ class House:
     `levels` go from the lowest to the highest; none for a plan of one storey at y = 0. Heights
     of walls and openings are above the floor of their rooms' level. `accents` are the walls that
     have a texture of their own on one side. `door_colours` are the sRGB
-    colours of door leaves by the id of their opening; that of the id "" holds for all others.
+    colours of door leaves by the id of their opening, `trim_colours` those of skirting and frames
+    by room; that of the id "" holds for all others.
     """
 
     id: str
@@ -215,6 +216,7 @@ class House:
     stairs: tuple[Stairs, ...] = ()
     accents: tuple[SurfaceKey, ...] = ()
     door_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
+    trim_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
     warnings: tuple[str, ...] = field(default=(), compare=False)
 
     def room(self, room_id: str) -> Room:

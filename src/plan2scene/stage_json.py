@@ -80,6 +80,7 @@ FORMS: dict[str, dict[str, Any]] = {
     "textures": _record({"surfaces": _object(_TILE) | _SURFACES}),
     "maps": _record({"surfaces": _object(_MAP) | _SURFACES}),
     "doors": _object(_list({"type": "integer", "minimum": 0, "maximum": 255}, 3)),
+    "trim": _object(_list({"type": "integer", "minimum": 0, "maximum": 255}, 3)),
     "sheet": _record({"photos": _list(_TEXT)}),
 }
 

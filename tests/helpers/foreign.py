@@ -305,6 +305,7 @@ LEFT = {
     "textures": {"method": "crop", "surfaces": {"living/floor": TILE}},
     "maps": {"surfaces": {"living/floor": MAP}},
     "doors": {"": [90, 60, 30], "d1": [255, 255, 255]},
+    "trim": {"": [90, 60, 30], "hall": [0, 0, 0]},
     "sheet": {"house": "h1", "photos": ["photo_1.jpg"], "methods": ["crop"]},
 }
 

@@ -69,6 +69,8 @@ def build_storey(
     openings = find_openings(house, sides, polygons)
     rails = railing_sides(house, sides, polygons)
     walled = [side for side in sides if side not in rails]
+    trims = dict(house.trim_colours)
+    all_trim = trims.get("")
     parts: list[MeshPart] = [railing(side) for side in rails]
     for room in house.rooms:
         parts.extend(flat_parts(room, polygons[room.id], well, above))
@@ -79,7 +81,7 @@ def build_storey(
             )
             for side in own
         )
-        boards = skirting(room, own, openings)
+        boards = skirting(room, own, openings, trims.get(room.id, all_trim))
         parts.extend(part for part in (*faces, boards) if part is not None)
     bodies = wall_bodies(walled, together)
     low = 0.0 if below is None else -OVERLAP
@@ -97,7 +99,9 @@ def build_storey(
         # Leaves open into rooms, not into the halls that join them.
         inwards = portal.other is None or doors[portal.side.room_id] <= doors[portal.other]
         hatch = {portal.side.room_id, portal.other} <= indoors
-        made = fixtures(portal, leaf, inwards=inwards, hatch=hatch)
+        rooms = (portal.side.room_id, portal.other)
+        trim = next((trims[room] for room in rooms if room in trims), all_trim)
+        made = fixtures(portal, leaf, trim, inwards=inwards, hatch=hatch)
         parts.extend(([strip] if strip is not None else []) + made)
     parts.extend(objects(house, sides, polygons))
     if below is not None:

@@ -39,19 +39,25 @@ JOINERY = JoinerySizes()
 
 
 def fixtures(
-    portal: Portal, leaf: Colour = LEAF_COLOUR, *, inwards: bool = True, hatch: bool = False
+    portal: Portal,
+    leaf: Colour = LEAF_COLOUR,
+    trim: Colour | None = None,
+    *,
+    inwards: bool = True,
+    hatch: bool = False,
 ) -> list[MeshPart]:
     """Return the parts of a door, window or passage (none when it is under 15 cm wide or high).
 
-    `leaf` is the colour of a door's leaves; they open into the portal's room where `inwards`, else
-    into the other. A window is a `hatch` between two rooms: a lining and a board, no glass.
+    `leaf` is the colour of a door's leaves, `trim` that of frames and linings. Leaves open into the
+    portal's room where `inwards`, else into the other. A window is a `hatch` between two rooms: a
+    lining and a board, no glass.
     """
     hole = portal.hole
     if hole.right - hole.left < 0.15 or hole.top - hole.bottom < 0.15:
         return []
     if hole.opening.kind == "window":
-        return _window(portal, hatch=hatch)
-    return [_door(portal, leaf, 1.0 if inwards else -1.0)]
+        return _window(portal, trim or FRAME_COLOUR, hatch=hatch)
+    return [_door(portal, leaf, trim, 1.0 if inwards else -1.0)]
 
 
 def _centre(portal: Portal) -> np.ndarray:
@@ -80,7 +86,7 @@ def _surround(
         builder.box(frame, (width, low, -half), (size - width, low + width, half), colour)
 
 
-def _door(portal: Portal, leaf: Colour, swing: float) -> MeshPart:
+def _door(portal: Portal, leaf: Colour, trim: Colour | None, swing: float) -> MeshPart:
     """Return a door's frame and leaves, or a passage's lining.
 
     The leaves open into the portal's room where `swing` is 1, into the other where it is -1.
@@ -91,11 +97,11 @@ def _door(portal: Portal, leaf: Colour, swing: float) -> MeshPart:
     if portal.other is not None:
         extras["leads_to"] = portal.other
     if opening.kind == "passage":
-        _surround(builder, portal, 0.015, LINING_COLOUR, sill=False)
+        _surround(builder, portal, 0.015, trim or LINING_COLOUR, sill=False)
         return builder.build(f"{room}/passage/{opening.id}", extras=extras)
     width = portal.width
     jamb = min(JOINERY.frame, width * 0.12)
-    _surround(builder, portal, jamb, FRAME_COLOUR, sill=False)
+    _surround(builder, portal, jamb, trim or FRAME_COLOUR, sill=False)
     gap = 0.004
     clear = width - 2 * (jamb + gap)
     low, high = portal.hole.bottom + 0.008, portal.hole.top - jamb - gap
@@ -152,14 +158,14 @@ def _leaf(
             )
 
 
-def _window(portal: Portal, *, hatch: bool) -> list[MeshPart]:
+def _window(portal: Portal, colour: Colour, *, hatch: bool) -> list[MeshPart]:
     """Return a window's frame with mullions, transom and sill board, and its glass."""
     builder, glass = PartBuilder(), PartBuilder()
     room, opening = portal.side.room_id, portal.hole.opening
     width, low, high = portal.width, portal.hole.bottom, portal.hole.top
     bar = min(JOINERY.frame, 0.12 * min(width, high - low))
-    _surround(builder, portal, 0.015 if hatch else bar, FRAME_COLOUR, sill=True)
-    frame, colour = _centre(portal), FRAME_COLOUR
+    _surround(builder, portal, 0.015 if hatch else bar, colour, sill=True)
+    frame = _centre(portal)
     if low > JOINERY.low_sill:
         reach, back = _depth(portal) + 0.04, -_depth(portal) - 0.04 if hatch else 0.0
         builder.box(frame, (-0.03, low - 0.03, back), (width + 0.03, low, reach), colour)

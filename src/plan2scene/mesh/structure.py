@@ -342,7 +342,9 @@ SKIRTING = SkirtingSizes()
 WITHOUT = {"Bathroom", "Outdoor", "Balcony", "Terrace", "Staircase"}
 
 
-def skirting(room: Room, sides: Iterable[Side], openings: Openings) -> MeshPart | None:
+def skirting(
+    room: Room, sides: Iterable[Side], openings: Openings, colour: Colour | None = None
+) -> MeshPart | None:
     """Return the part ``{room}/skirting``; None for rooms without any.
 
     Parameters
@@ -352,6 +354,8 @@ def skirting(room: Room, sides: Iterable[Side], openings: Openings) -> MeshPart 
         The faces of the room's walls.
     openings : Openings
         The holes of all faces.
+    colour : sRGB, optional
+        Of the boards.
     """
     if WITHOUT & set(room.types):
         return None
@@ -362,7 +366,7 @@ def skirting(room: Room, sides: Iterable[Side], openings: Openings) -> MeshPart 
                 side.frame.axes(0.0),
                 (left, 0.0, 0.0),
                 (right, SKIRTING.height, SKIRTING.depth),
-                SKIRTING_COLOUR,
+                colour or SKIRTING_COLOUR,
             )
     if not builder:
         return None

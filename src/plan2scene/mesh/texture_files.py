@@ -150,24 +150,25 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
 def textured(folder: str | Path, house: House) -> tuple[House, dict[SurfaceKey, TileTexture]]:
     """Return a house with what a folder knows of it, and all its textures.
 
-    That is the accent walls that it has textures of, and the colours of door leaves
-    (``doors.json``). As :func:`load_textures`.
+    That is the accent walls that it has textures of, and the colours of door leaves and trim
+    (``doors.json``, ``trim.json``). As :func:`load_textures`.
     """
     entries = texture_index(folder, house)
     sides = (
         SurfaceKey(room_id, f"wall.{wall.id}") for wall in house.walls for room_id in wall.room_ids
     )
     accents = tuple(key for key in sides if "/".join(key) in entries)
-    doors = _door_colours(Path(folder) / "doors.json", house)
-    house = replace(house, accents=accents, door_colours=doors)
+    doors, trim = (_colours(Path(folder), kind, house) for kind in ("doors", "trim"))
+    house = replace(house, accents=accents, door_colours=doors, trim_colours=trim)
     return house, load_textures(folder, house)
 
 
-def _door_colours(file: Path, house: House) -> tuple[tuple[str, tuple[int, int, int]], ...]:
-    """Return the sRGB colours of door leaves by opening id; none where there is no such file."""
+def _colours(folder: Path, kind: str, house: House) -> tuple[tuple[str, tuple[int, int, int]], ...]:
+    """Return the sRGB colours of doors or trim by id; none where there is no such file."""
+    file = folder / f"{kind}.json"
     if not file.is_file():
         return ()
-    entries = read_stage_json(file, "doors", house=house)
+    entries = read_stage_json(file, kind, house=house)
     return tuple((name, (int(r), int(g), int(b))) for name, (r, g, b) in entries.items())
 
 

@@ -66,7 +66,11 @@ def set_by_hand(
         kept = {name: entry for name, entry in maps["surfaces"].items() if name not in names}
         write_json(root / "maps.json", maps | {"surfaces": kept})
     doors = read_stage_json(root / "doors.json", "doors")
-    write_json(root / "doors.json", _doors(doors, finishes))
+    if SurfaceKey("*", "door") in finishes:
+        doors = {}
+    write_json(root / "doors.json", doors | _colours("door", finishes))
+    if trim := _colours("trim", finishes):
+        write_json(root / "trim.json", trim)
 
 
 @dataclass(frozen=True)
@@ -170,12 +174,10 @@ def _spread(finishes: Mapping[SurfaceKey, str], keys: list[SurfaceKey]) -> dict[
     return chosen
 
 
-def _doors(doors: dict[str, list[int]], finishes: Mapping[SurfaceKey, str]) -> dict[str, list[int]]:
-    """Return the colours of door leaves with those that are chosen."""
-    chosen = {
-        key.room_id: [int(level) for level in _levels(what)]
+def _colours(kind: str, finishes: Mapping[SurfaceKey, str]) -> dict[str, list[int]]:
+    """Return the colours that are chosen for doors or trim by opening or room; ``""``: for all."""
+    return {
+        "" if key.room_id == "*" else key.room_id: [int(level) for level in _levels(what)]
         for key, what in finishes.items()
-        if key.surface == "door"
+        if key.surface == kind
     }
-    whole = chosen.pop("*", None)
-    return (doors if whole is None else {"": whole}) | chosen

@@ -5,7 +5,7 @@ import { button, el } from "./dom.js";
 import { asked } from "./server.js";
 
 const HASTE = 1200; // milliseconds from the last choice to the run
-const KINDS = /^(floor|ceiling|wall(\..+)?|door)$/;
+const KINDS = /^(floor|ceiling|wall(\..+)?|door|trim)$/;
 const WHITE = "#eceae7"; // as it is shown until the run is through
 
 export class Finishes {
@@ -57,7 +57,7 @@ export class Finishes {
     const lines = this.rows.map(([room, surface, what]) => el("li", {}, el("span", {}, `${room === "*" ? "all rooms" : room}, ${surface}: ${what}`),
       button("\u00d7", () => this.set(room, surface, null), { title: "As found", "aria-label": `${room} ${surface} as found` })));
     this.node.replaceChildren(el("h2", {}, "Set by hand"),
-      this.surface ? this.choices(this.surface) : el("p", { className: "soft" }, "Click a wall, floor, ceiling or door in the house to say what it is."),
+      this.surface ? this.choices(this.surface) : el("p", { className: "soft" }, "Click a wall, floor, ceiling, door, skirting board or window frame in the house to say what it is."),
       ...(lines.length ? [el("ul", { className: "list set" }, lines)] : []),
       ...(this.undone.length ? [button("Undo", () => this.undo())] : []));
   }
@@ -69,7 +69,7 @@ export class Finishes {
     const { plan, photos } = this.view.app.store.state, rooms = plan.rooms.map(({ id }) => id).filter((id) => id !== room);
     return el("div", {}, el("p", {}, el("b", {}, title), now ? `: ${now}` : ""),
       el("div", { className: "row" }, button("White", () => set("white")), el("label", { className: "check" }, colour, "Colour"), now ? button("As found", () => set(null)) : null),
-      kind === "door" ? null : el("div", { className: "row" },
+      ["door", "trim"].includes(kind) ? null : el("div", { className: "row" },
         choose("Material\u2026", Object.keys(this.library).map((name) => [name, name])),
         choose("Same as in\u2026", rooms.map((id) => [`same:${id}`, id])),
         choose("As in photo\u2026", photos.map(({ name }) => [`photo:${name}`, name]))));

@@ -59,7 +59,8 @@ const capital = (word) => word.replace(/^./, (c) => c.toUpperCase());
 const share = (value) => value.toFixed(2).replace(/^0/, "");
 
 // In the studio a clicked surface is told to the page around, which says how it is painted.
-const doorOf = ({ extras }) => extras.kind === "door" && extras.opening_id, surfaceOf = ({ extras }) => extras.surface;
+const doorOf = ({ extras }) => extras.kind === "door" && extras.opening_id;
+const surfaceOf = ({ extras }) => (["skirting", "window", "passage"].includes(extras.kind) ? "trim" : extras.surface);
 
 function tellStudio(part, title) {
   if (window.parent === window) return;
@@ -93,7 +94,7 @@ function describe(part) {
   const seen = photo ? `seen in photo ${photo.number} (${photo.name})` : "seen in photos";
   const words = extras.evidence && photo ? `${extras.evidence}; this piece in photo ${photo.number} (${photo.name})` : extras.evidence;
   const name = extras.kind === "structure" ? "outer wall" : extras.category || extras.kind || part.name;
-  tellStudio(part, `${capital(name)}${titleOf(extras.room_id) ? `, ${titleOf(extras.room_id)}` : ""}`);
+  tellStudio(part, `${capital(surfaceOf(part) === "trim" ? "skirting and frames" : name)}${titleOf(extras.room_id) ? `, ${titleOf(extras.room_id)}` : ""}`);
   const rows = [["Room", titleOf(extras.room_id)], ["Part", extras.wall_id && extras.surface ? `wall ${extras.wall_id}` : null],
     ["Leads to", titleOf(extras.leads_to)], ["Area", extras.surface ? area(areaOf(part), 2) : null], ["Material", [extras.substance, extras.pattern].filter(Boolean).join(", ") || null],
     ["Looks", byHand ? extras.evidence : words || (extras.observed === undefined ? null : extras.observed ? seen : guess)]];

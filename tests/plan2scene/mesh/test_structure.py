@@ -156,6 +156,19 @@ def test_a_leaf_opens_into_the_room_with_fewer_doors(gap_house):
     assert into_a[0] > 0.3 > into_a[1] and into_b[1] > 0.3 > into_b[0]
 
 
+@pytest.mark.parametrize(("key", "in_b"), [("a", 0.0), ("", 1.0)])
+def test_trim_has_the_colour_that_its_room_is_set_to(gap_house, key, in_b):
+    rooms = tuple(dataclasses.replace(room, types=("Bedroom",)) for room in gap_house.rooms)
+    trim = ((key, (32, 64, 96)),)
+    parts = by_name(dataclasses.replace(gap_house, rooms=rooms, trim_colours=trim))
+    blue = {
+        n: (p.colours == (32, 64, 96)).all(axis=1).mean() for n, p in parts.items() if p.uv is None
+    }
+    assert blue["a/skirting"] == 1.0 and blue["b/skirting"] == in_b
+    assert 0.1 < blue["a/door/ha"] < 0.9  # its frame, and not its leaf
+    assert {share for name, share in blue.items() if name.startswith("structure")} <= {0.0}
+
+
 def board(house, name):
     return {part.name: part for part in build_parts(house)}[f"{name}/skirting"].mesh
 

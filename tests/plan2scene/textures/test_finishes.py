@@ -49,6 +49,7 @@ def test_each_kind_of_finish_and_nothing_else(house, caplog):
         ("b", "ceiling"): "same:gone",
         ("gone", "floor"): "white",
         ("d2", "door"): "#6b4a32",
+        ("a", "trim"): "#204060",
     }
     table = house / "home.finishes.csv"
     table.write_text(finishes_text({SurfaceKey(*key): what for key, what in chosen.items()}))
@@ -73,6 +74,7 @@ def test_each_kind_of_finish_and_nothing_else(house, caplog):
     assert not (house / "set" / "a_wall.jpg").exists()
     doors = {"": [1, 2, 3], "d1": [4, 5, 6], "d2": [107, 74, 50]}
     assert read_json(house / "set" / "doors.json") == doors
+    assert read_json(house / "set" / "trim.json") == {"a": [32, 64, 96]}
     assert "gone" in caplog.text
 
 
@@ -94,7 +96,8 @@ def test_the_same_as_in_another_room_follows_it_and_no_circle(house):
     [
         ("room,what\n", "the columns room, surface, what"),
         ("room,surface,what\na,wall\n", "3 cells"),
-        ("room,surface,what\na,roof,white\n", "a surface of floor, wall, ceiling, door"),
+        ("room,surface,what\na,roof,white\n", "a surface of floor, wall, ceiling, door, trim"),
+        ("room,surface,what\na,trim,same:b\n", "white, a colour such as #c8a472, found"),
         ("room,surface,what\na,wall,whitish\n", "white, a colour such as #c8a472, same:ROOM"),
         (f"room,surface,what\na,door,{next(iter(LIBRARY))}\n", "white, a colour such as #c8a472,"),
     ],
