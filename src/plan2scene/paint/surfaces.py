@@ -22,13 +22,18 @@ OWN_WEIGHT = 2e-3
 ONE_PAINT = 14.0
 #: No paint reflects more, linear.
 MOST_PAINT = 0.9
+#: Before photo and number of a door leaf whose opening is not known, in place of its id.
+UNPLACED = "?"
 _COLUMNS = ["room_id", "surface", "paint", "white", "photos"]
 
 
 def observations_of(path: str | Path) -> list[Observation]:
     """Return the usual colour of each surface and door in each photo, of ``colours.parquet``."""
     table, _ = read_parquet(path)
-    table["key"] = table["room_id"].where(table["surface"] != "door", table["walls"])
+    doors = table["surface"] == "door"
+    table["key"] = table["room_id"].where(~doors, table["walls"])
+    unknown = UNPLACED + table["photo"] + "/" + table["plane"].astype(str)
+    table["key"] = table["key"].where(~doors | (table["walls"] != ""), unknown)
     groups = table.groupby(["photo", "key", "surface"], sort=True)
     found = []
     for (photo, room_id, surface), rows in groups:
@@ -67,7 +72,7 @@ def write_paint(
     Floors that share a material (``materials.parquet``) have one paint; walls and ceilings are
     told apart by their light, not by the material that they seem to share.
 
-    A row for each observed surface: ``room_id (of a door the id of its opening),
+    A row for each observed surface: ``room_id (of a door the id of its opening, or `UNPLACED`),
     surface, paint (3 floats, linear reflectance), white (bool), photos (names joined by |)``.
     """
     import pandas as pd
@@ -201,6 +206,6 @@ def door_paints(
     """
     doors = {key.room_id: value for key, value in paint.items() if key.surface == "door"}
     coloured = [value for key, value in doors.items() if SurfaceKey(key, "door") not in white]
-    if 2 * len(coloured) >= len(doors) + 2:
-        doors[""] = np.median(coloured, axis=0)
-    return doors
+    usual = 2 * len(coloured) >= len(doors) + 2
+    placed = {name: value for name, value in doors.items() if not name.startswith(UNPLACED)}
+    return placed | ({"": np.median(coloured, axis=0)} if usual else {})

@@ -54,8 +54,20 @@ def test_a_leaf_is_seen_where_a_door_is_likely_and_shut():
     behind = ends[..., 0] > WIDE + 0.05
     shut = np.where(behind, OTHER, labels)
     doors, shapes = behind.astype(float), room_shapes(house)
-    ((opening, pixels),) = seen_doors(shut, doors, pose, shapes)
+    ((opening, pixels),) = seen_doors(shut, 0.5 * doors, pose, shapes)
     assert opening in {o.id for wall in house.walls for o in wall.openings}
     assert behind[tuple(pixels.T)].all()
     assert list(seen_doors(labels, doors, pose, shapes)) == []  # open: the store's floor
     assert list(seen_doors(shut, 0.02 * doors, pose, shapes)) == []  # furniture
+
+    # An open leaf stands beside the opening.
+    opened = labels.copy()
+    start = int(np.argwhere(behind)[:, 1].min())
+    leaf = np.s_[20:-20, start - 30 : start - 5]
+    opened[leaf] = OTHER
+    likely = np.zeros(labels.shape)
+    likely[leaf] = 0.9
+    ((beside, pixels),) = seen_doors(opened, likely, pose, shapes)
+    assert beside == opening and (opened[tuple(pixels.T)] == OTHER).all()
+    ((unknown, _),) = seen_doors(opened, likely, None, {})
+    assert unknown == ""

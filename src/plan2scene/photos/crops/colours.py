@@ -74,7 +74,8 @@ def door_colours(
     """Return what a photo, image (h, w, 3) uint8 sRGB, shows of door leaves.
 
     `doors` are opening ids and pixels (n, 2) as of
-    :func:`plan2scene.photos.locate.seen_doors.seen_doors`. The id stands among the walls.
+    :func:`plan2scene.photos.locate.seen_doors.seen_doors`. The id stands among the walls, where it
+    is known.
     """
     usable = unclipped(image)
     observed = []

@@ -223,15 +223,14 @@ def _crops_of_photo(
     candidates = candidates_of_photo(image, camera, planes, settings, window_seed, inner)
     _log.info("%s: %d candidates, camera %s", photo, len(candidates), camera.focal_source)
     colours = colours_of_photo(image, camera, planes, photo, inner)
-    if photo in poses:
-        likely = masks_dir / PROBABILITIES / f"{Path(photo).stem}.png"
-        likely_door = (
-            read_probability_png(likely, house_id=house.id)[DOOR]
-            if likely.is_file()
-            else (labels == OTHER).astype(np.float32)
-        )
-        doors = seen_doors(labels, likely_door, poses[photo], shapes)
-        colours += door_colours(image, photo, poses[photo].room_id, doors)
+    pose, likely = poses.get(photo), masks_dir / PROBABILITIES / f"{Path(photo).stem}.png"
+    if likely.is_file():
+        likely_door = read_probability_png(likely, house_id=house.id)[DOOR]
+    else:
+        likely_door = 0.5 * (labels == OTHER)
+    doors = seen_doors(labels, likely_door, pose, shapes)
+    room = rooms[0] if pose is None else pose.room_id
+    colours += door_colours(image, photo, room, doors)
     return PhotoCrops(
         candidates,
         [plane_row(photo, item) for item in planes],

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 
-from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
+from plan2scene.photos.labels.palette import CEILING, FLOOR, OTHER, WALL
 from plan2scene.photos.locate.plan_view import Hole, RoomShape, look
 from plan2scene.photos.locate.pose import Pose
 
@@ -29,15 +30,26 @@ class DoorSettings:
     most_floor: float = 0.05
     #: Least mean probability of a door: furniture before a wrong place of a photo has .00 to .04.
     least_door: float = 0.05
+    #: Probability of a leaf that is clearly one, open or shut: frames and what is behind an open
+    #: door have less. Its border (share of the photo's width) is left out; the rest has at least
+    #: that share of the photo.
+    sure: float = 0.7
+    border: float = 0.02
+    least_leaf: float = 0.01
 
 
 DOORS = DoorSettings()
 
 
 def seen_doors(
-    labels: np.ndarray, doors: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]
+    labels: np.ndarray,
+    doors: np.ndarray,
+    pose: Pose | None,
+    shapes: Mapping[str, RoomShape],
 ) -> Iterator[tuple[str, np.ndarray]]:
     """Yield (opening id, pixels (n, 2) int of row and column) of the leaves of a photo's doors.
+
+    The id is empty of a leaf whose opening is not known.
 
     Parameters
     ----------
@@ -45,11 +57,37 @@ def seen_doors(
         Labels of :mod:`plan2scene.photos.labels.palette`.
     doors : (h', w') float
         How likely each pixel is of a door, at any resolution.
-    pose : Pose
+    pose : Pose or None
         Of a located photo.
     shapes
         Of :func:`plan2scene.photos.locate.plan_view.room_shapes`.
     """
+    holes = {} if pose is None else dict(_holes_in_sight(labels, pose, shapes))
+    opened: set[str] = set()
+    for leaf in _sure_leaves(labels, doors):
+        beside = {name: _gap(leaf, places) for name, places in holes.items() if name not in opened}
+        name = min(beside, key=lambda name: beside[name], default="")
+        name = name if name and beside[name] <= 0 else ""
+        opened.add(name)
+        yield name, leaf
+    for name, places in holes.items():
+        found = labels[tuple(places.T)]
+        likely = doors[tuple((places * doors.shape / labels.shape).astype(int).T)]
+        other = ~np.isin(found, (FLOOR, WALL, CEILING))
+        if (
+            name not in opened
+            and other.mean() >= DOORS.least_other
+            and (found == FLOOR).mean() <= DOORS.most_floor
+            and likely.mean() >= DOORS.least_door
+        ):
+            # Of what is no leaf (an open door, things before it) the network is less sure.
+            yield name, places[other & (likely >= likely[other].mean())]
+
+
+def _holes_in_sight(
+    labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield (opening id, pixels (n, 2)) of the doors of the photo's room that it shows."""
     shape = shapes[pose.room_id]
     camera = replace(pose.camera, position=pose.position)
     for index, hole in enumerate(shape.holes):
@@ -59,19 +97,30 @@ def seen_doors(
         pixels = camera.project(points)
         inside = (pixels >= 0) & (pixels <= np.array([camera.width - 1, camera.height - 1]))
         shown = inside.all(axis=1) & _in_sight(pose, shapes, points, index)
-        if shown.mean() < DOORS.least_seen:
-            continue
-        places = np.unique(np.rint(pixels[shown]).astype(int), axis=0)[:, ::-1]
-        found = labels[tuple(places.T)]
-        likely = doors[tuple((places * doors.shape / labels.shape).astype(int).T)]
-        other = ~np.isin(found, (FLOOR, WALL, CEILING))
-        if (
-            other.mean() >= DOORS.least_other
-            and (found == FLOOR).mean() <= DOORS.most_floor
-            and likely.mean() >= DOORS.least_door
-        ):
-            # Of what is no leaf (an open door, things before it) the network is less sure.
-            yield hole.opening_id, places[other & (likely >= likely[other].mean())]
+        if shown.mean() >= DOORS.least_seen:
+            yield hole.opening_id, np.unique(np.rint(pixels[shown]).astype(int), axis=0)[:, ::-1]
+
+
+def _sure_leaves(labels: np.ndarray, doors: np.ndarray) -> list[np.ndarray]:
+    """Return the pixels (n, 2) of each leaf that is clearly one, the largest first."""
+    height, width = labels.shape
+    likely = cv2.resize(np.asarray(doors, dtype=np.float32), (width, height))
+    sure = (likely >= DOORS.sure) & (labels == OTHER)
+    border = np.ones((max(1, round(DOORS.border * width)),) * 2, np.uint8)
+    count, parts = cv2.connectedComponents(cv2.erode(sure.astype(np.uint8), border))
+    leaves = [np.argwhere(parts == k) for k in range(1, count)]
+    large = [leaf for leaf in leaves if len(leaf) >= DOORS.least_leaf * labels.size]
+    return sorted(large, key=len, reverse=True)
+
+
+def _gap(leaf: np.ndarray, places: np.ndarray) -> float:
+    """Return how many columns a leaf is off an opening, less that opening's width.
+
+    A leaf that stands open is beside its opening.
+    """
+    low, high = places[:, 1].min(), places[:, 1].max()
+    between = max(leaf[:, 1].min() - high, low - leaf[:, 1].max(), 0)
+    return float(between - (high - low))
 
 
 def _leaf_points(shape: RoomShape, hole: Hole) -> np.ndarray:
