@@ -11,9 +11,9 @@ from plan2scene.house import ROOM_TYPES
 #: stem of a word decides: "bathroom" is told before "room" could be.
 _STEMS = {
     "Bathroom": (
-        "bath badezimmer bad salle_de_bain salle_d'eau bano aseo bagno badkamer shower dusche "
-        "douche ducha doccia wc toilet toilette lavatory restroom washroom ensuite en_suite "
-        "powder servizi sauna lavabo badrum dusch"
+        "bath bathroom masterbath badezimmer bad salle_de_bain salle_d'eau bano aseo bagno "
+        "badkamer shower dusche douche ducha doccia wc toilet toilette lavatory restroom washroom "
+        "ensuite en_suite powder servizi sauna lavabo badrum dusch"
     ),
     "Kitchen": ("kitchen kuche kueche cuisine cocina cucina keuken kitchenette pantry_kitchen kok"),
     "Bedroom": (

@@ -11,6 +11,7 @@ from plan2scene.plans.room_names import room_types
         ("Master bedroom 2", ("Bedroom",)),
         ("Salle de bains", ("Bathroom",)),
         ("WC", ("Bathroom",)),
+        ("Upstairs Bathroom", ("Bathroom",)),
         ("Küche/Essen", ("Kitchen", "Reception")),
         ("Living / Kitchen", ("Reception", "Kitchen")),
         ("Wohnzimmer", ("Reception",)),

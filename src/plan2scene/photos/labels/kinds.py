@@ -19,7 +19,7 @@ from plan2scene.photos.labels.segmentation import (
 from plan2scene.weights import filled, load_model_file
 
 #: Longer side in pixels that a photo is seen at.
-SIDE = 384
+SIDE = 320
 #: Maps of the encoder that are averaged, by the halvings of their size less one: strides 8 to 32.
 MAPS = (2, 3, 4)
 

@@ -1,6 +1,7 @@
 """The places stage: masks and plan of a house -> cameras.json and photo_rooms.json.
 
-Each photo is searched alone, then again under the height that the photos share.
+A photo whose room is not told is searched roughly in every room. In its room each photo is searched
+alone, then again under the height that the photos share.
 """
 
 from __future__ import annotations
@@ -27,11 +28,16 @@ from plan2scene.photos.labels.palette import (
     read_probability_png,
 )
 from plan2scene.photos.locate.likelihood import OPENING, log_table, make_profile
-from plan2scene.photos.locate.locate_settings import LOCATE
+from plan2scene.photos.locate.locate_settings import LOCATE, Grid
 from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_to_json, turned
 from plan2scene.photos.locate.search import HeightPrior, Hypothesis, RoomSearch
-from plan2scene.photos.locate.which_room import PhotoEvidence, likely_room, room_probabilities
+from plan2scene.photos.locate.which_room import (
+    NOWHERE,
+    PhotoEvidence,
+    likely_room,
+    room_probabilities,
+)
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.room_names import room_types
 from plan2scene.stage_json import read_stage_json
@@ -103,53 +109,60 @@ def locate_shots(
     openings = labelled_openings(shots.values())
     table = log_table(openings)
 
-    def search(shot: Shot) -> tuple[list[RoomSearch], list[Hypothesis]]:
+    def searches(shot: Shot, room_ids: Sequence[str], grid: Grid) -> list[RoomSearch]:
         coarse, fine = (
             make_profile(shot.labels, shot.camera, table, blur, shot.probabilities)
             for blur in (LOCATE.coarse_blur, LOCATE.fine_blur)
         )
-        rooms = [
-            RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), coarse, fine)
-            for room_id in shot.rooms
+        return [
+            RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), coarse, fine, grid)
+            for room_id in room_ids
         ]
-        return rooms, _best(rooms, HeightPrior())
 
-    names = [name for name, shot in shots.items() if shot.rooms and not shot.camera.fallback]
-    searched = list(each(search, [shots[name] for name in names], threads))
+    def rough(name: str) -> dict[str, float]:
+        found = searches(shots[name], shots[name].rooms, LOCATE.rough)
+        return {search.room_id: search.best_score(HeightPrior()) for search in found}
+
+    framed = [name for name, shot in shots.items() if shot.rooms and not shot.camera.fallback]
+    unknown = [name for name in framed if shots[name].hints is not None]
+    scores = dict(zip(unknown, each(rough, unknown, threads), strict=True))
+    rooms = _rooms(house, shots, scores, matches or {})
+    likely = {name: likely_room(every) for name, every in rooms.items()}
+    stands = {name: [likely[name][0]] if name in likely else shots[name].rooms for name in framed}
+    names = [name for name in framed if stands[name] != [NOWHERE]]
+
+    def search(name: str) -> tuple[list[RoomSearch], list[Hypothesis]]:
+        found = searches(shots[name], stands[name], LOCATE.grid)
+        return found, _best(found, HeightPrior())
+
+    searched = list(each(search, names, threads))
     hypotheses = [poses for _, poses in searched]
-    prior = shared_height([poses for poses in hypotheses if poses])
+    prior = shared_height(hypotheses)
     if prior is not None:
         hypotheses = list(
-            each(lambda rooms: _best(rooms, prior), (s for s, _ in searched), threads)
+            each(lambda found: _best(found, prior), (s for s, _ in searched), threads)
         )
-    found = dict(zip(names, hypotheses, strict=True))
-    rooms = _rooms(house, shots, found, matches or {})
     poses = {}
-    for name, every in found.items():
-        room, sure = likely_room(rooms[name]) if name in rooms else (None, 1.0)
-        kept = [pose for pose in every if room is None or pose.room_id == room]
-        if kept:
-            pose = _pose(shots[name], kept, openings)
-            poses[name] = replace(pose, located=sure * pose.located)
+    for name, every in zip(names, hypotheses, strict=True):
+        pose = _pose(shots[name], every, openings)
+        sure = likely[name][1] if name in likely else 1.0
+        poses[name] = replace(pose, located=sure * pose.located)
     return Located(poses, rooms)
 
 
 def _rooms(
     house: House,
     shots: Mapping[str, Shot],
-    found: Mapping[str, Sequence[Hypothesis]],
+    scores: Mapping[str, Mapping[str, float]],
     matches: Mapping[tuple[str, str], int],
 ) -> dict[str, dict[str, float]]:
     """Return how probable each room is for the photos whose room is not told."""
-    evidence = {}
-    for name, shot in shots.items():
-        if shot.hints is None:
-            evidence[name] = PhotoEvidence(told=shot.rooms)
-            continue
-        scores: dict[str, float] = {}
-        for pose in found.get(name, ()):
-            scores[pose.room_id] = max(pose.score, scores.get(pose.room_id, -np.inf))
-        evidence[name] = replace(shot.hints, scores=scores)
+    evidence = {
+        name: PhotoEvidence(told=shot.rooms)
+        if shot.hints is None
+        else replace(shot.hints, scores=scores.get(name, {}))
+        for name, shot in shots.items()
+    }
     if all(item.told for item in evidence.values()):
         return {}
     every = room_probabilities(house, evidence, matches)

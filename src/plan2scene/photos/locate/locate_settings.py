@@ -8,6 +8,14 @@ import numpy as np
 
 
 @dataclass(frozen=True)
+class Grid:
+    """Positions in a room: about so many `points`, between these sides apart, metres."""
+
+    points: int
+    side_m: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class LocateSettings:
     """Constants of the search for a photo's place in the plan.
 
@@ -64,9 +72,9 @@ class LocateSettings:
     #: Least distance of a camera from the walls on the grid and after refinement, metres.
     clearance_m: float = 0.15
     least_clearance_m: float = 0.05
-    #: Side of the grid, metres: between these, for about so many points.
-    grid_m: tuple[float, float] = (0.2, 0.4)
-    grid_points: int = 260
+    #: The grid in a photo's room, and that of rooms of which the photo's is to be found.
+    grid: Grid = Grid(260, (0.2, 0.4))
+    rough: Grid = Grid(70, (0.2, 0.8))
     #: Heights that are tried, metres.
     heights_m: tuple[float, ...] = (1.0, 1.2, 1.4, 1.6, 1.8)
     #: Mean and standard deviation of a camera's height, metres.

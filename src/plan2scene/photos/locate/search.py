@@ -10,7 +10,7 @@ import shapely
 from shapely.geometry import Polygon
 
 from plan2scene.photos.locate.likelihood import Profile, agreement
-from plan2scene.photos.locate.locate_settings import LOCATE
+from plan2scene.photos.locate.locate_settings import LOCATE, Grid
 from plan2scene.photos.locate.plan_view import RoomShape, dominant_direction, look
 
 #: Plan offsets of a refinement's step.
@@ -52,12 +52,13 @@ class RoomSearch:
         polygon: Polygon,
         coarse: Profile,
         fine: Profile,
+        grid: Grid = LOCATE.grid,
     ) -> None:
         """Score the grid; `coarse` and `fine` are profiles of one mask, differently blurred."""
-        self._shapes, self._room_id, self._fine = shapes, room_id, fine
+        self._shapes, self.room_id, self._fine = shapes, room_id, fine
         self._polygon = polygon
         shape = shapes[room_id]
-        self._grid = grid_of(polygon)
+        self._grid = grid_of(polygon, grid)
         heights = [height for height in LOCATE.heights_m if height < 0.9 * shape.height]
         self._heights = np.array(heights or [0.6 * shape.height])
         first = dominant_direction(shape)
@@ -68,18 +69,29 @@ class RoomSearch:
 
     def best(self, prior: HeightPrior) -> list[Hypothesis]:
         """Return the refined peaks of the four headings, the best first."""
-        hypotheses: list[Hypothesis] = []
-        for turn, rough in zip(self._turns, self._rough, strict=True):
-
-            def score(eyes: np.ndarray, heights: np.ndarray, turn: float = turn) -> np.ndarray:
-                return self._scores(self._fine, turn, eyes, heights) + prior.log(heights)
-
-            for point, level in _peaks(self._grid, rough + prior.log(self._heights)):
-                start = np.array([self._grid[point, 0], self._heights[level], self._grid[point, 1]])
-                ceiling = self._shapes[self._room_id].height
-                (x, y, z), value = _refined(score, self._polygon, ceiling, start)
-                hypotheses.append(Hypothesis(self._room_id, turn, (x, y, z), value))
+        hypotheses = [
+            self._refined(turn, point, level, prior)
+            for turn, rough in zip(self._turns, self._rough, strict=True)
+            for point, level in _peaks(self._grid, rough + prior.log(self._heights))
+        ]
         return sorted(hypotheses, key=lambda item: -item.score)
+
+    def best_score(self, prior: HeightPrior) -> float:
+        """Return the score of the highest peak on the grid, refined."""
+        scores = np.array(self._rough) + prior.log(self._heights)
+        turn, point, level = np.unravel_index(int(np.argmax(scores)), scores.shape)
+        return self._refined(self._turns[turn], int(point), int(level), prior).score
+
+    def _refined(self, turn: float, point: int, level: int, prior: HeightPrior) -> Hypothesis:
+        """Return the pose that a pattern search from a point of the grid reaches."""
+
+        def score(eyes: np.ndarray, heights: np.ndarray) -> np.ndarray:
+            return self._scores(self._fine, turn, eyes, heights) + prior.log(heights)
+
+        start = np.array([self._grid[point, 0], self._heights[level], self._grid[point, 1]])
+        ceiling = self._shapes[self.room_id].height
+        position, value = _refined(score, self._polygon, ceiling, start)
+        return Hypothesis(self.room_id, turn, position, value)
 
     def _scores(
         self, profile: Profile, turn: float, eyes: np.ndarray, heights: np.ndarray
@@ -88,18 +100,18 @@ class RoomSearch:
         columns = len(profile.azimuth)
         sight = look(
             self._shapes,
-            self._room_id,
+            self.room_id,
             np.repeat(eyes, columns, axis=0),
             np.tile(profile.azimuth + turn, len(eyes)),
         )
-        return agreement(profile, self._shapes[self._room_id], sight, heights)
+        return agreement(profile, self._shapes[self.room_id], sight, heights)
 
 
-def grid_of(polygon: Polygon) -> np.ndarray:
+def grid_of(polygon: Polygon, grid: Grid = LOCATE.grid) -> np.ndarray:
     """Return points (p, 2) of a room where a camera may stand, metres; at least one."""
     inner = polygon.buffer(-LOCATE.clearance_m)
     if not inner.is_empty:
-        step = float(np.clip((inner.area / LOCATE.grid_points) ** 0.5, *LOCATE.grid_m))
+        step = float(np.clip((inner.area / grid.points) ** 0.5, *grid.side_m))
         x0, z0, x1, z1 = inner.bounds
         xs, zs = _ticks(x0, x1, step), _ticks(z0, z1, step)
         points = np.stack(np.meshgrid(xs, zs), axis=-1).reshape(-1, 2)

@@ -41,15 +41,18 @@ class WhichRoomSettings:
 
     #: Of a unit of the score of the best pose in a room, and the most that it can tell.
     place: float = 12.0
-    most_place: float = 3.0
-    #: Of the logarithm of the classifier's odds.
+    most_place: float = 2.0
+    #: Of the logarithm of the classifier's odds, and how often it knows nothing.
     kind: float = 1.4
+    unknown: float = 0.2
     #: Of a name that means a type of room.
-    name: float = 2.5
+    name: float = 3.0
     #: Of photos that match: for each e-fold of matched points beyond the first number.
-    match: float = 1.0
+    match: float = 2.0
     matched: float = 14.0
-    most_match: float = 3.0
+    most_match: float = 4.0
+    #: Photos that match are wrong together: what each tells counts less, by this power of how many.
+    repeated: float = 0.5
     #: Share of that where the rooms are open to each other.
     open_match: float = 0.7
     #: How often rooms are photographed, by type; others as a closet.
@@ -70,7 +73,7 @@ class WhichRoomSettings:
     area: float = 0.5
     usual_m2: float = 12.0
     #: A main room that no other photo shows is more probable by this.
-    first: float = 0.8
+    first: float = 2.0
     main: tuple[str, ...] = ("Reception", "Kitchen", "Bedroom", "Bathroom")
     #: Probability that a photo shows no room, without evidence.
     nowhere: float = 0.03
@@ -121,13 +124,20 @@ def room_probabilities(
 
     Notes
     -----
-    Gibbs sampling of the rooms of all photos: the same input gives the same numbers.
+    Gibbs sampling of the rooms of all photos, alone and together with those that match: the same
+    input gives the same numbers.
     """
     names, rooms = sorted(photos), [room.id for room in house.rooms]
     if not names:
         return {}
-    alone = np.array([_alone(house, photos[name]) for name in names])
     pairs = _pairs(names, matches)
+    alike = [1.0 + sum(min(weight, 1.0) for _, weight in others) for others in pairs]
+    alone = np.array(
+        [
+            _alone(house, photos[name]) / many**WHICH.repeated
+            for name, many in zip(names, alike, strict=True)
+        ]
+    )
     known = [photos[name].tells or bool(pairs[k]) for k, name in enumerate(names)]
     near = _nearness(house)
     frequent, first = _frequency(house)
@@ -135,19 +145,35 @@ def room_probabilities(
     state = np.where(known, alone.argmax(axis=1), len(rooms))
     counts = np.bincount(state, minlength=len(rooms) + 1).astype(float)
     seen = np.zeros((len(names), len(rooms) + 1))
+
+    def moved(group: Sequence[int]) -> np.ndarray:
+        """Draw a room for photos of one room; return how probable each was."""
+        here, held = state[group[0]], set(group)
+        counts[here] -= len(group)
+        log = alone[group].sum(axis=0) + np.where(counts == 0, first, 0.0)
+        for more in range(len(group)):
+            log += np.log(frequent + np.minimum(counts + more, 2.0) * 0.3)
+        for k in group:
+            for other, weight in pairs[k]:
+                log += weight * (near.diagonal() / 2 if other in held else near[state[other]])
+                if len(group) > 1 and other not in held:
+                    log[state[other]] = -np.inf  # there the group would be another one
+        odds = np.exp(log - log.max())
+        state[group] = np.searchsorted(np.cumsum(odds), rng.random() * odds.sum())
+        counts[state[group[0]]] += len(group)
+        return np.asarray(odds / odds.sum())
+
     free = [k for k, name in enumerate(names) if not photos[name].told and known[k]]
+    tied = [k for k in free if pairs[k]]
     for sweep in range(WHICH.warm + WHICH.sweeps):
         for k in free:
-            counts[state[k]] -= 1
-            log = alone[k] + np.log(frequent + np.minimum(counts, 2.0) * 0.3)
-            log += np.where(counts == 0, first, 0.0)
-            for other, weight in pairs[k]:
-                log += weight * near[state[other]]
-            odds = np.exp(log - log.max())
+            odds = moved([k])
             if sweep >= WHICH.warm:
-                seen[k] += odds / odds.sum()
-            state[k] = int(np.searchsorted(np.cumsum(odds), rng.random() * odds.sum()))
-            counts[state[k]] += 1
+                seen[k] += odds
+        if tied:
+            group = _together(tied[rng.integers(len(tied))], state, pairs)
+            if len(group) > 1 and set(group) <= set(free):
+                moved(group)
     found = {}
     for k, name in enumerate(names):
         told = photos[name].told
@@ -173,6 +199,19 @@ def likely_room(rooms: Mapping[str, float]) -> tuple[str, float]:
     return (room, sure) if sure >= WHICH.least else (NOWHERE, 1.0 - sure)
 
 
+def _together(
+    photo: int, state: np.ndarray, pairs: Sequence[Sequence[tuple[int, float]]]
+) -> list[int]:
+    """Return the photos in a photo's room that match it, those that match them, and so on."""
+    found, todo = {photo}, [photo]
+    while todo:
+        for other, _ in pairs[todo.pop()]:
+            if other not in found and state[other] == state[photo]:
+                found.add(other)
+                todo.append(other)
+    return sorted(found)
+
+
 def _alone(house: House, photo: PhotoEvidence) -> np.ndarray:
     """Return what a photo tells by itself, (rooms + 1,) log odds; the last is no room."""
     log = np.zeros(len(house.rooms) + 1)
@@ -188,7 +227,8 @@ def _alone(house: House, photo: PhotoEvidence) -> np.ndarray:
     if photo.kinds is not None:
         for k, room in enumerate(house.rooms):
             odds = float(_looks(room) @ photo.kinds) * len(KINDS)
-            log[k] += WHICH.kind * float(np.log(max(odds, 1e-3)))
+            odds += WHICH.unknown * (1.0 - odds)
+            log[k] += WHICH.kind * float(np.log(odds))
     if photo.named:
         for k, room in enumerate(house.rooms):
             log[k] += WHICH.name * bool(set(photo.named) & set(room.types))
