@@ -37,7 +37,8 @@ class PaintPrior:
     """What is known of paint, light and noise: natural logs on the axes brightness, red, blue.
 
     Kinds are in the order of :data:`KINDS`: floor, wall, ceiling, door leaf. White
-    paint reflects about .82 (L* 92). The other figures were chosen on two real flats (development).
+    paint reflects about .82 (L* 92); doors that are not white are mostly of wood. The other figures
+    were chosen on two real flats (development), those of doors on one.
     """
 
     #: White paint: mean and standard deviation.
@@ -50,20 +51,20 @@ class PaintPrior:
         (-1.4, 0.3, -0.4),
         (-0.55, 0.1, -0.15),
         (-0.7, 0.2, -0.3),
-        (-1.4, 0.4, -0.5),
+        (-1.6, 0.5, -0.9),
     )
     colour_deviation: tuple[Axes, ...] = (
         (0.6, 0.35, 0.45),
         (0.6, 0.4, 0.5),
         (0.6, 0.4, 0.5),
-        (0.6, 0.4, 0.5),
+        (0.35, 0.25, 0.35),
     )
     #: Noise of an observation of a whole photo: the light on the part seen, by kind.
     noise: tuple[Axes, ...] = (
         (0.3, 0.06, 0.08),
         (0.2, 0.04, 0.05),
         (0.25, 0.04, 0.05),
-        (0.3, 0.06, 0.08),
+        (0.45, 0.06, 0.1),
     )
     #: Weight of an observation (share of the photo's pixels) with that noise; of fewer pixels it
     #: grows with the root, up to `most_noise` times.
