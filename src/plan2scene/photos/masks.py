@@ -98,7 +98,7 @@ def make_masks(
                         shots[name] = shot
         _log.info("%d photos labelled, %d left out", len(shots), len(photos) - len(shots))
         write_json(folder / "cameras.json", _cameras(shots, folder, fov_deg))
-        kinds = {name: shot.kinds for name, shot in shots.items() if find_rooms}
+        kinds = {name: shot.kinds for name, shot in shots.items() if shot.kinds}
         write_json(folder / KINDS_FILE, kinds)
         points = {name: shot.points for name, shot in shots.items() if shot.points is not None}
         matches = match_photos(points)
