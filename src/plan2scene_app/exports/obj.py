@@ -25,6 +25,7 @@ def write_obj(
     house: House,
     textures: Mapping[SurfaceKey, TileTexture],
     path: str | Path,
+    parts: Sequence[MeshPart] | None = None,
 ) -> None:
     """Write ``{name}.obj`` with ``{name}.mtl`` and ``{name}_textures/*`` beside it.
 
@@ -37,6 +38,8 @@ def write_obj(
     textures : mapping of SurfaceKey to TileTexture
     path : path
         The .obj file; the MTL and textures are named after it.
+    parts : sequence of MeshPart, optional
+        What is in it; all of the house without.
     """
     target = Path(path)
     folder = target.with_name(f"{target.stem}_textures")
@@ -44,7 +47,7 @@ def write_obj(
         for key, tile in textures.items():
             (temporary / f"{key.filename}{tile.suffix}").write_bytes(tile.image)
     scene = _Scene()
-    for part in build_parts(house):
+    for part in build_parts(house) if parts is None else parts:
         painted = None if part.surface is None else textures.get(part.surface)
         for mesh in _pieces(part, painted, folder.name):
             scene.geometry[str(len(scene.geometry))] = mesh

@@ -103,6 +103,18 @@ def _obj(house: House, textures: Textures, folder: Path) -> None:
     write_obj(house, textures, folder / "house.obj")
 
 
+def _home_assistant(house: House, textures: Textures, folder: Path) -> None:
+    from plan2scene_app.exports.home_assistant import write_home_assistant
+
+    write_home_assistant(house, textures, folder)
+
+
+HOME_ASSISTANT = Export(
+    "homeassistant",
+    _home_assistant,
+    ("house.obj", "house.mtl", "house_textures/", "card.yaml"),
+    "Home Assistant: floor3d-card with a light a room",
+)
 USD = Export(
     "usd",
     _usd,
