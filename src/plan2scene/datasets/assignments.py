@@ -38,8 +38,9 @@ def read_assignment(
     path : path or None
         CSV with a header; the columns ``room_id`` (or ``roomId``) and ``photo`` in any order,
         further columns are ignored. The room may be left empty, and its column left out: it is
-        looked for then. None, an empty file or a table without rows give no rows;
-        :func:`check_assignment` lists that as a warning.
+        looked for then, and where the column ``guess`` repeats it (``photos.csv`` of a run).
+        None, an empty file or a table without rows give no rows; :func:`check_assignment` lists
+        that as a warning.
     house : House, optional
         When given, each room id must be one of its rooms.
     house_id : str
@@ -84,7 +85,7 @@ def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
         raise fault("a CSV table", str(error)) from None
     header = [cell.strip() for cell in table[0]]
     room = next((header.index(n) for n in ("room_id", "roomId") if n in header), None)
-    photo = header.index("photo") if "photo" in header else None
+    photo, guess = (header.index(n) if n in header else None for n in ("photo", "guess"))
     misnamed = room is None and any("room" in name.lower() for name in header)
     if photo is None or misnamed:
         other = next((c for c in ";\t" if len(header) == 1 and c in header[0]), "")
@@ -102,7 +103,9 @@ def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
             continue
         if len(cells) <= max(-1 if room is None else room, photo) or not cells[photo]:
             raise fault("a photo in each row", f"row {number}: {','.join(cells)}")
-        rows.append(PhotoAssignment("" if room is None else cells[room], cells[photo]))
+        told = "" if room is None else cells[room]
+        guessed = guess is not None and cells[guess : guess + 1] == [told]
+        rows.append(PhotoAssignment("" if guessed else told, cells[photo]))
     return rows
 
 

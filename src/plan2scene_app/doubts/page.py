@@ -35,6 +35,7 @@ class PlacedPhoto:
     name: str
     room_id: str  #: empty: in none
     probability: float | None  #: None where the photo table told the room
+    guess: bool = False  #: nothing is made of it
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,7 @@ def read_placed(path: str | Path) -> list[PlacedPhoto]:
             row["photo"],
             row["room_id"],
             float(row["probability"]) if row["probability"] else None,
+            bool(row.get("guess")),
         )
         for row in rows
     ]
@@ -117,18 +119,23 @@ def doubt_lines(
     `left_out` are the warnings of the masks stage, `traced` the lines of a plan's tracing.
     """
     lost = [row.name for row in placed if not row.room_id]
-    if placed and len(lost) == len(placed):
-        yield f"no photo finds its place in the plan: the house is made without {len(lost)} photos"
+    used = {row.room_id for row in placed if row.room_id and not row.guess}
+    if placed and not used:
+        count = len(placed)
+        yield f"no photo finds its place in the plan: the house is made without {count} photos"
     yield from (f"plan: {line}" for line in traced)
     yield from left_out
-    if lost and len(lost) < len(placed):
+    if lost and used:
         yield f"no room is found for {', '.join(lost)}"
     for row in placed:
         if row.probability is not None and row.probability < SURE:
-            yield f"{row.name} is in {row.room_id} with a probability of {row.probability:.0%}"
-    seen = {row.room_id for row in placed}
-    bare = [room.id for room in house.rooms if room.id not in seen and not room.open_air]
-    if placed and bare and len(lost) < len(placed):
+            if row.guess:
+                where = f"{row.name} may be in {row.room_id} ({row.probability:.0%})"
+                yield f"{where}: nothing is made of it"
+            else:
+                yield f"{row.name} is in {row.room_id} with a probability of {row.probability:.0%}"
+    bare = [room.id for room in house.rooms if room.id not in used and not room.open_air]
+    if used and bare:
         yield f"no photo shows {', '.join(bare)}: made like the other rooms"
 
 

@@ -132,8 +132,16 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     assert read_json(rooms) == both
     sure = read_json(output)["a.jpg"]["rooms"]["room"]
     assert poses["a.jpg"].located < sure < 1.0
-    rows = ["room_id,photo,probability", "store,b.jpg,", f"room,a.jpg,{sure:.2f}"]
+    header = "room_id,photo,probability"
+    assert placed.read_text().splitlines() == [header, "store,b.jpg,", f"room,a.jpg,{sure:.2f}"]
+    # A guess is told but not used, and is not told by running with its table.
+    entries = read_json(output)
+    entries["a.jpg"]["rooms"] = {"room": 0.47, "store": 0.45, "": 0.08}
+    write_json(output, entries)
+    assert write_photo_rooms(house, given, output, rooms, placed) == {"b.jpg": ["store"]}
+    rows = [f"{header},guess", "store,b.jpg,", "room,a.jpg,0.47,room"]
     assert placed.read_text().splitlines() == rows
+    assert read_assignment(placed, house) == (("store", "b.jpg"), ("", "a.jpg"))
     # A house of which no photo finds its place is made all the same.
     assert write_photo_rooms(house, {"b.jpg": []}, output, rooms, placed) == {}
     assert read_assignment(placed, house) == (PhotoAssignment("", "b.jpg"),)

@@ -37,6 +37,7 @@ from plan2scene.photos.locate.which_room import (
     PhotoEvidence,
     likely_room,
     room_probabilities,
+    shown_room,
 )
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.room_names import room_types
@@ -127,8 +128,8 @@ def locate_shots(
     unknown = [name for name in framed if shots[name].hints is not None]
     scores = dict(zip(unknown, each(rough, unknown, threads), strict=True))
     rooms = _rooms(house, shots, scores, matches or {})
-    likely = {name: likely_room(every) for name, every in rooms.items()}
-    stands = {name: [likely[name][0]] if name in likely else shots[name].rooms for name in framed}
+    shown = {name: shown_room(every) for name, every in rooms.items()}
+    stands = {name: [shown[name]] if name in shown else shots[name].rooms for name in framed}
     names = [name for name in framed if stands[name] != [NOWHERE]]
 
     def search(name: str) -> tuple[list[RoomSearch], list[Hypothesis]]:
@@ -145,7 +146,7 @@ def locate_shots(
     poses = {}
     for name, every in zip(names, hypotheses, strict=True):
         pose = _pose(shots[name], every, openings)
-        sure = likely[name][1] if name in likely else 1.0
+        sure = rooms[name][pose.room_id] if name in rooms else 1.0
         poses[name] = replace(pose, located=sure * pose.located)
     return Located(poses, rooms)
 
@@ -304,15 +305,19 @@ def write_photo_rooms(
 
     These are the rooms of the photo table; for a photo without any, the most probable one.
     `cameras` is the cameras.json of `locate_photos`, None where photos have no camera. A photo
-    without a room is left out; one line names them all. `table` is written, too: a photo table of
-    these rooms, how probable each is, and the photos without a room.
+    without a room, or with a guess alone, is left out; one line names them all. `table` is
+    written, too: a photo table of these rooms, how probable each is, guesses marked as such, and
+    the photos without a room.
     """
     known = {} if cameras is None else read_stage_json(cameras, "cameras", house=house)
-    likely = {
-        name: likely_room(entry["rooms"]) for name, entry in known.items() if "rooms" in entry
+    found = {name: entry["rooms"] for name, entry in known.items() if "rooms" in entry}
+    guesses = {
+        photo: found.get(photo, {NOWHERE: 1.0})
+        for photo, named in rooms_of_photo.items()
+        if not named
     }
     rooms = {
-        photo: list(named) or [room for room, _ in [likely.get(photo, ("", 0.0))] if room]
+        photo: list(named) or list(filter(None, [shown_room(guesses[photo])]))
         for photo, named in rooms_of_photo.items()
     }
     left_out = sorted(
@@ -320,15 +325,19 @@ def write_photo_rooms(
     )
     if left_out:
         expected = "a room_id in the photo table where a photo's place in the plan is not clear"
-        found = f"none for {', '.join(left_out)}"
-        _log.warning("%s; left out", InputError(expected, found, house=house.id))
+        line = InputError(expected, f"none for {', '.join(left_out)}", house=house.id)
+        _log.warning("%s; left out", line)
+    rows = []
+    for photo, named in rooms.items():
+        if photo in guesses:
+            room, sure = likely_room(guesses[photo])
+            guess = [] if room in named or not room else [room]
+            rows.append([room, photo, f"{sure:.2f}" if room else "", *guess])
+        else:
+            rows += [[room, photo, ""] for room in named]
+    header = ["room_id", "photo", "probability", "guess"][: max(map(len, rows), default=3)]
     with atomic_path(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["room_id", "photo", "probability"])
-        for photo, named in rooms.items():
-            told = bool(rooms_of_photo[photo]) or not named
-            sure = "" if told else f"{likely[photo][1]:.2f}"
-            writer.writerows([room, photo, sure] for room in named or [""])
+        csv.writer(file, lineterminator="\n").writerows([header, *rows])
     rooms = {photo: named for photo, named in rooms.items() if named}
     write_json(output, rooms)
     return rooms

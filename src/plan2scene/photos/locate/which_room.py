@@ -77,8 +77,8 @@ class WhichRoomSettings:
     main: tuple[str, ...] = ("Reception", "Kitchen", "Bedroom", "Bathroom")
     #: Probability that a photo shows no room, without evidence.
     nowhere: float = 0.03
-    #: A room less probable than this is not taken.
-    least: float = 0.3
+    #: A room less probable than this is a guess: the photo more likely shows another.
+    least: float = 0.5
     #: Sweeps of the sampler that count, and those before.
     sweeps: int = 1500
     warm: int = 300
@@ -191,12 +191,14 @@ def room_probabilities(
 
 
 def likely_room(rooms: Mapping[str, float]) -> tuple[str, float]:
-    """Return the most probable room of :func:`room_probabilities` and how probable it is.
+    """Return the most probable room of :func:`room_probabilities` and how probable it is."""
+    return max(rooms.items(), key=lambda item: item[1])
 
-    `NOWHERE` where no room is probable enough.
-    """
-    room, sure = max(rooms.items(), key=lambda item: item[1])
-    return (room, sure) if sure >= WHICH.least else (NOWHERE, 1.0 - sure)
+
+def shown_room(rooms: Mapping[str, float]) -> str:
+    """Return the room that a photo counts as showing; `NOWHERE` where that is but a guess."""
+    room, sure = likely_room(rooms)
+    return room if sure >= WHICH.least else NOWHERE
 
 
 def _together(
