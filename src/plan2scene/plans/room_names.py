@@ -22,7 +22,9 @@ _STEMS = {
         "sovrum letto"
     ),
     "Balcony": "balcon balcony balkon balcone loggia balkong",
-    "Terrace": "terrace terrasse terraza terrazza terras patio deck porch veranda",
+    "Terrace": (
+        "terrace terrasse terraza terrazza terras patio deck porch veranda pavilion alfresco"
+    ),
     "Outdoor": (
         "outdoor outside garden garten jardin giardino tuin yard garage carport exterior "
         "draussen hof parking"

@@ -19,6 +19,13 @@ def ink_of(image: np.ndarray) -> np.ndarray:
     return np.asarray(np.clip((paper - grey) / max(paper - dark, 1.0), 0, 1), np.float32)
 
 
+def drawn_solid(structure: np.ndarray, image: np.ndarray, ppm: float) -> bool:
+    """Return whether the walls of a structure (h, w) uint8 are drawn solid."""
+    wall = structure == WALL
+    solid = solid_walls(ink_of(image), ppm)
+    return bool(wall.any() and solid[wall].mean() >= SETTINGS.solid)
+
+
 def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
     """Return the structure (h, w) uint8 with gaps in solid walls, and swings, as doors.
 
@@ -26,8 +33,7 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
     """
     ink = ink_of(image)
     solid = solid_walls(ink, ppm)
-    wall = structure == WALL
-    if wall.sum() == 0 or solid[wall].mean() < SETTINGS.solid:
+    if not drawn_solid(structure, image, ppm):
         return structure
     changed = structure.copy()
     thin = ndimage.binary_dilation(ink > SETTINGS.ink, np.ones((3, 3)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -70,7 +70,7 @@ def refuse_other_pictures(
     """Raise InputError for a photo, a page of text or another picture without a plan.
 
     A network sees rooms in a photo, too: hardly sure ones, with ragged outlines, in a picture with
-    little that is flat.
+    little that is flat and without paper.
     """
     reason = ""
     if not polygons:
@@ -79,13 +79,25 @@ def refuse_other_pictures(
         reason = "areas without any door or window"
     else:
         corners = np.mean([len(p.exterior.coords) - 1 for p in polygons.values()])
-        ragged = sure < SETTINGS.ragged[0] and corners > SETTINGS.ragged[1]
+        drawn = paper_share(image) >= SETTINGS.drawn_paper
+        ragged = not drawn and sure < SETTINGS.ragged[0] and corners > SETTINGS.ragged[1]
         if ragged or (sure < SETTINGS.busy[0] and flat_share(image) < SETTINGS.busy[1]):
             reason = f"areas that are {sure:.0%} sure to be rooms"
     if reason:
         if flat_share(image) < SETTINGS.busy[1]:
             reason = f"a photo? ({reason})"
         raise InputError("a picture of a floorplan", reason, file=path)
+
+
+def paper_share(image: np.ndarray) -> float:
+    """Return the share of a picture (h, w, 3) uint8 sRGB that has its most frequent colour."""
+    zoom = 384 / max(image.shape[:2])
+    how = cv2.INTER_AREA if zoom < 1 else cv2.INTER_NEAREST
+    small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=how).astype(int)
+    coarse = small // 4 @ [4096, 64, 1]
+    paper = int(np.bincount(coarse.ravel()).argmax())
+    colour = np.array([paper // 4096, paper // 64 % 64, paper % 64]) * 4 + 2
+    return float((np.abs(small - colour).max(2) <= 6).mean())
 
 
 def flat_share(image: np.ndarray) -> float:
@@ -146,11 +158,24 @@ def main_direction(walls: np.ndarray) -> float:
 
 def first_scale(structure: np.ndarray) -> float:
     """Return about how many pixels a metre of a structure (h, w) has: by its doors and its size."""
+    return scale_by_doors(door_widths(structure), drawn_size(structure))
+
+
+def door_widths(structure: np.ndarray) -> list[int]:
+    """Return the widths in pixels of the doors of a structure (h, w)."""
     places, count = ndimage.label(structure == DOOR, np.ones((3, 3)))
     widths = [max(b.stop - b.start for b in box) for box in ndimage.find_objects(places, count)]
-    widths = [width for width in widths if width >= 6]
+    return [width for width in widths if width >= 6]
+
+
+def drawn_size(structure: np.ndarray) -> float:
+    """Return the longer side in pixels of what a structure (h, w) shows."""
     rows, columns = np.nonzero(_largest_part(structure != OUTSIDE))
-    size = max(float(np.ptp(rows)), float(np.ptp(columns)), 1.0) if len(rows) else 1.0
+    return max(float(np.ptp(rows)), float(np.ptp(columns)), 1.0) if len(rows) else 1.0
+
+
+def scale_by_doors(widths: Sequence[float], size: float) -> float:
+    """Return about how many pixels a metre has where doors are so wide and a home is so large."""
     usual, spread = np.log(size / SETTINGS.home_size[0]), SETTINGS.home_size[1]
     if not widths:
         return float(np.exp(usual))
@@ -163,18 +188,44 @@ def first_scale(structure: np.ndarray) -> float:
     return float(np.exp((weights * [usual, doors]).sum() / weights.sum()))
 
 
-def straightened(image: np.ndarray, first: Frame, structure: np.ndarray, angle: float) -> Frame:
-    """Return the plan of a picture at the network's size, by its structure in a first frame."""
+def outline_of(first: Frame, structure: np.ndarray) -> np.ndarray:
+    """Return points (n, 2) of the picture where the structure of a frame shows the plan."""
     drawn = np.isin(structure, (DOOR, WINDOW, PASSAGE)) | (structure > PASSAGE) | (structure == 1)
     rows, columns = np.nonzero(_largest_part(drawn))
-    points = first.to_picture(np.c_[columns, rows].astype(float))
-    ppm = first_scale(structure) / first.zoom
+    return first.to_picture(np.c_[columns, rows].astype(float))
+
+
+def straightened(
+    image: np.ndarray,
+    outlines: Sequence[np.ndarray],
+    ppm: float,
+    angle: float,
+    *,
+    beyond: np.ndarray,
+) -> tuple[Frame, list[tuple[slice, slice]]]:
+    """Return drawings of a picture straight at the network's size, and where each lies therein.
+
+    `outlines` are points (n, 2) of each in the picture, `beyond` are points (n, 2) that the frame
+    holds, too; `ppm` are the picture's pixels a metre.
+    """
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     turn = np.array([[c, s], [-s, c]]) if abs(angle) >= SETTINGS.least_turn else np.eye(2)
-    turned = points @ turn.T
-    low, high = turned.min(0) - SETTINGS.paper * ppm, turned.max(0) + SETTINGS.paper * ppm
-    zoom = min(SETTINGS.ppm / ppm, SETTINGS.largest_px / float((high - low).max()), 3.0)
-    return warped(image, turn, low, high, zoom)
+    corners, paper = [], SETTINGS.paper * ppm
+    for points in outlines:
+        turned = points @ turn.T
+        corners.append((turned.min(0) - paper, turned.max(0) + paper))
+    more = beyond @ turn.T
+    low = np.min([corner[0] for corner in corners] + [p - paper for p in more], axis=0)
+    high = np.max([corner[1] for corner in corners] + [p + paper for p in more], axis=0)
+    largest = max(float((b - a).max()) for a, b in corners)
+    zoom = min(SETTINGS.ppm / ppm, SETTINGS.largest_px / largest, 3.0)
+    frame = warped(image, turn, low, high, zoom)
+    places = []
+    for one, other in corners:
+        x0, y0 = np.floor((one - low) * zoom).astype(int).tolist()
+        x1, y1 = np.ceil((other - low) * zoom).astype(int).tolist()
+        places.append((slice(y0, max(y1, y0 + 32)), slice(x0, max(x1, x0 + 32))))
+    return frame, places
 
 
 def warped(

@@ -36,7 +36,7 @@ def structure_of(probabilities: np.ndarray) -> np.ndarray:
 
 def find_regions(structure: np.ndarray, ppm: float) -> Regions:
     """Return the rooms of a structure (h, w) uint8 at about `ppm` pixels a metre."""
-    structure = _without_pockets(structure, ppm)
+    structure = without_pockets(structure, ppm)
     floors = _floors(structure == ROOM, ppm)
     count = int(floors.max())
     wall_px = _wall_thickness(structure, floors, ppm)
@@ -45,10 +45,11 @@ def find_regions(structure: np.ndarray, ppm: float) -> Regions:
     return without_open_rooms(without_islands(regions)) if count else regions
 
 
-def _without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
+def without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
     """Return the structure with pockets of outside inside a room relabelled as room.
 
-    The real outside is connected to the picture's border by paths wider than a neck.
+    Of a large room the network may see a part alone. The real outside is connected to the
+    picture's border by paths wider than a neck.
     """
     outside = np.pad(structure == OUTSIDE, 1, constant_values=True).astype(np.uint8)
     side = 2 * round(SETTINGS.neck * ppm / 2) + 1
@@ -63,7 +64,7 @@ def _without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
         rows, columns = (slice(max(0, s.start - 1), s.stop + 1) for s in box)
         own = pockets[rows, columns] == number
         rim = ndimage.binary_dilation(own) & ~own
-        if np.mean(structure[rows, columns][rim] == ROOM) > 0.5:
+        if np.mean(structure[rows, columns][rim] == ROOM) > SETTINGS.pocket:
             filled[rows, columns][own] = ROOM
     return filled
 
@@ -81,6 +82,11 @@ def _floors(mask: np.ndarray, ppm: float) -> np.ndarray:
     kept[0] = False
     numbers = np.where(kept, np.cumsum(kept), 0)
     return np.asarray(numbers[floors], np.int32)
+
+
+def floor_count(structure: np.ndarray, ppm: float) -> int:
+    """Return how many floors of a room's size a structure (h, w) uint8 has."""
+    return int(_floors(structure == ROOM, ppm).max())
 
 
 def _wall_thickness(structure: np.ndarray, floors: np.ndarray, ppm: float) -> float:

@@ -48,9 +48,13 @@ class _Piece:
         return 1 if angle > 90 - SETTINGS.along_axis else None
 
 
-def room_polygons(regions: Regions) -> dict[int, Polygon]:
-    """Return the polygon (pixels x, y) of each room's number; rooms that vanish are left out."""
-    pieces = [p for n in range(1, regions.count + 1) for p in _pieces(regions, n)]
+def room_polygons(regions: Regions, numbers: Sequence[int] | None = None) -> dict[int, Polygon]:
+    """Return the polygon (pixels x, y) of each room's number; rooms that vanish are left out.
+
+    `numbers` are the rooms of one drawing, all by default.
+    """
+    numbers = range(1, regions.count + 1) if numbers is None else numbers
+    pieces = [p for n in numbers for p in _pieces(regions, n)]
     straight = [[p for p in pieces if p.axis == axis] for axis in (0, 1)]
     slanted = [
         p for p in pieces if p.axis is None and p.length > 1.5 * SETTINGS.shortest * regions.ppm
@@ -60,7 +64,7 @@ def room_polygons(regions: Regions) -> dict[int, Polygon]:
     xs = _coordinates(straight[1], 0, SETTINGS.shortest * regions.ppm, least)
     if len(xs) < 2 or len(ys) < 2:
         return {}
-    return _cells(regions, xs, ys, _slanted_lines(slanted, least))
+    return _cells(regions, numbers, xs, ys, _slanted_lines(slanted, least))
 
 
 def _pieces(regions: Regions, number: int) -> list[_Piece]:
@@ -116,7 +120,11 @@ def _slanted_lines(pieces: list[_Piece], least: float) -> list[LineString]:
 
 
 def _cells(
-    regions: Regions, xs: list[float], ys: list[float], slanted: list[LineString]
+    regions: Regions,
+    numbers: Sequence[int],
+    xs: list[float],
+    ys: list[float],
+    slanted: list[LineString],
 ) -> dict[int, Polygon]:
     """Return the polygons that cells between the lines make."""
     grid = [LineString([(x, ys[0]), (x, ys[-1])]) for x in xs]
@@ -130,7 +138,7 @@ def _cells(
     votes = np.bincount((plane * count + regions.rooms).ravel(), minlength=(len(cells) + 1) * count)
     winners = votes.reshape(-1, count)[: len(cells) + 1].argmax(1)
     polygons = {}
-    for number in range(1, count):
+    for number in numbers:
         own = [cell for cell, winner in zip(cells, winners[1:], strict=True) if winner == number]
         shape = shapely.union_all(own, grid_size=1e-3) if own else Polygon()
         if isinstance(shape, MultiPolygon):
@@ -143,7 +151,7 @@ def _cells(
     return polygons
 
 
-_OPEN_AIR = ("Balcony", "Terrace", "Outdoor")
+OPEN_AIR = ("Balcony", "Terrace", "Outdoor")
 
 
 @dataclass(frozen=True)
@@ -158,6 +166,7 @@ class TracedRoom:
     named: bool  #: whether the types come from the written name
     confidence: float  #: mean probability of room over its floor
     texts: tuple[TextLine, ...]
+    drawing: int = 1  #: of the picture that it lies in
 
 
 def describe_rooms(
@@ -191,7 +200,7 @@ def without_inner_windows(
     A gap with nothing drawn in it looks like a window. Up to `widest` pixels it is a door, else a
     passage; neither is sure.
     """
-    indoors = {room.number for room in rooms if not set(room.types) & set(_OPEN_AIR)}
+    indoors = {room.number for room in rooms if not set(room.types) & set(OPEN_AIR)}
     kept = []
     for opening in openings:
         if opening.kind == "window" and {opening.room, opening.other} <= indoors:

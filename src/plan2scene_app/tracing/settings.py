@@ -22,6 +22,7 @@ PLAN_LABELS = (
     "staircase",
 )
 OUTSIDE, WALL, DOOR, WINDOW, PASSAGE, ROOM = range(6)
+STAIRS = PLAN_LABELS.index("staircase")
 #: Kinds of opening, by label.
 OPENINGS = {DOOR: "door", WINDOW: "window", PASSAGE: "passage"}
 #: Label of each room type; labels above `ROOM` are read back as the first type that has them.
@@ -60,8 +61,18 @@ class TraceSettings:
     dark_page: int = 128  #: median grey value below which lines may be light on dark paper, ...
     light_lines: float = 1.5  #: ... if the lightest marks are so many times further from it
     drawn_flat: float = 0.42  #: share of a drawing that is flat (`picture.flat_share`)
+    drawn_paper: float = 0.5  #: share of one colour from which a picture is no photo
     ragged: tuple[float, float] = (0.82, 11.0)  #: probability below and mean corners above: a photo
     busy: tuple[float, float] = (0.78, 0.65)  #: probability and flat share below: a photo
+    # Drawings on one picture.
+    drawing_ink: float = 25.0  #: grey values from paper to what is drawn
+    drawing_gap: float = 0.012  #: of the longer side: blank paper between two drawings
+    drawing_size: float = 0.05  #: of the largest one's box; what is smaller is no drawing
+    most_drawings: int = 6  #: that are looked at
+    drawing_opening_px: int = 6  #: of the shortest door or window that tells of a home, ...
+    rooms_an_opening: float = 2.0  #: ... and for how many rooms one is enough
+    walls_meet: float = 2.0  #: weight of outer walls that meet, where floors have 1
+    stairs_meet: float = 8.0  #: weight of stairs that do
     # Straight and at the network's size.
     ppm: float = 32.0  #: pixels a metre at which the network is best
     largest_px: int = 1280  #: of a side that the network sees
@@ -90,13 +101,17 @@ class TraceSettings:
     arc_radii: tuple[float, ...] = (0.8, 0.86, 0.92, 0.98, 1.04)  #: shares of the gap
     arc_drawn: float = 0.85  #: share of an arc that is drawn
     arc_beside: float = 0.5  #: share of what is beside it that may be drawn
+    dash: float = 0.15  #: m between dashes of a line
     # Walls that are thin lines.
     thin_line: float = 0.45  #: m of the shortest
     thin_gap: tuple[float, float] = (0.4, 2.0)  #: m of a gap in line, the scale a first guess
     thin_wall_beside: float = 1.0  #: m of the longer of these two
+    thin_scales: tuple[float, ...] = (0.8, 0.9, 1.0, 1.2, 1.5)  #: tried, of the first guess
     thin_rounds: int = 6  #: in which furniture is joined with its room
+    floors_a_name: float = 0.5  #: fewer floors than this for each name: thin walls are not seen
     thin_names: int = 2  #: names more that such lines part
     # Rooms.
+    pocket: float = 0.15  #: share of the border of an enclosed area that is floor: a floor, too
     neck: float = 0.5  #: m: a narrower neck parts two rooms
     room_floor: float = 0.6  #: m2 of the smallest room
     room_width: float = 0.5  #: m of the narrowest room

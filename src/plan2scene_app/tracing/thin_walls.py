@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -10,6 +11,16 @@ from scipy import ndimage
 
 from plan2scene_app.tracing.ink import ink_of, solid_walls
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, SETTINGS, WALL
+
+
+@dataclass(frozen=True)
+class _Parted:
+    """A structure parted by thin lines."""
+
+    structure: np.ndarray
+    ppm: float
+    agree: int  #: printed sizes that agree on the pixels a metre
+    names: int  #: named parts
 
 
 def with_thin_walls(
@@ -25,8 +36,28 @@ def with_thin_walls(
 
     `names` are the places (x, y) of room names. Lines are walls where they part names; what has
     neither a name nor a gap in its border is furniture. Left as it is where fewer than
-    `SETTINGS.thin_names` names more are parted.
+    `SETTINGS.thin_names` names more are parted. `ppm` is a guess: of some tried, the one is taken
+    on which most sizes agree.
     """
+    found = [
+        parted
+        for factor in SETTINGS.thin_scales
+        if (parted := _parted_at(structure, image, names, sizes, factor * ppm)) is not None
+    ]
+    if not found:
+        return structure, ppm
+    best = max(found, key=lambda parted: (parted.agree, parted.names))
+    return best.structure, best.ppm
+
+
+def _parted_at(
+    structure: np.ndarray,
+    image: np.ndarray,
+    names: Sequence[tuple[float, float]],
+    sizes: Sequence[tuple[float, float, float]],
+    ppm: float,
+) -> _Parted | None:
+    """Return a structure parted at a guess of the pixels a metre; None where too little is."""
     dark = ink_of(image)
     ink, solid = dark > SETTINGS.ink, solid_walls(dark, 2 * ppm)
     inside = ndimage.binary_fill_holes(structure != OUTSIDE) & (structure == OUTSIDE)
@@ -53,26 +84,29 @@ def with_thin_walls(
         if (opened == added).all():
             break
         added = opened
-    if _parted(floor & ~added & ~gaps, names) < before + SETTINGS.thin_names:
-        return structure, ppm
+    parts = _parted(floor & ~added & ~gaps, names)
+    if parts < before + SETTINGS.thin_names:
+        return None
     changed = structure.copy()
     changed[floor] = ROOM
     changed[gaps] = DOOR
     changed[added] = WALL
     faces, count = ndimage.label(floor & ~added & ~gaps)
     areas = np.bincount(faces.ravel(), minlength=count + 1)
+    at: dict[int, list[float]] = {}
+    for x, y, area in sizes:
+        if 0 <= x < faces.shape[1] - 1 and 0 <= y < faces.shape[0] - 1:
+            at.setdefault(int(faces[round(y), round(x)]), []).append(area)
     told = [
-        float(np.sqrt(areas[faces[round(y), round(x)]] / area))
-        for x, y, area in sizes
-        if 0 <= x < faces.shape[1] - 1 and 0 <= y < faces.shape[0] - 1 and faces[round(y), round(x)]
+        float(np.sqrt(areas[face] / own[0])) for face, own in at.items() if face and len(own) == 1
     ]
     # Of rooms that are not parted, each says too much: those that agree are believed.
     agree = [[one for one in told if abs(np.log(one / other)) < 0.06] for other in sorted(told)]
     best = max(agree, key=len, default=[])
     if len(best) >= 2:
-        return changed, float(np.mean(best))
+        return _Parted(changed, float(np.mean(best)), len(best), parts)
     by_doors = float(np.median(widths)) / SETTINGS.door_width[0] if len(widths) >= 3 else ppm
-    return changed, float(np.clip(by_doors, ppm / 2, 2 * ppm))
+    return _Parted(changed, float(np.clip(by_doors, ppm / 2, 2 * ppm)), 0, parts)
 
 
 def _without_furniture(faces: np.ndarray, kept: np.ndarray, added: np.ndarray) -> np.ndarray:

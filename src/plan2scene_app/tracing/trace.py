@@ -6,12 +6,13 @@ Labels, regions, polygons, openings, texts, scale: each step is a module of this
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
+from scipy import ndimage
 from shapely.geometry import Polygon
 
 from plan2scene.images import write_png
@@ -23,22 +24,41 @@ from plan2scene.plugins import pip_command
 from plan2scene.weights import MODELS
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.plan_formats.measures import sides_in_feet
-from plan2scene_app.tracing.ink import with_drawn_doors
+from plan2scene_app.tracing.drawings import (
+    Storey,
+    find_drawings,
+    shows_a_home,
+    storeys_of,
+)
+from plan2scene_app.tracing.ink import drawn_solid, with_drawn_doors
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
+from plan2scene_app.tracing.named_areas import with_named_areas
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
 from plan2scene_app.tracing.picture import (
     Frame,
     dark_on_light,
+    door_widths,
+    drawn_size,
     first_scale,
     how_sure,
     main_direction,
+    outline_of,
     read_plan_picture,
     refuse_other_pictures,
+    scale_by_doors,
     straightened,
     whole,
 )
-from plan2scene_app.tracing.regions import Regions, find_regions, structure_of, with_passages
+from plan2scene_app.tracing.regions import (
+    Regions,
+    find_regions,
+    floor_count,
+    structure_of,
+    with_passages,
+    without_pockets,
+)
 from plan2scene_app.tracing.rooms import (
+    OPEN_AIR,
     TracedRoom,
     describe_rooms,
     room_polygons,
@@ -53,7 +73,7 @@ from plan2scene_app.tracing.scale import (
     told_area,
 )
 from plan2scene_app.tracing.segmenter import PlanSegmenter, load_plan_segmenter
-from plan2scene_app.tracing.settings import MODEL, ROOM, SETTINGS
+from plan2scene_app.tracing.settings import MODEL, OUTSIDE, PLAN_LABELS, ROOM, SETTINGS
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
 #: Metres: what is narrower than this is no opening.
@@ -77,6 +97,8 @@ class TracedPlan:
     shrunk: float  #: pixels of the file for one of the picture
     sure: float  #: mean probability of what was found
     read: bool  #: whether text was read
+    storeys: tuple[Storey, ...] = ()  #: the lowest first; none for a plan of one drawing
+    left_out: int = 0  #: drawings that show no home
 
     @property
     def metres(self) -> float:
@@ -102,13 +124,21 @@ def trace_picture(
     page = dark_on_light(picture.image)
     read = reader_installed()
     texts = read_lines(page) if read else []
-    frame, probabilities, regions = _seen(without_text(page, texts), segmenter, texts)
-    polygons = room_polygons(regions) if regions.count else {}
+    seen = _seen(without_text(page, texts), segmenter, texts)
+    frame, probabilities, regions = seen.frame, seen.probabilities, seen.regions
+    drawings = _drawings_of_rooms(seen)
+    polygons: dict[int, Polygon] = {}
+    for drawing in sorted(set(drawings.values())):
+        polygons |= room_polygons(regions, [n for n, d in drawings.items() if d == drawing])
     openings = find_openings(regions, polygons, probabilities)
     sure = how_sure(probabilities, regions)
     refuse_other_pictures(path, picture.image, sure, polygons, len(openings))
     lines = _in_frame(texts, frame)
     rooms = describe_rooms(regions, polygons, probabilities, lines)
+    rooms = [replace(room, drawing=drawings[room.number]) for room in rooms]
+    storeys = []
+    if len({room.drawing for room in rooms}) > 1:
+        storeys = storeys_of(seen.owner, regions.rooms, probabilities, lines, regions.ppm)
     if metres_per_pixel is not None:
         frame_metres = metres_per_pixel * picture.shrunk / frame.zoom
         scale = Scale(frame_metres, 1.0, "as given")
@@ -127,30 +157,155 @@ def trace_picture(
         picture.shrunk,
         sure,
         read,
+        tuple(storeys),
+        seen.left_out,
     )
 
 
-def _seen(
-    image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
-) -> tuple[Frame, np.ndarray, Regions]:
-    """Return the straight frame of a picture, its probabilities and regions."""
-    first = whole(image, segmenter.long_side)
-    rough = segmenter.probabilities(first.image, views=SETTINGS.first_views)
-    structure = structure_of(rough)
-    if not (structure == ROOM).any():
-        return first, rough, find_regions(structure, segmenter.long_side / 12)
-    frame = straightened(image, first, structure, main_direction(1 - rough[ROOM:].sum(0)))
-    probabilities = segmenter.probabilities(frame.image, views=SETTINGS.views)
+def _drawings_of_rooms(seen: _Seen) -> dict[int, int]:
+    """Return the drawing that each room's number lies in."""
+    rooms = seen.regions.rooms
+    most = int(seen.owner.max()) + 1
+    votes = np.bincount((rooms * most + seen.owner).ravel(), minlength=(rooms.max() + 1) * most)
+    found = votes.reshape(-1, most).argmax(1)
+    return {number: int(found[number]) for number in range(1, seen.regions.count + 1)}
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What the network sees of a picture, straight."""
+
+    frame: Frame
+    probabilities: np.ndarray
+    regions: Regions
+    owner: np.ndarray  #: (h, w) int32: the drawing that is nearest, from 1
+    left_out: int = 0  #: drawings that show no home
+
+
+def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]) -> _Seen:
+    """Return a picture straight, its probabilities and regions; drawings are seen one by one."""
+    numbers, count = find_drawings(image)
+    drawn = numbers
+    looks = [_first_look(image, numbers, n, count, segmenter) for n in range(1, count + 1)]
+    homes = [look for look in looks if shows_a_home(look.structure)]
+    left_out = count - len(homes) if homes else 0
+    if len(homes) < 2:
+        if left_out:
+            image = _of_drawing(image, numbers, homes[0].number)
+        if count != 1:
+            looks = [_look(whole(image, segmenter.long_side), 1, segmenter)]
+        homes = looks
+        numbers = np.ones_like(numbers)
+    else:
+        image = _only(image, np.isin(numbers, [0, *(look.number for look in homes)]))
+    first = homes[0]
+    if len(homes) == 1 and not (first.structure == ROOM).any():
+        owner = np.ones(first.structure.shape, np.int32)
+        regions = find_regions(first.structure, segmenter.long_side / 12)
+        return _Seen(first.frame, first.rough, regions, owner)
+    zooms = [look.frame.zoom for look in homes]
+    widths = [
+        w / z for look, z in zip(homes, zooms, strict=True) for w in door_widths(look.structure)
+    ]
+    sizes = [drawn_size(look.structure) / z for look, z in zip(homes, zooms, strict=True)]
+    rough_ppm = scale_by_doors(widths, float(np.exp(np.mean(np.log(sizes)))))
+    largest = homes[int(np.argmax(sizes))]
+    angle = main_direction(1 - largest.rough[ROOM:].sum(0))
+    if len(homes) > 1:
+        outlines = [np.argwhere(numbers == look.number)[:, ::-1].astype(float) for look in homes]
+    else:
+        outlines = [outline_of(first.frame, first.structure)]
+    beyond = _named_beyond(np.concatenate(outlines), drawn, texts)
+    frame, places = straightened(image, outlines, rough_ppm, angle, beyond=beyond)
+    owner = _owners(numbers, [look.number for look in homes], frame)
+    probabilities = np.zeros((len(PLAN_LABELS), *owner.shape), np.float32)
+    probabilities[OUTSIDE] = 1
+    for look, place in zip(homes, places, strict=True):
+        own = owner[place] == look.number
+        part = _only(frame.image[place], own)
+        found = segmenter.probabilities(part, views=SETTINGS.views)
+        probabilities[:, *place][:, own] = found[:, own]
     structure = structure_of(probabilities)
     ppm = first_scale(structure)
     lines = _in_frame(texts, frame)
     names = [line.middle for line in lines if room_types(line.text)]
     feet = sides_in_feet(line.text for line in lines)
-    sizes = [(*line.middle, area) for line in lines for area in told_area(line.text, feet=feet)]
-    divided, ppm = with_thin_walls(structure, frame.image, names, sizes, ppm)
-    if divided is structure:
-        divided = with_passages(with_drawn_doors(structure, frame.image, ppm), ppm)
-    return frame, probabilities, find_regions(divided, ppm)
+    told = [(*line.middle, area) for line in lines for area in told_area(line.text, feet=feet)]
+    divided = structure
+    seen_walls = drawn_solid(structure, frame.image, ppm)
+    if not seen_walls or floor_count(structure, ppm) < SETTINGS.floors_a_name * len(names):
+        divided, ppm = with_thin_walls(structure, frame.image, names, told, ppm)
+    thin = divided is not structure
+    divided = without_pockets(with_named_areas(divided, frame.image, names, ppm), ppm)
+    if not thin:
+        divided = with_passages(with_drawn_doors(divided, frame.image, ppm), ppm)
+    return _Seen(frame, probabilities, find_regions(divided, ppm), owner, left_out)
+
+
+def _named_beyond(outline: np.ndarray, drawn: np.ndarray, texts: Sequence[TextLine]) -> np.ndarray:
+    """Return corners (n, 2) of the drawings (h, w) int32 that have names beyond an outline."""
+    low, high = outline.min(0), outline.max(0)
+    named = [np.array(line.middle) for line in texts if room_types(line.text)]
+    beyond = [place for place in named if (place < low).any() or (place > high).any()]
+    corners = []
+    for rows, columns in ndimage.find_objects(drawn):
+        box = np.array([[columns.start, rows.start], [columns.stop, rows.stop]], float)
+        if any((box[0] < place).all() and (place < box[1]).all() for place in beyond):
+            corners.append(box)
+    return np.concatenate(corners) if corners else np.zeros((0, 2))
+
+
+@dataclass(frozen=True)
+class _Look:
+    """A first look at a drawing: `rough` probabilities of the labels in a frame."""
+
+    number: int
+    frame: Frame
+    rough: np.ndarray
+    structure: np.ndarray
+
+
+def _look(frame: Frame, number: int, segmenter: PlanSegmenter) -> _Look:
+    rough = segmenter.probabilities(frame.image, views=SETTINGS.first_views)
+    return _Look(number, frame, rough, structure_of(rough))
+
+
+def _first_look(
+    image: np.ndarray, numbers: np.ndarray, number: int, count: int, segmenter: PlanSegmenter
+) -> _Look:
+    """Return a first look at one drawing alone; at the whole picture where it is the only one."""
+    if count == 1:
+        return _look(whole(image, segmenter.long_side), number, segmenter)
+    rows, columns = ndimage.find_objects((numbers == number).astype(int))[0]
+    edge = round(0.05 * max(rows.stop - rows.start, columns.stop - columns.start))
+    top, left = max(0, rows.start - edge), max(0, columns.start - edge)
+    place = (slice(top, rows.stop + edge), slice(left, columns.stop + edge))
+    frame = whole(_of_drawing(image, numbers, number)[place], segmenter.long_side)
+    matrix = frame.matrix.copy()
+    matrix[:, 2] -= frame.zoom * np.array([left, top])
+    return _look(Frame(frame.image, matrix), number, segmenter)
+
+
+def _of_drawing(image: np.ndarray, numbers: np.ndarray, number: int) -> np.ndarray:
+    """Return a picture (h, w, 3) uint8 with the other drawings painted over."""
+    return _only(image, (numbers == 0) | (numbers == number))
+
+
+def _only(image: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Return a picture (h, w, 3) uint8 that is paper where it is not kept (h, w) bool."""
+    paper = np.median(image.reshape(-1, 3), axis=0).astype(np.uint8)
+    return np.where(kept[..., None], image, paper)
+
+
+def _owners(numbers: np.ndarray, kept: Sequence[int], frame: Frame) -> np.ndarray:
+    """Return for each pixel (h, w) int32 of a frame which of the kept drawings is the nearest."""
+    height, width = frame.image.shape[:2]
+    own = np.where(np.isin(numbers, kept), numbers, 0).astype(np.uint8)
+    seen = cv2.warpAffine(own, frame.matrix, (width, height), flags=cv2.INTER_NEAREST)
+    if not seen.any():
+        return np.full(seen.shape, kept[0], np.int32)
+    nearest = ndimage.distance_transform_edt(seen == 0, return_distances=False, return_indices=True)
+    return np.asarray(seen[tuple(nearest)], np.int32)
 
 
 def _in_frame(lines: Sequence[TextLine], frame: Frame) -> list[TextLine]:
@@ -177,7 +332,9 @@ def _scale(
     areas = np.bincount(regions.floors.ravel(), minlength=regions.count + 1).astype(float)
     evidence = []
     feet = sides_in_feet(line.text for line in lines)
-    for room in rooms:
+    # What rails and hedges bound is measured less well than what walls do.
+    indoors = [room for room in rooms if not set(room.types) & set(OPEN_AIR)]
+    for room in indoors or rooms:
         rows, columns = np.nonzero(regions.floors == room.number)
         sides = float(np.ptp(columns) + 1), float(np.ptp(rows) + 1)
         evidence += room_evidence(RoomSize(float(areas[room.number]), sides, room.texts), feet=feet)
@@ -203,41 +360,76 @@ _COLOURS = {"door": (0, 150, 60), "window": (20, 90, 235), "passage": (240, 140,
 _FILLS = ((230, 90, 80), (90, 160, 230), (110, 190, 110), (230, 180, 70), (170, 120, 210))
 
 
+#: Metres from floor to floor where a picture shows several storeys.
+STOREY = 2.8
+
+
+def _shift(plan: TracedPlan, drawing: int) -> np.ndarray:
+    """Return by how many pixels (x, y) of the frame a drawing is moved onto the ground floor."""
+    return np.array(next((s.shift for s in plan.storeys if s.drawing == drawing), (0.0, 0.0)))
+
+
 def plan_origin(plan: TracedPlan) -> np.ndarray:
-    """Return the upper left corner of the rooms (x, y) in pixels of the frame."""
-    corners = np.concatenate([np.array(r.polygon.exterior.coords) for r in plan.rooms])
-    return np.asarray(corners.min(0))
+    """Return the upper left corner of the rooms (x, y) in pixels of the frame, on one another."""
+    corners = [
+        np.array(room.polygon.exterior.coords) + (_shift(plan, room.drawing) if plan.storeys else 0)
+        for room in plan.rooms
+    ]
+    return np.asarray(np.concatenate(corners).min(0))
 
 
 def place_in_picture(plan: TracedPlan, file: str) -> dict[str, Any]:
     """Return where the plan's metres lie in the file's pixels (`picture` in the schema)."""
+
+    def pixel(point: np.ndarray) -> np.ndarray:
+        return np.asarray(plan.frame.to_picture(point[None])[0] * plan.shrunk)
+
+    def rounded(point: np.ndarray) -> list[float]:
+        return [round(float(v), 2) for v in point]
+
     corner = plan_origin(plan)
-    there = plan.frame.to_picture(np.array([corner, corner + [1, 0]])) * plan.shrunk
-    step = there[1] - there[0]
+    step = pixel(corner + [1, 0]) - pixel(corner)
+    levels = {
+        _level_id(k): rounded(pixel(corner - storey.shift)) for k, storey in enumerate(plan.storeys)
+    }
     return {
         "file": file,
-        "origin": [round(float(v), 2) for v in there[0]],
+        "origin": rounded(pixel(corner)),
         "metres_per_pixel": round(plan.file_metres, 7),
         "turned": round(float(np.degrees(np.arctan2(step[1], step[0]))), 3),
+        **({"levels": levels} if levels else {}),
     }
+
+
+def _level_id(place: int) -> str:
+    """Return the id of the level at a place, counted from the lowest."""
+    return f"level_{place}"
 
 
 def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
     """Return the plan as this program's plan JSON, in metres from its upper left corner.
 
-    With the name of its picture's `file` it tells where it lies in that.
+    With the name of its picture's `file` it tells where it lies in that. Several drawings are
+    levels on one another.
     """
     origin = plan_origin(plan)
+    level_of = {storey.drawing: _level_id(k) for k, storey in enumerate(plan.storeys)}
+    drawing_of = {room.number: room.drawing for room in plan.rooms if level_of}
 
-    def metric(point: Any) -> list[float]:
-        return [round(float(v), 3) for v in (np.asarray(point) - origin) * plan.metres]
+    def metric(point: Any, room: int) -> list[float]:
+        moved = np.asarray(point) - origin + (_shift(plan, drawing_of[room]) if level_of else 0)
+        return [round(float(v), 3) for v in moved * plan.metres]
+
+    def on_level(room: int) -> dict[str, str]:
+        return {"level": level_of[drawing_of[room]]} if level_of else {}
 
     rooms = []
     for room in plan.rooms:
+        n, shape = room.number, room.polygon
         entry: dict[str, Any] = {"id": room.id, "types": list(room.types)}
-        entry["polygon"] = [metric(p) for p in room.polygon.exterior.coords[:-1]]
-        holes = [[metric(p) for p in ring.coords[:-1]] for ring in room.polygon.interiors]
-        rooms.append(entry | ({"holes": holes} if holes else {}))
+        entry["polygon"] = [metric(p, n) for p in shape.exterior.coords[:-1]]
+        holes = [[metric(p, n) for p in ring.coords[:-1]] for ring in shape.interiors]
+        rooms.append(entry | ({"holes": holes} if holes else {}) | on_level(n))
     openings = []
     for number, opening in enumerate(plan.openings):
         bottom, top = HEIGHTS[opening.kind]
@@ -245,19 +437,24 @@ def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
             {
                 "id": f"{opening.kind}_{number}",
                 "kind": opening.kind,
-                "from": metric(opening.start),
-                "to": metric(opening.end),
+                "from": metric(opening.start, opening.room),
+                "to": metric(opening.end, opening.room),
                 "bottom": bottom,
                 "top": top,
+                **on_level(opening.room),
             }
         )
     depth = round(float(np.clip(plan.wall_px * plan.metres, 0.05, 0.5)), 3)
-    place = {"picture": place_in_picture(plan, file)} if file else {}
+    levels = [
+        {"id": _level_id(k), "name": s.name, "elevation": round(STOREY * s.floor, 2)}
+        for k, s in enumerate(plan.storeys)
+    ]
     return {
         "format": FORMAT,
         "version": 1,
-        **place,
+        **({"picture": place_in_picture(plan, file)} if file else {}),
         "wall_depth": depth,
+        **({"levels": levels} if levels else {}),
         "rooms": rooms,
         "openings": openings,
     }
@@ -276,6 +473,12 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
         yield f"the picture as a whole: {plan.sure:.0%} sure of what it shows"
     if not plan.read:
         yield f"no text is read: {pip_command('plan2scene[trace]')}"
+    if plan.storeys:
+        names = ", ".join(storey.name for storey in plan.storeys)
+        order = "" if all(storey.told for storey in plan.storeys) else "; their order is a guess"
+        yield f"{len(plan.storeys)} drawings are storeys on one another, from below: {names}{order}"
+    if plan.left_out:
+        yield f"drawings left out, as they have no rooms with doors: {plan.left_out}"
     if scale.differ:
         yield f"measures that do not fit the scale: {', '.join(scale.differ)}"
     yield from _doubts_of_rooms(plan)

@@ -1,0 +1,209 @@
+"""Several drawings on one picture: which are storeys of the home, and how they lie on each other.
+
+Drawings are parts of the ink with blank paper between their boxes. Those without rooms and openings
+(tables, site plans, legends) are none of the home.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from scipy import ndimage
+from scipy.signal import fftconvolve
+
+from plan2scene_app.tracing.lettering import TextLine
+from plan2scene_app.tracing.settings import DOOR, ROOM, SETTINGS, STAIRS, WINDOW
+
+#: Words (no accents, lower case) of a storey's caption by how high it is; `_` is a space.
+_STOREYS = {
+    -1: "basement cellar keller untergeschoss ug souterrain sous_sol sotano seminterrato kallare",
+    0: "ground erdgeschoss eg rez rdc planta_baja piano_terra bottenvaning begane_grond parterre",
+    1: "first 1st upper obergeschoss 1_og og 1er primo primera planta_alta eerste ovre etage_1",
+    2: "second 2nd 2_og 2eme secondo segunda tweede",
+    3: "third 3rd 3_og",
+    4: "attic loft dachgeschoss dg mansard mansarda combles zolder vind roof",
+}
+_CAPTION_WORDS = 5  #: a longer line is no caption
+
+
+def find_drawings(image: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return the drawings (h, w) int32 of a picture, numbered from 1, 0 for none, and how many.
+
+    The picture (h, w, 3) uint8 has no text; drawings are in the order of reading.
+    """
+    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
+    ink = np.abs(grey - np.percentile(grey, 90)) > SETTINGS.drawing_ink
+    side = 2 * round(SETTINGS.drawing_gap * max(ink.shape) / 2) + 1
+    places, _ = ndimage.label(cv2.dilate(ink.astype(np.uint8), np.ones((side, side), np.uint8)))
+    boxes = [
+        [box[1].start, box[0].start, box[1].stop, box[0].stop]
+        for box in ndimage.find_objects(places)
+    ]
+    group = np.arange(len(boxes) + 1)
+    order = sorted(range(len(boxes)), key=lambda k: -_size(boxes[k]))
+    kept: list[int] = []
+    for k in order:
+        near = [j for j in kept if _overlap(boxes[k], boxes[j])]
+        if not near:
+            kept.append(k)
+            continue
+        for j in near[1:]:  # what lies between two joins them
+            group[group == j + 1] = near[0] + 1
+            kept.remove(j)
+            boxes[near[0]] = _union(boxes[near[0]], boxes[j])
+        group[group == k + 1] = near[0] + 1
+        boxes[near[0]] = _union(boxes[near[0]], boxes[k])
+    largest = max((_size(boxes[k]) for k in kept), default=0)
+    kept = [k for k in kept if _size(boxes[k]) >= SETTINGS.drawing_size * largest]
+    kept = sorted(kept, key=lambda k: -_size(boxes[k]))[: SETTINGS.most_drawings]
+    row = max((boxes[k][3] - boxes[k][1] for k in kept), default=1) / 2
+    kept.sort(key=lambda k: (round((boxes[k][1] + boxes[k][3]) / 2 / row / 2), boxes[k][0]))
+    numbers = np.zeros(len(boxes) + 1, np.int32)
+    for number, k in enumerate(kept, start=1):
+        numbers[group == k + 1] = number
+    numbers[0] = 0
+    return numbers[places], len(kept)
+
+
+def _size(box: Sequence[int]) -> int:
+    return (box[2] - box[0]) * (box[3] - box[1])
+
+
+def _overlap(one: Sequence[int], other: Sequence[int]) -> bool:
+    return all(one[k] < other[k + 2] and other[k] < one[k + 2] for k in (0, 1))
+
+
+def _union(one: Sequence[int], other: Sequence[int]) -> list[int]:
+    return [*np.minimum(one[:2], other[:2]).tolist(), *np.maximum(one[2:], other[2:]).tolist()]
+
+
+def shows_a_home(structure: np.ndarray) -> bool:
+    """Return whether a structure (h, w) uint8 has rooms and doors or windows enough for them."""
+    rooms, count = ndimage.label(structure == ROOM)
+    sizes = np.bincount(rooms.ravel(), minlength=count + 1)[1:]
+    rooms = int((sizes > 0.02 * sizes.sum()).sum()) if count else 0
+    places, count = ndimage.label(np.isin(structure, (DOOR, WINDOW)), np.ones((3, 3)))
+    sides = [max(s.stop - s.start for s in box) for box in ndimage.find_objects(places, count)]
+    openings = sum(side >= SETTINGS.drawing_opening_px for side in sides)
+    return 0 < rooms <= SETTINGS.rooms_an_opening * openings
+
+
+@dataclass(frozen=True)
+class Storey:
+    """A drawing as a level of the home."""
+
+    drawing: int  #: number of the drawing
+    name: str  #: as written, else made up
+    floor: int  #: 0 the ground's, 1 the next
+    shift: tuple[float, float]  #: pixels of the frame that bring it onto the ground floor
+    told: bool  #: whether a caption tells which it is
+
+
+def storeys_of(
+    owner: np.ndarray,
+    rooms: np.ndarray,
+    probabilities: np.ndarray,
+    lines: Sequence[TextLine],
+    ppm: float,
+) -> list[Storey]:
+    """Return the storeys of drawings, the lowest first.
+
+    `owner` and `rooms` (h, w) int32 number drawings and rooms, 0 for none; `lines` are in the
+    frame's pixels. Storeys without a caption follow each other as one reads.
+    """
+    drawings = [int(n) for n in np.unique(owner[rooms > 0]) if n]
+    captions = _captions(owner, rooms, drawings, lines)
+    ranked = sorted(drawings, key=lambda n: (captions[n][0] if n in captions else 0.5 + n / 100, n))
+    ground = sum(n in captions and captions[n][0] < 0 for n in ranked)
+    ground = min(ground, len(ranked) - 1)
+    base = ranked[ground]
+    storeys = []
+    for place, number in enumerate(ranked):
+        floor = place - ground
+        name = captions[number][1] if number in captions else f"floor {floor}"
+        shift = (0.0, 0.0)
+        if number != base:
+            shift = _shift(owner, rooms, probabilities, (base, number), ppm)
+        storeys.append(Storey(number, name, floor, shift, number in captions))
+    return storeys
+
+
+def _captions(
+    owner: np.ndarray, rooms: np.ndarray, drawings: Sequence[int], lines: Sequence[TextLine]
+) -> dict[int, tuple[int, str]]:
+    """Return height and caption of drawings that have one: the nearest, no room's name."""
+    boxes = {n: _box((owner == n) & (rooms > 0)) for n in drawings}
+    found: dict[int, tuple[float, int, str]] = {}
+    for line in lines:
+        height = storey_told(line.text)
+        x, y = (round(v) for v in line.middle)
+        if height is None:
+            continue
+        if 0 <= y < rooms.shape[0] and 0 <= x < rooms.shape[1] and rooms[y, x]:
+            continue
+        away = {n: _distance(box, line.middle) for n, box in boxes.items()}
+        nearest = min(away, key=lambda n: away[n])
+        if nearest not in found or away[nearest] < found[nearest][0]:
+            found[nearest] = (away[nearest], height, line.text)
+    return {n: (height, text) for n, (_, height, text) in found.items()}
+
+
+def storey_told(text: str) -> int | None:
+    """Return how high the storey is that a caption tells of; None for other texts."""
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
+    words = re.findall(r"[a-z]+|\d+(?:st|nd|rd|er|eme|e)?", plain)
+    if not 0 < len(words) <= _CAPTION_WORDS:
+        return None
+    joined = f"_{'_'.join(words)}_"
+    told = [h for h, names in _STOREYS.items() if any(f"_{n}_" in joined for n in names.split())]
+    return max(told) if told else None
+
+
+def _box(mask: np.ndarray) -> tuple[int, int, int, int]:
+    rows, columns = np.nonzero(mask)
+    return int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
+
+
+def _distance(box: Sequence[float], point: Sequence[float]) -> float:
+    """Return how far a point is from a box."""
+    off = [max(box[k] - point[k], 0.0, point[k] - box[k + 2]) for k in (0, 1)]
+    return float(np.hypot(*off))
+
+
+def _shift(
+    owner: np.ndarray,
+    rooms: np.ndarray,
+    probabilities: np.ndarray,
+    pair: tuple[int, int],
+    ppm: float,
+) -> tuple[float, float]:
+    """Return the shift (x, y) that brings the second of two drawings onto the first.
+
+    Floors, outer walls (`SETTINGS.walls_meet`) and stairs (`SETTINGS.stairs_meet`) shall meet.
+    """
+    step = max(1, round(ppm / 8))
+    stairs = probabilities[STAIRS] > 0.5
+    boxes = [_box((owner == number) & (rooms > 0)) for number in pair]
+    floors, flights = [], []
+    for number, (x0, y0, x1, y1) in zip(pair, boxes, strict=True):
+        part = (slice(y0, y1, step), slice(x0, x1, step))
+        own = (owner[part] == number) & (rooms[part] > 0)
+        floors.append(own.astype(np.float32))
+        flights.append((own & stairs[part]).astype(np.float32))
+    walls = [floor - ndimage.binary_erosion(floor, np.ones((3, 3))) for floor in floors]
+    score = _met(floors) + SETTINGS.walls_meet * _met(walls) + SETTINGS.stairs_meet * _met(flights)
+    y, x = np.unravel_index(int(score.argmax()), score.shape)
+    rows, columns = floors[1].shape
+    dx = (x - columns + 1) * step + boxes[0][0] - boxes[1][0]
+    dy = (y - rows + 1) * step + boxes[0][1] - boxes[1][1]
+    return float(dx), float(dy)
+
+
+def _met(planes: Sequence[np.ndarray]) -> np.ndarray:
+    """Return how much two planes have in common for every shift of the second."""
+    return np.asarray(fftconvolve(planes[0], planes[1][::-1, ::-1]).round(3))

@@ -1,0 +1,71 @@
+"""Several drawings on one picture, and rooms that a name alone tells of."""
+
+import cv2
+import numpy as np
+import pytest
+
+from plan2scene_app.tracing.drawings import find_drawings, shows_a_home, storey_told, storeys_of
+from plan2scene_app.tracing.lettering import TextLine
+from plan2scene_app.tracing.named_areas import with_named_areas
+from plan2scene_app.tracing.settings import OUTSIDE, ROOM, STAIRS, WALL
+
+from .conftest import PPM, as_probabilities, flat_labels
+
+
+def line(text, x, y):
+    return TextLine(text, (x, y), (60.0, 12.0), 0.99)
+
+
+def test_parts_with_blank_paper_between_are_drawings():
+    page = np.full((600, 1000, 3), 255, np.uint8)
+    cv2.rectangle(page, (40, 300), (440, 560), (0, 0, 0), 6)
+    cv2.rectangle(page, (500, 60), (900, 360), (0, 0, 0), 6)
+    cv2.rectangle(page, (200, 400), (260, 460), (0, 0, 0), 2)  # a table in the first
+    cv2.circle(page, (950, 550), 20, (0, 0, 0), 2)  # a compass
+    numbers, count = find_drawings(page)
+    assert count == 2 and numbers[580, 20] == 0 and numbers[550, 950] == 0
+    assert {int(numbers[y, x]) for x, y in ((40, 400), (200, 430))} == {int(numbers[300, 100])}
+    assert numbers[60, 700] not in (0, numbers[300, 100])
+    assert shows_a_home(np.minimum(flat_labels(), ROOM))
+    assert not shows_a_home(np.where(flat_labels() >= ROOM, ROOM, WALL).astype(np.uint8))
+
+
+@pytest.mark.parametrize(
+    ("text", "height"),
+    [("GROUND FL", 0), ("1st Floor", 1), ("Obergeschoß", None), ("Obergeschoss", 1)]
+    + [
+        ("Keller", -1),
+        ("Planta baja", 0),
+        ("Bedroom", None),
+        ("a first look at the new house", None),
+    ],
+)
+def test_captions(text, height):
+    assert storey_told(text) == height
+
+
+def test_storeys_lie_on_one_another_by_walls_and_stairs():
+    owner, rooms = np.zeros((200, 500), np.int32), np.zeros((200, 500), np.int32)
+    owner[:, :250], owner[:, 250:] = 1, 2
+    rooms[50:150, 20:220], rooms[60:160, 290:370] = 1, 2
+    labels = np.zeros(owner.shape, np.uint8)
+    labels[50:80, 100:140] = labels[60:90, 310:350] = STAIRS
+    lines = [line("Ground floor", 330, 180), line("First floor", 120, 170)]
+    low, high = storeys_of(owner, rooms, as_probabilities(labels), lines, PPM)
+    assert (low.drawing, high.drawing, low.floor, high.floor) == (2, 1, 0, 1)
+    assert low.shift == (0, 0) and high.shift == pytest.approx((210, 10), abs=4)
+    low, _ = storeys_of(owner, rooms, as_probabilities(labels), [], PPM)
+    assert low.drawing == 1 and not low.told
+
+
+def test_dashed_lines_around_a_name_close_a_room():
+    labels = np.minimum(flat_labels(), ROOM)
+    page = np.full((*labels.shape, 3), 255, np.uint8)
+    page[labels == WALL] = 0
+    for x in range(243, 264, 6):
+        page[60, x : x + 4] = page[90, x : x + 4] = 0
+    page[60:91, 266] = 0
+    found = with_named_areas(labels, page, [(255.0, 75.0), (20.0, 20.0)], PPM)
+    assert found[75, 255] == ROOM and found[20, 20] == OUTSIDE and found[75, 266] == WALL
+    page[60:91, 266] = 255
+    assert (with_named_areas(labels, page, [(255.0, 75.0)], PPM) == labels).all()
