@@ -172,7 +172,7 @@ def _box(mask: np.ndarray) -> tuple[int, int, int, int]:
 def _distance(box: Sequence[float], point: Sequence[float]) -> float:
     """Return how far a point is from a box."""
     off = [max(box[k] - point[k], 0.0, point[k] - box[k + 2]) for k in (0, 1)]
-    return float(np.hypot(*off))
+    return float(np.hypot(off[0], off[1]))
 
 
 def _shift(

@@ -40,7 +40,7 @@ def find_regions(structure: np.ndarray, ppm: float) -> Regions:
     floors = _floors(structure == ROOM, ppm)
     count = int(floors.max())
     wall_px = _wall_thickness(structure, floors, ppm)
-    rooms = _grown(floors, wall_px, ppm) if count else floors
+    rooms = grown(floors, wall_px, ppm) if count else floors
     regions = Regions(rooms, floors, structure, count, wall_px, ppm)
     return without_open_rooms(without_islands(regions)) if count else regions
 
@@ -105,7 +105,7 @@ def _wall_thickness(structure: np.ndarray, floors: np.ndarray, ppm: float) -> fl
     return float(np.median(gaps)) if len(gaps) > 5 else 0.12 * ppm
 
 
-def _grown(floors: np.ndarray, wall_px: float, ppm: float) -> np.ndarray:
+def grown(floors: np.ndarray, wall_px: float, ppm: float) -> np.ndarray:
     """Return rooms (h, w) int32 that meet in the middle of walls.
 
     Towards the outside they reach half of an inner wall beyond their floor.
@@ -159,7 +159,7 @@ def without_islands(regions: Regions) -> Regions:
     if len(kept) == regions.count + 1:
         return regions
     floors = floors.reshape(regions.floors.shape).astype(np.int32)
-    rooms = _grown(floors, regions.wall_px, regions.ppm)
+    rooms = grown(floors, regions.wall_px, regions.ppm)
     return replace(regions, rooms=rooms, floors=floors, count=len(kept) - 1)
 
 
@@ -171,7 +171,7 @@ def without_open_rooms(regions: Regions) -> Regions:
         return regions
     renumbered = np.where(kept, np.cumsum(kept), 0).astype(np.int32)
     floors = renumbered[regions.floors]
-    rooms = _grown(floors, regions.wall_px, regions.ppm) if kept.any() else floors
+    rooms = grown(floors, regions.wall_px, regions.ppm) if kept.any() else floors
     return replace(regions, rooms=rooms, floors=floors, count=int(kept.sum()))
 
 

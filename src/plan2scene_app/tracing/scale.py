@@ -45,10 +45,10 @@ class RoomSize:
 def told_area(text: str, *, feet: bool = False) -> list[float]:
     """Return the area in m2 that a text tells of its room, by itself or by two sides, if any."""
     areas = [area for area, _ in read_areas(text)]
-    return areas[:1] or [a * b for a, b in _sides(text, feet=feet)[:1]]
+    return areas[:1] or [a * b for a, b in read_room_sides(text, feet=feet)[:1]]
 
 
-def _sides(text: str, *, feet: bool) -> list[tuple[float, float]]:
+def read_room_sides(text: str, *, feet: bool) -> list[tuple[float, float]]:
     """Return what a text may mean as two sides in metres; small numbers are feet or metres."""
     pairs = read_sides(text)
     return pairs[feet:][:1] if in_two_units(pairs) else pairs
@@ -63,7 +63,7 @@ def room_evidence(room: RoomSize, *, feet: bool = False) -> list[Evidence]:
             meaning = 0.5 * float(np.log(area / room.area))
             evidence.append(Evidence(line.text, (meaning,), deviation, 1.0))
         meanings = []
-        for a, b in _sides(line.text, feet=feet):
+        for a, b in read_room_sides(line.text, feet=feet):
             for first, second in ((a, b), (b, a)):
                 logs = np.log([first / room.sides[0], second / room.sides[1]])
                 if abs(logs[0] - logs[1]) < 0.12:

@@ -119,6 +119,12 @@ class TraceSettings:
     closed: float = 0.7  #: share of a room's border with a wall, an opening or a room behind it
     island: float = 3.0  #: m2 up to which a room without an opening is part of another
     furniture_share: float = 0.55  #: share of a room's pixels of one kind from which it is the type
+    # Open rooms with several names.
+    faint: float = 0.06  #: darkness of the faintest line that divides a floor
+    line_drawn: float = 0.7  #: share of a dividing line that is drawn
+    neck_parts: float = 0.35  #: share by which a dividing neck is narrower than both parts
+    size_beside: float = 4.0  #: heights of a name from it to its printed size
+    size_off: float = 0.4  #: m from where a printed size ends to the dividing line
     # Outlines.
     tolerance: float = 0.13  #: m between pixels and the straight pieces of an outline
     shortest: float = 0.3  #: m of a piece that gives a line

@@ -33,6 +33,7 @@ from plan2scene_app.tracing.drawings import (
 from plan2scene_app.tracing.ink import drawn_solid, with_drawn_doors
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene_app.tracing.named_areas import with_named_areas
+from plan2scene_app.tracing.open_rooms import with_open_rooms
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
 from plan2scene_app.tracing.picture import (
     Frame,
@@ -126,24 +127,26 @@ def trace_picture(
     texts = read_lines(page) if read else []
     seen = _seen(without_text(page, texts), segmenter, texts)
     frame, probabilities, regions = seen.frame, seen.probabilities, seen.regions
-    drawings = _drawings_of_rooms(seen)
-    polygons: dict[int, Polygon] = {}
-    for drawing in sorted(set(drawings.values())):
-        polygons |= room_polygons(regions, [n for n, d in drawings.items() if d == drawing])
+    polygons = _polygons(seen)
     openings = find_openings(regions, polygons, probabilities)
     sure = how_sure(probabilities, regions)
     refuse_other_pictures(path, picture.image, sure, polygons, len(openings))
     lines = _in_frame(texts, frame)
     rooms = describe_rooms(regions, polygons, probabilities, lines)
+    given = metres_per_pixel and metres_per_pixel * picture.shrunk / frame.zoom
+    scale = _scale(regions, rooms, openings, lines, given)
+    regions = with_open_rooms(regions, polygons, frame.image, lines, scale.metres_per_pixel)
+    if regions is not seen.regions:
+        seen = replace(seen, regions=regions)
+        polygons = _polygons(seen)
+        openings = find_openings(regions, polygons, probabilities)
+        rooms = describe_rooms(regions, polygons, probabilities, lines)
+        scale = _scale(regions, rooms, openings, lines, given)
+    drawings = _drawings_of_rooms(seen)
     rooms = [replace(room, drawing=drawings[room.number]) for room in rooms]
     storeys = []
     if len({room.drawing for room in rooms}) > 1:
         storeys = storeys_of(seen.owner, regions.rooms, probabilities, lines, regions.ppm)
-    if metres_per_pixel is not None:
-        frame_metres = metres_per_pixel * picture.shrunk / frame.zoom
-        scale = Scale(frame_metres, 1.0, "as given")
-    else:
-        scale = _scale(regions, rooms, openings, lines)
     widest = SETTINGS.widest_door / scale.metres_per_pixel
     openings = without_inner_windows(openings, rooms, widest)
     kept = tuple(o for o in openings if o.width * scale.metres_per_pixel >= LEAST_WIDTH[o.kind])
@@ -160,6 +163,15 @@ def trace_picture(
         tuple(storeys),
         seen.left_out,
     )
+
+
+def _polygons(seen: _Seen) -> dict[int, Polygon]:
+    """Return the polygons of the rooms, drawing by drawing."""
+    drawings = _drawings_of_rooms(seen)
+    polygons: dict[int, Polygon] = {}
+    for drawing in sorted(set(drawings.values())):
+        polygons |= room_polygons(seen.regions, [n for n, d in drawings.items() if d == drawing])
+    return polygons
 
 
 def _drawings_of_rooms(seen: _Seen) -> dict[int, int]:
@@ -189,6 +201,7 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
     looks = [_first_look(image, numbers, n, count, segmenter) for n in range(1, count + 1)]
     homes = [look for look in looks if shows_a_home(look.structure)]
     left_out = count - len(homes) if homes else 0
+    shown = [look.number for look in homes]
     if len(homes) < 2:
         if left_out:
             image = _of_drawing(image, numbers, homes[0].number)
@@ -215,7 +228,8 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
         outlines = [np.argwhere(numbers == look.number)[:, ::-1].astype(float) for look in homes]
     else:
         outlines = [outline_of(first.frame, first.structure)]
-    beyond = _named_beyond(np.concatenate(outlines), drawn, texts)
+    kept = drawn if count == 1 else np.where(np.isin(drawn, shown), drawn, 0)
+    beyond = _named_beyond(np.concatenate(outlines), kept, texts)
     frame, places = straightened(image, outlines, rough_ppm, angle, beyond=beyond)
     owner = _owners(numbers, [look.number for look in homes], frame)
     probabilities = np.zeros((len(PLAN_LABELS), *owner.shape), np.float32)
@@ -248,7 +262,10 @@ def _named_beyond(outline: np.ndarray, drawn: np.ndarray, texts: Sequence[TextLi
     named = [np.array(line.middle) for line in texts if room_types(line.text)]
     beyond = [place for place in named if (place < low).any() or (place > high).any()]
     corners = []
-    for rows, columns in ndimage.find_objects(drawn):
+    for found in ndimage.find_objects(drawn):
+        if found is None:
+            continue
+        rows, columns = found
         box = np.array([[columns.start, rows.start], [columns.stop, rows.stop]], float)
         if any((box[0] < place).all() and (place < box[1]).all() for place in beyond):
             corners.append(box)
@@ -327,8 +344,11 @@ def _scale(
     rooms: Sequence[TracedRoom],
     openings: Sequence[TracedOpening],
     lines: Sequence[TextLine],
+    given: float | None,
 ) -> Scale:
-    """Return the scale that texts, doors and rooms agree on."""
+    """Return the scale that is given, else that texts, doors and rooms agree on."""
+    if given:
+        return Scale(given, 1.0, "as given")
     areas = np.bincount(regions.floors.ravel(), minlength=regions.count + 1).astype(float)
     evidence = []
     feet = sides_in_feet(line.text for line in lines)

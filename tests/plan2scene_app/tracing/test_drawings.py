@@ -7,6 +7,9 @@ import pytest
 from plan2scene_app.tracing.drawings import find_drawings, shows_a_home, storey_told, storeys_of
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.named_areas import with_named_areas
+from plan2scene_app.tracing.open_rooms import with_open_rooms
+from plan2scene_app.tracing.regions import find_regions
+from plan2scene_app.tracing.rooms import room_polygons
 from plan2scene_app.tracing.settings import OUTSIDE, ROOM, STAIRS, WALL
 
 from .conftest import PPM, as_probabilities, flat_labels
@@ -69,3 +72,23 @@ def test_dashed_lines_around_a_name_close_a_room():
     assert found[75, 255] == ROOM and found[20, 20] == OUTSIDE and found[75, 266] == WALL
     page[60:91, 266] = 255
     assert (with_named_areas(labels, page, [(255.0, 75.0)], PPM) == labels).all()
+
+
+@pytest.mark.parametrize("sized", [True, False])
+def test_an_open_floor_with_two_names_is_divided(sized):
+    structure = np.full((200, 330), OUTSIDE, np.uint8)
+    structure[20:180, 20:310], structure[24:176, 24:306] = WALL, ROOM
+    regions = find_regions(structure, PPM)
+    page = np.full((200, 330, 3), 255, np.uint8)
+    lines = [line("Kitchen", 90, 100), line("Living", 260, 100)]
+    metres = 1 / PPM
+    if sized:
+        lines.append(line(f"{152 / PPM:.2f} x {180 / PPM:.2f} m", 90, 114))
+    else:
+        page[24:176, 204] = 200  # a faint line
+    polygons = room_polygons(regions)
+    found = with_open_rooms(regions, polygons, page, lines, metres)
+    assert found.count == 2 and found.floors[100, 90] != found.floors[100, 260]
+    assert np.count_nonzero(found.floors[100] == found.floors[100, 90]) == pytest.approx(180, abs=4)
+    same = [line("Lounge", 90, 100), line("Living", 260, 100)]
+    assert with_open_rooms(regions, polygons, page, same, metres) is regions
