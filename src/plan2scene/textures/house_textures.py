@@ -46,6 +46,7 @@ def make_textures(
         house, surfaces, tiles = with_accents(inputs, tiles, find_accents(files.colours))
     whole = None
     if maps:
+        from plan2scene.textures.banded import read_bands
         from plan2scene.textures.laying import read_patterns
         from plan2scene.textures.maps import house_maps
 
@@ -58,9 +59,10 @@ def make_textures(
             if key in tiles and other in tiles
         }
         tiles = {**tiles, **runs_on}
+        bands = {} if file is None else read_bands(file, inputs, tiles)
         materials = {surface.key: surface.material for surface in surfaces}
         seed = inputs.settings.seed
-        whole = house_maps(house, tiles, materials, patterns, seed=seed)
+        whole = house_maps(house, tiles, materials, patterns, bands, seed=seed)
     write_tiles(out_dir, name, surfaces, tiles, whole)
 
 

@@ -25,6 +25,7 @@ from plan2scene.paint.shading import log_luma
 from plan2scene.photos.patterns.joints import JOINTS
 from plan2scene.plans.surface_areas import Area, surface_areas
 from plan2scene.seeds import generator
+from plan2scene.textures.banded import Bands
 from plan2scene.textures.exemplar.lattice import straightened
 from plan2scene.textures.exemplar.make import Pattern
 from plan2scene.textures.laying import LaidPattern, laid, pattern_of
@@ -382,6 +383,8 @@ class SurfaceMap:
         Its pixels per metre, and those that the photos have of the surface.
     pattern : str
         Kind and size of the units that it is laid of, in words; empty for none.
+    split_m : float, optional
+        Height above the floor at which its two bands meet.
     """
 
     jpeg: bytes
@@ -389,10 +392,13 @@ class SurfaceMap:
     px_per_m: float
     photo_px_per_m: float
     pattern: str = ""
+    split_m: float | None = None
 
     def facts(self) -> dict[str, Any]:
         """Return what ``maps.json`` says about it."""
-        named = {"pattern": self.pattern} if self.pattern else {}
+        named: dict[str, Any] = {"pattern": self.pattern} if self.pattern else {}
+        if self.split_m is not None:
+            named["split_m"] = self.split_m
         return named | {
             "origin_m": [round(value, 6) for value in self.area.low],
             "extent_m": [round(value, 6) for value in self.area.size],
@@ -416,6 +422,7 @@ def house_maps(
     tiles: Mapping[SurfaceKey, Tile],
     materials: Mapping[SurfaceKey, str],
     patterns: Mapping[SurfaceKey, LaidPattern] | None = None,
+    bands: Mapping[SurfaceKey, Bands] | None = None,
     *,
     seed: int,
 ) -> dict[SurfaceKey, SurfaceMap]:
@@ -432,6 +439,8 @@ def house_maps(
         Name of what a surface shares with other rooms, or empty.
     patterns : mapping of SurfaceKey to LaidPattern, optional
         Floors that are laid from whole units; floors of the same crops are laid alike.
+    bands : mapping of SurfaceKey to Bands, optional
+        Walls of two materials.
     seed : int
         Patches are drawn by (seed, house, room, surface).
     """
@@ -450,6 +459,11 @@ def house_maps(
         pattern = pattern_of(patterns or {}, surface.key, *alike)
         if pattern is not None:
             maps[surface.key] = _laid(surface, pattern, seed, everywhere)
+    for surface in surfaces:
+        if surface.key in (bands or {}):
+            rng = generator(seed, "maps", house.id, *surface.key)
+            top = house.room(surface.key.room_id).height
+            maps[surface.key] = _banded(surface, (bands or {})[surface.key], top, details, rng)
     for group in joined(surface for surface in surfaces if surface.key not in maps):
         detail = _detail(group[0].tile, details)
         rng = generator(seed, "maps", house.id, *group[0].key)
@@ -472,6 +486,31 @@ def _laid(
     image = _fitting(recoloured(image, colour, median_colour(image[::3, ::3])))
     made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
     return SurfaceMap(*made, min(JOINTS.px_per_m, made[2]), pattern.words)
+
+
+def _banded(
+    surface: MappedSurface,
+    bands: Bands,
+    height_m: float,
+    details: dict[int, Detail],
+    rng: np.random.Generator,
+) -> SurfaceMap:
+    """Return the map of a wall of two materials in a room of a height."""
+    parts = []
+    for tile in (bands.upper, bands.lower):
+        part = replace(surface, tile=tile)
+        parts += list(_images([part], _detail(tile, details), rng))
+    (_, upper, area, resolved), (_, lower, other, _) = parts
+    if lower.shape[0] > upper.shape[0]:
+        area = other
+    size = (max(upper.shape[1], lower.shape[1]), max(upper.shape[0], lower.shape[0]))
+    image, below = (cv2.resize(part, size) for part in (upper, lower))
+    row = round((height_m - bands.split_m - area.low[1]) / area.size[1] * size[1])
+    row = min(max(row, 0), size[1])
+    image[row:] = below[row:]
+    words = f"two bands, parted at {100 * bands.split_m:.0f} cm"
+    made = jpeg_bytes(image, quality=MAPS.quality), area, size[0] / area.size[0], resolved
+    return SurfaceMap(*made, words, bands.split_m)
 
 
 def joined(surfaces: Iterable[MappedSurface]) -> list[list[MappedSurface]]:
@@ -516,11 +555,20 @@ def _maps(
     group: Sequence[MappedSurface], detail: Detail, rng: np.random.Generator
 ) -> Iterator[tuple[SurfaceKey, SurfaceMap]]:
     """Yield the maps of a group's surfaces, parts of one quilt."""
+    for key, image, area, resolved in _images(group, detail, rng):
+        made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
+        yield key, SurfaceMap(*made, resolved)
+
+
+def _images(
+    group: Sequence[MappedSurface], detail: Detail, rng: np.random.Generator
+) -> Iterator[tuple[SurfaceKey, np.ndarray, Area, float]]:
+    """Yield the images of a group's surfaces, what they cover and the photos' pixels a metre."""
     whole = reduce(Area.union, (surface.area for surface in group))
     patches = cut_patches(detail, rng)
     if patches is None:  # no crop holds a patch, but the tile twice each way does
         tile = group[0].tile
-        yield from _maps(group, detail_of_tile(tile.image, tile.size_m), rng)
+        yield from _images(group, detail_of_tile(tile.image, tile.size_m), rng)
         return
     scale = detail.px_per_m
     width, height = (int(np.ceil(side * scale)) for side in whole.size)
@@ -529,8 +577,7 @@ def _maps(
     for surface in group:
         image, area = _part(canvas, whole.low, surface.area, scale)
         image = _fitting(recoloured(image, median_colour(surface.tile.image), median))
-        made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
-        yield surface.key, SurfaceMap(*made, detail.resolved)
+        yield surface.key, image, area, detail.resolved
 
 
 def _part(

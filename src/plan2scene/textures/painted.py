@@ -78,7 +78,12 @@ def paint_textures(
         name: as_uint8(linear_to_srgb(colour)).tolist()
         for name, colour in door_paints(paints, white_surfaces).items()
     }
-    plains = _plain_tiles(tiles, gains, entries, white_surfaces | whites, whites)
+    has_maps = (root / "maps.json").is_file()
+    maps = read_stage_json(root / "maps.json", "maps") if has_maps else {"surfaces": {}}
+    banded = {key for key in tiles if "split_m" in maps["surfaces"].get("/".join(key), {})}
+    plains = _plain_tiles(
+        tiles, gains, entries, (white_surfaces | whites) - banded, whites - banded
+    )
     with atomic_directory(out_dir) as folder:
         for key, tile in tiles.items():
             bare = plains[key].image if key in plains else relight(tile, gains[key], knee=_KNEE)
@@ -101,8 +106,7 @@ def paint_textures(
             for key, entry in entries.items()
         }
         write_json(folder / "textures.json", index | {"surfaces": sized})
-        if (root / "maps.json").is_file():
-            maps = read_stage_json(root / "maps.json", "maps")
+        if has_maps:
             kept = {name: e for name, e in maps["surfaces"].items() if name not in facts}
             write_json(folder / "maps.json", maps | {"surfaces": kept})
         if chosen and crops:

@@ -12,6 +12,7 @@ from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.metrics.repetition import repetition
 from plan2scene.paint.shading import log_luma
+from plan2scene.textures.banded import Bands
 from plan2scene.textures.exemplar.lattice import find_lattice
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.maps import (
@@ -156,3 +157,21 @@ def test_a_material_runs_on_through_a_door(rug, gap_house) -> None:
     assert shared > 3
     apart = pictures[0][max(shift[1], 0) :, shift[0] :][:200] - pictures[1][:200, :shared]
     assert np.abs(apart).mean() < 6
+
+
+def test_a_wall_in_bands_has_two_materials_that_meet_at_their_height(gap_house):
+    key = SurfaceKey("a", "wall")
+    upper, lower = (
+        Tile(np.full((64, 64, 3), colour, np.uint8), 1.0, "test", True)
+        for colour in ((220, 215, 200), (90, 130, 140))
+    )
+    bands = {key: Bands(1.2, upper, lower)}
+    whole = house_maps(gap_house, {key: upper}, {}, bands=bands, seed=0)[key]
+    image = image_from_bytes(whole.jpeg).astype(int)
+    # Texture coordinates of walls run down from the room's height.
+    height = gap_house.room("a").height - whole.area.low[1]
+    height = height - (np.arange(len(image)) + 0.5) / whole.px_per_m
+    away = [np.abs(image - median_colour(t.image) * 255).max(axis=(1, 2)) for t in (upper, lower)]
+    assert away[0][height > 1.22].max() < 12
+    assert away[1][height < 1.18].max() < 12
+    assert whole.facts()["split_m"] == 1.2

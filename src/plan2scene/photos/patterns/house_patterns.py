@@ -13,9 +13,15 @@ import numpy as np
 from plan2scene.house import House
 from plan2scene.images import jpeg_bytes
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.photos.patterns.bands import WallBands, WallView, find_bands, wall_views
 from plan2scene.photos.patterns.find import FIND, FoundPattern, Reading, find_pattern
 from plan2scene.photos.patterns.units import NONE, Units, cut_units
-from plan2scene.photos.patterns.views import FloorView, PhotoFiles, floor_views
+from plan2scene.photos.patterns.views import (
+    FloorView,
+    PhotoFiles,
+    floor_views,
+    photos_with_planes,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,6 +42,11 @@ _COLUMNS = {
     "confidence": "float64",
     "photos": "str",
     "like": "str",
+    "split_m": "float64",
+    "upper": "object",
+    "lower": "object",
+    "above": "str",
+    "below": "str",
     "units": "object",
 }
 #: Types of rooms whose floor seldom runs on from the next room.
@@ -51,7 +62,7 @@ def write_patterns(
     *,
     dataset: str,
 ) -> pd.DataFrame:
-    """Find the patterns of a house's floors; write ``patterns.parquet``.
+    """Find the patterns of a house's floors and walls in bands; write ``patterns.parquet``.
 
     Parameters
     ----------
@@ -74,7 +85,12 @@ def write_patterns(
     table, _ = read_parquet(materials)
     floors = table[table["surface"] == "floor"]
     shared = dict(zip(floors["room_id"], floors["material"], strict=True))
-    found = floor_patterns(list(floor_views(files, house_id=plan.id)), shared)
+    floor_seen: list[FloorView] = []
+    walls_seen: list[WallView] = []
+    for seen_photo in photos_with_planes(files, ("floor", "wall"), house_id=plan.id):
+        floor_seen += floor_views(seen_photo)
+        walls_seen += wall_views(seen_photo)
+    found = floor_patterns(floor_seen, shared)
     pictured, _ = read_parquet(crops)
     seen = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
     like = continued(plan, seen, {room: pattern for room, (pattern, _) in found.items()})
@@ -82,7 +98,10 @@ def write_patterns(
         _row(room, *found[like.get(room, room)], like.get(room, ""))
         for room in sorted(found | like)
     ]
-    result = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
+    of_walls = pictured[pictured["surface"] == "wall"]
+    rows += [_band_row(room, bands, of_walls) for room, bands in find_bands(walls_seen).items()]
+    result = pd.DataFrame(rows, columns=list(_COLUMNS)).fillna({"above": "", "below": ""})
+    result = result.fillna({"like": ""}).astype(_COLUMNS)
     write_parquet(output, result, {"dataset": dataset, "house": plan.id})
     for row in result[result["length_m"].notna() | result["direction_deg"].notna()].itertuples():
         size = f"{100 * row.width_m:.1f} x {100 * row.length_m:.1f} cm"
@@ -168,5 +187,37 @@ def _row(room: str, pattern: FoundPattern, units: Units, like: str) -> dict[str,
         "joint_m": round(units.joint_m, 5),
         "photos": "|".join(pattern.photos),
         "like": like,
+        "split_m": float("nan"),
+        "upper": [],
+        "lower": [],
         "units": [jpeg_bytes(unit, quality=92, full_colour=True) for unit in units.images],
+    }
+
+
+def _band_row(room: str, bands: WallBands, crops: pd.DataFrame) -> dict[str, Any]:
+    """Return a row of walls in bands; `crops` are all of walls."""
+    above, below = [], []
+    for crop in crops[crops["room_id"] == room].itertuples():
+        camera_m = bands.planes.get(str(crop.crop_id).rpartition("_crop")[0])
+        if camera_m is None:
+            continue
+        high, low = (camera_m - crop.window[k] for k in (1, 3))
+        if low > bands.split_m:
+            above.append(crop.crop_id)
+        elif high < bands.split_m:
+            below.append(crop.crop_id)
+    _log.info("%s: walls in bands, parted at %.2f m", room, bands.split_m)
+    return {
+        "room_id": room,
+        "surface": "wall",
+        "kind": "bands",
+        "confidence": round(bands.confidence, 4),
+        "joint": [0.0] * 3,
+        "photos": "|".join(bands.photos),
+        "units": [],
+        "split_m": bands.split_m,
+        "upper": [round(float(value), 4) for value in bands.upper],
+        "lower": [round(float(value), 4) for value in bands.lower],
+        "above": "|".join(above),
+        "below": "|".join(below),
     }

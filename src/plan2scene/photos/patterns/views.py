@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from plan2scene.errors import InputError
 from plan2scene.photos.locate.pose import read_poses
 from plan2scene.photos.patterns.joints import JOINTS, Direction, directions, evened
 from plan2scene.photos.photo_files import read_photo
-from plan2scene.photos.planes.planes import plane_of_row, read_planes
+from plan2scene.photos.planes.planes import PhotoPlane, plane_of_row, read_planes
 from plan2scene.photos.planes.rectification import rectify
 from plan2scene.stage_json import read_stage_json
 
@@ -61,35 +61,53 @@ class PhotoFiles:
     planes: Path
 
 
-def floor_views(files: PhotoFiles, *, house_id: str = "") -> Iterator[FloorView]:
-    """Yield the floors that photos show largely enough, by photo."""
+@dataclass(frozen=True, eq=False)
+class PhotoPlanes:
+    """A photo, (h, w, 3) uint8 sRGB, and some of its planes with the camera of each."""
+
+    photo: str
+    image: np.ndarray
+    planes: list[tuple[Camera, PhotoPlane]]
+
+
+def photos_with_planes(
+    files: PhotoFiles, surfaces: Collection[str], *, house_id: str = ""
+) -> Iterator[PhotoPlanes]:
+    """Yield the photos that show planes of some surfaces, by name."""
     poses, frames = (
         read_poses(files.cameras),
         read_stage_json(files.masks / "cameras.json", "cameras"),
     )
     for photo, rows in sorted(read_planes(files.planes).items()):
-        rows = [row for row in rows if row["surface"] == "floor"]
+        rows = [row for row in rows if row["surface"] in surfaces]
         if not rows:
             continue
         if photo not in files.photos or photo not in frames:
             expected = "a camera of every photo with planes"
             raise InputError(expected, f"none of {photo}", file=files.cameras, house=house_id)
         image = read_photo(files.photos[photo], house_id=house_id)
+        own = Camera.from_json(frames[photo], file=files.masks)
+        planes = []
         for row in rows:
             item = plane_of_row(row, image.shape[:2])
-            camera = (
-                poses[photo].camera
-                if item.in_plan and photo in poses
-                else Camera.from_json(frames[photo], file=files.masks)
-            )
-            whole = rectify(image, camera, item.plane, min_density=JOINTS.least_px_per_m)
-            if whole is None:
-                continue
-            scale = whole.metres_per_pixel * JOINTS.px_per_m
-            size = tuple(max(1, round(side * scale)) for side in whole.mask.shape[::-1])
-            way = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
-            straight = cv2.resize(whole.image, size, interpolation=way)
-            mask = cv2.resize(whole.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
-            found = directions(*evened(straight, mask > 0))
-            if found:
-                yield FloorView(photo, item.rooms, item.in_plan, straight, mask > 0, found)
+            located = item.in_plan and photo in poses
+            planes.append((poses[photo].camera if located else own, item))
+        yield PhotoPlanes(photo, image, planes)
+
+
+def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
+    """Yield the floors that a photo shows largely enough."""
+    for camera, item in seen.planes:
+        if item.plane.surface != "floor":
+            continue
+        whole = rectify(seen.image, camera, item.plane, min_density=JOINTS.least_px_per_m)
+        if whole is None:
+            continue
+        scale = whole.metres_per_pixel * JOINTS.px_per_m
+        size = tuple(max(1, round(side * scale)) for side in whole.mask.shape[::-1])
+        way = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
+        straight = cv2.resize(whole.image, size, interpolation=way)
+        mask = cv2.resize(whole.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
+        found = directions(*evened(straight, mask > 0))
+        if found:
+            yield FloorView(seen.photo, item.rooms, item.in_plan, straight, mask > 0, found)

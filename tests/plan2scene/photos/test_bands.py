@@ -1,0 +1,53 @@
+"""Walls in bands, found in views of walls that are lit unevenly."""
+
+import numpy as np
+import pytest
+
+from plan2scene.colour import as_uint8, linear_to_srgb
+from plan2scene.photos.patterns.bands import BANDS, WallView, find_bands, read_step
+
+PAINT, TILES = np.array([0.8, 0.78, 0.7]), np.array([0.3, 0.45, 0.5])
+HEIGHT_M = 2.5
+
+
+def wall(split, seed, *, left=0.0):
+    """Return a wall of tiles up to `split`, and its mask: furniture hides a corner."""
+    scale = BANDS.px_per_m
+    rows, columns = round(HEIGHT_M * scale), round(2.4 * scale)
+    image = np.tile(PAINT, (rows, columns, 1))
+    below, right = round((HEIGHT_M - split) * scale), round(left * scale)
+    image[below:, right:] = TILES
+    image[below:, right::8] *= 0.8
+    light = np.linspace(1, 0.5, columns)[None, :] * np.linspace(1.1, 0.6, rows)[:, None]
+    noise = np.random.default_rng(seed).normal(0, 0.03, image.shape)
+    seen = np.clip(image * light[..., None] * np.exp(noise), 0, 1)
+    mask = np.ones((rows, columns), bool)
+    mask[round(1.6 * scale) :, : round(0.8 * scale)] = False
+    return as_uint8(linear_to_srgb(seen)), mask
+
+
+def view(photo, split, *, left=0.0):
+    seen = read_step(*wall(split, photo, left=left), HEIGHT_M)
+    return WallView(f"{photo}.jpg", "bath", f"wall/{photo}_0", 1.5, *seen)
+
+
+def test_bands_part_where_several_photos_show_it():
+    found = find_bands([view(1, 1.2), view(2, 1.25), view(3, 1.2)])["bath"]
+    assert found.split_m == pytest.approx(1.215, abs=0.04)
+    assert found.lower / found.upper == pytest.approx(TILES / PAINT, rel=0.15)
+    assert set(found.planes) == {"wall/1_0", "wall/2_0", "wall/3_0"}
+
+
+@pytest.mark.parametrize(
+    "views",
+    [
+        [view(1, 0.0), view(2, 0.0)],  # light alone
+        [view(1, 1.2)],  # one wall in one photo
+        [view(1, 1.2), view(2, 1.6)],  # things on two walls
+        [view(1, 1.2), view(2, 1.2), *(view(k, 0.0) for k in range(3, 7))],  # one wall of four
+        [view(1, 1.2, left=1.2), view(2, 1.2, left=1.2)],  # half a wall: a thing before it
+    ],
+    ids=["plain", "one view", "two heights", "few walls", "half a wall"],
+)
+def test_what_is_no_band_all_around_is_none(views):
+    assert find_bands(views) == {}
