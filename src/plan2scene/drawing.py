@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -16,3 +18,28 @@ def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     from PIL import ImageFont
 
     return ImageFont.load_default(size=size)
+
+
+def wide_font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """Return the font that matplotlib ships: letters of more scripts, a superscript 2."""
+    from PIL import ImageFont
+
+    package = find_spec("matplotlib")
+    if package is None or not package.submodule_search_locations:
+        return ImageFont.load_default(size)
+    folder = Path(package.submodule_search_locations[0]) / "mpl-data" / "fonts" / "ttf"
+    return ImageFont.truetype(folder / "DejaVuSans.ttf", size)
+
+
+def font_for(text: str, size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """Return Pillow's own font, and the wide one for a text that it lacks letters of."""
+    return font(size) if text.isascii() else wide_font(size)
+
+
+def legible(text: str, otherwise: str) -> str:
+    """Return a text of which the wide font has all letters; `otherwise` for another."""
+    if text.isascii():
+        return text
+    wide = wide_font(16)
+    missing = bytes(wide.getmask("\U0010fffd"))
+    return otherwise if any(bytes(wide.getmask(c)) == missing for c in text) else text

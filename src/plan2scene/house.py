@@ -8,6 +8,7 @@ Plan coordinates are (x, z) in metres of a right-handed frame with y up, as in s
 from __future__ import annotations
 
 import math
+import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -64,6 +65,11 @@ class SurfaceKey(NamedTuple):
         return f"{self.room_id}_{self.surface}"
 
 
+def _plain(name: str) -> str:
+    """Return a name as it is compared: however it is encoded, spaced and capitalised."""
+    return " ".join(unicodedata.normalize("NFKC", name).casefold().split())
+
+
 @dataclass(frozen=True)
 class Opening:
     """A hole in a wall: metres along the wall from its first point, and metres above the floor."""
@@ -107,7 +113,8 @@ class Room:
     """A room: its types (several for open plan), outline and height in metres.
 
     `rings[0]` is the outline, further rings are holes. `level` is the id of one of the house's
-    levels; empty where it has none.
+    levels; empty where it has none. `name` is what people call it, in any script; empty where the
+    id says so.
     """
 
     id: str
@@ -115,6 +122,7 @@ class Room:
     rings: tuple[Ring, ...]
     height: float
     level: str = ""
+    name: str = ""
 
     @property
     def open_air(self) -> bool:
@@ -123,8 +131,13 @@ class Room:
 
     @property
     def title(self) -> str:
-        """Return the room's name for people: its types."""
-        return " / ".join(self.types)
+        """Return what people call the room: its name, else its types."""
+        return self.name or " / ".join(self.types)
+
+    @property
+    def label(self) -> str:
+        """Return what tells the room from the others in a line: its name, else its id."""
+        return self.name or self.id
 
     def surface_keys(self) -> tuple[SurfaceKey, ...]:
         """Return the floor, wall and ceiling key of this room."""
@@ -203,7 +216,7 @@ class House:
     of walls and openings are above the floor of their rooms' level. `accents` are the walls that
     have a texture of their own on one side. `door_colours` are the sRGB
     colours of door leaves by the id of their opening, `trim_colours` those of skirting and frames
-    by room; that of the id "" holds for all others.
+    by room; that of the id "" holds for all others. `name` is what people call the house.
     """
 
     id: str
@@ -217,7 +230,13 @@ class House:
     accents: tuple[SurfaceKey, ...] = ()
     door_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
     trim_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
+    name: str = ""
     warnings: tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def title(self) -> str:
+        """Return what people call the house: its name, else its id."""
+        return self.name or self.id
 
     def room(self, room_id: str) -> Room:
         """Return the room of that id (KeyError when there is none)."""
@@ -225,6 +244,13 @@ class House:
             if room.id == room_id:
                 return room
         raise KeyError(room_id)
+
+    def room_called(self, text: str) -> Room | None:
+        """Return the room of an id, else the only one of that name; None where there is none."""
+        by_id = [room for room in self.rooms if room.id == text]
+        by_name = [room for room in self.rooms if room.name and _plain(room.name) == _plain(text)]
+        found = by_id or by_name
+        return found[0] if len(found) == 1 else None
 
     def level_of(self, room_id: str) -> Level:
         """Return the level of a room; :data:`GROUND` where the house has no levels."""

@@ -48,12 +48,17 @@ _Scale = Annotated[float | None, typer.Option(min=1e-6, help="Metres of a pixel 
 
 def _house_id(plan: Path, chosen: str | None) -> str:
     """Return the house id: the one given, else made of the plan's file name."""
-    own = re.sub(r"[^A-Za-z0-9_.-]+", "_", plan.name.split(".")[0]).lstrip(".-")
-    # Of a name in other letters nothing that people could read is left.
-    name = chosen or (own if re.search("[A-Za-z0-9]", own) else "house")
+    from plan2scene.plans.room_names import fit_id
+
+    name = chosen or fit_id(_house_name(plan), "house")
     if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", name):
         raise InputError("a house id of letters, digits, '_', '.', '-'", repr(name))
     return name
+
+
+def _house_name(plan: Path) -> str:
+    """Return what a plan's file name calls the house."""
+    return plan.name.split(".")[0].encode("utf-8", "replace").decode()[:100]
 
 
 def _layers(pairs: list[str] | None) -> dict[str, str]:
@@ -143,6 +148,7 @@ def run_house(
         photo_table=None if folder else photos,
         photos_dir=photos if folder else photos_dir,
         house=_house_id(plan, house),
+        name=house or _house_name(plan),
         method=method,
         metres_per_pixel=metres_per_pixel,
         seed=seed,

@@ -74,6 +74,8 @@ class SingleHouse:
     dxf_layers: Mapping[str, str] | None = None
     #: Field of view of the photos along their longer side, degrees; None: it is estimated.
     fov_deg: float | None = None
+    #: What people call it; empty where `house` says so.
+    name: str = ""
 
 
 def is_picture(request: SingleHouse) -> bool:
@@ -236,6 +238,7 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     config["photos"]["known_fov_deg"] = request.fov_deg
     config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
     config["floorplans"]["dxf_layers"] = dict(request.dxf_layers or {}) or None
+    config["floorplans"]["names"] = {request.house: request.name} if request.name else None
     config["textures"]["size_px"] = request.texture_size
     path = work / "config.yaml"
     write_text(path, yaml.safe_dump(config, sort_keys=False))

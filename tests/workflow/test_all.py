@@ -5,11 +5,13 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 import trimesh
-from clones import DEMO, ROOT
+from clones import DEMO, ROOT, demo_rows, make_clone
+from kills import digests, kill_often, strays
 from PIL import Image
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
@@ -96,6 +98,18 @@ def test_the_khronos_validator_finds_no_error(folder):
         pytest.skip("no npm package gltf-validator: install it and set GLTF_VALIDATOR_DIR")
     assert run.returncode == 0, run.stderr
     assert [report["numErrors"] for report in json.loads(run.stdout)] == [0]
+
+
+def test_a_killed_run_ends_as_an_undisturbed_one(made, tmp_path):
+    """Benchmarks/kills.py kills whole runs, a hundred times."""
+    other = demo_rows()[0]
+    again = make_clone(tmp_path / "again", [other])
+    own = f"results/tiny/houses/{other['house']}"
+    command = [sys.executable, "-m", "snakemake", "-j2", "--nolock", f"{own}/crops.parquet"]
+    options = {"cwd": again.root, "env": os.environ | {"PYTHONPATH": str(again.root / "src")}}
+    assert kill_often(command, 2, 15.0, seed=2, **options) > 0
+    assert strays(again.root / "results") == []
+    assert digests(again.root / own) == digests(made.root / own)
 
 
 def test_the_table_has_no_empty_cell(made):

@@ -20,6 +20,9 @@ rule floorplan:
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         dxf_layers=config["floorplans"]["dxf_layers"],
         traced=is_traced,
+        name=lambda wildcards: (config["floorplans"]["names"] or {}).get(
+            wildcards.house, ""
+        ),
         contents=contents_of(plan_files),
         code=plan_code_of,
     script:

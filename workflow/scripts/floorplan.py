@@ -14,4 +14,5 @@ with job(snakemake.log[0]):
         metres_per_pixel=snakemake.params.metres_per_pixel,
         dxf_layers=snakemake.params.dxf_layers,
         traced=snakemake.params.traced,
+        name=snakemake.params.name,
     )

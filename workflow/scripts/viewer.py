@@ -11,4 +11,4 @@ with job(snakemake.log[0]):
     house = read_scene_json(given.scene, house_id)
     photos = Path(snakemake.params.photo_folder)
     facts = read_facts(given.propagated, given.crops, given.get("cameras"), house, photos)
-    build_viewer(given.glb, snakemake.output[0], house_id=house_id, facts=facts)
+    build_viewer(given.glb, snakemake.output[0], house_id=house_id, title=house.title, facts=facts)

@@ -42,7 +42,7 @@ def read_assignment(
         None, an empty file or a table without rows give no rows; :func:`check_assignment` lists
         that as a warning.
     house : House, optional
-        When given, each room id must be one of its rooms.
+        When given, each room must be one of its rooms, by id or by name.
     house_id : str
         Name for messages when `house` is not given.
     traced : bool
@@ -56,6 +56,8 @@ def read_assignment(
     stems: dict[str, str] = {}
     rooms = None if house is None else {room.id for room in house.rooms}
     for row in rows:
+        called = house.room_called(row.room_id) if house is not None and row.room_id else None
+        row = row if called is None else row._replace(room_id=called.id)
         if traced and rooms is not None and row.room_id not in rooms:
             row = row._replace(room_id="")
         if rooms is not None and row.room_id and row.room_id not in rooms:

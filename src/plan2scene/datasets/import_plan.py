@@ -96,6 +96,7 @@ def import_plan(
     photos_dir: str | Path | None = None,
     object_boxes: str | Path | None = None,
     traced: bool = False,
+    name: str = "",
 ) -> House:
     """Read, check and write a plan as scene.json; warnings go to the log. Return the house.
 
@@ -103,9 +104,11 @@ def import_plan(
     a wrong table stops the house before any photo is worked on. An empty one, or "" for a house
     that has none, is a warning, and so is a photo that `photos_dir` lacks; None asks for no check.
     `traced` as of :func:`.assignments.read_assignment`.
+    `name` is what people call a house whose plan does not say.
     Boxes of an `object_boxes` file become the house's icons; a faulty file is a warning.
     """
     house = read_plan(path, house_id, metres_per_pixel, dxf_layers)
+    house = replace(house, name=house.name or name)
     warnings = validate_house(house, file=path)
     if assignment is not None:
         rows = read_assignment(assignment, house, traced=traced)

@@ -16,6 +16,8 @@ from plan2scene.house import ROOM_TYPES, Point, Ring, Room
 
 #: Ids of houses, rooms, walls and openings (they become file names).
 ID_PATTERN = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
+#: Longest name for people, in letters.
+MAX_NAME_LENGTH = 100
 #: Largest coordinate in metres; beyond it the scale of the plan is wrong.
 MAX_COORDINATE = 1000.0
 #: Largest number of entries of one list in a plan.
@@ -100,6 +102,13 @@ class Source:
             found = repr(value) if isinstance(value, str | int) else _kind(value)
             raise self.fault(f"{what} of letters, digits, '_', '-' and '.'", found, room)
         return text
+
+    def shown_name(self, value: Any, identifier: str) -> str:
+        """Return the name for people that a file gives; empty where the id says as much."""
+        text = value if isinstance(value, str) else ""
+        name = " ".join(text.encode("utf-8", "replace").decode().split())[:MAX_NAME_LENGTH]
+        name = "".join(letter for letter in name if letter.isprintable())
+        return "" if name == identifier else name
 
     def point(self, value: Any, what: str, room: str = "") -> tuple[float, float, float]:
         """Return an [x, y, z] point as floats ([x, z] gets y = 0)."""

@@ -63,7 +63,8 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
         level = level_of(source, entry, levels, f"room {entry['id']}", entry["id"])
         height = float(entry.get("height", heights.get(level, DEFAULT_HEIGHT)))
         types = dict.fromkeys(source.room_type(name, entry["id"]) for name in entry["types"])
-        rooms.append(Room(entry["id"], tuple(types), tuple(rings), height, level))
+        name = source.shown_name(entry.get("name"), entry["id"])
+        rooms.append(Room(entry["id"], tuple(types), tuple(rings), height, level, name))
     levels = used_levels(source, levels, rooms)
     source.limit_corners(rooms)
     walls = walls_of_rooms(rooms, depth=float(document.get("wall_depth", DEFAULT_DEPTH)))
@@ -76,6 +77,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
         doors=find_doors(rooms, walls),
         levels=levels,
         stairs=linked(_stairs(source, document.get("stairs", []), levels), rooms, levels),
+        name=source.shown_name(document.get("name"), house_id),
         warnings=tuple(source.warnings),
     )
 
@@ -239,11 +241,14 @@ def house_to_plan(house: House) -> dict[str, Any]:
     depth = min(max(statistics.median(depths), limits["minimum"]), limits["maximum"])
     rooms = []
     for room in house.rooms:
-        entry = {"id": room.id, "types": list(room.types), "polygon": _ring(room.rings[0])}
+        entry: dict[str, Any] = {"id": room.id, **({"name": room.name} if room.name else {})}
+        entry |= {"types": list(room.types), "polygon": _ring(room.rings[0])}
         if room.rings[1:]:
             entry["holes"] = [_ring(ring) for ring in room.rings[1:]]
         rooms.append({**entry, "height": round(room.height, _DIGITS), **_on(room.level)})
-    plan: dict[str, Any] = {"format": FORMAT, "version": 1, "wall_depth": round(depth, _DIGITS)}
+    plan: dict[str, Any] = {"format": FORMAT, "version": 1}
+    plan |= {"name": house.name} if house.name else {}
+    plan["wall_depth"] = round(depth, _DIGITS)
     if house.levels:
         plan["levels"] = [_level_entry(level) for level in house.levels]
     plan.update(rooms=rooms, openings=_opening_entries(house))

@@ -57,6 +57,25 @@ _WHOLE = {"zimmer": "Bedroom", "c": "Closet", "cl": "Closet", "w i cl": "Closet"
 _TYPES = {name.lower(): name for name in ROOM_TYPES} | _WHOLE
 
 
+def fit_id(name: str, otherwise: str) -> str:
+    """Return a name as an id: letters without their accents; `otherwise` for another script."""
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    made = re.sub(r"[^A-Za-z0-9_.-]+", "_", plain).lstrip("._-").rstrip("_")[:60]
+    lost = any(map(str.isalpha, name)) and not re.search("[A-Za-z]", made)
+    return otherwise if lost or not made else made
+
+
+def free_id(name: str, taken: set[str], otherwise: str = "room") -> str:
+    """Return an id made of a name that is not taken yet, and take it: lower case, numbered."""
+    stem = re.sub(r"[^a-z0-9]+", "_", fit_id(name, otherwise).lower()).strip("_")[:40] or otherwise
+    name_id, number = stem, 1
+    while name_id in taken:
+        number += 1
+        name_id = f"{stem}_{number}"
+    taken.add(name_id)
+    return name_id
+
+
 def room_types(name: str) -> tuple[str, ...]:
     """Return the room types that a name means, in the order of its words; empty for none.
 

@@ -278,6 +278,7 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
         icons=_read_icons(source, arch, levels),
         levels=levels,
         stairs=linked(read_stairs(source, arch, levels), tuple(rooms.values()), levels),
+        name=source.shown_name(arch.get("name"), house_id),
         warnings=tuple(source.warnings),
     )
 
@@ -298,6 +299,10 @@ def _read_rooms(
     """
     plates = _read_plates(source, elements)
     types = _room_types(source, arch, list(plates["Floor"] or plates["Ceiling"]))
+    shown = {
+        str(entry.get("id")): source.shown_name(entry.get("name"), str(entry.get("id")))
+        for entry in source.items(arch.get("rooms"), "rooms")
+    }
     for room_id in [*plates["Floor"], *plates["Ceiling"]]:
         if room_id not in types:
             source.warn("an entry of 'rooms'", "none; read as Unknown", room_id)
@@ -321,7 +326,7 @@ def _read_rooms(
             there = f"{level.elevation:g}"
             source.warn(f"a floor at y = {there}", f"y = {base:g}, moved to {there}", room_id)
         height = _room_height(source, room_id, base, ceiling, elements)
-        rooms[room_id] = Room(room_id, names, rings, height, level.id)
+        rooms[room_id] = Room(room_id, names, rings, height, level.id, shown.get(room_id, ""))
     return rooms, levels
 
 

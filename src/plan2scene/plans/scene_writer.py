@@ -27,9 +27,9 @@ def house_to_scene(
     images; the metres go into the texture's own key ``size_m``.
 
     Beyond the official form: ``size_m``, ``"passage": true`` on a hole of type Door that has no
-    leaf, ``arch.icons``, and of a house with levels ``arch.levels`` with the ``level`` of each
-    room and icon, and ``arch.stairs``. Programs that don't know these keys are not disturbed:
-    points have the elevation of their level.
+    leaf, ``name`` of house and rooms, ``arch.icons``, and of a house with levels ``arch.levels``
+    with the ``level`` of each room and icon, and ``arch.stairs``. Programs that don't know these
+    keys are not disturbed: points have the elevation of their level.
     """
     textures = textures or {}
     elements: list[dict[str, Any]] = []
@@ -42,6 +42,7 @@ def house_to_scene(
         elements.append(_wall(wall, sides, textures, elevations[wall.room_ids[0]]))
     arch: dict[str, Any] = {
         "id": house.id,
+        **({"name": house.name} if house.name else {}),
         "defaults": {
             "Wall": {"depth": 0.1, "extraHeight": 0.035},
             "Ceiling": {"depth": PLATE_DEPTH},
@@ -50,7 +51,13 @@ def house_to_scene(
         "elements": elements,
         "rdr": _rdr(house.doors),
         "rooms": [
-            {"id": room.id, "types": list(room.types), **_on(room.level)} for room in house.rooms
+            {
+                "id": room.id,
+                **({"name": room.name} if room.name else {}),
+                "types": list(room.types),
+                **_on(room.level),
+            }
+            for room in house.rooms
         ],
         **_storeys(house),
     }

@@ -20,7 +20,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from plan2scene.camera import Camera
-from plan2scene.drawing import INK, PAPER, font
+from plan2scene.drawing import INK, PAPER, font, font_for, legible
 from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.images import write_png
@@ -131,12 +131,15 @@ def write_contact_sheet(
     poses = {} if files.cameras is None else read_poses(files.cameras, house)
     masks = None if files.masks is None else _Masks.of(Path(files.masks))
     shapes = room_shapes(house)
+    labels = {room.id: legible(room.label, room.id) for room in house.rooms}
     names = sorted(set(photos) | set(windows))
     drawn = names[:MAX_PHOTOS]
     sheet = Image.new("RGB", (WIDTH, HEADER + ROW * max(1, len(drawn))), PAPER)
     every = [window for name in names for window in windows.get(name, ())]
     counts = count_windows(every)
-    _header(ImageDraw.Draw(sheet), house.id, len(names), len(drawn), counts, every)
+    _header(
+        ImageDraw.Draw(sheet), legible(house.title, house.id), len(names), len(drawn), counts, every
+    )
 
     def row_of(name: str) -> np.ndarray:
         rooms = tuple(rooms_of_photo.get(name, ()))
@@ -150,7 +153,7 @@ def write_contact_sheet(
             lines = segments.get(name, np.zeros((0, 4)))
             photo = replace(photo, planes=tuple(own), segments=lines)
         row = Image.new("RGB", (WIDTH, ROW), PAPER)
-        _draw_row(row, photo, row_panels(photo, shapes))
+        _draw_row(row, photo, labels, row_panels(photo, shapes))
         return np.asarray(row)
 
     for k, pixels in enumerate(each(row_of, drawn, threads)):
@@ -269,7 +272,7 @@ def _planes_text(planes: Sequence[Plane]) -> str:
 
 def _header(
     draw: Any,
-    house_id: str,
+    title: str,
     n_photos: int,
     n_drawn: int,
     counts: Mapping[str, int],
@@ -279,7 +282,8 @@ def _header(
     reasons = Counter(part for window in windows if not window.selected for part in window.reasons)
     why = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common(8))
     more = "" if n_drawn == n_photos else f" (the first {n_drawn} shown)"
-    draw.text((GAP, 4), f"{house_id}: {n_photos} photos{more}", font=font(17), fill=INK)
+    text = f"{title}: {n_photos} photos{more}"
+    draw.text((GAP, 4), text, font=font_for(text, 17), fill=INK)
     meanings = ("selected", "selected for want of better ones", f"rejected: {why}".rstrip(": "))
     x = GAP
     for (kind, colour), meaning in zip(KINDS.items(), meanings, strict=True):
@@ -289,12 +293,18 @@ def _header(
         x += 14 + round(draw.textlength(text, font=font(12))) + 18
 
 
-def _draw_row(sheet: Any, photo: SheetPhoto, row_panels: Sequence[tuple[np.ndarray, str]]) -> None:
-    """Draw one photo's row, given its panels with their captions."""
+def _draw_row(
+    sheet: Any,
+    photo: SheetPhoto,
+    labels: Mapping[str, str],
+    row_panels: Sequence[tuple[np.ndarray, str]],
+) -> None:
+    """Draw one photo's row, given what rooms are called and its panels with their captions."""
     draw = ImageDraw.Draw(sheet)
     draw.line((0, 0, WIDTH, 0), fill=(200, 200, 200))
-    rooms = ", ".join(photo.rooms) or "no room"
-    draw.text((GAP, 4), f"{photo.name}  ({rooms})", font=font(13), fill=INK)
+    rooms = ", ".join(labels.get(room, room) for room in photo.rooms) or "no room"
+    text = f"{photo.name}  ({rooms})"
+    draw.text((GAP, 4), text, font=font_for(text, 13), fill=INK)
     top = TITLE + 2
     for k, (picture, caption) in enumerate(row_panels):
         left = GAP + k * (PANEL[1] + GAP)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import csv
 import html
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -93,7 +94,7 @@ def write_doubts(
     picture = "" if files.overlay is None else _picture(files.overlay)
     page = html_page(
         _FOLDER / "doubts.html",
-        title=house.id,
+        title=house.title,
         style=style,
         policy=f"default-src 'none'; style-src {source_hash(style)}; img-src data:",
         doubts="\n".join(f"<li>{_linked(line, house)}</li>" for line in lines),
@@ -118,6 +119,7 @@ def doubt_lines(
 
     `left_out` are the warnings of the masks stage, `traced` the lines of a plan's tracing.
     """
+    labels = {room.id: room.label for room in house.rooms}
     lost = [row.name for row in placed if not row.room_id]
     used = {row.room_id for row in placed if row.room_id and not row.guess}
     if placed and not used:
@@ -129,34 +131,37 @@ def doubt_lines(
         yield f"no room is found for {', '.join(lost)}"
     for row in placed:
         if row.probability is not None and row.probability < SURE:
+            label = labels.get(row.room_id, row.room_id)
             if row.guess:
-                where = f"{row.name} may be in {row.room_id} ({row.probability:.0%})"
+                where = f"{row.name} may be in {label} ({row.probability:.0%})"
                 yield f"{where}: nothing is made of it"
             else:
-                yield f"{row.name} is in {row.room_id} with a probability of {row.probability:.0%}"
-    bare = [room.id for room in house.rooms if room.id not in used and not room.open_air]
+                yield f"{row.name} is in {label} with a probability of {row.probability:.0%}"
+    bare = [room.label for room in house.rooms if room.id not in used and not room.open_air]
     if used and bare:
         yield f"no photo shows {', '.join(bare)}: made like the other rooms"
 
 
 def _linked(line: str, house: House) -> str:
     """Return a line as HTML; the first room that it names leads to its place in the plan."""
-    text = html.escape(line)
-    words = line.replace(",", " ").replace(":", " ").split()
-    named = next((room.id for room in house.rooms if room.id in words), None)
-    if named is None:
-        return text
-    name = html.escape(named)
-    return text.replace(name, f'<a href="#plan-{name}">{name}</a>', 1)
+    longest = sorted(house.rooms, key=lambda room: -len(room.label))
+    for room in longest:
+        found = re.search(rf"(?<![\w.-]){re.escape(room.label)}(?![\w.-])", line)
+        if found:
+            parts = (line[: found.start()], room.label, line[found.end() :])
+            before, label, after = map(html.escape, parts)
+            return f'{before}<a href="#plan-{html.escape(room.id)}">{label}</a>{after}'
+    return html.escape(line)
 
 
 def _room_section(room: Room, placed: Sequence[PlacedPhoto], folder: Path) -> str:
     """Return the HTML of a room and its photos."""
-    name, title = html.escape(room.id), html.escape(room.title)
+    name, label = html.escape(room.id), html.escape(room.label)
+    title = html.escape(" / ".join(room.types))
     area = room_polygon(room).area
     cards = _cards([row for row in placed if row.room_id == room.id], folder)
     return (
-        f'<section id="room-{name}"><h3><a href="#plan-{name}">{name}</a> '
+        f'<section id="room-{name}"><h3><a href="#plan-{name}">{label}</a> '
         f"<small>{title}, {area:.1f} m²</small></h3>{cards or '<p>no photo</p>'}</section>"
     )
 
@@ -216,7 +221,7 @@ def _plan(house: House, level: str, eyes: Mapping[str, tuple[str, float, float]]
         )
         spot = room_polygon(room).representative_point()
         shapes.append(f'<a href="#room-{name}"><path id="plan-{name}" d="{path}"/></a>')
-        labels.append(f'<text x="{spot.x:.2f}" y="{spot.y:.2f}">{name}</text>')
+        labels.append(f'<text x="{spot.x:.2f}" y="{spot.y:.2f}">{html.escape(room.label)}</text>')
     ids = {room.id for room in house.rooms}
     dots = [
         f'<circle cx="{x:.2f}" cy="{z:.2f}" r=".12"><title>{html.escape(name)}</title></circle>'

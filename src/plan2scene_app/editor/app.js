@@ -1,6 +1,6 @@
 // The editor: joins document, drawing, tools and panel, and listens to pointer and keys.
 
-import { entryId, newPlan, readTable, Store, withoutRoom } from "./document.js";
+import { entryId, newPlan, readTable, roomCalled, Store, withoutRoom } from "./document.js";
 import { ask, button, el, field, isPicture, readFile, readPicture } from "./dom.js";
 import { OpeningTool, RoomTool, WallTool } from "./drawing_tools.js";
 import { add, boundsOf, dist, inside, ringsOf, roundPoint, sub, times } from "./geometry.js";
@@ -185,7 +185,7 @@ export class App {
     try {
       const text = await readFile(file);
       if (/^\s*\{/.test(text)) await this.openPlan(JSON.parse(text), file);
-      else if (/^\ufeff?[^\n]*photo/.test(text)) this.store.change({ photos: readTable(text) });
+      else if (/^\ufeff?[^\n]*photo/.test(text)) this.store.change({ photos: readTable(text).map(({ name, rooms }) => ({ name, rooms: rooms.map((room) => roomCalled(this.store.state.plan.rooms, room)) })) });
       else await this.host.openOther(file);
     } catch (error) { this.say(`${file.name}: ${error.message}`); }
   }

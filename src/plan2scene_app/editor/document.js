@@ -74,9 +74,21 @@ export class Store {
 
 export const entryId = (entry, k, name) => entry.id ?? `${name}_${k}`;
 
-/** Letters of an id: what is typed, made fit to name files. */
-export const fitId = (text) =>
-  text.normalize("NFKD").replace(/[\u0300-\u036f]/g, "").trim().replace(/[^A-Za-z0-9_.-]+/g, "_").replace(/^\.+/, "").slice(0, 60);
+/** Letters of an id: what is typed, made fit to name files; `otherwise` for another script. */
+export function fitId(text, otherwise = "room") {
+  const id = text.normalize("NFKD").replace(/[\u0300-\u036f]/g, "").replace(/[^A-Za-z0-9_.-]+/g, "_").replace(/^[._-]+|_+$/g, "").slice(0, 60);
+  return (/[A-Za-z]/.test(id) || !/\p{L}/u.test(text)) && id ? id : otherwise;
+}
+
+/** What tells a room from the others: its name, else its id. */
+export const labelOf = (room) => room.name || room.id;
+
+/** The id of the room that a text names by its id, else by its name; the text where none does. */
+export function roomCalled(rooms, text) {
+  const plain = (name) => name.normalize("NFKC").toLowerCase().trim().replace(/\s+/g, " ");
+  const named = rooms.filter((room) => room.name && plain(room.name) === plain(text));
+  return rooms.some((room) => room.id === text) || named.length !== 1 ? text : named[0].id;
+}
 
 /** A floor's plan with one more room: {plan, id}; `others` are the rooms of all floors. */
 export function withRoom(plan, polygon, others, height) {
@@ -86,10 +98,13 @@ export function withRoom(plan, polygon, others, height) {
 
 export const withRooms = (plan, change) => ({ ...plan, rooms: plan.rooms.map(change) });
 
-export function renameRoom(state, from, to) {
+export function renameRoom(state, from, name) {
+  const to = freeId(fitId(name), state.plan.rooms.filter((room) => room.id !== from));
+  const renamed = ({ id, name: old, ...room }) => (to === name ? { id: to, ...room } : { id: to, name, ...room });
   return {
-    plan: withRooms(state.plan, (room) => (room.id === from ? { ...room, id: to } : room)),
+    plan: withRooms(state.plan, (room) => (room.id === from ? renamed(room) : room)),
     photos: state.photos.map((photo) => ({ ...photo, rooms: photo.rooms.map((id) => (id === from ? to : id)) })),
+    to,
   };
 }
 

@@ -1,6 +1,6 @@
 // The panel on the right: what is chosen, the photos, the problems.
 
-import { fitId, renameRoom, withRooms } from "./document.js";
+import { labelOf, renameRoom, withRooms } from "./document.js";
 import { button, el, field } from "./dom.js";
 import { lengthField, section } from "./fields.js";
 import { floorSection, stairsSection } from "./floors_panel.js";
@@ -38,7 +38,7 @@ function chosenSection(app) {
 function houseSection(app) {
   const { store, feet } = app, { picture } = store.state, { plan } = store;
   const total = plan.rooms.reduce((sum, room) => sum + polygonArea(ringsOf(room)), 0);
-  const rooms = plan.rooms.map((room) => el("li", {}, button([el("span", { className: `swatch type-${room.types[0]?.toLowerCase()}` }), room.id, el("span", { className: "soft" }, areaText(polygonArea(ringsOf(room)), feet))], () => app.select({ kind: "room", id: room.id }), { className: "line" })));
+  const rooms = plan.rooms.map((room) => el("li", {}, button([el("span", { className: `swatch type-${room.types[0]?.toLowerCase()}` }), labelOf(room), el("span", { className: "soft" }, areaText(polygonArea(ringsOf(room)), feet))], () => app.select({ kind: "room", id: room.id }), { className: "line" })));
   return section("House",
     lengthField(app, "Wall thickness", "depth", plan.wall_depth, (v) => store.changePlan({ wall_depth: v })),
     plan.rooms.length ? null : el("p", { className: "soft" }, "Draw a room: press R and drag, or W and click corner by corner. Or drop a picture of a plan here and draw over it."),
@@ -72,7 +72,7 @@ function roomSection(app, room) {
     },
   }, type);
   return section("Room",
-    field("Name", "name", room.id, (text, input) => rename(app, room.id, text, input)),
+    field("Name", "name", labelOf(room), (text, input) => rename(app, room.id, text, input)),
     lengthField(app, "Height", "height", room.height ?? app.rules.limits.default_height, (v) => change({ height: v })),
     el("p", { className: "soft" }, `${areaText(polygonArea(ringsOf(room)), app.feet)}. An open plan may have several types: hold Shift.`),
     el("div", { className: "types", role: "group", "aria-label": "Types of the room" }, app.rules.room_types.map(chip)),
@@ -82,13 +82,15 @@ function roomSection(app, room) {
 }
 
 function rename(app, from, text, input) {
-  const id = fitId(text);
-  if (!id || app.store.state.plan.rooms.some((room) => room.id === id && id !== from)) {
-    app.say(id ? `Another room is named ${id}` : "A name of letters and digits");
-    input.value = from;
-  } else if (id !== from) {
-    app.selection = { kind: "room", id };
-    app.store.changeWhole(renameRoom(app.store.state, from, id));
+  const name = text.trim().replace(/\s+/g, " ").slice(0, 100), { rooms } = app.store.state.plan;
+  const old = labelOf(rooms.find((room) => room.id === from));
+  if (!name || rooms.some((room) => labelOf(room) === name && room.id !== from)) {
+    if (name) app.say(`Another room is named ${name}`);
+    input.value = old;
+  } else if (name !== old) {
+    const { to, ...changes } = renameRoom(app.store.state, from, name);
+    app.selection = { kind: "room", id: to };
+    app.store.changeWhole(changes);
   }
 }
 
@@ -121,7 +123,7 @@ function photoSection(app) {
   const { photos } = app.store.state;
   const chosen = app.selection?.kind === "room" ? app.selection.id : null;
   const shown = chosen ? photos.filter((photo) => photo.rooms.includes(chosen)) : [...photos].sort((a, b) => Boolean(a.rooms.length) - Boolean(b.rooms.length));
-  return section(chosen ? `Photos of ${chosen}` : "Photos",
+  return section(chosen ? `Photos of ${labelOf(app.store.state.plan.rooms.find((room) => room.id === chosen))}` : "Photos",
     shown.length ? el("div", { className: "photos" }, shown.map((photo) => photoCard(app, photo))) : el("p", { className: "soft" }, "Drop photos on a room. One that shows two rooms is dropped on both."),
     ...refusedLines(app),
     button("Add photos\u2026", () => app.pickPhotos(chosen), { className: "wide" }));
@@ -132,13 +134,14 @@ function linked(app, line) {
   const { plan } = app.store.state, rooms = new Set(plan.rooms.map((room) => room.id)), openings = new Set(plan.openings.map((o) => o.id));
   return line.split(/([A-Za-z0-9_-]+)/).map((word) => {
     const entry = openings.has(word) ? { opening: word } : rooms.has(word) ? { room: word } : null;
-    return entry ? button(word, () => app.showProblem(entry), { className: "lead" }) : word;
+    return entry ? button(entry.room ? labelOf(plan.rooms.find((room) => room.id === word)) : word, () => app.showProblem(entry), { className: "lead" }) : word;
   });
 }
 
 function problemSection(app) {
+  const labels = new Map(app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
   const lines = app.problems.map((problem) => el("li", { className: problem.level },
-    button([el("b", {}, `${problem.room || problem.opening || problem.photo || "Plan"}: `), `expected ${problem.expected}, found ${problem.found}`], () => app.showProblem(problem), { className: "line" })));
+    button([el("b", {}, `${labels.get(problem.room) || problem.room || problem.opening || problem.photo || "Plan"}: `), `expected ${problem.expected}, found ${problem.found}`], () => app.showProblem(problem), { className: "line" })));
   const drop = (line) => { app.notes = app.notes.filter((other) => other !== line); app.renderPanel(); };
   const told = app.store.state.picture?.measured ? app.doubt : ""; // two points have answered it
   for (const line of app.notes.filter((note) => note !== told)) lines.push(el("li", { className: "note" }, el("p", { className: "line" }, linked(app, line), button("\u00d7", () => drop(line), { title: "Seen", "aria-label": `Seen: ${line}` }))));

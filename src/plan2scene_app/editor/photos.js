@@ -1,5 +1,6 @@
 // Photos of rooms: dropped on rooms or added in the panel; the table of rooms and photos.
 
+import { labelOf } from "./document.js";
 import { ask, button, el, isPicture, readPicture } from "./dom.js";
 
 const THUMB = 240; // pixels
@@ -38,8 +39,8 @@ export async function addPhotos(app, files, room) {
     app.store.change({ photos: known ? photos.map((p) => (p === known ? { ...p, rooms } : p)) : [...photos, { name: file.name, rooms }] });
   }
   const none = app.refused.size ? `${app.refused.size} not added: see Photos. ` : "";
-  const names = added.length === 1 ? added[0] : `${added.length} photos`;
-  app.say(none + (added.length ? `${names} ${room ? `in ${room}` : "added; a room that you do not choose is looked for"}` : ""));
+  const names = added.length === 1 ? added[0] : `${added.length} photos`, shown = app.store.state.plan.rooms.find(({ id }) => id === room);
+  app.say(none + (added.length ? `${names} ${room ? `in ${labelOf(shown)}` : "added; a room that you do not choose is looked for"}` : ""));
   app.renderPanel();
 }
 
@@ -60,12 +61,13 @@ export function setRooms(app, name, rooms) {
 
 /** A card of a photo: its picture, its rooms, a way to give it one. */
 export function photoCard(app, photo) {
-  const rooms = app.store.state.plan.rooms.map((room) => room.id).filter((id) => !photo.rooms.includes(id));
+  const labels = new Map(app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
+  const rooms = [...labels.keys()].filter((id) => !photo.rooms.includes(id)), label = (id) => labels.get(id) ?? id;
   const thumb = app.thumbs.get(photo.name);
-  const chips = photo.rooms.map((id) => el("span", { className: "chip" }, id,
-    button("\u00d7", () => setRooms(app, photo.name, photo.rooms.filter((r) => r !== id)), { title: `${photo.name} does not show ${id}`, "aria-label": `Remove ${id} from ${photo.name}` })));
+  const chips = photo.rooms.map((id) => el("span", { className: "chip" }, label(id),
+    button("\u00d7", () => setRooms(app, photo.name, photo.rooms.filter((r) => r !== id)), { title: `${photo.name} does not show ${label(id)}`, "aria-label": `Remove ${label(id)} from ${photo.name}` })));
   const choice = el("select", { "data-key": `photo ${photo.name}`, "aria-label": `Room of ${photo.name}`, onchange: (event) => setRooms(app, photo.name, [...photo.rooms, event.target.value]) },
-    el("option", { value: "", selected: true }, photo.rooms.length ? "+ room" : "Which room?"), rooms.map((id) => el("option", { value: id }, id)));
+    el("option", { value: "", selected: true }, photo.rooms.length ? "+ room" : "Which room?"), rooms.map((id) => el("option", { value: id }, label(id))));
   const card = el("figure", { className: `photo${photo.rooms.length ? "" : " loose"}`, draggable: true, "data-photo": photo.name },
     thumb ? el("img", { src: thumb, alt: photo.name, draggable: false }) : el("div", { className: "blank" }, photo.name.slice(0, 18)),
     el("figcaption", {}, el("span", { className: "file", title: photo.name }, photo.name), el("div", { className: "chips" }, chips, rooms.length ? choice : null)),

@@ -1,5 +1,6 @@
 // The drawing: an SVG of the state, redrawn whole. Metres to pixels by zoom and offset.
 
+import { labelOf } from "./document.js";
 import { add, boundsOf, cross, dist, dot, labelPoint, mid, polygonArea, ringsOf, sub, times, unit } from "./geometry.js";
 import { gridOf } from "./snapping.js";
 import { flightRing, riseOf, stepCount } from "./storeys.js";
@@ -105,7 +106,7 @@ export class View {
       d: ringsOf(room).map((ring) => this.path(ring)).join(""), "fill-rule": "evenodd", "data-room": room.id,
       class: `room type-${room.types[0]?.toLowerCase()}${chosen ? " chosen" : ""}${level ? ` ${level}` : ""}`,
     });
-    draw(path, "title", {}, room.id);
+    draw(path, "title", {}, labelOf(room));
   }
 
   drawWalls({ walls, state, selection }) {
@@ -141,7 +142,8 @@ export class View {
     const [x, y] = this.toPixels(labelPoint(ringsOf(room)));
     const { low, high } = boundsOf(room.polygon), fits = (high[0] - low[0]) * this.scale;
     if (fits < 34) return;
-    const long = 7 * room.id.length > fits - 8 && fits > 40 ? `${room.id.slice(0, Math.max(2, Math.floor(fits / 7) - 2))}\u2026` : room.id;
+    const label = labelOf(room);
+    const long = 7 * label.length > fits - 8 && fits > 40 ? `${label.slice(0, Math.max(2, Math.floor(fits / 7) - 2))}\u2026` : label;
     draw(parent, "text", { x, y: y - 3, class: "name" }, long);
     draw(parent, "text", { x, y: y + 13, class: "area" }, areaText(polygonArea(ringsOf(room)), feet));
     const photos = state.photos.filter((photo) => photo.rooms.includes(room.id)).length;

@@ -9,7 +9,6 @@ above. Not tried in Home Assistant.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +23,7 @@ from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import lamp_position
 from plan2scene.mesh.parts import MeshPart, PartBuilder
 from plan2scene.mesh.texture_files import TileTexture
+from plan2scene.plans.room_names import free_id
 from plan2scene_app.exports.obj import write_obj
 
 #: Units of the card in a metre; half a lamp's side in metres; light of a lamp in lumens.
@@ -52,8 +52,10 @@ def write_home_assistant(
 
 def card(house: House) -> dict[str, Any]:
     """Return the card's configuration: a light for each room's lamp, a zoom on its floor."""
+    lights: set[str] = set()
     return {
         "type": "custom:floor3d-card",
+        "name": house.title,
         "path": f"/local/{house.id}/",
         "objfile": "house.obj",
         "mtlfile": "house.mtl",
@@ -61,7 +63,7 @@ def card(house: House) -> dict[str, Any]:
         "globalLightPower": 0.4,
         "entities": [
             {
-                "entity": "light." + re.sub(r"[^a-z0-9]+", "_", room.id.lower()).strip("_"),
+                "entity": f"light.{free_id(room.id, lights)}",
                 "type3d": "light",
                 "object_id": f"{room.id}/lamp",
                 "light": {"lumens": _LUMENS},
@@ -70,7 +72,7 @@ def card(house: House) -> dict[str, Any]:
         ],
         "zoom_areas": [
             {
-                "zoom": room.id.replace("_", " "),
+                "zoom": room.name or room.id.replace("_", " "),
                 "object_id": f"{room.id}/floor",
                 "distance": round(_PER_M * max(_NEAREST_M, _AWAY * _longest_side(room))),
             }

@@ -151,6 +151,7 @@ class _Model:
         project = self._root(
             "IfcProject",
             self.house.id,
+            LongName=self.house.name or None,
             RepresentationContexts=[context],
             UnitsInContext=f.createIfcUnitAssignment(units),
         )

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
+from warnings import catch_warnings, simplefilter
 
 import numpy as np
 from shapely import get_coordinates
@@ -18,6 +19,7 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import polylabel, unary_union
 
+from plan2scene.drawing import legible
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.io import atomic_path
@@ -60,22 +62,29 @@ def write_plan(house: House, textures: dict[SurfaceKey, TileTexture], folder: Pa
 
     del textures
     storeys = assemble(house).storeys
+    others = {room.name: room.id.replace("_", " ") for room in house.rooms}
+    shown = legible(house.title, house.id)
     # The same house gives the same bytes.
     with mpl.rc_context(_STYLE):
-        sheets = [_sheet(storey, house.id) for storey in storeys]
+        sheets = [_sheet(storey, house.title) for storey in storeys]
+        for number, (storey, sheet) in enumerate(zip(storeys, sheets, strict=True)):
+            name = f"plan_{storey.level.id}.svg" if number else "plan.svg"
+            with atomic_path(folder / name) as temporary, catch_warnings():
+                simplefilter("ignore")  # letters that this machine's font lacks
+                sheet.savefig(temporary, format="svg", metadata={"Date": None})
+        # Who opens the SVG has its letters; a PDF has those of its font.
+        for text in (text for sheet in sheets for text in sheet.axes[0].texts):
+            name, _, rest = text.get_text().replace(house.title, shown).partition("\n")
+            text.set_text(f"{legible(name, others.get(name, name))}\n{rest}".strip())
         with (
             atomic_path(folder / "plan.pdf") as temporary,
             PdfPages(temporary, metadata={"CreationDate": None}) as pages,
         ):
             for sheet in sheets:
                 pages.savefig(sheet)
-        for number, (storey, sheet) in enumerate(zip(storeys, sheets, strict=True)):
-            name = f"plan_{storey.level.id}.svg" if number else "plan.svg"
-            with atomic_path(folder / name) as temporary:
-                sheet.savefig(temporary, format="svg", metadata={"Date": None})
 
 
-def _sheet(storey: Storey, house_id: str) -> Figure:
+def _sheet(storey: Storey, title: str) -> Figure:
     """Return the drawing of a storey; x runs right, z down the page, at a round scale."""
     from matplotlib.figure import Figure
 
@@ -117,7 +126,7 @@ def _sheet(storey: Storey, house_id: str) -> Figure:
     inside = [
         p.area for room, p in zip(storey.house.rooms, rooms, strict=True) if not room.open_air
     ]
-    _title(axes, storey, house_id, scale, sum(inside))
+    _title(axes, storey, title, scale, sum(inside))
     return figure
 
 
@@ -170,7 +179,7 @@ def _label(axes: Axes, room: Room, polygon: Polygon) -> None:
     """Write a room's name, net area and, of a rectangle, its inner sizes."""
     place = polylabel(polygon, 0.05)
     x0, z0, x1, z1 = polygon.bounds
-    lines = [room.id.replace("_", " "), f"{polygon.area:.2f} m\u00b2"]
+    lines = [room.name or room.id.replace("_", " "), f"{polygon.area:.2f} m\u00b2"]
     if polygon.area > SETTINGS.full * (x1 - x0) * (z1 - z0):
         lines.append(f"{x1 - x0:.2f} x {z1 - z0:.2f} m")
     axes.text(place.x, place.y, "\n".join(lines), ha="center", va="center", color=SETTINGS.dark)
@@ -205,7 +214,7 @@ def _chain(axes: Axes, steps: list[float], across: float, axis: int) -> None:
             axes.text(x, y, text, color=SETTINGS.dark, ha="center", va="bottom")
 
 
-def _title(axes: Axes, storey: Storey, house_id: str, scale: int, area: float) -> None:
+def _title(axes: Axes, storey: Storey, title: str, scale: int, area: float) -> None:
     """Write the title line and draw the scale bar at the foot of the page."""
     from matplotlib.patches import Rectangle
 
@@ -213,7 +222,7 @@ def _title(axes: Axes, storey: Storey, house_id: str, scale: int, area: float) -
     margin = SETTINGS.margin_mm * scale / 2000
     level = f", {storey.level.name}" if storey.level.name else ""
     size = f"{area:.2f} m\u00b2 net indoors, 1:{scale} on A4"
-    text = f"{house_id}{level}: {size}, metres; doors in centimetres"
+    text = f"{title}{level}: {size}, metres; doors in centimetres"
     foot = bottom - margin
     axes.text(left + margin, foot, text, va="center", color=SETTINGS.dark)
     step = 1.0 if scale <= 200 else 5.0

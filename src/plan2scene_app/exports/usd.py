@@ -74,6 +74,7 @@ class _Stage:
 
     def __init__(self, house: House, textures: Mapping[SurfaceKey, TileTexture]) -> None:
         self.house, self.textures = house, textures
+        self._names = {room.id: room.name for room in house.rooms}
         self._paths: set[str] = set()
         self._materials: dict[str, Any] = {}
 
@@ -122,7 +123,9 @@ class _Stage:
 
         room = part.extras.get("room_id")
         parent = f"/house/{prim_name('room_' + str(room) if room is not None else 'structure')}"
-        UsdGeom.Xform.Define(self.stage, parent)
+        group = UsdGeom.Xform.Define(self.stage, parent)
+        if name := self._names.get(str(room)):
+            group.GetPrim().SetDisplayName(name)
         vertices = part.mesh.vertices
         mesh = self._mesh(self._define(parent, part.name), part.name, vertices, part.mesh.faces)
         mesh.CreateNormalsAttr(

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from plan2scene.camera import Camera
-from plan2scene.drawing import INK, PAPER, font
+from plan2scene.drawing import INK, PAPER, font, font_for, legible
 from plan2scene.house import House
 from plan2scene.images import MAX_PHOTO_PIXELS, decode_image, to_small_srgb
 from plan2scene.photos.locate.pose import Pose
@@ -44,6 +44,7 @@ def render_photo_views(
     from PIL import Image, ImageDraw
 
     order = [room.id for room in house.rooms]
+    labels = {room.id: legible(room.label, room.id) for room in house.rooms}
     names = sorted(poses.keys() & photos.keys(), key=lambda n: (order.index(poses[n].room_id), n))
     pairs = [_pair(photos[n], photo_view(house, poses[n]), painter) for n in names]
     rows = [pairs[k : k + COLUMNS] for k in range(0, len(pairs), COLUMNS)]
@@ -55,8 +56,8 @@ def render_photo_views(
         row, column = divmod(number, COLUMNS)
         left, top = _GAP + column * wide, _GAP + sum(high[:row])
         sheet.paste(Image.fromarray(pair), (left, top))
-        text = f"{poses[name].room_id}: {name}"
-        draw.text((left, top + len(pair) + 2), text, fill=INK, font=font(13))
+        text = f"{labels[poses[name].room_id]}: {name}"
+        draw.text((left, top + len(pair) + 2), text, fill=INK, font=font_for(text, 13))
     if not names:
         draw.text((_GAP, _GAP), NONE_LOCATED, fill=INK, font=font(15))
     return np.asarray(sheet)

@@ -5,17 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from importlib.util import find_spec
-from pathlib import Path
 
 import cv2
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 from shapely.geometry import Polygon
 from shapely.ops import polylabel, unary_union
 
 from plan2scene.camera import Camera, focal_of
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
+from plan2scene.drawing import legible, wide_font
 from plan2scene.house import House, Stairs, SurfaceKey
 from plan2scene.mesh.assembly import Assembly, Storey, assemble
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
@@ -289,7 +288,7 @@ def annotate(
     for room in sorted(house.rooms, key=lambda room: -room_polygon(room).area):
         whole = room_polygon(room)
         centre = project(_label_point(whole))
-        types = room.title
+        types = legible(room.title, " / ".join(room.types))
         second = captions.get(room.id, "") if captions else f"{whole.area:.1f} m²"
         full = f"{types}\n{second}".strip()
         # A small room gets a small label, and none where a larger room's label is.
@@ -298,8 +297,8 @@ def annotate(
                 break
     x0, y0 = 24, picture.height - 26
     draw.rectangle([x0, y0, x0 + scale, y0 + 5], fill=SECTION_COLOUR)
-    draw.text((x0 + scale + 8, y0 + 2), "1 m", fill=SECTION_COLOUR, font=_font(14), anchor="lm")
-    draw.text((24, 24), title, fill=SECTION_COLOUR, font=_font(18))
+    draw.text((x0 + scale + 8, y0 + 2), "1 m", fill=SECTION_COLOUR, font=wide_font(14), anchor="lm")
+    draw.text((24, 24), title, fill=SECTION_COLOUR, font=wide_font(18))
     return np.asarray(picture)
 
 
@@ -349,7 +348,7 @@ def _label(
     scale: float,
 ) -> bool:
     """Write text on a light plate if there is room for it; return whether it was written."""
-    font = _font(size)
+    font = wide_font(size)
     box = draw.multiline_textbbox(centre, text, font=font, anchor="mm", align="center")
     plate = (box[0] - 6, box[1] - 5, box[2] + 6, box[3] + 5)
     width, height = (plate[2] - plate[0]) / scale, (plate[3] - plate[1]) / scale
@@ -364,12 +363,3 @@ def _label(
 def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
     """Return whether two boxes (left, top, right, bottom) overlap."""
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
-
-
-def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return the font that matplotlib ships (Pillow's own lacks a superscript 2)."""
-    package = find_spec("matplotlib")
-    if package is None or not package.submodule_search_locations:
-        return ImageFont.load_default(size)
-    folder = Path(package.submodule_search_locations[0]) / "mpl-data" / "fonts" / "ttf"
-    return ImageFont.truetype(folder / "DejaVuSans.ttf", size)

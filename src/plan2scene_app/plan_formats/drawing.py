@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import re
-import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -36,7 +35,7 @@ from plan2scene.plans.geometry import find_doors, walls_of_rooms
 from plan2scene.plans.levels import STAIRS, linked
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import MAX_CORNERS, MAX_ROOMS, Source
-from plan2scene.plans.room_names import room_types
+from plan2scene.plans.room_names import free_id, room_types
 from plan2scene_app.plan_formats.axes import (
     DEFAULT_THICKNESS,
     HEIGHTS,
@@ -213,7 +212,9 @@ def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
         if not types:
             source.warn("a name that tells what room it is", f"{room.name!r}; Unknown", name)
         rings = tuple(source.outline(ring, name) for ring in room.rings)
-        rooms.append(Room(name, types or ("Unknown",), rings, room.height or drawing.height))
+        height = room.height or drawing.height
+        shown = source.shown_name(room.name, name)
+        rooms.append(Room(name, types or ("Unknown",), rings, height, name=shown))
     return rooms
 
 
@@ -257,18 +258,6 @@ def closed_rooms(source: Source, drawing: Drawing) -> list[Polygon]:
 
 def _ring(ring: LineString) -> Ring:
     return tuple((float(x), float(z)) for x, z in list(ring.coords)[:-1])
-
-
-def free_id(name: str, taken: set[str]) -> str:
-    """Return an id made of a room's name that is not taken yet, and take it."""
-    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
-    stem = re.sub(r"[^a-z0-9]+", "_", plain.lower()).strip("_")[:40] or "room"
-    name_id, number = stem, 1
-    while name_id in taken:
-        number += 1
-        name_id = f"{stem}_{number}"
-    taken.add(name_id)
-    return name_id
 
 
 class _Axes:
@@ -412,7 +401,7 @@ def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
             continue
         height = storey.drawing.height
         shown = storey.name.encode("utf-8", "replace").decode()  # half a surrogate pair is no text
-        level = Level(free_id(storey.name, names), shown, storey.elevation - base, height)
+        level = Level(free_id(storey.name, names, "floor"), shown, storey.elevation - base, height)
         houses.append((level, house))
         stairs += [replace(flight, level=level.id) for flight in storey.drawing.stairs]
     if not houses:

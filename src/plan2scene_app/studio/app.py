@@ -115,6 +115,7 @@ class _Studio:
         projects = [
             {
                 "name": name,
+                "title": self.projects.get(name).title,
                 "state": runs.status(self.projects.get(name))["state"],
                 "preview": (self.projects.get(name).house / "preview.png").is_file(),
             }
@@ -130,11 +131,8 @@ class _Studio:
     async def project(self, request: Request) -> Response:
         """Show one project: the editor, and the house."""
         project = self._of(request)
-        return _page(
-            *project_page(
-                {"house": project.name, "source": plan_source.is_kept(project), **project.state()}
-            )
-        )
+        start = {"house": project.name, "title": project.title, **project.state()}
+        return _page(*project_page(start | {"source": plan_source.is_kept(project)}))
 
     async def state(self, request: Request) -> Response:
         """Give plan, photos and place of the picture; nothing new for the revision asked with."""
@@ -348,7 +346,7 @@ def project_page(start: dict[str, Any]) -> tuple[str, str]:
     }
     editor = (EDITOR / "editor.html").read_text("utf-8")
     tools = editor[editor.index("<nav") : editor.index("<script")]
-    return _filled("studio.html", "studio_page", str(start["house"]), start, rules, tools)
+    return _filled("studio.html", "studio_page", str(start["title"]), start, rules, tools)
 
 
 def home_page(start: dict[str, Any]) -> tuple[str, str]:

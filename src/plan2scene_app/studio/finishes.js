@@ -1,6 +1,7 @@
 // What the owner sets by hand: a surface is clicked in the viewer, its finish chosen here. Kept at
 // once; shown at once where it is a colour, and made when the run is through.
 
+import { labelOf } from "./document.js";
 import { button, el } from "./dom.js";
 import { asked } from "./server.js";
 
@@ -54,8 +55,9 @@ export class Finishes {
   }
 
   render() {
-    const lines = this.rows.map(([room, surface, what]) => el("li", {}, el("span", {}, `${room === "*" ? "all rooms" : room}, ${surface}: ${what}`),
-      button("\u00d7", () => this.set(room, surface, null), { title: "As found", "aria-label": `${room} ${surface} as found` })));
+    const { rooms } = this.view.app.store.state.plan, label = (id) => labelOf(rooms.find((room) => room.id === id) ?? { id });
+    const lines = this.rows.map(([room, surface, what]) => el("li", {}, el("span", {}, `${room === "*" ? "all rooms" : label(room)}, ${surface}: ${what}`),
+      button("\u00d7", () => this.set(room, surface, null), { title: "As found", "aria-label": `${label(room)} ${surface} as found` })));
     this.node.replaceChildren(el("h2", {}, "Set by hand"),
       this.surface ? this.choices(this.surface) : el("p", { className: "soft" }, "Click a wall, floor, ceiling, door, skirting board or window frame in the house to say what it is."),
       ...(lines.length ? [el("ul", { className: "list set" }, lines)] : []),
@@ -66,12 +68,12 @@ export class Finishes {
     const colour = el("input", { type: "color", value: /^#/.test(now ?? "") ? now : "#d8d2c4", "aria-label": `Colour of ${title}`, onchange: (event) => set(event.target.value) });
     const choose = (label, entries) => el("select", { "aria-label": `${label} for ${title}`, onchange: (event) => event.target.value && set(event.target.value) },
       el("option", { value: "" }, label), entries.map(([value, name]) => el("option", { value }, name)));
-    const { plan, photos } = this.view.app.store.state, rooms = plan.rooms.map(({ id }) => id).filter((id) => id !== room);
+    const { plan, photos } = this.view.app.store.state, rooms = plan.rooms.filter(({ id }) => id !== room);
     return el("div", {}, el("p", {}, el("b", {}, title), now ? `: ${now}` : ""),
       el("div", { className: "row" }, button("White", () => set("white")), el("label", { className: "check" }, colour, "Colour"), now ? button("As found", () => set(null)) : null),
       ["door", "trim"].includes(kind) ? null : el("div", { className: "row" },
         choose("Material\u2026", Object.keys(this.library).map((name) => [name, name])),
-        choose("Same as in\u2026", rooms.map((id) => [`same:${id}`, id])),
+        choose("Same as in\u2026", rooms.map((other) => [`same:${other.id}`, labelOf(other)])),
         choose("As in photo\u2026", photos.map(({ name }) => [`photo:${name}`, name]))));
   }
 }

@@ -6,12 +6,12 @@ const STATES = { none: "no house yet", running: "being made\u2026", done: "house
 const { projects, folder } = JSON.parse(document.getElementById("start").textContent);
 const nothing = el("li", { className: "soft" }, "No home yet: give one a name.");
 
-document.getElementById("projects").append(...(projects.length ? projects.map(({ name, state, preview }) =>
-  el("li", {}, el("a", { href: `p/${name}/` }, preview ? el("img", { src: `p/${name}/results/preview.png`, alt: "" }) : el("div", { className: "blank" }, "plan"), el("strong", {}, name), el("span", {}, STATES[state])))) : [nothing]));
+document.getElementById("projects").append(...(projects.length ? projects.map(({ name, title, state, preview }) =>
+  el("li", {}, el("a", { href: `p/${name}/` }, preview ? el("img", { src: `p/${name}/results/preview.png`, alt: "" }) : el("div", { className: "blank" }, "plan"), el("strong", {}, title), el("span", {}, STATES[state])))) : [nothing]));
 document.getElementById("folder").textContent = `Homes are folders in ${folder}.`;
 document.getElementById("new").addEventListener("submit", async (event) => {
   event.preventDefault();
-  const name = event.target.elements.name.value.trim().replace(/[^A-Za-z0-9_.-]+/g, "_");
+  const name = event.target.elements.name.value.trim();
   const answer = await fetch("projects", { method: "POST", body: JSON.stringify({ name }) });
   const found = await answer.json();
   if (answer.ok) location.href = `p/${found.name}/`;

@@ -11,6 +11,7 @@ import csv
 import hashlib
 import io
 import json
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ from plan2scene.finishes import check_finish, finishes_file, finishes_text, read
 from plan2scene.house import SurfaceKey
 from plan2scene.io import atomic_path, read_json, safe_join, write_json, write_text
 from plan2scene.plans.plan_json import FORMAT
+from plan2scene.plans.room_names import fit_id
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,59}")
 _PHOTO = re.compile(r"(?i).+\.(jpe?g|png|webp|tiff?|bmp|gif)")
@@ -46,6 +48,12 @@ class Project:
     def name(self) -> str:
         """The house's name."""
         return self.path.name
+
+    @property
+    def title(self) -> str:
+        """What its owner calls it."""
+        name = self._extra().get("name")
+        return name if isinstance(name, str) and name else self.name
 
     @property
     def photos(self) -> Path:
@@ -185,15 +193,18 @@ class Projects:
         return Project(self.root / name)
 
     def make(self, name: str) -> Project:
-        """Make an empty project."""
-        if not _NAME.fullmatch(name):
-            raise InputError("a name of letters, digits, '_', '-' and '.'", repr(name))
-        project = Project(self.root / name)
-        try:
-            project.path.mkdir()
-        except FileExistsError:
-            raise InputError("a name that no other project has", name) from None
-        write_json(project.path / EXTRA, {"photos": [], "place": None})
+        """Make an empty project; its folder is named by letters of `name` that may name one."""
+        shown = " ".join(name.encode("utf-8", "replace").decode().split())[:60]
+        if not shown or any(shown == self.get(other).title for other in self.names()):
+            raise InputError("a name that no other project has", repr(shown))
+        stem = own = fit_id(shown, "home")
+        number = 1
+        while os.path.lexists(self.root / own):
+            number += 1
+            own = f"{stem[:50]}_{number}"
+        project = Project(self.root / own)
+        project.path.mkdir()
+        write_json(project.path / EXTRA, {"photos": [], "place": None, "name": shown})
         return project
 
 

@@ -262,6 +262,7 @@ def make_house(project: Project, settings: Mapping[str, Any]) -> None:
         photo_table=table if has_rows else None,
         photos_dir=project.photos if has_rows else None,
         house=project.name,
+        name=project.title,
         method=settings["method"],
         metres_per_pixel=None,
         seed=0,

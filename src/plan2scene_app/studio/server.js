@@ -1,7 +1,7 @@
 // The studio's side of the editor: every change is kept on the server; changes of other tabs come in.
 
 import { completed } from "./app.js";
-import { newPlan } from "./document.js";
+import { newPlan, roomCalled } from "./document.js";
 import { ask, button, el } from "./dom.js";
 import { askReading } from "./reading.js";
 
@@ -22,7 +22,9 @@ export const photoUrl = (name) => `photos/${encodeURIComponent(name)}`;
 
 /** The state of the editor out of the server's. */
 export function editorState(found, rules) {
-  return { plan: found.plan ? completed(found.plan, rules) : newPlan(rules), photos: found.photos, picture: found.place };
+  const plan = found.plan ? completed(found.plan, rules) : newPlan(rules);
+  const photos = found.photos.map(({ name, rooms }) => ({ name, rooms: rooms.map((room) => roomCalled(plan.rooms, room)) }));
+  return { plan, photos, picture: found.place };
 }
 
 export class Server {

@@ -63,7 +63,7 @@ async function readHouse() {
 
 function listOf({ rooms: entries = [], levels: storeys = [] }) {
   // Rooms with titles that tell them apart, their floor's area, and a point inside.
-  const kind = (room) => room.types.join(" / ");
+  const kind = (room) => room.name ?? room.types.join(" / ");
   const count = new Map(), seen = new Map();
   entries.forEach((room) => count.set(kind(room), (count.get(kind(room)) || 0) + 1));
   levels = [...storeys].sort((a, b) => a.elevation - b.elevation);

@@ -75,7 +75,7 @@ def _card(scene: Path, base: Path) -> str:
     folder = scene.parent
     house = read_scene_json(scene, folder.name)
     area = sum(room_polygon(room).area for room in house.rooms)
-    name = html.escape(house.id)
+    name = html.escape(house.title)
     links = " ".join(
         f'<a href="{_link(folder / file, base)}">{title}</a>' for file, title in _FILES
     )

@@ -39,6 +39,7 @@ def build_viewer(
     output: str | Path,
     *,
     house_id: str,
+    title: str = "",
     facts: Mapping[str, Any] = NO_FACTS,
 ) -> None:
     """Write the viewer of a house.
@@ -53,7 +54,8 @@ def build_viewer(
     output : path
         An HTML file; it opens from the disk in any browser with WebGL 2.
     house_id : str
-        Shown as the title.
+    title : str
+        What people call the house; its id without.
     facts : mapping
         What a click shows beside the GLB, see :func:`plan2scene_app.viewer.viewer_page.read_facts`.
 
@@ -75,7 +77,7 @@ def build_viewer(
     )
     page = html_page(
         _FOLDER / "viewer.html",
-        title=house_id,
+        title=title or house_id,
         style=style,
         policy=policy,
         library=library,

@@ -132,7 +132,10 @@ def test_schema_faults(tmp_path, change, line):
     ("change", "line"),
     [
         ({"types": ["Ballroom"]}, ", room a: expected a room type (Reception, Bedroom, Kitchen"),
-        ({"colour": "red"}, ", room a: expected only the keys id, types, polygon, holes, height"),
+        (
+            {"colour": "red"},
+            ", room a: expected only the keys id, name, types, polygon, holes, height",
+        ),
         ({"polygon": [[0, 0], [1, 0]]}, ", room a: expected minItems 3 at rooms[0].polygon"),
         ({"polygon": [[0, 0], [1, 0], [1e9, 1]]}, ", room a: expected a coordinate within 1000 m"),
         ({"height": -1}, ", room a: expected exclusiveMinimum 0 at rooms[0].height, found -1"),

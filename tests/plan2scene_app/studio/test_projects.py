@@ -110,9 +110,13 @@ def test_names_and_links_of_projects(tmp_path):
     (tmp_path / "other" / "plan.json").write_text("{}")
     (tmp_path / "homes" / "link").symlink_to(tmp_path / "other")
     assert projects.names() == ["home"]
-    for name in ("home", "..", "a/b", ".hidden", "", "link"):
+    for name in ("home", " ", ""):
         with pytest.raises(InputError):
             projects.make(name)
+    named = {"..": "home_2", "a/b": "a_b", ".hidden": "hidden", "link": "link_2", "Дача": "home_3"}
+    for name, own in named.items():
+        made = projects.make(name)
+        assert (made.name, made.title, made.path.parent) == (own, name, tmp_path / "homes")
     for name in ("..", "link", "other"):
         with pytest.raises(InputError):
             projects.get(name)

@@ -1,0 +1,60 @@
+"""Names that people give are kept in any script; ids are made of them and differ."""
+
+import json
+import re
+from zipfile import ZipFile
+
+import pytest
+
+from plan2scene.datasets.assignments import read_assignment
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.plan_json import house_to_plan
+from plan2scene.plans.room_names import free_id
+from plan2scene.plans.scene_json import house_of_scene
+from plan2scene.plans.scene_writer import house_to_scene
+from plan2scene_app.doubts.page import PlacedPhoto, doubt_lines
+from plan2scene_app.exports.ifc4 import write_ifc
+from plan2scene_app.exports.plan_sheet import write_plan
+
+NAMES = ("חדר מגורים", "Kök & matplats", "居間", "Спальня", "living")
+
+
+@pytest.fixture
+def house(tmp_path):
+    """A Sweet Home 3D file's rooms of those names."""
+    rooms = ""
+    for k, name in enumerate(NAMES):
+        corners = ((x + 400 * k, y) for x, y in ((0, 0), (400, 0), (400, 300), (0, 300)))
+        points = "".join(f"<point x='{x}' y='{y}'/>" for x, y in corners)
+        rooms += f"<room name='{name.replace('&', '&amp;')}'>{points}</room>"
+    with ZipFile(tmp_path / "home.sh3d", "w") as file:
+        file.writestr("Home.xml", f"<?xml version='1.0'?><home version='6400'>{rooms}</home>")
+    return read_plan(tmp_path / "home.sh3d", "home")
+
+
+def test_ids_differ_and_names_stay(house, tmp_path):
+    assert [r.id for r in house.rooms] == ["room", "kok_matplats", "room_2", "room_3", "living"]
+    taken = set()
+    made = [free_id(name, taken) for name in ("Спальня", "Кухня 2", "_", "Ванная A", "12", "a")]
+    assert made == ["room", "room_2", "room_3", "a", "12", "a_2"]
+    scene = json.loads(json.dumps(house_to_scene(house)))
+    (tmp_path / "plan.json").write_text(json.dumps(house_to_plan(house)), encoding="utf-8")
+    again = (house_of_scene(scene, "home"), read_plan(tmp_path / "plan.json", "home"))
+    for each in (house, *again):
+        assert tuple(room.label for room in each.rooms) == NAMES
+    table = tmp_path / "photos.csv"
+    table.write_text("room_id,photo\nспальня,a.jpg\nKÖK &  matplats,b.jpg\nroom_2,c.jpg\n", "utf-8")
+    rows = read_assignment(table, house)
+    assert [row.room_id for row in rows] == ["room_3", "kok_matplats", "room_2"]
+
+
+def test_names_are_shown(house, tmp_path):
+    write_plan(house, {}, tmp_path)
+    shown = set(re.findall(r">([^<>]+)<", (tmp_path / "plan.svg").read_text("utf-8")))
+    assert {name.replace("&", "&amp;") for name in NAMES} <= shown
+    write_ifc(house, {}, tmp_path)
+    text = (tmp_path / "house.ifc").read_text()
+    assert all(f"{ord(letter):04X}" in text for letter in "ח間С") and "k & matplats" in text
+    lines = list(doubt_lines(house, [PlacedPhoto("a.jpg", "room_3", 0.5)], [], []))
+    assert lines[0].startswith("a.jpg is in Спальня with")
+    assert "no photo shows חדר מגורים, Kök & matplats" in lines[1]
