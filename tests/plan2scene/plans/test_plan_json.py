@@ -117,7 +117,7 @@ def test_opening_over_the_end_is_cut_with_a_warning(tmp_path):
     [
         (
             {"scale": 2},
-            ": expected only the keys format, version, wall_depth, picture, levels, ",
+            ": expected only the keys format, version, name, wall_depth, picture, levels, ",
         ),
         ({"version": 2}, ": expected 1 at version, found 2"),
         ({"rooms": []}, ": expected minItems 1 at rooms, found []"),
