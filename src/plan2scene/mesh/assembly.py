@@ -13,7 +13,7 @@ from shapely.ops import unary_union
 
 from plan2scene.house import House, Level, Stairs
 from plan2scene.mesh.fittings import objects
-from plan2scene.mesh.joinery import LEAF_COLOUR, fixtures
+from plan2scene.mesh.joinery import LEAF_COLOUR, fixtures, is_hatch
 from plan2scene.mesh.parts import GRID_DECIMALS, MeshPart, numbered
 from plan2scene.mesh.stairs import handrails, railing, stair_parts, well_railings
 from plan2scene.mesh.structure import (
@@ -98,10 +98,9 @@ def build_storey(
         leaf = leaves.get(portal.hole.opening.id, usual)
         # Leaves open into rooms, not into the halls that join them.
         inwards = portal.other is None or doors[portal.side.room_id] <= doors[portal.other]
-        hatch = {portal.side.room_id, portal.other} <= indoors
         rooms = (portal.side.room_id, portal.other)
         trim = next((trims[room] for room in rooms if room in trims), all_trim)
-        made = fixtures(portal, leaf, trim, inwards=inwards, hatch=hatch)
+        made = fixtures(portal, leaf, trim, inwards=inwards, hatch=is_hatch(portal, indoors))
         parts.extend(([strip] if strip is not None else []) + made)
     parts.extend(objects(house, sides, polygons))
     if below is not None:

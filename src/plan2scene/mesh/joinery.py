@@ -6,6 +6,7 @@ Sizes in metres are those of ordinary joinery; the opening gives width and heigh
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,6 +59,12 @@ def fixtures(
     if hole.opening.kind == "window":
         return _window(portal, trim or FRAME_COLOUR, hatch=hatch)
     return [_door(portal, leaf, trim, 1.0 if inwards else -1.0)]
+
+
+def is_hatch(portal: Portal, indoors: Collection[str]) -> bool:
+    """Return whether an opening is a window between two rooms, `indoors` by their ids."""
+    window = portal.hole.opening.kind == "window"
+    return window and portal.side.room_id in indoors and portal.other in indoors
 
 
 def _centre(portal: Portal) -> np.ndarray:

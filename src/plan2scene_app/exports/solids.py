@@ -17,7 +17,7 @@ from shapely.ops import unary_union
 
 from plan2scene.house import House
 from plan2scene.mesh.assembly import Assembly, Storey, assemble
-from plan2scene.mesh.joinery import JOINERY
+from plan2scene.mesh.joinery import JOINERY, is_hatch
 from plan2scene.mesh.parts import MeshPart, numbered
 from plan2scene.mesh.polygons import polygons_of, triangulate
 from plan2scene.mesh.structure import Body, open_plate
@@ -85,7 +85,8 @@ def house_solids(house: House, assembly: Assembly | None = None) -> list[Solid]:
     """Return the solids of a house: slabs, walls with their holes, door leaves, panes, objects.
 
     Doors and passages are holes through the walls with floor in them; a leaf fills its door when
-    shut. Windows are filled by a pane. `assembly` is the house's, when at hand.
+    shut. A pane fills a window, nothing a hatch between rooms. `assembly` is the house's, when at
+    hand.
     """
     assembly = assemble(house) if assembly is None else assembly
     solids: list[Solid] = []
@@ -110,8 +111,10 @@ def storey_solids(storey: Storey) -> list[Solid]:
                 solids.append(Solid(f"{room.id}/{surface}", surface, (room.id,), pieces))
     solids.extend(_walls(storey, ways))
     solids.extend(_thresholds(storey, ways))
+    indoors = {room.id for room in storey.house.rooms if not room.open_air}
     for portal in storey.portals:
-        solids.extend(_fillings(portal))
+        if not is_hatch(portal, indoors):
+            solids.extend(_fillings(portal))
     solids.extend(_boxed(part) for part in storey.parts if part.extras["kind"] in BOXED)
     return solids
 

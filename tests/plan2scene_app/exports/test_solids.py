@@ -1,5 +1,7 @@
 """Bodies of a house: closed, convex, where the plan has them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -79,3 +81,13 @@ def test_a_leaf_opens_into_its_room(request, name):
     room = house.room(leaf.room_ids[0])
     inside = shapely.Polygon(room.rings[0]).buffer(0.06)
     assert inside.contains(shapely.MultiPoint(moved[:, [0, 2]]).convex_hull)
+
+
+def test_a_hatch_between_rooms_has_no_pane(gap_house):
+    def glazed(wall):
+        openings = tuple(replace(o, kind="window", bottom=1.0) for o in wall.openings)
+        return replace(wall, openings=openings)
+
+    walls = tuple(glazed(wall) for wall in gap_house.walls)
+    solids = house_solids(replace(gap_house, walls=walls, doors=()))
+    assert {solid.category for solid in solids}.isdisjoint({"window", "door"})
