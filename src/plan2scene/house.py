@@ -113,8 +113,8 @@ class Room:
     """A room: its types (several for open plan), outline and height in metres.
 
     `rings[0]` is the outline, further rings are holes. `level` is the id of one of the house's
-    levels; empty where it has none. `name` is what people call it, in any script; empty where the
-    id says so.
+    levels; empty where it has none. `name` is what people call it, in any script; empty where it
+    is not known.
     """
 
     id: str

@@ -41,7 +41,7 @@ def test_ids_differ_and_names_stay(house, tmp_path):
     (tmp_path / "plan.json").write_text(json.dumps(house_to_plan(house)), encoding="utf-8")
     again = (house_of_scene(scene, "home"), read_plan(tmp_path / "plan.json", "home"))
     for each in (house, *again):
-        assert tuple(room.label for room in each.rooms) == NAMES
+        assert tuple(room.title for room in each.rooms) == NAMES
     table = tmp_path / "photos.csv"
     table.write_text("room_id,photo\nспальня,a.jpg\nKÖK &  matplats,b.jpg\nroom_2,c.jpg\n", "utf-8")
     rows = read_assignment(table, house)

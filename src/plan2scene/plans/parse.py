@@ -103,12 +103,11 @@ class Source:
             raise self.fault(f"{what} of letters, digits, '_', '-' and '.'", found, room)
         return text
 
-    def shown_name(self, value: Any, identifier: str) -> str:
-        """Return the name for people that a file gives; empty where the id says as much."""
+    def shown_name(self, value: Any) -> str:
+        """Return the name for people that a file gives; empty for none."""
         text = value if isinstance(value, str) else ""
         name = " ".join(text.encode("utf-8", "replace").decode().split())[:MAX_NAME_LENGTH]
-        name = "".join(letter for letter in name if letter.isprintable())
-        return "" if name == identifier else name
+        return "".join(letter for letter in name if letter.isprintable())
 
     def point(self, value: Any, what: str, room: str = "") -> tuple[float, float, float]:
         """Return an [x, y, z] point as floats ([x, z] gets y = 0)."""

@@ -63,7 +63,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
         level = level_of(source, entry, levels, f"room {entry['id']}", entry["id"])
         height = float(entry.get("height", heights.get(level, DEFAULT_HEIGHT)))
         types = dict.fromkeys(source.room_type(name, entry["id"]) for name in entry["types"])
-        name = source.shown_name(entry.get("name"), entry["id"])
+        name = source.shown_name(entry.get("name"))
         rooms.append(Room(entry["id"], tuple(types), tuple(rings), height, level, name))
     levels = used_levels(source, levels, rooms)
     source.limit_corners(rooms)
@@ -77,7 +77,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
         doors=find_doors(rooms, walls),
         levels=levels,
         stairs=linked(_stairs(source, document.get("stairs", []), levels), rooms, levels),
-        name=source.shown_name(document.get("name"), house_id),
+        name=source.shown_name(document.get("name")),
         warnings=tuple(source.warnings),
     )
 

@@ -278,7 +278,7 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
         icons=_read_icons(source, arch, levels),
         levels=levels,
         stairs=linked(read_stairs(source, arch, levels), tuple(rooms.values()), levels),
-        name=source.shown_name(arch.get("name"), house_id),
+        name=source.shown_name(arch.get("name")),
         warnings=tuple(source.warnings),
     )
 
@@ -300,7 +300,7 @@ def _read_rooms(
     plates = _read_plates(source, elements)
     types = _room_types(source, arch, list(plates["Floor"] or plates["Ceiling"]))
     shown = {
-        str(entry.get("id")): source.shown_name(entry.get("name"), str(entry.get("id")))
+        str(entry.get("id")): source.shown_name(entry.get("name"))
         for entry in source.items(arch.get("rooms"), "rooms")
     }
     for room_id in [*plates["Floor"], *plates["Ceiling"]]:

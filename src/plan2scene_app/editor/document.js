@@ -100,9 +100,8 @@ export const withRooms = (plan, change) => ({ ...plan, rooms: plan.rooms.map(cha
 
 export function renameRoom(state, from, name) {
   const to = freeId(fitId(name), state.plan.rooms.filter((room) => room.id !== from));
-  const renamed = ({ id, name: old, ...room }) => (to === name ? { id: to, ...room } : { id: to, name, ...room });
   return {
-    plan: withRooms(state.plan, (room) => (room.id === from ? renamed(room) : room)),
+    plan: withRooms(state.plan, (room) => (room.id === from ? { ...room, id: to, name } : room)),
     photos: state.photos.map((photo) => ({ ...photo, rooms: photo.rooms.map((id) => (id === from ? to : id)) })),
     to,
   };

@@ -292,7 +292,8 @@ def annotate(
         second = captions.get(room.id, "") if captions else f"{whole.area:.1f} m²"
         full = f"{types}\n{second}".strip()
         # A small room gets a small label, and none where a larger room's label is.
-        for text, size in ((full, 15), (full if captions else types, 11), (types, 11)):
+        short, kinds = (full if captions else types, 11), " / ".join(room.types)
+        for text, size in ((full, 15), short, (types, 11), (kinds, 11)):
             if _label(draw, text, centre, size, taken, whole, scale):
                 break
     x0, y0 = 24, picture.height - 26

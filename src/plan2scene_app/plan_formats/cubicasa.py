@@ -103,7 +103,7 @@ def _drawing(source: Source, storey: _Storey, m: float) -> Drawing:
     drawing = Drawing()
     for words, area, _ in storey.of("Space"):
         ring = source.ring([(x * m, y * m) for x, y in area.exterior.coords], " ".join(words))
-        drawing.rooms.append(DrawnRoom(" ".join(words), (ring,)))
+        drawing.rooms.append(DrawnRoom(" ".join(words), (ring,), called=False))
     for _, area, _ in storey.of("Wall", "Railing"):
         axis = axis_of_area(metric(area))
         drawing.axes += [] if axis is None else [axis]

@@ -57,13 +57,15 @@ MAX_LINES = 3
 class DrawnRoom:
     """A room as drawn: its name as written, its rings (x, z) in metres, its height if given.
 
-    `types` where the format has them; else they are read from the name.
+    `types` where the format has them; else they are read from the name. `called` where people
+    gave that, no program.
     """
 
     name: str
     rings: tuple[Ring, ...]
     height: float | None = None
     types: tuple[str, ...] = ()
+    called: bool = True
 
 
 @dataclass
@@ -213,7 +215,7 @@ def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
             source.warn("a name that tells what room it is", f"{room.name!r}; Unknown", name)
         rings = tuple(source.outline(ring, name) for ring in room.rings)
         height = room.height or drawing.height
-        shown = source.shown_name(room.name, name)
+        shown = source.shown_name(room.name) if room.called else ""
         rooms.append(Room(name, types or ("Unknown",), rings, height, name=shown))
     return rooms
 

@@ -180,7 +180,7 @@ def _labelled(source: Source, room: dict[str, Any], ring: Ring, height: float) -
         if polygon.is_valid and polygon.buffer(0.2).contains(ShapelyPoint(x, z)):
             labels.append(str(item.get("label", "")))
     types = [kind for label in labels for kind in room_types(label)]
-    return DrawnRoom(" ".join(labels), (ring,), height, tuple(dict.fromkeys(types)))
+    return DrawnRoom(" ".join(labels), (ring,), height, tuple(dict.fromkeys(types)), called=False)
 
 
 def _floor_ring(source: Source, floor: Any, name: str) -> Ring:

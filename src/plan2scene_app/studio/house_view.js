@@ -149,10 +149,10 @@ export class HouseView {
     const pictures = { Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", "Photos to crops": "contact_sheet.png" };
     if (this.view in pictures) {
       const image = el("img", { src: at(pictures[this.view]), alt: this.view, title: "Click: full size, or to fit", onclick: () => image.classList.toggle("full") });
-      return el("div", { className: "pane" }, image);
+      return el("div", { className: "pane", tabIndex: 0, role: "region", "aria-label": this.view }, image);
     }
     const time = files["house.glb"];
-    return el("div", { className: "pane" }, el("div", { className: "tiles" }, tiles.map((name) => {
+    return el("div", { className: "pane", tabIndex: 0, role: "region", "aria-label": this.view }, el("div", { className: "tiles" }, tiles.map((name) => {
       const tile = el("div", { className: "tile", role: "img", "aria-label": name });
       tile.style.backgroundImage = `url("results/textures/${name}?${time}")`;
       return el("figure", {}, tile, el("figcaption", {}, name.replace(/\.png$/, "").replaceAll("_", " ")));
