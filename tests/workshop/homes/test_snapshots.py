@@ -22,7 +22,7 @@ from plan2scene_workshop.rendering.sources import Sources
 pytest.importorskip("drjit", exc_type=ImportError)
 
 
-def fake_shots(house, room_id, materials, accents, decor, count, seed, *, long_side, mi):
+def fake_shots(house, room_id, materials, accents, decor, count, seed, *, long_side, mi, listed):
     """Yield `count` photos of noise."""
     size = (3 * long_side // 4, long_side)
     for k in range(count):

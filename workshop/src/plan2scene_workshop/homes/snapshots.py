@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import logging
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.residences import clear_photos, write_assignment, write_photo
 from plan2scene_workshop.homes.style import PLAIN, VARIED, accent_walls, assign_materials
-from plan2scene_workshop.rendering.decor import Decor, draw_decor
+from plan2scene_workshop.rendering.decor import Decor, draw_decor, listing_decor
 from plan2scene_workshop.rendering.snapshots import Snapshot, shoot_room
 from plan2scene_workshop.rendering.sources import Sources
 from plan2scene_workshop.rendering.tracer import load_mitsuba
@@ -29,6 +30,12 @@ from plan2scene_workshop.rendering.tracer import load_mitsuba
 _LOGGER = logging.getLogger("plan2scene")
 #: Chance that a room of a type is photographed; 1 for those not named.
 _CHANCE = {"Corridor": 0.2, "Entrance": 0.2, "Closet": 0.05, "Balcony": 0.1, "Terrace": 0.2}
+#: The same for homes as they are listed, and how often what is built in stands in them.
+_CHANCE_LISTED = {
+    **{"Corridor": 0.4, "Entrance": 0.5, "Closet": 0.5, "Staircase": 0.3, "Bedroom": 0.7},
+    **{"Balcony": 0.0, "Terrace": 0.0, "Outdoor": 0.0, "Unknown": 0.0, "Reception": 0.8},
+}
+_BUILT_IN_LISTED = 2.0
 #: Of homes that people have moved out of, those with one floor and one pale paint all through.
 PLAIN_SHARE = 0.6
 
@@ -42,6 +49,7 @@ class SnapshotOptions:
     randomised: float = 0.5  #: share of the rooms that are randomised
     emptied: float = 0.0  #: share of the rooms that were moved out of
     covered: float = 0.0  #: share of the windows that blinds or curtains shut
+    listed: bool = False  #: homes as they are listed: rooms full of what they are used for
     targets: bool = True  #: write normals and depth beside the masks
     jpeg_quality: tuple[int, int] = (50, 95)  #: range, drawn per photo
     variant: str | None = None  #: of Mitsuba, a vectorised one
@@ -72,7 +80,7 @@ def write_snapshots(
     cameras: dict[str, Any] = {}
     clear_photos(root, house_id)
     with atomic_directory(root / "truth" / split / house_id) as truth:
-        for room_id in _rooms(house, rng):
+        for room_id in _rooms(house, rng, _CHANCE_LISTED if options.listed else _CHANCE):
             decor = _decor(house_id, room_id, seed, options, sources, rng)
             shots = shoot_room(
                 house,
@@ -84,6 +92,7 @@ def write_snapshots(
                 decor.seed,
                 long_side=options.long_side,
                 mi=mi,
+                listed=options.listed,
             )
             for shot in shots:
                 name = f"{house_id}_{len(cameras):02d}.jpg"
@@ -125,14 +134,24 @@ def _decor(
         randomised=bool(rng.random() < options.randomised),
         emptied=bool(generator(room_seed, "emptied").random() < options.emptied),
     )
+    if options.listed:
+        decor = _listed(decor, sources, room_seed)
     return replace(decor, covered=options.covered)
 
 
-def _rooms(house: House, rng: np.random.Generator) -> list[str]:
+def _listed(decor: Decor, sources: Sources, seed: int) -> Decor:
+    """Return the decor of a room that shows what it is used for, half of them tidied up."""
+    if not (decor.randomised or decor.emptied) and generator(seed, "tidied").random() < 0.5:
+        decor = listing_decor(sources, seed)
+    style = replace(decor.style, kind=None, bulk="", built_in=_BUILT_IN_LISTED)
+    return replace(decor, style=style)
+
+
+def _rooms(house: House, rng: np.random.Generator, chance: Mapping[str, float]) -> list[str]:
     return [
         room.id
         for room in house.rooms
-        if rng.random() < _CHANCE.get(room.types[0] if room.types else "", 1.0)
+        if rng.random() < chance.get(room.types[0] if room.types else "", 1.0)
         and not room_polygon(room).buffer(-0.5).is_empty
     ]
 

@@ -39,6 +39,8 @@ LIGHT_SCALE, LIGHT_SAMPLES = 0.375, 6
 #: Aspect ratios (long side / short side) and how often.
 _ASPECTS = {4 / 3: 0.7, 3 / 2: 0.15, 16 / 9: 0.1, 1.0: 0.05}
 _PORTRAIT = 0.25
+#: Share of photos by a worse camera or photographer; of a listing's.
+_WILD, _WILD_LISTED = 0.7, 0.2
 #: Candidates per view, and the height of the coarse cast that judges them.
 _CANDIDATES, _COARSE = 6, 24
 #: Most of a view of an emptied room that doors fill.
@@ -68,19 +70,26 @@ def shoot_room(
     *,
     long_side: int,
     mi: Any,
+    listed: bool = False,
 ) -> Iterator[Snapshot]:
-    """Yield up to `count` snapshots of a room; fewer where it has too few places to stand."""
+    """Yield up to `count` snapshots of a room; fewer where it has too few places to stand.
+
+    Those of a `listed` home are wide views from the rim of a room, by better photographers.
+    """
     scene = build_room_scene(
         house, room_id, decor.materials(materials), accents, (), seed, decor=decor
     )
     tracer = QuickTracer(scene.geometry, scene.finishes, mi)
     gloss = draw_gloss(tracer.names, tracer.finishes, generator(seed, room_id, "gloss"))
     rng = generator(seed, house.id, room_id, "snapshots")
-    for index, (view, size) in enumerate(
-        choose_views(tracer, house.room(room_id), count, long_side, rng, things=not decor.emptied)
-    ):
+    room = house.room(room_id)
+    views = choose_views(
+        tracer, room, count, long_side, rng, things=not decor.emptied, listed=listed
+    )
+    wild = 1.0 if decor.randomised else _WILD_LISTED if listed else _WILD
+    for index, (view, size) in enumerate(views):
         view = replace(view, seed=derive_seed(seed, house.id, room_id, "snapshot", index))
-        yield _shoot(tracer, scene.outside, gloss, view, size, randomised=decor.randomised)
+        yield _shoot(tracer, scene.outside, gloss, view, size, wild=wild)
 
 
 def choose_views(
@@ -91,17 +100,18 @@ def choose_views(
     rng: np.random.Generator,
     *,
     things: bool = True,
+    listed: bool = False,
 ) -> list[tuple[View, tuple[int, int]]]:
     """Return views and photo sizes (height, width), chosen among random ones by what they see.
 
-    What a room is full of is looked for where `things` says so.
+    What a room is full of is looked for where `things` says so; `listed` as of `shoot_room`.
     """
     inner = room_polygon(room).buffer(-0.2)
     if inner.is_empty:
         return []
     candidates = []
     for _ in range(_CANDIDATES * count):
-        view, size = _candidate(room, inner, long_side, rng)
+        view, size = _candidate(room, inner, long_side, rng, listed=listed)
         score = _score(tracer, view, size, things=things)
         if score is not None:
             candidates.append((score + rng.uniform(0, 0.8), view, size))
@@ -121,18 +131,28 @@ def _alike(a: View, b: View) -> float:
 
 
 def _candidate(
-    room: Room, inner: shapely.Polygon, long_side: int, rng: np.random.Generator
+    room: Room,
+    inner: shapely.Polygon,
+    long_side: int,
+    rng: np.random.Generator,
+    *,
+    listed: bool,
 ) -> tuple[View, tuple[int, int]]:
-    """Draw a camera anywhere in the room: half of them as a hand-held depth camera sees."""
+    """Draw a camera anywhere in the room: half of them as a hand-held depth camera sees.
+
+    That of a listing looks into the room from its rim.
+    """
     x0, z0, x1, z1 = inner.bounds
     while True:
         x, z = rng.uniform((x0, z0), (x1, z1))
         if inner.contains(shapely.Point(x, z)):
             break
-    if rng.random() < 0.5:
+    if listed or rng.random() < 0.5:
         x, z = _towards_rim(inner, x, z, rng)
     kind = rng.random()
-    if kind < 0.5:
+    if listed:
+        fov, height, pitch = rng.uniform(62, 105), rng.uniform(1.1, 1.65), rng.normal(-5, 5)
+    elif kind < 0.5:
         fov, height, pitch = rng.uniform(52, 66), rng.uniform(0.9, 1.7), rng.normal(-13, 9)
     elif kind < 0.8:
         fov, height, pitch = rng.uniform(62, 92), rng.uniform(1.1, 1.75), rng.normal(-4, 6)
@@ -152,7 +172,7 @@ def _candidate(
     )
     aspect = float(rng.choice(list(_ASPECTS), p=list(_ASPECTS.values())))
     short = 2 * round(long_side / aspect / 2)
-    tall = kind >= 0.5 and rng.random() < 2 * _PORTRAIT
+    tall = kind >= 0.5 and rng.random() < (1 if listed else 2) * _PORTRAIT
     return view, (long_side, short) if tall else (short, long_side)
 
 
@@ -196,7 +216,7 @@ def _shoot(
     view: View,
     size: tuple[int, int],
     *,
-    randomised: bool,
+    wild: float,
 ) -> Snapshot:
     rng = generator(view.seed, "camera")
     coarse = (round(size[0] * LIGHT_SCALE), round(size[1] * LIGHT_SCALE))
@@ -213,7 +233,7 @@ def _shoot(
     light = upsample(light, (small.normal, small.position), (hits.normal, hits.position))
     light = light + flash_light(view, hits, light, rng) + lamp_light(tracer, hits, light, rng)
     albedo = tracer.albedo(view, size)
-    style = _wild(draw_style(rng), rng) if randomised or rng.random() < 0.7 else draw_style(rng)
+    style = _wild(draw_style(rng), rng) if wild >= 1.0 or rng.random() < wild else draw_style(rng)
     shine = reflections(tracer, gloss, view, small, hits, light)
     light = merge_exposures(light, albedo.max(-1) > 0.02, style.range_kept)
     emitted = _emitted(tracer, outside, view, hits)
