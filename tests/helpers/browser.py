@@ -1,7 +1,9 @@
 """A headless Chromium that tests click through; tests are skipped where there is none."""
 
+import os
 import shutil
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -22,6 +24,21 @@ def chromium(*options):
         )
         yield browser
         browser.close()
+
+
+def serious_violations(evaluate):
+    """Return what axe-core finds serious or worse in a page that runs scripts by `evaluate`."""
+    folder = os.environ.get("GLTF_VALIDATOR_DIR")
+    if not folder:
+        pytest.skip("no npm package axe-core: install it and set GLTF_VALIDATOR_DIR")
+    evaluate((Path(folder) / "node_modules" / "axe-core" / "axe.min.js").read_text() + ";0")
+    found = evaluate("axe.run(document).then(({ violations }) => violations)")
+    return [
+        (entry["id"], node["html"])
+        for entry in found
+        if entry["impact"] in ("serious", "critical")
+        for node in entry["nodes"]
+    ]
 
 
 class Drawing:

@@ -145,7 +145,7 @@ export class HouseView {
   get place() { return this.finishes.surface ? `#room=${encodeURIComponent(this.finishes.surface.room)}` : ""; }
   paneOf(files, tiles) {
     const at = (name) => `results/${name}?${files[name] ?? ""}`;
-    if (this.view === "3D") return el("iframe", { src: at("viewer.html") + this.place, title: "The house in 3D", sandbox: "allow-scripts allow-downloads", allow: "fullscreen" });
+    if (this.view === "3D") return el("iframe", { src: at("viewer.html") + this.place, title: "The house in 3D", sandbox: "allow-scripts allow-downloads", allow: "fullscreen; xr-spatial-tracking" });
     const pictures = { Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", "Photos to crops": "contact_sheet.png" };
     if (this.view in pictures) {
       const image = el("img", { src: at(pictures[this.view]), alt: this.view, title: "Click: full size, or to fit", onclick: () => image.classList.toggle("full") });

@@ -15,7 +15,7 @@ let marked = null; // the room that the list marks
 let pace = 0, late = 0, early = 0;
 
 function refresh() {
-  if (pending || !renderer) return;
+  if (pending || !renderer || renderer.xr.isPresenting) return;
   pending = true;
   requestAnimationFrame((time) => {
     pending = false;
@@ -43,6 +43,7 @@ function keepPace(gap) {
 function draw(ratio) {
   // One picture. Edges of still ones are smoothed by drawing them larger: multisampling lets the wall
   // behind a corner shine through on software renderers.
+  if (renderer.xr.isPresenting) return;
   const width = canvas.clientWidth, height = canvas.clientHeight;
   if (renderer.getPixelRatio() !== ratio || canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio)) {
     renderer.setPixelRatio(ratio);
@@ -210,6 +211,7 @@ function listen() {
   $("map").addEventListener("click", clickMap);
   $("full").hidden = !document.fullscreenEnabled;
   $("full").addEventListener("click", () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()));
+  $("headset").addEventListener("click", enterHeadset);
   $("shot").addEventListener("click", savePicture);
   $("tall").addEventListener("change", (event) => { eye.height = Number(event.target.value); refresh(); });
   $("unit").addEventListener("change", (event) => {
@@ -268,6 +270,7 @@ async function start() {
   fit(parts, 0.92, canvas, 0.42, 0.62);
   if (innerWidth <= 600) $("fold").click();
   openLink();
+  offerHeadset();
   draw(1);
   $("message").textContent = "";
   document.body.dataset.ready = performance.now().toFixed(0);

@@ -28,7 +28,7 @@ _FOLDER = Path(__file__).parent
 #: The program's files, in the order in which they go into the page.
 PROGRAM = (
     *("house.js", "light.js", "eye.js", "sight.js", "walk.js", "travel.js", "map.js"),
-    *("tools.js", "viewer.js"),
+    *("tools.js", "headset.js", "viewer.js"),
 )
 #: What the page says of a house of which only the GLB is known.
 NO_FACTS: Mapping[str, Any] = {"surfaces": {}, "photos": []}

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from browser import serious_violations
 from PIL import Image
 
 from plan2scene.datasets.assignments import read_assignment
@@ -233,3 +234,10 @@ def test_what_was_not_saved_is_offered_again(drawing):
     drawing.page.reload()
     drawing.page.get_by_role("button", name="Go on with it").click()
     assert areas(drawing) == {"room": 12.0}
+
+
+def test_no_serious_violation_of_accessibility(drawing):
+    assert serious_violations(drawing.page.evaluate) == []
+    drawing.two_rooms()
+    drawing.click(1, 1)
+    assert serious_violations(drawing.page.evaluate) == []

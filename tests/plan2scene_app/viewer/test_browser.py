@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from browser import serious_violations
 from PIL import Image
 from viewer_page import ViewerPage
 
@@ -375,3 +376,35 @@ def test_the_index_page_shows_pictures_and_runs_nothing(browser, small_house, tm
     browser.open(page)
     red = (browser.picture() == (255, 0, 0)).all(axis=2)
     assert red.sum() > 2000
+
+
+HEADSET = """
+Object.defineProperty(navigator, "xr", {configurable: true, value: {
+  isSessionSupported: async (mode) => mode === "immersive-vr",
+  requestSession: async (...asked) => { window.asked = asked; throw new Error("nobody has it"); },
+}});
+offerHeadset()
+"""
+#: What looks along -z at the footing's origin stands in the house, and looks along the eye's way.
+STANDING = """(() => {
+  const { place, turn } = footing(), back = turn.clone().invert();
+  const looks = new THREE.Vector3(0, 0, -1).applyQuaternion(back);
+  return [...place.negate().applyQuaternion(back).toArray(), looks.dot(forward())];
+})()"""
+
+
+def test_a_headset_is_offered_where_there_is_one_and_stands_where_the_eye_is(view):
+    assert view.run('$("headset").hidden')
+    view.run(HEADSET)
+    view.page.click("#headset")
+    assert view.run("asked") == ["immersive-vr", {"requiredFeatures": ["local-floor"]}]
+    assert view.run('$("message").textContent') == "No headset: nobody has it"
+    view.run('$("message").textContent = ""; eye.feet.set(2, 0.5, 1); eye.yaw = 1; eye.pitch = 0')
+    assert np.allclose(view.run(STANDING), [2, 0.5, 1, 1])
+    view.run("delete navigator.xr; offerHeadset()")
+
+
+def test_no_serious_violation_of_accessibility(view):
+    assert serious_violations(view.run) == []
+    view.page.click("#walk")
+    assert serious_violations(view.run) == []
