@@ -238,7 +238,9 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     config["photos"]["known_fov_deg"] = request.fov_deg
     config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
     config["floorplans"]["dxf_layers"] = dict(request.dxf_layers or {}) or None
-    config["floorplans"]["names"] = {request.house: request.name} if request.name else None
+    config["floorplans"]["names"] = (
+        None if request.name in ("", request.house) else {request.house: request.name}
+    )
     config["textures"]["size_px"] = request.texture_size
     path = work / "config.yaml"
     write_text(path, yaml.safe_dump(config, sort_keys=False))

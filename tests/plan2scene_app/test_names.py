@@ -2,12 +2,12 @@
 
 import json
 import re
-from zipfile import ZipFile
 
 import pytest
 
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.plans.formats import read_plan
+from plan2scene.plans.parse import Source
 from plan2scene.plans.plan_json import house_to_plan
 from plan2scene.plans.room_names import free_id
 from plan2scene.plans.scene_json import house_of_scene
@@ -15,21 +15,18 @@ from plan2scene.plans.scene_writer import house_to_scene
 from plan2scene_app.doubts.page import PlacedPhoto, doubt_lines
 from plan2scene_app.exports.ifc4 import write_ifc
 from plan2scene_app.exports.plan_sheet import write_plan
+from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, house_of_drawing
 
 NAMES = ("חדר מגורים", "Kök & matplats", "居間", "Спальня", "living")
 
 
 @pytest.fixture
-def house(tmp_path):
-    """A Sweet Home 3D file's rooms of those names."""
-    rooms = ""
+def house():
+    rooms = []
     for k, name in enumerate(NAMES):
-        corners = ((x + 400 * k, y) for x, y in ((0, 0), (400, 0), (400, 300), (0, 300)))
-        points = "".join(f"<point x='{x}' y='{y}'/>" for x, y in corners)
-        rooms += f"<room name='{name.replace('&', '&amp;')}'>{points}</room>"
-    with ZipFile(tmp_path / "home.sh3d", "w") as file:
-        file.writestr("Home.xml", f"<?xml version='1.0'?><home version='6400'>{rooms}</home>")
-    return read_plan(tmp_path / "home.sh3d", "home")
+        ring = ((4.0 * k, 0.0), (4.0 * k + 4, 0.0), (4.0 * k + 4, 3.0), (4.0 * k, 3.0))
+        rooms.append(DrawnRoom(name, (ring,)))
+    return house_of_drawing(Source("f", "home"), Drawing(rooms))
 
 
 def test_ids_differ_and_names_stay(house, tmp_path):

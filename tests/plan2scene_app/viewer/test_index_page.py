@@ -11,16 +11,8 @@ def make(tmp_path, small_house):
     folder = tmp_path / "houses" / "small"
     folder.mkdir(parents=True)
     write_scene_json(small_house, folder / "scene.json")
-    for name in (
-        "viewer.html",
-        "house.glb",
-        "house.scene.json",
-        "preview.png",
-        "rooms.jpg",
-        "views.jpg",
-        "contact_sheet.png",
-        "texture_sheet.png",
-    ):
+    files = "viewer.html house.glb house.scene.json preview.png rooms.jpg views.jpg"
+    for name in (*files.split(), "contact_sheet.png", "texture_sheet.png"):
         (folder / name).write_bytes(b"x")
     (tmp_path / "tables").mkdir()
     rows = "method,n,color,note\nsynth,12,0.123456,a<b\ncrop,7,,none\n"
