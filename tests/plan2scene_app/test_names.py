@@ -32,8 +32,8 @@ def house():
 def test_ids_differ_and_names_stay(house, tmp_path):
     assert [r.id for r in house.rooms] == ["room", "kok_matplats", "room_2", "room_3", "living"]
     taken = set()
-    made = [free_id(name, taken) for name in ("Спальня", "Кухня 2", "_", "Ванная A", "12", "a")]
-    assert made == ["room", "room_2", "room_3", "a", "12", "a_2"]
+    made = [free_id(name, taken) for name in ("Спальня", "Кухня 2", "_", "Ванная A", "Køl 1", "a")]
+    assert made == ["room", "room_2", "room_3", "a", "kol_1", "a_2"]
     scene = json.loads(json.dumps(house_to_scene(house)))
     (tmp_path / "plan.json").write_text(json.dumps(house_to_plan(house)), encoding="utf-8")
     again = (house_of_scene(scene, "home"), read_plan(tmp_path / "plan.json", "home"))

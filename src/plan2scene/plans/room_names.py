@@ -57,9 +57,17 @@ _WHOLE = {"zimmer": "Bedroom", "c": "Closet", "cl": "Closet", "w i cl": "Closet"
 _TYPES = {name.lower(): name for name in ROOM_TYPES} | _WHOLE
 
 
+#: Latin letters that are no other letter with an accent.
+_WRITTEN = str.maketrans(
+    {"æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d", "ð": "d", "þ": "th", "ß": "ss", "ı": "i"}
+    | {"Æ": "Ae", "Œ": "Oe", "Ø": "O", "Ł": "L", "Đ": "D", "Ð": "D", "Þ": "Th"}
+)
+
+
 def fit_id(name: str, otherwise: str) -> str:
     """Return a name as an id: letters without their accents; `otherwise` for another script."""
-    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    plain = unicodedata.normalize("NFKD", name.translate(_WRITTEN))
+    plain = plain.encode("ascii", "ignore").decode()
     made = re.sub(r"[^A-Za-z0-9_.-]+", "_", plain).lstrip("._-").rstrip("_")[:60]
     lost = any(map(str.isalpha, name)) and not re.search("[A-Za-z]", made)
     return otherwise if lost or not made else made

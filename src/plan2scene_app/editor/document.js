@@ -74,9 +74,11 @@ export class Store {
 
 export const entryId = (entry, k, name) => entry.id ?? `${name}_${k}`;
 
+const WRITTEN = { æ: "ae", œ: "oe", ø: "o", ł: "l", đ: "d", ð: "d", þ: "th", ß: "ss", ı: "i", Æ: "Ae", Œ: "Oe", Ø: "O", Ł: "L", Đ: "D", Ð: "D", Þ: "Th" };
+
 /** Letters of an id: what is typed, made fit to name files; `otherwise` for another script. */
 export function fitId(text, otherwise = "room") {
-  const id = text.normalize("NFKD").replace(/[\u0300-\u036f]/g, "").replace(/[^A-Za-z0-9_.-]+/g, "_").replace(/^[._-]+|_+$/g, "").slice(0, 60);
+  const id = text.replace(/[^\x00-\x7f]/g, (letter) => WRITTEN[letter] ?? letter).normalize("NFKD").replace(/[\u0300-\u036f]/g, "").replace(/[^A-Za-z0-9_.-]+/g, "_").replace(/^[._-]+|_+$/g, "").slice(0, 60);
   return (/[A-Za-z]/.test(id) || !/\p{L}/u.test(text)) && id ? id : otherwise;
 }
 
