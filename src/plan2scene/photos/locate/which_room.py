@@ -14,7 +14,6 @@ import numpy as np
 
 from plan2scene.house import House, Room
 from plan2scene.photos.labels.palette import KINDS
-from plan2scene.plans.geometry import room_polygon
 from plan2scene.seeds import generator
 
 #: Room types and the kinds that photos of them look like; other types may be of any kind.
@@ -69,9 +68,6 @@ class WhichRoomSettings:
         }
     )
     rarely: float = 0.15
-    #: Power of a room's area in that, relative to 12 square metres, and of its present photos.
-    area: float = 0.5
-    usual_m2: float = 12.0
     #: A main room that no other photo shows is more probable by this.
     first: float = 2.0
     main: tuple[str, ...] = ("Reception", "Kitchen", "Bedroom", "Bathroom")
@@ -248,9 +244,8 @@ def _frequency(house: House) -> tuple[np.ndarray, np.ndarray]:
     """Return how often each room is photographed, and what a first photo of it adds."""
     often, first = [], []
     for room in house.rooms:
-        usual = max((WHICH.photographed.get(t, WHICH.rarely) for t in room.types), default=0.6)
-        area = room_polygon(room).area / WHICH.usual_m2
-        often.append(usual * float(np.clip(area, 0.1, 4.0)) ** WHICH.area)
+        usual = (WHICH.photographed.get(t, WHICH.rarely) for t in room.types)
+        often.append(max(usual, default=WHICH.photographed["Unknown"]))
         first.append(WHICH.first if set(room.types) & set(WHICH.main) else 0.0)
     return np.array([*often, 1.0]), np.array([*first, 0.0])
 

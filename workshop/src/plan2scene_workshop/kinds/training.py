@@ -36,7 +36,7 @@ Rooms without their furniture are told by their floors and walls alone. It is on
 class KindsSettings:
     """How the linear layer is fitted."""
 
-    penalty: float = 3e-4  #: of the squared weights (of standardised features over their root)
+    penalty: float = 1e-3  #: of the squared weights (of standardised features over their root)
     steps: int = 200  #: most steps of L-BFGS
     rare: float = 5.0  #: photos that a kind has more of when its weight is worked out
 
@@ -124,7 +124,7 @@ def train_kinds(
     save_model_file(model, network.state_dict(), network.architecture)
     right = accuracy(network, *features_of(held_out, segmenter)) if held_out else float("nan")
     counts = dict(zip(KINDS, kinds.sum(axis=0) / 2, strict=True))
-    figures = table(["photos", "right"], {"held-out renderings": [len(held_out), right]})
+    figures = table(["", "photos", "right"], {"held-out renderings": [len(held_out), right]})
     lines = [
         f"{len(seen)} renderings of furnished rooms: "
         + ", ".join(f"{kind} {count:.0f}" for kind, count in counts.items()),
