@@ -26,16 +26,20 @@ def wall(split, seed, *, left=0.0):
     return as_uint8(linear_to_srgb(seen)), mask
 
 
-def view(photo, split, *, left=0.0):
-    seen = read_step(*wall(split, photo, left=left), HEIGHT_M)
-    return WallView(f"{photo}.jpg", "bath", f"wall/{photo}_0", 1.5, *seen)
+def view(photo, split, *, left=0.0, scale=1.0):
+    """Return a view of the wall, in a photo that is not located where the scale is not known."""
+    image, mask = wall(split, photo, left=left)
+    mask[round((HEIGHT_M - split) * BANDS.px_per_m) - 8 :][:16, ::2] = False  # as masks do
+    seen = list(read_step(image, mask, HEIGHT_M))
+    seen[0] *= scale
+    return WallView(f"{photo}.jpg", "bath", f"wall/{photo}_0", 1.5, scale == 1.0, *seen)
 
 
 def test_bands_part_where_several_photos_show_it():
-    found = find_bands([view(1, 1.2), view(2, 1.25), view(3, 1.2)])["bath"]
+    found = find_bands([view(1, 1.2), view(2, 1.25), view(3, 1.2), view(4, 1.2, scale=0.8)])["bath"]
     assert found.split_m == pytest.approx(1.215, abs=0.04)
     assert found.lower / found.upper == pytest.approx(TILES / PAINT, rel=0.15)
-    assert set(found.planes) == {"wall/1_0", "wall/2_0", "wall/3_0"}
+    assert set(found.planes) == {f"wall/{k}_0" for k in range(1, 5)}
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,8 @@
 """Walls in bands: of another colour up to some height, all around their room.
 
-Tiles, panels and paint end at a height; light fades. So bands are believed where the colour steps
-at one height along most of a wall, and where several views of the room's walls agree on it.
+Tiles, panels and paint end at a height; light fades, and seldom changes its colour. So bands are
+believed where the colour steps at one height along most of a wall, and where several views of the
+room's walls agree on it.
 """
 
 from __future__ import annotations
@@ -29,10 +30,11 @@ class BandSettings:
     gap_m: float = 0.04  #: left out between them, on either side of the step
     heights_m: tuple[float, float] = (0.45, 2.1)  #: of a step above the floor
     least_m: float = 0.8  #: width that shows it in a view
-    step: float = 0.12  #: change of log colour, that of brightness counted half
+    step: float = 0.25  #: change of log colour, that of brightness counted half
     along: float = 0.75  #: share of the columns whose step is like the usual one
     sharp: float = 2.5  #: times the change within the strips, that a step is at least
-    same_m: float = 0.08  #: by which heights in views of one room may differ
+    same: float = 0.12  #: log ratio by which heights in located photos of a room may differ
+    unplaced: float = 0.35  #: the same of other photos, whose camera is taken to be 1.5 m high
     views: int = 2  #: that have to show it: of one wall in several photos, or of several walls
     most: float = 0.6  #: share of the width seen at its height that has to show it
 
@@ -53,6 +55,8 @@ class WallView:
         Name of the plane, as the ids of its crops begin.
     camera_m : float
         Height of the camera, to which the crops' windows refer.
+    placed : bool
+        Whether its metres are the plan's.
     step_m : float
         Height of the clearest step of colour; NaN for none.
     upper, step : (3,) float
@@ -60,13 +64,14 @@ class WallView:
     width_m : float
         Width along which it is seen.
     widths : (n,) float
-        Width that is seen at and beside each height of `heights`, metres.
+        Width that is seen at and beside each height of `heights`, metres; 0 where it is too little.
     """
 
     photo: str
     room: str
     plane: str
     camera_m: float
+    placed: bool
     step_m: float
     upper: np.ndarray
     step: np.ndarray
@@ -118,7 +123,7 @@ def wall_views(seen: PhotoPlanes) -> Iterator[WallView]:
         name = f"wall/{PurePath(seen.photo).stem}_{plane.index}"
         top = plane.camera_height_m - whole.origin[1]
         height, upper, step, wide, widths = read_step(straight, inside > 0, top)
-        facts = seen.photo, item.rooms[0], name, plane.camera_height_m
+        facts = seen.photo, item.rooms[0], name, plane.camera_height_m, item.in_plan
         yield WallView(*facts, height, upper, step, wide, widths)
 
 
@@ -130,13 +135,10 @@ def read_step(
     `image` (h, w, 3) uint8 sRGB at `BANDS.px_per_m`, `mask` (h, w) bool, whose top row is at
     height `top_m`.
     """
-    columns = max(1, round(image.shape[1] / (BANDS.column_m * BANDS.px_per_m)))
-    shape = (columns, image.shape[0])
-    weight = mask.astype(np.float32)
-    logs = np.log(srgb_to_linear(image) + 0.01).astype(np.float32) * weight[..., None]
-    count = cv2.resize(weight, shape, interpolation=cv2.INTER_AREA)
-    total = cv2.resize(logs, shape, interpolation=cv2.INTER_AREA)
-    sums = _Strips(total.reshape(*count.shape, 3), count)
+    logs = np.log(srgb_to_linear(image) + 0.01).astype(np.float32)
+    # Masks leave out what is near an edge: all pixels tell where it is, those of the wall whether.
+    between = np.logical_or.accumulate(mask) & np.logical_or.accumulate(mask[::-1])[::-1]
+    everything, sums = (_Strips.of(logs, part) for part in (between, mask))
     strip, gap = (round(m * BANDS.px_per_m) for m in (BANDS.strip_m, BANDS.gap_m))
     worth = np.zeros(len(heights()))
     colours = np.zeros((len(worth), 2, 3))
@@ -146,11 +148,12 @@ def read_step(
         above, below = (row - gap - strip, row - gap), (row + gap, row + gap + strip)
         if above[0] < 0 or below[1] > image.shape[0]:
             continue
-        both = sums.known(*above) & sums.known(*below)
-        widths[k] = both.sum() * BANDS.column_m
-        if widths[k] < BANDS.least_m:
+        both = everything.known(*above) & everything.known(*below)
+        both &= (sums.rows(0, above[1]) >= strip) & (sums.rows(below[0], len(image)) >= strip)
+        if both.sum() * BANDS.column_m < BANDS.least_m:
             continue
-        steps = (sums.mean(*below) - sums.mean(*above))[both]
+        widths[k] = both.sum() * BANDS.column_m
+        steps = (everything.mean(*below) - everything.mean(*above))[both]
         usual = np.median(steps, axis=0)
         size = _size(usual)
         # What is above differs from what is below on the whole: no line, no shadow.
@@ -158,7 +161,7 @@ def read_step(
         alike = (_shared(steps, usual) > 0.5) & (_shared(whole, usual) > 0.5)
         half = strip // 2
         within = [
-            (sums.mean(first + half, last) - sums.mean(first, last - half))[both]
+            (everything.mean(first + half, last) - everything.mean(first, last - half))[both]
             for first, last in (above, below)
         ]
         fades = max(_size(np.median(part, axis=0)) for part in within)
@@ -183,9 +186,23 @@ class _Strips:
         self._total = np.pad(total.astype(np.float64).cumsum(axis=0), ((1, 0), (0, 0), (0, 0)))
         self._weight = np.pad(weight.astype(np.float64).cumsum(axis=0), ((1, 0), (0, 0)))
 
+    @classmethod
+    def of(cls, logs: np.ndarray, mask: np.ndarray) -> _Strips:
+        """Return the sums of the pixels (h, w, 3) of a mask (h, w) bool, in columns of a width."""
+        columns = max(1, round(mask.shape[1] / (BANDS.column_m * BANDS.px_per_m)))
+        shape = (columns, mask.shape[0])
+        weight = mask.astype(np.float32)
+        count = cv2.resize(weight, shape, interpolation=cv2.INTER_AREA)
+        total = cv2.resize(logs * weight[..., None], shape, interpolation=cv2.INTER_AREA)
+        return cls(total.reshape(*count.shape, 3), count)
+
+    def rows(self, first: int, last: int) -> np.ndarray:
+        """Return how many of the rows each column (n,) shows."""
+        return np.asarray(self._weight[last] - self._weight[first])
+
     def known(self, first: int, last: int) -> np.ndarray:
         """Return which columns (n,) show most of the rows."""
-        return np.asarray(self._weight[last] - self._weight[first] >= 0.6 * (last - first))
+        return np.asarray(self.rows(first, last) >= 0.6 * (last - first))
 
     def mean(self, first: int, last: int) -> np.ndarray:
         """Return the mean (n, 3) of the rows."""
@@ -222,17 +239,26 @@ def _agreed(views: Sequence[WallView]) -> WallBands | None:
         return None
 
     def near(middle: WallView) -> list[WallView]:
-        close = [v for v in stepped if abs(v.step_m - middle.step_m) <= BANDS.same_m]
+        close = [
+            v
+            for v in stepped
+            if abs(np.log(v.step_m / middle.step_m))
+            <= (BANDS.same if v.placed and middle.placed else BANDS.unplaced)
+        ]
         return [v for v in close if _shared(v.step[None], middle.step)[0] > 0.5]
 
     together = max(
         (near(view) for view in stepped), key=lambda group: sum(v.width_m for v in group)
     )
     weights = np.array([view.width_m for view in together])
-    split = float(np.average([view.step_m for view in together], weights=weights))
-    at = int(np.abs(heights() - split).argmin())
-    seen = sum(float(view.widths[at]) for view in views)
-    share = float(weights.sum()) / max(seen, float(weights.sum()))
+    split = _middle(np.array([view.step_m for view in together]), weights)
+    away = np.abs(np.log(heights() / split))
+    others = [view for view in views if view not in together]
+    seen = sum(
+        float(view.widths[away <= (away.min() if view.placed else BANDS.unplaced)].min())
+        for view in others
+    )
+    share = float(weights.sum() / (weights.sum() + seen))
     photos = tuple(sorted({view.photo for view in together}))
     if len(together) < BANDS.views or share < BANDS.most:
         return None
@@ -242,3 +268,12 @@ def _agreed(views: Sequence[WallView]) -> WallBands | None:
     )
     planes = {view.plane: view.camera_m for view in views}
     return WallBands(round(split, 3), upper, upper * step, share, photos, planes)
+
+
+def _middle(values: np.ndarray, weights: np.ndarray) -> float:
+    """Return the mean of positive values near their weighted median."""
+    order = np.argsort(values)
+    reached = np.cumsum(weights[order])
+    median = values[order][np.searchsorted(reached, 0.5 * reached[-1])]
+    near = np.abs(np.log(values / median)) <= BANDS.same
+    return float(np.average(values[near], weights=weights[near]))
