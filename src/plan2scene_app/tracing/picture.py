@@ -79,9 +79,10 @@ def refuse_other_pictures(
         reason = "areas without any door or window"
     else:
         corners = np.mean([len(p.exterior.coords) - 1 for p in polygons.values()])
-        drawn = paper_share(image) >= SETTINGS.drawn_paper
+        busy = flat_share(image) < SETTINGS.busy[1]
+        drawn = not busy or paper_share(image) >= SETTINGS.drawn_paper
         ragged = not drawn and sure < SETTINGS.ragged[0] and corners > SETTINGS.ragged[1]
-        if ragged or (sure < SETTINGS.busy[0] and flat_share(image) < SETTINGS.busy[1]):
+        if ragged or (busy and sure < SETTINGS.busy[0]):
             reason = f"areas that are {sure:.0%} sure to be rooms"
     if reason:
         if flat_share(image) < SETTINGS.busy[1]:

@@ -50,7 +50,7 @@ class TraceSettings:
 
     Sizes are metres and square metres as homes usually have them, set by hand; what they give
     together is measured by ``benchmarks/trace.py`` (docs/measurements/trace.md). Those of the whole
-    picture were chosen on 34 plans, four of them real, and 40 photos of rooms: no plan and 39
+    picture were chosen on 40 plans, eight of them real, and 40 photos of rooms: no plan and 40
     photos are refused. "Logarithm" is the natural one.
     """
 
@@ -62,7 +62,7 @@ class TraceSettings:
     light_lines: float = 1.5  #: ... if the lightest marks are so many times further from it
     drawn_flat: float = 0.42  #: share of a drawing that is flat (`picture.flat_share`)
     drawn_paper: float = 0.5  #: share of one colour from which a picture is no photo
-    ragged: tuple[float, float] = (0.82, 11.0)  #: probability below and mean corners above: a photo
+    ragged: tuple[float, float] = (0.85, 6.5)  #: probability below and mean corners above: a photo
     busy: tuple[float, float] = (0.78, 0.65)  #: probability and flat share below: a photo
     # Drawings on one picture.
     drawing_ink: float = 25.0  #: grey values from paper to what is drawn
