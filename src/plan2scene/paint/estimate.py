@@ -11,10 +11,11 @@ light of a photo lies between lamp and sky, more or less bright. So a blue wall 
 ceiling of the same photo is blue, and a blue wall below a blue ceiling is white in the light of the
 sky.
 
-For a given choice of white surfaces all priors are normal, and the noise is Student's t; the
-likeliest terms solve a weighted least-squares problem again and again (iteratively reweighted,
-Lange et al. 1989, DOI 10.1080/01621459.1989.10478852). The choice is searched: surfaces are turned
-from white to coloured and back, alone and all of a room, as long as the posterior grows.
+For a given choice of white surfaces all priors are normal, but that of floors, which may be of
+anything: theirs and the noise are Student's t. The likeliest terms solve a weighted least-squares
+problem again and again (iteratively reweighted, Lange et al. 1989, DOI
+10.1080/01621459.1989.10478852). The choice is searched: surfaces are turned from white to coloured
+and back, alone and all of a room, as long as the posterior grows.
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ class PaintPrior:
     most_noise: float = 4.0
     #: Factor of the noise of what is seen in another room, which has its own light.
     other_room: float = 2.0
-    #: Degrees of freedom of the noise (Student's t).
+    #: Degrees of freedom of the noise and of floors (Student's t).
     freedom: float = 6.0
     #: Standard deviations of light: brightness, along the axis from lamp to sky, across it.
     house: Axes = (0.8, 0.2, 0.06)
@@ -223,7 +224,8 @@ class _Problem:
         mean = np.where(white[:, None], prior.white, np.array(prior.colour)[self.kind])
         spread = np.array(prior.colour_deviation)[self.kind]
         spread = np.where(white[:, None], prior.white_deviation, spread)
-        squares = np.zeros(len(self.observed))
+        squares, odd = np.zeros(len(self.observed)), np.zeros(len(self.surfaces))
+        pull, tailed = np.ones(len(self.surfaces)), ~white & (self.kind == KINDS.index("floor"))
         terms: np.ndarray = np.zeros((count, 3))
         for _ in range(rounds):
             left = np.zeros((count, 3, count, 3))
@@ -234,19 +236,22 @@ class _Problem:
             for axis in range(3):
                 weighted = self.design.T * (trust / self.noise[:, axis] ** 2)
                 left[:, axis, :, axis] += weighted @ self.design
-                left[paints, axis, paints, axis] += spread[:, axis] ** -2
+                left[paints, axis, paints, axis] += pull / spread[:, axis] ** 2
                 right[:, axis] += weighted @ self.observed[:, axis]
-                right[paints, axis] += mean[:, axis] / spread[:, axis] ** 2
+                right[paints, axis] += pull * mean[:, axis] / spread[:, axis] ** 2
             solved = np.linalg.solve(left.reshape(3 * count, -1), right.ravel())
             terms = solved.reshape(count, 3)
             residual = (self.observed - self.design @ terms) / self.noise
             squares = (residual**2).sum(axis=1)
             trust = (prior.freedom + 3) / (prior.freedom + squares)
+            odd = (((terms[paints] - mean) / spread) ** 2).sum(axis=1)
+            pull = np.where(tailed, (prior.freedom + 3) / (prior.freedom + odd), 1.0)
         value = -0.5 * (prior.freedom + 3) * np.log1p(squares / prior.freedom).sum()
         away = terms[: len(self.light)].copy()
         away[0] -= prior.house_mean
         value -= 0.5 * sum(a @ p @ a for a, p in zip(away, self.light, strict=True))
-        value -= (0.5 * ((terms[paints] - mean) / spread) ** 2 + np.log(spread)).sum()
+        odd = np.where(tailed, (prior.freedom + 3) * np.log1p(odd / prior.freedom), odd)
+        value -= 0.5 * odd.sum() + np.log(spread).sum()
         share = np.array(prior.share_white)[self.kind]
         value += np.log(np.where(white, share, 1.0 - share)).sum()
         return _Solution(float(value), terms, white, trust)

@@ -49,6 +49,13 @@ def test_white_rooms_are_white_in_any_light(light):
             assert estimate.paint[key] == pytest.approx(np.full(3, WHITE), rel=0.08)
 
 
+def test_a_carpet_may_be_redder_than_any_other():
+    red = (0.12, 0.004, 0.015)
+    paints = room("a", (WHITE,) * 3, floor=red)
+    estimate = estimate_paint(observed(paints, {"1": (GREY, "a")}, noise=0.02))
+    assert estimate.paint[SurfaceKey("a", "floor")] == pytest.approx(red, rel=0.4)
+
+
 def test_a_blue_wall_below_a_white_ceiling_is_blue():
     blue = (0.2, 0.3, 0.5)
     paints = room("a", blue) | room("b", (WHITE,) * 3)
