@@ -12,7 +12,7 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     house = box_house()
     table = tmp_path / "photos.csv"
     table.write_text(
-        "room_id,photo,probability,guess\nroom,a.png,0.61,\nroom,b.png,,\nstore,c.png,0.37,store\n"
+        "room_id,photo,probability,guess\nroom,a.png,0.61,\nroom,b.png,,\nstore,c.png,0.17,store\n"
         ",<d>.png,,\n"
     )
     masks = tmp_path / "masks"
@@ -26,7 +26,7 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
         "photo e.txt left out: found text",
         "no room is found for <d>.png",
         "a.png is in room with a probability of 61%",
-        "c.png may be in store (37%): nothing is made of it",
+        "c.png is in store with a probability of 17%: nothing is made of it",
         "no photo shows store: made like the other rooms",
     ]
     text = page.read_text()
@@ -34,7 +34,7 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     assert "&lt;d&gt;.png" in text
     assert "<d>" not in text
     room, store = text.index('id="room-room"'), text.index('id="room-store"')
-    assert room < text.index("b.png <small>as told") < store < text.index('class="doubt">37%')
+    assert room < text.index("b.png <small>as told") < store < text.index('class="doubt">17%')
     assert '<a href="#plan-room">room</a> with a probability' in text
 
 

@@ -18,6 +18,7 @@ from plan2scene.house import House, Room
 from plan2scene.images import read_image, read_reduced_image
 from plan2scene.io import atomic_path, read_text
 from plan2scene.photos.locate.pose import read_poses
+from plan2scene.photos.locate.which_room import used_photos
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.stage_json import read_stage_json
 from plan2scene_app.html_page import html_page, source_hash
@@ -36,7 +37,7 @@ class PlacedPhoto:
     name: str
     room_id: str  #: empty: in none
     probability: float | None  #: None where the photo table told the room
-    guess: bool = False  #: nothing is made of it
+    unused: bool = False  #: a guess that nothing is made of
 
 
 @dataclass(frozen=True)
@@ -53,13 +54,17 @@ class DoubtFiles:
 
 def read_placed(path: str | Path) -> list[PlacedPhoto]:
     """Return the rows of the photos.csv that the places stage wrote."""
-    rows = csv.DictReader(read_text(path).splitlines())
+    rows = list(csv.DictReader(read_text(path).splitlines()))
+    sure = {row["photo"]: float(row["probability"]) for row in rows if row["probability"]}
+    likely = {row["photo"]: (row["room_id"], sure.get(row["photo"], 0.0)) for row in rows}
+    told = {row["room_id"] for row in rows if row["photo"] not in sure}
+    used = used_photos(likely, told)
     return [
         PlacedPhoto(
             row["photo"],
             row["room_id"],
-            float(row["probability"]) if row["probability"] else None,
-            bool(row.get("guess")),
+            sure.get(row["photo"]),
+            row["photo"] in sure and row["photo"] not in used,
         )
         for row in rows
     ]
@@ -121,7 +126,7 @@ def doubt_lines(
     """
     labels = {room.id: room.label for room in house.rooms}
     lost = [row.name for row in placed if not row.room_id]
-    used = {row.room_id for row in placed if row.room_id and not row.guess}
+    used = {row.room_id for row in placed if row.room_id and not row.unused}
     if placed and not used:
         count = len(placed)
         yield f"no photo finds its place in the plan: the house is made without {count} photos"
@@ -132,11 +137,8 @@ def doubt_lines(
     for row in placed:
         if row.probability is not None and row.probability < SURE:
             label = labels.get(row.room_id, row.room_id)
-            if row.guess:
-                where = f"{row.name} may be in {label} ({row.probability:.0%})"
-                yield f"{where}: nothing is made of it"
-            else:
-                yield f"{row.name} is in {label} with a probability of {row.probability:.0%}"
+            where = f"{row.name} is in {label} with a probability of {row.probability:.0%}"
+            yield f"{where}: nothing is made of it" if row.unused else where
     bare = [room.label for room in house.rooms if room.id not in used and not room.open_air]
     if used and bare:
         yield f"no photo shows {', '.join(bare)}: made like the other rooms"

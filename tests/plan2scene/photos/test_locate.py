@@ -134,12 +134,17 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     assert poses["a.jpg"].located < sure < 1.0
     header = "room_id,photo,probability"
     assert placed.read_text().splitlines() == [header, "store,b.jpg,", f"room,a.jpg,{sure:.2f}"]
-    # A guess is told but not used, and is not told by running with its table.
+    # A guess is used for a room without a surer photo, and is not told by running with its table.
     entries = read_json(output)
     entries["a.jpg"]["rooms"] = {"room": 0.47, "store": 0.45, "": 0.08}
     write_json(output, entries)
-    assert write_photo_rooms(house, given, output, rooms, placed) == {"b.jpg": ["store"]}
+    assert write_photo_rooms(house, given, output, rooms, placed) == both
     rows = [f"{header},guess", "store,b.jpg,", "room,a.jpg,0.47,room"]
+    assert placed.read_text().splitlines() == rows
+    entries["a.jpg"]["rooms"] = {"room": 0.45, "store": 0.47, "": 0.08}
+    write_json(output, entries)
+    assert write_photo_rooms(house, given, output, rooms, placed) == {"b.jpg": ["store"]}
+    rows[2] = "store,a.jpg,0.47,store"
     assert placed.read_text().splitlines() == rows
     assert read_assignment(placed, house) == (("store", "b.jpg"), ("", "a.jpg"))
     # A house of which no photo finds its place is made all the same.

@@ -34,10 +34,11 @@ from plan2scene.photos.locate.pose import Pose, pose_to_json, turned
 from plan2scene.photos.locate.search import HeightPrior, Hypothesis, RoomSearch
 from plan2scene.photos.locate.which_room import (
     NOWHERE,
+    WHICH,
     PhotoEvidence,
     likely_room,
     room_probabilities,
-    shown_room,
+    used_photos,
 )
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.room_names import room_types
@@ -128,8 +129,15 @@ def locate_shots(
     unknown = [name for name in framed if shots[name].hints is not None]
     scores = dict(zip(unknown, each(rough, unknown, threads), strict=True))
     rooms = _rooms(house, shots, scores, matches or {})
-    shown = {name: shown_room(every) for name, every in rooms.items()}
-    stands = {name: [shown[name]] if name in shown else shots[name].rooms for name in framed}
+    likely = {name: likely_room(every) for name, every in rooms.items()}
+    told = {room for name in framed if name not in likely for room in shots[name].rooms}
+    used = used_photos(likely, told)
+    stands = {
+        name: shots[name].rooms
+        if name not in likely
+        else [likely[name][0] if name in used else NOWHERE]
+        for name in framed
+    }
     names = [name for name in framed if stands[name] != [NOWHERE]]
 
     def search(name: str) -> tuple[list[RoomSearch], list[Hypothesis]]:
@@ -305,19 +313,20 @@ def write_photo_rooms(
 
     These are the rooms of the photo table; for a photo without any, the most probable one.
     `cameras` is the cameras.json of `locate_photos`, None where photos have no camera. A photo
-    without a room, or with a guess alone, is left out; one line names them all. `table` is
-    written, too: a photo table of these rooms, how probable each is, guesses marked as such, and
+    without a room, or with a guess that is not used, is left out; one line names them all. `table`
+    is written, too: a photo table of these rooms, how probable each is, guesses marked as such, and
     the photos without a room.
     """
     known = {} if cameras is None else read_stage_json(cameras, "cameras", house=house)
     found = {name: entry["rooms"] for name, entry in known.items() if "rooms" in entry}
-    guesses = {
-        photo: found.get(photo, {NOWHERE: 1.0})
+    likely = {
+        photo: likely_room(found.get(photo, {NOWHERE: 1.0}))
         for photo, named in rooms_of_photo.items()
         if not named
     }
+    used = used_photos(likely, {room for named in rooms_of_photo.values() for room in named})
     rooms = {
-        photo: list(named) or list(filter(None, [shown_room(guesses[photo])]))
+        photo: list(named) or [likely[photo][0]] * (photo in used)
         for photo, named in rooms_of_photo.items()
     }
     left_out = sorted(
@@ -329,9 +338,9 @@ def write_photo_rooms(
         _log.warning("%s; left out", line)
     rows = []
     for photo, named in rooms.items():
-        if photo in guesses:
-            room, sure = likely_room(guesses[photo])
-            guess = [] if room in named or not room else [room]
+        if photo in likely:
+            room, sure = likely[photo]
+            guess = [room] if room and sure < WHICH.least else []
             rows.append([room, photo, f"{sure:.2f}" if room else "", *guess])
         else:
             rows += [[room, photo, ""] for room in named]

@@ -7,7 +7,7 @@ people photograph every main room of a home before they photograph one often.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -75,6 +75,8 @@ class WhichRoomSettings:
     nowhere: float = 0.03
     #: A room less probable than this is a guess: the photo more likely shows another.
     least: float = 0.5
+    #: Rooms that no photo shows more surely are made of guesses more probable than this.
+    guess: float = 0.25
     #: Sweeps of the sampler that count, and those before.
     sweeps: int = 1500
     warm: int = 300
@@ -191,10 +193,17 @@ def likely_room(rooms: Mapping[str, float]) -> tuple[str, float]:
     return max(rooms.items(), key=lambda item: item[1])
 
 
-def shown_room(rooms: Mapping[str, float]) -> str:
-    """Return the room that a photo counts as showing; `NOWHERE` where that is but a guess."""
-    room, sure = likely_room(rooms)
-    return room if sure >= WHICH.least else NOWHERE
+def used_photos(likely: Mapping[str, tuple[str, float]], told: Collection[str]) -> set[str]:
+    """Return the photos that rooms are made of, by what :func:`likely_room` says of each.
+
+    Guesses are used for rooms that neither a surer photo nor the photo table (`told`) shows.
+    """
+    sure = {room for room, p in likely.values() if p >= WHICH.least} | set(told)
+    return {
+        photo
+        for photo, (room, p) in likely.items()
+        if room != NOWHERE and (p >= WHICH.least or (p >= WHICH.guess and room not in sure))
+    }
 
 
 def _together(
