@@ -157,12 +157,15 @@ def structure_part(
         _outer_face(builder, frame, (low, wall.height), portals)
     top = wall.height + max(wall.extra_height, 0.0)
     # The body's begins a little below the ceiling line, behind the lifted faces: no crack there.
-    area = body.area
+    area, edge = body.area, body.cap.difference(body.area)
     if above is not None and above.rise > wall.height:
         area = _up_to(builder, above, area, wall)
         top = min(top, above.rise - LIFT)
+    elif above is not None:
+        floors = above.rooms.buffer(TOUCH)  # cover it
+        area, edge = area.difference(floors), edge.difference(floors)
     _prism(builder, area, wall.height - 10 * LIFT, top)
-    _prism(builder, body.cap.difference(body.area), wall.height, top)
+    _prism(builder, edge, wall.height, top)
     for portal in portals:
         if portal.side.wall.id == wall.id:
             _reveals(builder, portal)

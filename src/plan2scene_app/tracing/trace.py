@@ -15,6 +15,7 @@ import numpy as np
 from scipy import ndimage
 from shapely.geometry import Polygon
 
+from plan2scene.house import DEFAULT_HEIGHT
 from plan2scene.images import write_png
 from plan2scene.io import write_json, write_text
 from plan2scene.plans.plan_json import FORMAT, house_of_plan
@@ -380,8 +381,8 @@ _COLOURS = {"door": (0, 150, 60), "window": (20, 90, 235), "passage": (240, 140,
 _FILLS = ((230, 90, 80), (90, 160, 230), (110, 190, 110), (230, 180, 70), (170, 120, 210))
 
 
-#: Metres from floor to floor where a picture shows several storeys.
-STOREY = 2.8
+#: Metres from floor to floor where a picture shows several storeys: a room and what lies between.
+STOREY = DEFAULT_HEIGHT + 0.3
 
 
 def _shift(plan: TracedPlan, drawing: int) -> np.ndarray:

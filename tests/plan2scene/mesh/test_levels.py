@@ -12,6 +12,7 @@ from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.structure import CAP_COLOUR
 from plan2scene.plans.geometry import walls_of_rooms
+from plan2scene.plans.plan_json import house_of_plan
 from plan2scene_app.exports.solids import house_solids
 
 WELL = 0.9 * 3.6
@@ -83,6 +84,20 @@ def test_walls_below_rooms_go_on_to_their_floor(parts):
     wall = parts["structure/wall/living_wall_0"]
     dark = wall.mesh.vertices[(wall.colours == CAP_COLOUR).all(axis=1)]
     assert dark[:, 2].min() > wall.mesh.vertices[:, 2].min() + 0.001
+
+
+def test_no_wall_below_comes_out_of_a_floor_without_a_slab():
+    def room(name, level, x0, x1):
+        corners = [[x0, 0], [x0, 4], [x1, 4], [x1, 0]]
+        return {"id": name, "types": ["Bedroom"], "level": level, "polygon": corners}
+
+    levels = [{"id": "low", "elevation": 0.0}, {"id": "high", "elevation": 2.8}]
+    rooms = [room("a", "low", 0, 3), room("b", "low", 3, 7), room("over", "high", 0, 7)]
+    plan = {"format": "plan2scene-plan", "version": 1, "levels": levels, "rooms": rooms}
+    rays = Rays.of(build_parts(house_of_plan(plan | {"wall_depth": 0.2}, "h")))
+    above = np.array([[x, 2.9, 2.0] for x in np.linspace(2.8, 3.2, 9)])
+    down = np.tile([0.0, -1.0, 0.0], (9, 1))
+    assert rays.distances(above, down) == pytest.approx(0.1, abs=1e-4)
 
 
 def test_glb_has_a_node_for_each_level(house, tmp_path):
