@@ -135,12 +135,13 @@ export function readTable(text) {
     .map((line) => [...line.matchAll(/("(?:[^"]|"")*"|[^,]*)(,|$)/g)].map((m) => m[1].replace(/^"|"$/g, "").replaceAll('""', '"').trim()));
   if (!rows.length) return [];
   const room = rows[0].findIndex((name) => name === "room_id" || name === "roomId"), photo = rows[0].indexOf("photo");
+  const guess = rows[0].indexOf("guess");  // a room that it repeats is not told
   if (photo < 0) throw new Error("expected the columns room_id and photo in the table");
   const photos = new Map();
   for (const row of rows.slice(1)) {
     if (!row[photo]) throw new Error("expected a photo in each row of the table");
     const rooms = photos.get(row[photo]) ?? [];
-    photos.set(row[photo], !row[room] || rooms.includes(row[room]) ? rooms : [...rooms, row[room]]);
+    photos.set(row[photo], !row[room] || row[guess] === row[room] || rooms.includes(row[room]) ? rooms : [...rooms, row[room]]);
   }
   return [...photos].map(([name, rooms]) => ({ name, rooms }));
 }

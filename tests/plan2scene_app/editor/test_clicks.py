@@ -213,7 +213,9 @@ def test_saved_files_open_again(drawing, tmp_path):
     two_rooms(drawing)
     plan = drawing.plan
     (tmp_path / "plan.json").write_text(json.dumps(plan))
-    (tmp_path / "photos.csv").write_text('room_id,photo\nroom_2,"a, b.jpg"\nroom,c.jpg\n,d.jpg\n')
+    (tmp_path / "photos.csv").write_text(
+        'room_id,photo,guess\nroom_2,"a, b.jpg",\nroom,c.jpg,\nroom,d.jpg,room\n'
+    )
     drawing.press("Control+z")
     for name in ("plan.json", "photos.csv"):
         drawing.page.click("#open")
