@@ -243,7 +243,7 @@ def edit_plan(
 
 @app.command("trace")
 def trace_plan(
-    picture: Annotated[Path, typer.Argument(help="Picture of a plan, of one storey.")],
+    picture: Annotated[Path, typer.Argument(help="Picture of a plan.")],
     out: Annotated[Path, typer.Option(help="The plan JSON to write.")],
     metres_per_pixel: Annotated[
         float | None, typer.Option(min=1e-6, help="Scale of the picture, where known.")
