@@ -162,7 +162,8 @@ def structure_part(
         area = _up_to(builder, above, area, wall)
         top = min(top, above.rise - LIFT)
     elif above is not None:
-        floors = above.rooms.buffer(TOUCH)  # cover it
+        # The floors above cover what is below them.
+        floors = above.rooms.buffer(TOUCH)
         area, edge = area.difference(floors), edge.difference(floors)
     _prism(builder, area, wall.height - 10 * LIFT, top)
     _prism(builder, edge, wall.height, top)
