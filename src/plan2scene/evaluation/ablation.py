@@ -20,8 +20,9 @@ from plan2scene.evaluation.houses import (
     propagated_at,
     propagated_from,
 )
-from plan2scene.evaluation.measure import reference_images, write_measured
+from plan2scene.evaluation.measure import write_measured
 from plan2scene.evaluation.measurements import Measurements
+from plan2scene.evaluation.references import reference_images
 from plan2scene.evaluation.tables import (
     TableRequest,
     latex_table,

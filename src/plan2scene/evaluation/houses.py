@@ -12,7 +12,8 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from plan2scene.evaluation.measure import Networks, References, measure_tiles
+from plan2scene.evaluation.measure import Networks, measure_tiles
+from plan2scene.evaluation.references import References
 from plan2scene.propagation.propagate import propagate_house
 from plan2scene.textures.house_textures import house_tiles
 from plan2scene.textures.inputs import (

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from plan2scene.errors import InputError
+from plan2scene.evaluation.references import References, reference_images
 from plan2scene.house import SUBSTANCES, SurfaceKey
-from plan2scene.images import METRIC_SIZE, image_from_bytes, medoid_index, metric_image, read_image
+from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image, read_image
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.mesh.texture_files import texture_index
 from plan2scene.metrics.networks import describe, features_of, network_name, substances_of
@@ -28,8 +29,6 @@ COLUMNS = (
     *IMAGE_COLUMNS,
     *("subs", "substance_predicted", "substance_reference", "features", "further_features"),
 )
-#: Of each surface with crops: the medoid of its visible ones, if any, and that of all.
-References: TypeAlias = Mapping[SurfaceKey, tuple[np.ndarray | None, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -183,22 +182,6 @@ def pair_metrics(
     first, second = substances_of(model, pair)
     figures = {name: float(value) for name, value in image_metrics(*pair).items()}
     return {**figures, "subs": int(first != second)}
-
-
-def reference_images(crops: pd.DataFrame, hidden_photos: Collection[str]) -> References:
-    """Return for each surface with crops the medoid of its visible ones and that of all.
-
-    Both (128, 128, 3) uint8; the first is None for a surface that only hidden photos show.
-    """
-    hidden = set(hidden_photos)
-    result = {}
-    for (room_id, surface), group in crops.groupby(["room_id", "surface"], sort=False):
-        images = [metric_image(image_from_bytes(png)) for png in group["png"]]
-        seen = [i for i, photo in zip(images, group["photo"], strict=True) if photo not in hidden]
-        visible = seen[medoid_index(seen)] if seen else None
-        key = SurfaceKey(str(room_id), str(surface))
-        result[key] = (visible, images[medoid_index(images)])
-    return result
 
 
 def _measure(

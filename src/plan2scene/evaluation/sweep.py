@@ -12,9 +12,10 @@ from plan2scene.evaluation.houses import (
     measured_at,
     propagated_at,
 )
-from plan2scene.evaluation.measure import reference_images, write_measured
+from plan2scene.evaluation.measure import write_measured
 from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.plot import plot_sweep
+from plan2scene.evaluation.references import reference_images
 from plan2scene.evaluation.tables import TableRequest, tidy_table, wide_table
 from plan2scene.io import write_csv
 from plan2scene.textures.inputs import HouseData, Visible

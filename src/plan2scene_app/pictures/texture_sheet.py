@@ -10,6 +10,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from plan2scene.drawing import INK, PAPER, font
+from plan2scene.evaluation.references import reference_images
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.images import metric_image, read_image
 from plan2scene.io import atomic_path, read_parquet
@@ -46,8 +47,6 @@ def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[Su
     `textures` maps a method to its folder of the texture stage, `crops` is the house's
     ``crops.parquet``.
     """
-    from plan2scene.evaluation.measure import reference_images
-
     references = reference_images(read_parquet(crops)[0], [])
     listed = texture_index(next(iter(textures.values())))
     rows = {}

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from plan2scene.evaluation.houses import propagated_at
-from plan2scene.evaluation.measure import measure_tiles, reference_images
+from plan2scene.evaluation.measure import measure_tiles
+from plan2scene.evaluation.references import reference_images
 from plan2scene.house import SurfaceKey
 from plan2scene.images import read_image
 from plan2scene.io import read_json, read_parquet

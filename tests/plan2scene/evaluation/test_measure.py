@@ -6,13 +6,9 @@ import pytest
 import torch
 
 from plan2scene.errors import InputError
-from plan2scene.evaluation.measure import (
-    Networks,
-    measure_tiles,
-    reference_features,
-    reference_images,
-)
+from plan2scene.evaluation.measure import Networks, measure_tiles, reference_features
 from plan2scene.evaluation.paper_table import paper_table
+from plan2scene.evaluation.references import reference_images
 from plan2scene.evaluation.tables import TableRequest, published_value
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
