@@ -7,7 +7,9 @@ import pytest
 from plan2scene.photos.crops.filter import (
     has_object,
     image_reasons,
+    restless,
     step_of,
+    unrest,
 )
 from plan2scene.photos.crops.sampling import (
     Reason,
@@ -91,3 +93,21 @@ def test_joints_of_a_floor_are_no_things():
     assert has_object(floor)  # on a wall it is one
     floor[90:120, 90:110] = (90, 60, 40)
     assert has_object(floor, joints=True)
+
+
+def framed(seed=0):
+    """Four framed pictures on a painted wall."""
+    image = plain(seed)
+    for row in (8, 72):
+        for column in (10, 76):
+            image[row : row + 44, column : column + 40] = (80, 50, 30)
+            image[row + 8 : row + 36, column + 8 : column + 32] = (230, 215, 120)
+    return image
+
+
+def test_pictures_beside_a_calm_wall_are_things_and_a_wallpaper_all_round_is_none():
+    wall, pictures, paper = unrest(plain()), unrest(framed()), unrest(checker(32))
+    assert wall < 1.0 < 10.0 < pictures
+    assert restless(np.array([wall, pictures])).tolist() == [False, True]
+    assert not restless(np.array([paper, 0.8 * paper, 1.1 * paper])).any()
+    assert not restless(np.array([pictures])).any()  # nothing else is known of the wall

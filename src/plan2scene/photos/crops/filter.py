@@ -94,6 +94,13 @@ class FilterSettings:
     group_limit: float = 10.0
     #: Least share of a surface's windows that can outvote the rest.
     majority: float = 0.6
+    #: Windows of a wall that vary by at least this much (L*a*b*, :func:`unrest`) show pictures or
+    #: shelves where other windows of the room's walls vary by less than this share of it. Rendered
+    #: walls of the demo vary by 2 at most, real panelling by 2 to 7, framed pictures by 14.
+    restless: float = 10.0
+    calm_share: float = 0.4
+    #: Windows of a group that are looked at.
+    looked_at: int = 5
 
 
 FILTER = FilterSettings()
@@ -322,13 +329,36 @@ def outvoted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.asarray(distance[best] > FILTER.group_limit)
 
 
+def unrest(image: np.ndarray) -> float:
+    """Return by how much the blocks of a crop (n, n, 3) uint8 sRGB vary, in L*a*b*.
+
+    Smooth shading is taken away first.
+    """
+    blocks = FILTER.block_scales[-1][0] * 2
+    small = cv2.resize(image, (blocks, blocks), interpolation=cv2.INTER_AREA)
+    lab = rgb_to_lab(small / 255.0)
+    rest = [lab[..., k] - smooth_field(lab[..., k]) for k in range(3)]
+    return float(np.sqrt(np.square(rest).sum(axis=0).mean()))
+
+
+def restless(unrests: np.ndarray) -> np.ndarray:
+    """Tell which groups (n,) of windows of a room's walls show things, as a bool for each.
+
+    A wallpaper or tiles are on the room's other walls, too; framed pictures hang on one. The
+    calmest group tells what the walls are like.
+    """
+    calm = unrests.min() <= FILTER.calm_share * unrests
+    return np.asarray(calm & (unrests >= FILTER.restless))
+
+
 def mark_outvoted(
     candidates: Sequence[Candidate], lights: Mapping[str, np.ndarray]
 ) -> list[Candidate]:
     """Return the candidates of a house; those that their surface outvotes get that reason.
 
     Windows without grave reasons vote, one group per plane of a photo, in the photos' own colours.
-    `lights` (3,), linear RGB, are divided out before colours are compared.
+    `lights` (3,), linear RGB, are divided out before colours are compared. Groups that show things
+    before a wall get `CLUTTER`.
     """
     groups: dict[tuple[str, str], dict[tuple[str, int], list[int]]] = {}
     for number, candidate in enumerate(candidates):
@@ -337,16 +367,24 @@ def mark_outvoted(
                 planes = groups.setdefault((room, candidate.surface), {})
                 planes.setdefault((candidate.photo, candidate.plane), []).append(number)
     result = list(candidates)
-    for planes in groups.values():
+    for (_, surface), planes in groups.items():
+        members = list(planes.values())
         colours = [
-            np.median([_colour(candidates[number], lights) for number in members], axis=0)
-            for members in planes.values()
+            np.median([_colour(candidates[number], lights) for number in group], axis=0)
+            for group in members
         ]
-        weights = np.array([len(members) for members in planes.values()], dtype=float)
-        unlike = outvoted(np.stack(colours), weights)
-        for members, out in zip(planes.values(), unlike, strict=True):
-            for number in members if out else ():
-                result[number] = with_reason(candidates[number], Reason.UNLIKE)
+        weights = np.array([len(group) for group in members], dtype=float)
+        found = {Reason.UNLIKE: outvoted(np.stack(colours), weights)}
+        if surface == "wall":
+            looks = [[candidates[n].crop.image for n in g[: FILTER.looked_at]] for g in members]
+            found[Reason.CLUTTER] = restless(
+                np.array([np.median([unrest(image) for image in images]) for images in looks])
+            )
+        for reason, these in found.items():
+            for number in (
+                n for group, is_so in zip(members, these, strict=True) if is_so for n in group
+            ):
+                result[number] = with_reason(result[number], reason)
     return result
 
 
