@@ -1,5 +1,6 @@
 """What targets ask of the workflow (dry runs)."""
 
+import shlex
 import shutil
 from collections import Counter
 
@@ -69,6 +70,19 @@ def test_without_a_finished_house_there_is_no_partial_table(bare):
     run = bare.snakemake("partial_table")
     assert run.returncode != 0
     assert run.stdout.endswith("expected a finished house in results/tiny, found none\n")
+
+
+def test_a_lock_that_a_kill_left_is_told_with_the_command_that_helps(bare):
+    locks = bare.root / ".snakemake" / "locks"
+    locks.mkdir(parents=True, exist_ok=True)
+    target = f"results/tiny/houses/{bare.houses()[0]}/scene.json"
+    (locks / "0.output.lock").write_text(target + "\n")
+    run = bare.snakemake(target)
+    assert run.returncode != 0
+    command = run.stdout.split("plan2scene: if none runs here: ")[1].splitlines()[0]
+    assert shlex.split(command)[:2] == ["snakemake", "--unlock"]
+    assert bare.snakemake(*shlex.split(command)[1:]).returncode == 0
+    assert not locks.exists()
 
 
 def test_every_stage_has_a_target_over_the_data_set(bare):

@@ -2,8 +2,11 @@
 # Paths of all results: results/{dataset}/..., the grammar is in docs/conventions.md.
 import functools
 import os
+import shlex
 import sys
 from pathlib import Path
+
+from snakemake.logging import logger
 
 from plan2scene.config import check_config, check_metrics, check_official
 from plan2scene.datasets.assignments import lacks_rooms
@@ -84,6 +87,17 @@ onstart:
             check_cluster(workflow.executor_settings.status_command)
         except InputError as error:
             sys.exit(f"plan2scene: {error}")
+
+
+def tell_how_to_unlock(record):
+    """Let the one command that helps follow Snakemake's words on a lock that a kill left."""
+    if "the --unlock argument" in str(record.msg):
+        command = shlex.join(["snakemake", "--unlock", *sys.argv[1:]])
+        record.msg = f"{record.msg}\nplan2scene: if none runs here: {command}"
+    return True
+
+
+logger.addFilter(tell_how_to_unlock)
 
 
 def row_of(wildcards):
