@@ -8,52 +8,82 @@ import unicodedata
 from plan2scene.house import ROOM_TYPES
 
 #: Stems of words (lower case, no accents; `_` for a space) by room type. The first type that has a
-#: stem of a word decides: "bathroom" is told before "room" could be.
+#: stem of a word decides: "bathroom" is told before "room" could be. Named rooms that no type fits
+#: (with a roof, of no usual use) are Unknown.
 _STEMS = {
     "Bathroom": (
         "bath bathroom masterbath badezimmer bad salle_de_bain salle_d'eau bano aseo bagno "
         "badkamer shower dusche douche ducha doccia wc toilet toilette lavatory restroom washroom "
-        "ensuite en_suite powder servizi sauna lavabo badrum dusch"
+        "ensuite en_suite powder servizi sauna lavabo badrum dusch sdb sde s_d_b duschbad banheiro "
+        "casa_de_banho lavatorio bad_en_suite baderom badevaerelse toalett kylpyhuone kph khh "
+        "pesuhuone suihku lazienka toaleta banyo tuvalet ванн санузел туалет душев"
+        "אמבטיה שירותים מקלחת 浴室 洗面 トイレ 風呂 バス 厠"
     ),
-    "Kitchen": ("kitchen kuche kueche cuisine cocina cucina keuken kitchenette pantry_kitchen kok"),
+    "Kitchen": (
+        "kitchen kuche kueche kuchen kochen cuisine cocina cucina keuken kitchenette "
+        "pantry_kitchen butler's_pantry kok kokken kjokken cozinha keittio kuchnia aneks_kuchenny "
+        "mutfak k_k кухн מטבח キッチン 台所 厨房"
+    ),
     "Bedroom": (
         "bedroom schlafzimmer schlafen chambre dormitorio habitacion camera cameretta "
         "slaapkamer kinderzimmer kind guest gastezimmer nursery alcoba recamara cuarto bed "
-        "sovrum letto"
+        "sovrum letto ch suite quarto sovevaerelse vaerelse soverom makuuhuone mh sypialnia pokoj "
+        "yatak_odasi спальн детск שינה ילדים 寝室 洋室 和室 子供部屋 主卧 卧室"
     ),
-    "Balcony": "balcon balcony balkon balcone loggia balkong",
+    "Balcony": "balcon balcony balkon balcone loggia balkong altan varanda parveke balkonu "
+    "лоджия балкон מרפסת バルコニー ベランダ 阳台",
     "Terrace": (
-        "terrace terrasse terraza terrazza terras patio deck porch veranda pavilion alfresco"
+        "terrace terrasse terraza terrazza terras patio deck porch veranda pavilion alfresco "
+        "terraco terassi taras teras терраса テラス"
     ),
     "Outdoor": (
-        "outdoor outside garden garten jardin giardino tuin yard garage carport exterior "
-        "draussen hof parking"
+        "outdoor outside garden garten jardin giardino tuin yard carport exterior "
+        "draussen hof parking jardim have hage piha ogrod bahce сад גינה חצר 庭"
     ),
-    "Staircase": ("stair stairs staircase treppe treppenhaus escalier escalera scala scale trap"),
+    "Staircase": (
+        "stair stairs staircase treppe treppenhaus escalier escalera scala scale trap "
+        "escada trappe trappa portaat schody klatka_schodowa merdiven лестница מדרגות 階段"
+    ),
     "Entrance": (
         "entry entrance entree eingang foyer vestibule recibidor entrada ingresso lobby "
-        "windfang draughtlobby entre"
+        "windfang draughtlobby entre eteinen et wiatrolap antre прихож тамбур כניסה 玄関"
     ),
     "Corridor": (
-        "corridor hall hallway flur diele gang couloir pasillo corridoio disimpegno passage "
-        "landing degagement overloop distribuidor"
+        "corridor hall hallway flur diele gang couloir pasillo corridoio disimpegno passage dgt "
+        "landing degagement overloop distribuidor corredor korridor gangen aula kaytava "
+        "przedpokoj korytarz hol koridor коридор холл מסדרון פרוזדור 廊下 ホール"
     ),
     "Closet": (
-        "closet wardrobe storage store abstellraum abstellkammer kammer dressing placard "
+        "closet wardrobe storage store abstellraum abstellkammer abst kammer dressing placard "
         "cellier armario vestidor trastero despensa ripostiglio sgabuzzino berging kast "
-        "pantry utility laundry cupboard walkin speisekammer buanderie lavanderia lavadero "
-        "ankleide bijkeuken technical larder klk kladkammare forrad garderob tvatt "
-        "bir wir wic robe l'dry linen cub"
+        "pantry cupboard walkin speisekammer ankleide larder klk kladkammare forrad garderob "
+        "bir wir wic robe linen cub rangement rgt lager arrumos roupeiro bod skab garderobe "
+        "pukuhuone vaatehuone "
+        "vh varasto garderoba spizarnia schowek kiler гардероб кладов ארון מחסן "
+        "クローゼット 収納 押入 物入 納戸 储藏"
+    ),
+    "Unknown": (
+        "garage garaje box_auto garagem garasje autotalli garaz garaj гараж lift elevator aufzug "
+        "ascenseur ascensor utility laundry l'dry buanderie lavanderia lavadero lavandaria "
+        "bijkeuken "
+        "technical technik hwr hauswirtschaft tvatt tvattstuga vaskerom bryggers kodinhoitohuone "
+        "pralnia heizung heizungsraum keller cellar cave plant workshop werkstatt vaerksted "
+        "verksted "
+        "gym study office buro arbeitszimmer bureau despacho ufficio werkkamer escritorio kontor "
+        "tyohuone gabinet calisma_odasi кабинет"
     ),
     "Reception": (
         "living reception wohnzimmer wohnen wohn sejour salon sala soggiorno woonkamer lounge "
-        "dining sitting esszimmer essen salle_a_manger comedor pranzo eetkamer family den library "
-        "great_room drawing parlour parlor office study buro arbeitszimmer bureau despacho "
-        "studio ufficio werkkamer stube zimmer vardagsrum matplats allrum activity theatre"
+        "dining diner sitting esszimmer essen salle_a_manger comedor pranzo eetkamer family den "
+        "library great_room drawing parlour parlor studio stube zimmer vardagsrum matplats allrum "
+        "activity theatre estar stue stua spisestue spisestuen faellesrum alrum olohuone oh "
+        "ruokailu tupakeittio jadalnia salonu oturma_odasi yasam "
+        "гостин зал столов סלון מגורים אוכל リビング ダイニング 居間 客厅 ldk"
     ),
 }
 #: Whole names: a room (German) that is for nothing else, and what stands on closets.
-_WHOLE = {"zimmer": "Bedroom", "c": "Closet", "cl": "Closet", "w i cl": "Closet"}
+_WHOLE = {"zimmer": "Bedroom", "pokoj dzienny": "Reception", "w i cl": "Closet"}
+_WHOLE |= dict.fromkeys(("c", "cl", "st"), "Closet")
 _TYPES = {name.lower(): name for name in ROOM_TYPES} | _WHOLE
 
 
@@ -87,21 +117,22 @@ def free_id(name: str, taken: set[str], otherwise: str = "room") -> str:
 def room_types(name: str) -> tuple[str, ...]:
     """Return the room types that a name means, in the order of its words; empty for none.
 
-    A name may join several rooms ("Living / Kitchen"): each is told alone.
+    A name may join several rooms ("Living / Kitchen"): each is told alone. A room of no usual use
+    ("Garage") is Unknown.
     """
     types: list[str] = []
     for part in re.split(r"(?<!\b[wW])[/+&,;|]| und | and | et | y | e | en ", f"{name} "):
         kind = _type_of(part)
         if kind is not None and kind not in types:
             types.append(kind)
-    return tuple(types)
+    return tuple(kind for kind in types if kind != "Unknown") or tuple(types)
 
 
 def _type_of(text: str) -> str | None:
     """Return the room type of one name."""
-    plain = unicodedata.normalize("NFKD", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text))
-    plain = plain.encode("ascii", "ignore").decode().lower()
-    plain = re.sub(r"[^a-z']+", " ", plain).strip()
+    plain = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text).translate(_WRITTEN)
+    plain = unicodedata.normalize("NFKC", _without_accents(plain)).lower()
+    plain = re.sub(r"[^\w']+|[\d_]+", " ", plain).strip()
     if plain in _TYPES:
         return None if plain == "unknown" else _TYPES[plain]
     words = plain.split()
@@ -112,8 +143,22 @@ def _type_of(text: str) -> str | None:
     return None
 
 
+def _without_accents(text: str) -> str:
+    """Return a text without the accents of Latin letters; other scripts keep their marks."""
+    parts = []
+    for letter in text:
+        plain = unicodedata.normalize("NFKD", letter)
+        parts.append(plain[0] if plain[:1].isascii() and len(plain) > 1 else letter)
+    return "".join(parts)
+
+
 def _is(word: str, stem: str) -> bool:
-    """Return whether a word is a stem, its plural, or (long stems) begins or ends with it."""
+    """Return whether a word is a stem, its plural, or (long stems) begins or ends with it.
+
+    Scripts without spaces hold it anywhere; Hebrew and Russian words begin with it.
+    """
+    if not stem.isascii():
+        return stem in word if stem > "\u3000" else word.startswith(stem)
     if word in (stem, f"{stem}s", f"{stem}es", f"{stem}n"):
         return True
     return len(stem) >= 5 and (word.startswith(stem) or word.endswith(stem))

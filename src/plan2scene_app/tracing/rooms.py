@@ -180,7 +180,7 @@ def describe_rooms(
     for number, polygon in polygons.items():
         own = tuple(line for line in lines if polygon.contains(Point(line.middle)))
         name = " ".join(line.text for line in own if _is_name(line.text))[:60]
-        types = room_types(_words(own))
+        types = _types_by_names([line.text for line in own])
         floor = regions.floors == number
         inside = probabilities[:, floor].mean(1)
         kinds = types or _types_by_furniture(inside)
@@ -210,9 +210,12 @@ def without_inner_windows(
     return kept
 
 
-def _words(lines: Sequence[TextLine]) -> str:
-    """Return what names a room: each line alone, joined as an open plan's names are."""
-    return " / ".join(line.text for line in lines if _is_name(line.text))
+def _types_by_names(texts: Sequence[str]) -> tuple[str, ...]:
+    """Return the types that the lines in a room tell; what stands on its wardrobes tells none."""
+    told = [types for text in texts if _is_name(text) and (types := room_types(text))]
+    told += [types for text in texts if not told and (types := room_types(text))]
+    rooms = [types for types in told if types != ("Closet",)] or told
+    return tuple(dict.fromkeys(kind for types in rooms for kind in types))
 
 
 def _is_name(text: str) -> bool:

@@ -510,7 +510,7 @@ def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:
     """Yield a line for each kind of doubt, with the rooms that have it."""
     ways = {n for o in plan.openings if o.kind != "window" for n in (o.room, o.other)}
     kinds = {
-        "nothing tells what they are": lambda r: r.types == ("Unknown",),
+        "nothing tells what they are": lambda r: r.types == ("Unknown",) and not r.named,
         "their furniture alone tells what they are": lambda r: (
             r.types != ("Unknown",) and not r.named
         ),

@@ -1,4 +1,4 @@
-"""Room names in six languages tell the type."""
+"""Room names in the languages of agents tell the type."""
 
 import pytest
 
@@ -26,6 +26,22 @@ from plan2scene.plans.room_names import room_types
         ("Woonkamer", ("Reception",)),
         ("LivingRoom", ("Reception",)),
         ("BALCONY", ("Balcony",)),
+        ("HWR", ("Unknown",)),
+        ("Garage / WC", ("Bathroom",)),
+        ("ST", ("Closet",)),
+        ("Butler's pantry", ("Kitchen",)),
+        ("Køkken", ("Kitchen",)),
+        ("Makuuhuone 2", ("Bedroom",)),
+        ("Sypialnia", ("Bedroom",)),
+        ("Łazienka", ("Bathroom",)),
+        ("Casa de banho", ("Bathroom",)),
+        ("Yatak odası", ("Bedroom",)),
+        ("Гостиная", ("Reception",)),
+        ("Фасад", ()),
+        ("חדר שינה", ("Bedroom",)),
+        ("מטבח", ("Kitchen",)),
+        ("洋室6帖", ("Bedroom",)),
+        ("玄関ホール", ("Entrance",)),
         ("", ()),
         ("Zone 51", ()),
     ],
