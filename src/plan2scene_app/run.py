@@ -45,7 +45,13 @@ DELIVERED: tuple[str, ...] = (
 )
 #: Files beside them where there are photos: the house seen from where they were taken, what became
 #: of them, what is not sure, and the table of their rooms, to be corrected and given again.
-OF_PHOTOS: tuple[str, ...] = ("views.jpg", "contact_sheet.png", "doubts.html", "photos.csv")
+OF_PHOTOS: tuple[str, ...] = (
+    "views.jpg",
+    "patterns.jpg",
+    "contact_sheet.png",
+    "doubts.html",
+    "photos.csv",
+)
 #: What is printed of the progress: nothing, a line for each job (a bar on a terminal), or all.
 PRINTED = {
     "quiet": ("--quiet", "all"),

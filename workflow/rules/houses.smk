@@ -98,7 +98,10 @@ rule house:
 rule pictures:
     # To look at: the house from above, each room at eye level, each located photo beside the house.
     input:
-        **given(cameras=HAS_MASKS and CAMERAS),
+        **given(
+            cameras=HAS_MASKS and CAMERAS,
+            patterns=HAS_MASKS and PATTERNS,
+        ),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         textures=SHOWN_TEXTURES,
     output:
@@ -122,6 +125,13 @@ rule pictures:
             category="Houses",
             subcategory="{house}",
             labels={"file": "beside photos"},
+        ),
+        patterns=report(
+            f"{RESULTS}/houses/{{house}}/patterns.jpg",
+            caption="../report/patterns.rst",
+            category="Houses",
+            subcategory="{house}",
+            labels={"file": "floors"},
         ),
     log:
         f"logs/{DATASET}/pictures/{{house}}.log",

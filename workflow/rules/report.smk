@@ -3,7 +3,12 @@ rule index_page:
     input:
         scenes=house_files("scene.json"),
         houses=house_files(
-            "house.glb", "preview.png", "rooms.jpg", "views.jpg", "viewer.html"
+            "house.glb",
+            "preview.png",
+            "rooms.jpg",
+            "views.jpg",
+            "patterns.jpg",
+            "viewer.html",
         ),
         sheets=house_files("contact_sheet.png", "texture_sheet.png"),
         table=f"{RESULTS}/tables/paper_table.csv",

@@ -13,9 +13,11 @@ with job(snakemake.log[0]):
         made.preview,
         made.rooms,
         made.views,
+        made.patterns,
         house_id=snakemake.wildcards.house,
         photos={name: Path(params.photo_folder) / name for name in params.names},
         cameras=given.get("cameras"),
+        patterns=given.get("patterns"),
         objects=params.objects,
         traced=params.traced,
     )

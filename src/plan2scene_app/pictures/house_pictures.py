@@ -1,4 +1,4 @@
-"""Pictures of a textured house: its preview, its rooms at eye level, itself beside its photos."""
+"""Pictures of a textured house: from above, rooms at eye level, beside its photos, floors."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from plan2scene.mesh.build import textured_house
 from plan2scene.mesh.rays import Rays
 from plan2scene.photos.locate.pose import read_poses
 from plan2scene_app.pictures.lit_picture import painter_of
+from plan2scene_app.pictures.pattern_sheet import draw_patterns
 from plan2scene_app.pictures.photo_views import render_photo_views
 from plan2scene_app.pictures.preview import render_preview
 from plan2scene_app.pictures.room_views import render_rooms
@@ -26,10 +27,12 @@ def draw_house(
     preview: str | Path,
     rooms: str | Path,
     views: str | Path,
+    floors: str | Path,
     *,
     house_id: str,
     photos: Mapping[str, Path],
     cameras: str | Path | None,
+    patterns: str | Path | None,
     objects: bool = True,
     traced: bool = False,
 ) -> None:
@@ -37,12 +40,14 @@ def draw_house(
 
     Parameters
     ----------
-    preview, rooms, views : path
-        Outputs of :mod:`.preview`, :mod:`.room_views` and :mod:`.photo_views`.
+    preview, rooms, views, floors : path
+        Outputs of :mod:`.preview`, :mod:`.room_views`, :mod:`.photo_views`, :mod:`.pattern_sheet`.
     photos : mapping of str to path
         Photos by name.
     cameras : path or None
         ``cameras.json``; None where no photo was read.
+    patterns : path or None
+        ``patterns.parquet``; None where floors are not laid.
     traced : bool
         Rooms and views by path tracing, where Mitsuba is installed.
 
@@ -56,6 +61,7 @@ def draw_house(
     sheets = {
         rooms: render_rooms(house, Rays.of(built.parts), painter),
         views: render_photo_views(house, photos, poses, painter),
+        floors: draw_patterns(house, patterns),
     }
     for output, sheet in sheets.items():
         with atomic_path(output) as temporary:

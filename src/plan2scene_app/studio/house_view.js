@@ -113,6 +113,7 @@ export class HouseView {
     if (files["preview.png"]) views.push("Picture");
     if (files["rooms.jpg"]) views.push("Rooms");
     if (files["views.jpg"]) views.push("Beside photos");
+    if (files["patterns.jpg"]) views.push("Floors");
     if (files["contact_sheet.png"]) views.push("Photos to crops");
     if (tiles.length) views.push("Textures");
     if (!views.length) {
@@ -146,7 +147,7 @@ export class HouseView {
   paneOf(files, tiles) {
     const at = (name) => `results/${name}?${files[name] ?? ""}`;
     if (this.view === "3D") return el("iframe", { src: at("viewer.html") + this.place, title: "The house in 3D", sandbox: "allow-scripts allow-downloads", allow: "fullscreen; xr-spatial-tracking" });
-    const pictures = { Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", "Photos to crops": "contact_sheet.png" };
+    const pictures = { Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", Floors: "patterns.jpg", "Photos to crops": "contact_sheet.png" };
     if (this.view in pictures) {
       const image = el("img", { src: at(pictures[this.view]), alt: this.view, title: "Click: full size, or to fit", onclick: () => image.classList.toggle("full") });
       return el("div", { className: "pane", tabIndex: 0, role: "region", "aria-label": this.view }, image);

@@ -22,6 +22,7 @@ _FILES = (
     ("house.glb", "GLB"),
     ("house.scene.json", "scene.json"),
     ("contact_sheet.png", "photos"),
+    ("patterns.jpg", "floors"),
     ("texture_sheet.png", "textures"),
 )
 

@@ -46,13 +46,13 @@ def entries_of(folder):
 def test_files_of_a_house(folder, gap_house, paint):
     out = folder / "out"
     args = folder / "scene.json", folder / "textures"
-    names = "house.glb", "house.scene.json", "preview.png", "rooms.jpg", "views.jpg"
+    names = "house.glb", "house.scene.json", "preview.png", "rooms.jpg", "views.jpg", "patterns.jpg"
     outputs = [out / name for name in names]
     build_house(*args, *outputs[:2], house_id="gap")
-    draw_house(*args, *outputs[2:], house_id="gap", photos={}, cameras=None)
+    draw_house(*args, *outputs[2:], house_id="gap", photos={}, cameras=None, patterns=None)
     assert Image.open(outputs[2]).size == (1600, 800)
     assert Image.open(outputs[3]).size == (2 * 428 + 8, 312 + 8)
-    assert outputs[4].is_file()  # also without photos
+    assert outputs[4].is_file() and outputs[5].is_file()  # also without photos
     scene = trimesh.load(out / "house.glb")
     assert scene.geometry["a/floor"].area == pytest.approx(12.0, rel=1e-4)
     textures = scene_textures(out / "house.scene.json")

@@ -12,7 +12,7 @@ def make(tmp_path, small_house):
     folder.mkdir(parents=True)
     write_scene_json(small_house, folder / "scene.json")
     files = "viewer.html house.glb house.scene.json preview.png rooms.jpg views.jpg"
-    for name in (*files.split(), "contact_sheet.png", "texture_sheet.png"):
+    for name in (*files.split(), "contact_sheet.png", "texture_sheet.png", "patterns.jpg"):
         (folder / name).write_bytes(b"x")
     (tmp_path / "tables").mkdir()
     rows = "method,n,color,note\nsynth,12,0.123456,a<b\ncrop,7,,none\n"

@@ -15,7 +15,7 @@ from plan2scene.images import jpeg_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.photos.patterns.bands import WallBands, WallView, find_bands, wall_views
 from plan2scene.photos.patterns.find import FIND, FoundPattern, Reading, find_pattern
-from plan2scene.photos.patterns.units import NONE, Units, cut_units
+from plan2scene.photos.patterns.units import Units, cut_units, unlaid
 from plan2scene.photos.patterns.views import (
     FloorView,
     PhotoFiles,
@@ -48,6 +48,7 @@ _COLUMNS = {
     "above": "str",
     "below": "str",
     "units": "object",
+    "shown": "object",
 }
 #: Types of rooms whose floor seldom runs on from the next room.
 _WET = "Bathroom"
@@ -121,13 +122,15 @@ def floor_patterns(
     together = {}
     for name in sorted(set(materials.values())):
         members = [view for view in views if any(materials.get(r) == name for r in view.rooms)]
-        together[name] = _cut(*find_pattern(members))
+        if members:
+            together[name] = _cut(members)
     found = {}
     for room in rooms:
-        own, readings = find_pattern([view for view in views if room in view.rooms])
+        mine = [view for view in views if room in view.rooms]
+        own, readings = find_pattern(mine)
         whole = together.get(materials.get(room, ""))
         if whole is None or (whole[0].kind == "plain" and whole[0].confidence < own.confidence):
-            found[room] = _cut(own, readings)
+            found[room] = own, _units(own, readings, mine)
         else:
             found[room] = _turned(whole[0], own), whole[1]
     return found
@@ -162,9 +165,17 @@ def _size(pattern: FoundPattern | None) -> tuple[str, float] | None:
     return (pattern.kind, pattern.width_m) if pattern is not None and laid else None
 
 
-def _cut(pattern: FoundPattern, readings: Sequence[Reading]) -> tuple[FoundPattern, Units]:
-    """Return a pattern and its units."""
-    return pattern, cut_units(pattern, readings) if readings else NONE
+def _cut(views: Sequence[FloorView]) -> tuple[FoundPattern, Units]:
+    """Return the pattern of views and its units."""
+    pattern, readings = find_pattern(views)
+    return pattern, _units(pattern, readings, views)
+
+
+def _units(pattern: FoundPattern, readings: Sequence[Reading], views: Sequence[FloorView]) -> Units:
+    """Return the units of a pattern; without one, what its largest view shows."""
+    if readings:
+        return cut_units(pattern, readings)
+    return unlaid(max(views, key=lambda view: view.square_m))
 
 
 def _turned(whole: FoundPattern, own: FoundPattern) -> FoundPattern:
@@ -191,6 +202,7 @@ def _row(room: str, pattern: FoundPattern, units: Units, like: str) -> dict[str,
         "upper": [],
         "lower": [],
         "units": [jpeg_bytes(unit, quality=92, full_colour=True) for unit in units.images],
+        "shown": jpeg_bytes(units.shown, quality=85),
     }
 
 
@@ -215,6 +227,7 @@ def _band_row(room: str, bands: WallBands, crops: pd.DataFrame) -> dict[str, Any
         "joint": [0.0] * 3,
         "photos": "|".join(bands.photos),
         "units": [],
+        "shown": b"",
         "split_m": bands.split_m,
         "upper": [round(float(value), 4) for value in bands.upper],
         "lower": [round(float(value), 4) for value in bands.lower],

@@ -11,6 +11,7 @@ import numpy as np
 
 from plan2scene.photos.patterns.find import FoundPattern, Reading
 from plan2scene.photos.patterns.joints import JOINTS, lines
+from plan2scene.photos.patterns.views import FloorView
 
 
 @dataclass(frozen=True)
@@ -38,9 +39,12 @@ class UnitSettings:
     sharp: float = 0.55  #: of the better units' contrast, that a unit has at least
     joint_px: int = 4  #: on either side of a joint, where its tone is measured
     depth: float = 0.5  #: by which a joint is believed to differ from its units
+    shown_m: float = 2.4  #: side of the part of a view that a person is shown
+    shown_px_per_m: float = 150.0
 
 
 UNITS = UnitSettings()
+_DRAWN = (255, 0, 160)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,26 +60,46 @@ class Units:
         By how much a joint's sRGB is less than its units', over theirs; negative for light joints.
     joint_m : float
         Width of a joint that differs so.
+    shown : (h, w, 3) uint8
+        sRGB of a view at `UNITS.shown_px_per_m`, rows along x, the found joints drawn over it.
     """
 
     images: list[np.ndarray]
     joint: np.ndarray
     joint_m: float
+    shown: np.ndarray
 
 
-NONE = Units([], np.zeros(3), 0.0)
+def unlaid(view: FloorView) -> Units:
+    """Return no units, and what is shown of a view without a pattern."""
+    return Units([], np.zeros(3), 0.0, _window(view.image, view.mask))
 
 
 def cut_units(pattern: FoundPattern, readings: Sequence[Reading]) -> Units:
     """Return the units of a pattern that its views show whole."""
-    cut, profiles = [], []
+    cut, profiles, shown = [], [], None
     for reading in sorted(readings, key=lambda r: -r.weight):
         if abs(np.log(reading.width_m / pattern.width_m)) <= 2 * UNITS.loose:
             rows = _Rows(pattern, reading)
+            shown = rows.drawn() if shown is None else shown
             profiles += rows.profiles()
             cut += list(rows.units())
     joint, joint_m = _joint(profiles)
-    return Units(_alike(cut)[: UNITS.most], joint, joint_m)
+    seen = unlaid(readings[0].view).shown if shown is None else shown
+    return Units(_alike(cut)[: UNITS.most], joint, joint_m, seen)
+
+
+def _window(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Return the square part of a view (h, w, 3) that shows most of its mask (h, w), reduced."""
+    side = round(UNITS.shown_m * JOINTS.px_per_m)
+    height, width = min(side, mask.shape[0]), min(side, mask.shape[1])
+    sums = cv2.integral(mask.astype(np.uint8))
+    seen = sums[height:, width:] - sums[:-height, width:]
+    seen = seen - sums[height:, :-width] + sums[:-height, :-width]
+    top, left = np.unravel_index(int(seen.argmax()), seen.shape)
+    part = image[top : top + height, left : left + width]
+    scale = UNITS.shown_px_per_m / JOINTS.px_per_m
+    return cv2.resize(part, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
 
 
 def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -145,6 +169,7 @@ class _Rows:
         size = view.valid.shape[::-1]
         self._valid = view.valid
         colour = cv2.warpAffine(whole.image, view.turn, size, flags=cv2.INTER_LINEAR)
+        self._colour = colour
         self._burnt = colour.max(axis=2) >= UNITS.burnt
         self._even, self._gain = _evenly_lit(colour / 255.0, view.valid)
         along = JOINTS.along_m * JOINTS.px_per_m
@@ -210,6 +235,23 @@ class _Rows:
                 wide = round(length) if np.isfinite(length) else right - left
                 yield cv2.resize(piece, (wide, image.shape[0]), interpolation=cv2.INTER_CUBIC)
 
+    def drawn(self) -> np.ndarray:
+        """Return what is shown of the view, with the joints that were found drawn over it."""
+        image = self._colour.copy()
+        for middles, borders in self.tracks():
+            for k in (0, 1):
+                line = np.rint(np.stack([middles, borders[:, k]], axis=1)).astype(np.int32)
+                cv2.polylines(image, [line], False, _DRAWN, 2, cv2.LINE_AA)
+            row = self._straight(middles, borders)
+            if row is None or not np.isfinite(self._pattern.length_m):
+                continue
+            strip = round(UNITS.strip_m * JOINTS.px_per_m)
+            for left, _ in self._pieces(row[1], row[2], whole=False):
+                x = middles[0] - strip / 2 + left / self._scale
+                ends = [round(float(np.interp(x, middles, borders[:, k]))) for k in (0, 1)]
+                cv2.line(image, (round(x), ends[0]), (round(x), ends[1]), _DRAWN, 2, cv2.LINE_AA)
+        return _window(image, self._valid)
+
     def _straight(
         self, middles: np.ndarray, borders: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
@@ -234,8 +276,10 @@ class _Rows:
             return None
         return taken(self._even), good, taken(self._ends)[rows // 8 : rows - rows // 8].mean(axis=0)
 
-    def _pieces(self, good: np.ndarray, ends: np.ndarray) -> Iterator[tuple[int, int]]:
-        """Yield first and last column of the units of a row."""
+    def _pieces(
+        self, good: np.ndarray, ends: np.ndarray, *, whole: bool = True
+    ) -> Iterator[tuple[int, int]]:
+        """Yield first and last column of the units of a row, of all or of those seen `whole`."""
         length = self._pattern.length_m * JOINTS.px_per_m
         if np.isfinite(length):
             places = [round(x) for x in comb(np.where(good, ends, 0.0), length, UNITS.loose)]
@@ -251,8 +295,8 @@ class _Rows:
         shortest = UNITS.shortest_m * JOINTS.px_per_m
         for left, right in pairs:
             inside = 0 <= left < right <= len(good)
-            whole = _whole(ends, left, right) if np.isfinite(length) else right - left >= shortest
-            if inside and whole and good[left:right].all():
+            clear = _whole(ends, left, right) if np.isfinite(length) else right - left >= shortest
+            if not whole or (inside and clear and good[left:right].all()):
                 yield left, right
 
     def profiles(self) -> list[np.ndarray]:
