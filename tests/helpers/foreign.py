@@ -9,8 +9,8 @@ import re
 import struct
 import tempfile
 import zipfile
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,7 @@ from plan2scene.datasets.drops import read_unobserved
 from plan2scene.datasets.house_table import read_house_table
 from plan2scene.datasets.import_plan import add_object_boxes
 from plan2scene.errors import InputError
+from plan2scene.house import House
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet, write_json, write_parquet
 from plan2scene.materials import load_texture_folder
@@ -42,6 +43,7 @@ from plan2scene.photos.labels.palette import labels_from_folder
 from plan2scene.photos.locate.pose import read_poses
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.plans.formats import read_plan
+from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.scene_json import house_of_scene
 from plan2scene.plans.scene_writer import house_to_scene
@@ -71,16 +73,41 @@ def house():
     return read_plan(EXAMPLE, "h1")
 
 
-def read_any_plan(path: Path) -> None:
-    """Read a plan; what holds must survive the round trip through scene.json.
+def numbers(value: Any) -> Iterator[float]:
+    """Yield every number within what a reader returned."""
+    if isinstance(value, torch.Tensor):
+        value = value.numpy()
+    if isinstance(value, np.ndarray):
+        yield from [float(v) for v in (value.min(), value.max())] if value.size else []
+    elif isinstance(value, float) or (isinstance(value, int) and abs(value) < 2**63):
+        yield float(value)
+    elif is_dataclass(value):
+        yield from (v for field in fields(value) for v in numbers(getattr(value, field.name)))
+    elif isinstance(value, dict):
+        yield from (v for item in value.values() for v in numbers(item))
+    elif isinstance(value, list | tuple):
+        yield from (v for item in value for v in numbers(item))
+
+
+def read_any_plan(path: Path) -> House:
+    """Return a plan; what holds must survive the round trip through scene.json.
 
     What no home has must be told: silent nonsense is worse than a fault.
     """
     found = read_plan(path, "h1", 0.05)
     lines = validate_house(found, file=path)
-    thickest = max(wall.depth for wall in found.walls)
-    assert lines or thickest <= 1, f"walls of {thickest:g} m without a word"
+    areas = [room_polygon(room).area for room in found.rooms]
+    judged = {
+        "a wall thicker than 1 m": max((wall.depth for wall in found.walls), default=0) > 1,
+        "a wall higher than 8 m": max((wall.height for wall in found.walls), default=0) > 8,
+        "a room over 500 m2": max(areas) > 500,
+        "a room under 0.05 m2": min(areas) < 0.05,
+        "no walls": not found.walls,
+        "a number over 200": max(map(abs, numbers(found)), default=0) > 200,
+    }
+    assert lines or not any(judged.values()), [name for name, holds in judged.items() if holds]
     assert house_of_scene(house_to_scene(found), "h1") == found
+    return found
 
 
 def own_plans() -> list[bytes]:
@@ -181,13 +208,14 @@ def configs() -> list[bytes]:
     return [json.dumps(config).encode(), yaml.safe_dump(config).encode()]
 
 
-def read_config(path: Path) -> None:
+def read_config(path: Path) -> object:
     try:
         document = yaml.load(path.read_bytes(), Loader=yaml.CSafeLoader)
     except (yaml.YAMLError, ValueError, RecursionError):
-        return  # Snakemake reads the file and says so itself
+        return None  # Snakemake reads the file and says so itself
     if isinstance(document, dict):
         check_config(document)
+    return document if isinstance(document, dict) else None
 
 
 def pictures() -> list[bytes]:
@@ -233,10 +261,11 @@ def crops() -> list[bytes]:
     return [buffer.getvalue()]
 
 
-def read_picture(path: Path) -> None:
+def read_picture(path: Path) -> object:
     image = read_photo(path)
-    read_exif_focal(path, image.shape[:2])
+    assert image.dtype == np.uint8 and image.shape[2:] == (3,) and max(image.shape) <= 1600
     image_from_bytes(path.read_bytes())
+    return read_exif_focal(path, image.shape[:2])
 
 
 def read_crop(path: Path) -> None:
@@ -247,11 +276,11 @@ def read_crop(path: Path) -> None:
     read_precomputed_crops(house(), {"p.jpg": ["living"]}, folder.parent, out, dataset="d")
 
 
-def read_texture(path: Path) -> None:
+def read_texture(path: Path) -> object:
     folder = path.parent / "library" / "wood"
     folder.mkdir(parents=True, exist_ok=True)
     path.replace(folder / "a.png")
-    load_texture_folder(folder.parent, size_px=64)
+    return load_texture_folder(folder.parent, size_px=64)
 
 
 def weights() -> list[bytes]:
@@ -260,14 +289,14 @@ def weights() -> list[bytes]:
     return [save(state, metadata=header), save(state)]
 
 
-def read_weights(path: Path) -> None:
+def read_weights(path: Path) -> object:
     read_model_arrays(path)
     state, architecture = load_model_file(path)
 
     def build(inputs: int, outputs: int) -> torch.nn.Module:
         return torch.nn.Linear(inputs, outputs)
 
-    filled(lambda: build(**architecture), state, "a layer", path)
+    return dict(filled(lambda: build(**architecture), state, "a layer", path).state_dict())
 
 
 def checkpoints() -> list[bytes]:
@@ -281,8 +310,8 @@ def checkpoints() -> list[bytes]:
     return found
 
 
-def read_released(path: Path) -> None:
-    fitted_state(state_dict_of(read_checkpoint(path), path), SHAPES, path)
+def read_released(path: Path) -> object:
+    return fitted_state(state_dict_of(read_checkpoint(path), path), SHAPES, path)
 
 
 DOOR = {"kind": "door", "from": [1, 0], "to": [2, 0], "bottom": 0, "top": 2}
@@ -319,9 +348,9 @@ def read_run(path: Path) -> None:
     assert isinstance(found["settings"], dict), found
 
 
-def read_left(path: Path) -> None:
-    """Read what a stage left as the stages after it do."""
-    read_stage_json(path, path.stem)
+def read_left(path: Path) -> object:
+    """Return what a stage left, read as the stages after it do."""
+    found = read_stage_json(path, path.stem)
     if path.stem == "cameras":
         read_poses(path)
     if path.stem in ("textures", "maps", "doors"):
@@ -331,6 +360,7 @@ def read_left(path: Path) -> None:
         for suffix in (".png", ".jpg"):
             path.with_name(f"living_floor{suffix}").write_bytes(crops()[0])
         textured(path.parent, house())
+    return found
 
 
 TABLE = "house\tsplit\tplan\tassignment\tphotos\nh1\ttest\tp.json\ta.csv\ta.jpg|b.jpg\n"
@@ -511,7 +541,8 @@ def outcome(reader: Reader, data: bytes, folder: Path) -> str:
     path = folder / reader.name
     path.write_bytes(data)
     try:
-        reader.read(path)
+        found = list(numbers(reader.read(path)))
+        assert np.isfinite(found).all(), "a number that is not finite, without a word"
     except InputError as fault:
         assert re.fullmatch(r"[^\n\r]*expected [^\n\r]+, found [^\n\r]*", str(fault)), str(fault)
         assert len(str(fault)) < 1500, str(fault)

@@ -37,6 +37,8 @@ MAX_EXTENT, MAX_USUAL_AREA = 300.0, 1000.0
 HEIGHTS, USUAL_HEIGHTS = (0.5, 30.0), (1.8, 6.0)
 #: Beyond these (metres, square metres) a plan gets a warning.
 USUAL_EXTENT, USUAL_AREA = 100.0, (0.3, 60.0)
+#: A room of another area (square metres) is told, however usual the others are.
+ROOM_AREA = (0.05, 500.0)
 #: Walls are at most so thick, metres.
 USUAL_DEPTH = 1.0
 #: The usual door of a home is this wide (metres), and no hole is narrower than the last.
@@ -81,6 +83,15 @@ def oddities(house: House) -> Iterator[_Line]:
     for room in house.rooms:
         if not low <= room.height <= high:
             yield f"a height of {low:g} to {high:g} m", f"{room.height:g}", room.id
+    tall = [wall for wall in house.walls if wall.height > high]
+    for wall in tall[:1]:
+        found = f"{len(tall)}, wall {wall.id} of {wall.height:g} m"
+        yield f"walls at most {high:g} m high", found, wall.room_ids[0]
+    low, high = ROOM_AREA
+    for room in house.rooms:
+        area = room_polygon(room).area
+        if not low <= area <= high:
+            yield f"a room of {low:g} to {high:g} m2", f"{area:.2f} m2", room.id
     yield from _holes(house)
     thick = [wall for wall in house.walls if wall.depth > USUAL_DEPTH]
     for wall in thick[:1]:

@@ -51,6 +51,14 @@ def test_feet_and_decimetres_are_told():
     assert "usual room" in warnings_of(plan(5))
 
 
+@pytest.mark.parametrize("side", [0.2, 60])
+def test_a_room_of_an_absurd_area_is_told(side):
+    document = plan()
+    ring = [[20, 0], [20 + side, 0], [20 + side, side], [20, side]]
+    document["rooms"].append({"id": "odd", "types": ["Closet"], "polygon": ring})
+    assert "room odd: expected a room of 0.05 to 500 m2, found" in warnings_of(document)
+
+
 @pytest.mark.parametrize("height", [0.05, 0.4, 31, 100])
 def test_absurd_heights_are_refused(height):
     with pytest.raises(InputError, match=r"a height of 0\.5 to 30 m, found"):
