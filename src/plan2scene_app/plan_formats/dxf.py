@@ -86,7 +86,8 @@ def layers_of(pairs: Sequence[str]) -> dict[str, str]:
 
 def names_of(entity: Any) -> list[str]:
     """Return the names that classify an entity: its block's, if it is one, and its layer's."""
-    names = [str(entity.dxf.get("layer", ""))]
+    layer = entity.dxf.get("layer", "") if entity.dxf.is_supported("layer") else ""
+    names = [str(layer)]
     if entity.dxftype() == "INSERT":
         names.insert(0, str(entity.dxf.get("name", "")))
     return names
