@@ -103,7 +103,7 @@ def write_doubts(
         style=style,
         policy=f"default-src 'none'; style-src {source_hash(style)}; img-src data:",
         doubts="\n".join(f"<li>{_linked(line, house)}</li>" for line in lines),
-        count=f"{len(lines)} doubts" if len(lines) != 1 else "1 doubt",
+        count=f"{len(lines) or 'No'} doubts" if len(lines) != 1 else "1 doubt",
         plans="\n".join(_plan(storey, level.name, eyes) for level, storey in house.storeys()),
         picture=picture,
         rooms="\n".join(groups),

@@ -23,7 +23,8 @@ async function enterHeadset() {
   $("message").textContent = "";
   setMode("walk");
   aim(canvas);
-  for (const part of parts) part.mesh.visible = true;
+  for (const { mesh } of parts) mesh.visible = mesh.material.visible = true;
+  for (const { mesh } of gathered) mesh.visible = false;
   Object.assign(camera, { near: 0.05, far: 4 * whole.radius });
   renderer.xr.enabled = true;
   await renderer.xr.setSession(session);

@@ -6,7 +6,18 @@
 const LOOKS = { plain: 0, day: 1, lit: 2 };
 const LAMP_BELOW_CEILING = 0.35; // metres
 const LAMP = 1.1; // of a floor right below, as bright as a sheet of paper by day
+const SWITCHED = new Set(["ceiling", "structure"]); // kinds that the panel hides
+const gathered = []; // meshes in place of several parts: {mesh, members, box}
 const DARK = new THREE.Vector4(0, 0, 0, 0);
+
+// The Khronos neutral tone mapping without a branch: without a GPU branches are slow.
+const NEUTRAL = `
+vec3 neutral(vec3 colour) {
+  float low = min(min(colour.r, min(colour.g, colour.b)), 0.08);
+  colour -= low - 6.25 * low * low;
+  float peak = max(0.76, max(colour.r, max(colour.g, colour.b))), end = 1.0 - 0.0576 / (peak - 0.52);
+  return mix(vec3(end), colour * (end / peak), 1.0 / (0.15 * (peak - end) + 1.0));
+}`;
 
 // Vertices have the light of the sky; a lamp's is worked out for each pixel.
 const SKY = `
@@ -46,7 +57,7 @@ function patch(shader) {
     #elif LOOK == 2
     place = (modelMatrix * vec4(transformed, 1.0)).xyz; out_ = mat3(modelMatrix) * normal;
     #endif`);
-  let text = swap(shader.fragmentShader, "void main() {", `${LIGHT}\nvoid main() {`);
+  let text = swap(shader.fragmentShader, "void main() {", `${NEUTRAL}${LIGHT}\nvoid main() {`);
   text = swap(text, "reflectedLight.indirectDiffuse *= diffuseColor.rgb;",
     `reflectedLight.indirectDiffuse *= lit(diffuseColor.rgb);
     reflectedLight.indirectDiffuse = mix(reflectedLight.indirectDiffuse, vec3(0.95, 0.55, 0.25), glow);`);
@@ -56,8 +67,8 @@ function patch(shader) {
     #endif`);
   text = swap(text, "#include <colorspace_fragment>", "gl_FragColor.rgb = sqrt(gl_FragColor.rgb);");
   shader.fragmentShader = swap(text, "#include <tonemapping_fragment>",
-    `#if defined(TONE_MAPPING) && LOOK != 0
-    gl_FragColor.rgb = toneMapping(gl_FragColor.rgb);
+    `#if LOOK != 0
+    gl_FragColor.rgb = neutral(gl_FragColor.rgb);
     #endif`);
 }
 
@@ -78,10 +89,48 @@ function paint(part, sharpness) {
     Object.assign(map, { anisotropy: sharpness, colorSpace: THREE.NoColorSpace }); // see patch
     if (sharpness === 1) map.minFilter = THREE.LinearMipmapNearestFilter;
   }
+  part.look = mesh.material.uuid;
   part.uniforms = { glow: { value: 0 }, lamp: { value: DARK } };
-  material.onBeforeCompile = (shader) => { Object.assign(shader.uniforms, part.uniforms); patch(shader); };
+  mesh.material = shine(material, part.uniforms);
+}
+
+function shine(material, uniforms) {
+  material.onBeforeCompile = (shader) => { Object.assign(shader.uniforms, uniforms); patch(shader); };
   material.customProgramCacheKey = () => "house";
-  mesh.material = material;
+  return material;
+}
+
+function gather(scene) {
+  // One mesh, seen from outside, for what looks alike in a room: each draw costs much without a GPU.
+  // Its parts stay, to be clicked; one that is chosen or painted is drawn over it.
+  const groups = new Map();
+  for (const part of parts) {
+    const { geometry, matrixWorld } = part.mesh, { kind, room_id } = part.extras;
+    const key = [part.look, part.level, room_id, SWITCHED.has(kind) && kind, Object.keys(geometry.attributes), matrixWorld.elements].join(" ");
+    if (!part.glass) groups.set(key, [...(groups.get(key) ?? []), part]);
+  }
+  for (const members of groups.values()) {
+    if (members.length < 2) continue;
+    const [{ mesh: first, uniforms }] = members, geometry = new THREE.BufferGeometry(), index = [];
+    for (const [name, { itemSize }] of Object.entries(first.geometry.attributes)) {
+      const values = [];
+      for (const { mesh: { geometry: { attributes: { [name]: own } } } } of members)
+        for (let k = 0; k < own.count; k++) for (let j = 0; j < itemSize; j++) values.push(own.getComponent(k, j));
+      geometry.setAttribute(name, new THREE.Float32BufferAttribute(values, itemSize));
+    }
+    let start = 0;
+    for (const { mesh: { geometry: { index: own, attributes: { position: { count } } } } } of members) {
+      for (let k = 0; k < (own ? own.count : count); k++) index.push(start + (own ? own.getX(k) : k));
+      start += count;
+    }
+    geometry.setIndex(index);
+    const mesh = new THREE.Mesh(geometry, shine(first.material.clone(), { glow: { value: 0 }, lamp: uniforms.lamp }));
+    first.matrixWorld.decompose(mesh.position, mesh.quaternion, mesh.scale);
+    mesh.part = { mesh, members, box: boxOf(members) };
+    gathered.push(mesh.part);
+    scene.add(mesh);
+    for (const part of members) { part.gathered = true; part.mesh.renderOrder = 1; }
+  }
 }
 
 function hangLamps() {
@@ -102,7 +151,7 @@ function over(room, { x, z }) {
 }
 
 function setLook(name) {
-  for (const { mesh: { material } } of parts) {
+  for (const { mesh: { material } } of [...parts, ...gathered]) {
     Object.assign(material, { aoMapIntensity: name === "plain" ? 0 : 1, defines: { LOOK: LOOKS[name] }, needsUpdate: true });
   }
   for (const other of Object.keys(LOOKS)) $(other).setAttribute("aria-pressed", String(other === name));

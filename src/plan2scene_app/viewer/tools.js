@@ -73,6 +73,7 @@ function paintAs({ room, surface, colour }) {
     const own = surface === "door" ? doorOf(part) === room : part.extras.room_id === room && (surfaceOf(part) === surface || surfaceOf(part)?.startsWith(`${surface}.`));
     if (!own) continue;
     const levels = [1, 3, 5].map((k) => (parseInt(colour.slice(k, k + 2), 16) / 255) ** 2);
+    part.painted = true;
     Object.assign(part.mesh.material, { map: null, needsUpdate: true });
     part.mesh.material.color.setRGB(...levels);
   }

@@ -31,10 +31,10 @@ function refresh() {
 }
 
 function keepPace(gap) {
-  // Draws more coarsely when three pictures in a row came under 20 a second, finer after 60 quick ones.
+  // Draws more coarsely when three pictures in a row came under 30 a second, finer after 60 quick ones.
   if (gap > 400) return; // it stood still between them
-  late = gap > 50 ? late + 1 : 0;
-  early = gap < 22 ? early + 1 : 0;
+  late = gap > 35 ? late + 1 : 0;
+  early = gap < 18 ? early + 1 : 0;
   if (late < 3 && early < 60) return;
   pace = late ? Math.min(pace + 1, PACES.length - 1) : Math.max(pace - 1, 0);
   late = early = 0;
@@ -58,6 +58,9 @@ function draw(ratio) {
   aim(canvas);
   drawMap();
   if (eye.mode === "walk" && seen.ceilings) hideUnseen();
+  const outside = eye.mode === "orbit"; // who walks sees few parts, the nearest first
+  for (const part of parts) part.mesh.material.visible = !outside || !part.gathered || part === chosen || Boolean(part.painted);
+  for (const { mesh, members } of gathered) mesh.visible = outside && members.some((part) => part.mesh.visible);
   renderer.render(scene, camera);
   label(canvas);
 }
@@ -244,7 +247,6 @@ function startRenderer() {
   } catch {
     throw new Error("This browser has no WebGL 2. house.glb opens in any glTF program.");
   }
-  renderer.toneMapping = THREE.NeutralToneMapping;
   renderer.setClearColor(0xf7f6f3, 1);
   renderer.setOpaqueSort(nearestFirst);
   const gl = renderer.getContext(), names = gl.getExtension("WEBGL_debug_renderer_info");
@@ -261,6 +263,7 @@ async function start() {
   scene.add(house, drawFrusta(), ...makeTape());
   stretch();
   hangLamps();
+  gather(scene);
   whole = boxOf(parts).getBoundingSphere(whole);
   startOrbit(canvas);
   listRooms();
