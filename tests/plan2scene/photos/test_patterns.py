@@ -74,6 +74,13 @@ def test_herringbone_is_not_taken_for_rows():
     assert find_pattern([view(image, 0.0)])[0].kind == "other"
 
 
+def test_a_mosaic_is_not_taken_for_planks_or_tiles():
+    image = floor(72, 72, 0.0, seed=5)
+    found, _ = find_pattern([view(image, 20.0), view(image, 65.0)])
+    assert found.kind == "mosaic"
+    assert found.width_m == pytest.approx(SIDE_M / 72, rel=0.06)
+
+
 def test_a_room_of_the_material_has_its_size_and_keeps_its_own_direction():
     planks = floor(4, 16, 0.5, seed=2)
     views = [view(planks, 0.0, room="hall"), view(planks, 90.0, scale=1.06, room="bedroom")]

@@ -11,11 +11,13 @@ from scipy.ndimage import maximum_filter1d
 from plan2scene.photos.patterns.joints import (
     DISTANCES,
     JOINTS,
+    MOSAICS,
     Direction,
     along,
     next_row,
     refined,
     run_on,
+    small_squares,
 )
 from plan2scene.photos.patterns.views import FloorView
 
@@ -37,6 +39,8 @@ class FindSettings:
     breaks: float = 0.3  #: of joints that come again, over their likeness: no rows
     fades: float = 0.25  #: likeness of joints half a metre on, over that beside: less is no row
     square: float = 0.12  #: log ratio of the sides of square tiles
+    mosaic: tuple[float, float] = (0.05, 0.1)  #: score of none, and of one without doubt
+    widest_mosaic_m: float = 0.06
     plank: float = 2.2  #: length over width of planks, at least
     widest_plank_m: float = 0.3
 
@@ -52,7 +56,8 @@ class FoundPattern:
     Attributes
     ----------
     kind : str
-        ``planks``, ``tiles``, ``plain``, or ``other``: it repeats, but not in rows, as herringbone.
+        ``planks``, ``tiles``, ``mosaic``, ``plain``, or ``other``: it repeats, but not in rows, as
+        herringbone.
     width_m, length_m : float
         Of a unit with half a joint on each side; NaN where not known (planks of many lengths).
     width_spread : float
@@ -106,6 +111,9 @@ def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading
     """
     if not views:
         return FoundPattern("plain"), []
+    mosaic = _mosaic(views)
+    if mosaic is not None:
+        return mosaic, []
     curves = [np.max([d.scores for d in _likely(view)], axis=0) for view in views]
     weights = np.array([_area(view) for view in views])
     reach = 2 * round(100 * FIND.same_size) + 1
@@ -137,6 +145,30 @@ def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading
     sizes = width, ratio * width, spread
     found = FoundPattern(kind, *sizes, direction, offset, confidence, line, photos, located)
     return found, readings
+
+
+def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:
+    """Return the mosaic that views show; None where there is none."""
+    weights = np.array([_area(view) for view in views])
+    scores = np.array([small_squares(view.directions[0].view) for view in views])
+    reach = 2 * round(100 * FIND.same_size) + 1
+    pooled = weights @ maximum_filter1d(scores, reach, axis=1) / weights.sum()
+    none, sure = FIND.mosaic
+    confidence = float(np.clip((pooled.max() - none) / (sure - none), 0.0, 1.0))
+    if confidence < FIND.believed:
+        return None
+    # Lines of both directions part halfway: a diagonal scores twice as much as a side, and as much
+    # as those of three squares.
+    first = int(np.argmax(pooled >= FIND.part * pooled.max()))
+    k = first + int(pooled[first : first + reach // 2].argmax())
+    if MOSAICS[k] > np.sqrt(2) * FIND.widest_mosaic_m:
+        return None
+    near = np.where(np.abs(np.arange(scores.shape[1]) - k) <= reach // 2, scores, 0.0)
+    shown = near.max(axis=1) > 0.0
+    sizes = MOSAICS[near.argmax(axis=1)][shown] / np.sqrt(2)
+    side, spread = _middle(list(sizes), list(weights[shown]))
+    photos = dict.fromkeys(v.photo for v, seen in zip(views, shown, strict=True) if seen)
+    return FoundPattern("mosaic", side, side, spread, confidence=confidence, photos=tuple(photos))
 
 
 def _area(view: FloorView) -> float:
