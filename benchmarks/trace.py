@@ -1,12 +1,19 @@
 """Traces drawn plans in styles that no training saw, for docs/measurements/trace.md.
 
-python benchmarks/trace.py [--plans 60] [--opened 0.4] [--dark] [--pictures FOLDER]
+python benchmarks/trace.py [--listings FOLDER] [--plans 60] [--opened 0.4] [--dark]
+    [--pictures FOLDER]
+
+Real listings come first where there are some: FOLDER/HOME/plan.* with FOLDER/HOME.json (what is
+true) and FOLDER/score.py, which prints the figures of a traced plan.
 """
 
 from __future__ import annotations
 
 import argparse
+import subprocess
+import sys
 import tempfile
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,7 +26,7 @@ from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.seeds import generator
 from plan2scene_app.tracing.settings import SETTINGS
-from plan2scene_app.tracing.trace import TracedPlan, overlay, trace_picture
+from plan2scene_app.tracing.trace import TracedPlan, overlay, trace_picture, write_trace
 from plan2scene_workshop.plans.drawing import DrawnPlan
 from plan2scene_workshop.plans.paper import bend, homography, worn
 from plan2scene_workshop.plans.views import other_drawing
@@ -181,6 +188,25 @@ def measure(
     return results
 
 
+def print_listings(folder: Path, model: Path | None) -> None:
+    """Print what the listings' own score says of each, and the processor's seconds."""
+    for truth in sorted(folder.glob("*.json")):
+        for picture in sorted((folder / truth.stem).glob("plan.*")):
+            if picture.suffix == ".json":
+                continue
+            with tempfile.TemporaryDirectory() as made:
+                out = Path(made) / "plan.json"
+                start = time.process_time()
+                try:
+                    write_trace(picture, out, model=model)
+                except InputError as error:
+                    print(f"{truth.stem}: {error}")
+                    continue
+                print(f"{truth.stem}: {time.process_time() - start:.1f} s", flush=True)
+                score = [sys.executable, str(folder / "score.py"), str(folder), truth.stem]
+                subprocess.run([*score, str(out)], check=True)
+
+
 def print_table(results: dict[str, list[dict[str, float]]]) -> None:
     """Print the table of the page."""
     print(
@@ -204,6 +230,7 @@ def print_table(results: dict[str, list[dict[str, float]]]) -> None:
 def main() -> None:
     """Print the table; with --pictures write overlays whose names begin with their figures."""
     parser = argparse.ArgumentParser()
+    parser.add_argument("--listings", type=Path)
     parser.add_argument("--plans", type=int, default=60)
     parser.add_argument("--opened", type=float, default=0.0)
     parser.add_argument("--dark", action="store_true")
@@ -212,6 +239,8 @@ def main() -> None:
     given = parser.parse_args()
     if given.pictures is not None:
         given.pictures.mkdir(parents=True, exist_ok=True)
+    if given.listings is not None:
+        print_listings(given.listings, given.model)
     found = measure(given.plans, given.model, given.pictures, given.opened, dark=given.dark)
     print_table(found)
 

@@ -184,11 +184,66 @@ def describe_rooms(
         floor = regions.floors == number
         inside = probabilities[:, floor].mean(1)
         kinds = types or _types_by_furniture(inside)
-        base = name if types else kinds[0]
+        base = name if types and name else kinds[0]
         sure = float(inside[ROOM:].sum())
         identifier = free_id(base, taken)
         rooms.append(TracedRoom(number, polygon, identifier, name, kinds, bool(types), sure, own))
     return rooms
+
+
+def with_types_by_marks(
+    rooms: Sequence[TracedRoom],
+    openings: Sequence[TracedOpening],
+    regions: Regions,
+    image: np.ndarray,
+    metres: float,
+) -> list[TracedRoom]:
+    """Return rooms whose unnamed ones have types by size, ways and what is drawn in them.
+
+    Where a plan names its rooms, baths, halls, wardrobes and stairs are those without a name. Left
+    as they are where less than half are named. `image` (h, w, 3) uint8 has no text; `metres` are of
+    a pixel.
+    """
+    if 2 * sum(room.named for room in rooms) < len(rooms):
+        return list(rooms)
+    light = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
+    slopes = cv2.Sobel(light, cv2.CV_32F, 1, 0), cv2.Sobel(light, cv2.CV_32F, 0, 1)
+    edge = np.hypot(*slopes) > SETTINGS.mark_slope
+    angle = np.degrees(np.arctan2(*np.abs(slopes)))
+    askew = (angle > SETTINGS.askew[0]) & (angle < SETTINGS.askew[1]) & edge
+    taken = {room.id for room in rooms if _told(room)}
+    told = []
+    for room in rooms:
+        if _told(room):
+            told.append(room)
+            continue
+        floor = (regions.floors == room.number).astype(np.uint8)
+        inside = cv2.erode(floor, np.ones((5, 5), np.uint8)) > 0
+        marks = int((edge & inside).sum())
+        dense = marks / max(1, int(inside.sum())) / metres  # metres of edge for a square metre
+        swings = int((askew & inside).sum()) > SETTINGS.swing_share * marks
+        ways = sum(o.kind != "window" and room.number in (o.room, o.other) for o in openings)
+        kind = _type_by_marks(float(floor.sum()) * metres**2, dense, ways, swings=swings)
+        types = (kind,) if kind else room.types
+        told.append(replace(room, types=types, id=free_id(types[0], taken)))
+    return told
+
+
+def _told(room: TracedRoom) -> bool:
+    """Return whether a name tells what a room is, or furniture that the network knows."""
+    return room.named or room.types[0] not in ("Unknown", "Corridor", "Closet")
+
+
+def _type_by_marks(area: float, dense: float, ways: int, *, swings: bool) -> str:
+    """Return the type of an unnamed room of so many m2, empty for one that nothing tells."""
+    if dense > SETTINGS.treads and area > SETTINGS.least_stairs:
+        return "Staircase"
+    low, high = SETTINGS.bath
+    if dense > SETTINGS.fixtures and not swings and ways and low < area < high:
+        return "Bathroom"
+    if area < low or (dense < SETTINGS.fixtures and ways < 3 and area < SETTINGS.largest_closet):
+        return "Closet"
+    return "Corridor" if ways >= 3 and (swings or dense < SETTINGS.fixtures) else ""
 
 
 def without_inner_windows(
@@ -214,7 +269,8 @@ def _types_by_names(texts: Sequence[str]) -> tuple[str, ...]:
     """Return the types that the lines in a room tell; what stands on its wardrobes tells none."""
     told = [types for text in texts if _is_name(text) and (types := room_types(text))]
     told += [types for text in texts if not told and (types := room_types(text))]
-    rooms = [types for types in told if types != ("Closet",)] or told
+    lived_in = any(set(types) - {"Closet", "Staircase"} for types in told)
+    rooms = [types for types in told if types != ("Closet",) or not lived_in]
     return tuple(dict.fromkeys(kind for types in rooms for kind in types))
 
 

@@ -119,6 +119,15 @@ class TraceSettings:
     closed: float = 0.7  #: share of a room's border with a wall, an opening or a room behind it
     island: float = 3.0  #: m2 up to which a room without an opening is part of another
     furniture_share: float = 0.55  #: share of a room's pixels of one kind from which it is the type
+    # Unnamed rooms of a plan with names; edges were looked at on two real plans.
+    mark_slope: float = 60.0  #: grey values of an edge (Sobel)
+    askew: tuple[float, float] = (20.0, 70.0)  #: degrees from the axes, of arcs and slants
+    swing_share: float = 0.4  #: of the edges: above, doors swing there; baths are mostly straight
+    treads: float = 9.0  #: m of edge for a m2 from which lines are the treads of stairs, ...
+    fixtures: float = 1.5  #: ... or fixtures of a bath
+    least_stairs: float = 2.0  #: m2
+    bath: tuple[float, float] = (1.0, 14.0)  #: m2; counters of kitchens have no door
+    largest_closet: float = 3.0  #: m2
     # Open rooms with several names.
     faint: float = 0.06  #: darkness of the faintest line that divides a floor
     line_drawn: float = 0.7  #: share of a dividing line that is drawn

@@ -64,6 +64,7 @@ from plan2scene_app.tracing.rooms import (
     TracedRoom,
     describe_rooms,
     room_polygons,
+    with_types_by_marks,
     without_inner_windows,
 )
 from plan2scene_app.tracing.scale import (
@@ -143,6 +144,7 @@ def trace_picture(
         openings = find_openings(regions, polygons, probabilities)
         rooms = describe_rooms(regions, polygons, probabilities, lines)
         scale = _scale(regions, rooms, openings, lines, given)
+    rooms = with_types_by_marks(rooms, openings, regions, frame.image, scale.metres_per_pixel)
     drawings = _drawings_of_rooms(seen)
     rooms = [replace(room, drawing=drawings[room.number]) for room in rooms]
     storeys = []
@@ -500,10 +502,19 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
         yield f"{len(plan.storeys)} drawings are storeys on one another, from below: {names}{order}"
     if plan.left_out:
         yield f"drawings left out, as they have no rooms with doors: {plan.left_out}"
-    if scale.differ:
-        yield f"measures that do not fit the scale: {', '.join(scale.differ)}"
+    yield from _doubts_of_sizes(plan)
     yield from _doubts_of_rooms(plan)
     yield from _doubts_of_openings(plan)
+
+
+def _doubts_of_sizes(plan: TracedPlan) -> Iterator[str]:
+    """Yield a line for each written measure that does not fit the scale, at its room."""
+    for room in plan.rooms:
+        x0, y0, x1, y1 = room.polygon.bounds
+        width, depth = ((side - plan.wall_px) * plan.metres for side in (x1 - x0, y1 - y0))
+        for line in room.texts:
+            if line.text in plan.scale.differ:
+                yield f"{room.id}: {line.text} is written, {width:.2f} x {depth:.2f} m traced"
 
 
 def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:
@@ -511,7 +522,7 @@ def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:
     ways = {n for o in plan.openings if o.kind != "window" for n in (o.room, o.other)}
     kinds = {
         "nothing tells what they are": lambda r: r.types == ("Unknown",) and not r.named,
-        "their furniture alone tells what they are": lambda r: (
+        "what is drawn in them, or their size, alone tells what they are": lambda r: (
             r.types != ("Unknown",) and not r.named
         ),
         "hardly sure that they are rooms": lambda r: r.confidence < SETTINGS.doubtful,

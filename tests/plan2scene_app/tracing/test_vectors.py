@@ -8,7 +8,7 @@ from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.picture import main_direction
 from plan2scene_app.tracing.regions import find_regions, structure_of
-from plan2scene_app.tracing.rooms import describe_rooms, room_polygons
+from plan2scene_app.tracing.rooms import describe_rooms, room_polygons, with_types_by_marks
 from plan2scene_app.tracing.settings import ROOM
 
 from .conftest import PPM, as_probabilities, flat_labels
@@ -56,6 +56,26 @@ def test_rooms_are_named_by_text_else_by_furniture(probabilities):
     assert (named.id, named.types, named.name) == ("chambre_1", ("Bedroom",), "Chambre 1")
     assert (other.id, other.types, other.named) == ("kitchen", ("Kitchen",), False)
     assert len(named.texts) == 2 and named.confidence > 0.8
+
+
+@pytest.mark.parametrize(
+    ("step", "kind"), [(None, "Unknown"), (5, "Staircase"), (20, "Bathroom"), (0, "Bathroom")]
+)
+def test_marks_tell_what_an_unnamed_room_is(step, kind):
+    labels = flat_labels()
+    labels[labels == 8] = ROOM
+    probabilities = as_probabilities(labels)
+    if step == 0:  # the network knows its fixtures
+        probabilities = as_probabilities(np.where(labels == ROOM, 9, labels))
+    regions, polygons = traced(probabilities)
+    openings = find_openings(regions, polygons, probabilities)
+    lines = [TextLine("Chambre 1", (3.0 * PPM, 2.0 * PPM), (40, 8), 0.9)]
+    rooms = describe_rooms(regions, polygons, probabilities, lines)
+    image = np.full((*labels.shape, 3), 255, np.uint8)
+    if step:
+        image[:, round(5.1 * PPM) :: step] = 0
+    found = with_types_by_marks(rooms, openings, regions, image, 1 / PPM)
+    assert {room.types for room in found} == {("Bedroom",), (kind,)}
 
 
 @pytest.mark.parametrize("angle", [0.0, 3.0, -20.0, 40.0])
