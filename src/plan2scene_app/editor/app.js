@@ -34,7 +34,12 @@ export class App {
     this.toolButtons();
     this.listen();
     listenToDrops(this, page.svg);
-    new ResizeObserver(() => this.render()).observe(page.svg);
+    let shown = 0; // a phone that is turned, a window much narrower: the plan stays in view
+    new ResizeObserver(() => {
+      const width = page.svg.clientWidth, turned = width && shown && Math.abs(width / shown - 1) > 0.25;
+      shown = width || shown;
+      if (turned) this.fit(); else this.render();
+    }).observe(page.svg);
     this.changed();
     this.fit();
     if (!plan.rooms.length) this.setTool(this.picture ? "scale" : "room");

@@ -40,7 +40,8 @@ export async function addPhotos(app, files, room) {
   }
   const none = app.refused.size ? `${app.refused.size} not added: see Photos. ` : "";
   const names = added.length === 1 ? added[0] : `${added.length} photos`, shown = app.store.state.plan.rooms.find(({ id }) => id === room);
-  app.say(none + (added.length ? `${names} ${room ? `in ${labelOf(shown)}` : "added; a room that you do not choose is looked for"}` : ""));
+  const loose = app.store.state.photos.some(({ name, rooms }) => !rooms.length && added.includes(name));
+  app.say(none + (added.length ? `${names} ${room ? `in ${labelOf(shown)}` : `added${loose ? "; a room that you do not choose is looked for" : ""}`}` : ""));
   app.renderPanel();
 }
 

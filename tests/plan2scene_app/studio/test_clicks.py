@@ -69,7 +69,11 @@ def add_photo(drawing, tmp_path, room):
 def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
     page, home = drawing.page, home_of(studio, drawing)
     two_rooms(drawing)
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.wait_for_function("() => { const at = editor.view.toPixels([5, 3]); return at[0] < 390; }")
+    page.set_viewport_size({"width": 1280, "height": 800})
     add_photo(drawing, tmp_path, "room")
+    assert page.locator("#status").inner_text() == "bed.jpg in room"
     assert len(read_plan(home / "plan.json", "home").rooms) == 2
     assert (home / "photos.csv").read_text() == "room_id,photo\nroom,bed.jpg\n"
     assert (home / "photos" / "bed.jpg").read_bytes() == (tmp_path / "bed.jpg").read_bytes()
