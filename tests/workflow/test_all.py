@@ -107,7 +107,7 @@ def test_a_killed_run_ends_as_an_undisturbed_one(made, tmp_path):
     own = f"results/tiny/houses/{other['house']}"
     command = [sys.executable, "-m", "snakemake", "-j2", "--nolock", f"{own}/crops.parquet"]
     options = {"cwd": again.root, "env": os.environ | {"PYTHONPATH": str(again.root / "src")}}
-    assert kill_often(command, 2, 15.0, seed=2, **options) > 0
+    assert kill_often(command, 2, 7.0, seed=2, **options) > 0
     assert strays(again.root / "results") == []
     assert digests(again.root / own) == digests(made.root / own)
 

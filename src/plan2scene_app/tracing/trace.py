@@ -508,13 +508,17 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
 
 
 def _doubts_of_sizes(plan: TracedPlan) -> Iterator[str]:
-    """Yield a line for each written measure that does not fit the scale, at its room."""
+    """Yield a line for each written measure that does not fit the scale, at its room if in one."""
+    outside = dict.fromkeys(plan.scale.differ)
     for room in plan.rooms:
         x0, y0, x1, y1 = room.polygon.bounds
         width, depth = ((side - plan.wall_px) * plan.metres for side in (x1 - x0, y1 - y0))
         for line in room.texts:
             if line.text in plan.scale.differ:
+                outside.pop(line.text, None)
                 yield f"{room.id}: {line.text} is written, {width:.2f} x {depth:.2f} m traced"
+    if outside:
+        yield f"measures that do not fit the scale: {', '.join(outside)}"
 
 
 def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:

@@ -96,7 +96,13 @@ def test_a_traced_plan_lies_on_its_picture(tmp_path, monkeypatch):
     ring = np.array([[200, 150], [500, 150], [500, 350], [200, 350]], float)
     polygon = Polygon(ring @ matrix[:, :2].T + matrix[:, 2])
     room = SimpleNamespace(
-        id="room", types=("Kitchen",), polygon=polygon, number=1, named=True, confidence=0.9
+        id="room",
+        types=("Kitchen",),
+        polygon=polygon,
+        number=1,
+        named=True,
+        confidence=0.9,
+        texts=(),
     )
     scale = Scale(0.0125, 0.9, "as given")
     plan = TracedPlan(
