@@ -10,6 +10,7 @@ import shutil
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from plan2scene.config import shipped_config
@@ -18,6 +19,7 @@ from plan2scene.datasets.check import photo_problem
 from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.finishes import finishes_file, read_finishes
+from plan2scene.images import decode_image, to_small_srgb
 from plan2scene.io import absent, atomic_path, safe_join, write_text
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_file import PlanFile
@@ -25,7 +27,8 @@ from plan2scene.plans.validate import validate_house
 from plan2scene.provenance import WORKFLOW
 from plan2scene_app.bound_process import run_bound
 from plan2scene_app.out_folder import OutFolder, claimed_folder
-from plan2scene_app.tracing.picture import read_plan_picture
+from plan2scene_app.tracing.picture import paper_share, read_plan_picture
+from plan2scene_app.tracing.settings import SETTINGS
 
 _LOG = logging.getLogger("plan2scene")
 DATASET = "own"
@@ -126,9 +129,10 @@ def read_input(request: SingleHouse) -> list[str]:
 
 
 def photos_in(folder: Path, plan: Path) -> list[str]:
-    """Return the names of a folder's files but hidden ones, the plan and repeated photos, sorted.
+    """Return the names of a folder's photos, sorted.
 
-    InputError for no folder, and one without files.
+    Hidden files, the plan, repeated photos, drawings and pages are left out. InputError for no
+    folder, and one without photos.
     """
     if not folder.is_dir():
         raise InputError("a folder of photos, or a photo table", absent(folder), file=folder)
@@ -140,11 +144,23 @@ def photos_in(folder: Path, plan: Path) -> list[str]:
         same += [kept[path.stem]] if path.stem in kept else []
         if same:
             _LOG.warning("photo %s left out: %s is the same", path.name, same[0].name)
+        elif _is_page(path):
+            why = "a drawing or a page, no photo; a photo table that names it keeps it"
+            _LOG.warning("photo %s left out: %s", path.name, why)
         else:
             kept[path.stem] = path
     if not kept:
-        raise InputError("a folder of photos", "no file in it", file=folder)
+        raise InputError("a folder of photos", "no photo in it", file=folder)
     return sorted(path.name for path in kept.values())
+
+
+def _is_page(path: Path) -> bool:
+    """Return whether a file is a picture that is mostly paper; what is no picture is told later."""
+    try:
+        image = decode_image(path, partial(to_small_srgb, side=SETTINGS.page_side_px))
+    except InputError:
+        return False
+    return paper_share(image) >= SETTINGS.page_paper
 
 
 def _photo_path(request: SingleHouse, name: str) -> Path:

@@ -62,6 +62,8 @@ class TraceSettings:
     light_lines: float = 1.5  #: ... if the lightest marks are so many times further from it
     drawn_flat: float = 0.42  #: share of a drawing that is flat (`picture.flat_share`)
     drawn_paper: float = 0.5  #: share of one colour from which a picture is no photo
+    page_side_px: int = 384  #: of the pictures in a photo folder that are looked at
+    page_paper: float = 0.65  #: share of one colour from which one of them is a drawing or a page
     ragged: tuple[float, float] = (0.85, 6.5)  #: probability below and mean corners above: a photo
     busy: tuple[float, float] = (0.78, 0.65)  #: probability and flat share below: a photo
     # Drawings on one picture.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.images import write_png
+from plan2scene.images import read_image, write_png
 from plan2scene_app.run import SingleHouse, prepare, read_input
 
 
@@ -43,8 +43,10 @@ def test_the_house_table_names_a_picture_whatever_its_name(picture, tmp_path):
 def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
     photos = tmp_path / "photos"
     photos.mkdir()
-    for name, value in (("b.jpg", 90), ("a.png", 180), ("a copy.png", 180)):
-        write_png(photos / name, np.full((64, 64, 3), value, np.uint8))
+    for name, least in (("b.jpg", 90), ("a.png", 180), ("a copy.png", 180)):
+        grey = np.linspace(least, least + 60, 64 * 64).reshape(64, 64, 1)
+        write_png(photos / name, np.repeat(grey, 3, axis=2).astype(np.uint8))
+    write_png(photos / "other plan.png", read_image(picture)[8:])
     (photos / "notes.txt").write_text("no photo")
     (photos / ".hidden").write_text("of the system")
     (photos / picture.name).symlink_to(picture)
@@ -52,6 +54,7 @@ def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
     names = read_input(given)
     assert names == ["a copy.png", "b.jpg", "notes.txt"]
     told = "\n".join(caplog.messages)
+    assert "other plan.png left out: a drawing or a page" in told
     assert "a.png left out: a copy.png is the same" in told
     assert "notes.txt" in told
     prepare(given, names, tmp_path)
