@@ -11,8 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plan2scene.colour import as_float, as_uint8, linear_to_srgb, rgb_to_lab, srgb_to_linear
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.plans.wall_sides import Portal
+from plan2scene.seeds import generator
 
 FRAME_COLOUR: Colour = (244, 242, 237)
 LEAF_COLOUR: Colour = (236, 232, 224)
@@ -39,6 +41,20 @@ class JoinerySizes:
 JOINERY = JoinerySizes()
 
 
+@dataclass(frozen=True)
+class Veneer:
+    """Grain of a leaf of bare wood: upright streaks, as straight-grained veneer has."""
+
+    hue: tuple[float, float] = (40.0, 88.0)  #: degrees in L*a*b*, from mahogany to pine
+    least_chroma: float = 15.0  #: L*a*b*; greyer leaves are painted
+    streak: tuple[float, float] = (0.003, 0.014)  #: width, metres
+    contrast: float = 0.07  #: standard deviation of a streak's log reflectance
+    figure: float = 0.05  #: the same of the broad figure behind the streaks
+
+
+VENEER = Veneer()
+
+
 def fixtures(
     portal: Portal,
     leaf: Colour = LEAF_COLOUR,
@@ -59,6 +75,13 @@ def fixtures(
     if hole.opening.kind == "window":
         return _window(portal, trim or FRAME_COLOUR, hatch=hatch)
     return [_door(portal, leaf, trim, 1.0 if inwards else -1.0)]
+
+
+def is_wood(colour: Colour) -> bool:
+    """Return whether a colour is one that bare wood has and paint of doors rarely."""
+    _, a, b = rgb_to_lab(as_float(np.array(colour, np.uint8)))
+    hue = math.degrees(math.atan2(b, a))
+    return math.hypot(a, b) >= VENEER.least_chroma and VENEER.hue[0] <= hue <= VENEER.hue[1]
 
 
 def is_hatch(portal: Portal, indoors: Collection[str]) -> bool:
@@ -136,8 +159,6 @@ def _leaf(
     """
     width, low, high = size
     outside = portal.other is None
-    red, green, blue = (round(PANEL_SHADE * value) for value in colour)
-    panel: Colour = (red, green, blue)
     base = _centre(portal)
     angle = 0.0 if outside else JOINERY.ajar
     inward = turn[1] * base[2]
@@ -147,12 +168,11 @@ def _leaf(
     if not outside:  # the pivot is at the face of the frame, so the leaf clears the jamb
         frame[3] += inward * (_depth(portal) - JOINERY.leaf)
     half = JOINERY.leaf / 2
-    builder.box(frame, (0, low, -half), (width, high, half), colour)
-    margin, middle = width * 0.16, low + (high - low) * 0.45
-    for bottom, top in ((low + 0.18, middle - 0.05), (middle + 0.05, high - 0.14)):
-        if top - bottom > 0.1 and width > 0.3:
-            raised = half + 0.006
-            builder.box(frame, (margin, bottom, -raised), (width - margin, top, raised), panel)
+    if is_wood(colour):
+        _veneer(builder, frame, (width, low, high), colour)
+    else:
+        builder.box(frame, (0, low, -half), (width, high, half), colour)
+        _panels(builder, frame, (width, low, high), colour)
     grip = low + min(1.03, (high - low) * 0.5)
     for side in (-1.0, 1.0):
         for left, right, start, end in ((0.085, 0.06, 0.0, 0.05), (0.19, 0.06, 0.035, 0.05)):
@@ -163,6 +183,42 @@ def _leaf(
                 (width - right, grip + 0.012, far),
                 METAL_COLOUR,
             )
+
+
+def _panels(
+    builder: PartBuilder, frame: np.ndarray, size: tuple[float, float, float], colour: Colour
+) -> None:
+    """Add the two panels of a leaf of (width, bottom, top)."""
+    width, low, high = size
+    red, green, blue = (round(PANEL_SHADE * value) for value in colour)
+    margin, middle = width * 0.16, low + (high - low) * 0.45
+    for bottom, top in ((low + 0.18, middle - 0.05), (middle + 0.05, high - 0.14)):
+        if top - bottom > 0.1 and width > 0.3:
+            raised = JOINERY.leaf / 2 + 0.006
+            ends = (margin, bottom, -raised), (width - margin, top, raised)
+            builder.box(frame, *ends, (red, green, blue))
+
+
+def _veneer(
+    builder: PartBuilder, frame: np.ndarray, size: tuple[float, float, float], colour: Colour
+) -> None:
+    """Add a flush leaf of (width, bottom, top) whose grain is streaks of other brightness."""
+    width, low, high = size
+    rng = generator(0, "veneer", *colour, *(round(value, 3) for value in size))
+    edges = np.cumsum(rng.uniform(*VENEER.streak, math.ceil(width / VENEER.streak[0])))
+    edges = np.concatenate([[0.0], edges[edges < width - VENEER.streak[0]], [width]])
+    log = rng.normal(0.0, VENEER.contrast, len(edges))
+    log += VENEER.figure * np.sin(edges / width * rng.uniform(6.0, 12.0) + rng.uniform(0.0, 6.0))
+    linear = srgb_to_linear(np.array(colour, np.uint8)) * np.exp(log - log.mean())[:, None]
+    shades = as_uint8(linear_to_srgb(linear))
+    half = JOINERY.leaf / 2
+    builder.box(frame, (0, low, 0.001 - half), (width, high, half - 0.001), colour)
+    for z in (half, -half):
+        points = np.array([[x, y, z] for x in edges for y in (low, high)])
+        first = np.arange(0, 2 * len(edges) - 2, 2)[:, None]
+        faces = np.concatenate([first + [0, 2, 3], first + [0, 3, 1]])
+        turned = faces if z > 0 else faces[:, ::-1]
+        builder.mesh(points @ frame[:3] + frame[3], turned, colour=np.repeat(shades, 2, axis=0))
 
 
 def _window(portal: Portal, colour: Colour, *, hatch: bool) -> list[MeshPart]:

@@ -96,14 +96,17 @@ class PartBuilder:
         vertices: np.ndarray,
         faces: np.ndarray,
         *,
-        colour: Colour = WHITE,
+        colour: Colour | np.ndarray = WHITE,
         uv: np.ndarray | None = None,
     ) -> None:
-        """Add a flat mesh: (n, 3) vertices, (m, 3) faces, optionally (n, 2) UVs in metres."""
+        """Add a flat mesh: (n, 3) vertices, (m, 3) faces, optionally (n, 2) UVs in metres.
+
+        One colour, or (n, 3) uint8.
+        """
         if len(faces) == 0:
             return
         n = len(vertices)
-        colours = np.tile(np.array(colour, dtype=np.uint8), (n, 1))
+        colours = np.broadcast_to(np.array(colour, dtype=np.uint8), (n, 3))
         uv = np.zeros((n, 2)) if uv is None else uv
         self._pieces.append((vertices, faces + self._count, colours, uv))
         self._count += n
