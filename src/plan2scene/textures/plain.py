@@ -18,7 +18,8 @@ from plan2scene.colour import as_uint8, from_log_axes, linear_to_srgb, log_axes,
 class PlainSettings:
     """What counts as light and as noise. Chosen by looking at one real flat (development)."""
 
-    slow_m: float = 0.1  #: standard deviation of the filter that takes slow variation, metres
+    slow_m: float = 0.1  #: standard deviation, metres, of the filter before a pattern is measured
+    smear_m: float = 0.03  #: of the filter that takes light, smears and lens dirt of plain paint
     noise: float = 0.06  #: fainter colours (log red or blue against green) are noise
     brightest: float = 0.95  #: linear
 
@@ -41,11 +42,11 @@ def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.nd
     (h, w, 3) uint8 sRGB, and the standard deviation of its log brightness.
     """
     axes = log_axes(srgb_to_linear(image)).astype(np.float32)
-    detail = axes - _slow(axes, SETTINGS.slow_m * px_per_m)
+    pattern = float((axes - _slow(axes, SETTINGS.slow_m * px_per_m))[..., 0].std())
+    detail = axes - _slow(axes, SETTINGS.smear_m * px_per_m)
     faint = np.clip(detail[..., 1:], -SETTINGS.noise, SETTINGS.noise)
     detail[..., 1:] -= faint
     detail[..., 0] -= np.median(detail[..., 0])
-    pattern = float(detail[..., 0].std())
     linear = from_log_axes(log_axes(np.asarray(colour)) + detail)
     painted = as_uint8(linear_to_srgb(np.minimum(linear, SETTINGS.brightest)))
     return painted, pattern

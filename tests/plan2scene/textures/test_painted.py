@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plan2scene.colour import median_colour, srgb_to_linear
+from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_linear
 from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
 from plan2scene.io import read_json, write_json, write_parquet
@@ -18,6 +18,7 @@ from plan2scene.paint.surfaces import (
 )
 from plan2scene.textures.evidence import evidence_of
 from plan2scene.textures.painted import paint_textures
+from plan2scene.textures.plain import plain
 
 
 def plane(photo, room_id, surface, colour):
@@ -179,3 +180,14 @@ def test_evidence_is_said_in_words():
     assert words(["1"], **like) == "colour seen in 1 photo, the rest guessed"
     assert words([], **like) == "guessed from the dining room"
     assert words([], white=True, **like) == "guessed: white, as most walls here"
+
+
+def test_smears_of_white_paint_go_and_its_relief_stays():
+    x = np.arange(128) / 128
+    smear, relief = 0.03 * np.sin(2 * np.pi * 4 * x), 0.03 * np.sin(2 * np.pi * 40 * x)
+    for shade, kept in ((smear, False), (relief, True)):
+        linear = np.broadcast_to(0.7 * np.exp(shade)[None, :, None], (128, 128, 3))
+        image, pattern = plain(as_uint8(linear_to_srgb(linear)), np.full(3, 0.8), 128.0)
+        assert pattern == pytest.approx(0.03 / 2**0.5, rel=0.2)
+        left = np.log(srgb_to_linear(image)[..., 0]).std()
+        assert left > 0.018 if kept else left < 0.01
