@@ -9,7 +9,8 @@ What people know of homes decides what the sum leaves open. Most ceilings and wa
 others have some other paint (:class:`PaintPrior`, two components for each kind of surface). The
 light of a photo lies between lamp and sky, more or less bright. So a blue wall below a white
 ceiling of the same photo is blue, and a blue wall below a blue ceiling is white in the light of the
-sky.
+sky. Where a photo shows that light varies between lamp and sky over its walls, an orange ceiling
+above them says less.
 
 For a given choice of white surfaces all priors are normal, but that of floors, which may be of
 anything: theirs and the noise are Student's t. The likeliest terms solve a weighted least-squares
@@ -71,6 +72,9 @@ class PaintPrior:
     #: grows with the root, up to `most_noise` times.
     whole: float = 0.02
     most_noise: float = 4.0
+    #: A ceiling may be lit from another side than the walls: its noise from lamp to sky has at
+    #: most this of `Observation.mixed`, too. Chosen on one real flat (development).
+    most_mixed: float = 0.2
     #: Factor of the noise of what is seen in another room, which has its own light.
     other_room: float = 2.0
     #: Degrees of freedom of the noise and of floors (Student's t).
@@ -108,6 +112,9 @@ class Observation:
         Share of the photo's pixels, as in ``colours.parquet``.
     colour : (3,) float
         Linear RGB.
+    mixed : float
+        How much the light in the photo varies between lamp and sky: standard deviation of the log
+        colours along `PaintPrior.lamp` within its walls and ceilings.
     """
 
     photo: str
@@ -115,6 +122,7 @@ class Observation:
     own: bool
     weight: float
     colour: tuple[float, float, float]
+    mixed: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,7 +195,11 @@ class _Problem:
         weight = np.array([item.weight for item in observations])
         few = np.clip(np.sqrt(prior.whole / np.maximum(weight, 1e-9)), 1.0, prior.most_noise)
         few *= np.where([item.own for item in observations], 1.0, prior.other_room)
-        self.noise = np.array(prior.noise)[kind] * few[:, None]
+        covariance = ((np.array(prior.noise)[kind] * few[:, None]) ** 2)[:, :, None] * np.eye(3)
+        mixed = np.minimum([item.mixed for item in observations], prior.most_mixed)
+        mixed *= np.array(kind) == KINDS.index("ceiling")
+        covariance[:, 1:, 1:] += np.outer(prior.lamp, prior.lamp) * mixed[:, None, None] ** 2
+        self.precision = np.linalg.inv(covariance)
         self.kind = np.array([KINDS.index(key.surface) for key in self.surfaces])
         self.light = [prior.light_precision(prior.house)]
         self.light += [prior.light_precision(prior.photo)] * len(self.photos)
@@ -234,15 +246,16 @@ class _Problem:
                 left[k, :, k, :] = precision
             right[0] = self.light[0] @ prior.house_mean
             for axis in range(3):
-                weighted = self.design.T * (trust / self.noise[:, axis] ** 2)
-                left[:, axis, :, axis] += weighted @ self.design
                 left[paints, axis, paints, axis] += pull / spread[:, axis] ** 2
-                right[:, axis] += weighted @ self.observed[:, axis]
                 right[paints, axis] += pull * mean[:, axis] / spread[:, axis] ** 2
+                for other in range(3):
+                    weighted = self.design.T * (trust * self.precision[:, axis, other])
+                    left[:, axis, :, other] += weighted @ self.design
+                    right[:, axis] += weighted @ self.observed[:, other]
             solved = np.linalg.solve(left.reshape(3 * count, -1), right.ravel())
             terms = solved.reshape(count, 3)
-            residual = (self.observed - self.design @ terms) / self.noise
-            squares = (residual**2).sum(axis=1)
+            residual = self.observed - self.design @ terms
+            squares = np.einsum("ma,mab,mb->m", residual, self.precision, residual)
             trust = (prior.freedom + 3) / (prior.freedom + squares)
             odd = (((terms[paints] - mean) / spread) ** 2).sum(axis=1)
             pull = np.where(tailed, (prior.freedom + 3) / (prior.freedom + odd), 1.0)

@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.stats import median_abs_deviation
 
 from plan2scene.colour import delta_e_2000, linear_to_srgb, log_axes, rgb_to_lab
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.paint.estimate import Observation, estimate_paint
+from plan2scene.paint.estimate import Observation, PaintPrior, estimate_paint
 from plan2scene.paint.observations import usual_colour
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Observations of fewer pixels (share of the photo's) are left out.
 LEAST_WEIGHT = 2e-5
@@ -35,6 +40,7 @@ def observations_of(path: str | Path) -> list[Observation]:
     unknown = UNPLACED + table["photo"] + "/" + table["plane"].astype(str)
     table["key"] = table["key"].where(~doors | (table["walls"] != ""), unknown)
     groups = table.groupby(["photo", "key", "surface"], sort=True)
+    mixed = {photo: _mixed_light(rows) for photo, rows in table.groupby("photo")}
     found = []
     for (photo, room_id, surface), rows in groups:
         weight = float(rows["weight"].sum())
@@ -42,9 +48,25 @@ def observations_of(path: str | Path) -> list[Observation]:
             shares = [np.asarray(c, dtype=np.float64).reshape(-1, 3) for c in rows["colours"]]
             red, green, blue = map(float, usual_colour(shares, list(rows["weight"])))
             key, own = SurfaceKey(room_id, surface), bool(rows["own"].any())
-            found.append(Observation(photo, key, own, weight, (red, green, blue)))
+            colour = red, green, blue
+            found.append(Observation(photo, key, own, weight, colour, mixed[photo]))
     within = {item.surface for item in found if item.own and item.weight > OWN_WEIGHT}
     return [item for item in found if item.own or item.surface not in within]
+
+
+def _mixed_light(planes: pd.DataFrame) -> float:
+    """Return how much light varies between lamp and sky in a photo, as in `Observation.mixed`.
+
+    The deviation of the middle half (median absolute deviation) on each wall and ceiling that is
+    seen from within its room.
+    """
+    of_room = planes[planes["surface"].isin(("wall", "ceiling")) & planes["own"]]
+    if of_room.empty:
+        return 0.0
+    shares = np.stack([np.asarray(c, np.float64).reshape(-1, 3) for c in of_room["colours"]])
+    along = log_axes(shares)[..., 1:] @ PaintPrior.lamp
+    deviation = median_abs_deviation(along, axis=1, scale="normal")
+    return float(np.sqrt(np.average(deviation**2, weights=of_room["weight"])))
 
 
 def joined(

@@ -1,5 +1,7 @@
 """Paint and light are told apart where photos tie them together."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,19 @@ def test_a_blue_wall_below_a_white_ceiling_is_blue():
         SurfaceKey("b", "wall"),
     }
     assert estimate.paint[SurfaceKey("a", "wall")] == pytest.approx(blue, rel=0.15)
+
+
+@pytest.mark.parametrize(("mixed", "white"), [(0.0, False), (0.2, True)])
+def test_a_ceiling_in_the_light_of_lamps_is_white_where_light_is_seen_to_be_mixed(mixed, white):
+    shown = observed(room("a", (WHITE,) * 3), {"1": (GREY, "a"), "2": (SKY, "a")}, noise=0.02)
+    warm = np.exp(0.5 * np.array([0.507, 0.0, -0.862]))
+    lit = [
+        replace(item, mixed=mixed, colour=tuple(np.array(item.colour) * warm))
+        if item.surface.surface == "ceiling"
+        else item
+        for item in shown
+    ]
+    assert (SurfaceKey("a", "ceiling") in estimate_paint(lit).white) is white
 
 
 def test_panelled_walls_are_no_white():
