@@ -27,8 +27,9 @@ class RoomViewSettings:
     eye_m: float = 1.5  #: of the camera, above the floor
     fov_deg: float = 88.0  #: horizontal field of view, as of wide-angle photos of rooms
     clear_m: float = 0.35  #: distance kept from walls
-    #: Metres below the eye that one looks at 1 m ahead, in an ordinary room and in a small one.
+    #: Metres below the eye that one looks at 1 m ahead; the second in a small room, either in
     look_down: tuple[float, float] = (0.22, 0.5)
+    close_m2: float = 8.0  #: one that is no larger than this
     standpoints: int = 24  #: of the longest lines across a room, compared by what is seen
     small_m2: float = 2.0  #: smaller rooms are seen from their doors,
     door_m: float = 0.05  #: so far within the room
@@ -59,7 +60,7 @@ def render_rooms(house: House, rays: Rays | None, painter: Painter) -> np.ndarra
 
 
 def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
-    """Return a camera at eye level in a room that shows most of its floor and walls.
+    """Return a camera at eye level in a room that shows the largest shares of its floor and walls.
 
     It stands at the end of one of the longest lines across the room, in a small room in a door,
     and nothing at arm's length fills the picture. Without `rays` the longest line.
@@ -69,12 +70,14 @@ def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
     height = house.level_of(room_id).elevation + min(SETTINGS.eye_m, 0.7 * room.height)
     small = polygon.area < SETTINGS.small_m2
     lines = (_doorways(house, room) if small else []) or standpoints(polygon)
-    cameras = [_camera(*line, height, SETTINGS.look_down[small]) for line in lines]
+    downs = SETTINGS.look_down[: 1 + (polygon.area < SETTINGS.close_m2)][small:]
+    cameras = [_camera(*line, height, down) for down in downs for line in lines]
     if rays is None:
         return cameras[0]
 
     def worth(camera: Camera) -> float:
-        shown, near = _seen_area(camera, room_id, rays)
+        (floor, walls), near = _seen_area(camera, room_id, rays)
+        shown = floor / polygon.area + walls / (polygon.length * room.height)
         return shown if near < SETTINGS.most_near else 1e-3 * shown * (1.0 - near)
 
     return max(cameras, key=worth)
@@ -88,7 +91,7 @@ def _camera(eye: np.ndarray, target: np.ndarray, height: float, look_down: float
     return Camera.look_at(np.array([eye[0], height, eye[1]]), ahead, focal, SETTINGS.size)
 
 
-def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[float, float]:
+def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[tuple[float, float], float]:
     """Return how much of a room's floor and walls a picture shows, m2, and its near share."""
     ways = directions(camera, 16).reshape(-1, 3)
     eyes = np.tile(camera.position, (len(ways), 1))
@@ -97,7 +100,7 @@ def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[float, float]:
     _, metres = rays.points(triangles[hit], eyes[hit], ways[hit])
     seen = [rays.parts[number].surface for number in rays.part[triangles[hit]]]
     thing = np.array([surface is None for surface in seen])
-    own = [s is not None and s.room_id == room_id and s.kind != "ceiling" for s in seen]
+    kinds = np.array([s.kind if s is not None and s.room_id == room_id else "" for s in seen])
     corners = rays.triangles[triangles[hit]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -106,7 +109,8 @@ def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[float, float]:
     angle = (ways[hit] @ camera.matrix[2]) ** 3
     area = metres**2 * angle / np.maximum(facing, SETTINGS.least_facing)
     near = metres < np.where(thing, SETTINGS.near_thing_m, SETTINGS.near_m)
-    return float(area[own].sum()), float(near.sum() / len(ways))
+    floor, walls = (float(area[kinds == kind].sum()) for kind in ("floor", "wall"))
+    return (floor, walls), float(near.sum() / len(ways))
 
 
 def _doorways(house: House, room: Room) -> list[tuple[np.ndarray, np.ndarray]]:
