@@ -56,7 +56,7 @@ def pair(results: Path, house_id: str, room_id: str, *, lit: bool) -> np.ndarray
         before = painter_of(house, repeated, parts)(camera)
     else:
         first = [part for part in parts if part.extras["kind"] not in LATER]
-        before = painter_of(house, repeated, first, light=even_light(house))(camera)
+        before = painter_of(house, repeated, first, light=even_light())(camera)
     return np.hstack([before, np.full((len(before), GAP, 3), 255, np.uint8), after])
 
 

@@ -235,8 +235,6 @@ class Light:
     image : (h, w, 3) float32
         Linear factors on surface colours.
     charts : mapping of part name to Chart
-    rooms : mapping of room id to (3,) float64
-        Mean light of a room.
     walls : (tree, (n, 3) float64, (n,) str) or None
         Points of wall texels, the light there and the rooms: what has no texels has the light of
         walls near it.
@@ -244,7 +242,6 @@ class Light:
 
     image: np.ndarray
     charts: Mapping[str, Chart]
-    rooms: Mapping[str, np.ndarray]
     walls: tuple[cKDTree, np.ndarray, np.ndarray] | None = None
 
     def uv(self, part: MeshPart) -> np.ndarray:
@@ -252,12 +249,10 @@ class Light:
         height, width = self.image.shape[:2]
         return self.charts[part.name].texels(np.asarray(part.uv)) / [width, height]
 
-    def of_plain(
-        self, part: MeshPart, balance: Mapping[str, np.ndarray] | None = None
-    ) -> np.ndarray:
+    def of_plain(self, part: MeshPart) -> np.ndarray:
         """Return the light (n, 3) of the vertices of a part without texels: that of walls near it.
 
-        What looks up is a little brighter. `balance` are factors (3,) on the light of rooms by id.
+        What looks up is a little brighter.
         """
         normals = part.mesh.vertex_normals
         if self.walls is None:
@@ -270,10 +265,7 @@ class Light:
             near = near.reshape(shape)
             same = owner[near] == owner[near[:, :1]]  # walls of two rooms stand back to back
             weights = same / (away.reshape(shape) + LIGHT.before_m)
-            weighted = lights[near] * weights[..., None]
-            for room, factors in (balance or {}).items():
-                weighted[owner[near] == room] *= factors
-            light = weighted.sum(axis=1)
+            light = (lights[near] * weights[..., None]).sum(axis=1)
             light /= weights.sum(axis=1, keepdims=True)
         return np.asarray(light * (1.0 + 0.15 * normals[:, 1:2]))
 
@@ -325,7 +317,6 @@ def bake_light(
     for room in np.unique(owner):  # eyes get used to a terrace's light
         mine = owner == room
         light[mine] *= min(1.0, LIGHT.brightest / max(float(light[mine].mean()), 1e-6))
-    rooms = {room: light[owner == room].mean(axis=0) for room in np.unique(owner)}
     image = np.zeros((*shape, 3), np.float32)
     start = 0
     for chart, (_, inside) in zip(charts, grids, strict=True):
@@ -341,12 +332,12 @@ def bake_light(
     walls = None
     if upright.any():
         walls = cKDTree(texels.points[upright]), light[upright], owner[upright]
-    return Light(image, {chart.part.name: chart for chart in charts}, rooms, walls)
+    return Light(image, {chart.part.name: chart for chart in charts}, walls)
 
 
-def even_light(house: House) -> Light:
+def even_light() -> Light:
     """Return the light of a house without any: what looks up is a little brighter."""
-    return Light(np.ones((1, 1, 3), np.float32), {}, {room.id: np.ones(3) for room in house.rooms})
+    return Light(np.ones((1, 1, 3), np.float32), {})
 
 
 def compressed(linear: np.ndarray) -> np.ndarray:

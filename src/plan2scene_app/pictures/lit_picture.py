@@ -29,6 +29,7 @@ class PictureSettings:
     texel_m: float = 0.2  #: of the light
     sky: tuple[float, float, float] = (0.55, 0.70, 0.95)  #: linear RGB overhead
     horizon: tuple[float, float, float] = (0.90, 0.93, 0.97)  #: linear RGB
+    tint: float = 0.15  #: of the light's colour (log) that eyes see, who balance white
     white: float = 0.86  #: linear value of pure white in the median light of a picture
 
 
@@ -53,7 +54,7 @@ def painter_of(
         scene = TracedScene(mi, house, parts, textures)
         return lambda camera: _developed(scene.draw(_larger(camera)), camera)
     light = light or bake_light(house, parts, mean_colours(textures), SETTINGS.texel_m)
-    baked = _LitTriangles(parts, textures, light or even_light(house))
+    baked = _LitTriangles(parts, textures, light or even_light())
     return lambda camera: _developed(baked.draw(_larger(camera)), camera)
 
 
@@ -74,18 +75,14 @@ class _LitTriangles:
     ) -> None:
         opaque = [part for part in parts if part.material != "glass"]
         self.triangles, self.light = Triangles.of(opaque, textures), light
-        # The eye balances white in each room: coloured walls and a lamp tint the light less.
-        white = {room: mean.mean() / np.maximum(mean, 1e-6) for room, mean in light.rooms.items()}
-        lights, uv, balance = [], [], []
+        lights, uv = [], []
         for part in opaque:
             faces, own = part.mesh.faces, light.charts.get(part.name)
-            plain = light.of_plain(part, white)[faces]
-            lights.append(np.full((*faces.shape, 3), np.nan) if own else plain)
-            room = white.get(str(part.extras.get("room_id", "")) if own else "", np.ones(3))
-            balance.append(np.tile(room, (len(faces), 1)))
+            lights.append(
+                np.full((*faces.shape, 3), np.nan) if own else light.of_plain(part)[faces]
+            )
             uv.append(light.uv(part)[faces] if own else np.zeros((len(faces), 3, 2)))
         self.plain, self.light_uv = np.concatenate(lights), np.concatenate(uv)
-        self.balance = np.concatenate(balance).astype(np.float32)
 
     def draw(self, camera: Camera) -> np.ndarray:
         """Return a picture, (h, w, 3) float32 linear RGB, exposed to the light alone."""
@@ -97,7 +94,8 @@ class _LitTriangles:
         baked = np.isnan(light[:, 0])
         at = fragments.at(self.light_uv)[baked]
         light[baked] = sample([self.light.image], at, np.ones(len(at)))
-        light *= self.balance[fragments.triangles]
+        grey = np.maximum(light.mean(axis=1, keepdims=True), 1e-6)
+        light = grey * (light / grey) ** SETTINGS.tint
         light *= SETTINGS.white / max(float(np.median(light)) if len(light) else 1.0, 1e-6)
         image.reshape(-1, 3)[fragments.pixels] = self.triangles.looks(camera, fragments) * light
         return image
