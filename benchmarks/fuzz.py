@@ -2,14 +2,15 @@
 
 Hypothesis damages whole files of each kind (tests/helpers/foreign.py): every registered plan
 format, tables, pictures, weights, configuration, what the workflow keeps. A case may be read or
-refused in one line within 20 s and 1.5 GB; anything else, silent nonsense too, is kept in
-``--found`` under the reader's name and fails the command. One line for an exception that a reader
-did not foresee is counted by itself and kept.
+refused in one line within 20 s and 1.5 GB; anything else, silent nonsense and a crash too, is kept
+in ``--found`` under the reader's name and fails the command. One line for an exception that a
+reader did not foresee is counted by itself and kept.
 """
 
 import argparse
 import hashlib
 import logging
+import multiprocessing
 import resource
 import shutil
 import signal
@@ -17,6 +18,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 CLONE = Path(__file__).parents[1]
@@ -29,13 +31,45 @@ HEAD = "| reader | cases | read | one line | unforeseen | other | slowest, s | p
 OUTCOMES = ("read", "one line", "unforeseen", "other")
 #: Most seconds and bytes of a case.
 SECONDS, BYTES = 20, 1_500_000_000
+PROCESSES = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 
 
-def fuzz(reader: Reader, cases: int, start: int, found: Path) -> tuple[Counter[str], float]:
-    """Return outcomes of one reader and its slowest case in seconds."""
+def fuzz(reader: Reader, cases: int, start: int, found: Path) -> tuple[Counter[str], float, float]:
+    """Return a reader's outcomes, seconds of its slowest case, peak memory of its process in MiB.
+
+    After a crash another process goes on with the next seed.
+    """
+    context = multiprocessing.get_context("fork")
     seen: Counter[str] = Counter()
-    slowest = [0.0]
-    folder = Path(tempfile.mkdtemp(prefix="fuzz_"))
+    slowest = peak = 0.0
+    while (left := cases - seen.total()) > 0:
+        folder = Path(tempfile.mkdtemp(prefix="fuzz_"))
+        ours, theirs = context.Pipe(duplex=False)
+        child = context.Process(target=work, args=(reader, left, start, found, folder, theirs))
+        child.start()
+        theirs.close()
+        try:
+            while True:
+                result, seconds, memory = ours.recv()
+                seen[result] += 1
+                slowest, peak = max(slowest, seconds), max(peak, memory)
+        except EOFError:
+            child.join()
+        if child.exitcode:
+            seen["other"] += 1
+            kept = keep(reader, (folder / "inside" / reader.name).read_bytes(), found)
+            print(f"{reader.name}: crash, exit code {child.exitcode} ({kept})", file=sys.stderr)
+            start += 1
+        shutil.rmtree(folder)
+    return seen, slowest, peak
+
+
+def work(
+    reader: Reader, cases: int, start: int, found: Path, folder: Path, pipe: Connection
+) -> None:
+    """Send outcome, seconds and peak memory of each case until now."""
+    whole = reader.examples()
+    ready = Reader(reader.name, lambda: whole, reader.read)
 
     @seed(start)
     @settings(
@@ -45,7 +79,7 @@ def fuzz(reader: Reader, cases: int, start: int, found: Path) -> tuple[Counter[s
         phases=[Phase.generate],
         suppress_health_check=list(HealthCheck),
     )
-    @given(foreign_bytes(reader))
+    @given(foreign_bytes(ready))
     def check(data: bytes) -> None:
         inside = folder / "inside"
         shutil.rmtree(inside, ignore_errors=True)
@@ -53,21 +87,20 @@ def fuzz(reader: Reader, cases: int, start: int, found: Path) -> tuple[Counter[s
         began = time.perf_counter()
         try:
             signal.alarm(SECONDS)
-            seen[result := outcome(reader, data, inside)] += 1
+            result = outcome(ready, data, inside)
             if result == "unforeseen":
                 keep(reader, data, found)
             if [path.name for path in folder.iterdir()] != ["inside"]:
                 raise RuntimeError("written outside its folder")
         except (Exception, SlowCase) as error:  # noqa: BLE001
-            seen["other"] += 1
+            result = "other"
             kept = keep(reader, data, found)
             print(f"{reader.name}: {type(error).__name__}: {error} ({kept})", file=sys.stderr)
         signal.alarm(0)
-        slowest[0] = max(slowest[0], time.perf_counter() - began)
+        most = [resource.getrusage(who).ru_maxrss for who in PROCESSES]
+        pipe.send((result, time.perf_counter() - began, max(most) / 1024))
 
     check()
-    shutil.rmtree(folder)
-    return seen, slowest[0]
 
 
 def keep(reader: Reader, data: bytes, found: Path) -> Path:
@@ -103,12 +136,10 @@ def main() -> None:
     print(HEAD, "|---" * 8 + "|", sep="\n")
     others = 0
     for reader in chosen:
-        whole = reader.examples()
-        ready = Reader(reader.name, lambda whole=whole: whole, reader.read)
-        seen, slowest = fuzz(ready, each, options.seed, options.found)
-        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        seen, slowest, peak = fuzz(reader, each, options.seed, options.found)
         cells = [seen.total(), *(seen[key] for key in OUTCOMES)]
-        print(f"| {reader.name} | {' | '.join(map(str, cells))} | {slowest:.2f} | {peak:.0f} |")
+        row = f"| {reader.name} | {' | '.join(map(str, cells))} | {slowest:.2f} | {peak:.0f} |"
+        print(row, flush=True)
         others += seen["other"]
     sys.exit(1 if others else 0)
 

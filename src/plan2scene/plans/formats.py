@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from plan2scene.errors import InputError, system_fault
+from plan2scene.errors import InputError, WorkflowError, system_fault
 from plan2scene.house import House
 from plan2scene.plans.plan_file import PlanFile, PlanFormat, Unscaled
 from plan2scene.plugins import code_of, installed, plugins
@@ -56,7 +56,7 @@ def one_line(plan: PlanFile, plan_format: PlanFormat) -> Iterator[None]:
         if str(error).startswith("expected "):
             raise plan.fault(error.expected, error.found) from error.__cause__
         raise
-    except ModuleNotFoundError:
+    except (ModuleNotFoundError, WorkflowError):
         raise
     except Exception as error:
         if isinstance(error, OSError) and system_fault(error) is not None:

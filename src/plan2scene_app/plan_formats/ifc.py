@@ -5,7 +5,11 @@ The bodies' triangles are looked at from above. Metres; IFC's z goes up: (x, y, 
 
 from __future__ import annotations
 
+import pickle
 import re
+import sys
+import tempfile
+import traceback
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -21,6 +25,7 @@ from plan2scene.house import House, Stairs
 from plan2scene.plans.levels import STAIRS
 from plan2scene.plans.parse import MAX_COORDINATE, MAX_ROOMS, Source
 from plan2scene.plans.plan_file import PlanFormat
+from plan2scene_app.bound_process import run_bound
 from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, axis_of_area
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys
 
@@ -55,8 +60,32 @@ def is_ifc(head: bytes) -> bool:
 def house_of_ifc(path: Path, house_id: str) -> House:
     """Return the house of an IFC model with its storeys, each at the height of its floors.
 
-    Raises InputError for a model without spaces and walls.
+    ifcopenshell crashes of some damaged models, so it reads them in a process of its own.
+    Raises InputError then, and for a model without spaces and walls.
     """
+    with tempfile.TemporaryDirectory() as folder:
+        answer = Path(folder) / "answer"
+        command = [sys.executable, "-m", __name__, str(path), house_id, str(answer)]
+        if code := run_bound(command):
+            found = f"one that its reader crashes of (exit code {code})"
+            raise Source(str(path), house_id).fault("an IFC model that can be read", found)
+        result = pickle.loads(answer.read_bytes())  # noqa: S301 - this program's own
+    if isinstance(result, Exception):
+        raise result
+    return result
+
+
+def _answer(path: str, house_id: str, answer: str) -> None:
+    """Write what reading a model gives, or raises, as a pickle: the other side of house_of_ifc."""
+    try:
+        result: House | Exception = _read(Path(path), house_id)
+    except Exception as error:  # noqa: BLE001 - raised again where it was asked for
+        error.add_note(traceback.format_exc())
+        result = error
+    Path(answer).write_bytes(pickle.dumps(result))
+
+
+def _read(path: Path, house_id: str) -> House:
     source = Source(str(path), house_id)
     model = _Model(source, path)
     by_storey = {
@@ -273,3 +302,6 @@ PLAN_FORMAT = PlanFormat(
     suffixes=(".ifc",),
     needs="plan2scene[formats]",
 )
+
+if __name__ == "__main__":
+    _answer(*sys.argv[1:])

@@ -49,6 +49,8 @@ def test_the_message_of_another_file_names_every_format(tmp_path):
 )
 def test_a_missing_package_is_one_line(tmp_path, monkeypatch, start, package):
     monkeypatch.setitem(sys.modules, package, None)
+    (tmp_path / f"{package}.py").write_text(f"raise ModuleNotFoundError(name={package!r})")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))  # of a reader in a process of its own
     with pytest.raises(InputError) as caught:
         read_plan(written(tmp_path, start), "h1")
     assert f"-m pip install -e '{WORKFLOW}[formats]')" in str(caught.value)
