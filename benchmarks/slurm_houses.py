@@ -70,7 +70,8 @@ def run_batch(folder: Path, names: list[str], made: Cluster) -> None:
     config["dataset"] |= {"name": "small", "root": "data", "houses": names}
     (folder / "config.yaml").write_text(yaml.safe_dump(config))
     profile = ROOT / "workflow" / "profiles" / "slurm"
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")]
+    command = ["setpriv", "--pdeathsig", "KILL"]  # it ends with this process, however that ends
+    command += [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")]
     command += ["--directory", str(folder), "--configfile", str(folder / "config.yaml")]
     command += ["--profile", str(profile), "--quiet", "rules", "--"]
     command += [f"results/small/houses/{name}/house.glb" for name in names]
@@ -144,7 +145,8 @@ def main() -> None:
     if options.summary:
         print(summary(options.summary))
         return
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda number, _: sys.exit(128 + number))
     names = [f"home_{number:04d}" for number in range(options.houses)]
     with tempfile.TemporaryDirectory() as made_in, cluster(memory=options.memory) as made:
         folder, begun, began = Path(made_in), 0, time.perf_counter()

@@ -96,12 +96,13 @@ def read_any_plan(path: Path) -> House:
     """
     found = read_plan(path, "h1", 0.05)
     lines = validate_house(found, file=path)
-    areas = [room_polygon(room).area for room in found.rooms]
+    outlines = [room_polygon(room) for room in found.rooms]
     judged = {
         "a wall thicker than 1 m": max((wall.depth for wall in found.walls), default=0) > 1,
         "a wall higher than 8 m": max((wall.height for wall in found.walls), default=0) > 8,
-        "a room over 500 m2": max(areas) > 500,
-        "a room under 0.05 m2": min(areas) < 0.05,
+        "a room over 500 m2": max(outline.area for outline in outlines) > 500,
+        "a room under 0.05 m2": min(outline.area for outline in outlines) < 0.05,
+        "a room under 0.2 m": any(outline.buffer(-0.1).is_empty for outline in outlines),
         "no walls": not found.walls,
         "a number over 200": max(map(abs, numbers(found)), default=0) > 200,
     }

@@ -41,7 +41,7 @@ USUAL_EXTENT, USUAL_AREA = 100.0, (0.3, 60.0)
 ROOM_AREA = (0.05, 500.0)
 #: Walls are at most so thick, metres.
 USUAL_DEPTH = 1.0
-#: The usual door of a home is this wide (metres), and no hole is narrower than the last.
+#: The usual door of a home is this wide (metres), and no hole or room is narrower than the last.
 USUAL_DOOR, NARROW = (0.4, 1.6), 0.2
 #: Rooms farther than this (metres) from all others stand for themselves.
 APART = 5.0
@@ -89,9 +89,12 @@ def oddities(house: House) -> Iterator[_Line]:
         yield f"walls at most {high:g} m high", found, wall.room_ids[0]
     low, high = ROOM_AREA
     for room in house.rooms:
-        area = room_polygon(room).area
-        if not low <= area <= high:
-            yield f"a room of {low:g} to {high:g} m2", f"{area:.2f} m2", room.id
+        polygon = room_polygon(room)
+        if not low <= polygon.area <= high:
+            yield f"a room of {low:g} to {high:g} m2", f"{polygon.area:.2f} m2", room.id
+        elif polygon.buffer(-NARROW / 2).is_empty:
+            found = f"about {2 * polygon.area / polygon.length:.2f} m"
+            yield f"a room at least {NARROW:g} m wide", found, room.id
     yield from _holes(house)
     thick = [wall for wall in house.walls if wall.depth > USUAL_DEPTH]
     for wall in thick[:1]:

@@ -51,12 +51,19 @@ def test_feet_and_decimetres_are_told():
     assert "usual room" in warnings_of(plan(5))
 
 
-@pytest.mark.parametrize("side", [0.2, 60])
-def test_a_room_of_an_absurd_area_is_told(side):
+@pytest.mark.parametrize(
+    ("long", "wide", "line"),
+    [
+        (0.2, 0.2, "of 0.05 to 500 m2, found 0.04 m2"),
+        (60, 60, "of 0.05 to 500 m2, found 3600.00 m2"),
+        (3, 0.05, "at least 0.2 m wide, found about 0.05 m"),
+    ],
+)
+def test_a_room_of_an_absurd_size_is_told(long, wide, line):
     document = plan()
-    ring = [[20, 0], [20 + side, 0], [20 + side, side], [20, side]]
+    ring = [[8, 0], [8 + long, 0], [8 + long, wide], [8, wide]]
     document["rooms"].append({"id": "odd", "types": ["Closet"], "polygon": ring})
-    assert "room odd: expected a room of 0.05 to 500 m2, found" in warnings_of(document)
+    assert f"room odd: expected a room {line}" in warnings_of(document)
 
 
 @pytest.mark.parametrize("height", [0.05, 0.4, 31, 100])
