@@ -2,8 +2,11 @@
 
 import math
 import random
+import re
+import resource
 import time
 import zipfile
+from pathlib import Path
 
 import pytest
 
@@ -15,6 +18,18 @@ CHANCE = random.Random(0)
 ROOM = '<room id="r">{}</room>'
 CORNERS = [(0, 0), (400, 0), (400, 300), (0, 300)]
 STAR = [(900 * math.cos(k), 900 * math.sin(k)) for k in range(9000)]
+
+
+@pytest.fixture(autouse=True)
+def bounded():
+    """Each takes at most 20 s, and 1 GB beside what the tests hold already."""
+    held = int(re.search(r"VmData:\s*(\d+)", Path("/proc/self/status").read_text())[1]) * 1024
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    resource.setrlimit(resource.RLIMIT_DATA, (held + 10**9, before[1]))
+    began = time.perf_counter()
+    yield
+    resource.setrlimit(resource.RLIMIT_DATA, before)
+    assert time.perf_counter() - began < 20
 
 
 def room(points):
@@ -46,7 +61,6 @@ def scattered(spread):
 def test_a_home_of_too_much(tmp_path, parts, found):
     with zipfile.ZipFile(tmp_path / "home.sh3d", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("Home.xml", f"<home>{room(CORNERS)}{''.join(parts)}</home>")
-    began = time.perf_counter()
     try:
         house = read_plan(tmp_path / "home.sh3d", "h1")
     except InputError as error:
@@ -55,7 +69,6 @@ def test_a_home_of_too_much(tmp_path, parts, found):
     else:
         assert not found
         assert house.rooms[0].rings[0] == tuple((x / 100, z / 100) for x, z in CORNERS)
-    assert time.perf_counter() - began < 20
 
 
 @pytest.mark.parametrize("layer", ["WALL", "DOOR"])
@@ -74,10 +87,8 @@ def test_a_drawing_of_too_many_lines(tmp_path, layer):
 def test_a_long_attribute_takes_no_square_of_its_length(tmp_path):
     text = f'<svg><g class="Wall"><polygon points="{"1,1 " * 3_000_000}"/></g></svg>'
     (tmp_path / "plan.svg").write_text(text)
-    began = time.perf_counter()
     with pytest.raises(InputError, match="letters of a polygon's points"):
         read_plan(tmp_path / "plan.svg", "h1")
-    assert time.perf_counter() - began < 5
 
 
 def test_what_no_reader_foresaw_is_one_line_with_its_cause(tmp_path, caplog):
