@@ -26,17 +26,20 @@ _SIGNALS = [
 _GRACE = 3.0
 
 
-def run_bound(command: Sequence[str], *, pass_fds: Sequence[int] = ()) -> int:
+def run_bound(
+    command: Sequence[str], *, pass_fds: Sequence[int] = (), stderr: int | None = None
+) -> int:
     """Return the exit code of a command that ends with this process.
 
     A signal that asks this process to end becomes a WorkflowError when the command has ended.
+    `stderr` is that of :class:`subprocess.Popen`.
     """
     bound = [sys.executable, "-m", "plan2scene_app.bound_process", *command]
     reading, writing = os.pipe()
     with _signals_as_errors():
         try:
             process = subprocess.Popen(
-                bound, stdin=reading, pass_fds=pass_fds, start_new_session=True
+                bound, stdin=reading, stderr=stderr, pass_fds=pass_fds, start_new_session=True
             )
         finally:
             os.close(reading)

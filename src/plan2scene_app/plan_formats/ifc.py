@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import pickle
 import re
+import subprocess
 import sys
 import tempfile
 import traceback
@@ -66,7 +67,7 @@ def house_of_ifc(path: Path, house_id: str) -> House:
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "answer"
         command = [sys.executable, "-m", __name__, str(path), house_id, str(answer)]
-        if code := run_bound(command):
+        if code := run_bound(command, stderr=subprocess.DEVNULL):
             found = f"one that its reader crashes of (exit code {code})"
             raise Source(str(path), house_id).fault("an IFC model that can be read", found)
         result = pickle.loads(answer.read_bytes())  # noqa: S301 - this program's own
