@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import trimesh
+from browser import chromium
 from clones import DEMO, ROOT, demo_rows, make_clone
 from kills import digests, kill_often, strays
 from PIL import Image
@@ -166,6 +168,29 @@ def test_an_older_file_in_the_place_of_another_is_read(made, kind):
         os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
     assert ("masks" if kind == "photos" else "floorplan", house) in jobs
     assert {name for _, name in jobs} == {house, ""}
+
+
+def test_a_photo_of_a_hostile_name_runs_no_script_in_the_report(made):
+    house, table = made.houses()[0], made.root / "data" / "houses.tsv"
+    rows = table.read_text()
+    name = "a</script><img src=x onerror=window.ran=1>.jpg"
+    table.write_text(re.sub(f"(?m)^({house}.*)$", rf"\1|{name}", rows))
+    files = [f"results/tiny/houses/{house}/{n}" for n in ("preview.png", "contact_sheet.png")]
+    try:
+        run = made.snakemake("--report", "report.html", *files)
+    finally:
+        table.write_text(rows)
+    assert run.returncode == 0, run.stdout[-3000:]
+    with chromium() as browser:
+        page = browser.new_page()
+        faults: list[str] = []
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.goto((made.root / "report.html").as_uri())
+        page.get_by_text("Houses").first.wait_for()
+        assert page.evaluate("window.ran") is None
+        assert page.locator("[src=x]").count() == 0
+        assert faults == []
+    (made.root / "report.html").unlink()
 
 
 def test_another_room_of_a_photo_makes_what_depends_on_it_alone(made):

@@ -1,6 +1,7 @@
 # The checked config and house table, and the input functions of all rules.
 # Paths of all results: results/{dataset}/..., the grammar is in docs/conventions.md.
 import functools
+import json
 import os
 import shlex
 import sys
@@ -186,8 +187,11 @@ def object_boxes_of(wildcards):
 
 
 def photo_names_of(wildcards):
-    """Return all photo names that the house table gives a house."""
-    return list(row_of(wildcards).photos)
+    """Return all photo names that the house table gives a house, as JSON without "<".
+
+    Snakemake's report writes params into a script as they are: a name could end it.
+    """
+    return json.dumps(row_of(wildcards).photos).replace("<", "\\u003c")
 
 
 def photos_of(wildcards):

@@ -1,5 +1,6 @@
 """Rule contact_sheet: what became of a house's photos -> a picture to look at."""
 
+import json
 from pathlib import Path
 
 from plan2scene.plans.scene_json import read_scene_json
@@ -19,7 +20,7 @@ with job(snakemake.log[0]):
     )
     write_contact_sheet(
         snakemake.output[0],
-        {photo: Path(params.photo_folder) / photo for photo in params.names},
+        {photo: Path(params.photo_folder) / photo for photo in json.loads(params.names)},
         read_stage_json(inputs.rooms, "photo_rooms", house=house),
         files,
         house=house,

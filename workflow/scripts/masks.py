@@ -1,5 +1,6 @@
 """Rule masks: photos of a house -> label PNGs, line segments and cameras.json."""
 
+import json
 from pathlib import Path
 
 from plan2scene.photos.labels.labeller import labeller
@@ -10,7 +11,7 @@ with job(snakemake.log[0]):
     params, house_id = snakemake.params, snakemake.wildcards.house
     # All names of the house table: the stage says which photos are missing or unsafe.
     make_masks(
-        {name: Path(params.photo_folder) / name for name in params.names},
+        {name: Path(params.photo_folder) / name for name in json.loads(params.names)},
         lambda: labeller(
             params.source,
             model=params.models.get("segmentation"),

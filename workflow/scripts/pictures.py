@@ -1,5 +1,6 @@
 """Rule pictures: plan, textures, places of photos -> house, rooms, views beside photos."""
 
+import json
 from pathlib import Path
 
 from plan2scene.workflow.jobs import job
@@ -15,7 +16,7 @@ with job(snakemake.log[0]):
         made.views,
         made.patterns,
         house_id=snakemake.wildcards.house,
-        photos={name: Path(params.photo_folder) / name for name in params.names},
+        photos={name: Path(params.photo_folder) / name for name in json.loads(params.names)},
         cameras=given.get("cameras"),
         patterns=given.get("patterns"),
         objects=params.objects,

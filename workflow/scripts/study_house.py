@@ -1,5 +1,6 @@
 """Rule study_house: plan, photos and textures of a house -> what the user study shows of it."""
 
+import json
 from pathlib import Path
 
 from plan2scene.datasets.assignments import rooms_of_photos
@@ -9,7 +10,10 @@ from plan2scene_app.study.study_sheet import write_study_sheet
 
 with job(snakemake.log[0]):
     house = read_scene_json(snakemake.input.scene, snakemake.wildcards.house)
-    files = {name: Path(snakemake.params.photo_folder) / name for name in snakemake.params.names}
+    files = {
+        name: Path(snakemake.params.photo_folder) / name
+        for name in json.loads(snakemake.params.names)
+    }
     params, found = snakemake.params, snakemake.input
     made = dict(zip(params.others, map(Path, found.others), strict=True))
     write_study_sheet(
