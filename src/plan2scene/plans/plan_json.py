@@ -12,9 +12,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from plan2scene.errors import InputError
-from plan2scene.house import DEFAULT_HEIGHT, House, Level, Opening, Point, Room, Stairs, Wall
-from plan2scene.plans.geometry import find_doors, point_along, walls_of_rooms
+from plan2scene.house import DEFAULT_HEIGHT, House, Level, Point, Room, Stairs, Wall
+from plan2scene.plans.geometry import find_doors, point_along, room_polygon, walls_of_rooms
 from plan2scene.plans.levels import (
     level_of,
     linked,
@@ -25,6 +27,7 @@ from plan2scene.plans.levels import (
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import Source
 from plan2scene.plans.plan_file import PlanFormat
+from plan2scene.plans.wall_sides import find_openings, room_sides
 
 FORMAT = "plan2scene-plan"
 #: Thickness in metres of the walls (as in the schema).
@@ -233,8 +236,8 @@ def house_to_plan(house: House) -> dict[str, Any]:
 
     Levels, rooms, types, heights, openings and stairs stay; walls follow the outlines again when
     it is read, all with the usual thickness of this house's. Objects and icons are left out. A
-    hole that two rooms have in walls of their own is one opening, between them where both are
-    near enough.
+    hole that two rooms have in walls of their own is one opening, whatever its ids, between them
+    where both are near enough.
     """
     depths = [wall.depth for wall in house.walls] or [DEFAULT_DEPTH]
     limits = plan_schema()["properties"]["wall_depth"]
@@ -274,49 +277,32 @@ def _flight_entry(stairs: Stairs) -> dict[str, Any]:
 
 
 def _opening_entries(house: House) -> list[dict[str, Any]]:
-    """Return every opening once, as a segment."""
-    places_by_id: dict[str, list[tuple[Wall, Opening]]] = {}
-    for wall in house.walls:
-        for opening in wall.openings:
-            places_by_id.setdefault(opening.id, []).append((wall, opening))
-    entries = []
-    for name, places in places_by_id.items():
-        (wall, opening), *others = places
-        start, end = _ends(wall, opening)
-        if others:
-            start, end = _between((start, end), _ends(*others[0]))
-        entries.append(
-            {
-                "id": name,
+    """Return every opening once, as a segment: midway of two walls that are each a room's own."""
+    entries: dict[str, dict[str, Any]] = {}
+    for level, storey in house.storeys():
+        polygons = {room.id: room_polygon(room) for room in storey.rooms}
+        for portal in find_openings(storey, room_sides(storey, polygons), polygons).portals:
+            wall, opening = portal.side.wall, portal.hole.opening
+            ends = np.array([point_along(wall, s) for s in (opening.start, opening.end)])
+            if portal.other and len(wall.room_ids) == 1 and portal.depth <= 2 * SNAP_TOLERANCE:
+                same_way = (ends[1] - ends[0]) @ (portal.back[1] - portal.back[0]) >= 0
+                ends = (ends + (portal.back if same_way else portal.back[::-1])) / 2
+            entry = {
+                "id": opening.id,
                 "kind": opening.kind,
-                "from": _point(start),
-                "to": _point(end),
+                "from": _point(ends[0]),
+                "to": _point(ends[1]),
                 "bottom": round(max(opening.bottom, 0.0), _DIGITS),
                 "top": round(opening.top, _DIGITS),
-                **_on(house.room(wall.room_ids[0]).level),
+                **_on(level.id),
             }
-        )
-    return entries
-
-
-def _ends(wall: Wall, opening: Opening) -> tuple[Point, Point]:
-    return point_along(wall, opening.start), point_along(wall, opening.end)
-
-
-def _between(one: tuple[Point, Point], other: tuple[Point, Point]) -> tuple[Point, Point]:
-    """Return the segment midway of two that face each other, the first where they are far."""
-    (a, b), (c, d) = one, other
-    if (b[0] - a[0]) * (d[0] - c[0]) + (b[1] - a[1]) * (d[1] - c[1]) < 0:
-        c, d = d, c
-    apart = max(abs(a[0] - c[0]), abs(a[1] - c[1]), abs(b[0] - d[0]), abs(b[1] - d[1]))
-    if apart > 2 * SNAP_TOLERANCE:
-        return one
-    return ((a[0] + c[0]) / 2, (a[1] + c[1]) / 2), ((b[0] + d[0]) / 2, (b[1] + d[1]) / 2)
+            entries.setdefault(opening.id, entry)
+    return list(entries.values())
 
 
 def _ring(ring: tuple[Point, ...]) -> list[list[float]]:
     return [_point(point) for point in ring]
 
 
-def _point(point: Point) -> list[float]:
-    return [round(point[0], _DIGITS) + 0.0, round(point[1], _DIGITS) + 0.0]
+def _point(point: Point | np.ndarray) -> list[float]:
+    return [round(float(value), _DIGITS) + 0.0 for value in point]

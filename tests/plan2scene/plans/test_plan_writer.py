@@ -1,5 +1,6 @@
 """A house as plan JSON and back: rooms, openings and relations stay."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -30,12 +31,11 @@ def test_small_houses_come_back(name, request):
     assert again.doors == house.doors
 
 
-def test_a_door_in_both_walls_of_a_gap_is_one_between_them(gap_house):
-    from dataclasses import replace
-
+@pytest.mark.parametrize("own_ids", [False, True])
+def test_a_door_in_both_walls_of_a_gap_is_one_between_them(gap_house, own_ids):
     walls = tuple(
-        replace(wall, openings=tuple(replace(o, id="d") for o in wall.openings))
-        for wall in gap_house.walls
+        replace(w, openings=tuple(replace(o, id=w.id if own_ids else "d") for o in w.openings))
+        for w in gap_house.walls
     )
     plan = house_to_plan(replace(gap_house, walls=walls))
     assert [(o["from"][0], o["to"][0]) for o in plan["openings"]] == [(3.05, 3.05)]
