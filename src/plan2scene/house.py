@@ -8,6 +8,7 @@ Plan coordinates are (x, z) in metres of a right-handed frame with y up, as in s
 from __future__ import annotations
 
 import math
+import re
 import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -131,8 +132,13 @@ class Room:
 
     @property
     def title(self) -> str:
-        """Return what people call the room: its name, else its types."""
-        return self.name or " / ".join(self.types)
+        """Return what people call the room: its name, an id that is a word, else its types.
+
+        Programs number their ids; the editor calls a new room "room".
+        """
+        word = re.fullmatch(r"(?!room$)[A-Za-z]{2}[^0-9]*", self.id)
+        called = self.name or (self.id.replace("_", " ") if word else "")
+        return called or " / ".join(self.types)
 
     @property
     def label(self) -> str:

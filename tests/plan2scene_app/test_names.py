@@ -6,6 +6,7 @@ import re
 import pytest
 
 from plan2scene.datasets.assignments import read_assignment
+from plan2scene.house import Room
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.parse import Source
 from plan2scene.plans.plan_json import house_to_plan
@@ -43,6 +44,15 @@ def test_ids_differ_and_names_stay(house, tmp_path):
     table.write_text("room_id,photo\nспальня,a.jpg\nKÖK &  matplats,b.jpg\nroom_2,c.jpg\n", "utf-8")
     rows = read_assignment(table, house)
     assert [row.room_id for row in rows] == ["room_3", "kok_matplats", "room_2"]
+
+
+@pytest.mark.parametrize(
+    ("own", "title"),
+    [("living", "living"), ("utility_room", "utility room"), ("wc", "wc")]
+    + [(own, "Bedroom") for own in ("bedroom_1", "room", "room_0_dfec", "a")],
+)
+def test_an_id_that_is_a_word_is_shown_where_a_room_has_no_name(own, title):
+    assert Room(own, ("Bedroom",), (), 2.5).title == title
 
 
 def test_names_are_shown(house, tmp_path):

@@ -122,7 +122,7 @@ def _facts(house: House) -> dict[str, Any]:
     rooms: list[dict[str, Any]] = []
     for room in house.rooms:
         own = {"id": room.id, "types": list(room.types), "height": room.height}
-        own |= {"name": room.name} if room.name else {}
+        own |= {"name": room.title} if room.title != " / ".join(room.types) else {}
         rooms.append({**own, "level": room.level} if house.levels else own)
     levels = {"levels": [asdict(level) for level in house.levels]} if house.levels else {}
     return {"house": house.id, "rooms": rooms, **levels}
