@@ -2,18 +2,22 @@
 // once; shown at once where it is a colour, and made when the run is through.
 
 import { labelOf } from "./document.js";
-import { button, el } from "./dom.js";
+import { ask, button, el } from "./dom.js";
 import { asked } from "./server.js";
 
 const HASTE = 1200; // milliseconds from the last choice to the run
 const KINDS = /^(floor|ceiling|wall(\..+)?|door|trim)$/;
 const WHITE = "#eceae7"; // as it is shown until the run is through
+const SAID = { trim: "skirting and frames" };
+const SHOWN = 420; // pixels of a picture to take a colour from
 
 export class Finishes {
   rows = []; undone = []; surface = null;
 
   constructor(view, library) {
     Object.assign(this, { view, library, node: el("section", { id: "finishes" }) });
+    this.plan = view.app.store.state.plan;
+    view.app.store.listen(() => this.follow(view.app.store.state.plan));
     window.addEventListener("message", (event) => this.hear(event));
     asked("finishes").then(({ rows }) => { this.rows = rows; this.render(); }, (error) => view.tell(error.message));
   }
@@ -33,13 +37,24 @@ export class Finishes {
     const others = this.rows.filter((row) => row[0] !== room || row[1] !== surface);
     return this.keep(what === null ? others : [...others, [room, surface, what]], { room, surface, what });
   }
+  async save(rows) {
+    ({ rows: this.rows } = await asked("finishes", { method: "PUT", body: JSON.stringify({ rows }) }));
+    this.view.tell("");
+  }
+  /** Rooms keep what was set for them when they are renamed; a renamed room has its old outline. */
+  follow(plan) {
+    const was = new Map(this.plan.rooms.map((room) => [room.polygon, room.id]));
+    const now = new Map(plan.rooms.map((room) => [was.get(room.polygon), room.id]));
+    this.plan = plan;
+    const named = (id) => now.get(id) ?? id, told = (rows) => rows.map(([room, surface, what]) => [named(room), surface, what.replace(/(?<=^same:).+/, named)]);
+    if (JSON.stringify(told(this.rows)) === JSON.stringify(this.rows)) return;
+    this.undone = this.undone.map(told);
+    this.save(told(this.rows)).then(() => this.render(), (error) => this.view.tell(error.message));
+  }
   async keep(rows, changed) {
     const before = this.rows;
-    try {
-      ({ rows: this.rows } = await asked("finishes", { method: "PUT", body: JSON.stringify({ rows }) }));
-    } catch (error) { this.view.tell(error.message); return; }
+    try { await this.save(rows); } catch (error) { this.view.tell(error.message); return; }
     this.undone = [...this.undone, before];
-    this.view.tell("");
     const colour = changed && (changed.what === "white" ? WHITE : (this.library[changed.what] ?? changed.what));
     if (/^#[0-9a-f]{6}$/i.test(colour ?? "")) this.frame?.postMessage({ kind: "paint", room: changed.room, surface: changed.surface, colour }, "*");
     this.render();
@@ -54,26 +69,54 @@ export class Finishes {
     this.render();
   }
 
+  /** What tells a room from the others, and a door by the rooms beside it. */
+  label(id) {
+    const { app } = this.view, room = app.store.state.plan.rooms.find((entry) => entry.id === id);
+    if (room || id === "*") return room ? labelOf(room) : "all rooms";
+    return app.walls.filter(({ openings }) => openings.some(({ opening }) => opening.id === id)).flatMap(({ rooms }) => rooms.map((k) => labelOf(app.store.plan.rooms[k]))).join(" \u2013 ") || id;
+  }
+  words(what) { return what.replace(/^same:(.*)/, (_, id) => `as in ${this.label(id)}`).replace(/^photo:/, "as in photo "); }
+
   render() {
-    const { rooms } = this.view.app.store.state.plan, label = (id) => labelOf(rooms.find((room) => room.id === id) ?? { id });
-    const lines = this.rows.map(([room, surface, what]) => el("li", {}, el("span", {}, `${room === "*" ? "all rooms" : label(room)}, ${surface}: ${what}`),
-      button("\u00d7", () => this.set(room, surface, null), { title: "As found", "aria-label": `${label(room)} ${surface} as found` })));
+    const lines = this.rows.map(([room, surface, what]) => el("li", {}, el("span", {}, `${this.label(room)}, ${SAID[surface] ?? surface}: `, this.swatch(what), this.words(what)),
+      button("\u00d7", () => this.set(room, surface, null), { title: "As found", "aria-label": `${this.label(room)} ${surface} as found` })));
     this.node.replaceChildren(el("h2", {}, "Set by hand"),
       this.surface ? this.choices(this.surface) : el("p", { className: "soft" }, "Click a wall, floor, ceiling, door, skirting board or window frame in the house to say what it is."),
       ...(lines.length ? [el("ul", { className: "list set" }, lines)] : []),
       ...(this.undone.length ? [button("Undo", () => this.undo())] : []));
+  }
+  swatch(what) {
+    const colour = this.library[what] ?? what, node = el("span", { className: "swatch" });
+    node.style.setProperty("--fill", colour);
+    return colour.startsWith("#") ? node : null;
   }
   choices({ room, surface, title }) {
     const now = this.of(room, surface), kind = surface.split(".")[0], set = (what) => this.set(room, surface, what);
     const colour = el("input", { type: "color", value: /^#/.test(now ?? "") ? now : "#d8d2c4", "aria-label": `Colour of ${title}`, onchange: (event) => set(event.target.value) });
     const choose = (label, entries) => el("select", { "aria-label": `${label} for ${title}`, onchange: (event) => event.target.value && set(event.target.value) },
       el("option", { value: "" }, label), entries.map(([value, name]) => el("option", { value }, name)));
-    const { plan, photos } = this.view.app.store.state, rooms = plan.rooms.filter(({ id }) => id !== room);
-    return el("div", {}, el("p", {}, el("b", {}, title), now ? `: ${now}` : ""),
-      el("div", { className: "row" }, button("White", () => set("white")), el("label", { className: "check" }, colour, "Colour"), now ? button("As found", () => set(null)) : null),
-      ["door", "trim"].includes(kind) ? null : el("div", { className: "row" },
+    const { app } = this.view, { plan, photos } = app.store.state, rooms = plan.rooms.filter(({ id }) => id !== room);
+    const pick = (name) => button(el("img", { src: app.thumbs.get(name) ?? "", alt: name, loading: "lazy" }), () => set(`photo:${name}`), { title: name, "aria-pressed": String(now === `photo:${name}`) });
+    return el("div", {}, el("p", {}, el("b", {}, title), now ? `: ${this.words(now)}` : ""),
+      el("div", { className: "row" }, button("White", () => set("white")), el("label", { className: "check" }, colour, "Colour"),
+        button("From a picture\u2026", () => app.pickFile("image/*", (file) => this.takeColour(file, set))), now ? button("As found", () => set(null)) : null),
+      ...(["door", "trim"].includes(kind) ? [] : [el("div", { className: "row" },
         choose("Material\u2026", Object.keys(this.library).map((name) => [name, name])),
-        choose("Same as in\u2026", rooms.map((other) => [`same:${other.id}`, labelOf(other)])),
-        choose("As in photo\u2026", photos.map(({ name }) => [`photo:${name}`, name]))));
+        choose("Same as in\u2026", rooms.map((other) => [`same:${other.id}`, labelOf(other)]))),
+        photos.length ? this.view.folding("as in photo", false, "As in a photo\u2026", el("div", { className: "picks" }, photos.map(({ name }) => pick(name)))) : null].filter(Boolean)));
+  }
+  /** Show a picture; a click takes the colour that is there. */
+  async takeColour(file, set) {
+    let picture;
+    try { picture = await createImageBitmap(file); } catch { this.view.tell(`${file.name} is no picture that can be read`); return; }
+    const share = SHOWN / Math.max(picture.width, picture.height), [width, height] = [picture.width, picture.height].map((side) => Math.max(1, Math.round(side * share)));
+    const canvas = el("canvas", { width, height, className: "pick" }), pen = canvas.getContext("2d"), input = el("input", { type: "color", name: "colour", "aria-label": "Colour that was taken" });
+    pen.drawImage(picture, 0, 0, width, height);
+    canvas.addEventListener("click", ({ offsetX, offsetY }) => {
+      const at = [(offsetX / canvas.clientWidth) * width, (offsetY / canvas.clientHeight) * height];
+      input.value = `#${[...pen.getImageData(...at, 1, 1).data].slice(0, 3).map((v) => v.toString(16).padStart(2, "0")).join("")}`;
+    });
+    const data = await ask("Click the colour in the picture", [canvas, el("label", { className: "check" }, input, "is taken")], "Take it");
+    if (data) set(data.get("colour"));
   }
 }

@@ -1,5 +1,6 @@
 // The house of a project: how far its run is, what came out, downloads.
 
+import { labelOf } from "./document.js";
 import { button, download, el } from "./dom.js";
 import { Finishes } from "./finishes.js";
 import { photoCard } from "./photos.js";
@@ -8,7 +9,7 @@ import { asked } from "./server.js";
 const WORDS = { none: "Make the house", done: "Make it again", failed: "Try again", cancelled: "Go on", interrupted: "Go on" };
 
 export class HouseView {
-  run = { state: "none", stages: [], results: { files: {}, tiles: [] }, settings: {} }; view = "3D"; shown = "";
+  run = { state: "none", stages: [], results: { files: {}, tiles: [] }, settings: {} }; view = "3D"; shown = ""; folds = {};
 
   constructor(app, host, rules) {
     Object.assign(this, { app, host, rules, box: document.getElementById("run"), results: document.getElementById("results"), make: document.getElementById("make") });
@@ -88,6 +89,8 @@ export class HouseView {
   }
   runSection(running, errors, done) {
     const { run } = this, changed = run.state === "done" && (run.settings.revision !== run.revision || run.settings.finishes !== run.finishes);
+    const now = run.stages.find((stage) => stage.state === "running"), labels = new Map(this.app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
+    const lines = (run.warnings ?? []).map((line) => line.replace(/^[^:]+/, (room) => labels.get(room) ?? room));
     const titles = { none: "No house yet", running: "Being made", done: "Ready", failed: "The run failed", cancelled: "Cancelled", interrupted: "Interrupted" };
     return el("section", {}, el("h2", {}, titles[run.state]),
       el("div", { className: "row" }, running ? button("Cancel", () => this.cancel(), { id: "cancel" }) : button(WORDS[run.state], () => this.start(), { className: "primary", id: "start-run" })),
@@ -99,8 +102,14 @@ export class HouseView {
       running ? null : this.research,
       running && !run.stages.length ? el("p", { className: "soft" }, "Reading plan and photos\u2026") : null,
       run.stages.length ? el("progress", { value: done, max: run.stages.length, "aria-label": "Stages done" }) : null,
-      el("ol", { className: "stages" }, run.stages.map((stage) => el("li", { className: stage.state }, stage.title))),
-      run.warnings?.length ? el("details", {}, el("summary", {}, `Warnings: ${run.warnings.length}`), run.warnings.map((line) => el("p", {}, line))) : null);
+      run.stages.length ? this.folding("stages", running && innerWidth > 860, now ? `${done + 1} of ${run.stages.length}: ${now.title}` : `${done} of ${run.stages.length} steps done`,
+        el("ol", { className: "stages" }, run.stages.map((stage) => el("li", { className: stage.state }, stage.title)))) : null,
+      lines.length ? this.folding("warnings", false, lines.length > 1 ? `${lines.length} things to know` : "One thing to know", lines.map((line) => el("p", {}, line))) : null);
+  }
+  /** A part that folds, and stays as its user left it when the page is made anew. */
+  folding(name, open, title, ...children) {
+    const node = el("details", { open: this.folds[name] ?? open }, el("summary", { onclick: () => { this.folds[name] = !node.open; } }, title), ...children);
+    return node;
   }
   photoSection() {
     const { photos } = this.app.store.state;

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import logging
 import os
+import re
 import subprocess
 import sys
 import time
@@ -144,6 +145,15 @@ def status(project: Project) -> dict[str, Any]:
     }
 
 
+def _plain(line: str) -> str:
+    """Return a warning without the folder and the house that its reader knows."""
+    place = re.match(r"(?:file (?:[^,]*/)?([^,/]+), )?house [^,:]+(?:, room ([^:]+))?: ", line)
+    if place is None:
+        return line
+    where = place[2] or place[1] or "House"
+    return f"{'Plan' if where.startswith('plan.') else where}: {line[place.end() :]}"
+
+
 @dataclass
 class Progress:
     """Stages of a run: how many jobs each has, which are under way, done, failed."""
@@ -167,7 +177,7 @@ class Progress:
             case "failed":
                 self.failed.add(event["rule"])
                 self.fault = self.fault or event["message"]
-        for line in event.get("warnings", ()):
+        for line in map(_plain, event.get("warnings", ())):
             if line not in self.warnings:
                 self.warnings.append(line)
 

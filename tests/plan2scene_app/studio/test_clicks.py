@@ -8,6 +8,7 @@ from browser import Drawing, serious_violations
 from PIL import Image
 from unscaled_drawings import dxf
 
+from plan2scene.finishes import LIBRARY
 from plan2scene.plans.formats import read_plan
 from plan2scene_app.studio import app, runs
 
@@ -81,7 +82,10 @@ def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
     page.wait_for_function("() => house.run.state === 'done'")
     page.wait_for_selector("iframe")
     assert page.frame_locator("iframe").locator("h1").inner_text() == "the house"
-    assert page.locator(".stages .done").all_inner_texts() == ["Plan", "The house in 3D"]
+    assert page.locator(".stages .done").all_text_contents() == ["Plan", "The house in 3D"]
+    assert page.locator(".stages").is_hidden()  # folded: the house is there
+    page.get_by_text("2 of 2 steps done").click()
+    assert page.locator(".stages").is_visible()
     with page.expect_download() as download:
         page.get_by_role("link", name="GLB").click()
     assert download.value.path().read_bytes()[:4] == b"glTF"
@@ -130,7 +134,7 @@ def test_refused_photos_and_a_conflict_say_what_they_are(drawing, studio, tmp_pa
     drawing.faults.clear()
 
 
-#: Stands for a workflow that makes a viewer alone: a click in it chooses a wall.
+#: Stands for a workflow that makes a viewer alone: clicks in it choose a surface by its name.
 CLICKED = (
     TELL
     + """
@@ -138,42 +142,79 @@ from pathlib import Path
 home = Path(sys.argv[1])
 (home / "house").mkdir(exist_ok=True)
 (home / "house" / "viewer.html").write_text(
-    "<h1>the house</h1><script>onmessage = (e) => (document.querySelector('h1').textContent ="
-    " e.data.colour); document.body.onclick = () => parent.postMessage("
-    "{kind: 'surface', room: 'room', surface: 'wall', title: 'Wall'}, '*')</script>"
+    "<h1>the house</h1><p>wall</p><p>floor</p><p>trim</p><p>door</p><script>onmessage = (e) =>"
+    " (document.querySelector('h1').textContent = e.data.colour); document.body.onclick = (e) =>"
+    " parent.postMessage({kind: 'surface', room: e.target.textContent === 'door' ? 'door' :"
+    " 'room', surface: e.target.textContent, title: e.target.textContent}, '*')</script>"
 )
+line = "file /a/plan.json, house h, room room: expected a, found b"
+tell("finished", rule="house", warnings=[line])
 record = json.loads((home / "run.json").read_text())
 (home / "run.json").write_text(json.dumps(record | dict(state="done")))
 """
 )
 
 
-def test_a_surface_is_clicked_and_set_by_hand(drawing, studio, monkeypatch):
+def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeypatch):
     page, table = drawing.page, home_of(studio, drawing) / "plan.finishes.csv"
     monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", CLICKED))
     two_rooms(drawing)
+    add_photo(drawing, tmp_path, "room")
     page.click("#make")
     page.wait_for_function("() => house.run.state === 'done'")
-    title = page.frame_locator("iframe").locator("h1")
-    title.click()
+    page.get_by_text("One thing to know").click()
+    assert page.locator("#run details p").inner_text() == "room: expected a, found b"
+    house, hand = page.frame_locator("iframe"), page.locator("#finishes")
+
+    def choose(surface):
+        house.locator("p", has_text=surface).click()
+        hand.locator("b", has_text=surface).wait_for()
+
+    choose("floor")
+    for what in LIBRARY:
+        page.get_by_label("Material", exact=False).select_option(what)
+        hand.locator(".set").get_by_text(f"room, floor: {what}", exact=True).wait_for()
+        assert table.read_text() == f"room,surface,what\nroom,floor,{what}\n"
+    page.get_by_text("As in a photo").click()
+    hand.get_by_role("button", name="bed.jpg").click()
+    hand.get_by_text("room, floor: as in photo bed.jpg").wait_for()
+    choose("wall")
     page.get_by_label("Same as in", exact=False).select_option("same:room_2")
-    page.get_by_text("room, wall: same:room_2").wait_for()
-    page.get_by_role("button", name="White").click()
-    page.get_by_text("room, wall: white").wait_for()
-    assert table.read_text() == "room,surface,what\nroom,wall,white\n"
+    hand.get_by_text("room, wall: as in room_2").wait_for()
+    for surface in ("trim", "door"):
+        choose(surface)
+        assert hand.locator("select, .picks").count() == 0  # they have a colour alone
+        hand.get_by_label(f"Colour of {surface}").fill("#204060")
+        house.get_by_text("#204060").wait_for()
+    hand.get_by_text("room, skirting and frames: #204060").wait_for()
+    hand.get_by_text("room \u2013 room_2, door: #204060").wait_for()
+    # A colour out of a picture.
+    Image.new("RGB", (60, 40), (200, 30, 20)).save(tmp_path / "swatch.png")
+    hand.get_by_role("button", name="From a picture").click()
+    page.set_input_files("#file-input", tmp_path / "swatch.png")
+    page.locator("canvas.pick").click()
+    page.get_by_role("button", name="Take it").click()
+    hand.get_by_text("room \u2013 room_2, door: #c81e14").wait_for()
+    rows = ["door,door,#c81e14", "room,floor,photo:bed.jpg", "room,trim,#204060"]
+    assert table.read_text().splitlines() == ["room,surface,what", *rows, "room,wall,same:room_2"]
+    # A renamed room keeps what is set, and what is as in it.
+    page.evaluate("editor.select({kind: 'room', id: 'room_2'})")
+    page.get_by_role("tab", name="Plan and photos").click()
+    page.get_by_label("Name").fill("Hall")
+    page.get_by_label("Name").press("Enter")
+    page.wait_for_function("() => house.finishes.of('room', 'wall') === 'same:Hall'")
+    page.get_by_role("tab", name="House").click()
     # It is made again by itself; until then the viewer shows it, as far as it is a colour.
-    page.wait_for_function(
-        "() => house.run.finishes && house.run.settings.finishes === house.run.finishes"
-    )
+    page.wait_for_function("() => house.run.settings.finishes === house.run.finishes")
     page.wait_for_function("() => house.run.state === 'done'")
-    title.click()
-    page.get_by_label("Colour of Wall").fill("#204060")
-    title.get_by_text("#204060").wait_for()
-    page.locator("#finishes").get_by_role("button", name="Undo").click()
-    page.get_by_text("room, wall: white").wait_for()
+    choose("wall")
+    hand.get_by_role("button", name="White").click()
+    hand.get_by_text("room, wall: white").wait_for()
+    hand.get_by_role("button", name="Undo").click()
+    hand.get_by_text("room, wall: as in Hall").wait_for()
     page.get_by_label("room wall as found").click()
-    page.get_by_text("room, wall:").wait_for(state="detached")
-    assert table.read_text() == "room,surface,what\n"
+    hand.get_by_text("room, wall:").wait_for(state="detached")
+    assert table.read_text().splitlines() == ["room,surface,what", *rows]
     answer = studio.ask(
         "PUT", f"p/{table.parent.name}/finishes", {"rows": [["a", "roof", "white"]]}
     )
@@ -249,11 +290,11 @@ def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
     line = page.locator("#run .fault")
     line.wait_for()
     assert line.inner_text() == "file photos/a.jpg, house home: expected a JPEG, found text"
-    assert page.locator(".stages .failed").all_inner_texts() == ["What the photos show"]
+    assert page.locator(".stages .failed").all_text_contents() == ["What the photos show"]
     monkeypatch.setattr(runs, "JOB", job)
     page.locator("#start-run", has_text="Try again").click()
     page.wait_for_function("() => house.run.state === 'done'")
-    assert page.locator(".stages .done").all_inner_texts() == ["Plan", "The house in 3D"]
+    assert page.locator(".stages .done").all_text_contents() == ["Plan", "The house in 3D"]
 
 
 def test_two_points_on_a_picture_are_kept_as_its_scale(drawing, studio, tmp_path):

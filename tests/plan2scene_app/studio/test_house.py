@@ -29,7 +29,7 @@ def made_house(drawing, folder):
         "() => ['done', 'failed'].includes(house.run.state)", timeout=1000 * LONGEST
     )
     assert page.evaluate("[house.run.state, house.run.fault]") == ["done", ""]
-    assert set(page.locator(".stages li").all_inner_texts()) >= {"Plan", "The house in 3D"}
+    assert set(page.locator(".stages li").all_text_contents()) >= {"Plan", "The house in 3D"}
     page.wait_for_selector("iframe")
     with page.expect_download() as download:
         page.get_by_role("link", name="GLB").click()
