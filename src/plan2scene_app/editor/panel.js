@@ -41,7 +41,7 @@ function houseSection(app) {
   const rooms = plan.rooms.map((room) => el("li", {}, button([el("span", { className: `swatch type-${room.types[0]?.toLowerCase()}` }), labelOf(room), el("span", { className: "soft" }, areaText(polygonArea(ringsOf(room)), feet))], () => app.select({ kind: "room", id: room.id }), { className: "line" })));
   return section("House",
     lengthField(app, "Wall thickness", "depth", plan.wall_depth, (v) => store.changePlan({ wall_depth: v })),
-    plan.rooms.length ? null : el("p", { className: "soft" }, "Draw a room: press R and drag, or W and click corner by corner. Or drop a picture of a plan here and draw over it."),
+    plan.rooms.length ? null : el("p", { className: "soft" }, "Draw a room: press R and drag, or W and click corner by corner. Or open or drop a plan, or a picture of one, with its photos."),
     plan.rooms.length ? el("ul", { className: "list", id: "rooms" }, rooms) : null,
     plan.rooms.length ? el("p", { className: "soft" }, `${plan.rooms.length} rooms, ${areaText(total, feet)}`) : null,
     pictureRow(app, picture),

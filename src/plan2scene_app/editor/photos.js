@@ -108,7 +108,8 @@ export async function takeFiles(app, files, room = null) {
   const isPhoto = (file) => isPicture(file) || /\.hei[cf]$/i.test(file.name);
   let photos = files.filter(isPhoto);
   const empty = () => !app.store.state.plan.rooms.length && !app.picture;
-  for (const file of files.filter((one) => !isPhoto(one))) await app.openFile(file);
+  const isTable = (file) => /\.csv$/i.test(file.name); // its rooms are those of the plan that comes with it
+  for (const file of files.filter((one) => !isPhoto(one)).sort((a, b) => isTable(a) - isTable(b))) await app.openFile(file);
   if (empty() && photos.length) {
     const plan = photos.length === 1 ? photos[0] : await askPlan(photos);
     if (plan === null) return;

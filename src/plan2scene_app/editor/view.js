@@ -36,8 +36,9 @@ export class View {
   }
   fit(points) {
     const { low, high } = points.length ? boundsOf(points) : { low: [-0.5, -0.5], high: [9.5, 6.5] };
-    const extent = sub(high, low), [width, height] = this.size;
-    this.scale = Math.max(4, Math.min(160, (width - 120) / (extent[0] || 1), (height - 120) / (extent[1] || 1)));
+    const extent = sub(high, low);
+    const [across, up] = this.size.map((side) => Math.max(0.75 * side, side - 120));
+    this.scale = Math.max(4, Math.min(160, across / (extent[0] || 1), up / (extent[1] || 1)));
     this.offset = sub(times(this.size, 0.5), times(mid(low, high), this.scale));
   }
   path(points, closed = true) {

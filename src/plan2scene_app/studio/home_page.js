@@ -8,7 +8,7 @@ const nothing = el("li", { className: "soft" }, "No home yet: give one a name.")
 
 document.getElementById("projects").append(...(projects.length ? projects.map(({ name, title, state, preview }) =>
   el("li", {}, el("a", { href: `p/${name}/` }, preview ? el("img", { src: `p/${name}/results/preview.png`, alt: "" }) : el("div", { className: "blank" }, "plan"), el("strong", {}, title), el("span", {}, STATES[state])))) : [nothing]));
-document.getElementById("folder").textContent = `Homes are folders in ${folder}.`;
+document.getElementById("folder").textContent = `Homes are folders in ${folder}. The studio serves this machine alone: copy photos of a phone here first.`;
 document.getElementById("new").addEventListener("submit", async (event) => {
   event.preventDefault();
   const name = event.target.elements.name.value.trim();

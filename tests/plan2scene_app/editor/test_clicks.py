@@ -217,10 +217,10 @@ def test_saved_files_open_again(drawing, tmp_path):
         'room_id,photo,guess\nroom_2,"a, b.jpg",\nroom,c.jpg,\nroom,d.jpg,room\n'
     )
     drawing.press("Control+z")
-    for name in ("plan.json", "photos.csv"):
-        drawing.page.click("#open")
-        drawing.page.set_input_files("#file-input", tmp_path / name)
-        drawing.page.wait_for_timeout(50)
+    drawing.page.click("#open")
+    files = [tmp_path / name for name in ("photos.csv", "plan.json")]
+    drawing.page.set_input_files("#file-input", files)
+    drawing.page.wait_for_function("() => editor.store.state.photos.length === 3")
     assert drawing.plan == plan
     assert drawing.photos == [
         {"name": "a, b.jpg", "rooms": ["room_2"]},
