@@ -21,55 +21,68 @@ vec3 neutral(vec3 colour) {
 
 // Vertices have the light of the sky; a lamp's is worked out for each pixel.
 const SKY = `
+#if LOOK == 1
+varying float sky;
 float skyLight(vec3 n) {
   return n.y < -0.5 ? 0.88 : mix(0.62, 0.84, 0.5 + 0.5 * n.y) + 0.26 * max(dot(n, vec3(-0.45, 0.78, 0.43)), 0.0);
-}`;
-const LIGHT = `
-uniform vec4 lamp; uniform float glow;
+}
+#elif LOOK == 2
+varying vec3 place, out_;
+#endif
+`;
+// What is worked out for each pixel: no more than it takes. Tone mapping takes the 4 % off again that a
+// dielectric's surface reflects.
+const PIXEL = `
+uniform vec3 diffuse; uniform float opacity, glow; uniform vec4 lamp;
+#include <color_pars_fragment>
+#include <uv_pars_fragment>
+#include <map_pars_fragment>
+#include <aomap_pars_fragment>
 #if LOOK == 1
 varying float sky;
 #elif LOOK == 2
 varying vec3 place, out_;
 #endif
-vec3 lit(vec3 colour) {
-  #if LOOK == 0
-  return colour;
-  #elif LOOK == 1
-  return sky * (colour + 0.04);
-  #else
+${NEUTRAL}
+void main() {
+  vec4 colour = vec4(diffuse, opacity);
+  #if defined(USE_COLOR) || defined(USE_COLOR_ALPHA)
+  colour.rgb *= vColor.rgb;
+  #endif
+  #ifdef USE_MAP
+  vec4 texel = texture2D(map, vMapUv);
+  colour *= vec4(texel.rgb * texel.rgb, texel.a);
+  #endif
+  #if LOOK == 1
+  colour.rgb = sky * (colour.rgb + 0.04);
+  #elif LOOK == 2
   vec3 way = lamp.xyz - place, n = gl_FrontFacing ? out_ : -out_;
   float far = dot(way, way), share = max(dot(n, way) * inversesqrt(far), 0.0) / (1.0 + 0.3 * far);
-  return vec3(1.0, 0.94, 0.86) * (0.72 + lamp.w * share) * (colour + 0.04);
+  colour.rgb = vec3(1.0, 0.94, 0.86) * (0.72 + lamp.w * share) * (colour.rgb + 0.04);
   #endif
+  colour.rgb = mix(colour.rgb, vec3(0.95, 0.55, 0.25), glow);
+  #if LOOK != 0
+  #ifdef USE_AOMAP
+  colour.rgb *= texture2D(aoMap, vAoMapUv).r;
+  #endif
+  colour.rgb = neutral(colour.rgb);
+  #endif
+  #ifdef OPAQUE
+  colour.a = 1.0;
+  #endif
+  gl_FragColor = vec4(sqrt(colour.rgb), colour.a);
 }`;
 
 function patch(shader) {
-  // Three's basic material with the light above; Neutral tone mapping takes the 4 % off again that a
-  // dielectric's surface reflects.
-  const swap = (text, from, to) => {
-    if (!text.includes(from)) throw new Error(`three.js has no ${from}`);
-    return text.replace(from, to);
-  };
-  const vertex = `#if LOOK == 1\n${SKY}\nvarying float sky;\n#elif LOOK == 2\nvarying vec3 place, out_;\n#endif\n${shader.vertexShader}`;
-  shader.vertexShader = swap(vertex, "#include <begin_vertex>", `#include <begin_vertex>
+  const from = "#include <begin_vertex>";
+  if (!shader.vertexShader.includes(from)) throw new Error(`three.js has no ${from}`);
+  shader.vertexShader = SKY + shader.vertexShader.replace(from, `${from}
     #if LOOK == 1
     sky = skyLight(mat3(modelMatrix) * normal);
     #elif LOOK == 2
     place = (modelMatrix * vec4(transformed, 1.0)).xyz; out_ = mat3(modelMatrix) * normal;
     #endif`);
-  let text = swap(shader.fragmentShader, "void main() {", `${NEUTRAL}${LIGHT}\nvoid main() {`);
-  text = swap(text, "reflectedLight.indirectDiffuse *= diffuseColor.rgb;",
-    `reflectedLight.indirectDiffuse *= lit(diffuseColor.rgb);
-    reflectedLight.indirectDiffuse = mix(reflectedLight.indirectDiffuse, vec3(0.95, 0.55, 0.25), glow);`);
-  text = swap(text, "#include <map_fragment>", `#ifdef USE_MAP
-    vec4 texel = texture2D(map, vMapUv);
-    diffuseColor *= vec4(texel.rgb * texel.rgb, texel.a);
-    #endif`);
-  text = swap(text, "#include <colorspace_fragment>", "gl_FragColor.rgb = sqrt(gl_FragColor.rgb);");
-  shader.fragmentShader = swap(text, "#include <tonemapping_fragment>",
-    `#if LOOK != 0
-    gl_FragColor.rgb = neutral(gl_FragColor.rgb);
-    #endif`);
+  shader.fragmentShader = PIXEL;
 }
 
 function squared(linear) {
@@ -152,7 +165,7 @@ function over(room, { x, z }) {
 
 function setLook(name) {
   for (const { mesh: { material } } of [...parts, ...gathered]) {
-    Object.assign(material, { aoMapIntensity: name === "plain" ? 0 : 1, defines: { LOOK: LOOKS[name] }, needsUpdate: true });
+    Object.assign(material, { defines: { LOOK: LOOKS[name] }, needsUpdate: true });
   }
   for (const other of Object.keys(LOOKS)) $(other).setAttribute("aria-pressed", String(other === name));
   refresh();

@@ -10,8 +10,17 @@ let tapeLine, tapeEnds, frusta;
 
 const text = (tag, content) => Object.assign(document.createElement(tag), { textContent: content });
 
+function letGo() {
+  setTape(false);
+  stop();
+  describe(null);
+}
+
 function show(title, rows, ...more) {
-  $("info").replaceChildren(text("h2", title), listOfFacts(rows), ...more);
+  const close = Object.assign(text("button", "\u00d7"), { type: "button", className: "close" });
+  close.setAttribute("aria-label", "Close");
+  close.addEventListener("click", letGo);
+  $("info").replaceChildren(close, text("h2", title), listOfFacts(rows), ...more);
   $("info").hidden = false;
 }
 
@@ -96,11 +105,10 @@ function describe(part) {
   const words = extras.evidence && photo ? `${extras.evidence}; this piece in photo ${photo.number} (${photo.name})` : extras.evidence;
   const name = extras.kind === "structure" ? "outer wall" : extras.category || extras.kind || part.name;
   tellStudio(part, `${capital(surfaceOf(part) === "trim" ? "skirting and frames" : name)}${titleOf(extras.room_id) ? `, ${titleOf(extras.room_id)}` : ""}`);
-  const rows = [["Room", titleOf(extras.room_id)], ["Part", extras.wall_id && extras.surface ? `wall ${extras.wall_id}` : null],
-    ["Leads to", titleOf(extras.leads_to)], ["Area", extras.surface ? area(areaOf(part), 2) : null], ["Material", [extras.substance, extras.pattern].filter(Boolean).join(", ") || null],
+  const rows = [["Room", titleOf(extras.room_id)], ["Leads to", titleOf(extras.leads_to)], ["Area", extras.surface ? area(areaOf(part), 2) : null], ["Material", [extras.substance, extras.pattern].filter(Boolean).join(", ") || null],
     ["Looks", byHand ? extras.evidence : words || (extras.observed === undefined ? null : extras.observed ? seen : guess)]];
   const research = document.createElement("details");
-  research.append(text("summary", "For researchers"), listOfFacts([["Sure", known.confidence == null ? null : share(known.confidence)], ["As", extras.observed === false ? known.source : null],
+  research.append(text("summary", "For researchers"), listOfFacts([["Wall", extras.wall_id], ["Sure", known.confidence == null ? null : share(known.confidence)], ["As", extras.observed === false ? known.source : null],
     ["Texture", extras.source], ["Tile", extras.size_m ? `${extras.size_m.toFixed(2)} m` : null]]));
   const pictures = known.crop && !byHand ? [Object.assign(new Image(), { src: known.crop, alt: "The photo's piece that shows this surface" })] : [];
   show(capital(name), rows, ...pictures, ...(extras.surface ? [research] : []));

@@ -184,7 +184,7 @@ function listenToKeys() {
     if (key === "+" || key === "=") nearer(0.9);
     else if (key === "-") nearer(1.1);
     else if (key === "m") setTape(!tape.on);
-    else if (key === "escape") { setTape(false); stop(); describe(null); }
+    else if (key === "escape") letGo();
     else if (/^([wasd]|arrow.*)$/.test(key)) hold(key);
     else return;
     event.preventDefault();

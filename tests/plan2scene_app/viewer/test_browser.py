@@ -132,8 +132,12 @@ def test_plain_light_keeps_colours_true(view):
 def test_occlusion_darkens_and_never_brightens(view):
     pytest.importorskip("embreex")
     shaded = still(view)
-    view.run("parts.forEach((part) => { part.mesh.material.aoMapIntensity = 0; })")  # till RESET
+    change = (
+        "parts.forEach(({ mesh: { material: m } }) => Object.assign(m, %s, { needsUpdate: true }))"
+    )
+    view.run(change % "{ aoMap: null, kept: m.aoMap }")
     plain = still(view)
+    view.run(change % "{ aoMap: m.kept }")
     assert (shaded <= plain + 3).all()
     seen = (plain.max(2) - plain.min(2)) > 40  # the painted surfaces, not the page
     assert (plain - shaded).max(2)[seen].mean() > 3
@@ -280,6 +284,8 @@ def test_on_a_phone_the_panel_folds_and_the_card_is_above_the_pad(view):
     view.page.set_viewport_size({"width": 390, "height": 844})
     view.run('$("walk").click(); $("fold").click(); describe(parts[0])')
     panel, card = (box_of(view, name) for name in ("panel", "info"))
+    view.page.get_by_role("button", name="Close").click()
+    assert info(view) == ""
     view.run('$("fold").click()')
     assert box_of(view, "panel")[3] > 300
     view.page.set_viewport_size({"width": 900, "height": 600})
