@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
-from plan2scene.errors import InputError
+from plan2scene.errors import InputError, WorkflowError
 from plan2scene.materials import random_material
 from plan2scene.plans.formats import read_plan
 from plan2scene_app import cli
@@ -207,7 +207,7 @@ def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
     from plan2scene.config import check_config
     from plan2scene_app import run as runs
 
-    asked = []
+    asked, make = [], runs.run
     monkeypatch.setattr(runs, "run", lambda request, *_, **__: asked.append(request) or {})
     options = (("--walls", "wall", "--colours", "photo"), ())
     for given in options:
@@ -219,7 +219,15 @@ def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
         shown.append((config["house"]["walls"], config["house"]["colours"]))
     assert shown == [("wall", "photo"), ("room", "paint")]
     assert call("run", "--plan", PLAN, "--out", tmp_path / "out", "--walls", "accent")[0] == 2
-    assert len(asked) == 2
+    assert call("run", "--plan", PLAN, "--photos", tmp_path, "--out", tmp_path / "out")[0] == 0
+    assert [asked[2].photo_table, asked[2].photos_dir] == [None, tmp_path]
+    assert len(asked) == 3
+    # Of a profile that Snakemake finds by itself it prints a line in every run.
+    command = []
+    monkeypatch.setattr(runs, "run_bound", lambda words, **_: command.extend(words) or 1)
+    with pytest.raises(WorkflowError, match="the workflow failed"):
+        make(asked[1], tmp_path / "made", cores=1)
+    assert command[command.index("--workflow-profile") + 1] == "none"
 
 
 def test_check_tells_of_a_picture_that_it_is_traced(tmp_path):
