@@ -3,9 +3,10 @@
     python benchmarks/viewer.py results/demo/houses/*/viewer.html
 
 Each page is loaded, then turned for a number of pictures in every light, from outside and inside,
-each as fine as the page; on slow machines it draws moving ones more coarsely (`--ratio 0.5`).
-Printed are milliseconds until the page is ready (by its own clock), pictures a second, and the
-processor time of all of the browser's processes for a picture.
+each as fine as the page (`--ratio 1`), and as its user does, by a key that is held: on slow
+machines the page draws moving pictures more coarsely. Printed are milliseconds until the page is
+ready (by its own clock), pictures a second, the processor time of all of the browser's processes
+for a picture, pictures a second while the key is held, and how fine these are.
 """
 
 from __future__ import annotations
@@ -37,6 +38,18 @@ TURN = """(async () => {
   pending = false;
   return (performance.now() - start) / 1000;
 })()"""
+HELD = """(async () => {
+  const later = (ms) => new Promise((done) => setTimeout(done, ms));
+  const drawn = () => renderer.info.render.frame;
+  hold("arrowright");
+  await later(1000);
+  const start = performance.now(), first = drawn();
+  await later(2000);
+  const rate = (drawn() - first) / ((performance.now() - start) / 1000), fine = PACES[pace];
+  keys.clear();
+  await later(500);
+  return [rate, fine];
+})()"""
 
 
 def processor_seconds() -> float:
@@ -67,17 +80,18 @@ def measure(view: Any, page: Path, count: int, ratio: float) -> None:
     used = processor_seconds() - before
     name = page.resolve().parent.name if page.stem == "viewer" else page.stem
     print(f"\n{name}: {size:.1f} MB, ready after {ready} ms, {used:.1f} s of processor time\n")
-    print("| light | view | pictures a second | processor ms a picture | draws | triangles |")
-    print("|---|---|---|---|---|---|")
+    print("| light | view | a second | processor ms | key held | as fine | draws | triangles |")
+    print("|---|---|---|---|---|---|---|---|")
     for look in ("plain", "day", "lit"):
         for mode in ("orbit", "walk"):
             view.run(f'setLook("{look}"); setMode("{mode}")')
             before = processor_seconds()
             seconds = view.run(turn)
             used = 1000 * (processor_seconds() - before) / (count + 3)
-            draws, triangles = view.run("Object.values(renderer.info.render).slice(1, 3)")
-            rate = f"{count / seconds:.1f} | {used:.0f}"
-            print(f"| {look} | {mode} | {rate} | {draws} | {triangles} |", flush=True)
+            drawn = view.run("Object.values(renderer.info.render).slice(1, 3)")
+            held, fine = view.run(HELD)
+            row = [look, mode, f"{count / seconds:.1f}", f"{used:.0f}", f"{held:.1f}", fine, *drawn]
+            print(f"| {' | '.join(map(str, row))} |", flush=True)
 
 
 def main() -> None:
