@@ -90,7 +90,8 @@ export class HouseView {
   runSection(running, errors, done) {
     const { run } = this, changed = run.state === "done" && (run.settings.revision !== run.revision || run.settings.finishes !== run.finishes);
     const now = run.stages.find((stage) => stage.state === "running"), labels = new Map(this.app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
-    const lines = (run.warnings ?? []).map((line) => line.replace(/^[^:]+/, (room) => labels.get(room) ?? room));
+    const told = new Set(this.app.problems.map((p) => `${p.room || "Plan"}: expected ${p.expected}, found ${p.found}`)); // beside the plan, each leading to its place
+    const lines = (run.warnings ?? []).filter((line) => !told.has(line)).map((line) => line.replace(/^[^:]+/, (room) => labels.get(room) ?? room));
     const titles = { none: "No house yet", running: "Being made", done: "Ready", failed: "The run failed", cancelled: "Cancelled", interrupted: "Interrupted" };
     return el("section", {}, el("h2", {}, titles[run.state]),
       el("div", { className: "row" }, running ? button("Cancel", () => this.cancel(), { id: "cancel" }) : button(WORDS[run.state], () => this.start(), { className: "primary", id: "start-run" })),
@@ -101,7 +102,7 @@ export class HouseView {
       ["cancelled", "interrupted"].includes(run.state) ? el("p", { className: "soft" }, "What is made stays; a run goes on from there.") : null,
       running ? null : this.research,
       running && !run.stages.length ? el("p", { className: "soft" }, "Reading plan and photos\u2026") : null,
-      run.stages.length ? el("progress", { value: done, max: run.stages.length, "aria-label": "Stages done" }) : null,
+      done < run.stages.length ? el("progress", { value: done, max: run.stages.length, "aria-label": "Stages done" }) : null,
       run.stages.length ? this.folding("stages", running && innerWidth > 860, now ? `${done + 1} of ${run.stages.length}: ${now.title}` : `${done} of ${run.stages.length} steps done`,
         el("ol", { className: "stages" }, run.stages.map((stage) => el("li", { className: stage.state }, stage.title)))) : null,
       lines.length ? this.folding("warnings", false, lines.length > 1 ? `${lines.length} things to know` : "One thing to know", lines.map((line) => el("p", {}, line))) : null);

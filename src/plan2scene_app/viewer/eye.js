@@ -17,7 +17,8 @@ function startOrbit(canvas) {
 }
 
 function freeWidth(canvas) {
-  // Left margin that the panel covers, in CSS pixels; 0 where it would leave too little.
+  // Left margin that the panel covers, in CSS pixels; 0 where it is folded or would leave too little.
+  if (document.body.classList.contains("folded")) return 0;
   const panel = $("panel").getBoundingClientRect();
   return panel.width < 0.4 * canvas.clientWidth ? panel.right : 0;
 }

@@ -86,6 +86,9 @@ def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
     assert page.locator(".stages").is_hidden()  # folded: the house is there
     page.get_by_text("2 of 2 steps done").click()
     assert page.locator(".stages").is_visible()
+    page.set_viewport_size({"width": 390, "height": 844})  # a phone shows the house first
+    assert page.locator("iframe").bounding_box()["height"] > 400
+    page.set_viewport_size({"width": 1280, "height": 800})
     with page.expect_download() as download:
         page.get_by_role("link", name="GLB").click()
     assert download.value.path().read_bytes()[:4] == b"glTF"
