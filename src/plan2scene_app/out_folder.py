@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import filecmp
 import logging
 import os
 import shutil
@@ -47,7 +48,10 @@ class OutFolder:
         return self.path / WORK
 
     def deliver(self, files: Mapping[str, Path]) -> dict[str, Path]:
-        """Copy files and folders to these names, each at once; return where they are."""
+        """Copy files and folders to these names, each at once; return where they are.
+
+        A file that is there already keeps its time.
+        """
         made = {name: self.path / name for name in files}
         names = set(_delivered(self.work)) | set(files)
         for name, source in files.items():
@@ -59,7 +63,7 @@ class OutFolder:
                 ignored = shutil.ignore_patterns(*_BYPRODUCTS)
                 with atomic_directory(made[name], flush=True) as folder:
                     shutil.copytree(source, folder, ignore=ignored, dirs_exist_ok=True)
-            else:
+            elif not made[name].is_file() or not filecmp.cmp(source, made[name], shallow=False):
                 with atomic_path(made[name], flush=True) as temporary:
                     shutil.copyfile(source, temporary)
         return made

@@ -276,6 +276,7 @@ def run(
     cores: int,
     printed: str = "lines",
     events: Path | None = None,
+    first: tuple[str, ...] = (),
 ) -> dict[str, Path]:
     """Make one house with Snakemake under `out`; return the files a user wants, by name.
 
@@ -288,6 +289,8 @@ def run(
         What is printed of the progress, a key of :data:`PRINTED`.
     events : path, optional
         File that the logger appends its events to, where `printed` is ``lines``.
+    first : tuple of str
+        Names of :data:`DELIVERED` that are made and delivered before the others.
     """
     if not (WORKFLOW / "Snakefile").is_file():
         raise WorkflowError(f"this installation lacks the workflow: no Snakefile in {WORKFLOW}")
@@ -306,7 +309,6 @@ def run(
         options = list(PRINTED[printed])
         options += ["--logger-plan2scene-events", str(events.resolve())] if events else []
         options += ["--cores", str(cores)]
-        _make([f"{base}/{name}" for name in wanted], config, folder, options)
         made = folder.work / "results" / DATASET
         files = {name: made / "houses" / request.house / name for name in wanted}
         files["textures"] = (
@@ -314,6 +316,10 @@ def run(
             if request.colours == "paint"
             else made / "drop_0.0" / request.method / request.house / "textures"
         )
+        if first:
+            _make([f"{base}/{name}" for name in first], config, folder, options)
+            folder.deliver({name: files[name] for name in first})
+        _make([f"{base}/{name}" for name in wanted], config, folder, options)
         made_files = folder.deliver(files)
         if is_picture(request):
             for line in made_files["plan.doubts.txt"].read_text(encoding="utf-8").splitlines():

@@ -1,10 +1,15 @@
 """What a run is made from: the contents of the files that it was given, whatever their times."""
 
 import os
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from plan2scene_app import run as runs
 from plan2scene_app.run import SingleHouse, prepare
+
+EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "plan.json"
 
 
 @pytest.fixture
@@ -55,3 +60,18 @@ def test_a_photo_that_is_gone_leaves_no_copy(given):
     (given / "1" / "b.jpg").unlink()
     prepare(request(given / "1"), ["a.jpg", "b.jpg"], work)
     assert not (work / "dataset/photos/b.jpg").exists()
+
+
+def test_what_is_wanted_first_lies_there_before_the_rest_is_made(given, monkeypatch):
+    seen, viewer = [], given / "out" / "viewer.html"
+
+    def make(targets, config, folder, options):
+        seen.append([len(targets), viewer.is_file() and viewer.stat().st_mtime_ns])
+        for target in (*targets, str(Path(targets[0]).parent / "textures" / "a.png")):
+            (folder.work / target).parent.mkdir(parents=True, exist_ok=True)
+            (folder.work / target).write_text("made")
+
+    monkeypatch.setattr(runs, "_make", make)
+    plan = replace(request(given), plan=EXAMPLE, photo_table=None)
+    runs.run(plan, given / "out", cores=1, first=("viewer.html",))
+    assert seen == [[1, False], [5, viewer.stat().st_mtime_ns]]  # nor is it copied again

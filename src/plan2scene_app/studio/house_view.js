@@ -8,6 +8,8 @@ import { asked } from "./server.js";
 
 const WORDS = { none: "Make the house", done: "Make it again", failed: "Try again", cancelled: "Go on", interrupted: "Go on" };
 
+const FILE_OF = { "3D": "viewer.html", Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", Floors: "patterns.jpg", "Photos to crops": "contact_sheet.png", Textures: "house.glb" };
+
 export class HouseView {
   run = { state: "none", stages: [], results: { files: {}, tiles: [] }, settings: {} }; view = "3D"; shown = ""; folds = {};
 
@@ -118,14 +120,7 @@ export class HouseView {
   }
 
   renderResults() {
-    const { files, tiles } = this.run.results, views = [];
-    if (files["viewer.html"]) views.push("3D");
-    if (files["preview.png"]) views.push("Picture");
-    if (files["rooms.jpg"]) views.push("Rooms");
-    if (files["views.jpg"]) views.push("Beside photos");
-    if (files["patterns.jpg"]) views.push("Floors");
-    if (files["contact_sheet.png"]) views.push("Photos to crops");
-    if (tiles.length) views.push("Textures");
+    const { files, tiles } = this.run.results, views = Object.keys(FILE_OF).filter((view) => (view === "Textures" ? tiles.length : files[FILE_OF[view]]));
     if (!views.length) {
       this.results.replaceChildren(el("div", { className: "empty" }, "The house appears here when it is made."));
       this.pane = "";
@@ -136,7 +131,7 @@ export class HouseView {
     const links = [["house.glb", "GLB"], ["house.scene.json", "scene.json"]].filter(([name]) => files[name])
       .map(([name, title]) => el("a", { className: "button", href: `results/${name}`, download: name }, title));
     const bar = el("div", { className: "views" }, choose, el("span", { className: "grow" }), links, this.exportChoice(), el("a", { className: "button", href: "zip", download: "" }, "All as ZIP"));
-    const pane = `${this.view} ${Object.values(files).join()}`;
+    const pane = `${this.view} ${files[FILE_OF[this.view]]}`;
     if (pane === this.pane) this.results.firstChild.replaceWith(bar);
     else this.results.replaceChildren(bar, this.paneOf(files, tiles));
     this.pane = pane;
@@ -157,9 +152,8 @@ export class HouseView {
   paneOf(files, tiles) {
     const at = (name) => `results/${name}?${files[name] ?? ""}`;
     if (this.view === "3D") return el("iframe", { src: at("viewer.html") + this.place, title: "The house in 3D", sandbox: "allow-scripts allow-downloads", allow: "fullscreen; xr-spatial-tracking" });
-    const pictures = { Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", Floors: "patterns.jpg", "Photos to crops": "contact_sheet.png" };
-    if (this.view in pictures) {
-      const image = el("img", { src: at(pictures[this.view]), alt: this.view, title: "Click: full size, or to fit", onclick: () => image.classList.toggle("full") });
+    if (this.view !== "Textures") {
+      const image = el("img", { src: at(FILE_OF[this.view]), alt: this.view, title: "Click: full size, or to fit", onclick: () => image.classList.toggle("full") });
       return el("div", { className: "pane", tabIndex: 0, role: "region", "aria-label": this.view }, image);
     }
     const time = files["house.glb"];

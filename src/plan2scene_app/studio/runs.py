@@ -169,7 +169,8 @@ class Progress:
         """Take in an event of the logger, or a ``warning`` of the run's own process."""
         match event["event"]:
             case "planned":
-                self.planned = event["jobs"]
+                for rule, count in event["jobs"].items():
+                    self.planned[rule] = self.finished[rule] + count
             case "started":
                 self.started.add(event["rule"])
             case "finished":
@@ -280,6 +281,9 @@ def make_house(project: Project, settings: Mapping[str, Any]) -> None:
         colours=settings["colours"],
         walls=settings["walls"],
     )
+    # What is made again is seen before the pictures of it are drawn.
+    seen = ("house.glb", "viewer.html")
+    first = seen if (project.house / seen[1]).is_file() else ()
     events = project.path / EVENTS
     warnings = logging.FileHandler(events, encoding="utf-8", delay=True)
     warnings.setFormatter(_AsEvent())
@@ -287,7 +291,7 @@ def make_house(project: Project, settings: Mapping[str, Any]) -> None:
     logging.getLogger("plan2scene").addHandler(warnings)
     record = _record(project)
     try:
-        run(request, project.house, cores=settings["cores"], events=events)
+        run(request, project.house, cores=settings["cores"], events=events, first=first)
         end = {"state": "done"}
     except (InputError, WorkflowError) as error:
         end = {"state": "failed", "fault": str(error)}
