@@ -45,7 +45,9 @@ export class Finishes {
   follow(plan) {
     const was = new Map(this.plan.rooms.map((room) => [room.polygon, room.id]));
     const now = new Map(plan.rooms.map((room) => [was.get(room.polygon), room.id]));
+    const listed = ({ rooms, openings }) => JSON.stringify([rooms.map((room) => [room.id, room.name]), openings.map(({ id, kind }) => [id, kind])]), same = listed(plan) === listed(this.plan);
     this.plan = plan;
+    if (!same) this.render();
     const named = (id) => now.get(id) ?? id, told = (rows) => rows.map(([room, surface, what]) => [named(room), surface, what.replace(/(?<=^same:).+/, named)]);
     if (JSON.stringify(told(this.rows)) === JSON.stringify(this.rows)) return;
     this.undone = this.undone.map(told);
@@ -82,8 +84,17 @@ export class Finishes {
       button("\u00d7", () => this.set(room, surface, null), { title: "As found", "aria-label": `${this.label(room)} ${surface} as found` })));
     this.node.replaceChildren(el("h2", {}, "Set by hand"),
       this.surface ? this.choices(this.surface) : el("p", { className: "soft" }, "Click a wall, floor, ceiling, door, skirting board or window frame in the house to say what it is."),
+      this.list(),
       ...(lines.length ? [el("ul", { className: "list set" }, lines)] : []),
       ...(this.undone.length ? [button("Undo", () => this.undo())] : []));
+  }
+  /** All surfaces, for who does not click: by keys, or with a reader of screens. */
+  list() {
+    const { rooms, openings } = this.view.app.store.state.plan, entry = (room, surface) => ({ room, surface, title: `${this.label(room)}, ${SAID[surface] ?? surface}` });
+    const all = [...rooms.flatMap(({ id }) => ["floor", "wall", "ceiling", "trim"].map((surface) => entry(id, surface))), ...openings.filter(({ kind }) => kind === "door").map(({ id }) => entry(id, "door"))];
+    const choose = ({ target }) => { this.surface = all[target.selectedIndex - 1] ?? null; this.render(); this.node.querySelector(".surfaces").focus(); };
+    const shown = (one) => one.room === this.surface?.room && one.surface === this.surface.surface;
+    return el("select", { className: "surfaces", "aria-label": "Surface", onchange: choose }, el("option", {}, "A surface\u2026"), all.map((one) => el("option", { selected: shown(one) }, one.title)));
   }
   swatch(what) {
     const colour = this.library[what] ?? what, node = el("span", { className: "swatch" });
@@ -112,10 +123,9 @@ export class Finishes {
     const share = SHOWN / Math.max(picture.width, picture.height), [width, height] = [picture.width, picture.height].map((side) => Math.max(1, Math.round(side * share)));
     const canvas = el("canvas", { width, height, className: "pick" }), pen = canvas.getContext("2d"), input = el("input", { type: "color", name: "colour", "aria-label": "Colour that was taken" });
     pen.drawImage(picture, 0, 0, width, height);
-    canvas.addEventListener("click", ({ offsetX, offsetY }) => {
-      const at = [(offsetX / canvas.clientWidth) * width, (offsetY / canvas.clientHeight) * height];
-      input.value = `#${[...pen.getImageData(...at, 1, 1).data].slice(0, 3).map((v) => v.toString(16).padStart(2, "0")).join("")}`;
-    });
+    const take = (x, y) => { input.value = `#${[...pen.getImageData(x * width, y * height, 1, 1).data].slice(0, 3).map((v) => v.toString(16).padStart(2, "0")).join("")}`; };
+    canvas.addEventListener("click", ({ offsetX, offsetY }) => take(offsetX / canvas.clientWidth, offsetY / canvas.clientHeight));
+    take(0.5, 0.5);
     const data = await ask("Click the colour in the picture", [canvas, el("label", { className: "check" }, input, "is taken")], "Take it");
     if (data) set(data.get("colour"));
   }

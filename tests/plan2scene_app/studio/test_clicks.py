@@ -173,6 +173,8 @@ def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeyp
         house.locator("p", has_text=surface).click()
         hand.locator("b", has_text=surface).wait_for()
 
+    hand.get_by_label("Surface").select_option("room_2, ceiling")  # by keys alone
+    hand.locator("b", has_text="room_2, ceiling").wait_for()
     choose("floor")
     for what in LIBRARY:
         page.get_by_label("Material", exact=False).select_option(what)
@@ -186,7 +188,9 @@ def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeyp
     hand.get_by_text("room, wall: as in room_2").wait_for()
     for surface in ("trim", "door"):
         choose(surface)
-        assert hand.locator("select, .picks").count() == 0  # they have a colour alone
+        assert (
+            hand.locator("select, .picks").count() == 1
+        )  # that of surfaces: they have a colour alone
         hand.get_by_label(f"Colour of {surface}").fill("#204060")
         house.get_by_text("#204060").wait_for()
     hand.get_by_text("room, skirting and frames: #204060").wait_for()
