@@ -8,7 +8,7 @@ import { asked } from "./server.js";
 
 const WORDS = { none: "Make the house", done: "Make it again", failed: "Try again", cancelled: "Go on", interrupted: "Go on" };
 
-const FILE_OF = { "3D": "viewer.html", Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", Floors: "patterns.jpg", "Photos to crops": "contact_sheet.png", Textures: "house.glb" };
+const FILE_OF = { "3D": "viewer.html", Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", Floors: "patterns.jpg", "Pieces of photos": "contact_sheet.png", Textures: "house.glb" };
 
 export class HouseView {
   run = { state: "none", stages: [], results: { files: {}, tiles: [] }, settings: {} }; view = "3D"; shown = ""; folds = {};
