@@ -116,10 +116,14 @@ export class View {
     for (const wall of walls) draw(group, "path", { d: this.path([wall.start, wall.end], false) });
     if (selection?.kind === "wall") draw(this.svg, "path", { d: this.path(selection.edge, false), class: "chosen-wall", "stroke-width": width + 4 });
     const holes = draw(this.svg, "g", { class: "openings" });
-    for (const wall of walls) for (const hole of wall.openings) this.drawOpening(holes, wall, hole, width, selection);
+    const leaves = new Set(); // a door in walls of two rooms has one
+    for (const wall of walls) for (const hole of wall.openings) {
+      this.drawOpening(holes, wall, hole, width, selection, !leaves.has(hole.opening.id));
+      leaves.add(hole.opening.id);
+    }
   }
 
-  drawOpening(parent, wall, { opening, start, end }, width, selection) {
+  drawOpening(parent, wall, { opening, start, end }, width, selection, leaf) {
     const along = unit(sub(wall.end, wall.start)), at = (v) => add(wall.start, times(along, v));
     // A leaf swings as the opening was drawn, whichever room's wall it is in.
     const turned = dot(sub(opening.to, opening.from), along) < 0, way = times(along, turned ? -1 : 1);
@@ -130,12 +134,12 @@ export class View {
     const side = [-way[1], way[0]], half = width / 2 / this.scale;
     if (opening.kind === "window") {
       for (const k of [-1, 0, 1]) draw(group, "path", { d: this.path([a, b].map((p) => add(p, times(side, k * half))), false), class: "line" });
-    } else if (opening.kind === "door") {
+    } else if (opening.kind === "door" && leaf) {
       const [p, q] = [this.toPixels(a), this.toPixels(b)], reach = dist(p, q);
       const tip = this.toPixels(add(a, times(side, dist(a, b))));
       const sweep = cross(sub(q, p), sub(tip, p)) > 0 ? 1 : 0;
       draw(group, "path", { d: `M${q.join(" ")}A${reach} ${reach} 0 0 ${sweep} ${tip.join(" ")}L${p.join(" ")}`, class: "line" });
-    } else for (const k of [-1, 1]) draw(group, "path", { d: this.path([a, b].map((p) => add(p, times(side, k * half))), false), class: "line dashed" });
+    } else if (opening.kind !== "door") for (const k of [-1, 1]) draw(group, "path", { d: this.path([a, b].map((p) => add(p, times(side, k * half))), false), class: "line dashed" });
     draw(group, "path", { d: this.path([a, b], false), class: "grip", "stroke-width": Math.max(14, width) });
   }
 
