@@ -18,7 +18,9 @@ from plan2scene.colour import as_uint8
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet
+from plan2scene.photos.patterns.find import LAID
 from plan2scene.photos.patterns.joints import JOINTS
+from plan2scene.photos.patterns.zigzag import Zigzag
 from plan2scene.plans.surface_areas import Area
 
 
@@ -44,7 +46,7 @@ class LaidPattern:
     Attributes
     ----------
     kind : str
-        ``planks`` or ``tiles``.
+        ``planks``, ``tiles``, ``herringbone`` or ``chevron``.
     width_m, length_m : float
         Of a unit; length NaN for planks of many lengths.
     direction_deg : float
@@ -58,6 +60,8 @@ class LaidPattern:
         sRGB levels, 127.5 where the floor has its usual colour.
     like : str
         Room whose floor runs on in this one, which no photo shows; empty for none.
+    slant_deg : float
+        Between units and direction: of a herringbone or chevron, 0 for rows.
     """
 
     kind: str
@@ -69,6 +73,7 @@ class LaidPattern:
     joint_m: float
     units: list[np.ndarray]
     like: str = ""
+    slant_deg: float = 0.0
 
     @property
     def square(self) -> bool:
@@ -94,7 +99,7 @@ def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
     found = {}
     for row in table.itertuples():
         enough = len(row.units) >= LAYING.least_units
-        if row.kind not in ("planks", "tiles") or not enough:
+        if row.kind not in LAID or not enough:
             continue
         found[SurfaceKey(row.room_id, row.surface)] = LaidPattern(
             row.kind,
@@ -106,6 +111,7 @@ def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
             float(row.joint_m),
             [image_from_bytes(unit) for unit in row.units],
             row.like,
+            float(row.slant_deg),
         )
     return found
 
@@ -128,7 +134,10 @@ def laid(
     turn = _turn(pattern, size)
     first, last = _extent(low, size, turn)
     begin, end = _extent(*_pixels(whole or area), turn) / scale
-    rows = _rows(pattern, first, last, _places(pattern, begin, end, seed))
+    if pattern.slant_deg:
+        rows = _columns(pattern, first, last, _planks(pattern, begin, end, seed))
+    else:
+        rows = _rows(pattern, first, last, _places(pattern, begin, end, seed))
     # Pixel middles of the map, in those of the rows.
     middle = turn @ (low + 0.5) - first - 0.5
     to_rows = np.column_stack([turn, middle])
@@ -234,6 +243,59 @@ def _places(pattern: LaidPattern, low: np.ndarray, high: np.ndarray, seed: int) 
                 share = rng.uniform(LAYING.run, 1.0)
                 begin, end = float(rng.uniform(0.0, 1.0 - share)), start + share * run
             yield _Place(row, start, end, unit, int(ways[used.turns[unit] % len(ways)]), begin)
+
+
+def _zigzag(pattern: LaidPattern) -> Zigzag:
+    """Return how the planks of a herringbone or chevron lie."""
+    return Zigzag(pattern.kind, pattern.width_m, pattern.length_m, pattern.slant_deg)
+
+
+def _planks(
+    pattern: LaidPattern, low: np.ndarray, high: np.ndarray, seed: int
+) -> dict[tuple[int, int], tuple[int, int]]:
+    """Return the unit of each plank in columns between two corners (2,), metres, and its turn."""
+    rng = np.random.default_rng(seed)
+    used, found = _Used(len(pattern.units)), {}
+    step = pattern.width_m / 3
+    x = np.arange(low[0], high[0] + step, step)
+    ways = rng.permutation(4)
+    for y in np.arange(low[1], high[1] + step, step):
+        used.forget(y - LAYING.sight_m)
+        number = _zigzag(pattern).planks(x, np.full_like(x, y))[0]
+        for k, key in enumerate(map(tuple, number.tolist())):
+            if key not in found:
+                unit = used.next(float(x[k]), float(y), rng)
+                found[key] = unit, int(ways[used.turns[unit] % len(ways)])
+    return found
+
+
+def _columns(
+    pattern: LaidPattern,
+    first: np.ndarray,
+    last: np.ndarray,
+    planks: Mapping[tuple[int, int], tuple[int, int]],
+) -> np.ndarray:
+    """Return columns of planks (h, w, 3) float32, as :func:`_rows` does."""
+    scale = LAYING.px_per_m
+    high, long = pattern.units[0].shape[:2]
+    atlas = np.concatenate(pattern.units) / np.float32(255.0)
+    depth, joint = pattern.joint.astype(np.float32), max(pattern.joint_m, 1e-6)
+    canvas = np.empty((last[1] - first[1], last[0] - first[0], 3), np.float32)
+    x = (np.arange(first[0], last[0]) + 0.5) / scale
+    for row in range(len(canvas)):
+        y = np.full_like(x, (row + first[1] + 0.5) / scale)
+        number, along, over, border = _zigzag(pattern).planks(x, y)
+        keys, which = np.unique(number, axis=0, return_inverse=True)
+        unit, way = np.array([planks.get(tuple(k), (0, 0)) for k in keys.tolist()])[which.ravel()].T
+        along = np.where(way & 1, -along, along) / pattern.length_m + 0.5
+        over = np.where(way & 2, -over, over) / pattern.width_m + 0.5
+        column = np.clip(along * long - 0.5, 0, long - 1)
+        line = unit * high + np.clip(over * high - 0.5, 0, high - 1)
+        place = column[None].astype(np.float32), line[None].astype(np.float32)
+        canvas[row] = cv2.remap(atlas, *place, cv2.INTER_LINEAR)[0]
+        covered = np.clip((max(joint, 1 / scale) / 2 - border) * scale + 0.5, 0.0, 1.0)
+        canvas[row] *= 1.0 - (covered * min(1.0, joint * scale))[:, None] * depth
+    return canvas
 
 
 def _rows(

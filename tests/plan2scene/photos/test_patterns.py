@@ -6,10 +6,11 @@ import pytest
 
 from plan2scene.house import Door, House, Room
 from plan2scene.materials import bonds, random_material
-from plan2scene.photos.patterns.find import FoundPattern, find_pattern
+from plan2scene.photos.patterns.find import LAID, FoundPattern, find_pattern
 from plan2scene.photos.patterns.house_patterns import continued, floor_patterns
 from plan2scene.photos.patterns.joints import JOINTS, directions, evened
 from plan2scene.photos.patterns.views import FloorView
+from plan2scene.photos.patterns.zigzag import Zigzag
 
 SIDE_M = 2.4
 
@@ -23,11 +24,12 @@ def floor(columns: int, rows: int, offset: float, seed: int) -> np.ndarray:
     return made_of(bonds.bond(SIZE_PX, columns, rows, SIDE_M, offsets), seed)
 
 
-def made_of(layout: bonds.Layout, seed: int) -> np.ndarray:
-    """Return units of random tones, uneven within, with dark joints of 3 mm."""
+def made_of(layout: bonds.Layout, seed: int, *, turned: bool = False) -> np.ndarray:
+    """Return units of random tones with dark joints of 3 mm; grain is `turned` with its unit."""
     size = layout.key.shape[0]
     rng = np.random.default_rng(seed)
     grain = cv2.GaussianBlur(rng.normal(0, 0.3, (size, size)), (0, 0), sigmaX=12, sigmaY=1)
+    grain = layout.lookup(rng, grain.astype(np.float32)) if turned else grain
     value = 0.5 + layout.draw(rng, 0.02) + grain - 0.2 * layout.joint(0.003)
     return np.repeat(value[..., None], 3, axis=2)
 
@@ -68,10 +70,38 @@ def test_what_has_no_joints_has_no_pattern(substance, kind):
     assert find_pattern([view(image, 10.0)])[0].kind == "plain"
 
 
-def test_herringbone_is_not_taken_for_rows():
-    part = made_of(bonds.herringbone(SIZE_PX // 3, 5, SIDE_M / 3, diagonal=False), seed=4)
-    image = np.tile(part, (3, 3, 1))
-    assert find_pattern([view(image, 0.0)])[0].kind == "other"
+def slanting(zigzag: Zigzag, seed: int) -> np.ndarray:
+    """Return a floor whose planks lie in columns along x."""
+    y, x = np.mgrid[:SIZE_PX, :SIZE_PX] / JOINTS.px_per_m
+    number, u, v, edge = (np.asarray(part) for part in zigzag.planks(x, y))
+    key = (number[..., 0] * 7919 + number[..., 1] * 104729) % 8192
+    return made_of(bonds.Layout(key, u, v, edge.astype(np.float32), SIDE_M), seed, turned=True)
+
+
+def zigzags() -> list[Zigzag]:
+    """Return herringbones and chevrons of sizes that are sold."""
+    sizes = ((0.06, 0.3), (0.09, 0.45), (0.12, 0.6))
+    return [Zigzag(kind, *size) for kind in ("herringbone", "chevron") for size in sizes] + [
+        Zigzag("chevron", 0.09, 0.5, 60.0)
+    ]
+
+
+@pytest.mark.parametrize("true", zigzags(), ids=str)
+def test_planks_in_columns_have_their_size_direction_and_units(true):
+    image = slanting(true, seed=4)
+    (found, units) = floor_patterns([view(image, 20.0), view(image, 20.5)], {})["hall"]
+    assert found.kind == true.kind
+    assert found.width_m == pytest.approx(true.width_m, rel=0.05)
+    assert found.length_m == pytest.approx(true.length_m, rel=0.05)
+    assert found.direction_deg == pytest.approx(20.0, abs=1.5)
+    assert found.slant_deg == pytest.approx(true.slant_deg, abs=1.5)
+    assert len(units.images) > 12
+    assert np.median([(unit.mean(axis=2) < 90).mean() for unit in units.images]) < 0.03
+
+
+def test_a_basket_is_not_taken_for_rows_or_columns():
+    image = made_of(bonds.basket(SIZE_PX, 6, 5, SIDE_M), seed=4, turned=True)
+    assert find_pattern([view(image, 0.0)])[0].kind not in LAID
 
 
 def test_a_mosaic_is_not_taken_for_planks_or_tiles():

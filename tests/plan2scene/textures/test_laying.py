@@ -43,6 +43,24 @@ def test_a_floor_runs_on_from_room_to_room(direction, length):
     assert len(np.unique(part[..., 0])) > 8
 
 
+@pytest.mark.parametrize("kind", ["herringbone", "chevron"])
+def test_planks_in_columns_are_laid_whole_and_run_on(kind):
+    units = [np.full((20, 80, 3), 60 + 3 * k, np.uint8) for k in range(40)]
+    floor = LaidPattern(kind, 0.1, 0.4, 0.0, 0.0, np.zeros(3), 0.0, units, "", 45.0)
+    everywhere = Area((0.0, 0.0), (2.0, 2.0))
+    whole, _ = laid(floor, everywhere, WHITE, seed=1)
+    part, _ = laid(floor, Area((1.0, 0.5), (2.0, 2.0)), WHITE, 1, everywhere)
+    row, column = (round(metres * LAYING.px_per_m) for metres in (0.5, 1.0))
+    assert (whole[row:, column:] == part).mean() > 0.99
+    # A plank is 0.04 square metres of one tone; one and the same is a few times in 4.
+    _, count = np.unique(whole[..., 0], return_counts=True)
+    assert count.max() < 6 * 0.04 * LAYING.px_per_m**2
+    # Along a plank the tone stays, across it changes.
+    turned = [np.diagonal(whole[..., 0].astype(int), k)[:256] for k in (0, 256)]
+    runs = [np.diff(np.flatnonzero(np.diff(line))) for line in turned]
+    assert max(run.max() for run in runs) == pytest.approx(0.4 * 256 / 2**0.5, rel=0.1)
+
+
 def test_no_unit_is_laid_twice_within_sight():
     # Square tiles of 25 cm, forty tones: the plan's tones tell where each lies.
     units = [np.full((50, 50, 3), 60 + 3 * k, np.uint8) for k in range(40)]

@@ -20,6 +20,7 @@ from plan2scene.photos.patterns.joints import (
     small_squares,
 )
 from plan2scene.photos.patterns.views import FloorView
+from plan2scene.photos.patterns.zigzag import find_zigzag
 
 
 @dataclass(frozen=True)
@@ -41,12 +42,15 @@ class FindSettings:
     square: float = 0.12  #: log ratio of the sides of square tiles
     mosaic: tuple[float, float] = (0.05, 0.1)  #: score of none, and of one without doubt
     widest_mosaic_m: float = 0.06
+    zigzag: tuple[float, float] = (0.0, 0.03)  #: score of none, and of one without doubt
     plank: float = 2.2  #: length over width of planks, at least
     widest_plank_m: float = 0.3
 
 
 FIND = FindSettings()
 NAN = float("nan")
+#: Kinds that a floor is laid by.
+LAID = ("planks", "tiles", "herringbone", "chevron")
 
 
 @dataclass(frozen=True)
@@ -56,15 +60,16 @@ class FoundPattern:
     Attributes
     ----------
     kind : str
-        ``planks``, ``tiles``, ``mosaic``, ``plain``, or ``other``: it repeats, but not in rows, as
-        herringbone.
+        ``planks``, ``tiles``, ``herringbone``, ``chevron``, ``mosaic``, ``plain``, or ``other``: it
+        repeats, but not in rows, as a basket.
     width_m, length_m : float
         Of a unit with half a joint on each side; NaN where not known (planks of many lengths).
     width_spread : float
         Standard deviation of the width between photos, over the width.
     direction_deg : float
         Of the planks or of the tiles' longer side in the plan, from +x towards +z, [0, 180); of
-        square tiles [0, 90). NaN where no located photo shows it.
+        square tiles [0, 90). Of the columns of a herringbone or chevron. NaN where no located photo
+        shows it.
     offset : float
         Shift of a row against the row before, over the length.
     confidence : float
@@ -75,6 +80,8 @@ class FoundPattern:
         Those that show it.
     located : int
         Located views that share the direction.
+    slant_deg : float
+        Between the units and the direction: 0 for rows.
     """
 
     kind: str
@@ -87,6 +94,7 @@ class FoundPattern:
     line: str = ""
     photos: tuple[str, ...] = ()
     located: int = 0
+    slant_deg: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -113,7 +121,7 @@ def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading
         return FoundPattern("plain"), []
     mosaic = _mosaic(views)
     if mosaic is not None:
-        return mosaic, []
+        return _zigzag(views) or (mosaic, [])
     curves = [np.max([d.scores for d in _likely(view)], axis=0) for view in views]
     weights = np.array([_area(view) for view in views])
     reach = 2 * round(100 * FIND.same_size) + 1
@@ -126,7 +134,7 @@ def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading
     clear = (score - FIND.plain) / (FIND.clear - FIND.plain)
     confidence = float(np.clip(clear, 0.0, 1.0) * min(shown, 1.0))
     if not readings or confidence < FIND.believed:
-        return FoundPattern("plain", confidence=1.0 - confidence), []
+        return _zigzag(views) or (FoundPattern("plain", confidence=1.0 - confidence), [])
     width, spread = _middle([r.width_m for r in readings], [r.weight for r in readings])
     ratio, offset = _length(readings)
     photos = tuple(dict.fromkeys(r.view.photo for r in readings))
@@ -141,7 +149,8 @@ def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading
         kind = "tiles"
     direction, located = _direction(readings, 90.0 if square else 180.0)
     if not _in_rows(readings, line):
-        return FoundPattern("other", width, confidence=confidence, photos=photos), []
+        other = FoundPattern("other", width, confidence=confidence, photos=photos)
+        return _zigzag(views) or (other, [])
     sizes = width, ratio * width, spread
     found = FoundPattern(kind, *sizes, direction, offset, confidence, line, photos, located)
     return found, readings
@@ -169,6 +178,34 @@ def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:
     side, spread = _middle(list(sizes), list(weights[shown]))
     photos = dict.fromkeys(v.photo for v, seen in zip(views, shown, strict=True) if seen)
     return FoundPattern("mosaic", side, side, spread, confidence=confidence, photos=tuple(photos))
+
+
+def _zigzag(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading]] | None:
+    """Return the herringbone or chevron that views show; None where there is none."""
+    weights = np.array([_area(view) for view in views])
+    found, score, slants = find_zigzag(views, weights, FIND.same_size)
+    none, sure = FIND.zigzag
+    confidence = float(np.clip((score - none) / (sure - none), 0.0, 1.0))
+    if confidence < FIND.believed:
+        return None
+    readings = [
+        Reading(s.view, Direction(s.columns_deg, s.columns, 0.0), width, score)
+        for s, width, score in slants
+    ]
+    width, spread = _middle([r.width_m for r in readings], [r.weight for r in readings])
+    direction, located = _direction(readings, 180.0)
+    pattern = FoundPattern(
+        found.kind,
+        width,
+        found.length_m * width / found.width_m,
+        spread,
+        direction,
+        confidence=confidence,
+        photos=tuple(dict.fromkeys(r.view.photo for r in readings)),
+        located=located,
+        slant_deg=found.slant_deg,
+    )
+    return pattern, readings
 
 
 def _area(view: FloorView) -> float:

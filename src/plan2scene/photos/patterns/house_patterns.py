@@ -14,7 +14,7 @@ from plan2scene.house import House
 from plan2scene.images import jpeg_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.photos.patterns.bands import WallBands, WallView, find_bands, wall_views
-from plan2scene.photos.patterns.find import FIND, FoundPattern, Reading, find_pattern
+from plan2scene.photos.patterns.find import FIND, LAID, FoundPattern, Reading, find_pattern
 from plan2scene.photos.patterns.units import Units, cut_units, unlaid
 from plan2scene.photos.patterns.views import (
     FloorView,
@@ -37,6 +37,7 @@ _COLUMNS = {
     "length_m": "float64",
     "direction_deg": "float64",
     "offset": "float64",
+    "slant_deg": "float64",
     "joint": "object",
     "joint_m": "float64",
     "confidence": "float64",
@@ -161,7 +162,7 @@ def continued(
 
 def _size(pattern: FoundPattern | None) -> tuple[str, float] | None:
     """Return what tells patterns of planks or tiles apart; None for others."""
-    laid = pattern is not None and pattern.kind in ("planks", "tiles")
+    laid = pattern is not None and pattern.kind in LAID
     return (pattern.kind, pattern.width_m) if pattern is not None and laid else None
 
 
@@ -188,7 +189,8 @@ def _turned(whole: FoundPattern, own: FoundPattern) -> FoundPattern:
 
 def _row(room: str, pattern: FoundPattern, units: Units, like: str) -> dict[str, Any]:
     """Return a row of patterns.parquet."""
-    numbers = ("width_m", "width_spread", "length_m", "direction_deg", "offset", "confidence")
+    numbers = ["width_m", "width_spread", "length_m", "direction_deg", "offset", "slant_deg"]
+    numbers.append("confidence")
     return {
         "room_id": room,
         "surface": "floor",

@@ -157,13 +157,23 @@ def direction(contrast: np.ndarray, valid: np.ndarray) -> float:
     """Return the direction of the lines, degrees in [0, 180)."""
     tried, best = np.arange(0.0, 180.0, JOINTS.step_deg), 0.0
     for part in (3, 2):
-        size = (contrast.shape[1] // part or 1, contrast.shape[0] // part or 1)
-        small = cv2.resize(contrast, size, interpolation=cv2.INTER_AREA)
-        seen = cv2.resize(valid.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
-        kept = [_kept(upright(small, seen, angle), JOINTS.px_per_m / part) for angle in tried]
-        best = float(tried[np.argmax(kept)])
+        best = float(tried[np.argmax(kept_along(contrast, valid, tried, part=part))])
         tried = best + np.arange(-6, 7) * JOINTS.step_deg / 6
     return best % 180.0
+
+
+def kept_along(
+    contrast: np.ndarray, valid: np.ndarray, angles: np.ndarray, *, part: int = 3
+) -> np.ndarray:
+    """Return the contrast (n,) that is left when averaged along each of `angles` (n,), degrees.
+
+    The view is reduced to a `part` of its sides.
+    """
+    size = (contrast.shape[1] // part or 1, contrast.shape[0] // part or 1)
+    small = cv2.resize(contrast, size, interpolation=cv2.INTER_AREA)
+    seen = cv2.resize(valid.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+    turned = (upright(small, seen, angle) for angle in angles)
+    return np.array([_kept(view, JOINTS.px_per_m / part) for view in turned])
 
 
 def _kept(turned: Upright, px_per_m: float) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 from plan2scene.photos.patterns.find import FoundPattern, Reading
 from plan2scene.photos.patterns.joints import JOINTS, lines
 from plan2scene.photos.patterns.views import FloorView
+from plan2scene.photos.patterns.zigzag import Zigzag, fitted
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ class UnitSettings:
     burnt: int = 250  #: sRGB level from which on a pixel shows a reflection
     most_gain: float = 1.6  #: of the light within a unit against the view's
     sharp: float = 0.55  #: of the better units' contrast, that a unit has at least
+    slanting_views: int = 6  #: that slanting planks are cut out of
+    whole: float = 0.97  #: share of a slanting plank that is seen at least
     joint_px: int = 4  #: on either side of a joint, where its tone is measured
     depth: float = 0.5  #: by which a joint is believed to differ from its units
     shown_m: float = 2.4  #: side of the part of a view that a person is shown
@@ -78,9 +81,10 @@ def unlaid(view: FloorView) -> Units:
 def cut_units(pattern: FoundPattern, readings: Sequence[Reading]) -> Units:
     """Return the units of a pattern that its views show whole."""
     cut, profiles, shown = [], [], None
-    for reading in sorted(readings, key=lambda r: -r.weight):
+    views = UNITS.slanting_views if pattern.slant_deg else len(readings)
+    for reading in sorted(readings, key=lambda r: -r.weight)[:views]:
         if abs(np.log(reading.width_m / pattern.width_m)) <= 2 * UNITS.loose:
-            rows = _Rows(pattern, reading)
+            rows = (_Columns if pattern.slant_deg else _Rows)(pattern, reading)
             shown = rows.drawn() if shown is None else shown
             profiles += rows.profiles()
             cut += list(rows.units())
@@ -158,20 +162,82 @@ def _joint(profiles: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
     return total / max(width, 1e-6), width
 
 
-class _Rows:
-    """The rows of units in one view, straightened."""
+class _Turned:
+    """A view turned to the units of a pattern, evenly lit."""
 
     def __init__(self, pattern: FoundPattern, reading: Reading) -> None:
         view, whole = reading.direction.view, reading.view
         self._pattern = pattern
-        self._width = reading.width_m * JOINTS.px_per_m
-        self._scale = pattern.width_m / reading.width_m
         size = view.valid.shape[::-1]
         self._valid = view.valid
         colour = cv2.warpAffine(whole.image, view.turn, size, flags=cv2.INTER_LINEAR)
         self._colour = colour
         self._burnt = colour.max(axis=2) >= UNITS.burnt
         self._even, self._gain = _evenly_lit(colour / 255.0, view.valid)
+
+
+class _Columns(_Turned):
+    """The planks of a herringbone or chevron in one view."""
+
+    def __init__(self, pattern: FoundPattern, reading: Reading) -> None:
+        super().__init__(pattern, reading)
+        ratio = pattern.length_m / pattern.width_m
+        sizes = reading.width_m, ratio * reading.width_m, pattern.slant_deg
+        fit, places = fitted(Zigzag(pattern.kind, *sizes), reading.direction.view)
+        parts = fit.planks(places[..., 0], places[..., 1])
+        self._fit, (self._number, self._x, self._y, self._border) = fit, parts
+
+    def units(self) -> Iterator[np.ndarray]:
+        """Yield the planks that are seen whole, evenly lit."""
+        scale, fit = JOINTS.px_per_m, self._fit
+        good = self._valid & ~self._burnt
+        good &= (self._gain < UNITS.most_gain) & (self._gain > 1 / UNITS.most_gain)
+        rows, columns = np.nonzero(good)
+        numbers = self._number[rows, columns]
+        _, which, count = np.unique(numbers, axis=0, return_inverse=True, return_counts=True)
+        order = np.argsort(which.ravel(), kind="stable")
+        whole = UNITS.whole * fit.width_m * fit.length_m * scale**2
+        sides = [round(side * scale) for side in (self._pattern.length_m, self._pattern.width_m)]
+        inset = UNITS.inset_m
+        for part in np.split(order, np.cumsum(count)[:-1]):
+            if len(part) < whole:
+                continue
+            y, x = rows[part], columns[part]
+            # The plank's own axes are straight in the view.
+            places = np.column_stack([self._x[y, x], self._y[y, x], np.ones(len(part))])
+            to_view = np.linalg.lstsq(places, np.column_stack([x, y]), rcond=None)[0].T
+            size = np.array([fit.length_m, fit.width_m]) - 2 * inset
+            pixels = np.array(
+                [[size[0] / sides[0], 0, -size[0] / 2], [0, size[1] / sides[1], -size[1] / 2]]
+            )
+            turn = to_view @ np.vstack([pixels, [0.0, 0.0, 1.0]])
+            flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+            yield cv2.warpAffine(self._even, turn, (sides[0], sides[1]), flags=flags)
+
+    def drawn(self) -> np.ndarray:
+        """Return what is shown of the view, with the joints that were found drawn over it."""
+        image = self._colour.copy()
+        image[self._valid & (self._border < 1.0 / JOINTS.px_per_m)] = _DRAWN
+        return _window(image, self._valid)
+
+    def profiles(self) -> list[np.ndarray]:
+        """Return the colours (1, 2 n + 1, 3) across joints between planks, n = `UNITS.joint_px`."""
+        away = (self._fit.width_m / 2 - np.abs(self._y)) * JOINTS.px_per_m
+        long = self._valid & (np.abs(self._x) < 0.4 * self._fit.length_m)
+        found = [
+            self._even[long & (np.floor(away) == k)].mean(axis=0) for k in range(UNITS.joint_px + 1)
+        ]
+        return [np.array([*found[:0:-1], *found])]
+
+
+class _Rows(_Turned):
+    """The rows of units in one view, straightened."""
+
+    def __init__(self, pattern: FoundPattern, reading: Reading) -> None:
+        super().__init__(pattern, reading)
+        view = reading.direction.view
+        self._width = reading.width_m * JOINTS.px_per_m
+        self._scale = pattern.width_m / reading.width_m
         along = JOINTS.along_m * JOINTS.px_per_m
         self._across = dict(lines(view, along, down=True))[pattern.line]
         ends = dict(lines(view, max(1.5, JOINTS.of_row * self._width), down=False))
