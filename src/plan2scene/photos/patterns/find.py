@@ -32,6 +32,7 @@ class FindSettings:
     enough_m2: float = 2.0  #: area that all views have to show for full confidence
     grain: float = 2.0  #: contrast kept along planks over that kept across them
     part: float = 0.7  #: score of a third or fifth of a distance, over its own, that makes it true
+    part_of_mosaic: float = 0.25  #: the same of squares, whose next are like all that is so near
     plain: float = 0.16  #: score of floors without joints
     clear: float = 0.36  #: score from which on there is no doubt
     believed: float = 0.4  #: confidence under which a floor counts as plain
@@ -42,6 +43,8 @@ class FindSettings:
     square: float = 0.12  #: log ratio of the sides of square tiles
     mosaic: tuple[float, float] = (0.05, 0.1)  #: score of none, and of one without doubt
     widest_mosaic_m: float = 0.06
+    least_mosaic_m: float = 0.015
+    mosaic_px: float = 4.0  #: photo pixels of a square, from which on its size is sure
     zigzag: tuple[float, float] = (0.0, 0.03)  #: score of none, and of one without doubt
     plank: float = 2.2  #: length over width of planks, at least
     widest_plank_m: float = 0.3
@@ -121,7 +124,9 @@ def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading
         return FoundPattern("plain"), []
     mosaic = _mosaic(views)
     if mosaic is not None:
-        return _zigzag(views) or (mosaic, [])
+        slanting = _zigzag(views)
+        alike = slanting is not None and abs(np.log(slanting[0].width_m / mosaic.width_m))
+        return (mosaic, []) if slanting is None or alike > 2 * FIND.same_size else slanting
     curves = [np.max([d.scores for d in _likely(view)], axis=0) for view in views]
     weights = np.array([_area(view) for view in views])
     reach = 2 * round(100 * FIND.same_size) + 1
@@ -167,9 +172,13 @@ def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:
     if confidence < FIND.believed:
         return None
     # Lines of both directions part halfway: a diagonal scores twice as much as a side, and as much
-    # as those of three squares.
-    first = int(np.argmax(pooled >= FIND.part * pooled.max()))
-    k = first + int(pooled[first : first + reach // 2].argmax())
+    # as that of three squares, or of three beside one.
+    k = int(pooled.argmax())
+    for times in (3.0, np.sqrt(5.0)):
+        middle = int(pooled.argmax()) - round(100 * np.log(times))
+        near = pooled[max(middle - 3, 0) : max(middle + 4, 0)]
+        if near.size and near.max() >= FIND.part_of_mosaic * pooled.max():
+            k = max(middle - 3, 0) + int(near.argmax())
     if MOSAICS[k] > np.sqrt(2) * FIND.widest_mosaic_m:
         return None
     near = np.where(np.abs(np.arange(scores.shape[1]) - k) <= reach // 2, scores, 0.0)
@@ -177,6 +186,10 @@ def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:
     sizes = MOSAICS[near.argmax(axis=1)][shown] / np.sqrt(2)
     side, spread = _middle(list(sizes), list(weights[shown]))
     photos = dict.fromkeys(v.photo for v, seen in zip(views, shown, strict=True) if seen)
+    # Squares that a photo hardly has pixels for may be several of smaller ones.
+    pixels = float(np.average([v.px_per_m for v in views], weights=weights * shown)) * side
+    part = np.sqrt(5.0) if side > np.sqrt(5.0) * FIND.least_mosaic_m else 1.0
+    confidence *= min(1.0, pixels / part / FIND.mosaic_px)
     return FoundPattern("mosaic", side, side, spread, confidence=confidence, photos=tuple(photos))
 
 

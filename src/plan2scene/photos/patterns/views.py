@@ -36,6 +36,8 @@ class FloorView:
         The floor.
     directions : list of Direction
         Of its lines.
+    px_per_m : float
+        Photo pixels per metre where it is seen best.
     """
 
     photo: str
@@ -44,6 +46,7 @@ class FloorView:
     image: np.ndarray
     mask: np.ndarray
     directions: list[Direction]
+    px_per_m: float = JOINTS.px_per_m
 
     @property
     def square_m(self) -> float:
@@ -110,4 +113,5 @@ def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
         mask = cv2.resize(whole.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
         found = directions(*evened(straight, mask > 0))
         if found:
-            yield FloorView(seen.photo, item.rooms, item.in_plan, straight, mask > 0, found)
+            shown = straight, mask > 0, found, 1.0 / whole.metres_per_pixel
+            yield FloorView(seen.photo, item.rooms, item.in_plan, *shown)
