@@ -38,6 +38,7 @@ class FindSettings:
     believed: float = 0.4  #: confidence under which a floor counts as plain
     located: int = 2  #: views that give a room a direction of its own
     least_length: float = 0.12  #: score of the joints across rows
+    alone: float = 2.0  #: times the score of all other lengths, for which half of that is enough
     breaks: float = 0.3  #: of joints that come again, over their likeness: no rows
     fades: float = 0.25  #: likeness of joints half a metre on, over that beside: less is no row
     square: float = 0.12  #: log ratio of the sides of square tiles
@@ -276,7 +277,9 @@ def _length(readings: Sequence[Reading]) -> tuple[float, float]:
         row[reach - shift : reach - shift + size] = curve
     pooled = weights @ maximum_filter1d(wide, 7, axis=1) / weights.sum()
     k = int(pooled.argmax())
-    if pooled[k] < FIND.least_length:
+    others = pooled[np.abs(np.arange(len(pooled)) - k) > 100 * FIND.same_size]
+    alone = max(0.5 * FIND.least_length, FIND.alone * float(others.max(initial=0.0)))
+    if pooled[k] < min(FIND.least_length, alone):
         return NAN, 0.0
     at = k - reach
     ratio = float(DISTANCES[0] * np.exp(0.01 * at) / 0.1)
