@@ -22,6 +22,7 @@ rule patterns:
         planes=f"{RESULTS}/houses/{{house}}/planes.parquet",
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
+        embeddings=EMBEDDINGS,
         materials=f"{RESULTS}/drop_0.0/{{house}}/materials.parquet",
     output:
         PATTERNS,

@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
+from plan2scene.io import read_parquet
 from plan2scene.photos.patterns.house_patterns import write_patterns
 from plan2scene.photos.patterns.views import PhotoFiles
 from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.propagation.substances import jointed_floors
 from plan2scene.stage_json import read_stage_json
 from plan2scene.workflow.jobs import job
 
@@ -14,11 +16,13 @@ with job(snakemake.log[0]):
         name: Path(params.photo_folder) / name for name in read_stage_json(found.cameras, "cameras")
     }
     files = PhotoFiles(photos, Path(found.masks), Path(found.cameras), Path(found.planes))
+    house = read_scene_json(found.scene, snakemake.wildcards.house)
     write_patterns(
         files,
-        read_scene_json(found.scene, snakemake.wildcards.house),
+        house,
         found.crops,
         found.materials,
         snakemake.output[0],
         dataset=params.dataset,
+        jointed=jointed_floors(read_parquet(found.embeddings)[0], house),
     )

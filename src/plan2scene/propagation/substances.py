@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from plan2scene.house import House
 
 #: How often surfaces of homes are of each substance, in the order of ``house.SUBSTANCES``: no
 #: ceiling is carpet, however woolly the photo.
@@ -46,3 +52,14 @@ def weighed(probabilities: np.ndarray, usual: np.ndarray) -> np.ndarray:
     """
     found = np.maximum(probabilities, 1e-12) ** (1.0 / TEMPERATURE) * usual
     return np.asarray(found / found.sum(axis=-1, keepdims=True), dtype=np.float32)
+
+
+def jointed_floors(embeddings: pd.DataFrame, house: House) -> dict[str, float]:
+    """Return how probably each room's floor is of wood or tiles, of the rows of its crops."""
+    found = {}
+    floors = embeddings[embeddings["crop_id"].str.startswith("floor/")]
+    for room, rows in floors.groupby("room_id"):
+        usual = usual_shares("floor", house.room(str(room)).types)
+        shares = weighed(np.stack(rows["substance_probabilities"].to_list()), usual).mean(axis=0)
+        found[str(room)] = float(shares[[0, 3]].sum())
+    return found

@@ -77,4 +77,5 @@ def _words(row: Any, pattern: LaidPattern | None) -> str:
     size = f" {100 * row.width_m:.1f} x {100 * row.length_m:.1f} cm" if row.width_m > 0 else ""
     size = size.replace(" x nan cm", " cm wide")
     count = "not laid" if pattern is None else f"{len(pattern.units)} units"
-    return f"{row.kind}{size}, confidence {row.confidence:.2f}, {count}"
+    kind = "no joints to be seen" if row.kind == "plain" and row.confidence < 0.5 else row.kind
+    return f"{kind}{size}, confidence {row.confidence:.2f}, {count}"

@@ -36,6 +36,8 @@ class FindSettings:
     plain: float = 0.16  #: score of floors without joints
     clear: float = 0.36  #: score from which on there is no doubt
     believed: float = 0.4  #: confidence under which a floor counts as plain
+    jointed: float = 0.71  #: share of floors that are of wood or tiles
+    seen_px: float = 5e4  #: photo pixels of a floor, of which joints are missed half the time
     located: int = 2  #: views that give a room a direction of its own
     least_length: float = 0.12  #: score of the joints across rows
     alone: float = 2.0  #: times the score of all other lengths, for which half of that is enough
@@ -77,7 +79,7 @@ class FoundPattern:
     offset : float
         Shift of a row against the row before, over the length.
     confidence : float
-        0..1.
+        Probability that its kind is right.
     line : str
         What the joints are against the units: ``dark``, ``light`` or only a ``step`` of tone.
     photos : tuple of str
@@ -116,10 +118,13 @@ class Reading:
         return self.score * _area(self.view)
 
 
-def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading]]:
+def find_pattern(
+    views: Sequence[FloorView], jointed: float = FIND.jointed
+) -> tuple[FoundPattern, list[Reading]]:
     """Return the pattern of the floor that views show, and what each view says of it.
 
-    Plain where none is evident.
+    Plain where none is evident: how surely depends on what could be seen, and on how probable it
+    is by its looks that it is `jointed`, of wood or tiles.
     """
     if not views:
         return FoundPattern("plain"), []
@@ -140,7 +145,8 @@ def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading
     clear = (score - FIND.plain) / (FIND.clear - FIND.plain)
     confidence = float(np.clip(clear, 0.0, 1.0) * min(shown, 1.0))
     if not readings or confidence < FIND.believed:
-        return _zigzag(views) or (FoundPattern("plain", confidence=1.0 - confidence), [])
+        unseen = (1.0 - confidence) * _without_joints(views, jointed)
+        return _zigzag(views) or (FoundPattern("plain", confidence=unseen), [])
     width, spread = _middle([r.width_m for r in readings], [r.weight for r in readings])
     ratio, offset = _length(readings)
     photos = tuple(dict.fromkeys(r.view.photo for r in readings))
@@ -160,6 +166,13 @@ def find_pattern(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading
     sizes = width, ratio * width, spread
     found = FoundPattern(kind, *sizes, direction, offset, confidence, line, photos, located)
     return found, readings
+
+
+def _without_joints(views: Sequence[FloorView], jointed: float) -> float:
+    """Return how probable it is that a floor has no joints whose views show none."""
+    pixels = sum(view.square_m * view.px_per_m**2 for view in views)
+    missed = FIND.seen_px / (FIND.seen_px + pixels)
+    return (1.0 - jointed) / (1.0 - jointed + jointed * missed)
 
 
 def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:

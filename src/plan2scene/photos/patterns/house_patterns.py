@@ -63,6 +63,7 @@ def write_patterns(
     output: str | Path,
     *,
     dataset: str,
+    jointed: Mapping[str, float] | None = None,
 ) -> pd.DataFrame:
     """Find the patterns of a house's floors and walls in bands; write ``patterns.parquet``.
 
@@ -77,6 +78,8 @@ def write_patterns(
     output : path
     dataset : str
         For the metadata.
+    jointed : mapping of str to float, optional
+        How probably rooms' floors are of wood or tiles, by their looks.
 
     Returns
     -------
@@ -92,7 +95,7 @@ def write_patterns(
     for seen_photo in photos_with_planes(files, ("floor", "wall"), house_id=plan.id):
         floor_seen += floor_views(seen_photo)
         walls_seen += wall_views(seen_photo)
-    found = floor_patterns(floor_seen, shared)
+    found = floor_patterns(floor_seen, shared, jointed or {})
     pictured, _ = read_parquet(crops)
     seen = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
     like = continued(plan, seen, {room: pattern for room, (pattern, _) in found.items()})
@@ -112,23 +115,27 @@ def write_patterns(
 
 
 def floor_patterns(
-    views: Sequence[FloorView], materials: Mapping[str, str]
+    views: Sequence[FloorView],
+    materials: Mapping[str, str],
+    jointed: Mapping[str, float] | None = None,
 ) -> dict[str, tuple[FoundPattern, Units]]:
     """Return the pattern of each room's floor that `views` show, and units cut out of them.
 
     Rooms of one material (room -> its name) are read together: photos' scales differ. A room whose
-    own photos show something else evidently keeps that.
+    own photos show something else evidently keeps that. `jointed` as of :func:`write_patterns`.
     """
+    known = jointed or {}
     rooms = sorted({room for view in views for room in view.rooms})
     together = {}
     for name in sorted(set(materials.values())):
         members = [view for view in views if any(materials.get(r) == name for r in view.rooms)]
         if members:
-            together[name] = _cut(members)
+            likely = [known[room] for room in known if materials.get(room) == name]
+            together[name] = _cut(members, float(np.mean(likely or [FIND.jointed])))
     found = {}
     for room in rooms:
         mine = [view for view in views if room in view.rooms]
-        own, readings = find_pattern(mine)
+        own, readings = find_pattern(mine, known.get(room, FIND.jointed))
         whole = together.get(materials.get(room, ""))
         if whole is None or (whole[0].kind == "plain" and whole[0].confidence < own.confidence):
             found[room] = own, _units(own, readings, mine)
@@ -166,9 +173,9 @@ def _size(pattern: FoundPattern | None) -> tuple[str, float] | None:
     return (pattern.kind, pattern.width_m) if pattern is not None and laid else None
 
 
-def _cut(views: Sequence[FloorView]) -> tuple[FoundPattern, Units]:
+def _cut(views: Sequence[FloorView], jointed: float) -> tuple[FoundPattern, Units]:
     """Return the pattern of views and its units."""
-    pattern, readings = find_pattern(views)
+    pattern, readings = find_pattern(views, jointed)
     return pattern, _units(pattern, readings, views)
 
 

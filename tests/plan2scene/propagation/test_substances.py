@@ -1,0 +1,18 @@
+"""What floors are of, by their crops and rooms."""
+
+import pandas as pd
+
+from plan2scene.house import House, Room
+from plan2scene.propagation.substances import jointed_floors
+
+
+def test_wood_and_tiles_have_joints_and_carpet_none():
+    outline = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    rooms = tuple(Room(name, (), (outline,), 2.5) for name in ("den", "hall"))
+    looks = {"den": [0.0, 0.0, 1.0, 0.0], "hall": [0.6, 0.0, 0.0, 0.4]}
+    rows = [(f"floor/{r}_0_crop0", r, p) for r, p in looks.items()]
+    rows.append(("wall/den_1_crop0", "den", [1.0, 0.0, 0.0, 0.0]))
+    table = pd.DataFrame(rows, columns=["crop_id", "room_id", "substance_probabilities"])
+    found = jointed_floors(table, House("h", rooms, (), ()))
+    assert found["den"] < 0.05
+    assert found["hall"] > 0.95
