@@ -31,6 +31,7 @@ class FindSettings:
     most_m2: float = 3.0  #: area from which on a larger view has no more weight
     enough_m2: float = 2.0  #: area that all views have to show for full confidence
     grain: float = 2.0  #: contrast kept along planks over that kept across them
+    grain_of_mosaic: float = 3.0  #: the same at most of a mosaic
     part: float = 0.7  #: score of a third or fifth of a distance, over its own, that makes it true
     part_of_mosaic: float = 0.25  #: the same of squares, whose next are like all that is so near
     plain: float = 0.16  #: score of floors without joints
@@ -178,6 +179,9 @@ def _without_joints(views: Sequence[FloorView], jointed: float) -> float:
 def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:
     """Return the mosaic that views show; None where there is none."""
     weights = np.array([_area(view) for view in views])
+    kept = weights @ [[d.kept for d in view.directions] for view in views]
+    if kept[0] > FIND.grain_of_mosaic * kept[1]:
+        return None
     scores = np.array([small_squares(view.directions[0].view) for view in views])
     reach = 2 * round(100 * FIND.same_size) + 1
     pooled = weights @ maximum_filter1d(scores, reach, axis=1) / weights.sum()
@@ -289,7 +293,7 @@ def _length(readings: Sequence[Reading]) -> tuple[float, float]:
     for row, curve, shift in zip(wide, curves, shifts, strict=True):
         row[reach - shift : reach - shift + size] = curve
     pooled = weights @ maximum_filter1d(wide, 7, axis=1) / weights.sum()
-    k = int(pooled.argmax())
+    k = _whole(pooled)
     others = pooled[np.abs(np.arange(len(pooled)) - k) > 100 * FIND.same_size]
     alone = max(0.5 * FIND.least_length, FIND.alone * float(others.max(initial=0.0)))
     if pooled[k] < min(FIND.least_length, alone):
