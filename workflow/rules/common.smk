@@ -21,6 +21,7 @@ from plan2scene.datasets.house_table import (
 )
 from plan2scene.errors import InputError
 from plan2scene.images import SUFFIXES
+from plan2scene.photos.labels.things import things_installed
 from plan2scene.plans.formats import reader_code
 from plan2scene.provenance import contents_hash, file_hash
 from plan2scene.workflow.closures import rule_code
@@ -178,6 +179,13 @@ def finds_rooms(wildcards):
     """Return whether the room of a photo is to be found: the photo table may leave it out."""
     path = assignment_of(wildcards)
     return bool(path) and (is_traced(wildcards) or lacks_rooms(path))
+
+
+def finds_rooms_by_things(wildcards):
+    """Return whether the extra `rooms` tells what photographed rooms are used for."""
+    source = config["photos"]["kinds"]
+    things = source == "imagenet" or (source == "auto" and things_installed())
+    return things and finds_rooms(wildcards)
 
 
 def object_boxes_of(wildcards):

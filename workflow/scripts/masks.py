@@ -16,6 +16,7 @@ with job(snakemake.log[0]):
             params.source,
             model=params.models.get("segmentation"),
             kinds=params.models.get("kinds"),
+            things=params.things,
             precomputed_dir=params.masks_folder,
             pretrained=params.pretrained,
             openings=params.openings,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +72,7 @@ def labeller(
     *,
     model: str | Path | None = None,
     kinds: str | Path | None = None,
+    things: bool = False,
     precomputed_dir: str | Path | None = None,
     pretrained: Mapping[str, str | None] | None = None,
     openings: bool = False,
@@ -87,6 +88,8 @@ def labeller(
         Embedded: the safetensors file.
     kinds : path, optional
         Embedded: that of the classifier of rooms, which reads the network of `model`.
+    things : bool
+        Things in the rooms tell what they are used for, too (extra ``rooms``).
     precomputed_dir : path
         Precomputed: the folder of ``{stem}.png``.
     pretrained : mapping
@@ -98,22 +101,39 @@ def labeller(
 
     Raises InputError when the source is unknown or what it needs is missing.
     """
-    if source == "precomputed":
-        return _precomputed(precomputed_dir, openings, house_id)
     if source not in SOURCES:
         raise InputError(f"a mask source of {', '.join(SOURCES)}", source, house=house_id)
-    if not (pretrained if source == "pretrained" else model):
+    if source != "precomputed" and not (pretrained if source == "pretrained" else model):
         raise InputError(f"a model for mask source {source}", "none", house=house_id)
-    import torch
+    if threads is not None and (things or source != "precomputed"):
+        import torch
 
-    if threads is not None:
         torch.set_num_threads(threads)
-    if source == "pretrained" and pretrained:
+    if source == "precomputed":
+        found = _precomputed(precomputed_dir, openings, house_id)
+    elif source == "pretrained" and pretrained:
         from plan2scene.photos.labels.pretrained import Checkpoint, load_pretrained
 
         ade20k = load_pretrained(Checkpoint(**pretrained))
-        return Labeller(lambda _photo, image, _camera: Labelled(ade20k.labels(image)))
-    return _embedded(str(model), kinds, openings)
+        found = Labeller(lambda _photo, image, _camera: Labelled(ade20k.labels(image)))
+    else:
+        found = _embedded(str(model), kinds, openings)
+    return replace(found, kinds=_by_things(found.kinds)) if things else found
+
+
+def _by_things(
+    kinds: Callable[[np.ndarray], np.ndarray] | None,
+) -> Callable[[np.ndarray], np.ndarray]:
+    """Return what tells kinds by the things in a photo and, as another witness, by `kinds`."""
+    from plan2scene.photos.labels.things import load_things
+
+    things = load_things()
+
+    def joined(image: np.ndarray) -> np.ndarray:
+        odds = things.probabilities(image) * (1.0 if kinds is None else kinds(image))
+        return np.asarray(odds / odds.sum())
+
+    return joined
 
 
 def _embedded(model: str, kinds: str | Path | None, openings: bool) -> Labeller:

