@@ -223,11 +223,16 @@ def door_paints(
 ) -> dict[str, np.ndarray]:
     """Return the linear reflectance (3,) of door leaves by the id of their opening.
 
-    The id "" stands for all doors that no photo shows: they are like the others where at least two
-    more are coloured than white. There is none where they are white.
+    Coloured leaves of about one paint are one material. The id "" stands for all doors that no
+    photo shows: they are like the others where at least two more are coloured than white. There is
+    none where they are white.
     """
     doors = {key.room_id: value for key, value in paint.items() if key.surface == "door"}
-    coloured = [value for key, value in doors.items() if SurfaceKey(key, "door") not in white]
-    usual = 2 * len(coloured) >= len(doors) + 2
+    names = [name for name in doors if SurfaceKey(name, "door") not in white]
+    alike = [names[k] for k in _commonest([doors[name] for name in names])]
+    if alike:
+        one = np.asarray(np.exp(np.mean([np.log(doors[name]) for name in alike], axis=0)))
+        doors |= dict.fromkeys(alike, one)
+    usual = 2 * len(names) >= len(doors) + 2
     placed = {name: value for name, value in doors.items() if not name.startswith(UNPLACED)}
-    return placed | ({"": np.median(coloured, axis=0)} if usual else {})
+    return placed | ({"": np.median([doors[name] for name in names], axis=0)} if usual else {})

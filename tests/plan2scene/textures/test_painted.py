@@ -160,6 +160,16 @@ def test_unseen_doors_are_like_the_others():
     assert "" not in door_paints(seen, frozenset({SurfaceKey("3", "door")}))
 
 
+def test_doors_of_about_one_colour_are_of_one_material():
+    oak, darker, blue = (
+        np.array(c) for c in ((0.3, 0.2, 0.1), (0.26, 0.16, 0.07), (0.1, 0.2, 0.5))
+    )
+    seen = {SurfaceKey(name, "door"): c for name, c in zip("abc", (oak, darker, blue), strict=True)}
+    found = door_paints(seen, frozenset())
+    assert found["a"] == pytest.approx(np.sqrt(oak * darker))
+    assert (found["a"] == found["b"]).all() and (found["c"] == blue).all()
+
+
 def test_an_unseen_floor_is_lit_like_the_floor_that_looks_alike():
     key = SurfaceKey
     oak, slate = np.array([0.2, 0.12, 0.06]), np.full(3, 0.02)
