@@ -29,6 +29,8 @@ class PictureSettings:
     texel_m: float = 0.2  #: of the light
     sky: tuple[float, float, float] = (0.55, 0.70, 0.95)  #: linear RGB overhead
     horizon: tuple[float, float, float] = (0.90, 0.93, 0.97)  #: linear RGB
+    ground: tuple[float, float, float] = (0.38, 0.40, 0.33)  #: linear RGB, far out of the windows
+    haze: float = 0.12  #: sine of the angle over which the ground fades into the horizon
     tint: float = 0.15  #: of the light's colour (log) that eyes see, who balance white
     white: float = 0.86  #: linear value of pure white in the median light of a picture
 
@@ -87,9 +89,11 @@ class _LitTriangles:
     def draw(self, camera: Camera) -> np.ndarray:
         """Return a picture, (h, w, 3) float32 linear RGB, exposed to the light alone."""
         fragments = self.triangles.visible(camera, np.ones(len(self.plain), dtype=bool))
-        upward = np.clip(directions(camera)[..., 1:2], 0, 1)
-        horizon, sky = np.array(SETTINGS.horizon), np.array(SETTINGS.sky)
-        image = (horizon + (sky - horizon) * upward).astype(np.float32)
+        upward = directions(camera)[..., 1:2]
+        horizon, sky, ground = map(np.array, (SETTINGS.horizon, SETTINGS.sky, SETTINGS.ground))
+        image = horizon + (sky - horizon) * np.clip(upward, 0, 1)
+        image += (ground - horizon) * np.clip(-upward / SETTINGS.haze, 0, 1)
+        image = image.astype(np.float32)
         light = fragments.at(self.plain)
         baked = np.isnan(light[:, 0])
         at = fragments.at(self.light_uv)[baked]
