@@ -24,7 +24,7 @@ const SKY = `
 #if LOOK == 1
 varying float sky;
 float skyLight(vec3 n) {
-  return n.y < -0.5 ? 0.88 : mix(0.62, 0.84, 0.5 + 0.5 * n.y) + 0.26 * max(dot(n, vec3(-0.45, 0.78, 0.43)), 0.0);
+  return n.y < -0.5 ? 0.92 : mix(0.78, 0.86, 0.5 + 0.5 * n.y) + 0.26 * max(dot(n, vec3(-0.45, 0.78, 0.43)), 0.0);
 }
 #elif LOOK == 2
 varying vec3 place, out_;
