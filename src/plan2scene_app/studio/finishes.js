@@ -27,7 +27,7 @@ export class Finishes {
   hear({ source, data }) {
     if (source !== this.frame || data?.kind !== "surface") return;
     const { room, surface } = data;
-    this.surface = typeof room === "string" && KINDS.test(surface) ? { room, surface, title: String(data.title).slice(0, 80) } : null;
+    this.surface = typeof room === "string" && KINDS.test(surface) ? { room, surface, title: String(data.title).slice(0, 80), place: String(data.place ?? "").slice(0, 200) } : null;
     this.render();
   }
   of(room, surface) { return this.rows.find((row) => row[0] === room && row[1] === surface)?.[2]; }

@@ -11,7 +11,7 @@ const WORDS = { none: "Make the house", done: "Make it again", failed: "Try agai
 const FILE_OF = { "3D": "viewer.html", Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", Floors: "patterns.jpg", "Pieces of photos": "contact_sheet.png", Textures: "house.glb" };
 
 export class HouseView {
-  run = { state: "none", stages: [], results: { files: {}, tiles: [] }, settings: {} }; view = "3D"; shown = ""; folds = {};
+  run = { state: "none", stages: [], results: { files: {}, tiles: [] }, settings: {} }; view = "3D"; shown = ""; folds = {}; turn = 0;
 
   constructor(app, host, rules) {
     Object.assign(this, { app, host, rules, box: document.getElementById("run"), results: document.getElementById("results"), make: document.getElementById("make") });
@@ -26,10 +26,11 @@ export class HouseView {
 
   async poll() {
     clearTimeout(this.timer);
+    const { turn } = this; // another when a run was started since
     try {
       await this.take(await asked("run"));
       await this.host.look(this.run.revision);
-      if (this.due && this.run.state !== "running") {
+      if (this.due && turn === this.turn && this.run.state !== "running") {
         this.due = false;
         if (this.run.state === "done" && this.run.settings.finishes !== this.run.finishes) { this.start(); return; }
       }
@@ -55,6 +56,7 @@ export class HouseView {
   }
   async start() {
     document.getElementById("tab-house").click();
+    this.turn++;
     try {
       await this.host.flush();
       const chosen = Object.entries(this.choices).map(([name, choice]) => [name, this.rules.settings[name].values[choice.selectedIndex]]);
@@ -62,6 +64,7 @@ export class HouseView {
       await this.take(await asked("run", { method: "POST", body }));
       this.tell("");
     } catch (error) { this.tell(error.message); }
+    this.turn++;
     this.poll();
   }
   /** Make a house that is there with what was set by hand since; after the run under way. */
@@ -148,7 +151,7 @@ export class HouseView {
     download(name, await answer.blob(), "application/octet-stream");
   }
   /** The viewer opens where the last surface was clicked. */
-  get place() { return this.finishes.surface ? `#room=${encodeURIComponent(this.finishes.surface.room)}` : ""; }
+  get place() { return this.finishes.surface?.place ? `#${this.finishes.surface.place}` : ""; }
   paneOf(files, tiles) {
     const at = (name) => `results/${name}?${files[name] ?? ""}`;
     if (this.view === "3D") return el("iframe", { src: at("viewer.html") + this.place, title: "The house in 3D", sandbox: "allow-scripts allow-downloads", allow: "fullscreen; xr-spatial-tracking" });

@@ -74,7 +74,7 @@ const surfaceOf = ({ extras }) => (["skirting", "window", "passage"].includes(ex
 function tellStudio(part, title) {
   if (window.parent === window) return;
   const room = doorOf(part) || part.extras.room_id, surface = doorOf(part) ? "door" : surfaceOf(part);
-  window.parent.postMessage({ kind: "surface", room, surface, title }, "*");
+  window.parent.postMessage({ kind: "surface", room, surface, title, place: placeNow() }, "*");
 }
 
 function paintAs({ room, surface, colour }) {

@@ -115,11 +115,23 @@ function moveTour(seconds) {
   return true;
 }
 
-// Links: `#room=kitchen` opens the page in that room.
+// Links: `#room=kitchen` opens the page in that room, `#from=` six metres (eye, what it looks at) outside.
 
 function openLink() {
-  const room = rooms.find(({ id }) => id === new URLSearchParams(location.hash.slice(1)).get("room"));
+  const given = new URLSearchParams(location.hash.slice(1)), room = rooms.find(({ id }) => id === given.get("room"));
+  const from = given.get("from")?.split(",").map(Number) ?? [];
   if (room) { setMode("walk"); focus(room); }
+  else if (from.length === 6 && from.every(Number.isFinite)) {
+    setMode("orbit");
+    camera.position.fromArray(from);
+    orbit.target.fromArray(from, 3);
+    orbit.update();
+  }
+}
+
+function placeNow() {
+  const outside = [...camera.position.toArray(), ...orbit.target.toArray()].map((value) => value.toFixed(2));
+  return new URLSearchParams(eye.mode === "walk" ? { room: eye.room } : { from: outside.join() }).toString();
 }
 
 function keepLink(id) {

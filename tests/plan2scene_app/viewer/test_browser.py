@@ -247,6 +247,13 @@ def test_keys_walk_and_no_wall_is_passed(view):
 def test_the_floor_and_the_map_are_clicked_to_go_there(view):
     view.run("history.replaceState(null, '', '#'); location.hash = '#room=r'")
     view.wait("eye.mode === 'walk'")
+    assert view.run("placeNow()") == "room=r"
+    view.run("location.hash = '#from=9,8,7,2,1,1'")
+    view.wait(
+        "eye.mode === 'orbit' && placeNow() === 'from=9.00%2C8.00%2C7.00%2C2.00%2C1.00%2C1.00'"
+    )
+    view.run("location.hash = '#room=r'")
+    view.wait("eye.mode === 'walk'")
     # A room is entered where most of it lies ahead: here its longer side.
     assert abs(math.sin(view.run("eye.yaw"))) > 0.85
     view.run("eye.feet.set(0.5, 0, 1.5); eye.yaw = Math.PI / 2; eye.pitch = -0.5; draw(1)")
