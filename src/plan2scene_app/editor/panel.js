@@ -138,10 +138,17 @@ function linked(app, line) {
   });
 }
 
+/** A line without ids that the drawing does not show: of openings, walls and named rooms. */
+function inWords(app, line) {
+  const { plan } = app.store.state, names = new Map([...plan.openings.map(({ id, kind }) => [id, `the ${kind}`]), ...plan.rooms.map((room) => [room.id, labelOf(room)])]);
+  return line.replace(/\b(opening|holes of wall|wall|room) ([\w.-]*\w)/g, (whole, what, id) => (what.endsWith("wall") ? `${what.replace("holes", "doors and windows").replace(/wall$/, "the wall")}` : names.get(id) ?? whole))
+    .replace(/[\w-]*[\d_][\w-]*/g, (id) => names.get(id) ?? id);
+}
+
 function problemSection(app) {
   const labels = new Map(app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
   const lines = app.problems.map((problem) => el("li", { className: problem.level },
-    button([el("b", {}, `${labels.get(problem.room) || problem.room || problem.opening || problem.photo || "Plan"}: `), `expected ${problem.expected}, found ${problem.found}`], () => app.showProblem(problem), { className: "line" })));
+    button([el("b", {}, `${labels.get(problem.room) || problem.room || problem.opening || problem.photo || "Plan"}: `), inWords(app, `expected ${problem.expected}, found ${problem.found}`)], () => app.showProblem(problem), { className: "line" })));
   const drop = (line) => { app.notes = app.notes.filter((other) => other !== line); app.renderPanel(); };
   const told = app.store.state.picture?.measured ? app.doubt : ""; // two points have answered it
   for (const line of app.notes.filter((note) => note !== told)) lines.push(el("li", { className: "note" }, el("p", { className: "line" }, linked(app, line), button("\u00d7", () => drop(line), { title: "Seen", "aria-label": `Seen: ${line}` }))));

@@ -142,6 +142,11 @@ def test_problems_are_listed_and_lead_to_what_they_are_of(drawing):
     assert "rooms that don't overlap" in drawing.page.inner_text("#problems")
     drawing.page.click("#problems li button")
     assert drawing.page.evaluate("editor.selection.id") == "room"
+    drawing.press("Control+z")
+    twice = "[...editor.store.plan.openings, { ...editor.store.plan.openings[0], id: 'door_2' }]"
+    drawing.page.evaluate(f"editor.store.changePlan({{ openings: {twice} }})")
+    text = "room: expected doors and windows of the wall apart, found door and the door"
+    drawing.page.get_by_role("button", name=text).wait_for()
     drawing.page.evaluate("editor.notes = ['hardly sure: door (room_2)']; editor.renderPanel()")
     drawing.page.locator("#problems .note").get_by_role("button", name="door", exact=True).click()
     drawing.page.get_by_role("heading", name="door door").wait_for()
