@@ -30,8 +30,8 @@ from plan2scene_app.studio.projects import PLAN, TABLE, Project
 
 #: The command of a run, given a project's folder.
 JOB = (sys.executable, "-m", "plan2scene_app.studio.runs")
-#: Seconds that a cancelled run has to end by itself.
-_GRACE = 3.0
+#: Seconds that a cancelled run has to end by itself, and the process of one that is through.
+_GRACE, _LEAVING = 3.0, 20.0
 #: In a project: the run under way or the last one, its events, and what it printed.
 RECORD, EVENTS, LOG = "run.json", "run_events.jsonl", "run.log"
 #: What people call the rules, in the order of the work.
@@ -110,7 +110,7 @@ def _let_end(project: Project) -> None:
     """Wait for the process of a run that has recorded its end: it takes a moment to go."""
     process = _process(project)
     if process and _record(project).get("state") not in ("starting", "running"):
-        psutil.wait_procs([process], timeout=_GRACE)
+        psutil.wait_procs([process], timeout=_LEAVING)
 
 
 def _record_start(project: Project, record: dict[str, Any]) -> None:
