@@ -285,8 +285,7 @@ def _opening_entries(house: House) -> list[dict[str, Any]]:
             wall, opening = portal.side.wall, portal.hole.opening
             ends = np.array([point_along(wall, s) for s in (opening.start, opening.end)])
             if portal.other and len(wall.room_ids) == 1 and portal.depth <= 2 * SNAP_TOLERANCE:
-                same_way = (ends[1] - ends[0]) @ (portal.back[1] - portal.back[0]) >= 0
-                ends = (ends + (portal.back if same_way else portal.back[::-1])) / 2
+                ends = _midway(ends, portal.back)
             entry = {
                 "id": opening.id,
                 "kind": opening.kind,
@@ -298,6 +297,16 @@ def _opening_entries(house: House) -> list[dict[str, Any]]:
             }
             entries.setdefault(opening.id, entry)
     return list(entries.values())
+
+
+def _midway(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return the segment (2, 2) between two that face each other, where both are."""
+    way = (one[1] - one[0]) / np.linalg.norm(one[1] - one[0])
+    along = np.sort((other - one[0]) @ way)
+    across = other.mean(axis=0) - one.mean(axis=0)
+    start = max(along[0], 0.0)
+    end = min(along[1], (one[1] - one[0]) @ way)
+    return one[0] + (across - across @ way * way) / 2 + np.outer((start, end), way)
 
 
 def _ring(ring: tuple[Point, ...]) -> list[list[float]]:
