@@ -454,8 +454,14 @@ def house_maps(
     details: dict[int, Detail] = {}
     floors = [surface for surface in surfaces if surface.key.surface == "floor"]
     everywhere = reduce(Area.union, (floor.area for floor in floors)) if floors else None
+    wet = {room.id: "Bathroom" in room.types for room in house.rooms}
     for surface in floors:
-        alike = [f.key for f in floors if f.tile.pattern is surface.tile.pattern is not None]
+        alike = [
+            f.key
+            for f in floors
+            if f.tile.pattern is surface.tile.pattern is not None
+            and wet[f.key.room_id] == wet[surface.key.room_id]
+        ]
         pattern = pattern_of(patterns or {}, surface.key, *alike)
         if pattern is not None:
             maps[surface.key] = _laid(surface, pattern, seed, everywhere)

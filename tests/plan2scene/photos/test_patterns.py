@@ -26,13 +26,15 @@ def floor(columns: int, rows: int, offset: float, seed: int) -> np.ndarray:
     return made_of(bonds.bond(SIZE_PX, columns, rows, SIDE_M, offsets), seed)
 
 
-def made_of(layout: bonds.Layout, seed: int, *, turned: bool = False) -> np.ndarray:
+def made_of(
+    layout: bonds.Layout, seed: int, *, turned: bool = False, joint: float = 0.2
+) -> np.ndarray:
     """Return units of random tones with dark joints of 3 mm; grain is `turned` with its unit."""
     size = layout.key.shape[0]
     rng = np.random.default_rng(seed)
     grain = cv2.GaussianBlur(rng.normal(0, 0.3, (size, size)), (0, 0), sigmaX=12, sigmaY=1)
     grain = layout.lookup(rng, grain.astype(np.float32)) if turned else grain
-    value = 0.5 + layout.draw(rng, 0.02) + grain - 0.2 * layout.joint(0.003)
+    value = 0.5 + layout.draw(rng, 0.02) + grain - joint * layout.joint(0.003)
     return np.repeat(value[..., None], 3, axis=2)
 
 
@@ -63,6 +65,16 @@ def test_size_kind_and_direction_are_those_of_the_floor(columns, rows, offset):
     assert found.direction_deg == pytest.approx(25.0, abs=1.5)
     assert abs((found.offset - offset + 0.5) % 1.0 - 0.5) < 0.08
     assert found.confidence > 0.6
+
+
+def test_wood_whose_joints_hardly_show_has_planks_all_the_same():
+    offsets = np.random.default_rng(1).uniform(0, 1, 28)
+    layout = bonds.bond(SIZE_PX, 2, 28, SIDE_M, offsets)
+    image = made_of(layout, seed=3, turned=True, joint=0.07)
+    found, _ = find_pattern([view(image, 30.0), view(image, 31.0)])
+    assert found.kind == "planks"
+    assert found.width_m == pytest.approx(SIDE_M / 28, rel=0.05)
+    assert found.confidence < 0.99
 
 
 @pytest.mark.parametrize(("substance", "kind"), [("carpet", "cut"), ("plaster", "concrete")])

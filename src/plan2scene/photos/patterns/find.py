@@ -31,7 +31,9 @@ class FindSettings:
     most_m2: float = 3.0  #: area from which on a larger view has no more weight
     enough_m2: float = 2.0  #: area that all views have to show for full confidence
     grain: float = 2.0  #: contrast kept along planks over that kept across them
-    grain_of_mosaic: float = 3.0  #: the same at most of a mosaic
+    wood: float = 3.0  #: the same of wood at least, of any direction
+    least_kept: float = 0.2  #: contrast kept along the grain of wood
+    grainy: tuple[float, float] = (0.05, 0.15)  #: `plain` and `clear` of wood and multiples
     part: float = 0.7  #: score of a third or fifth of a distance, over its own, that makes it true
     part_of_mosaic: float = 0.25  #: the same of squares, whose next are like all that is so near
     plain: float = 0.16  #: score of floors without joints
@@ -138,13 +140,13 @@ def find_pattern(
     weights = np.array([_area(view) for view in views])
     reach = 2 * round(100 * FIND.same_size) + 1
     pooled = weights @ maximum_filter1d(np.array(curves), reach, axis=1) / weights.sum()
-    k = _whole(pooled)
-    readings = [_read(view, float(DISTANCES[k])) for view in views]
-    readings = [r for r in readings if r.score >= 0.5 * FIND.plain]
-    score = float(pooled[k])
-    shown = sum(r.view.square_m for r in readings) / FIND.enough_m2
-    clear = (score - FIND.plain) / (FIND.clear - FIND.plain)
-    confidence = float(np.clip(clear, 0.0, 1.0) * min(shown, 1.0))
+    confidence, k, readings = _sure(views, pooled, _whole(pooled), (FIND.plain, FIND.clear))
+    if confidence < FIND.believed and _grainy(views):
+        # Wood: joints that stain and gloss hide are those whose multiples are seen as well.
+        combed = weights @ maximum_filter1d(_combed(np.array(curves)), reach, axis=1)
+        combed /= weights.sum()
+        grainy = _sure(views, combed, int(combed.argmax()), FIND.grainy)
+        confidence, k, readings = max(grainy, (confidence, k, readings), key=lambda found: found[0])
     if not readings or confidence < FIND.believed:
         unseen = (1.0 - confidence) * _without_joints(views, jointed)
         return _zigzag(views) or (FoundPattern("plain", confidence=unseen), [])
@@ -162,8 +164,12 @@ def find_pattern(
         kind = "tiles"
     direction, located = _direction(readings, 90.0 if square else 180.0)
     if not _in_rows(readings, line):
-        other = FoundPattern("other", width, confidence=confidence, photos=photos)
-        return _zigzag(views) or (other, [])
+        slanting = _zigzag(views)
+        if slanting is None and not _grainy(views):
+            other = FoundPattern("other", width, confidence=confidence, photos=photos)
+            slanting = other, []
+        if slanting is not None:
+            return slanting
     sizes = width, ratio * width, spread
     found = FoundPattern(kind, *sizes, direction, offset, confidence, line, photos, located)
     return found, readings
@@ -179,8 +185,7 @@ def _without_joints(views: Sequence[FloorView], jointed: float) -> float:
 def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:
     """Return the mosaic that views show; None where there is none."""
     weights = np.array([_area(view) for view in views])
-    kept = weights @ [[d.kept for d in view.directions] for view in views]
-    if kept[0] > FIND.grain_of_mosaic * kept[1]:
+    if _grainy(views):
         return None
     scores = np.array([small_squares(view.directions[0].view) for view in views])
     reach = 2 * round(100 * FIND.same_size) + 1
@@ -248,6 +253,37 @@ def _likely(view: FloorView) -> list[Direction]:
     """Return the directions that long joints may have: grain leaves only one."""
     first, second = view.directions
     return [first] if first.kept > FIND.grain * second.kept else [first, second]
+
+
+def _sure(
+    views: Sequence[FloorView], pooled: np.ndarray, k: int, scores: tuple[float, float]
+) -> tuple[float, int, list[Reading]]:
+    """Return how sure joints at distance `k` are, `k`, and what each view says of them.
+
+    `pooled` (n,) are the scores of all views, `scores` those of none and of joints beyond doubt.
+    """
+    none, clear = scores
+    readings = [_read(view, float(DISTANCES[k])) for view in views]
+    readings = [r for r in readings if r.score >= 0.5 * none]
+    shown = min(sum(r.view.square_m for r in readings) / FIND.enough_m2, 1.0)
+    return float(np.clip((pooled[k] - none) / (clear - none), 0.0, 1.0)) * shown, k, readings
+
+
+def _grainy(views: Sequence[FloorView]) -> bool:
+    """Return whether contrast is that of wood: kept along one direction, lost across it."""
+    weights = [_area(view) for view in views]
+    kept = np.average([[d.kept for d in view.directions] for view in views], 0, weights)
+    return bool(kept[0] > max(FIND.least_kept, FIND.wood * kept[1]))
+
+
+def _combed(curves: np.ndarray) -> np.ndarray:
+    """Return the mean of scores (m, n) at each distance and at three and five times it."""
+    near = maximum_filter1d(curves, 5, axis=1)
+    total = curves.copy()
+    for times in (3.0, 5.0):
+        shift = round(100 * np.log(times))
+        total[:, :-shift] += near[:, shift:]
+    return total / 3.0
 
 
 def _whole(pooled: np.ndarray) -> int:

@@ -51,7 +51,7 @@ _COLUMNS = {
     "units": "object",
     "shown": "object",
 }
-#: Types of rooms whose floor seldom runs on from the next room.
+#: Type of rooms whose floor is seldom that of other rooms, however alike they look.
 _WET = "Bathroom"
 
 
@@ -72,7 +72,7 @@ def write_patterns(
     files : PhotoFiles
     plan : House
     crops : path
-        ``crops.parquet``: a floor without crops takes the pattern of the rooms beside it.
+        ``crops.parquet``: a floor without crops or rows takes the pattern of the rooms beside it.
     materials : path
         ``materials.parquet``: floors of one material are read together.
     output : path
@@ -89,7 +89,11 @@ def write_patterns(
 
     table, _ = read_parquet(materials)
     floors = table[table["surface"] == "floor"]
-    shared = dict(zip(floors["room_id"], floors["material"], strict=True))
+    wet = {room.id for room in plan.rooms if _WET in room.types}
+    shared = {
+        room: f"{material} wet" if room in wet else material
+        for room, material in zip(floors["room_id"], floors["material"], strict=True)
+    }
     floor_seen: list[FloorView] = []
     walls_seen: list[WallView] = []
     for seen_photo in photos_with_planes(files, ("floor", "wall"), house_id=plan.id):
@@ -98,6 +102,7 @@ def write_patterns(
     found = floor_patterns(floor_seen, shared, jointed or {})
     pictured, _ = read_parquet(crops)
     seen = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
+    seen |= {room for room, (pattern, _) in found.items() if pattern.kind in LAID}
     like = continued(plan, seen, {room: pattern for room, (pattern, _) in found.items()})
     rows = [
         _row(room, *found[like.get(room, room)], like.get(room, ""))
