@@ -2,8 +2,9 @@
 
 ``python benchmarks/floor_patterns.py TRUTH.csv FOLDER``
 
-TRUTH.csv has home, room_id, kind (planks, tiles, plain), width_m, length_m and direction (x or z
-of the plan); what is empty is not compared. FOLDER has ``{home}/patterns.parquet``; homes that it
+TRUTH.csv has home, room_id, kind (planks, tiles, plain ...), width_m, length_m and direction (x or
+z of the plan); what is empty is not compared. A confidence is a probability that the kind is right:
+the mean of those right and wrong, and the mean square away from that (Brier). FOLDER has ``{home}/patterns.parquet``; homes that it
 has not are left out. Repetition (:mod:`plan2scene.metrics.repetition`) of 4 x 4 m of each pattern:
 as laid, of its joints alone (1 for any regular bond), and between the joints.
 """
@@ -35,7 +36,7 @@ def compared(truth: pd.Series, found: pd.Series | None) -> dict[str, object]:
     row: dict[str, object] = {"floor": f"{truth.home}/{truth.room_id}", "true": truth.kind}
     if found is None:
         return {**row, "found": "plain", "right": truth.kind == "plain"}
-    row |= {"found": found.kind, "right": found.kind == truth.kind}
+    row |= {"found": found.kind, "right": found.kind == truth.kind, "sure": found.confidence}
     for name in ("width_m", "length_m"):
         row[name] = round(found[name], 3)
         row[f"{name[:-2]} %"] = round(100 * (found[name] / truth[name] - 1), 1)
@@ -86,6 +87,10 @@ def main() -> None:
         print(f"{name}: median {errors.median():.1f}, worst {errors.max():.1f}, of {len(errors)}")
     print(f"kind right {result['right'].mean():.0%}, direction right", end=" ")
     print(f"{result['direction'].dropna().mean():.0%} of {result['direction'].notna().sum()}")
+    known = result.dropna(subset=["sure"])
+    right = known["right"].astype(float)
+    means = known.groupby("right")["sure"].mean().round(2).to_dict()
+    print(f"confidence {means}, Brier {((known['sure'] - right) ** 2).mean():.3f} of {len(known)}")
     print("repetition as laid, of joints alone, between joints")
     for name, values in repeated.items():
         print(f"{name}: {values}")
