@@ -51,6 +51,7 @@ class FindSettings:
     widest_mosaic_m: float = 0.06
     least_mosaic_m: float = 0.015
     mosaic_px: float = 4.0  #: photo pixels of a square, from which on its size is sure
+    zigzag_views: int = 12  #: in which slanting planks are looked for
     zigzag: tuple[float, float] = (0.0, 0.03)  #: score of none, and of one without doubt
     plank: float = 2.2  #: length over width of planks, at least
     widest_plank_m: float = 0.3
@@ -217,7 +218,8 @@ def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:
 
 
 def _zigzag(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading]] | None:
-    """Return the herringbone or chevron that views show; None where there is none."""
+    """Return the herringbone or chevron that the largest views show; None where there is none."""
+    views = sorted(views, key=_area, reverse=True)[: FIND.zigzag_views]
     weights = np.array([_area(view) for view in views])
     found, score, slants = find_zigzag(views, weights, FIND.same_size)
     none, sure = FIND.zigzag
