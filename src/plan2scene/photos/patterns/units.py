@@ -128,12 +128,19 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
     good &= np.array(crossed) <= UNITS.crossed * np.median(crossed)
     good &= np.array(blots) <= UNITS.blot * np.median(blots)
     good &= (np.abs(away) <= 2 * UNITS.tone * max(usual, 1e-6)).all(axis=1)
+    flat = _own(flat)
     made = (0.5 * image * np.exp(tone) for image, tone in zip(flat, tones, strict=True))
     return [
         np.clip(np.rint(255 * image), 0, 255).astype(np.uint8)
         for image, chosen in zip(made, good, strict=True)
         if chosen
     ]
+
+
+def _own(units: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return units (h, w, 3) without the shade across them that all share: that of their joints."""
+    shared = np.mean([unit.mean(axis=1) / unit.mean(axis=(0, 1)) for unit in units], axis=0)
+    return [unit / shared[:, None] for unit in units]
 
 
 def _stripes(dark: np.ndarray) -> float:
