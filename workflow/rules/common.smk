@@ -176,16 +176,17 @@ def assignment_of(wildcards):
 
 
 def finds_rooms(wildcards):
-    """Return whether the room of a photo is to be found: the photo table may leave it out."""
+    """Return what tells what rooms are used for where a room is to be found, else None.
+
+    The photo table may leave rooms out.
+    """
     path = assignment_of(wildcards)
-    return bool(path) and (is_traced(wildcards) or lacks_rooms(path))
-
-
-def finds_rooms_by_things(wildcards):
-    """Return whether the extra `rooms` tells what photographed rooms are used for."""
+    if not path or not (is_traced(wildcards) or lacks_rooms(path)):
+        return None
     source = config["photos"]["kinds"]
-    things = source == "imagenet" or (source == "auto" and things_installed())
-    return things and finds_rooms(wildcards)
+    if source == "auto":
+        return "imagenet" if things_installed() else "embedded"
+    return source
 
 
 def object_boxes_of(wildcards):

@@ -35,7 +35,6 @@ rule masks:
         fov_deg=config["photos"]["fov_deg"],
         known_fov_deg=config["photos"]["known_fov_deg"],
         find_rooms=finds_rooms,
-        things=finds_rooms_by_things,
         contents=contents_of(
             photos_of,
             *(

@@ -9,7 +9,8 @@ from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]) as log:
     params, house_id = snakemake.params, snakemake.wildcards.house
-    if params.find_rooms and params.things:
+    things = params.find_rooms == "imagenet"
+    if things:
         log.info("photos' rooms: told by the things in them, too")
     elif params.find_rooms:
         log.warning("photos' rooms: more are found with the extra 'rooms' (photos.kinds)")
@@ -20,7 +21,7 @@ with job(snakemake.log[0]) as log:
             params.source,
             model=params.models.get("segmentation"),
             kinds=params.models.get("kinds"),
-            things=params.things,
+            things=things,
             precomputed_dir=params.masks_folder,
             pretrained=params.pretrained,
             openings=params.openings,
@@ -31,6 +32,6 @@ with job(snakemake.log[0]) as log:
         house_id=house_id,
         fov_deg=params.fov_deg,
         known_fov_deg=params.known_fov_deg,
-        find_rooms=params.find_rooms,
+        find_rooms=params.find_rooms is not None,
         threads=snakemake.threads,
     )
