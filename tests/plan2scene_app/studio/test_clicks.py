@@ -170,8 +170,12 @@ def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeyp
     house, hand = page.frame_locator("iframe"), page.locator("#finishes")
 
     def choose(surface):
-        house.locator("p", has_text=surface).click()
-        hand.locator("b", has_text=surface).wait_for()
+        for _ in range(50):  # a click is lost while the house is shown anew
+            house.locator("p", has_text=surface).click()
+            page.wait_for_timeout(200)
+            if hand.locator("b", has_text=surface).is_visible():
+                return
+        raise AssertionError(surface)
 
     hand.get_by_label("Surface").select_option("room_2, ceiling")  # by keys alone
     hand.locator("b", has_text="room_2, ceiling").wait_for()
