@@ -3,12 +3,11 @@
 ``python benchmarks/floor_patterns.py TRUTH.csv FOLDER``
 
 TRUTH.csv has home, room_id, kind (planks, tiles, plain ...), width_m, length_m and direction (x or
-z of the plan); what is empty is not compared. A confidence is a probability that the kind is right:
-the mean of those right and wrong, and the mean square away from that (Brier). FOLDER has
-``{home}/patterns.parquet``; homes that it has not are left out. Repetition
+z of the plan); what is empty is not compared. A confidence is a probability
+that the kind is right: the mean of those right and wrong, and the mean square away (Brier). FOLDER
+has ``{home}/patterns.parquet``; homes that it has not are left out. Repetition
 (:mod:`plan2scene.metrics.repetition`) of 4 x 4 m of each pattern: as laid, of its joints alone (1
-for any regular bond),
-and between the joints.
+for any regular bond), and between the joints.
 """
 
 from __future__ import annotations

@@ -66,7 +66,10 @@ def _floor(pattern: LaidPattern | None, photo: np.ndarray) -> np.ndarray | None:
     if pattern is None:
         return None
     high, wide = (side / UNITS.shown_px_per_m for side in photo.shape[:2])
-    colour = np.median(photo[photo.any(axis=2)], axis=0) / 255.0
+    # The lines that are drawn over the photo, and what JPEG spreads of them, are magenta.
+    seen = photo[photo.any(axis=2)].astype(int)
+    magenta = np.minimum(seen[:, 0], seen[:, 2]) - seen[:, 1]
+    colour = np.median(seen[magenta <= np.percentile(magenta, 40)], axis=0) / 255.0
     upright = replace(pattern, direction_deg=0.0)
     image, _ = laid(upright, Area((0.0, 0.0), (wide, high)), colour, 0)
     return cv2.resize(image, photo.shape[1::-1], interpolation=cv2.INTER_AREA)
