@@ -36,7 +36,6 @@ class ZigzagSettings:
     width_m: tuple[float, float] = (0.04, 0.2)  #: of planks that are tried
     ratio: tuple[float, float] = (2.5, 9.0)  #: of length to width
     least_deg: float = 50.0  #: between the slants of two columns
-    mirrored: tuple[float, float] = (0.15, 0.3)  #: share of likeness that a basket lacks, or not
     spine: float = 0.55  #: score of joints along columns, from which on it is a chevron
     fit: float = 0.02  #: by which a view's angle (radians), width and length are tried beside
 
@@ -264,14 +263,10 @@ def _repeats(alike: np.ndarray, columns_deg: float, slant_deg: float) -> np.ndar
         mean(0.5, across, back),
         mean(0.0, across / 2, beside),
         np.mean([at(lengthwise[0] + k * step, lengthwise[1]) for k in beside], axis=0),
+        # As far along planks the other way, where those of a basket are as well.
+        mean(0.0, 0.0, range(1, 5), mirrored=True),
     ]
-    # As far along planks the other way, where those of a basket are as well.
-    other.append(mean(0.0, 0.0, range(1, 5), mirrored=True))
-    likeness = np.min(same, axis=0)
-    none, full = ZIGZAG.mirrored
-    away = (likeness - other[-1]) / np.maximum(likeness, 1e-6)
-    no_basket = np.clip((away - none) / (full - none), 0.0, 1.0)
-    return np.asarray((likeness - np.max(other, axis=0)) * no_basket)
+    return np.asarray(np.min(same, axis=0) - np.max(other, axis=0))
 
 
 def fitted(zigzag: Zigzag, view: Upright) -> tuple[Zigzag, np.ndarray]:
