@@ -18,9 +18,7 @@ from plan2scene.colour import as_uint8
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet
-from plan2scene.photos.patterns.find import LAID
-from plan2scene.photos.patterns.joints import JOINTS
-from plan2scene.photos.patterns.zigzag import Zigzag
+from plan2scene.photos.patterns.bonds import LAID, PX_PER_M, Zigzag
 from plan2scene.plans.surface_areas import Area
 
 
@@ -83,7 +81,7 @@ class LaidPattern:
     @property
     def longest_m(self) -> float:
         """Return the length of the longest unit."""
-        return max(unit.shape[1] for unit in self.units) / JOINTS.px_per_m
+        return max(unit.shape[1] for unit in self.units) / PX_PER_M
 
     @property
     def words(self) -> str:
@@ -239,7 +237,7 @@ def _places(pattern: LaidPattern, low: np.ndarray, high: np.ndarray, seed: int) 
             unit = used.next(start + usual / 2, y, rng)
             end = start + length
             if not np.isfinite(length):
-                run = pattern.units[unit].shape[1] / JOINTS.px_per_m
+                run = pattern.units[unit].shape[1] / PX_PER_M
                 share = rng.uniform(LAYING.run, 1.0)
                 begin, end = float(rng.uniform(0.0, 1.0 - share)), start + share * run
             yield _Place(row, start, end, unit, int(ways[used.turns[unit] % len(ways)]), begin)
@@ -340,7 +338,7 @@ def _lay(
         return
     unit = pattern.units[place.unit]
     if not np.isfinite(pattern.length_m):
-        columns = round((place.end - place.start) * JOINTS.px_per_m)
+        columns = round((place.end - place.start) * PX_PER_M)
         begin = round(place.begin * unit.shape[1])
         unit = unit[:, begin : begin + columns]
     unit = unit[:: -1 if place.way & 1 else 1, :: -1 if place.way & 2 else 1]

@@ -22,7 +22,7 @@ from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.paint.light import recoloured
 from plan2scene.paint.shading import log_luma
-from plan2scene.photos.patterns.joints import JOINTS
+from plan2scene.photos.patterns.bonds import PX_PER_M
 from plan2scene.plans.surface_areas import Area, surface_areas
 from plan2scene.seeds import generator
 from plan2scene.textures.banded import Bands
@@ -491,7 +491,7 @@ def _laid(
     image, area = laid(pattern, surface.area, colour, seed, whole)
     image = _fitting(recoloured(image, colour, median_colour(image[::3, ::3])))
     made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
-    return SurfaceMap(*made, min(JOINTS.px_per_m, made[2]), pattern.words)
+    return SurfaceMap(*made, min(PX_PER_M, made[2]), pattern.words)
 
 
 def _banded(

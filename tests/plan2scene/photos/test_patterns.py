@@ -8,11 +8,11 @@ import pytest
 
 from plan2scene.house import Door, House, Room
 from plan2scene.materials import bonds, random_material
-from plan2scene.photos.patterns.find import LAID, FoundPattern, find_pattern
+from plan2scene.photos.patterns.bonds import LAID, Zigzag
+from plan2scene.photos.patterns.find import FoundPattern, find_pattern
 from plan2scene.photos.patterns.house_patterns import continued, floor_patterns
 from plan2scene.photos.patterns.joints import JOINTS, directions, evened
 from plan2scene.photos.patterns.views import FloorView
-from plan2scene.photos.patterns.zigzag import Zigzag
 
 SIDE_M = 2.4
 

@@ -59,8 +59,6 @@ class FindSettings:
 
 FIND = FindSettings()
 NAN = float("nan")
-#: Kinds that a floor is laid by.
-LAID = ("planks", "tiles", "herringbone", "chevron")
 
 
 @dataclass(frozen=True)

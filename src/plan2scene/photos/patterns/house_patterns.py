@@ -14,7 +14,8 @@ from plan2scene.house import House
 from plan2scene.images import jpeg_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.photos.patterns.bands import WallBands, WallView, find_bands, wall_views
-from plan2scene.photos.patterns.find import FIND, LAID, FoundPattern, Reading, find_pattern
+from plan2scene.photos.patterns.bonds import LAID
+from plan2scene.photos.patterns.find import FIND, FoundPattern, Reading, find_pattern
 from plan2scene.photos.patterns.units import Units, cut_units, unlaid
 from plan2scene.photos.patterns.views import (
     FloorView,

@@ -17,13 +17,14 @@ import numpy as np
 from scipy import fft
 
 from plan2scene.paint.shading import log_luma
+from plan2scene.photos.patterns.bonds import PX_PER_M
 
 
 @dataclass(frozen=True)
 class JointSettings:
     """Constants chosen on renderings of procedural materials and by looking at real floors."""
 
-    px_per_m: float = 200.0  #: of the images that are read
+    px_per_m: float = PX_PER_M  #: of the images that are read
     slow_m: float = 0.06  #: sigma: what varies more slowly is light, not a joint
     near_m: float = 0.2  #: sigma over which contrast is evened
     most: float = 3.0  #: times that contrast at most

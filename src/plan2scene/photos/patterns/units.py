@@ -9,10 +9,11 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
+from plan2scene.photos.patterns.bonds import Zigzag
 from plan2scene.photos.patterns.find import FoundPattern, Reading
 from plan2scene.photos.patterns.joints import JOINTS, lines
 from plan2scene.photos.patterns.views import FloorView
-from plan2scene.photos.patterns.zigzag import Zigzag, fitted
+from plan2scene.photos.patterns.zigzag import fitted
 
 
 @dataclass(frozen=True)

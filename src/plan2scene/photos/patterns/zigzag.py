@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from plan2scene.photos.patterns.bonds import Zigzag
 from plan2scene.photos.patterns.joints import (
     DISTANCES,
     JOINTS,
@@ -44,81 +45,6 @@ ZIGZAG = ZigzagSettings()
 _STEP = 0.02  #: log ratio of the widths and of the ratios that are tried
 _WIDTHS = np.exp(np.arange(np.log(ZIGZAG.width_m[0]), np.log(ZIGZAG.width_m[1]), _STEP))
 _RATIOS = np.exp(np.arange(np.log(ZIGZAG.ratio[0]), np.log(ZIGZAG.ratio[1]), _STEP))
-
-
-@dataclass(frozen=True)
-class Zigzag:
-    """How planks lie in columns.
-
-    Attributes
-    ----------
-    kind : str
-        ``herringbone`` or ``chevron``.
-    width_m, length_m : float
-        Of a plank across and along its long side, with half a joint on each side.
-    slant_deg : float
-        Between planks and columns.
-    """
-
-    kind: str
-    width_m: float
-    length_m: float
-    slant_deg: float = 45.0
-
-    @property
-    def period_m(self) -> tuple[float, float]:
-        """Return after how many metres it repeats along its columns and across them."""
-        sine = np.sin(np.radians(self.slant_deg))
-        return float(self.width_m / sine), float(2 * self.length_m * sine)
-
-    def planks(
-        self, along: np.ndarray, across: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return which plank is at places (n,), metres along the columns and across them.
-
-        Its numbers (n, 2), and the places in it from its middle along and across it, metres; the
-        last is the distance to its border.
-        """
-        parts = self._chevron if self.kind == "chevron" else self._herringbone
-        return parts(np.asarray(along, np.float64), np.asarray(across, np.float64))
-
-    def _chevron(
-        self, along: np.ndarray, across: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        step, wide = self.period_m[0], self.period_m[1] / 2
-        sine, cosine = (f(np.radians(self.slant_deg)) for f in (np.sin, np.cos))
-        column = np.floor(across / wide)
-        inside = across - (column + 0.5) * wide
-        way = np.where(column % 2 == 0, 1.0, -1.0)
-        shifted = along - way * inside * cosine / sine
-        number = np.floor(shifted / step)
-        y = (shifted - (number + 0.5) * step) * sine
-        border = np.minimum(self.width_m / 2 - np.abs(y), wide / 2 - np.abs(inside))
-        return np.stack([number, column], axis=-1).astype(int), inside / sine, y, border
-
-    def _herringbone(
-        self, along: np.ndarray, across: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        p, q = (along + across) / np.sqrt(2), (along - across) / np.sqrt(2)
-        width, length = self.width_m, self.length_m
-        base = np.floor((p - q) / (2 * length))
-        number = np.zeros((*p.shape, 2), int)
-        x, y, border = np.zeros(p.shape), np.zeros(p.shape), np.full(p.shape, -np.inf)
-        for turn in (0, 1):  # planks along p, and those along q at their ends
-            for m in (base - 1, base, base + 1):
-                if turn:
-                    k = np.floor((p - (m + 1) * length) / width)
-                    dy = p - (m + 1) * length - (k + 0.5) * width
-                    dx = q - (k + 1) * width + (m + 0.5) * length
-                else:
-                    k = np.floor((q + m * length) / width)
-                    dy = q + m * length - (k + 0.5) * width
-                    dx = p - k * width - (m + 0.5) * length
-                edge = np.minimum(length / 2 - np.abs(dx), width / 2 - np.abs(dy))
-                own = edge > border
-                number[own] = np.stack([k, 2 * m + turn], axis=-1)[own]
-                x, y, border = (np.where(own, *pair) for pair in ((dx, x), (dy, y), (edge, border)))
-        return number, x, y, border
 
 
 @dataclass(frozen=True, eq=False)
