@@ -25,6 +25,8 @@ from plan2scene.photos.camera.lines import (
 )
 from plan2scene.photos.labels.labeller import Labeller
 from plan2scene.photos.labels.palette import (
+    CEILING,
+    FLOOR,
     KINDS_FILE,
     MATCHES_FILE,
     PROBABILITIES,
@@ -37,6 +39,8 @@ from plan2scene.photos.matches import Points, find_points, match_photos
 from plan2scene.photos.photo_files import read_photo
 
 _log = logging.getLogger("plan2scene")
+#: Share of floor and ceiling from which on a photo that looks taken from outside shows a room.
+_OF_A_ROOM = 0.1
 
 
 def make_masks(
@@ -172,6 +176,8 @@ def _label_photo(
         )
     lines = [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
     kinds = labeller.kinds(image).tolist() if find_rooms and labeller.kinds else []
+    if kinds and not any(kinds) and np.isin(plain, (FLOOR, CEILING)).mean() > _OF_A_ROOM:
+        kinds = []  # a conservatory, not a garden
     points = find_points(image) if find_rooms else None
     return _Shot(camera, segments, exif, [round(p, 4) for p in kinds], points), lines
 

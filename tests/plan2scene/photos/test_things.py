@@ -11,7 +11,7 @@ from plan2scene.photos.labels import things
 from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.labels.palette import KINDS, write_label_png
 
-STOVE, BATHTUB = 827, 435
+STOVE, BATHTUB, LAKE = 827, 435, 975
 
 
 def _seen(*classes: int, sure: float = 0.9) -> np.ndarray:
@@ -23,7 +23,7 @@ def _kind(kinds: np.ndarray) -> str:
 
 
 class _Colours(torch.nn.Module):
-    """Sees a stove in red, a bathtub in blue, each cell by itself, and nothing in grey."""
+    """Sees a stove in red, a bathtub in blue, a lake in green, cell by cell, nothing in grey."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -33,6 +33,7 @@ class _Colours(torch.nn.Module):
         with torch.no_grad():
             self._fc.bias[0] = 10.0
             self._fc.weight[STOVE, 0] = self._fc.weight[BATHTUB, 2] = 20.0
+            self._fc.weight[LAKE, 1] = 20.0
 
     def extract_features(self, photo: torch.Tensor) -> torch.Tensor:
         assert photo.shape[1] == 3
@@ -46,6 +47,14 @@ def test_each_thing_is_in_some_kind_of_room_and_no_class_is_two_things() -> None
     assert all(0 <= name < 1000 for name in every)
     assert all(set(found) <= set(KINDS) for _, found in things.THINGS)
     assert all(0 < sum(found.values()) <= 1 for _, found in things.THINGS)
+
+
+def test_a_photo_is_taken_outside_where_much_of_it_is() -> None:
+    photo = np.full((320, 448, 3), 100, np.uint8)
+    told = things.ThingKinds(_Colours())
+    assert not told.outside(photo)
+    photo[:, 112:] = (20, 230, 20)
+    assert told.outside(photo)
 
 
 def test_things_tell_kinds_and_nothing_tells_nothing() -> None:

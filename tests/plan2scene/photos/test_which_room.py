@@ -46,12 +46,14 @@ def test_what_a_room_is_used_for_and_its_name_tell_it():
             "b": PhotoEvidence(named=("Bathroom",)),
             "c": PhotoEvidence(told=("bed_2",)),
             "d": PhotoEvidence(),
+            "e": PhotoEvidence(kinds=np.zeros(len(KINDS)), scores={"bed_1": 9.0}),
         }
     )
     assert likely_room(found["a"])[0] == "kitchen"
     assert likely_room(found["b"])[0] == "bath"
     assert found["c"] == {"bed_2": 1.0}
     assert found["d"] == {NOWHERE: 1.0}
+    assert likely_room(found["e"]) == (NOWHERE, 1.0)
     for name in "ab":
         assert sum(found[name].values()) == pytest.approx(1.0, abs=1e-3)
     assert rooms_of({"a": PhotoEvidence(kinds=looks_like("Kitchen"))}) == rooms_of(

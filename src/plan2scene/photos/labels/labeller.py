@@ -14,6 +14,7 @@ from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, estimate_camer
 from plan2scene.photos.camera.exif import ExifFocal
 from plan2scene.photos.camera.lines import PhotoSegments
 from plan2scene.photos.labels.palette import (
+    KINDS,
     LABELS_AND_OPENINGS,
     labels_from_folder,
 )
@@ -42,7 +43,8 @@ class Labeller:
     #: Given pixels, labels 0 to 3 that the camera is estimated from; None where the labels do not
     #: depend on the camera.
     draft: Callable[[np.ndarray], np.ndarray] | None = None
-    #: Given pixels, how probable each of `palette.KINDS` is, (k,); None where nothing tells it.
+    #: Given pixels, how probable each of `palette.KINDS` is, (k,), all 0 where they look taken from
+    #: outside; None where nothing tells it.
     kinds: Callable[[np.ndarray], np.ndarray] | None = None
 
     def labelled(
@@ -130,6 +132,8 @@ def _by_things(
     things = load_things()
 
     def joined(image: np.ndarray) -> np.ndarray:
+        if things.outside(image):
+            return np.zeros(len(KINDS))
         odds = things.probabilities(image) * (1.0 if kinds is None else kinds(image))
         return np.asarray(odds / odds.sum())
 

@@ -93,7 +93,8 @@ class PhotoEvidence:
     told: tuple[str, ...] = ()
     #: Score of the best pose in each room; empty where the photo has no frame.
     scores: Mapping[str, float] = field(default_factory=dict)
-    #: How probable each of `KINDS` is, (k,) in [0, 1]; None where nothing told it.
+    #: How probable each of `KINDS` is, (k,) in [0, 1]; all 0 for a photo of no room; None where
+    #: nothing told it.
     kinds: np.ndarray | None = None
     #: Types of room that the photo's name means.
     named: tuple[str, ...] = ()
@@ -224,6 +225,9 @@ def _alone(house: House, photo: PhotoEvidence) -> np.ndarray:
     log = np.zeros(len(house.rooms) + 1)
     if photo.told:
         log[[room.id not in photo.told for room in house.rooms] + [True]] = -1e3
+        return log
+    if photo.kinds is not None and not photo.kinds.any():
+        log[:-1] = -1e3
         return log
     if photo.scores:
         best = max(photo.scores.values())
