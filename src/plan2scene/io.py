@@ -192,6 +192,14 @@ def keep_inputs(output: Path, inputs: Iterable[Path]) -> None:
             raise InputError("an output that is no input", "the same file", file=output)
 
 
+def new_file(output: Path, inputs: Iterable[Path] = ()) -> None:
+    """Raise InputError where a command would write over a file that is there, or into a folder."""
+    keep_inputs(output, inputs)
+    if output.exists():
+        found = "one that is there: remove it, or name another"
+        raise InputError("a new file to write", found, file=output)
+
+
 def read_text(path: str | os.PathLike[str]) -> str:
     """Return a UTF-8 text file (byte-order mark dropped); InputError when it can't be read."""
     file = Path(path)

@@ -200,9 +200,9 @@ def import_plan_file(
 ) -> None:
     """Convert any supported plan to scene.json."""
     from plan2scene.datasets.import_plan import import_plan
-    from plan2scene.io import keep_inputs
+    from plan2scene.io import new_file
 
-    keep_inputs(out, [plan])
+    new_file(out, [plan])
     import_plan(
         plan,
         out,
@@ -251,11 +251,11 @@ def trace_plan(
     model: Annotated[Path | None, typer.Option(help="Other weights of the plan network.")] = None,
 ) -> None:
     """Read a plan from its picture; say what is doubtful, to be mended in the editor."""
-    from plan2scene.io import keep_inputs
+    from plan2scene.io import new_file
     from plan2scene_app.tracing.trace import traced_files, write_trace
 
     for path in traced_files(out):
-        keep_inputs(path, [picture, *([model] if model else [])])
+        new_file(path, [picture, *([model] if model else [])])
     plan, lines = write_trace(picture, out, metres_per_pixel=metres_per_pixel, model=model)
     for line in lines:
         print(f"doubt: {line}")
@@ -348,10 +348,10 @@ def make_texture(
 ) -> None:
     """Make one seamless tile from crops of one surface."""
     from plan2scene.images import read_image, write_png
-    from plan2scene.io import keep_inputs
+    from plan2scene.io import new_file
     from plan2scene.textures.single import tile_from_crops
 
-    keep_inputs(out, crops)
+    new_file(out, crops)
     images = [read_image(path) for path in crops]
     write_png(out, tile_from_crops(images, method, size_px=size, seed=seed))
     print(out)
@@ -388,10 +388,10 @@ def convert(
 ) -> None:
     """Convert released weights; a file that carries code is refused."""
     from plan2scene.checkpoints.convert import convert_checkpoint
-    from plan2scene.io import keep_inputs
+    from plan2scene.io import new_file
     from plan2scene.propagation.graph_networks import load_propagation
 
-    keep_inputs(out, [checkpoint, *([means] if means else [])])
+    new_file(out, [checkpoint, *([means] if means else [])])
     convert_checkpoint(
         network,
         checkpoint,

@@ -126,6 +126,17 @@ def test_checkpoints_are_converted_and_those_of_other_networks_refused(tmp_path)
         call("convert-checkpoint", "texture", path, "--out", tmp_path / "t.safetensors")
 
 
+@pytest.mark.parametrize("command", ["texture", "import", "trace", "convert-checkpoint"])
+def test_no_command_overwrites_a_file_that_is_there(tmp_path, command):
+    given, out = tmp_path / "a.png", tmp_path / "mine.json"
+    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(given)
+    out.write_text("mended by hand")
+    network = ["vgg16"] if command == "convert-checkpoint" else []
+    with pytest.raises(InputError, match="expected a new file to write, found one that is there"):
+        call(command, *network, given, "--out", out)
+    assert out.read_text() == "mended by hand"
+
+
 @pytest.mark.parametrize("command", ["masks", "texture", "import", "convert-checkpoint"])
 def test_no_command_overwrites_its_input(tmp_path, command):
     given = tmp_path / "a.png"
