@@ -1,6 +1,6 @@
 """Patterns of floors against sizes measured by hand, and how much floors laid by them repeat.
 
-``python benchmarks/floor_patterns.py TRUTH.csv FOLDER``
+``python benchmarks/floor_patterns.py benchmarks/floors.csv FOLDER``
 
 TRUTH.csv has home, room_id, kind (planks, tiles, plain ...), width_m, length_m and direction (x or
 z of the plan); what is empty is not compared. A confidence is a probability
