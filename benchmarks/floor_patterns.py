@@ -2,7 +2,7 @@
 
 ``python benchmarks/floor_patterns.py benchmarks/floors.csv FOLDER``
 
-TRUTH.csv has home, room_id, kind (planks, tiles, plain ...), width_m, length_m and direction (x or
+The table has home, room_id, kind (planks, tiles, plain ...), width_m, length_m and direction (x or
 z of the plan); what is empty is not compared. A confidence is a probability
 that the kind is right: the mean of those right and wrong, and the mean square away (Brier). FOLDER
 has ``{home}/patterns.parquet``; homes that it has not are left out. Repetition

@@ -75,8 +75,8 @@ class PaintPrior:
     #: grows with the root, up to `most_noise` times.
     whole: float = 0.02
     most_noise: float = 4.0
-    #: A ceiling may be lit from another side than the walls: its noise from lamp to sky has at
-    #: most this of `Observation.mixed`, too. Chosen on one real flat (development).
+    #: A ceiling may be lit from another side than the walls: `Observation.mixed`, but at most this,
+    #: adds to its noise from lamp to sky. Chosen on one real flat (development).
     most_mixed: float = 0.2
     #: Factor of the noise of what is seen in another room, which has its own light.
     other_room: float = 2.0

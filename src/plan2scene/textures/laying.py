@@ -254,12 +254,12 @@ def _planks(
     """Return the unit of each plank in columns between two corners (2,), metres, and its turn."""
     rng = np.random.default_rng(seed)
     used, found = _Used(len(pattern.units)), {}
-    step = pattern.width_m / 3
+    zigzag, step = _zigzag(pattern), pattern.width_m / 3
     x = np.arange(low[0], high[0] + step, step)
     ways = rng.permutation(4)
     for y in np.arange(low[1], high[1] + step, step):
         used.forget(y - LAYING.sight_m)
-        number = _zigzag(pattern).planks(x, np.full_like(x, y))[0]
+        number = zigzag.planks(x, np.full_like(x, y))[0]
         for k, key in enumerate(map(tuple, number.tolist())):
             if key not in found:
                 unit = used.next(float(x[k]), float(y), rng)
@@ -280,9 +280,10 @@ def _columns(
     depth, joint = pattern.joint.astype(np.float32), max(pattern.joint_m, 1e-6)
     canvas = np.empty((last[1] - first[1], last[0] - first[0], 3), np.float32)
     x = (np.arange(first[0], last[0]) + 0.5) / scale
+    zigzag = _zigzag(pattern)
     for row in range(len(canvas)):
         y = np.full_like(x, (row + first[1] + 0.5) / scale)
-        number, along, over, border = _zigzag(pattern).planks(x, y)
+        number, along, over, border = zigzag.planks(x, y)
         keys, which = np.unique(number, axis=0, return_inverse=True)
         unit, way = np.array([planks.get(tuple(k), (0, 0)) for k in keys.tolist()])[which.ravel()].T
         along = np.where(way & 1, -along, along) / pattern.length_m + 0.5

@@ -27,9 +27,10 @@ class RoomViewSettings:
     eye_m: float = 1.5  #: of the camera, above the floor
     fov_deg: float = 88.0  #: horizontal field of view, as of wide-angle photos of rooms
     clear_m: float = 0.35  #: distance kept from walls
-    #: Metres below the eye that one looks at 1 m ahead; the second in a small room, either in
+    #: Metres below the eye that one looks at 1 m ahead: the first in large rooms, the second in
+    #: small ones (`small_m2`), whichever shows more in rooms of up to `close_m2`.
     look_down: tuple[float, float] = (0.22, 0.5)
-    close_m2: float = 8.0  #: one that is no larger than this
+    close_m2: float = 8.0
     standpoints: int = 24  #: of the longest lines across a room, compared by what is seen
     small_m2: float = 2.0  #: smaller rooms are seen from their doors,
     door_m: float = 0.05  #: so far within the room
