@@ -10,6 +10,7 @@ from plan2scene_workshop.plans.structure import Structure
 from plan2scene_workshop.plans.style import PlanStyle
 
 _NOTES = ("BH 700", "+0.00", "OK 2.40", "A", "1:100", "Nachbar", "REF.", "fenetre 90", "12")
+_ROWS = ("Living 46.3", "Garage", "POOL", "Total 101 sqm", "TENNIS COURT", "Balkon 7,5")
 
 
 def draw_clutter(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Generator) -> None:
@@ -32,6 +33,81 @@ def draw_clutter(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random
         corner = np.array([rng.choice([x0, x1]), rng.choice([z0, z1])])
         stub = corner + rng.uniform(-1.5, 1.5, 2)
         sheet.line(np.array([corner, (stub[0], corner[1]), stub]), style.ink, style.weight)
+    if rng.random() < 0.15:
+        _neighbour(sheet, plan, home, style, rng)
+    if rng.random() < 0.15:
+        _table(sheet, home, style, rng)
+    if rng.random() < 0.15:
+        _logo(sheet, home, style, rng)
+    if rng.random() < 0.08:  # the page's dark border
+        size = np.array(sheet.image.shape[1::-1]) / sheet.ppm
+        edge = float(rng.uniform(0.1, 0.5))
+        page = shapely.box(*sheet.origin, *(sheet.origin + size))
+        sheet.fill_shape(page.difference(page.buffer(-edge)), style.ink)
+
+
+def _neighbour(
+    sheet: Sheet,
+    plan: Structure,
+    home: shapely.Geometry,
+    style: PlanStyle,
+    rng: np.random.Generator,
+) -> None:
+    """Draw walls of the next flat or of the stairwell that go on from a corner of the home."""
+    x0, z0, x1, z1 = home.bounds
+    w, h = rng.uniform(2.0, 5.0, 2)
+    x, z = rng.choice([x0 - w, x1]), float(rng.uniform(z0 - h / 2, z1 - h / 2))
+    room = shapely.box(x, z, x + w, z + h)
+    walls = room.difference(room.buffer(-plan.outer_depth)).difference(home.buffer(0.02))
+    doors = shapely.box(x + w / 2, z - 1, x + w / 2 + 0.9, z + h + 1)
+    sheet.fill_shape(walls.difference(doors), style.ink if rng.random() < 0.7 else style.tint)
+
+
+def _free_spot(
+    sheet: Sheet,
+    home: shapely.Geometry,
+    size: tuple[float, float],
+    rng: np.random.Generator,
+) -> np.ndarray | None:
+    """Return the corner of a place of `size` (width, height) in metres beside the home."""
+    spare = np.array(sheet.image.shape[1::-1]) / sheet.ppm - size
+    for _ in range(8):
+        corner = sheet.origin + rng.random(2) * spare
+        if (spare > 0).all() and not home.intersects(shapely.box(*corner, *(corner + size))):
+            return np.asarray(corner)
+    return None
+
+
+def _table(
+    sheet: Sheet, home: shapely.Geometry, style: PlanStyle, rng: np.random.Generator
+) -> None:
+    """Draw a table of areas, or a pool or a court: a box with a name and nothing else."""
+    rows = int(rng.integers(1, 6))
+    height = 2.0 * style.text_height
+    width = float(rng.uniform(1.5, 4.0))
+    corner = _free_spot(sheet, home, (width, rows * height), rng)
+    if corner is None:
+        return
+    x, z = corner
+    if rng.random() < 0.3:
+        sheet.fill_shape(shapely.box(x, z, x + width, z + rows * height), style.tint)
+    for row in range(rows):
+        low, high = z + row * height, z + (row + 1) * height
+        cell = np.array([(x, low), (x + width, low), (x + width, high), (x, high)])
+        sheet.line(cell, style.pen, style.thin, closed=True)
+        text = str(rng.choice(_ROWS))
+        sheet.write(text, cell.mean(0), 0.8 * style.text_height, style.pen)
+
+
+def _logo(sheet: Sheet, home: shapely.Geometry, style: PlanStyle, rng: np.random.Generator) -> None:
+    """Draw an agent's sign: discs and boxes in loud colours, or black."""
+    corner = _free_spot(sheet, home, (1.2, 1.2), rng)
+    for k in range(0 if corner is None else int(rng.integers(1, 5))):
+        colour = style.ink if rng.random() < 0.3 else tuple(int(v) for v in rng.integers(0, 256, 3))
+        middle = corner + 0.3 + 0.6 * np.array([k % 2, k // 2])
+        round_one = rng.random() < 0.5
+        shape = shapely.Point(middle).buffer(0.28, cap_style="round" if round_one else "square")
+        sheet.fill_shape(shape, colour)
 
 
 def _boundary(

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import cv2
 import numpy as np
 import shapely
+import shapely.affinity
 
 from plan2scene.house import House
 from plan2scene_app.tracing.settings import DOOR, LABEL_OF_TYPE, OUTSIDE, PASSAGE, WALL, WINDOW
@@ -154,9 +156,7 @@ def _pattern(
 
 def _walls(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Generator) -> None:
     """Draw the bodies of walls in the style of the sheet."""
-    rail = style.pen
-    sheet.fill_shape(plan.rails, style.paper)
-    sheet.outline(plan.rails, rail, style.thin)
+    _rails(sheet, plan, style)
     if style.wall == "line":
         gaps = shapely.union_all([shapely.Polygon(g.corners(g.depth + 0.1)) for g in plan.gaps])
         weight = max(1, round(style.weight * sheet.ppm / 35))
@@ -166,7 +166,16 @@ def _walls(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Gener
         for part in shapely.get_parts(shapely.line_merge(lines)):
             sheet.line(np.array(part.coords), style.ink, weight)
         return
+    if style.wall == "mixed":
+        sheet.fill_shape(plan.outer, style.ink)
+        middles = shapely.union_all([room.exterior for room in plan.rooms])
+        for part in shapely.get_parts(shapely.line_merge(middles.intersection(plan.inner))):
+            sheet.line(np.array(part.coords), style.pen, style.thin)
+        return
     bodies = shapely.union_all([plan.inner, plan.outer])
+    if rng.random() < 0.06:  # the walls' shadow on the floors
+        dark = sheet.mask(shapely.affinity.translate(bodies, 0.08, 0.08))[..., None]
+        sheet.image[:] = np.where(dark, sheet.image // 4 * 3, sheet.image)
     kinds = {"solid": style.ink, "grey": (int(rng.integers(90, 200)),) * 3}
     if style.wall in kinds:
         sheet.fill_shape(bodies, kinds[style.wall])
@@ -181,6 +190,26 @@ def _walls(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Gener
         sheet.fill_shape(plan.inner, style.ink if rng.random() < 0.5 else style.paper)
         sheet.outline(plan.inner, style.ink, style.thin)
     sheet.outline(bodies, style.ink, style.weight + (2 if style.wall == "hollow_thick" else 0))
+
+
+def _rails(sheet: Sheet, plan: Structure, style: PlanStyle) -> None:
+    """Draw what is around balconies and terraces: two lines, one, dashes, or posts and nothing."""
+    if style.rail == "outline":
+        sheet.fill_shape(plan.rails, style.paper)
+        sheet.outline(plan.rails, style.pen, style.thin)
+        return
+    air = [room.exterior for k, room in enumerate(plan.rooms) if not plan.indoor(k)]
+    lines = shapely.union_all(air).intersection(plan.rails)
+    for part in shapely.get_parts(shapely.line_merge(lines)):
+        points = np.array(part.coords)
+        if style.rail == "line":
+            sheet.line(points, style.pen, style.thin)
+            continue
+        for start, end in pairwise(points):
+            if style.rail == "dashed":
+                sheet.dashes(start, end, style.pen, style.weight, 0.15)
+            else:
+                sheet.fill_shape(shapely.Point(start).buffer(0.15, cap_style="square"), style.ink)
 
 
 def _hatch(

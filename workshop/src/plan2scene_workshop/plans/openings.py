@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,13 +17,13 @@ _Draw = Callable[[Sheet, Gap, PlanStyle, np.random.Generator], None]
 def draw_gap(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
     """Draw the symbol of an opening; its gap in the wall is there already."""
     registry, name = {
-        "door": (_DOORS, style.door),
+        "door": (_DOORS, style.outer_door if gap.outer else style.door),
         "window": (_WINDOWS, style.window),
         "passage": (_PASSAGES, style.passage),
     }[gap.kind]
     if gap.kind == "door" and gap.width > 1.25:
         name = "sliding" if rng.random() < 0.5 else "double_leaf"
-    registry[name](sheet, gap, style, rng)
+    registry[name](sheet, gap, replace(style, door=name) if gap.kind == "door" else style, rng)
 
 
 def _arc(
@@ -34,7 +35,7 @@ def _arc(
 
 
 def _leaf(gap: Gap, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return hinge, closed leaf and open leaf as vectors."""
+    """Return hinge, closed leaf and the leaf open at a right angle as vectors."""
     hinge, other = (gap.start, gap.end) if rng.random() < 0.5 else (gap.end, gap.start)
     side = gap.normal if not gap.outer or rng.random() < 0.8 else -gap.normal
     base = hinge + side * gap.depth / 2 * float(rng.choice([0.0, 1.0]))
@@ -44,11 +45,11 @@ def _leaf(gap: Gap, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, n
 def _door_arc(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
     hinge, closed, opened = _leaf(gap, rng)
     weight = style.weight if style.door == "arc" else style.thin
-    sheet.line([hinge, hinge + opened], style.pen, weight)
+    swing = _arc(sheet, hinge, closed, opened, style.swing)
+    sheet.line([hinge, swing[-1]], style.pen, weight)
     if style.door == "double_arc":
         shift = 0.05 * closed / gap.width
-        sheet.line([hinge + shift, hinge + opened + shift], style.pen, weight)
-    swing = _arc(sheet, hinge, closed, opened)
+        sheet.line([hinge + shift, swing[-1] + shift], style.pen, weight)
     if style.door == "filled_arc":
         sheet.fill([hinge, *swing], style.tint)
     if style.door == "dashed_arc":
@@ -91,9 +92,9 @@ def _double_leaf(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Genera
     middle = (gap.start + gap.end) / 2
     side = gap.normal if rng.random() < 0.7 else -gap.normal
     for hinge in (gap.start, gap.end):
-        closed, opened = middle - hinge, side * gap.width / 2
-        sheet.line([hinge, hinge + opened], style.pen, style.weight)
-        sheet.line(_arc(sheet, hinge, closed, opened), style.pen, style.thin)
+        swing = _arc(sheet, hinge, middle - hinge, side * gap.width / 2, style.swing)
+        sheet.line([hinge, swing[-1]], style.pen, style.weight)
+        sheet.line(swing, style.pen, style.thin)
 
 
 def _along(gap: Gap, share: float) -> tuple[np.ndarray, np.ndarray]:
@@ -194,6 +195,10 @@ def _passage_dotted(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Gen
     sheet.dashes(*_along(gap, 0.0), style.pen, style.thin, 0.05)
 
 
+def _passage_line(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
+    sheet.line(_along(gap, 0.0), style.pen, style.thin)
+
+
 def _passage_lines(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
     for share in (-0.5, 0.5):
         sheet.line(_along(gap, share), style.pen, style.thin)
@@ -229,5 +234,6 @@ _PASSAGES: dict[str, _Draw] = {
     "gap": _passage_gap,
     "dashed": _passage_dashed,
     "dotted": _passage_dotted,
+    "line": _passage_line,
     "lines": _passage_lines,
 }

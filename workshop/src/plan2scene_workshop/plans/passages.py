@@ -9,7 +9,7 @@ from shapely.geometry import LineString, Polygon
 from plan2scene_workshop.homes.openings import OPEN_AIR
 
 #: Metres of wall that a passage leaves beside corners and other openings; the widest passage.
-_FREE, _WIDEST = 0.15, 3.5
+_FREE, _WIDEST = 0.15, 5.0
 #: Chance that the wall from corner to corner is open but for `_FREE`.
 _WHOLE = 0.3
 

@@ -13,7 +13,7 @@ class PlanSettings:
     start: str | None = None
 
     # Drawings.
-    drawings: int = 1200  #: different homes, each in one style; a view is a new copy of one
+    drawings: int = 1600  #: different homes, each in one style; a view is a new copy of one
     blank_share: float = 0.04  #: of the views: a sheet without any plan
     ppm_low: float = 18.0  #: pixels a metre
     ppm_high: float = 46.0
@@ -23,7 +23,7 @@ class PlanSettings:
     side: int = 352  #: pixels
 
     # Optimiser: AdamW; a linear rise, then a cosine to a hundredth.
-    steps: int = 2700
+    steps: int = 3200
     learning_rate: float = 3e-3  #: at the peak
     weight_decay: float = 0.02  #: of all but norms and biases
     clip_norm: float = 5.0  #: of the gradient

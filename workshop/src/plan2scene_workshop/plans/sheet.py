@@ -19,6 +19,7 @@ _SHIFT = 4
 #: Fonts that ship with matplotlib; a stroke font of OpenCV stands for handwriting.
 FONTS = {
     "sans": "DejaVuSans.ttf",
+    "narrow": "DejaVuSans.ttf",  # squeezed
     "bold": "DejaVuSans-Bold.ttf",
     "oblique": "DejaVuSans-Oblique.ttf",
     "mono": "DejaVuSansMono.ttf",
@@ -156,6 +157,8 @@ def letters(text: str, pixels: int, font: str) -> np.ndarray:
     left, top, right, bottom = type_face.getbbox(text)
     page = Image.new("L", (int(right - left) + 4, int(bottom - top) + 4))
     ImageDraw.Draw(page).text((2 - left, 2 - top), text, fill=255, font=type_face)
+    if font == "narrow":
+        page = page.resize((max(1, page.width * 3 // 4), page.height))
     return np.asarray(page, np.float32) / 255
 
 

@@ -17,6 +17,7 @@ CHOICES: dict[str, dict[str, float]] = {
         "double": 2.5,
         "hatched": 2.0,
         "line": 2.0,
+        "mixed": 2.5,
         "crossed": 1.0,
     },
     "door": {
@@ -25,9 +26,9 @@ CHOICES: dict[str, dict[str, float]] = {
         "leaf": 1.5,
         "slanted": 1.0,
         "dashed_arc": 1.0,
-        "gap": 2.0,
-        "box": 1.0,
-        "sliding": 0.5,
+        "gap": 3.0,
+        "box": 2.0,
+        "sliding": 0.7,
     },
     "window": {
         "lines": 4.0,
@@ -40,7 +41,8 @@ CHOICES: dict[str, dict[str, float]] = {
         "line": 1.5,
         "niche": 2.5,
     },
-    "passage": {"gap": 4.0, "dashed": 1.5, "lines": 1.0, "dotted": 0.5},
+    "passage": {"gap": 4.0, "dashed": 1.5, "lines": 1.0, "line": 1.5, "dotted": 0.5},
+    "rail": {"outline": 4.0, "dashed": 1.5, "line": 1.0, "posts": 0.7},
     "floor": {"none": 6.0, "one": 1.5, "by_type": 2.5, "pattern": 2.0},
     "furniture": {"none": 2.5, "lines": 6.0, "filled": 2.0},
     "names": {"none": 1.5, "names": 2.5, "areas": 3.5, "dimensions": 2.5, "both": 0.7},
@@ -67,8 +69,11 @@ class PlanStyle:
 
     wall: str
     door: str
+    outer_door: str
+    swing: float  #: degrees that leaves are open
     window: str
     passage: str
+    rail: str
     floor: str
     furniture: str
     names: str
@@ -106,6 +111,8 @@ def draw_style(rng: np.random.Generator, *, held_out: bool = False) -> PlanStyle
     hand = wall == "line" and bool(rng.random() < 0.5)
     inner = float(rng.uniform(0.07, 0.16))
     outer = inner if rng.random() < 0.25 else float(rng.uniform(max(0.15, inner), 0.42))
+    if wall == "mixed":  # solid outer walls, inner ones that are a line
+        inner, outer = float(rng.uniform(0.02, 0.06)), float(rng.uniform(0.08, 0.3))
     if wall == "line":
         inner = outer = float(rng.uniform(0.02, 0.06))
     inverse = rng.random() < 0.04
@@ -117,15 +124,19 @@ def draw_style(rng: np.random.Generator, *, held_out: bool = False) -> PlanStyle
     pen: tuple[int, ...] = (int(rng.integers(0, 150)),) * 3
     if inverse:
         ink, pen = (int(rng.integers(200, 256)),) * 3, (int(rng.integers(160, 256)),) * 3
-    tint = tuple(int(v) for v in rng.integers(150, 250, 3))
+    tint = tuple(int(v) for v in rng.integers(90 if rng.random() < 0.15 else 150, 250, 3))
     if inverse:
         tint = tuple(int(v * 0.5) for v in tint)
     accent = tuple(int(v) for v in rng.integers(0, 200, 3)) if rng.random() < 0.4 else pen
+    door = "gap" if hand and rng.random() < 0.6 else choose("door")
     return PlanStyle(
         wall=wall,
-        door="gap" if hand and rng.random() < 0.6 else choose("door"),
+        door=door,
+        outer_door=door if rng.random() < 0.6 else choose("door"),
+        swing=90.0 if rng.random() < 0.7 else float(rng.uniform(30, 80)),
         window="gap" if hand and rng.random() < 0.3 else choose("window"),
         passage=choose("passage"),
+        rail=choose("rail"),
         floor="none" if hand else choose("floor"),
         furniture="none" if hand and rng.random() < 0.6 else choose("furniture"),
         names=choose("names"),
@@ -160,5 +171,8 @@ def _near_white(rng: np.random.Generator) -> tuple[int, ...]:
 def _font(rng: np.random.Generator) -> str:
     """Return a font to train on."""
     return str(
-        rng.choice(["sans", "bold", "mono", "hand", "oblique"], p=[0.45, 0.2, 0.1, 0.1, 0.15])
+        rng.choice(
+            ["sans", "bold", "mono", "hand", "oblique", "narrow"],
+            p=[0.35, 0.15, 0.1, 0.1, 0.1, 0.2],
+        )
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -85,6 +86,28 @@ def _wardrobe(rng: np.random.Generator, w: float, d: float) -> Lines:
         lines += [segment(0, 0, w, d), segment(0, d, w, 0)]
     elif kind == 2:
         lines += [segment(x, 0, x, d) for x in np.arange(0.5, w, 0.5)]
+    return lines
+
+
+def _cupboard(rng: np.random.Generator, w: float, d: float) -> Lines:
+    """Return a fitted cupboard, pairs of leaves open before it."""
+    leaves = 2 * max(1, round(w / 0.9))
+    leaf, front = w / leaves, d - w / leaves
+    lines = [box(0, 0, w, front)]
+    for k in range(leaves):
+        hinge, turn = (k * leaf, (0, 90)) if k % 2 == 0 else ((k + 1) * leaf, (90, 180))
+        swing = oval(hinge, front, leaf, leaf, *turn)
+        lines += [swing, segment(hinge, front, hinge, d)]
+    return lines
+
+
+def _dashed(_: np.random.Generator, w: float, d: float) -> Lines:
+    """Return the dashed outline of what is above: a skylight, a beam, a cupboard."""
+    corners = box(0, 0, w, d)
+    lines = []
+    for start, end in pairwise(corners):
+        stops = np.linspace(0, 1, 2 * max(2, round(float(np.linalg.norm(end - start)) / 0.25)))
+        lines += [start + np.outer(pair, end - start) for pair in stops.reshape(-1, 2)]
     return lines
 
 
@@ -197,19 +220,22 @@ SYMBOLS = {
         Symbol("basin", (0.45, 0.9), (0.38, 0.55), _basin),
         Symbol("washer", (0.55, 0.65), (0.55, 0.65), _washer),
         Symbol("stairs", (1.6, 3.4), (0.8, 1.1), _stairs),
+        Symbol("cupboard", (0.8, 2.8), (0.95, 1.2), _cupboard),
+        Symbol("dashed", (0.4, 2.0), (0.3, 0.6), _dashed, free=True),
+        Symbol("island", (1.2, 2.8), (0.7, 1.1), _square, free=True),
         Symbol("plant", (0.3, 0.7), (0.3, 0.7), _plant),
         Symbol("seat", (0.5, 0.65), (0.5, 0.65), _seat, free=True),
     )
 }
 #: What stands in rooms of each type, the first ones first.
 PIECES = {
-    "Bedroom": ["bed", "wardrobe", "night table", "desk", "plant"],
-    "Reception": ["sofa", "low table", "shelf", "table", "armchair", "plant"],
-    "Kitchen": ["counter", "fridge", "table", "counter"],
+    "Bedroom": ["bed", "wardrobe", "cupboard", "night table", "desk", "plant"],
+    "Reception": ["sofa", "low table", "shelf", "table", "armchair", "plant", "dashed", "island"],
+    "Kitchen": ["counter", "fridge", "table", "counter", "island", "dashed"],
     "Bathroom": ["toilet", "basin", "bath", "shower", "washer"],
-    "Corridor": ["shelf", "wardrobe"],
-    "Entrance": ["wardrobe", "shelf"],
-    "Closet": ["wardrobe", "wardrobe", "shelf", "washer"],
+    "Corridor": ["cupboard", "shelf", "wardrobe", "stairs"],
+    "Entrance": ["cupboard", "wardrobe", "shelf", "stairs"],
+    "Closet": ["cupboard", "wardrobe", "wardrobe", "shelf", "washer"],
     "Staircase": ["stairs", "stairs"],
     "Balcony": ["seat", "low table", "plant"],
     "Terrace": ["table", "plant", "seat", "plant"],

@@ -17,6 +17,8 @@ from plan2scene_workshop.plans.style import draw_style
 
 #: Share of views that are photographed rather than scanned or saved, and of those turned anyhow.
 PHOTOGRAPHED, TURNED = 0.3, 0.06
+#: Share of drawings with two storeys on a page.
+STOREYS = 0.1
 
 
 class Drawings:
@@ -32,7 +34,23 @@ class Drawings:
         low, high = np.log([self.settings.ppm_low, self.settings.ppm_high])
         ppm = float(np.exp(rng.uniform(low, high)))
         house = generate_house(f"train_{number}", self.seed)
-        return draw_plan(house, draw_style(rng), ppm, rng, finer=int(rng.integers(1, 4)))
+        style, finer = draw_style(rng), int(rng.integers(1, 4))
+        drawn = draw_plan(house, style, ppm, rng, finer=finer)
+        if rng.random() >= STOREYS:
+            return drawn
+        house = generate_house(f"train_{number}_above", self.seed)
+        return _beside(drawn, draw_plan(house, style, ppm, rng, finer=finer))
+
+
+def _beside(first: DrawnPlan, second: DrawnPlan) -> DrawnPlan:
+    """Return two storeys on one page; the plan told is the first's."""
+    heights = [drawn.labels.shape[0] for drawn in (first, second)]
+    images, labels = [], []
+    for drawn in (first, second):
+        low = ((0, max(heights) - drawn.labels.shape[0]), (0, 0))
+        images.append(np.pad(drawn.image, (*low, (0, 0)), mode="edge"))
+        labels.append(np.pad(drawn.labels, low))
+    return replace(first, image=np.hstack(images), labels=np.hstack(labels))
 
 
 def other_drawing(
