@@ -102,7 +102,9 @@ def _table(
 def _logo(sheet: Sheet, home: shapely.Geometry, style: PlanStyle, rng: np.random.Generator) -> None:
     """Draw an agent's sign: discs and boxes in loud colours, or black."""
     corner = _free_spot(sheet, home, (1.2, 1.2), rng)
-    for k in range(0 if corner is None else int(rng.integers(1, 5))):
+    if corner is None:
+        return
+    for k in range(int(rng.integers(1, 5))):
         colour = style.ink if rng.random() < 0.3 else tuple(int(v) for v in rng.integers(0, 256, 3))
         middle = corner + 0.3 + 0.6 * np.array([k % 2, k // 2])
         round_one = rng.random() < 0.5
