@@ -31,7 +31,7 @@ from plan2scene.seeds import derive_seed
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.library import generated_library
 from plan2scene.textures.seams import make_seamless, wrap_ratio
-from plan2scene.textures.single import CROP_PX, LIBRARY_TILES
+from plan2scene_app.single_tile import CROP_PX, LIBRARY_TILES
 from plan2scene_workshop.texture.degradation import DegradedCrop, degrade
 
 ROLLS = 8

@@ -19,9 +19,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pandas as pd
+from repetition import repetition
 
 from plan2scene.io import read_parquet
-from plan2scene.metrics.repetition import repetition
 from plan2scene.plans.surface_areas import Area
 from plan2scene.textures.laying import LaidPattern, laid, read_patterns
 

@@ -20,10 +20,10 @@ import numpy as np
 
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh.assembly import build_parts
-from plan2scene.mesh.baking import even_light
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.plans.scene_json import read_scene_json
+from plan2scene_app.pictures.baked_light import even_light
 from plan2scene_app.pictures.lit_picture import painter_of
 from plan2scene_app.pictures.room_views import camera_in
 

@@ -17,11 +17,11 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from repetition import FINE, fine_power, repetition
 
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_json, read_parquet
-from plan2scene.metrics.repetition import FINE, fine_power, repetition
 
 SIDE_M = 4.0
 SHOWN_PX_PER_M = 64.0  # at which repetition is measured: coarse enough for every surface

@@ -169,7 +169,7 @@ def check(
     dxf_layer: _Layers = None,
 ) -> None:
     """Tell what would go wrong, before anything runs."""
-    from plan2scene.datasets.check import check_dataset, check_plan
+    from plan2scene_app.check import check_dataset, check_plan
 
     layers = _layers(dxf_layer)
 
@@ -349,7 +349,7 @@ def make_texture(
     """Make one seamless tile from crops of one surface."""
     from plan2scene.images import read_image, write_png
     from plan2scene.io import new_file
-    from plan2scene.textures.single import tile_from_crops
+    from plan2scene_app.single_tile import tile_from_crops
 
     new_file(out, crops)
     images = [read_image(path) for path in crops]

@@ -15,10 +15,8 @@ from pathlib import Path
 
 from plan2scene.config import shipped_config
 from plan2scene.datasets.assignments import read_assignment
-from plan2scene.datasets.check import photo_problem
 from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
-from plan2scene.finishes import finishes_file, read_finishes
 from plan2scene.images import decode_image, to_small_srgb
 from plan2scene.io import absent, atomic_path, safe_join, write_text
 from plan2scene.plans.formats import read_plan
@@ -26,6 +24,8 @@ from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import validate_house
 from plan2scene.provenance import WORKFLOW
 from plan2scene_app.bound_process import run_bound
+from plan2scene_app.check import photo_problem
+from plan2scene_app.finishes import finishes_file, read_finishes
 from plan2scene_app.out_folder import OutFolder, claimed_folder
 from plan2scene_app.tracing.picture import paper_share, read_plan_picture
 from plan2scene_app.tracing.settings import SETTINGS

@@ -26,7 +26,7 @@ from plan2scene.plans.formats import reader_code
 from plan2scene.provenance import contents_hash, file_hash
 from plan2scene.workflow.closures import rule_code
 from plan2scene.workflow.slurm import check_cluster
-from plan2scene.finishes import finishes_file
+from plan2scene_app.finishes import finishes_file
 from plan2scene.textures.methods import method_code, texture_methods
 
 try:

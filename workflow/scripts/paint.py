@@ -1,11 +1,24 @@
 """Rule paint: colours, materials, textures and finishes of a house -> textures in paint."""
 
+from pathlib import Path
+
 from plan2scene.paint.surfaces import write_paint
 from plan2scene.textures.painted import paint_textures
 from plan2scene.workflow.jobs import job
+from plan2scene_app.finishes import read_finishes
+
+found, output = snakemake.input, snakemake.output
+
+
+def set_finishes(folder: Path) -> None:
+    """Set what the house's owner chose; PyTorch takes seconds to import, so it is imported late."""
+    from plan2scene_app.set_by_hand import set_by_hand
+
+    set_by_hand(folder, finishes, found.crops, output.paint)
+
 
 with job(snakemake.log[0]):
-    found, output = snakemake.input, snakemake.output
+    finishes = read_finishes(found.finishes) if found.get("finishes") else {}
     write_paint(
         found.colours,
         found.materials,
@@ -17,6 +30,5 @@ with job(snakemake.log[0]):
         found.textures,
         output.paint,
         output.textures,
-        finishes=found.get("finishes"),
-        crops=found.get("crops"),
+        last_word=set_finishes if finishes else None,
     )

@@ -1,11 +1,7 @@
-"""What is baked into texels of a house's surfaces by rays (Embree): ambient occlusion, and light.
+"""Ambient occlusion of a house's surfaces, baked into texels by rays (Embree), and its lamps.
 
-Both lay flat parts out in one image (`Chart`). Occlusion (glTF's occlusionTexture) is how much of
+Flat parts are laid out in one image (`Chart`). Occlusion (glTF's occlusionTexture) is how much of
 the hemisphere over a point is taken by what is near, weighted by the cosine and by how near it is.
-Light is radiosity by rays (Cohen and Wallace 1993): sky through the windows, a lamp in every room
-and some bounces. Every texel looks at the house in the same few directions about its normal; what
-it sees, a window's sky or another texel, is worked out once, then each bounce is a sum. Values are
-factors on a surface's colour, about 1 where a room is lit.
 """
 
 from __future__ import annotations
@@ -16,16 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from scipy import ndimage
-from scipy.spatial import cKDTree
 from shapely.geometry import Point, Polygon
 from shapely.ops import unary_union
 
-from plan2scene.colour import srgb_to_linear
-from plan2scene.house import House, SurfaceKey
-from plan2scene.images import image_from_bytes, png_bytes
+from plan2scene.house import House
+from plan2scene.images import png_bytes
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.rays import Rays, hemisphere
-from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.geometry import room_polygon
 
 #: Texels around each part that continue its edge, so that filtering takes nothing of others.
@@ -198,256 +191,8 @@ def _openness(chart: Chart, uv: np.ndarray, rays: Rays) -> np.ndarray:
     return np.asarray(1 - near.mean(axis=1))
 
 
-#: Linear RGB of sky and ground outside, and of lamps, 1 for a white surface in full light.
-SKY = np.array([1.55, 1.7, 1.9])
-GROUND = np.array([0.55, 0.53, 0.5])
-LAMP = np.array([1.0, 0.94, 0.86])
-
-
-@dataclass(frozen=True)
-class LightSettings:
-    """How light is baked. Values are factors on a surface's colour."""
-
-    rays: int = 64  #: directions that a texel looks in
-    bounces: int = 4
-    most_px: int = 2048  #: width and height of the image at most
-    plain: float = 0.6  #: linear reflectance of doors and frames
-    lamp_share: float = 0.3  #: mean direct light of a room's lamp
-    lamp_most: float = 0.8  #: its greatest direct light
-    lamp_drop_m: float = 0.35  #: how far below the ceiling it hangs
-    lamp_glow_m: float = 1.1  #: radius of its glow: light does not grow without end towards it
-    middle: float = 0.9  #: median light of a house after exposure
-    before_m: float = 0.1  #: plain things have the light of walls near a point so far before them
-    near_texels: int = 24  #: number of texels near it
-    brightest: float = 1.3  #: mean light that a room or a balcony has at most
-    knee: float = 0.75  #: linear value from which highlights of pictures are compressed
-
-
-LIGHT = LightSettings()
-
-
-@dataclass(frozen=True)
-class Light:
-    """Baked light, and where each part lies in it.
-
-    Attributes
-    ----------
-    image : (h, w, 3) float32
-        Linear factors on surface colours.
-    charts : mapping of part name to Chart
-    walls : (tree, (n, 3) float64, (n,) str) or None
-        Points of wall texels, the light there and the rooms: what has no texels has the light of
-        walls near it.
-    """
-
-    image: np.ndarray
-    charts: Mapping[str, Chart]
-    walls: tuple[cKDTree, np.ndarray, np.ndarray] | None = None
-
-    def uv(self, part: MeshPart) -> np.ndarray:
-        """Return texture coordinates (n, 2) of a part's vertices in the image, v down."""
-        height, width = self.image.shape[:2]
-        return self.charts[part.name].texels(np.asarray(part.uv)) / [width, height]
-
-    def of_plain(self, part: MeshPart) -> np.ndarray:
-        """Return the light (n, 3) of the vertices of a part without texels: that of walls near it.
-
-        What looks up is a little brighter.
-        """
-        normals = part.mesh.vertex_normals
-        if self.walls is None:
-            light = np.ones((len(normals), 3))
-        else:
-            tree, lights, owner = self.walls
-            before = part.mesh.vertices + LIGHT.before_m * normals
-            away, near = tree.query(before, k=min(LIGHT.near_texels, len(lights)))
-            shape = len(before), -1
-            near = near.reshape(shape)
-            same = owner[near] == owner[near[:, :1]]  # walls of two rooms stand back to back
-            weights = same / (away.reshape(shape) + LIGHT.before_m)
-            light = (lights[near] * weights[..., None]).sum(axis=1)
-            light /= weights.sum(axis=1, keepdims=True)
-        return np.asarray(light * (1.0 + 0.15 * normals[:, 1:2]))
-
-
-@dataclass(eq=False)
-class _Texels:
-    """All texels on parts, in one row: points, normals, colours and rooms."""
-
-    points: np.ndarray
-    charts: np.ndarray
-    colours: np.ndarray
-    index: np.ndarray  # (h, w) int: number of the texel of a pixel, -1 off the parts
-
-
-def bake_light(
-    house: House,
-    parts: Sequence[MeshPart],
-    colours: Mapping[SurfaceKey, np.ndarray],
-    texel_m: float,
-) -> Light | None:
-    """Return the light of a house's textured parts; None without a ray tracer. Deterministic.
-
-    Parameters
-    ----------
-    house : House
-    parts : sequence of MeshPart
-    colours : mapping of SurfaceKey to (3,) float
-        Mean linear RGB of the surfaces; parts of others are plain.
-    texel_m : float
-        Side of a texel, metres.
-    """
-    flat = [part for part in parts if part.surface in colours]
-    rays = Rays.of([part for part in parts if part.extras.get("kind") != "skirting"])
-    if rays is None or not flat:
-        return None
-    charts, shape = packed(flat, texel_m, LIGHT.most_px)
-    grids = [chart.grid() for chart in charts]
-    texels = _texels(charts, grids, colours, shape)
-    direct = _lamps(house, charts, texels, rays)
-    seen, sky = _seen(charts, texels, rays)
-    reflected = np.vstack([texels.colours, np.full((1, 3), LIGHT.plain)])
-    light = direct + sky
-    for _ in range(LIGHT.bounces):
-        known = np.vstack([light, np.median(light, axis=0)]) * reflected
-        light = direct + sky + _gathered(known, seen)
-    light *= LIGHT.middle / max(float(np.median(light.mean(axis=1))), 1e-6)
-    names = np.array([str(chart.part.extras.get("room_id", "")) for chart in charts])
-    owner = names[texels.charts]
-    for room in np.unique(owner):  # eyes get used to a terrace's light
-        mine = owner == room
-        light[mine] *= min(1.0, LIGHT.brightest / max(float(light[mine].mean()), 1e-6))
-    image = np.zeros((*shape, 3), np.float32)
-    start = 0
-    for chart, (_, inside) in zip(charts, grids, strict=True):
-        values = np.zeros((*inside.shape, 3))
-        count = int(inside.sum())
-        values[inside] = light[start : start + count]
-        if not count:  # a strip between the texels' middles
-            values[:] = np.median(light, axis=0)
-        chart.paste(image, *_continued(_smooth(values, inside), inside))
-        start += count
-    kinds = np.array([chart.part.extras.get("kind") == "wall" for chart in charts])
-    upright = kinds[texels.charts]
-    walls = None
-    if upright.any():
-        walls = cKDTree(texels.points[upright]), light[upright], owner[upright]
-    return Light(image, {chart.part.name: chart for chart in charts}, walls)
-
-
-def even_light() -> Light:
-    """Return the light of a house without any: what looks up is a little brighter."""
-    return Light(np.ones((1, 1, 3), np.float32), {})
-
-
-def compressed(linear: np.ndarray) -> np.ndarray:
-    """Return linear values, those beyond `LIGHT.knee` compressed below 1: nothing burns out."""
-    over = np.maximum(linear - LIGHT.knee, 0.0)
-    return np.minimum(linear, LIGHT.knee) + (1 - LIGHT.knee) * over / (over + 1 - LIGHT.knee)
-
-
-def mean_colours(textures: Mapping[SurfaceKey, TileTexture]) -> dict[SurfaceKey, np.ndarray]:
-    """Return the mean linear RGB (3,) of each surface's tile."""
-    made: dict[bytes, np.ndarray] = {}
-    for tile in textures.values():
-        if tile.png not in made:
-            made[tile.png] = srgb_to_linear(image_from_bytes(tile.png)).mean(axis=(0, 1))
-    return {key: made[tile.png] for key, tile in textures.items()}
-
-
-def _texels(
-    charts: Sequence[Chart],
-    grids: Sequence[tuple[np.ndarray, np.ndarray]],
-    colours: Mapping[SurfaceKey, np.ndarray],
-    shape: tuple[int, int],
-) -> _Texels:
-    """Return the texels of all charts."""
-    index = np.full(shape, -1)
-    points, numbers, looks, start = [], [], [], 0
-    for number, (chart, (uv, inside)) in enumerate(zip(charts, grids, strict=True)):
-        count = int(inside.sum())
-        points.append(chart.world(uv[inside]))
-        numbers.append(np.full(count, number))
-        look = np.zeros(3) if chart.part.surface is None else colours[chart.part.surface]
-        looks.append(np.tile(look, (count, 1)))
-        order = np.full(inside.shape, -1)
-        order[inside] = np.arange(start, start + count)
-        chart.paste(index, order, inside)
-        start += count
-    return _Texels(np.concatenate(points), np.concatenate(numbers), np.concatenate(looks), index)
-
-
-def _seen(charts: Sequence[Chart], texels: _Texels, rays: Rays) -> tuple[np.ndarray, np.ndarray]:
-    """Return what texels see in each direction, and the mean light of the sky in them (n, 3).
-
-    (n, `LIGHT.rays`) int: number of a texel, n for plain things, n + 1 for what is outside.
-    """
-    count = len(texels.points)
-    seen = np.full((count, LIGHT.rays), count + 1)
-    sky = np.zeros((count, 3))
-    by_name = {chart.part.name: chart for chart in charts}
-    known = [by_name.get(part.name) for part in rays.parts]
-    for number, chart in enumerate(charts):
-        mine = np.flatnonzero(texels.charts == number)
-        if not len(mine):
-            continue
-        directions = np.tile(hemisphere(chart.normal, LIGHT.rays), (len(mine), 1))
-        origins = np.repeat(texels.points[mine], LIGHT.rays, axis=0)
-        hit = rays.hits(origins, directions)
-        out = (hit < 0).reshape(-1, LIGHT.rays)
-        up = directions[:, 1].reshape(-1, LIGHT.rays) > 0
-        for part, colour in ((out & up, SKY), (out & ~up, GROUND)):
-            sky[mine] += part.mean(axis=1)[:, None] * colour
-        numbers = np.full(len(hit), count + 1)
-        numbers[hit >= 0] = count
-        for other in np.unique(rays.part[hit[hit >= 0]]):
-            target = known[other]
-            if target is not None:
-                ours = np.flatnonzero((hit >= 0) & (rays.part[hit] == other))
-                points, _ = rays.points(hit[ours], origins[ours], directions[ours])
-                numbers[ours] = _texel_at(target, points, texels.index, count)
-        seen[mine] = numbers.reshape(-1, LIGHT.rays)
-    return seen, sky
-
-
-def _texel_at(chart: Chart, points: np.ndarray, index: np.ndarray, plain: int) -> np.ndarray:
-    """Return the numbers of the texels of a chart at world points (n, 3)."""
-    known = np.column_stack([chart.part.mesh.vertices, np.ones(len(chart.part.mesh.vertices))])
-    to_uv, *_ = np.linalg.lstsq(known, np.asarray(chart.part.uv), rcond=None)
-    column, row = np.floor(chart.texels(np.column_stack([points, np.ones(len(points))]) @ to_uv)).T
-    place = (
-        np.clip(n, 0, m - 1).astype(int) for n, m in zip((row, column), index.shape, strict=True)
-    )
-    numbers = index[tuple(place)]
-    return np.where(numbers < 0, plain, numbers)
-
-
-def _gathered(known: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """Return the mean over directions of what is seen, (n, 3); outside counts in the sky."""
-    padded = np.vstack([known, np.zeros((1, 3))]).astype(np.float32)
-    return np.stack([padded[:, k][seen].mean(axis=1) for k in range(3)], axis=1)
-
-
-def _lamps(house: House, charts: Sequence[Chart], texels: _Texels, rays: Rays) -> np.ndarray:
-    """Return the direct light of one lamp below each room's ceiling, (n, 3)."""
-    light = np.zeros((len(texels.points), 3))
-    normals = np.stack([chart.normal for chart in charts])[texels.charts]
-    names = np.array([str(chart.part.extras.get("room_id", "")) for chart in charts])
-    for room in house.rooms:
-        lamp = lamp_position(house, room.id)
-        away = lamp - texels.points
-        distance = np.linalg.norm(away, axis=1)
-        facing = np.einsum("ij,ij->i", away, normals) / np.maximum(distance, 1e-6)
-        strength = np.maximum(facing, 0.0) / (distance**2 + LIGHT.lamp_glow_m**2)
-        own = names[texels.charts] == room.id
-        if not strength[own].any():
-            continue
-        share = min(LIGHT.lamp_share / strength[own].mean(), LIGHT.lamp_most / strength[own].max())
-        lit = np.flatnonzero(strength > 0.02 * strength[own].max())
-        free = rays.distances(texels.points[lit], away[lit] / distance[lit, None])
-        lit = lit[free > distance[lit]]
-        light[lit] += (share * strength[lit])[:, None] * LAMP
-    return light
+#: Linear RGB of lamps, 1 for a white surface in full light, and how far they hang from ceilings.
+LAMP, LAMP_DROP_M = np.array([1.0, 0.94, 0.86]), 0.35
 
 
 def lamp_position(house: House, room_id: str) -> np.ndarray:
@@ -458,35 +203,4 @@ def lamp_position(house: House, room_id: str) -> np.ndarray:
     if not polygon.buffer(-0.3).contains(Point(middle.x, middle.y)):
         middle = polygon.representative_point()
     ceiling = house.level_of(room_id).elevation + room.height
-    return np.array([middle.x, ceiling - LIGHT.lamp_drop_m, middle.y])
-
-
-def _smooth(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Return values (h, w, 3) averaged along rows and columns over the texels at both sides.
-
-    A texel at an edge of the part keeps its value: a mean of one side alone would shift it.
-    """
-    for axis in (0, 1):
-        sides = [np.roll(inside, step, axis) for step in (1, -1)]
-        both = (inside & sides[0] & sides[1])[..., None]
-        mean = (np.roll(values, 1, axis) + values + np.roll(values, -1, axis)) / 3
-        values = np.where(both, mean, values)
-    return values
-
-
-def _continued(values: np.ndarray, inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return values (h, w, 3) and where they are known, with a texel more beyond each edge.
-
-    They go on as they fall or rise there, so that light runs on from part to part of one plane.
-    """
-    total, count = np.zeros_like(values), np.zeros(inside.shape)
-    for axis in (0, 1):
-        for step in (1, -1):
-            near, far = (np.roll(inside, n * step, axis) for n in (1, 2))
-            usable = ~inside & near & far
-            one, two = (np.roll(values, n * step, axis) for n in (1, 2))
-            total[usable] += np.clip(2 * one - two, 0.5 * one, 2 * one)[usable]
-            count += usable
-    beyond = count > 0
-    values = np.where(beyond[..., None], total / np.maximum(count, 1)[..., None], values)
-    return values, inside | beyond
+    return np.array([middle.x, ceiling - LAMP_DROP_M, middle.y])

@@ -30,7 +30,7 @@ from plan2scene.colour import srgb_to_linear
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.io import atomic_path
 from plan2scene.mesh.assembly import build_parts
-from plan2scene.mesh.baking import LAMP, LIGHT, bake_occlusion, lamp_position
+from plan2scene.mesh.baking import LAMP, LAMP_DROP_M, bake_occlusion, lamp_position
 from plan2scene.mesh.parts import GLASS, MeshPart
 from plan2scene.mesh.relief import normal_map, tangents
 from plan2scene.mesh.texture_files import UNTEXTURED, MapTexture, TileTexture
@@ -335,7 +335,7 @@ def candela(area_m2: float, height_m: float) -> float:
 def _lamp(room: Room) -> dict[str, Any]:
     """Return the light of a room."""
     polygon = room_polygon(room)
-    height = max(room.height - LIGHT.lamp_drop_m, 0.5)
+    height = max(room.height - LAMP_DROP_M, 0.5)
     x0, z0, x1, z1 = polygon.bounds
     return {
         "type": "spot",

@@ -6,7 +6,7 @@ house again, so its textures are to hold paint alone.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_linear
-from plan2scene.finishes import read_finishes
 from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
 from plan2scene.io import atomic_directory, write_json
@@ -51,17 +50,15 @@ def paint_textures(
     paint: str | Path,
     out_dir: str | Path,
     *,
-    finishes: str | Path | None = None,
-    crops: str | Path | None = None,
+    last_word: Callable[[Path], None] | None = None,
 ) -> None:
     """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
 
     The folder has the files of the first one, without maps of plain white surfaces, whose tile has
     all that there is, and ``doors.json``: sRGB levels of door leaves by the id of their opening.
-    An unseen white wall has no pattern of another room. What `finishes`
-    (:mod:`plan2scene.finishes`) names is as set by hand; `crops` are those of the house.
+    An unseen white wall has no pattern of another room. `last_word` may change the folder before
+    it takes its place.
     """
-    chosen = read_finishes(finishes) if finishes else {}
     root = Path(textures)
     listed = texture_index(root)
     entries = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in listed.items()}
@@ -109,11 +106,8 @@ def paint_textures(
         if has_maps:
             kept = {name: e for name, e in maps["surfaces"].items() if name not in facts}
             write_json(folder / "maps.json", maps | {"surfaces": kept})
-        if chosen and crops:
-            # PyTorch takes seconds to import: most houses have no finishes.
-            from plan2scene.textures.by_hand import set_by_hand
-
-            set_by_hand(folder, chosen, crops, paint)
+        if last_word is not None:
+            last_word(folder)
 
 
 @dataclass(frozen=True)

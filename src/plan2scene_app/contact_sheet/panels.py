@@ -17,7 +17,6 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from plan2scene.camera import Camera
-from plan2scene.drawing import INK, PAPER, font
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet
 from plan2scene.photos.camera.lines import Segments, residuals
@@ -27,6 +26,7 @@ from plan2scene.photos.locate.plan_view import Hole, RoomShape
 from plan2scene.photos.locate.pose import Pose
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, rectify
+from plan2scene_app.drawing import INK, PAPER, font
 
 #: sRGB of selected windows, those selected for want of better ones, and rejected ones.
 SELECTED, LAST_RESORT, REJECTED = (40, 200, 70), (250, 170, 30), (225, 50, 50)

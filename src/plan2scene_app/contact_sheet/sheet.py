@@ -20,7 +20,6 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from plan2scene.camera import Camera
-from plan2scene.drawing import INK, PAPER, font, font_for, legible
 from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.images import write_png
@@ -44,6 +43,7 @@ from plan2scene_app.contact_sheet.panels import (
     read_windows,
     thumbnail,
 )
+from plan2scene_app.drawing import INK, PAPER, font, font_for, legible
 
 #: Photos on a sheet; of houses with more the first are drawn, the rest counted.
 MAX_PHOTOS = 20

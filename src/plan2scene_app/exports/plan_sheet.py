@@ -19,7 +19,6 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import polylabel, unary_union
 
-from plan2scene.drawing import legible
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.io import atomic_path
@@ -27,6 +26,7 @@ from plan2scene.mesh.assembly import Storey, assemble
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.levels import flight_area
+from plan2scene_app.drawing import legible
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

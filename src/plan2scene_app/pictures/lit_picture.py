@@ -11,9 +11,15 @@ import numpy as np
 from plan2scene.camera import Camera
 from plan2scene.colour import linear_to_srgb
 from plan2scene.house import House, SurfaceKey
-from plan2scene.mesh.baking import Light, bake_light, compressed, even_light, mean_colours
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.texture_files import TileTexture
+from plan2scene_app.pictures.baked_light import (
+    Light,
+    bake_light,
+    compressed,
+    even_light,
+    mean_colours,
+)
 from plan2scene_app.pictures.path_tracing import TracedScene, load_mitsuba
 from plan2scene_app.pictures.renderer import Triangles, sample
 

@@ -20,10 +20,11 @@ from plan2scene.camera import Camera
 from plan2scene.colour import srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes
-from plan2scene.mesh.baking import LAMP, SKY, lamp_position
+from plan2scene.mesh.baking import LAMP, lamp_position
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 from plan2scene.plugins import pip_command
+from plan2scene_app.pictures.baked_light import SKY
 
 #: Mitsuba's variants in order of preference: the second needs nothing but Mitsuba, and is slower.
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")

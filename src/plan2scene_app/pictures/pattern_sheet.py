@@ -9,13 +9,13 @@ from typing import Any
 import cv2
 import numpy as np
 
-from plan2scene.drawing import INK, PAPER, font, font_for, legible
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet
 from plan2scene.photos.patterns.units import UNITS
 from plan2scene.plans.surface_areas import Area
 from plan2scene.textures.laying import LaidPattern, laid, read_patterns
+from plan2scene_app.drawing import INK, PAPER, font, font_for, legible
 
 _GAP, _TEXT = 10, 24
 _WIDE = round(UNITS.shown_m * UNITS.shown_px_per_m)

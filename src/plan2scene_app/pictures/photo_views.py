@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 
 from plan2scene.camera import Camera
-from plan2scene.drawing import INK, PAPER, font, font_for, legible
 from plan2scene.house import House
 from plan2scene.images import MAX_PHOTO_PIXELS, decode_image, to_small_srgb
 from plan2scene.photos.locate.pose import Pose
+from plan2scene_app.drawing import INK, PAPER, font, font_for, legible
 from plan2scene_app.pictures.lit_picture import Painter
 
 #: Most height and width of a picture, pixels.

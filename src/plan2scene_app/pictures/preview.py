@@ -14,13 +14,13 @@ from shapely.ops import polylabel, unary_union
 
 from plan2scene.camera import Camera, focal_of
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
-from plan2scene.drawing import legible, wide_font
 from plan2scene.house import House, Stairs, SurfaceKey
 from plan2scene.mesh.assembly import Assembly, Storey, assemble
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.levels import flight_area
+from plan2scene_app.drawing import legible, wide_font
 from plan2scene_app.pictures.renderer import Triangles
 
 BACKGROUND: Colour = (247, 246, 243)

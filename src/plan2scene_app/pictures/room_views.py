@@ -11,10 +11,10 @@ import shapely.ops
 from shapely.geometry.base import BaseGeometry
 
 from plan2scene.camera import Camera, focal_of
-from plan2scene.drawing import INK, PAPER, font
 from plan2scene.house import House, Room
 from plan2scene.mesh.rays import Rays
 from plan2scene.plans.geometry import room_polygon
+from plan2scene_app.drawing import INK, PAPER, font
 from plan2scene_app.pictures.lit_picture import Painter, directions
 
 

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from plan2scene.drawing import INK, PAPER, font
 from plan2scene.evaluation.references import reference_images
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.images import metric_image, read_image
 from plan2scene.io import atomic_path, read_parquet
 from plan2scene.mesh.texture_files import texture_index
 from plan2scene.metrics.color_freq_tile import color_distance
+from plan2scene_app.drawing import INK, PAPER, font
 
 _CELL, _GAP, _LABEL, _HEAD, _CAPTION = 192, 8, 132, 26, 16
 _PALE = (225, 225, 225)

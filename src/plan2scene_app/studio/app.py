@@ -23,12 +23,12 @@ from starlette.routing import Mount, Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from plan2scene.errors import InputError, system_fault
-from plan2scene.finishes import LIBRARY
 from plan2scene.plans.parse import parse_json
 from plan2scene.textures.methods import texture_methods
 from plan2scene_app.editor.editor_page import FOLDER as EDITOR
 from plan2scene_app.editor.editor_page import joined_program, page_rules
 from plan2scene_app.exports.registry import exports
+from plan2scene_app.finishes import LIBRARY
 from plan2scene_app.html_page import html_page, inline_json, source_hash
 from plan2scene_app.run import HOUSE_COLOURS, HOUSE_WALLS, TEXTURE_SIZES
 from plan2scene_app.studio import plan_source, results, runs

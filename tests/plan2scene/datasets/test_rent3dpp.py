@@ -9,7 +9,6 @@ import pytest
 from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 
 from plan2scene.datasets.assignments import read_assignment
-from plan2scene.datasets.check import check_dataset
 from plan2scene.datasets.drops import hidden_photos, read_unobserved
 from plan2scene.datasets.house_table import (
     chosen_crops,
@@ -29,6 +28,7 @@ from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.scene_writer import write_scene_json
+from plan2scene_app.check import check_dataset
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.residences import write_dataset_index
 

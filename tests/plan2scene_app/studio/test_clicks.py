@@ -8,8 +8,8 @@ from browser import Drawing, serious_violations
 from PIL import Image
 from unscaled_drawings import dxf
 
-from plan2scene.finishes import LIBRARY
 from plan2scene.plans.formats import read_plan
+from plan2scene_app.finishes import LIBRARY
 from plan2scene_app.studio import app, runs
 
 #: Stands for the workflow, which takes minutes: tells what it tells, makes a GLB of the plan.

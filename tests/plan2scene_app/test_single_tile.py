@@ -7,7 +7,7 @@ from plan2scene.errors import InputError
 from plan2scene.materials import random_material
 from plan2scene.textures.methods import texture_methods
 from plan2scene.textures.seams import wrap_ratio
-from plan2scene.textures.single import tile_from_crops
+from plan2scene_app.single_tile import tile_from_crops
 
 CROPS = [random_material("wood", 8, size_px=256).albedo[30:170, 20:200]] * 2
 

@@ -1,4 +1,4 @@
-"""Textures of a house as its owner set them by hand (:mod:`plan2scene.finishes`)."""
+"""Textures of a house as its owner set them by hand (:mod:`plan2scene_app.finishes`)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_linear
-from plan2scene.finishes import BY_HAND, LIBRARY
 from plan2scene.house import SurfaceKey
 from plan2scene.images import read_image, write_png
 from plan2scene.io import read_parquet, write_json
@@ -21,7 +20,8 @@ from plan2scene.paint.light import relight
 from plan2scene.paint.surfaces import read_paint
 from plan2scene.stage_json import read_stage_json
 from plan2scene.textures.crops import Crop
-from plan2scene.textures.single import tile_from_crops
+from plan2scene_app.finishes import BY_HAND, LIBRARY
+from plan2scene_app.single_tile import tile_from_crops
 
 _LOG = logging.getLogger("plan2scene")
 #: Side of a tile of one colour in pixels, and the metres that it covers.

@@ -8,11 +8,11 @@ import pytest
 
 from plan2scene.colour import median_colour
 from plan2scene.errors import InputError
-from plan2scene.finishes import LIBRARY, finishes_file, finishes_text, read_finishes
 from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, png_bytes, read_image, write_png
 from plan2scene.io import read_json, write_json, write_parquet
-from plan2scene.textures.by_hand import set_by_hand
+from plan2scene_app.finishes import LIBRARY, finishes_file, finishes_text, read_finishes
+from plan2scene_app.set_by_hand import set_by_hand
 
 NAMES = ("a/floor", "a/wall", "a/wall.w1", "b/floor", "b/wall", "b/ceiling")
 

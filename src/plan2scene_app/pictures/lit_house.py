@@ -1,7 +1,7 @@
 """house_lit.glb: the house with its light baked into unlit textures (KHR_materials_unlit).
 
-Every surface gets one image: its texture times the light of :mod:`plan2scene.mesh.baking`, which
-every viewer shows as it is, on phones, too.
+Every surface gets one image: its texture times its :mod:`.baked_light`, which every viewer shows
+as it is, on phones, too.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from plan2scene.colour import linear_to_srgb, srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.mesh.assembly import build_parts
-from plan2scene.mesh.baking import Light, bake_light, compressed, mean_colours
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.texture_files import MapTexture, TileTexture, textured
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.surface_areas import Area, surface_areas
+from plan2scene_app.pictures.baked_light import Light, bake_light, compressed, mean_colours
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,219 @@
+"""Baked light, house_lit.glb, and pictures of rooms under baked light."""
+
+import io
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from glb_file import chunks
+from PIL import Image
+from shapely.geometry import Point
+
+from plan2scene.house import Opening, SurfaceKey
+from plan2scene.images import png_bytes
+from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.baking import lamp_position
+from plan2scene.mesh.glb import write_glb
+from plan2scene.mesh.rays import Rays
+from plan2scene.mesh.texture_files import TileTexture
+from plan2scene.plans.geometry import room_polygon
+from plan2scene_app.pictures.baked_light import bake_light, mean_colours
+from plan2scene_app.pictures.lit_house import SETTINGS as LIT
+from plan2scene_app.pictures.lit_house import lit_part, lit_textures
+from plan2scene_app.pictures.lit_picture import painter_of
+from plan2scene_app.pictures.renderer import sample
+from plan2scene_app.pictures.room_views import SETTINGS, camera_in, render_rooms, standpoints
+
+pytest.importorskip("embreex")
+
+
+def wall_light(light):
+    """Return the mean light of each room's walls."""
+    _, values, owner = light.walls
+    return {room: values[owner == room].mean() for room in np.unique(owner)}
+
+
+def light_of(house):
+    colours = {key: np.full(3, 0.6) for key in house.surface_keys()}
+    return bake_light(house, build_parts(house), colours, 0.25)
+
+
+def at(light, part, point):
+    uv = light.uv(part)
+    known = np.column_stack([part.mesh.vertices, np.ones(len(part.mesh.vertices))])
+    to_uv, *_ = np.linalg.lstsq(known, uv, rcond=None)
+    u, v = np.array([*point, 1.0]) @ to_uv
+    height, width = light.image.shape[:2]
+    return light.image[int(v * height), int(u * width)]
+
+
+@pytest.fixture
+def windowed(gap_house):
+    """Room a has a window opposite to its door, room b has none."""
+    wall = next(wall for wall in gap_house.walls if wall.id == "a_w3")
+    lit = replace(wall, openings=(Opening("w", "window", 1.0, 3.0, 0.8, 2.2),))
+    walls = tuple(lit if other is wall else other for other in gap_house.walls)
+    return replace(gap_house, walls=walls)
+
+
+def test_a_window_lights_the_floor_before_it(windowed):
+    light = light_of(windowed)
+    parts = {part.name: part for part in build_parts(windowed)}
+    floor = parts["a/floor"]
+    assert at(light, floor, (0.8, 0, 2)).mean() > 1.15 * at(light, floor, (2.5, 0, 3.7)).mean()
+    # The sky is bluer than the lamp.
+    near, far = (at(light, floor, (x, 0, z)) for x, z in ((0.5, 2.0), (2.7, 3.7)))
+    assert near[2] / near[0] > far[2] / far[0]
+    means = wall_light(light)
+    assert means["a"] > means["b"]
+    assert light.image.min() >= 0 and np.isfinite(light.image).all()
+    np.testing.assert_array_equal(light_of(windowed).image, light.image)
+
+
+def test_what_has_no_texels_has_the_light_of_walls_near_it(windowed):
+    light = light_of(windowed)
+    parts = {part.name: part for part in build_parts(windowed)}
+    door = parts["a/door/ha"]
+    upright, x = np.abs(door.mesh.vertex_normals[:, 1]) < 0.1, door.mesh.vertices[:, 0]
+    plain = light.of_plain(door)
+    wall = at(light, parts["a/wall/a_w1"], (3.0, 1.0, 2.3))
+    np.testing.assert_allclose(plain[upright & (x < 2.8)].mean(axis=0), wall, rtol=0.25)
+
+
+def test_a_lamp_is_brightest_below_itself(gap_house):
+    light = light_of(gap_house)
+    parts = {part.name: part for part in build_parts(gap_house)}
+    lamp = lamp_position(gap_house, "b")
+    assert Point(lamp[0], lamp[2]).within(room_polygon(gap_house.room("b")))
+    below = at(light, parts["b/floor"], (lamp[0], 0, lamp[2])).mean()
+    assert below > 1.2 * at(light, parts["b/floor"], (3.3, 0, 0.2)).mean()
+
+
+def test_light_runs_on_where_a_wall_of_one_plane_goes_on(storey_house):
+    parts = {part.name: part for part in build_parts(storey_house)}
+    colours = {key: np.full(3, 0.6) for key in storey_house.surface_keys()}
+    light = bake_light(storey_house, list(parts.values()), colours, 0.25)
+    before, behind = (  # the hall's wall along two rooms that meet at z = 3.4, nearest to its lamp
+        sample([light.image], light.uv(part)[end], np.ones(len(end))).mean(axis=1)
+        for part, end in (
+            (part, np.flatnonzero(np.abs(part.mesh.vertices[:, 2] - 3.4) < 1e-3))
+            for part in (parts["hall/wall/hall_wall_1"], parts["hall/wall/hall_wall_2"])
+        )
+    )
+    assert before.max() > 0.5
+    np.testing.assert_allclose(np.sort(before), np.sort(behind), rtol=0.08)
+
+
+def test_rooms_drawn_a_little_into_each_other_have_no_dark_wall(gap_house):
+    def moved(point):
+        return (2.993, point[1]) if point[0] == 3.1 else point
+
+    rooms = tuple(
+        replace(room, rings=(tuple(map(moved, room.rings[0])),)) for room in gap_house.rooms
+    )
+    walls = tuple(
+        replace(wall, start=moved(wall.start), end=moved(wall.end)) for wall in gap_house.walls
+    )
+    house = replace(gap_house, rooms=rooms, walls=walls)
+    light = light_of(house)
+    for name in ("a/wall/a_w1", "b/wall/b_w3"):
+        chart = light.charts[name]
+        place = (chart.row, chart.column)
+        rows, columns = (slice(n, n + m) for n, m in zip(place, chart.size, strict=True))
+        assert light.image[rows, columns].mean(axis=2).min() > 0.15
+
+
+def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
+    for house in (l_house, ring_house):
+        room = house.rooms[0]
+        polygon = room_polygon(room)
+        lamp = lamp_position(house, room.id)
+        assert Point(lamp[0], lamp[2]).within(polygon)
+        rays = Rays.of(build_parts(house))
+        camera = camera_in(house, room.id, rays)
+        assert camera.position[1] == SETTINGS.eye_m
+        assert polygon.contains(Point(camera.position[0], camera.position[2]))
+        for eye, _ in standpoints(polygon):
+            assert polygon.exterior.distance(Point(*eye)) > 0.3
+
+
+def drawn(house, textures, parts):
+    return render_rooms(house, Rays.of(parts), painter_of(house, textures, parts))
+
+
+def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
+    textures = paint(gap_house)
+    parts = build_parts(gap_house)
+    sheet = drawn(gap_house, textures, parts)
+    first = sheet[8 : 8 + SETTINGS.size[0], 8 : 8 + SETTINGS.size[1]].astype(int)
+    assert sheet.dtype == np.uint8
+    # Bright corners of the tiles are orange; nothing is black or burnt.
+    orange = (first[..., 0] > first[..., 2] + 60).mean()
+    assert 0.1 < orange < 0.5
+    assert (first.max(axis=2) < 12).mean() < 0.01
+    assert (first.min(axis=2) > 250).mean() < 0.01
+    np.testing.assert_array_equal(drawn(gap_house, textures, parts), sheet)
+
+
+def test_rooms_are_drawn_without_a_ray_tracer(gap_house, paint, monkeypatch):
+    monkeypatch.setitem(sys.modules, "embreex.rtcore_scene", None)
+    first = drawn(gap_house, paint(gap_house), build_parts(gap_house))[8:288, 8:428]
+    assert (first.max(axis=2) > 40).mean() > 0.95
+
+
+@pytest.fixture
+def lit(gap_house):
+    """Return parts, light and lit textures of a house of one grey."""
+    tile = TileTexture(png_bytes(np.full((16, 16, 3), 150, np.uint8)), 0.7, True, "plaster", "t")
+    textures = dict.fromkeys(gap_house.surface_keys(), tile)
+    parts = build_parts(gap_house)
+    light = bake_light(gap_house, parts, mean_colours(textures), 0.2)
+    return parts, light, lit_textures(gap_house, parts, textures, light)
+
+
+def test_a_surface_is_dark_in_its_corners_and_bright_below_the_lamp(lit, gap_house):
+    parts, _, textures = lit
+    floor = textures[SurfaceKey("b", "floor")]
+    image = np.asarray(Image.open(io.BytesIO(floor.image)).convert("L")).astype(float)
+    assert image.shape[1] == pytest.approx(LIT.px_per_m * floor.extent_m[0], abs=1)
+    part = next(part for part in parts if part.name == "b/floor")
+    turns = floor.turns(part.uv)
+    assert turns.min() > 0 and turns.max() < 1
+    x, z = (floor.turns(np.array(point)) for point in ((4.55, 2.0), (3.15, 0.05)))
+    middle, corner = (image[int(v * image.shape[0]), int(u * image.shape[1])] for u, v in (x, z))
+    assert middle > corner + 20
+    for texture in textures.values():
+        values = np.asarray(Image.open(io.BytesIO(texture.image)))
+        assert values.max() < 252 and np.median(values) > 40
+
+
+def test_the_file_is_unlit(lit, gap_house, tmp_path):
+    parts, light, textures = lit
+    file = tmp_path / "lit.glb"
+    write_glb(gap_house, textures, file, [lit_part(part, light) for part in parts], unlit=True)
+    tree, _ = chunks(file)
+    assert tree["extensionsUsed"] == ["KHR_materials_unlit"]
+    assert all("KHR_materials_unlit" in m["extensions"] for m in tree["materials"])
+    assert all("occlusionTexture" not in m for m in tree["materials"])
+    assert {image["mimeType"] for image in tree["images"]} == {"image/jpeg"}
+
+
+def test_every_storey_has_light_of_its_own(storey_house, paint, tmp_path):
+    parts, textures = build_parts(storey_house), paint(storey_house)
+    light = bake_light(storey_house, parts, mean_colours(textures), 0.7)
+    means = wall_light(light)
+    assert set(means) == {room.id for room in storey_house.rooms}
+    assert all(0.3 < value < 2.0 for value in means.values())
+    lit = lit_textures(storey_house, parts, textures, light)
+    assert set(lit) == set(storey_house.surface_keys())
+    file = tmp_path / "lit.glb"
+    write_glb(storey_house, lit, file, [lit_part(part, light) for part in parts], unlit=True)
+    tree, _ = chunks(file)
+    assert {"level:ground", "level:upper"} <= {node["name"] for node in tree["nodes"]}
+    dark = replace(storey_house, rooms=storey_house.rooms[:4])  # no lamps upstairs
+    below = wall_light(bake_light(dark, parts, mean_colours(textures), 0.7))
+    gains = {room: means[room] / below[room] for room in means}
+    assert min(gains[room.id] for room in storey_house.rooms[4:]) > max(
+        gains[room.id] for room in storey_house.rooms[:4]
+    )
