@@ -30,15 +30,9 @@ _SYSTEM = {
 class InputError(ValueError):
     """A fault in what the user gave: one line naming where, what was expected and what was found.
 
-    Parameters
-    ----------
-    expected, found : str
-        Short phrases: ``expected="a photo in photos/"``, ``found="no such file"``.
-    file, house, room : str, optional
-        Where the fault is; empty parts are left out of the message.
-
-    The phrases stay readable as attributes `expected` and `found`, for a caller that knows more
-    about where than the one who raised it.
+    `expected` and `found` are short phrases ("a photo in photos/", "no such file"), which stay
+    readable as attributes for a caller that knows more about where. Empty parts of where (`file`,
+    `house`, `room`) are left out of the message.
     """
 
     def __init__(

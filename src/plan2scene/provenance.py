@@ -110,14 +110,9 @@ _WHOLE, _PIECE = 200_000, 4096
 def code_hash(*modules: str, packages: tuple[Path, ...] = PACKAGES) -> str:
     """Return 16 hex digits over the sources of `modules` and all they import in `packages`.
 
-    Data files that lie beside a module and stand in it by name count as source.
-
-    Parameters
-    ----------
-    modules : str
-        Full names: ``"plan2scene.textures.seams"``. Raises ValueError for one that is not there.
-    packages : tuple of Path
-        Folders of the packages whose imports are followed; a folder's name is its import name.
+    Modules have full names (``"plan2scene.textures.seams"``); ValueError for one that is not there.
+    `packages` are folders, whose name is their import name. Data files that lie beside a module and
+    stand in it by name count as source.
     """
     files: set[Path] = set()
     for module in modules:

@@ -37,21 +37,13 @@ def convert_checkpoint(
 ) -> None:
     """Write the weights of a released checkpoint as safetensors (float32) with our header.
 
-    Raises InputError for a file that carries code, misses a tensor, or has one of another shape.
+    `network` is one of :data:`NETWORKS`: ``texture`` is version 1 or 2, which have one structure,
+    ``vgg16`` the substance classifier, ``inception`` InceptionV3's weights as torchvision or
+    pytorch-fid name them. `checkpoint` is a file of ``torch.save``; nothing in it is run.
+    `substances` is the order of its substance classes; rows are sorted to ``house.SUBSTANCES``.
+    `means`, which no checkpoint has, are kept beside a ``propagation`` network for NaiveSynth.
 
-    Parameters
-    ----------
-    network : str
-        One of :data:`NETWORKS`; ``texture`` is version 1 or 2, which have one structure,
-        ``vgg16`` the substance classifier, ``inception`` no checkpoint of the authors but
-        InceptionV3's weights as torchvision or pytorch-fid name them.
-    checkpoint : path
-        File of ``torch.save``; nothing in it is run.
-    substances : sequence of str
-        Order of the checkpoint's substance classes; rows are sorted to ``house.SUBSTANCES``.
-    means : TypeMeans, optional
-        For ``propagation``: means over training surfaces, which our file holds beside the network
-        (NaiveSynth's unobserved surfaces) and no checkpoint has.
+    Raises InputError for a file that carries code, misses a tensor, or has one of another shape.
     """
     if network not in NETWORKS:
         raise InputError(f"a network ({', '.join(NETWORKS)})", repr(network))

@@ -102,19 +102,12 @@ def fitted_state(
     *,
     dropped: tuple[str, ...] = (),
 ) -> dict[str, torch.Tensor]:
-    """Return the tensors under our names, float32.
+    """Return the tensors of :func:`state_dict_of` under our names, float32.
 
-    Raises InputError naming the first tensor that is missing, unknown, of another shape or not
-    finite, and how many there are.
-
-    Parameters
-    ----------
-    state : mapping
-        As :func:`state_dict_of`. All names may share a prefix (``module.``, ``model.`` ...).
-    expected : mapping
-        Name to shape of every tensor of our network.
-    dropped : tuple of str
-        Beginnings of names that our network lacks on purpose.
+    All names of `state` may share a prefix (``module.``, ``model.`` ...). `expected` is the shape
+    of every tensor of our network by name; `dropped` are the beginnings of names that it lacks on
+    purpose. Raises InputError naming the first tensor that is missing, unknown, of another shape
+    or not finite, and how many there are.
     """
     prefix = _common_prefix(state, expected)
     named = {name.removeprefix(prefix): value for name, value in state.items()}

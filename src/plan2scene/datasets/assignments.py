@@ -29,25 +29,16 @@ def read_assignment(
 ) -> tuple[PhotoAssignment, ...]:
     """Return the rows of a photo table in file order, repeated rows once.
 
+    `path` is a CSV with the columns ``room_id`` (or ``roomId``) and ``photo``; others are ignored.
+    A room may be left empty, and so may its column: such a room is looked for, as is one that the
+    column ``guess`` repeats (``photos.csv`` of a run). None, an empty file or a table without rows
+    give no rows; :func:`check_assignment` lists that as a warning. With a `house` each room must be
+    one of its rooms, by id or by name; `house_id` names it in messages where it is not given. With
+    `traced` the table may be older than the plan: a room that the plan lacks counts as left empty.
+
     Raises InputError for a missing column, a row without a photo, a room that the plan lacks, a
     photo name with ``..`` or a leading ``/``, or two photos that share a stem (masks are
     ``{stem}.png``).
-
-    Parameters
-    ----------
-    path : path or None
-        CSV with a header; the columns ``room_id`` (or ``roomId``) and ``photo`` in any order,
-        further columns are ignored. The room may be left empty, and its column left out: it is
-        looked for then, and where the column ``guess`` repeats it (``photos.csv`` of a run).
-        None, an empty file or a table without rows give no rows; :func:`check_assignment` lists
-        that as a warning.
-    house : House, optional
-        When given, each room must be one of its rooms, by id or by name.
-    house_id : str
-        Name for messages when `house` is not given.
-    traced : bool
-        The table may be older than the plan, whose rooms got their names by tracing: a room that
-        the plan lacks counts as left empty.
     """
     name = house.id if house is not None else house_id
     rows = [] if not path else read_rows(path, house_id=name)

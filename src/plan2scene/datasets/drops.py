@@ -20,20 +20,12 @@ def hidden_photos(
     seed: int,
     house_id: str,
 ) -> list[str]:
-    """Return the photos of a house that are hidden at drop fraction `drop` (``"0.3"``), sorted.
+    """Return those of a house's `photos` that are hidden at fraction `drop` (``"0.3"``), sorted.
 
-    What 0.2 hides, 0.4 hides too.
-
-    Parameters
-    ----------
-    listed : mapping, optional
-        The data set's ``unobserved_photos.json``: fraction to photos of all houses (sets, where
-        many houses ask: a list is gone through each time). Between two of its fractions (Rent3D++
-        goes in steps of 0.2), a share of what the larger one hides beyond the smaller is hidden,
-        in a seeded order: none at 0.0, all photos at 1.0. Without a list that share of the
-        house's photos, in a seeded order.
-    photos : sequence of str
-        All photos of the house.
+    `listed` is the data set's ``unobserved_photos.json``: fraction to photos of all houses (sets
+    are faster than lists). Between two of its fractions (Rent3D++ goes in steps of 0.2) a share of
+    what the larger one hides beyond the smaller is hidden, in a seeded order: none at 0.0, all
+    photos at 1.0. Without it that share of the house's photos is. What 0.2 hides, 0.4 hides too.
     """
     known = {1.0: set(photos)}
     known |= {float(name): known[1.0].intersection(of) for name, of in (listed or {}).items()}

@@ -86,17 +86,11 @@ def rows_of_lists(
 ) -> tuple[list[dict[str, str]], list[str]]:
     """Return the rows of a house table for a data set in the Rent3D++ layout, and warnings.
 
+    `root` is as for :func:`~plan2scene.datasets.layout.find_layout`. `architecture`, ``bare`` or
+    ``full``, says which plan is taken where a house has both.
+
     Raises InputError for no data lists, no houses in them, or a house in two of them. A missing
     plan or a bad photo table is a warning here and the house's own jobs' to report.
-
-    Parameters
-    ----------
-    root : path
-        As :func:`plan2scene.datasets.layout.find_layout`. Holds ``data_lists/{split}.txt``, plans
-        ``{archs_no_objects,full_archs}/{split}/{house}.scene.json`` and, where a house has
-        photos, ``photo_assignments/{split}/{house}.photoroom.csv`` with either header.
-    architecture : str
-        ``bare`` or ``full``: which plan is taken where a house has both.
     """
     layout = require_data_set(root)
     warnings: list[str] = []
@@ -174,21 +168,11 @@ class TableRow(NamedTuple):
 
 @dataclass(frozen=True)
 class HouseTable:
-    """The houses of a data set.
+    """The houses of a data set."""
 
-    Parameters
-    ----------
-    file : Path
-        The table, or the folder of the data lists that it is worked out from; for messages.
-    houses : mapping
-        Its rows by house, in their order.
-    warnings : tuple of str
-        A line for each thing that a table worked out goes on without.
-    """
-
-    file: Path
-    houses: Mapping[str, TableRow]
-    warnings: tuple[str, ...] = ()
+    file: Path  #: the table, or the folder of the data lists that it is worked out from
+    houses: Mapping[str, TableRow]  #: rows by house, in their order
+    warnings: tuple[str, ...] = ()  #: a line for each thing that a table worked out goes on without
 
     def __getitem__(self, house: str) -> TableRow:
         """Return the row of a house; InputError with the nearest names for one that is not here."""

@@ -47,34 +47,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Variant:
-    """One row of the ablation table.
-
-    Attributes
-    ----------
-    select : str
-        Crop whose code an observed surface gets: ``textureness`` (the method's), ``random`` or
-        ``mean`` (no crop, the mean embedding).
-    crop_colour : bool
-        The selected crop's own colour in place of the median over the surface's crops.
-    propagate : str
-        Embedding of an unobserved surface: ``graph`` (the method's), ``no_graph`` or one of
-        ``propagation.predictors.PREDICTORS``.
-    rgb : bool
-        The unmodified network of RGB in place of the one of delta-HSV.
-    plane_noise : bool
-        The reference's noise, which does not tile, in place of that on a torus.
-    seam_correction : bool
-        Matters only for what does not tile by construction.
-    """
+    """One row of the ablation table."""
 
     name: str
     description: str
+    #: crop whose code an observed surface gets: textureness, random, mean (of all)
     select: str = "textureness"
+    #: the selected crop's colour in place of the median over the surface's crops
     crop_colour: bool = False
+    #: embedding of unobserved surfaces: graph, no_graph or one of PREDICTORS
     propagate: str = "graph"
-    rgb: bool = False
+    rgb: bool = False  #: the unmodified network of RGB in place of the one of delta-HSV
+    #: the reference's noise, which does not tile, in place of that on a torus
     plane_noise: bool = False
-    seam_correction: bool = True
+    seam_correction: bool = True  #: matters only for what does not tile by construction
 
     @property
     def method(self) -> str:

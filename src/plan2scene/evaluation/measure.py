@@ -117,18 +117,10 @@ def measure_tiles(
 ) -> pd.DataFrame:
     """Return the rows of ``metrics.parquet``: one for each surface that has any crop.
 
-    Parameters
-    ----------
-    tiles : mapping
-        Tiles (s, s, 3) uint8 sRGB.
-    observed : collection of SurfaceKey
-        Surfaces that a visible photo shows: they are compared with the medoid of their visible
-        crops, any other with the medoid over all photos.
-    references : mapping
-        Of :func:`reference_images`.
-    more : sequence of (s, s, 3) uint8
-        Further images of the surfaces with references for FID and KID, as many of each, one
-        surface's after another.
+    `tiles` are (s, s, 3) uint8 sRGB. `observed` surfaces, which a visible photo shows, are compared
+    with the medoid of their visible crops, any other with the medoid over all photos
+    (:func:`reference_images`). `more` are further images (s, s, 3) uint8 for FID and KID of the
+    surfaces with references, as many of each, one surface's after another.
     """
     import pandas as pd
 

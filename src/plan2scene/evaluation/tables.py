@@ -72,17 +72,12 @@ _AT_ONCE, _AT_ONCE_WIDE = 48, 3
 
 @dataclass
 class Cell:
-    """Sums over the surfaces of a method, column and drop: a byte a house is held.
-
-    Attributes
-    ----------
-    present : bytearray
-        Of each house of the table: 1 with results of method and drop, 2 with surfaces counted.
-    """
+    """Sums over the surfaces of a method, column and drop: a byte a house is held."""
 
     method: str
     column: str
     drop: str
+    #: a byte a house: 1 with results of method and drop, 2 with surfaces counted
     present: bytearray
     n: int = 0
     images: int = 0
@@ -142,23 +137,14 @@ _PACKAGES = ("numpy", "scipy", "opencv-python-headless", "pillow", "torch")
 
 @dataclass(frozen=True)
 class TableRequest:
-    """What a table is made of and stands for.
-
-    Attributes
-    ----------
-    houses : sequence of str
-        Houses that the table should cover; those without results are named in it.
-    drop : str
-        Drop fraction of Unobserved and All, one decimal; observed surfaces are those of 0.0.
-    drops : sequence of str
-        Of a sweep: every column is measured at each of them, not at `drop`.
-    """
+    """What a table is made of and stands for."""
 
     dataset: str
-    houses: Sequence[str]
+    houses: Sequence[str]  #: that the table should cover; those without results are named in it
     methods: Sequence[str]
-    drop: str
+    drop: str  #: of Unobserved and All, one decimal; observed surfaces are those of 0.0
     seed: int
+    #: of a sweep: every column is measured at each of them, not at `drop`
     drops: Sequence[str] = ()
 
     def drops_of(self, column: str) -> Sequence[str]:

@@ -47,25 +47,11 @@ def random_material(
     size_px: int = 256,
     colour_rgb: tuple[int, int, int] | None = None,
 ) -> Material:
-    """Return a random material of a substance; the same seed gives the same bytes.
+    """Return a random material of a substance (``house.SUBSTANCES``); same seed, same bytes.
 
-    Parameters
-    ----------
-    substance : str
-        One of ``house.SUBSTANCES``.
-    seed : int
-        Decides colour, scale, wear, contrast and (unless given) the kind.
-    kind : str, optional
-        One of ``KINDS[substance]``; drawn by their shares when None.
-    size_px : int
-        Side of the albedo tile in pixels, at least 32.
-    colour_rgb : (int, int, int), optional
-        Main colour, sRGB 0-255; drawn from the substance's palette when None.
-
-    Raises
-    ------
-    ValueError
-        For an unknown substance or kind, or a size below 32.
+    The seed decides colour, scale, wear and contrast, and `kind` (of ``KINDS[substance]``) and the
+    main colour `colour_rgb` (sRGB, 0 to 255) where they are not given. `size_px` is the side of the
+    albedo tile in pixels. ValueError for an unknown substance or kind, or a size below 32.
     """
     if substance not in KINDS:
         raise ValueError(f"expected a substance of {tuple(KINDS)}, found {substance!r}")

@@ -13,25 +13,13 @@ _TABLE = 8192  # size of the table of per-unit random values
 
 @dataclass(frozen=True)
 class Layout:
-    """Per pixel, where it lies in its unit.
+    """Where each pixel lies in its unit."""
 
-    Attributes
-    ----------
-    key : (n, n) int64
-        Hash of the unit in [0, 8192).
-    u, v : (n, n) float32
-        Metres from the unit's centre along its long and its short side.
-    edge : (n, n) float32
-        Metres to the unit's border.
-    size_m : float
-        Side of the tile in metres.
-    """
-
-    key: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    edge: np.ndarray
-    size_m: float
+    key: np.ndarray  #: (n, n) int64, hash of the unit in [0, 8192)
+    u: np.ndarray  #: (n, n) float32, metres from the unit's centre along its long side
+    v: np.ndarray  #: along its short side
+    edge: np.ndarray  #: (n, n) float32, metres to the unit's border
+    size_m: float  #: side of the tile, metres
 
     @property
     def pixel(self) -> float:

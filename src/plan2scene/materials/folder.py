@@ -25,20 +25,11 @@ def load_texture_folder(
 ) -> list[Material]:
     """Return the textures of a folder with subfolders wood, plaster, carpet, tile.
 
-    Parameters
-    ----------
-    path : path
-        A subfolder per substance (those missing are skipped) of PNG or JPEG images that tile;
-        an optional ``index.csv`` with columns id (file stem) and split.
-    split : str, optional
-        ``"train"`` or ``"val"``: only textures that index.csv gives this split.
-    size_px : int
-        Textures are resized to squares of this side (periodic, area or cubic).
+    Each subfolder (those missing are skipped) has PNG or JPEG images that tile; they are resized to
+    squares of `size_px` (periodic, area or cubic). An optional ``index.csv`` has columns id (file
+    stem) and split; `split`, ``train`` or ``val``, takes only its own.
 
-    Raises
-    ------
-    InputError
-        When the folder has no texture of that split, or `split` is given without an index.
+    Raises InputError where no texture is of that split, or a split is asked for without an index.
     """
     folder = Path(path)
     chosen = None if split is None else _ids_of_split(folder, split)

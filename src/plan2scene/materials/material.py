@@ -13,27 +13,11 @@ Look: TypeAlias = tuple[np.ndarray, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """What a surface is made of.
+    """What a surface is made of."""
 
-    Attributes
-    ----------
-    name : str
-        Unique within a data set: ``wood-planks-1a2b``.
-    substance : str
-        One of ``house.SUBSTANCES``.
-    kind : str
-        ``planks``, ``grid``, ``loop``, ``paint`` ...
-    albedo : (n, n, 3) uint8
-        sRGB, repeats in both directions, no shading.
-    size_m : float
-        Side in metres that the tile covers.
-    roughness : float
-        0 mirror to 1 diffuse.
-    """
-
-    name: str
-    substance: str
-    kind: str
-    albedo: np.ndarray
-    size_m: float
-    roughness: float
+    name: str  #: unique within a data set: ``wood-planks-1a2b``
+    substance: str  #: one of ``house.SUBSTANCES``
+    kind: str  #: ``planks``, ``grid``, ``loop``, ``paint`` ...
+    albedo: np.ndarray  #: (n, n, 3) uint8 sRGB, repeats in both directions, no shading
+    size_m: float  #: metres that the tile's side covers
+    roughness: float  #: 0 mirror to 1 diffuse

@@ -16,23 +16,10 @@ def spectral_noise(
     high: float | None = None,
     stretch: tuple[float, float] = (1.0, 1.0),
 ) -> np.ndarray:
-    """Return periodic Gaussian noise with a power law spectrum.
+    """Return periodic Gaussian noise (size, size) float32, mean 0, deviation 1; [row y, column x].
 
-    Parameters
-    ----------
-    size : int
-        Side in pixels.
-    beta : float
-        Power falls as frequency ** -beta (0 white, 2 cloudy).
-    low, high : float
-        Band in cycles per tile; what is outside fades out.
-    stretch : (float, float)
-        Elongation of the features along (x, y).
-
-    Returns
-    -------
-    (size, size) float32
-        Mean 0, standard deviation 1; [row y, column x].
+    Power falls as frequency ** -`beta` (0 white, 2 cloudy) between `low` and `high` cycles per
+    tile; what is outside fades out. `stretch` elongates features along (x, y).
     """
     spectrum = fft.rfft2(rng.standard_normal((size, size), dtype=np.float32))
     fx = np.fft.rfftfreq(size, 1.0 / size).astype(np.float32) * np.float32(stretch[0])
@@ -81,21 +68,11 @@ def scatter(
     corners: tuple[int, int] = (4, 8),
     elongation: float = 1.6,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return random polygons scattered on the torus.
+    """Return `count` random polygons on the torus: coverage (float32), top index (int32).
 
-    Parameters
-    ----------
-    count : int
-        How many chips; later ones cover earlier ones.
-    radius : (float, float)
-        Range of radii in pixels (small ones are more frequent).
-
-    Returns
-    -------
-    coverage : (size, size) float32
-        1 inside a chip, 0 outside, antialiased.
-    index : (size, size) int32
-        Number of the chip on top, -1 outside.
+    Both are (size, size): coverage is 1 inside a chip, 0 outside, antialiased; the index is that of
+    the chip on top (later ones cover earlier ones), -1 outside. `radius` is the range of radii in
+    pixels; small ones are more frequent.
     """
     factor = 2
     index = np.full((size * factor, size * factor), -1, dtype=np.int32)

@@ -154,16 +154,11 @@ def lifted(part: MeshPart, level: Level) -> MeshPart:
 
 
 def build_parts(house: House) -> list[MeshPart]:
-    """Return every part of a house, each with a name of its own.
+    """Return every part of a validated house, each with a name of its own.
 
     Floors, ceilings and wall faces carry their room's texture key and have exact areas: a
     floor's is its polygon's less where stairs come up, a wall face's is length x height less
     openings. Everything else (wall bodies, door leaves, window frames, glass) is plain.
-
-    Parameters
-    ----------
-    house : House
-        Validated by its reader.
     """
     return assemble(house).parts
 

@@ -137,17 +137,10 @@ OCCLUSION = OcclusionSettings()
 
 @dataclass(frozen=True)
 class Occlusion:
-    """A baked image, and where each part lies in it.
+    """A baked image, and where each part lies in it."""
 
-    Attributes
-    ----------
-    png : bytes
-        (h, w) uint8, linear: 255 where nothing is near.
-    uv : mapping of part name to (n, 2) float64
-        Texture coordinates of the part's vertices in the image, v down, in [0, 1].
-    """
-
-    png: bytes
+    png: bytes  #: (h, w) uint8, linear: 255 where nothing is near
+    #: by part: (n, 2) float64 in [0, 1] of its vertices in the image, v down
     uv: Mapping[str, np.ndarray]
 
 

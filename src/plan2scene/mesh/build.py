@@ -37,19 +37,9 @@ def build_house(
 ) -> None:
     """Write a house as GLB, and as scene.json with textures in the official form.
 
-    Parameters
-    ----------
-    scene_json : path
-        The normalised plan.
-    textures_dir : path
-        A method's tiles with ``textures.json``; surfaces without one get a plain colour.
-    glb, textured_scene_json : path
-        Outputs.
-    house_id : str
-    objects : bool
-        Whether the GLB shows the plan's fixed objects (:mod:`plan2scene.mesh.fittings`).
-    relief : bool
-        Whether surfaces of the GLB have normal maps (:mod:`plan2scene.mesh.relief`).
+    `textures_dir` holds a method's tiles with ``textures.json``; surfaces without one get a plain
+    colour. With `objects` the GLB shows the plan's fixed objects (:mod:`plan2scene.mesh.fittings`),
+    with `relief` its surfaces have normal maps (:mod:`plan2scene.mesh.relief`).
     """
     house, textures = textured_house(scene_json, textures_dir, house_id, objects=True)
     furnished = house if objects else replace(house, icons=())

@@ -131,24 +131,13 @@ def _basin(
 
 @dataclass(frozen=True)
 class Kind:
-    """What an object is.
+    """What an object is."""
 
-    Attributes
-    ----------
-    words : frozenset of str
-        Words of an icon's type that mean it, lower case.
-    blocks : callable
-        Boxes of a model of (width along the wall, depth, height), metres.
-    size : (3,) tuple of float
-        Ordinary width, depth and height, metres.
-    stretch : float
-        The width goes on with the icon up to this, metres; 0 keeps it ordinary.
-    """
-
-    words: frozenset[str]
+    words: frozenset[str]  #: words of an icon's type that mean it, lower case
+    #: boxes of a model of (width along the wall, depth, height), metres
     blocks: Callable[[float, float, float], list[Block]]
-    size: tuple[float, float, float]
-    stretch: float = 0.0
+    size: tuple[float, float, float]  #: ordinary width, depth and height, metres
+    stretch: float = 0.0  #: the width goes on with the icon up to this, metres; 0 keeps it ordinary
 
 
 KINDS: Mapping[str, Kind] = {
@@ -175,15 +164,8 @@ def objects(
 ) -> list[MeshPart]:
     """Return a part ``{room}/object/{category}`` of each icon that says a known thing.
 
-    A thing off its room is left out, with a warning in the log.
-
-    Parameters
-    ----------
-    house : House
-    sides : iterable of Side
-        The faces of all rooms' walls.
-    polygons : mapping of str to geometry
-        The rooms' plan areas by id.
+    `sides` are the faces of all rooms' walls, `polygons` the rooms' plan areas by id. A thing off
+    its room is left out, with a warning in the log.
     """
     faces = list(sides)
     parts = []

@@ -56,24 +56,13 @@ def write_glb(
     unlit: bool = False,
     relief: bool = False,
 ) -> None:
-    """Write a house as GLB: metres, y up, UV = metres / tile size with repeat wrapping.
+    """Write a house as GLB, atomically: metres, y up, UV = metres / tile size with repeat wrapping.
 
     PBR metallic 0, roughness by substance; ambient occlusion of textured surfaces on TEXCOORD_1;
-    a lamp in each room and a sun. Surfaces without a texture get a plain colour. The same input
-    gives the same bytes.
-
-    Parameters
-    ----------
-    house : House
-    textures : mapping of SurfaceKey to TileTexture
-    path : path
-        Written atomically.
-    parts : sequence of MeshPart, optional
-        What :func:`~plan2scene.mesh.build_parts` returned, when at hand.
-    unlit : bool
-        Whether colours are shown as they are (KHR_materials_unlit), without occlusion and lamps.
-    relief : bool
-        Whether surfaces have normal maps where relief shows (:mod:`plan2scene.mesh.relief`).
+    a lamp in each room and a sun. Surfaces without a texture get a plain colour. `parts` are those
+    of :func:`~plan2scene.mesh.assembly.build_parts`, when at hand. `unlit` shows colours as they
+    are (KHR_materials_unlit), without occlusion and lamps; `relief` gives surfaces normal maps
+    (:mod:`plan2scene.mesh.relief`). The same input gives the same bytes.
     """
     scene = trimesh.Scene(base_frame=_WORLD, metadata=_facts(house))
     scene.graph.update(frame_from=_WORLD, frame_to=house.id)

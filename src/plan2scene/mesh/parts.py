@@ -31,31 +31,18 @@ GRID_DECIMALS = 5
 class MeshPart:
     """One named node of the house with one material.
 
-    Attributes
-    ----------
-    name : str
-        Node name, ``{room}/floor``, ``{room}/wall/{wall}``, ``structure/wall/{wall}`` ...
-    mesh : trimesh.Trimesh
-        Metres; n vertices, not shared between faces of different planes, with their unit normals;
-        m faces, counter-clockwise seen from the visible side.
-    material : str
-        ``surface`` (a room surface's texture), ``plain`` (vertex colours) or ``glass``.
-    surface : SurfaceKey or None
-        The texture of a ``surface`` part.
-    uv : (n, 2) float64 or None
-        Texture coordinates in metres: divide by the tile's size; v grows down the image.
-    colours : (n, 3) uint8 or None
-        sRGB vertex colours of a ``plain`` part.
-    extras : mapping
-        What viewers show: room id, kind of part, wall or opening id.
+    The mesh is in metres: n vertices, not shared between faces of different planes, with their unit
+    normals; faces counter-clockwise seen from the visible side.
     """
 
-    name: str
+    name: str  #: ``{room}/floor``, ``{room}/wall/{wall}``, ``structure/wall/{wall}`` ...
     mesh: trimesh.Trimesh
-    material: str
-    surface: SurfaceKey | None = None
+    material: str  #: ``surface`` (a room surface's texture), ``plain`` (vertex colours), ``glass``
+    surface: SurfaceKey | None = None  #: the texture of a ``surface`` part
+    #: (n, 2) float64, metres: divide by the tile's size; v down the image
     uv: np.ndarray | None = None
-    colours: np.ndarray | None = None
+    colours: np.ndarray | None = None  #: (n, 3) uint8 sRGB of a ``plain`` part's vertices
+    #: what viewers show: room id, kind of part, wall or opening id
     extras: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -124,14 +111,9 @@ class PartBuilder:
         self.mesh(np.asarray(corners), np.array([[0, 1, 2], [0, 2, 3]]), colour=colour, uv=uv)
 
     def box(self, frame: np.ndarray, low: Corner, high: Corner, colour: Colour) -> None:
-        """Add a box given in a local frame.
+        """Add a box between two opposite corners of a local frame, metres.
 
-        Parameters
-        ----------
-        frame : (4, 3) float
-            Right-handed orthonormal axes in rows 0-2 and the origin in row 3, world metres.
-        low, high : (3,) tuple of float
-            Opposite corners along those axes, metres.
+        `frame` is (4, 3) float: right-handed orthonormal axes in rows 0-2, the origin in row 3.
         """
         corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
         points = corners @ frame[:3] + frame[3]

@@ -14,15 +14,8 @@ from plan2scene.mesh.parts import MeshPart
 class Rays:
     """The opaque parts of a house as one set of triangles that rays are cast against.
 
-    Attributes
-    ----------
-    parts : list of MeshPart
-    triangles : (t, 3, 3) float64
-        Of all parts, one after another.
-    part : (t,) int
-        Number of each triangle's part.
-    face : (t,) int
-        Its number within the part.
+    `triangles` is (t, 3, 3) float64 of all `parts`, one after another; `part` (t,) int is the
+    number of each triangle's part, `face` (t,) int its number within the part.
     """
 
     def __init__(self, parts: Sequence[MeshPart], scene: object) -> None:

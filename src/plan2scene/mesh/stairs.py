@@ -215,16 +215,10 @@ def _edges(stairs: Stairs) -> list[Frame]:
 def well_railings(
     storey: House, arriving: Sequence[Stairs], leaving: Sequence[Stairs]
 ) -> list[MeshPart]:
-    """Return the parts ``{room}/railing/{id}`` around the wells in a storey's floors.
+    """Return the parts ``{room}/railing/{id}`` around the wells in the floors of a level's rooms.
 
-    None at the head of a flight, nor along walls, nor where another flight goes on up.
-
-    Parameters
-    ----------
-    storey : House
-        The level's rooms.
-    arriving, leaving : sequence of Stairs
-        Flights that come up to the level, and those that start on it.
+    None at the head of an `arriving` flight (one that comes up to the level), nor along walls, nor
+    where a `leaving` flight goes on up.
     """
     if not arriving:
         return []

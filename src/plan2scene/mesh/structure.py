@@ -51,21 +51,11 @@ GRID = 1e-6
 
 @dataclass(frozen=True)
 class Above:
-    """What is on top of a storey.
+    """What is on top of a storey."""
 
-    Attributes
-    ----------
-    rise : float
-        Metres from its floors to those of the next level.
-    rooms : geometry
-        The plan area of that level's rooms.
-    well : geometry
-        Where stairs go up: open in the ceilings and in the floors above.
-    """
-
-    rise: float
-    rooms: BaseGeometry
-    well: BaseGeometry
+    rise: float  #: metres from its floors to those of the next level
+    rooms: BaseGeometry  #: the plan area of that level's rooms
+    well: BaseGeometry  #: where stairs go up: open in the ceilings and in the floors above
 
 
 def wall_face(
@@ -349,17 +339,9 @@ WITHOUT = {"Bathroom", "Outdoor", "Balcony", "Terrace", "Staircase"}
 def skirting(
     room: Room, sides: Iterable[Side], openings: Openings, colour: Colour | None = None
 ) -> MeshPart | None:
-    """Return the part ``{room}/skirting``; None for rooms without any.
+    """Return the part ``{room}/skirting``, boards of an sRGB `colour`; None for rooms without any.
 
-    Parameters
-    ----------
-    room : Room
-    sides : iterable of Side
-        The faces of the room's walls.
-    openings : Openings
-        The holes of all faces.
-    colour : sRGB, optional
-        Of the boards.
+    `sides` are the faces of the room's walls, `openings` the holes of all faces.
     """
     if WITHOUT & set(room.types):
         return None

@@ -22,38 +22,18 @@ UNTEXTURED = {"floor": (178, 164, 148), "wall": (232, 228, 220), "ceiling": (244
 
 @dataclass(frozen=True)
 class TileTexture:
-    """A repeating texture.
+    """A repeating texture."""
 
-    Attributes
-    ----------
-    png : bytes
-        PNG, sRGB.
-    size_m : float
-        Metres that the tile's side covers.
-    observed : bool or None
-        Whether photos showed the surface; None when unknown.
-    substance : str or None
-        One of ``house.SUBSTANCES``.
-    source : str
-        Where it comes from, in words.
-    origin_m : (2,) tuple of float
-        Where a tile begins in a part's texture coordinates, metres.
-    material : str
-        Name of what it shares with other rooms, or empty.
-    crops : tuple of str
-        Ids of the crops that it was quilted from.
-    evidence : mapping
-        How its look is known (:mod:`plan2scene.textures.evidence`); empty when unknown.
-    """
-
-    png: bytes
-    size_m: float
-    observed: bool | None = None
-    substance: str | None = None
-    source: str = ""
+    png: bytes  #: sRGB
+    size_m: float  #: metres that the tile's side covers
+    observed: bool | None = None  #: whether photos showed the surface; None when unknown
+    substance: str | None = None  #: one of ``house.SUBSTANCES``
+    source: str = ""  #: where it comes from, in words
+    #: where a tile begins in a part's texture coordinates, metres
     origin_m: tuple[float, float] = (0.0, 0.0)
-    material: str = ""
-    crops: tuple[str, ...] = ()
+    material: str = ""  #: name of what it shares with other rooms, or empty
+    crops: tuple[str, ...] = ()  #: ids of the crops that it was quilted from
+    #: of :mod:`plan2scene.textures.evidence`; empty when unknown
     evidence: Mapping[str, object] = field(default_factory=dict)
 
     @property
@@ -86,20 +66,11 @@ class MapTexture(TileTexture):
     """A surface map in the place of its tile: one image for the whole surface.
 
     `origin_m` is where the map begins.
-
-    Attributes
-    ----------
-    jpeg : bytes
-        JPEG, sRGB.
-    extent_m : (2,) tuple of float
-        Metres that its width and height cover.
-    pattern : str
-        Kind and size of the units that it is laid of, in words; empty for none.
     """
 
-    jpeg: bytes = b""
-    extent_m: tuple[float, float] = (1.0, 1.0)
-    pattern: str = ""
+    jpeg: bytes = b""  #: sRGB
+    extent_m: tuple[float, float] = (1.0, 1.0)  #: metres that its width and height cover
+    pattern: str = ""  #: kind and size of the units that it is laid of, in words
 
     @property
     def image(self) -> bytes:
@@ -121,12 +92,8 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
     """Return the textures that a method left for a house (``textures.json``, tiles, maps).
 
     A surface that ``maps.json`` lists gets a :class:`MapTexture`. Those that ``textures.json`` does
-    not list are left out, with a warning in the log.
-
-    Raises
-    ------
-    InputError
-        When textures.json is not of the form in docs/conventions.md or a tile is no image.
+    not list are left out, with a warning in the log. Raises InputError when ``textures.json`` is
+    not of the form in docs/conventions.md or a tile is no image.
     """
     root = Path(folder)
     entries = texture_index(root, house)

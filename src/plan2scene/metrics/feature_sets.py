@@ -32,19 +32,13 @@ def frechet_distance(
 ) -> float:
     """Return FID, the squared Frechet distance of two sets taken as Gaussians; 0 is best.
 
-    ``|mean_a - mean_b|^2 + tr(A + B - 2 (A B)^(1/2))`` with the unbiased covariances A and B:
-    without units the figure of torchmetrics' ``FrechetInceptionDistance``. It falls with the
-    sizes of the sets (:func:`kernel_distance` does not): compare figures of one size only. A
-    single sample has no spread: its covariance counts as 0.
+    ``|mean_a - mean_b|^2 + tr(A + B - 2 (A B)^(1/2))`` with the unbiased covariances A and B of
+    predictions (n, d) and references (m, d): without units the figure of torchmetrics'
+    ``FrechetInceptionDistance``. `units` (n,), (m,) say what a sample belongs to; None: each is a
+    unit. The distance falls with the sizes of the sets (:func:`kernel_distance` does not): compare
+    figures of one size only. A single sample has no spread: its covariance counts as 0.
 
     Raises ValueError for an empty set, different dimensions or another number of units.
-
-    Parameters
-    ----------
-    features_a, features_b : (n, d), (m, d) float
-        Predictions and references.
-    units_a, units_b : (n,), (m,) array, optional
-        What a sample belongs to. None: each sample is a unit.
     """
     a, b = _features(features_a, features_b)
     gaussians = RunningGaussian(), RunningGaussian()

@@ -70,18 +70,10 @@ def describe(
 def describe_images(
     network: SubstanceNetwork, images: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the embedded network's features and substances of textures.
+    """Return the embedded network's features (n, feature_dim) float32 and substances (n,) int64.
 
-    Parameters
-    ----------
-    images : sequence of (h, w, 3) uint8
-        sRGB; resized to 128 px where they are not.
-
-    Returns
-    -------
-    (n, feature_dim) float32
-    (n,) int64
-        Index into ``house.SUBSTANCES``.
+    `images` are (h, w, 3) uint8 sRGB, resized to 128 px where they are not; substances are indices
+    into ``house.SUBSTANCES``.
     """
     if not images:
         return np.zeros((0, len(network.shift)), np.float32), np.zeros(0, np.int64)

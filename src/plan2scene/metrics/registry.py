@@ -14,19 +14,12 @@ from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, ti
 class Metric:
     """One metric; lower is better.
 
-    Attributes
-    ----------
-    decimals : int
-        As the paper prints it.
-    network : str
-        Metadata of ``metrics.parquet`` that names the network behind it; "" without one.
-    of_pairs : callable, optional
-        From predictions and references, (..., 128, 128, 3) uint8 sRGB each, to values (...). None
-        for what a network says (SUBS) or the whole set of surfaces (FID, KID).
+    `of_pairs` gives values (...) of predictions and references, (..., 128, 128, 3) uint8 sRGB each;
+    None for what a network says (SUBS) or the whole set of surfaces (FID, KID).
     """
 
-    decimals: int
-    network: str = ""
+    decimals: int  #: as the paper prints it
+    network: str = ""  #: metadata of ``metrics.parquet`` that names the network behind it
     of_pairs: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
 
 

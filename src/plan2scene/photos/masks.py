@@ -56,29 +56,19 @@ def make_masks(
 ) -> list[str]:
     """Write the masks folder of a house and return its warnings.
 
-    Parameters
-    ----------
-    photos : mapping of photo name to path
-        A photo that is missing, damaged or tiny, has an unsafe name, or lacks its precomputed
-        mask, becomes a warning and is left out; the house goes on without it. A focal length in
-        its EXIF data that is not used becomes a warning too.
-    label : callable
-        Returns what labels the photos; not called for a house without any.
-    out_dir : path
-        Replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
-        ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
-        ``segments.parquet``, ``kinds.json``, ``matches.json``, ``warnings.json``
-        (``docs/conventions.md``).
-    fov_deg : float
-        Horizontal field of view in degrees where neither EXIF data nor vanishing points give one,
-        nor those of the other photos.
-    known_fov_deg : float, optional
-        Field of view of all photos along their longer side, degrees: goes before EXIF data.
-    find_rooms : bool
-        Whether the room of a photo is to be found: without, ``kinds.json`` and ``matches.json``,
-        which only tell that, are empty.
-    threads : int
-        Photos worked on at a time; the result does not depend on it.
+    A photo that is missing, damaged or tiny, has an unsafe name, or lacks its precomputed mask
+    becomes a warning and is left out. A focal length in EXIF data that is not used becomes a
+    warning, too. `label` returns what labels the photos; it is not called for a house without any.
+    `out_dir` is replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
+    ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
+    ``segments.parquet``, ``kinds.json``, ``matches.json``, ``warnings.json``
+    (``docs/conventions.md``).
+
+    `fov_deg` is the horizontal field of view in degrees where neither EXIF data nor vanishing
+    points give one, nor those of the other photos; `known_fov_deg` that of all photos along their
+    longer side, which goes before EXIF data. Without `find_rooms` ``kinds.json`` and
+    ``matches.json``, which tell which room a photo shows, are empty. `threads` photos are worked on
+    at a time; the result does not depend on it.
     """
     _refuse_equal_stems(photos, house_id)
     with atomic_directory(out_dir) as folder:

@@ -31,24 +31,12 @@ _BEHIND = 0.5
 
 @dataclass(frozen=True)
 class Frame:
-    """A vertical rectangle seen from its visible side.
+    """A vertical rectangle seen from its visible side; ``right = (normal_z, -normal_x)``."""
 
-    Attributes
-    ----------
-    left : (2,) float64
-        Plan point (x, z) of the lower left corner.
-    right : (2,) float64
-        Unit vector along the rectangle, to the right.
-    normal : (2,) float64
-        Unit vector towards the viewer; ``right = (normal_z, -normal_x)``.
-    length : float
-        Metres.
-    """
-
-    left: np.ndarray
-    right: np.ndarray
-    normal: np.ndarray
-    length: float
+    left: np.ndarray  #: plan point (x, z) of the lower left corner, (2,) float64
+    right: np.ndarray  #: unit vector along the rectangle, to the right
+    normal: np.ndarray  #: unit vector towards the viewer
+    length: float  #: metres
 
     def plan(self, s: np.ndarray | float, out: float = 0.0) -> np.ndarray:
         """Return plan points at `s` along the face and `out` metres in front of it."""
@@ -192,27 +180,13 @@ class Side:
 
 @dataclass(frozen=True)
 class Portal:
-    """One door, window or passage.
+    """One door, window or passage."""
 
-    Attributes
-    ----------
-    hole : FaceOpening
-        The copy on the owner's side of the wall.
-    side : Side
-        That side.
-    back : (2, 2) float64
-        Plan points of the far edge of the passage, at the left and at the right.
-    depth : float
-        Metres from the near to the far edge (0 when two rooms touch).
-    other : str or None
-        The room behind, None for the outside.
-    """
-
-    hole: FaceOpening
-    side: Side
-    back: np.ndarray
-    depth: float
-    other: str | None
+    hole: FaceOpening  #: the copy on the owner's side of the wall
+    side: Side  #: that side
+    back: np.ndarray  #: (2, 2) float64, plan points of the far edge, at the left and at the right
+    depth: float  #: metres from the near to the far edge (0 when two rooms touch)
+    other: str | None  #: the room behind, None for the outside
 
     @property
     def width(self) -> float:

@@ -22,22 +22,13 @@ NODE_SIZE = len(ROOM_TYPES) + len(SURFACES) * (1 + EMBEDDING_SIZE)
 
 @dataclass(frozen=True)
 class HouseGraph:
-    """A house as a graph: one node a room.
-
-    Parameters
-    ----------
-    room_ids : tuple of str, length n
-    types : (n, 12) float32, multi-hot in the order of ``house.ROOM_TYPES``
-    edges : (2, m) int64, both directions of each inner door, source row first
-    embeddings : (n, 3, 11) float32, zeros where not observed
-    observed : (n, 3) bool, surfaces in the order of ``house.SURFACES``
-    """
+    """A house as a graph: one node for each of its n rooms."""
 
     room_ids: tuple[str, ...]
-    types: np.ndarray
-    edges: np.ndarray
-    embeddings: np.ndarray
-    observed: np.ndarray
+    types: np.ndarray  #: (n, 12) float32, multi-hot in the order of ``house.ROOM_TYPES``
+    edges: np.ndarray  #: (2, m) int64, both directions of each inner door, source row first
+    embeddings: np.ndarray  #: (n, 3, 11) float32, zeros where not observed
+    observed: np.ndarray  #: (n, 3) bool, surfaces in the order of ``house.SURFACES``
 
     def place(self, key: SurfaceKey) -> tuple[int, int]:
         """Return the row and column of a surface."""

@@ -36,11 +36,8 @@ _FAR = 4
 def graph_data(graph: HouseGraph, visible: np.ndarray | None = None) -> Data:
     """Return a house with the `visible` surfaces (n, 3) bool alone; all observed ones when None.
 
-    Returns
-    -------
-    Data
-        ``x`` (n, 48) float32, ``edge_index`` (2, m) int64, ``pair_index`` (2, p) int64 and
-        ``pair_attr`` (p, 5) float32 of :func:`room_pairs`, ``embeddings`` (n, 3, 11) float32.
+    ``x`` is (n, 48) float32, ``edge_index`` (2, m) int64, ``pair_index`` (2, p) int64 and
+    ``pair_attr`` (p, 5) float32 are :func:`room_pairs`, ``embeddings`` (n, 3, 11) float32.
     """
     known = graph.observed if visible is None else visible
     pairs, facts = room_pairs(graph)
@@ -57,11 +54,7 @@ def graph_data(graph: HouseGraph, visible: np.ndarray | None = None) -> Data:
 def room_pairs(graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
     """Return all ordered pairs of different rooms and what is known of them.
 
-    Returns
-    -------
-    (2, p) int64
-        Row of the room that is looked at, row of the room in question (source, target).
-    (p, 5) float32
+    (2, p) int64: row of the room that is looked at, row of the room in question; (p, 5) float32.
     """
     count = len(graph.room_ids)
     target, source = np.nonzero(~np.eye(count, dtype=bool))
@@ -76,20 +69,9 @@ def room_pairs(graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
 class PropagationNetwork(nn.Module):
     """Linear, ReLU, Linear, ReLU, GatedGraphConv, ReLU, Linear, ReLU, Linear.
 
-    Parameter names and shapes are those of the authors' checkpoints.
-
-    Parameters
-    ----------
-    width : int
-        Hidden size (96 in the paper's configuration).
-    layers : int
-        Message-passing steps (3).
-
-    Shapes
-    ------
-    x : (n, 48) float32, `graph.HouseGraph.node_features`
-    edge_index : (2, m) int64
-    returns : (n, 3, 11) float32, embeddings of floor, wall, ceiling
+    `HouseGraph.node_features` (n, 48) float32 and edges (2, m) int64 -> embeddings (n, 3, 11)
+    float32 of floor, wall, ceiling. `width` is the hidden size (96 in the paper), `layers` the
+    steps of message passing (3). Parameter names and shapes are those of the authors' checkpoints.
     """
 
     def __init__(self, width: int = 96, layers: int = 3) -> None:
@@ -122,25 +104,13 @@ _KINDS = len(SURFACES)
 
 @dataclass(frozen=True)
 class Mixture:
-    """Predictions of every surface of n rooms, over p pairs of rooms.
+    """Predictions of every surface of n rooms, over p pairs of rooms. All are float32."""
 
-    Parameters
-    ----------
-    own : (n, 3, 11) float32
-        What the paper's network regresses.
-    own_scale, copy_scale : (n, 3, 11), (3, 11) float32
-        Scales of the Laplace distributions around it and around visible surfaces.
-    log_own : (n, 3) float32
-        Log weight of `own`.
-    log_copies : (p, 3) float32
-        Log weight of each pair's looked-at room; -inf where its surface is not visible.
-    """
-
-    own: Tensor
-    own_scale: Tensor
-    copy_scale: Tensor
-    log_own: Tensor
-    log_copies: Tensor
+    own: Tensor  #: (n, 3, 11), what the paper's network regresses
+    own_scale: Tensor  #: (n, 3, 11), scale of the Laplace distribution around it
+    copy_scale: Tensor  #: (3, 11), the same around visible surfaces
+    log_own: Tensor  #: (n, 3), log weight of `own`
+    log_copies: Tensor  #: (p, 3), log weight of each pair's looked-at room; -inf: not visible
 
 
 @dataclass(frozen=True)
@@ -158,14 +128,9 @@ _BOUNDS = PointerBounds()
 class PointerNetwork(MessagePassing):
     """Attention over pairs of rooms that may also point at none: houses -> mixtures.
 
-    All embeddings are standardised by `centre` and `deviation`, which the network keeps.
-
-    Parameters
-    ----------
-    width, layers : int
-        Of the paper's network, which is the trunk.
-    pair_width : int
-        Hidden units that score a pair of rooms.
+    All embeddings are standardised by `centre` and `deviation`, which the network keeps. `width`
+    and `layers` are those of the paper's network, which is the trunk; `pair_width` hidden units
+    score a pair of rooms.
     """
 
     def __init__(self, width: int = 96, layers: int = 3, pair_width: int = 64) -> None:

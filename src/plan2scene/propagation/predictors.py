@@ -86,25 +86,13 @@ RULES: Mapping[str, Callable[[HouseGraph, TypeMeans], np.ndarray]] = {
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What is expected of every surface of a house's n rooms.
+    """What is expected of every surface of a house's n rooms."""
 
-    Parameters
-    ----------
-    embedding : (n, 3, 11) float32
-        Colours clipped to [0, 1].
-    confidence : (n, 3) float32
-        Probability that the surface is like one that a photo shows; NaN from the paper's network,
-        which has none.
-    alike : (n, 3) int64
-        Row of the room whose surface of the same kind is likeliest to be like it; -1 where that
-        is none or unknown.
-    seen : (n, 3, 3) float64, optional
-        sRGB of the surfaces of which photos show anything, where the predictor has it.
-    """
-
-    embedding: np.ndarray
+    embedding: np.ndarray  #: (n, 3, 11) float32, colours clipped to [0, 1]
+    #: (n, 3) float32, probability that a photo shows one like it; NaN: unknown
     confidence: np.ndarray
-    alike: np.ndarray
+    alike: np.ndarray  #: (n, 3) int64, row of the room whose surface is likeliest like it; -1: none
+    #: (n, 3, 3) float64, sRGB of surfaces of which photos show anything
     seen: np.ndarray | None = None
 
 
@@ -133,20 +121,11 @@ def predict(network: Network, graph: HouseGraph) -> Prediction:
 def mixture_components(
     mixture: Mixture, values: Tensor, pair_index: Tensor
 ) -> tuple[Tensor, Tensor]:
-    """Return the components of the mixture, one a room and one for none, and their weights.
+    """Return a mixture's components (n, n + 1, 3, 11), one a room and one for none, and weights.
 
-    Parameters
-    ----------
-    values : (n, 3, 11) float32
-        Standardised embeddings of the visible surfaces.
-    pair_index : (2, p) int64
-        As of :func:`~plan2scene.propagation.graph_networks.room_pairs`.
-
-    Returns
-    -------
-    components : (n, n + 1, 3, 11) float32
-    weights : (n, n + 1, 3) float32
-        Zero for the room itself and for those without visible surface.
+    `values` (n, 3, 11) float32 are the standardised embeddings of the visible surfaces,
+    `pair_index` (2, p) int64 of :func:`~plan2scene.propagation.graph_networks.room_pairs`. Weights
+    (n, n + 1, 3) are zero for the room itself and for those without visible surface. All float32.
     """
     rooms = len(values)
     source, target = pair_index

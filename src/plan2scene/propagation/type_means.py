@@ -11,18 +11,11 @@ from plan2scene.house import ROOM_TYPES, SURFACES
 
 @dataclass(frozen=True)
 class TypeMeans:
-    """Mean embeddings over training surfaces.
+    """Mean embeddings over training surfaces."""
 
-    Parameters
-    ----------
-    embedding : (12, 3, 11) float32
-        Mean by room type and surface; a pair without samples holds the surface's mean.
-    naive : (12, 3, 8) float32
-        The same for the NaiveSynth model's code.
-    """
-
+    #: (12, 3, 11) float32, by room type and surface; without samples the surface's
     embedding: np.ndarray
-    naive: np.ndarray
+    naive: np.ndarray  #: (12, 3, 8) float32, the same for the NaiveSynth model's code
 
     def predict(self, types: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the (3, 11) and (3, 8) means of a room of the types (12,), multi-hot."""
@@ -30,13 +23,9 @@ class TypeMeans:
 
 
 def mean_by_type(types: np.ndarray, surface: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return means (12, 3, d) of `values` (n, d) by room type and surface.
+    """Return means (12, 3, d) of `values` (n, d) float32 by room type and surface.
 
-    Parameters
-    ----------
-    types : (n, 12) bool or float, multi-hot
-    surface : (n,) int, index into ``SURFACES``
-    values : (n, d) float32
+    `types` are (n, 12), multi-hot; `surface` (n,) int is an index into ``SURFACES``.
     """
     result = np.zeros((len(ROOM_TYPES), len(SURFACES), values.shape[1]), dtype=np.float32)
     for j in range(len(SURFACES)):

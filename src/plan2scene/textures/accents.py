@@ -34,21 +34,11 @@ _LIGHTNESS = np.array([0.5, 1.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class Accent:
-    """Walls on one plane of a room that are of another paint.
+    """Walls on one plane of a room that are of another paint."""
 
-    Attributes
-    ----------
-    keys : tuple of SurfaceKey
-        A key for each wall.
-    colour : (3,) float64
-        sRGB.
-    planes : frozenset of str
-        Names of the photos' planes that show it, as crop ids begin.
-    """
-
-    keys: tuple[SurfaceKey, ...]
-    colour: np.ndarray
-    planes: frozenset[str]
+    keys: tuple[SurfaceKey, ...]  #: a key for each wall
+    colour: np.ndarray  #: (3,) float64, sRGB
+    planes: frozenset[str]  #: names of the photos' planes that show it, as crop ids begin
 
 
 def find_accents(colours: str | Path, hidden_photos: Collection[str] = ()) -> list[Accent]:

@@ -120,18 +120,9 @@ def choose_crop(
 ) -> Choice | None:
     """Return the crop that stands for a surface; None where there is none at all.
 
-    Parameters
-    ----------
-    plan : House
-        Gives the room types.
-    crops : sequence of Crop
-        All visible crops of the house, in a stable order.
-    seed : int
-        Global seed; the choice depends on it, the house and the surface alone.
-    own_crop : callable
-        Which of its own crops an observed surface gets.
-    others : sequence of PoolCrop
-        Crops of other houses.
+    `plan` gives the room types. `crops` are all visible ones of the house, in a stable order,
+    `others` those of other houses. `own_crop` says which of its own crops an observed surface gets.
+    The choice depends on the global seed, the house and the surface alone.
     """
     own = [crop for crop in crops if crop.key == key]
     if own:

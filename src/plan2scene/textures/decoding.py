@@ -122,20 +122,10 @@ def constrained_tiles(
 
 
 def match_statistics(tile: np.ndarray, crop: np.ndarray, seed: int) -> np.ndarray:
-    """Return a tile with the spectrum and the colours of a crop.
+    """Return a tile (s, s, 3) uint8 with the spectrum and the colours of a crop of the same size.
 
-    Parameters
-    ----------
-    tile : (s, s, 3) uint8
-        sRGB, repeating, at least 32 px.
-    crop : (s, s, 3) uint8
-        sRGB, of the same size; its light should be even.
-    seed : int
-        Of the rotations of the colour space.
-
-    Returns
-    -------
-    (s, s, 3) uint8
+    Both are sRGB; the tile repeats, at least 32 px; the crop's light should be even. `seed` is that
+    of the rotations of the colour space.
     """
     if tile.shape != crop.shape or tile.shape[0] != tile.shape[1]:
         raise ValueError(f"expected equal square shapes, found {tile.shape} and {crop.shape}")
@@ -154,14 +144,10 @@ def match_statistics(tile: np.ndarray, crop: np.ndarray, seed: int) -> np.ndarra
 def even_crop(
     crop: np.ndarray, others: Sequence[np.ndarray], tone: np.ndarray, size_px: int
 ) -> np.ndarray:
-    """Return a crop under even light, (size, size, 3) uint8.
+    """Return a crop (128, 128, 3) uint8 under even light, (size, size, 3) uint8.
 
-    Parameters
-    ----------
-    crop, others : (128, 128, 3) uint8
-        The crop, and further crops of the surface that tell its shading from the material's.
-    tone : (3,) float
-        The surface's median colour, sRGB in [0, 1], that the crop is scaled to.
+    `others` are further crops of the surface that tell its shading from the material's. `tone` (3,)
+    is the surface's median colour, sRGB in [0, 1], that the crop is scaled to.
     """
     images = np.stack([crop, *others[: _S.others]]) / 255.0
     flat = flatten(images, highlights(images))[0]

@@ -19,16 +19,8 @@ def evidence_of(
 ) -> dict[str, Any]:
     """Return ``{photos, like, words}`` of a surface; ``like`` is the room that it is guessed from.
 
-    Parameters
-    ----------
-    entry
-        What ``textures.json`` says of it.
-    photos
-        Names of the photos that show its colour.
-    rooms
-        Ids of the house's rooms.
-    white
-        Whether it is white because most known surfaces of its kind are.
+    `entry` is what ``textures.json`` says of it, `photos` are those that show its colour, `rooms`
+    the ids of the house's rooms. `white`: it is so because most known surfaces of its kind are.
     """
     named = re.findall(r"\b(?:like|of) ([^\s,]+)", str(entry.get("source", "")))
     like = next((name for name in named if name in rooms), None)

@@ -167,28 +167,14 @@ class HouseData:
 
 @dataclass(frozen=True, eq=False)
 class TextureInputs:
-    """What a method makes tiles from.
+    """What a method makes tiles from."""
 
-    Attributes
-    ----------
-    data : HouseData
-        Gives the plan, the library and the crops of other houses.
-    surfaces : tuple of KnownSurface
-        Those that want a tile.
-    crops : tuple of Crop
-        Crops of visible photos, in the file's order.
-    models : mapping
-        Weight files by name (``texture``, ``naivesynth``).
-    settings : TextureSettings
-    decoded : dict
-        Tiles that were decoded by now, by method: others start from them.
-    """
-
-    data: HouseData
-    surfaces: tuple[KnownSurface, ...]
-    crops: tuple[Crop, ...]
-    models: Mapping[str, Path]
+    data: HouseData  #: gives the plan, the library and the crops of other houses
+    surfaces: tuple[KnownSurface, ...]  #: those that want a tile
+    crops: tuple[Crop, ...]  #: of visible photos, in the file's order
+    models: Mapping[str, Path]  #: weight files by name (``texture``, ``naivesynth``)
     settings: TextureSettings
+    #: tiles that were decoded by now, by method: others start from them
     decoded: dict[str, Mapping[SurfaceKey, Tile]] = field(default_factory=dict, init=False)
 
     @property

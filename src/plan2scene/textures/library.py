@@ -29,23 +29,12 @@ _COLOR_WEIGHT = 5.0  # dE2000 that COLOR of 1 counts as
 
 @dataclass(frozen=True, eq=False)
 class TextureLibrary:
-    """Tileable textures to retrieve from.
-
-    Attributes
-    ----------
-    names : tuple of str
-    substances : tuple of str
-        Of ``house.SUBSTANCES``.
-    tiles : (n, s, s, 3) uint8
-        sRGB, repeating in both directions.
-    size_m : (n,) float64
-        Metres that each tile covers.
-    """
+    """Tileable textures to retrieve from."""
 
     names: tuple[str, ...]
-    substances: tuple[str, ...]
-    tiles: np.ndarray
-    size_m: np.ndarray
+    substances: tuple[str, ...]  #: of ``house.SUBSTANCES``
+    tiles: np.ndarray  #: (n, s, s, 3) uint8 sRGB, repeating in both directions
+    size_m: np.ndarray  #: (n,) float64, metres that each tile covers
 
     def __len__(self) -> int:
         return len(self.names)

@@ -27,46 +27,20 @@ GROUP = "plan2scene.texture_methods"
 
 @dataclass(frozen=True)
 class TextureMethod:
-    """How textures are made.
+    """How textures are made."""
 
-    Attributes
-    ----------
-    name : str
-        As command line and configuration have it.
-    summary : str
-        What an observed surface gets, for people.
-    unobserved : str
-        What a surface gets that no visible photo shows.
-    make : callable
-        Makes a tile for each surface of :class:`~plan2scene.textures.inputs.TextureInputs`.
-    model : str, optional
-        Weight file that it decodes with (``texture`` or ``naivesynth``).
-    embedding : str, optional
-        Column of ``propagated.parquet`` that it cannot do without.
-    library, crop_pool : bool
-        Whether it may take tiles of the library, and crops of other houses.
-    seam_correction : bool
-        Whether what does not tile by construction is corrected where the configuration is silent.
-    noise : bool
-        Whether another seed gives another image of a surface (more images for FID and KID).
-    fallback : str, optional
-        The method that makes the surfaces of which this one has no tile.
-    needs : str
-        What pip installs for it beside its own package's dependencies; empty for nothing.
-    """
-
-    name: str
-    summary: str
-    unobserved: str
-    make: Maker
-    model: str | None = None
-    embedding: str | None = None
-    library: bool = False
-    crop_pool: bool = False
-    seam_correction: bool = False
-    noise: bool = False
-    fallback: str | None = None
-    needs: str = ""
+    name: str  #: as command line and configuration have it
+    summary: str  #: what an observed surface gets, for people
+    unobserved: str  #: what a surface gets that no visible photo shows
+    make: Maker  #: makes a tile for each surface of the inputs
+    model: str | None = None  #: weight file that it decodes with: texture or naivesynth
+    embedding: str | None = None  #: column of ``propagated.parquet`` that it cannot do without
+    library: bool = False  #: whether it may take tiles of the library
+    crop_pool: bool = False  #: whether it may take crops of other houses
+    seam_correction: bool = False  #: of what does not tile, where the configuration is silent
+    noise: bool = False  #: whether another seed gives another image (more images for FID and KID)
+    fallback: str | None = None  #: the method that makes the surfaces of which this one has no tile
+    needs: str = ""  #: what pip installs for it beside its own package's dependencies
 
     @property
     def weights(self) -> str | None:

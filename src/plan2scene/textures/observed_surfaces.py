@@ -38,17 +38,11 @@ def select_surfaces(
 
     The crop with the least textureness score gives the code (paper section 5.3), burned-out ones
     left aside where there are others, and all crops give the colour (:func:`surface_embedding`);
-    NaiveSynth gets the mean of the crops' codes.
+    NaiveSynth gets the mean of the crops' codes. `hidden_photos` count as not taken.
     ``docs/conventions.md`` lists the columns. ``metres`` is the side of the square that the chosen
     crop covers, because its texture is at that scale; where that is unknown, the median over the
-    surface's crops (NaN when none knows).
-
-    Parameters
-    ----------
-    hidden_photos : collection of str
-        Photos of the house that count as not taken.
-    threads : int
-        Surfaces worked on at a time; the choice does not depend on it.
+    surface's crops (NaN when none knows). `threads` surfaces are worked on at a time; the choice
+    does not depend on it.
     """
     import pandas as pd
 
@@ -110,14 +104,9 @@ def surface_embedding(
     """Return the index of the crop that stands for a surface, and the surface's embedding (d,).
 
     Light and casts differ from crop to crop and the score does not see them: the colour is the
-    median of all crops that are not burned out (of all where all are), the rest the crop's.
-
-    Parameters
-    ----------
-    codes : (n, d) float32
-        Embeddings of the crops, each with its median R, G, B in [0, 1] last.
-    textureness, clipped : (n,) float
-        As for :func:`best_crop`.
+    median of all crops that are not burned out (of all where all are), the rest the crop's. `codes`
+    (n, d) float32 are the crops' embeddings, each with its median R, G, B in [0, 1] last;
+    `textureness` and `clipped` are as for :func:`best_crop`.
     """
     index = best_crop(textureness, clipped)
     good = clipped <= _CLIPPED if (clipped <= _CLIPPED).any() else np.ones(len(codes), dtype=bool)
@@ -127,15 +116,10 @@ def surface_embedding(
 
 
 def best_crop(textureness: np.ndarray, clipped: np.ndarray) -> int:
-    """Return the index of the least textureness score, the first of equals.
+    """Return the index of the least textureness score (n,), the first of equals; NaN is the worst.
 
-    Parameters
-    ----------
-    textureness : (n,) float
-        NaN counts as the worst. ValueError without any.
-    clipped : (n,) float
-        Shares of clipped pixels. A burned-out crop is flat, so it scores well and shows
-        nothing: those above a quarter lose against all others.
+    A burned-out crop is flat, so it scores well and shows nothing: those with more than a quarter
+    of `clipped` pixels (n,) lose against all others. ValueError without any crop.
     """
     if not len(textureness):
         raise ValueError("the best of no crops")

@@ -30,16 +30,8 @@ SETTINGS = PlainSettings()
 def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.ndarray, float]:
     """Return a tile in one paint with its relief, and how strong its pattern is.
 
-    Parameters
-    ----------
-    image : (h, w, 3) uint8 sRGB
-    colour : (3,) float
-        Linear RGB of the paint.
-    px_per_m : float
-
-    Returns
-    -------
-    (h, w, 3) uint8 sRGB, and the standard deviation of its log brightness.
+    `image` and the tile are (h, w, 3) uint8 sRGB, `colour` (3,) is the paint in linear RGB; the
+    strength is the standard deviation of log brightness.
     """
     axes = log_axes(srgb_to_linear(image)).astype(np.float32)
     pattern = float((axes - _slow(axes, SETTINGS.slow_m * px_per_m))[..., 0].std())

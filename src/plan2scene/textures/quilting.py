@@ -53,12 +53,9 @@ def minimum_cut(
 ) -> np.ndarray:
     """Return (h, w) bool: the pixels that the patch takes.
 
-    Parameters
-    ----------
-    cost : ((h, w), (h, w)) float
-        Cost of a joint between each pixel and its lower and its right neighbour, wrapped around.
-    old, new : (h, w) bool
-        Pixels that have to stay and pixels that have to be the patch's.
+    `cost` are two (h, w) arrays: of a joint between each pixel and its lower and its right
+    neighbour, wrapped around. `old` and `new` (h, w) bool are pixels that have to stay, and pixels
+    that have to be the patch's.
     """
     height, width = old.shape
     free = ~(old | new)
@@ -89,21 +86,10 @@ def minimum_cut(
 
 
 def cheapest_paths(error: np.ndarray, *, closed: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Return the cheapest path along each of n strips, and its cost.
+    """Return the cheapest path along each of n strips, (length, n) int across, and its cost (n,).
 
-    Parameters
-    ----------
-    error : (length, n, width) float
-        Cost of passing a pixel. A path moves at most one pixel across per step along.
-    closed : bool
-        The path has to end where it began (within one pixel).
-
-    Returns
-    -------
-    (length, n) int
-        Place of the path across.
-    (n,) float
-        Cost of each path.
+    `error` (length, n, width) is the cost of passing a pixel. A path moves at most one pixel across
+    per step along; a `closed` one has to end where it began (within one pixel).
     """
     if closed:
         return _closed_paths(error)
@@ -170,21 +156,14 @@ class Source:
 
 @dataclass(eq=False)
 class Canvas:
-    """A torus that patches are laid on.
-
-    Attributes
-    ----------
-    image : (s, s, 3) float32
-    filled : (s, s) bool
-    down, right : (s, s, 3) float32
-        Gradient from each pixel to its lower and right neighbour.
-    """
+    """A torus that patches are laid on."""
 
     size: int
-    image: np.ndarray = field(init=False)
-    filled: np.ndarray = field(init=False)
+    image: np.ndarray = field(init=False)  #: (s, s, 3) float32
+    filled: np.ndarray = field(init=False)  #: (s, s) bool
+    #: (s, s, 3) float32, gradient from each pixel to its lower neighbour
     down: np.ndarray = field(init=False)
-    right: np.ndarray = field(init=False)
+    right: np.ndarray = field(init=False)  #: to its right neighbour
 
     def __post_init__(self) -> None:
         shape = (self.size, self.size)
@@ -373,20 +352,11 @@ class Cell:
 
 @dataclass(frozen=True, eq=False)
 class Patches:
-    """What a map is quilted from.
+    """What a map is quilted from."""
 
-    Attributes
-    ----------
-    sources : list of (h, w, 3) uint8
-    places : (n, 3) int
-        Source, row and column of each patch's corner.
-    middles : (n, 3) float
-        Number of each patch's plane in the photos, and its middle there, pixels (x, y).
-    down, across : Cell
-    """
-
-    sources: list[np.ndarray]
-    places: np.ndarray
+    sources: list[np.ndarray]  #: (h, w, 3) uint8 each
+    places: np.ndarray  #: (n, 3) int, source, row and column of each patch's corner
+    #: (n, 3): number of each patch's plane in the photos, its middle there, px (x, y)
     middles: np.ndarray
     down: Cell
     across: Cell
@@ -400,13 +370,7 @@ class Patches:
 def quilted(patches: Patches, height: int, width: int, rng: np.random.Generator) -> np.ndarray:
     """Return a map (height, width, 3) uint8 of patches, none of it a repetition of the whole.
 
-    Parameters
-    ----------
-    patches : Patches
-    height, width : int
-        Pixels.
-    rng : numpy.random.Generator
-        Draws the first patch, and breaks ties.
+    `rng` draws the first patch, and breaks ties.
     """
     rows, columns = patches.down.count(height), patches.across.count(width)
     chosen = choose(patches, rows, columns, rng)

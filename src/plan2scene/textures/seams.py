@@ -73,19 +73,10 @@ def wrap_ratio(image: np.ndarray) -> float:
 
 
 def make_seamless(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return a tiling version of a texture and the pixels that changed.
+    """Return a tiling version of a texture and the pixels (h, w) bool that changed.
 
-    Parameters
-    ----------
-    image : (h, w, 3) uint8
-        sRGB texture, at least 32 px on each side.
-
-    Returns
-    -------
-    (h, w, 3) uint8
-        The texture, `image` itself where it already tiles.
-    (h, w) bool
-        Pixels that differ from `image`.
+    The texture is (h, w, 3) uint8 sRGB, at least 32 px on each side; where it already tiles, the
+    image itself is returned.
     """
     result = _require(image)
     tiles = {axis: _tiles(result, axis) for axis in (0, 1)}

@@ -37,15 +37,10 @@ def table_textures(
 ) -> None:
     """Write ``{drop}/{method}/`` to `out_dir`, each as the texture stage makes it.
 
-    Parameters
-    ----------
-    drops : mapping
-        Drop fraction (``"0.6"``) to what the house shows at it.
-    images : int
-        Images of each surface with crops for FID and KID, the tile included, by methods that draw
-        noise. The others than the tile are ``more/{k}/{room_id}_{surface}.png``, k from 1.
-    ready : mapping, optional
-        Drop and method to a folder of the texture stage, whose tiles are copied.
+    `drops` says what the house shows at each fraction (``"0.6"``). Methods that draw noise make so
+    many `images` of each surface with crops for FID and KID, the tile included; the others than the
+    tile are ``more/{k}/{room_id}_{surface}.png``, k from 1. `ready` are folders of the texture
+    stage by drop and method, whose tiles are copied.
     """
     data = HouseData(files)
     with atomic_directory(out_dir) as folder:

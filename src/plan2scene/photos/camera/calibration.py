@@ -33,26 +33,14 @@ def estimate_camera(
 ) -> Camera:
     """Return focal length and rotation of a photo of a room (paper section 4, made metric).
 
-    Parameters
-    ----------
-    image : (h, w, 3) uint8
-        The photo, sRGB.
-    labels : (h, w) uint8, optional
-        Label mask; segments on surfaces and their borders count more than those on furniture.
-    fov_deg : float
-        Horizontal field of view to start from and to fall back to, degrees.
-    exif : ExifFocal, optional
-        What the photo's EXIF data say (`exif.read_exif_focal`).
-    seed : int
-        Seed of the vertical vanishing point's random pairs.
-    segments : PhotoSegments, optional
-        Those of the photo (`lines.find_segments`); they are found here when not given.
+    `image` is (h, w, 3) uint8 sRGB. Segments on surfaces of the `labels` (h, w) uint8 and on their
+    borders count more than those on furniture. `fov_deg` is the horizontal field of view to start
+    from and to fall back to, degrees. `seed` draws the vertical vanishing point's random pairs.
+    `segments` are found here (`lines.find_segments`) when not given.
 
-    Notes
-    -----
-    Precedence of the focal length: EXIF, vanishing points, `fov_deg`. EXIF data give way to
-    vanishing points of high confidence that differ by more than `CAMERA.exif_tolerance`; those of a
-    cropped photo only stand in for `fov_deg`.
+    The focal length is that of `exif`, else of vanishing points, else of `fov_deg`. EXIF data give
+    way to vanishing points of high confidence that differ by more than `CAMERA.exif_tolerance`;
+    those of a cropped photo only stand in for `fov_deg`.
     """
     height, width = image.shape[:2]
     lines = find_segments(image) if segments is None else segments

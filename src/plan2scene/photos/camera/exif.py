@@ -51,20 +51,11 @@ class ExifFocal:
 
 
 def read_exif_focal(path: str | os.PathLike[str], size: tuple[int, int]) -> ExifFocal:
-    """Return the focal length that the EXIF data of a photo give.
+    """Return the focal length that the EXIF data of a photo file give; pixels are not decoded.
 
-    Parameters
-    ----------
-    path : path
-        The photo's file; pixels are not decoded.
-    size : (int, int)
-        Height and width of the photo in pixels, orientation applied or not.
-
-    Notes
-    -----
-    Never raises: what has no readable EXIF data has none. ``FocalLengthIn35mmFilm`` goes before
-    ``FocalLength`` with ``FocalPlaneXResolution``; a field of view outside `FOV_RANGE_DEG` is
-    refused with a warning.
+    `size` is height and width in pixels, orientation applied or not. Never raises: what has no
+    readable EXIF data has none. ``FocalLengthIn35mmFilm`` goes before ``FocalLength`` with
+    ``FocalPlaneXResolution``; a field of view outside `FOV_RANGE_DEG` is refused with a warning.
     """
     tags = _tags(path)
     height, width = size

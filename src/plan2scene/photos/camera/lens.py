@@ -52,20 +52,11 @@ def with_shared_lenses(
 ) -> dict[str, Camera]:
     """Return cameras whose focal length their photo tells, or the others of its camera model.
 
-    Parameters
-    ----------
-    cameras : mapping
-        Photo to the camera that its own lines and EXIF data give.
-    models : mapping
-        Photo to the camera's model in its EXIF data; empty where it has none.
-    refit : callable
-        Estimates a photo's camera again, given a focal length as EXIF data would tell it: surer
-        lines of the photo still go before it.
-
-    Notes
-    -----
-    Focal lengths are compared in longer sides of the photo, so that portraits count too. Where the
-    sure photos agree on no lens, their median stands in for the configured field of view alone.
+    `models` gives each photo's camera model in its EXIF data, empty for none. `refit` estimates a
+    photo's camera again, given a focal length as EXIF data would tell it: surer lines of the photo
+    still go before it. Focal lengths are compared in longer sides of the photo, so that portraits
+    count too. Where the sure photos agree on no lens, their median stands in for the configured
+    field of view alone.
     """
     known = {
         name: camera.focal_px / max(camera.width, camera.height)

@@ -261,18 +261,9 @@ def _refine(segment: np.ndarray, points: np.ndarray, width: float) -> tuple[np.n
 class Segments:
     """Segments relative to the principal point with what every hypothesis needs of them.
 
-    Parameters
-    ----------
-    segments : (s, 4) float64
-        ``x1 y1 x2 y2``, pixels.
-    centre : (float, float)
-        Principal point, the middle of the photo, pixels.
-    weight : (s,) float64
-        What each segment counts.
-    end_noise : (s,) float64 or float
-        How far its ends may be off, pixels.
-    level : (s,) bool, optional
-        Segments known to be horizontal in the world.
+    `segments` (s, 4) float64 are ``x1 y1 x2 y2`` and `centre` is the middle of the photo, pixels;
+    `weight` (s,) is what each counts, `end_noise` (s,) or one how far its ends may be off, pixels,
+    `level` (s,) bool which are known to be horizontal in the world.
     """
 
     def __init__(

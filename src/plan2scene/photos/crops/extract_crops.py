@@ -100,37 +100,14 @@ def extract_crops(
     cameras: str | Path | None = None,
     threads: int = 1,
 ) -> pd.DataFrame:
-    """Sample the crops of every photo of a house and write the stage's files.
+    """Sample the crops of a house's photos, write the stage's files, and return the crop table.
 
-    Parameters
-    ----------
-    house : House
-        The plan; gives the rooms' heights.
-    rooms_of_photo : mapping
-        Photo name to the rooms of the house that it shows (``photo_rooms.json``). A photo of
-        several rooms gives rows for each, with the planes at the distance that each room's own
-        height gives.
-    photos : mapping
-        Photo name to its file.
-    masks_dir : path
-        Output of the masks stage. Photos that it left out (``warnings.json``) are skipped.
-    output : CropFiles
-        What is written.
-    dataset : str
-        Name for the metadata.
-    seed : int
-        Windows are drawn by (seed, house, photo, surface, plane).
-    settings : CropSettings, optional
-        How windows are drawn.
-    cameras : path, optional
-        ``cameras.json`` of the places stage: located photos give each room in sight its own crops.
-    threads : int
-        Photos worked on at a time; the result does not depend on it.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The crop table.
+    A photo of several rooms (`rooms_of_photo`, ``photo_rooms.json``) gives rows for each, with the
+    planes at the distance that each room's own height gives. `masks_dir` is the output of the masks
+    stage; photos that it left out (``warnings.json``) are skipped. Windows are drawn by (seed,
+    house, photo, surface, plane). With `cameras` (``cameras.json`` of the places stage) located
+    photos give each room in sight its own crops. `threads` photos are worked on at a time; the
+    result does not depend on it.
     """
     chosen = CropSettings() if settings is None else settings
     inputs = (house, rooms_of_photo, photos, masks_dir)

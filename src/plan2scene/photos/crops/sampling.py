@@ -181,22 +181,11 @@ def sample_candidates(
     tries: int = SAMPLING.tries,
     judge: Judge | None = None,
 ) -> list[Candidate]:
-    """Return the windows drawn on a plane of a photo, at most `per_mask` of them good.
+    """Return the windows that `rng` draws on a plane of a photo, at most `per_mask` of them good.
 
-    Parameters
-    ----------
-    image : (h, w, 3) uint8
-        The photo, sRGB.
-    camera, plane : Camera, Plane
-        Its camera and the plane.
-    rng : numpy.random.Generator
-        Draws the windows.
-    sizes_m : sequence of float
-        Sides to try, metres, in this order, until one gives a good window.
-    per_mask, tries : int
-        Most crops, and most draws for each.
-    judge : Judge, optional
-        Says what is wrong with a window; without one all are good.
+    `image` is (h, w, 3) uint8 sRGB. Sides `sizes_m`, metres, are tried in this order, until one
+    gives a good window; each crop takes at most `tries` draws. `judge` says what is wrong with a
+    window; without one all are good.
     """
     candidates: list[Candidate] = []
     wanted = per_mask if judge is None else SAMPLING.draws_per_crop * per_mask

@@ -81,25 +81,13 @@ def labeller(
     threads: int | None = None,
     house_id: str = "",
 ) -> Labeller:
-    """Return what labels a photo, by source.
+    """Return what labels a photo, by source: ``embedded``, ``precomputed`` or ``pretrained``.
 
-    Parameters
-    ----------
-    source : {"embedded", "precomputed", "pretrained"}
-    model : path
-        Embedded: the safetensors file.
-    kinds : path, optional
-        Embedded: that of the classifier of rooms, which reads the network of `model`.
-    things : bool
-        Things in the rooms tell what they are used for, too (extra ``rooms``).
-    precomputed_dir : path
-        Precomputed: the folder of ``{stem}.png``.
-    pretrained : mapping
-        Pretrained: where the ADE20K network is (the fields of `pretrained.Checkpoint`).
-    openings : bool
-        Doors are labelled 4 and windows 5, where the source labels them; else they are other.
-    threads : int, optional
-        Processor threads of a network; torch's choice by default.
+    Embedded takes the safetensors file `model`, that of the classifier of rooms, `kinds`, which
+    reads the network of `model`, and `things`: whether things in the rooms tell their use, too
+    (extra ``rooms``). Precomputed takes the folder of ``{stem}.png``. Pretrained takes the fields
+    of `pretrained.Checkpoint`. With `openings` doors are labelled 4 and windows 5, where the source
+    labels them; else they are other. `threads` are those of a network; torch's choice by default.
 
     Raises InputError when the source is unknown or what it needs is missing.
     """

@@ -128,30 +128,16 @@ class _Up(nn.Module):
 class SegmentationNet(nn.Module):
     """Photo -> logits of its labels at half resolution.
 
-    Parameters
-    ----------
-    widths : sequence of int
-        Channels at strides 2, 4, 8, 16, 32.
-    depths : sequence of int
-        Blocks at strides 4, 8, 16, 32.
-    decoder : int
-        Channels of the decoder at strides 16 and 8; half of it at 4, a quarter at 2.
-    attention : int
-        Blocks of attention among all places at stride 32, and as many in the decoder at 16.
-    long_side : int
-        Pixels of the longer side that photos are scaled to before inference.
-    elevation : bool
-        Whether the network also sees how far above the horizon each pixel looks, where known.
-    labels : int
-        4: other, floor, wall, ceiling; 6: door and window as well.
-    temperature : float
-        What logits are divided by, so that probabilities mean what they say.
-    logit_adjustment : sequence of float
-        Added to the labels' logits, in their order, where photos hold other shares of the labels
-        than the renderings that the network learned from (Menon et al. 2021, arXiv 2007.07314);
-        empty: nothing.
+    (n, 3, h, w) float32 in [0, 1], h and w multiples of 32 -> (n, labels, h / 2, w / 2).
 
-    Shapes: (n, 3, h, w) float32 in [0, 1], h and w multiples of 32 -> (n, labels, h / 2, w / 2).
+    `widths` are the channels at strides 2, 4, 8, 16, 32, `depths` the blocks at strides 4 to 32,
+    `decoder` its channels at strides 16 and 8 (half of it at 4, a quarter at 2), `attention` the
+    blocks of attention among all places at stride 32, and in the decoder at 16. Photos are scaled
+    to `long_side` pixels before inference. With `elevation` the network also sees how far above the
+    horizon each pixel looks, where known. `labels` is 4 (other, floor, wall, ceiling) or 6 (door
+    and window as well). Logits are divided by `temperature`, so that probabilities mean what they
+    say; `logit_adjustment` is added to them where photos hold other shares of the labels than the
+    renderings that the network learned from (Menon et al. 2021, arXiv 2007.07314).
     """
 
     def __init__(

@@ -111,15 +111,9 @@ def labels_from_folder(
 ) -> np.ndarray:
     """Return the labels of `photo` from a folder of ``{stem}.png`` (the precomputed source).
 
-    Parameters
-    ----------
-    size : (height, width)
-        Of the photo as :func:`plan2scene.photos.photo_files.read_photo` gives it. The mask has
-        that size or the one before the reduction; of any other it is refused, since it may be
-        turned or cropped.
-    openings : bool
-        Keep 4 (door) and 5 (window), which are 0 otherwise.
-
+    The mask has the `size` (height, width) that :func:`~plan2scene.photos.photo_files.read_photo`
+    gives the photo or the one before the reduction; of any other it is refused, since it may be
+    turned or cropped. With `openings` 4 (door) and 5 (window) are kept, which are 0 otherwise.
     Pixels marked 255 become 0 (other): nothing is taken from them.
     """
     path = safe_join(folder, f"{Path(photo).stem}.png", house_id=house_id)
@@ -138,14 +132,9 @@ def labels_from_folder(
 
 
 def overlay(image: np.ndarray, labels: np.ndarray, *, opacity: float = 0.5) -> np.ndarray:
-    """Return a (h, w, 3) uint8 sRGB picture with the labels' colours over the photo.
+    """Return a photo (h, w, 3) uint8 sRGB under the colours of its labels (h, w) uint8.
 
-    Parameters
-    ----------
-    image : (h, w, 3) uint8 sRGB
-    labels : (h, w) uint8
-    opacity : float
-        Of the colours, in [0, 1]; ignored pixels are black.
+    `opacity` is that of the colours, in [0, 1]; ignored pixels are black.
     """
     table = np.zeros((256, 3), np.float32)
     table[: len(PALETTE)] = PALETTE

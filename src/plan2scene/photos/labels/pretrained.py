@@ -75,12 +75,8 @@ class Checkpoint:
 class PretrainedSegmenter:
     """Labels photos by a transformers model with ADE20K classes.
 
-    Parameters
-    ----------
-    model : torch.nn.Module
-        Called with ``pixel_values`` (1, 3, h, w); gives ``logits`` (1, 150, h', w').
-    mean, std : sequence of float
-        Per channel, of sRGB values in [0, 1].
+    It is called with ``pixel_values`` (1, 3, h, w) and gives ``logits`` (1, 150, h', w'); `mean`
+    and `std` are per channel, of sRGB values in [0, 1].
     """
 
     def __init__(

@@ -29,15 +29,10 @@ def elevation_map(
 ) -> np.ndarray:
     """Return the sine of each pixel's elevation above the horizon, (h, w) float32 in [-1, 1].
 
-    Parameters
-    ----------
-    up : (3,) sequence of float
-        The world's up direction in camera axes (x right, y down, z forward), a unit vector: the
-        second column of the rotation of ``docs/conventions.md``.
-    focal_px : float
-        Focal length in pixels of the photo; its principal point is the middle.
-    photo_size, size : (height, width)
-        Of the photo and of the map, which covers the same view.
+    `up` (3,) is the world's up direction in camera axes (x right, y down, z forward), a unit
+    vector: the second column of the rotation of ``docs/conventions.md``. The focal length is in
+    pixels of the photo, whose principal point is the middle; the map of `size` (height, width)
+    covers the same view.
     """
     axes = [
         (np.arange(n) + 0.5) / n * full - full / 2 for n, full in zip(size, photo_size, strict=True)
@@ -157,16 +152,10 @@ class Segmenter:
     def labels(
         self, image: np.ndarray, camera: Camera | None = None, *, openings: bool = False
     ) -> np.ndarray:
-        """Return (h, w) uint8 labels (0 other, 1 floor, 2 wall, 3 ceiling) of a photo.
+        """Return (h, w) uint8 labels (0 other, 1 floor, 2 wall, 3 ceiling) of a photo of any size.
 
-        Parameters
-        ----------
-        image : (h, w, 3) uint8 sRGB
-            Any size; masks come back at that size.
-        camera : Camera, optional
-            The photo's, where one is known well: the network then knows where the horizon is.
-        openings : bool
-            Of what is other, doors are 4 and windows 5, where the network tells them.
+        With its `camera`, where one is known well, the network knows where the horizon is. With
+        `openings` doors are 4 and windows 5, of what is other, where the network tells them.
         """
         size = (image.shape[0], image.shape[1])
         return labels_of(self.logits(image, camera), size, openings=openings)

@@ -74,23 +74,12 @@ def split_planes(
 ) -> list[Plane]:
     """Return the planes of a photo: floor, ceiling, then walls by size.
 
-    Parameters
-    ----------
-    labels : (h, w) uint8
-        0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore; the camera's size.
-    camera : Camera
-        Rotation and focal length of the photo.
-    segments : (n, 4) float64, optional
-        Line segments of the photo, pixels (`lines.find_segments`, those of walls): they tell which
-        way a wall faces that shows neither foot nor top.
-    camera_height_m : float
-        Height of the camera above the floor where the photo shows nothing that gives it, metres.
-    room_height_m : float, optional
-        Height of the room from the plan. Where one wall shows both its foot and its top, it
-        gives the camera's height.
-    room_extent_m : (float, float), optional
-        Sides of the room's rectangle in the plan (`walls.room_extent`). They bound the
-        camera's height, or give it where opposite walls are seen, unless `room_height_m` does.
+    `labels` (h, w) uint8 are 0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore, of the camera's size.
+    `segments` (n, 4) float64, pixels (`lines.find_segments`, those of walls), tell which way a wall
+    faces that shows neither foot nor top. `camera_height_m` is that above the floor where nothing
+    gives it. Where one wall shows both its foot and its top, `room_height_m` of the plan gives it.
+    Else `room_extent_m`, the sides of the room's rectangle in the plan (`walls.room_extent`),
+    bounds it, or gives it where opposite walls are seen.
     """
     room = PLANES.room_height_m if room_height_m is None else room_height_m
     prior = min(camera_height_m, 0.8 * room)

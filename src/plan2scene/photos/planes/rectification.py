@@ -117,22 +117,12 @@ def rectify(
     min_density: float = 0.0,
     pixels: PlanePixels | None = None,
 ) -> RectifiedPlane | None:
-    """Return a plane of a photo seen straight on, or None when none of it is usable.
+    """Return a plane of a photo (h, w, 3) uint8 sRGB seen straight on; None when none is usable.
 
-    Parameters
-    ----------
-    image : (h, w, 3) uint8
-        The photo, sRGB, of the camera's size.
-    min_density : float
-        Least photo pixels per metre of what is kept.
-    pixels : PlanePixels, optional
-        The plane's, where it is rectified more than once.
-
-    Notes
-    -----
-    The resolution is that of the photo's best part (90th percentile of its sampling density),
-    so that nothing is thrown away there and warping hardly aliases; the far part is upsampled
-    at most by that over `min_density`.
+    What has fewer than `min_density` photo pixels per metre is left out. `pixels` are the plane's,
+    where it is rectified more than once. The resolution is that of the photo's best part (90th
+    percentile of its sampling density), so that nothing is thrown away there and warping hardly
+    aliases; the far part is upsampled at most by that over `min_density`.
     """
     pixels = pixels or plane_pixels(camera, plane)
     good = pixels.good & (pixels.density >= min_density)

@@ -458,16 +458,9 @@ def room_reach(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return metres (b,) that a room reaches in each direction, inf where no wall gives it.
 
-    With the directions (b,) bool that look through a door whose wall goes on on both sides.
-
-    Parameters
-    ----------
-    lines : sequence of WallLine
-        Walls of the photo.
-    path : (b,) int
-        Wall that each bin of azimuth meets; -1 for none.
-    direction : (b, 2) float64
-        Unit (x, z) of each bin's middle.
+    With the directions (b,) bool that look through a door whose wall goes on on both sides. `path`
+    (b,) int is the wall that each bin of azimuth meets, -1 for none; `direction` (b, 2) float64 the
+    unit (x, z) of each bin's middle.
     """
     seen = np.array([*(line.seen for line in lines), False])
     outward = np.array([line.outward for line in lines]).reshape(-1, 2)
@@ -492,16 +485,8 @@ def within_room(
 ) -> np.ndarray:
     """Return the pixels (h, w) bool of a floor's or ceiling's mask that are not beyond the room.
 
-    Parameters
-    ----------
-    mask : (h, w) bool
-        Pixels of the surface.
-    drop_m : float
-        How far it is below the camera, metres; negative for a ceiling.
-    reach : (h, w) float64
-        `room_reach` of each pixel's direction.
-    longest_m : float
-        Longest line in the room, metres.
+    The surface is `drop_m` metres below the camera, negative for a ceiling; `reach` (h, w) float64
+    is `room_reach` of each pixel's direction, `longest_m` the longest line in the room, metres.
     """
     rows, columns = np.nonzero(mask)
     if not len(rows):

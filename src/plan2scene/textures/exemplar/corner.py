@@ -21,21 +21,11 @@ from plan2scene.textures.exemplar.settings import EXEMPLAR
 
 @dataclass(frozen=True, eq=False)
 class Corner:
-    """A crop completed.
+    """A crop completed."""
 
-    Attributes
-    ----------
-    crop : int
-        Which of the crops it was made of.
-    image : (n, n, 3) uint8
-        sRGB, so many squares each way as the settings say.
-    side : float
-        Side of what it shows, in the tile's sides.
-    """
-
-    crop: int
-    image: np.ndarray
-    side: float
+    crop: int  #: which of the crops it was made of
+    image: np.ndarray  #: (n, n, 3) uint8 sRGB, so many squares each way as the settings say
+    side: float  #: side of what it shows, in the tile's sides
 
 
 def completed(
@@ -47,18 +37,9 @@ def completed(
 ) -> Corner | None:
     """Return a completed crop, of the one that shows most of four squares; None of other surfaces.
 
-    Parameters
-    ----------
-    images : sequence of (s, s, 3) uint8
-        Crops, sRGB: they have the squares' colours, which even light takes for light.
-    flat : (n, s, s, 3) float
-        The same under even light, sRGB in [0, 1].
-    lattices : sequence of CropLattice
-        Of all crops.
-    order : sequence of int
-        Those that take part, the best first.
-    sides : (n,) float
-        Sides of the crops in sides of the tile.
+    `images` (s, s, 3) uint8 sRGB have the squares' colours, which even light takes for light;
+    `flat` (n, s, s, 3) are the same under even light, sRGB in [0, 1]. `order` are those that take
+    part, the best first; `sides` (n,) the sides of the crops in sides of the tile.
     """
     if any(np.isfinite(lattices[k].periods).any() for k in order):
         return None

@@ -25,36 +25,18 @@ from plan2scene.textures.quilting import Source
 
 @dataclass(frozen=True)
 class CropLattice:
-    """A crop's pattern.
+    """A crop's pattern."""
 
-    Attributes
-    ----------
-    angle_deg : float
-        Turn of its axes from the crop's, x towards y (down), within 45 degrees.
-    clear : bool
-        Whether the angle stands out.
-    periods : (float, float)
-        Along its x and y axes, in crop pixels; NaN where there is none, and where no angle stands
-        out.
-    peaks : (float, float)
-        Autocorrelation at the periods, 0 where there is none.
-    """
-
-    angle_deg: float
-    clear: bool
-    periods: tuple[float, float]
-    peaks: tuple[float, float]
+    angle_deg: float  #: turn of its axes from the crop's, x towards y (down), within 45 degrees
+    clear: bool  #: whether the angle stands out
+    periods: tuple[float, float]  #: along its axes, crop pixels; NaN: none, or no angle stands out
+    peaks: tuple[float, float]  #: autocorrelation at the periods, 0 where there is none
 
 
 def find_lattice(luma: np.ndarray, mask: np.ndarray) -> CropLattice:
     """Return orientation and periods of one crop.
 
-    Parameters
-    ----------
-    luma : (s, s) float
-        Grey or log grey values under even light.
-    mask : (s, s) bool
-        Pixels to leave out.
+    `luma` (s, s) are grey or log grey values under even light, `mask` bool the pixels to leave out.
     """
     weight = (~mask).astype(np.float64)
     values = _band(luma, weight)
@@ -90,14 +72,8 @@ def agreed_periods(
 ) -> tuple[float, float]:
     """Return the periods in sides of the tile that most crops agree on; NaN where they do not.
 
-    Parameters
-    ----------
-    sides : (n,) float
-        Sides of the crops in sides of the tile.
-    size : int
-        Side of a crop in pixels.
-    tolerance : float
-        Log ratio within which periods agree.
+    `sides` (n,) are the sides of the crops in sides of the tile, `size` is a crop's side in pixels,
+    `tolerance` the log ratio within which periods agree.
     """
     agreed = []
     for axis in (0, 1):
@@ -286,20 +262,12 @@ def _summit(curve: np.ndarray, lag: int) -> float:
 
 @dataclass(frozen=True)
 class Cut:
-    """What the tile holds.
+    """What the tile holds."""
 
-    Attributes
-    ----------
-    columns, rows : int
-        Whole periods along x and y; 0 without one.
-    wide, high : float
-        Sides in sides of the tile asked for.
-    """
-
-    columns: int
-    rows: int
-    wide: float
-    high: float
+    columns: int  #: whole periods along x; 0 without one
+    rows: int  #: along y
+    wide: float  #: width in sides of the tile asked for
+    high: float  #: height
 
 
 def find_pattern(
@@ -307,14 +275,8 @@ def find_pattern(
 ) -> tuple[list[CropLattice], Cut, np.ndarray]:
     """Return the crops' lattices, the cut, and which crops show its pattern, (n,) bool.
 
-    Parameters
-    ----------
-    flat, masks : (n, s, s, 3) float and (n, s, s) bool
-        Crops under even light, and their spoiled pixels.
-    sides : (n,) float
-        Sides of the crops in sides of the tile asked for.
-    known : bool
-        Whether the crops' scales are known.
+    `flat` (n, s, s, 3) are crops under even light, `masks` (n, s, s) bool their spoiled pixels,
+    `sides` (n,) their sides in sides of the tile asked for. `known`: their scales are.
     """
     lattices = [find_lattice(log_luma(i), m) for i, m in zip(flat, masks, strict=True)]
     lattices = _usual_turns(lattices)
@@ -372,14 +334,9 @@ def _usual_turns(lattices: list[CropLattice]) -> list[CropLattice]:
 def straightened(
     image: np.ndarray, mask: np.ndarray, side: float, lattice: CropLattice, cut: Cut, size: int
 ) -> Source:
-    """Return a crop turned and scaled to a tile of `size` px that holds the cut.
+    """Return a crop (s, s, 3) float turned and scaled to a tile of `size` px that holds the cut.
 
-    Parameters
-    ----------
-    image, mask : (s, s, 3) float and (s, s) bool
-        Crop and its spoiled pixels.
-    side : float
-        Its side in sides of the tile asked for.
+    `mask` are its spoiled pixels, `side` is its side in sides of the tile asked for.
     """
     px = image.shape[0]
     steps = []  # crop pixels per tile pixel
@@ -413,14 +370,8 @@ def straightened(
 def grain(luma: np.ndarray, mask: np.ndarray) -> float:
     """Return the grain of a crop: 1 for a pattern along x, -1 along y, 0 for neither.
 
-    The structure tensor's energies along both axes: (Jyy - Jxx) / (Jxx + Jyy).
-
-    Parameters
-    ----------
-    luma : (s, s) float
-        Log grey values.
-    mask : (s, s) bool
-        Pixels to leave out.
+    The structure tensor's energies along both axes: (Jyy - Jxx) / (Jxx + Jyy). `luma` (s, s) are
+    log grey values, `mask` bool the pixels to leave out.
     """
     band = pattern_band(luma)
     used = cv2.dilate(mask.astype(np.uint8), np.ones((9, 9), np.uint8)) == 0

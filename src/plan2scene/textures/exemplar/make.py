@@ -36,30 +36,14 @@ from plan2scene.textures.seams import with_calm_border
 
 @dataclass(frozen=True, eq=False)
 class ExemplarCrop:
-    """A crop to learn a surface from.
+    """A crop to learn a surface from."""
 
-    Attributes
-    ----------
-    image : (128, 128, 3) uint8
-        sRGB.
-    size_m : float
-        Side of the square that it covers; NaN when unknown.
-    sharpness : float
-        Photo pixels per crop pixel; NaN when unknown.
-    detail : bytes
-        JPEG at the photo's own resolution; empty where the crop holds as much.
-    plane : str
-        Name of the photo's plane that it was cut from; empty when unknown.
-    centre : (float, float)
-        Its middle on that plane, metres (right, down).
-    """
-
-    image: np.ndarray
-    size_m: float
-    sharpness: float
-    detail: bytes = b""
-    plane: str = ""
-    centre: tuple[float, float] = (0.0, 0.0)
+    image: np.ndarray  #: (128, 128, 3) uint8 sRGB
+    size_m: float  #: side of the square that it covers; NaN when unknown
+    sharpness: float  #: photo pixels per crop pixel; NaN when unknown
+    detail: bytes = b""  #: JPEG at the photo's own resolution; empty where the crop holds as much
+    plane: str = ""  #: name of the photo's plane that it was cut from; empty when unknown
+    centre: tuple[float, float] = (0.0, 0.0)  #: its middle on that plane, metres (right, down)
 
 
 def usable(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
@@ -128,69 +112,32 @@ def toned(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Exemplar:
-    """A tile made of crops.
+    """A tile made of crops."""
 
-    Attributes
-    ----------
-    image : (s, s, 3) uint8
-        sRGB, repeats in both directions.
-    size_m : float
-        Metres that it covers; NaN when no crop knows its scale.
-    crops : tuple of int
-        Indices of the crops that it was made of.
-    periods : (int, int)
-        How often its pattern repeats in it along x and y; 0 where it has no period.
-    period_m : (float, float)
-        Its periods in metres (in sides of the median crop where no scale is known); NaN where it
-        has none.
-    pattern : Pattern
-        What it was quilted from.
-    """
-
-    image: np.ndarray
-    size_m: float
-    crops: tuple[int, ...]
-    periods: tuple[int, int]
+    image: np.ndarray  #: (s, s, 3) uint8 sRGB, repeats in both directions
+    size_m: float  #: metres that it covers; NaN when no crop knows its scale
+    crops: tuple[int, ...]  #: indices of the crops that it was made of
+    periods: tuple[int, int]  #: how often its pattern repeats in it along x and y; 0: no period
+    #: its periods, metres (sides of the median crop of no known scale); NaN: none
     period_m: tuple[float, float]
-    pattern: Pattern
+    pattern: Pattern  #: what it was quilted from
 
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """Crops of one surface brought to one light, colour, direction and lattice.
+    """Crops of one surface brought to one light, colour, direction and lattice."""
 
-    Attributes
-    ----------
-    crops : list of ExemplarCrop
-        Those that show the surface.
-    flat, masks : (n, s, s, 3) float, (n, s, s) bool
-        Under even light and turned one way; spoiled pixels.
-    turned : (n,) bool
-        Which crops were turned by 90 degrees (``np.rot90``).
-    colour : (3,) float
-        What they agree on, sRGB in [0, 1].
-    order : list of int
-        The crops that may take part, the best first.
-    sides : (n,) float
-        Sides of the crops in sides of a tile of `size_m`.
-    size_m : float
-        NaN when no crop knows its scale.
-    lattices : list of CropLattice
-    cut : Cut
-    completed : ExemplarCrop, optional
-        The crop that the only one of the pattern was made of: it showed no whole period.
-    """
-
-    crops: list[ExemplarCrop]
-    flat: np.ndarray
-    masks: np.ndarray
-    turned: np.ndarray
-    colour: np.ndarray
-    order: list[int]
-    sides: np.ndarray
-    size_m: float
+    crops: list[ExemplarCrop]  #: those that show the surface
+    flat: np.ndarray  #: (n, s, s, 3) float, under even light and turned one way
+    masks: np.ndarray  #: (n, s, s) bool, spoiled pixels
+    turned: np.ndarray  #: (n,) bool, which crops were turned by 90 degrees (``np.rot90``)
+    colour: np.ndarray  #: (3,) float, what they agree on, sRGB in [0, 1]
+    order: list[int]  #: the crops that may take part, the best first
+    sides: np.ndarray  #: (n,) float, sides of the crops in sides of a tile of `size_m`
+    size_m: float  #: NaN when no crop knows its scale
     lattices: list[CropLattice]
     cut: Cut
+    #: what the only crop was made of, which showed no whole period
     completed: ExemplarCrop | None = None
 
     @property
@@ -278,19 +225,10 @@ def make_exemplar(
 ) -> Exemplar | None:
     """Return a seamless tile of the surface that `crops` show; None when all are too poor.
 
-    Nothing is drawn: same crops and size, same bytes.
-
-    Parameters
-    ----------
-    crops : sequence of ExemplarCrop
-        Crops of one surface, of any scales; those of unknown scale count as the median one.
-    size_px : int
-        Side of the tile in pixels.
-    tone : (3,) float, optional
-        Colour that the surface is known to have, sRGB in [0, 1]: says which crops are of it.
-    plain : bool
-        Whether the surface is known to have no spots of its own, as plaster: small things on it,
-        outlets and switches, are left out.
+    Crops are of any scales; those of unknown scale count as the median one. `tone` (3,) is the
+    colour that the surface is known to have, sRGB in [0, 1]: it says which crops are of it.
+    `plain`: the surface is known to have no spots of its own, as plaster: small things on it,
+    outlets and switches, are left out. Nothing is drawn: same crops and size, same bytes.
     """
     known = find_surface(crops, size_px=size_px, tone=tone, plain=plain)
     if known is None:

@@ -36,25 +36,12 @@ _LEVELS = 3
 
 @dataclass(frozen=True, eq=False)
 class Embeddings:
-    """What the texture model says of n crops.
+    """What the texture model says of n crops, float32."""
 
-    Attributes
-    ----------
-    codes : (n, d) float32
-        Embeddings: bottleneck 8 and median R, G, B in [0, 1] (d = 11), or the code alone (d = 8).
-    substance_probabilities : (n, 4) float32
-        In the order of ``house.SUBSTANCES``; (n, 0) for a model without substance head.
-    textureness : (n,) float32
-        Distance between the texture statistics of the crop and of its decoded embedding (paper
-        section 5.3); the lower, the better the crop stands for its surface. Empty when not asked.
-    naive_codes : (n, 8) float32
-        Of the second model; empty when there is none.
-    """
-
-    codes: np.ndarray
-    substance_probabilities: np.ndarray
-    textureness: np.ndarray
-    naive_codes: np.ndarray
+    codes: np.ndarray  #: (n, 11): bottleneck 8 and median R, G, B in [0, 1]; (n, 8): the code alone
+    substance_probabilities: np.ndarray  #: (n, 4) in the order of SUBSTANCES; (n, 0) without a head
+    textureness: np.ndarray  #: (n,) of :func:`embed_crops`, less is better; empty when not asked
+    naive_codes: np.ndarray  #: (n, 8) of the second model; empty when there is none
 
 
 def embed_crops(
@@ -66,20 +53,12 @@ def embed_crops(
     naive: TextureModel | None = None,
     threads: int = 1,
 ) -> Embeddings:
-    """Return the embeddings of crops.
+    """Return the embeddings of crops (n, 128, 128, 3) uint8.
 
-    Parameters
-    ----------
-    crops : (n, 128, 128, 3) uint8
-    seed : int
-        Of the noise that the decoded textures are drawn from: the same for every crop, so that
-        their scores compare.
-    textureness : bool
-        Decode each crop and score it; leave it out where only embeddings are needed.
-    naive : TextureModel, optional
-        A second model whose codes are wanted.
-    threads : int
-        Batches worked on at a time; the result does not depend on it.
+    With `textureness` each crop is decoded, by the same noise of `seed`, and scored by the distance
+    between its texture statistics and those of its decoded embedding (paper section 5.3). `naive`
+    is a second model whose codes are wanted. `threads` batches are worked on at a time; the result
+    does not depend on it.
     """
     models = [model] if naive is None else [model, naive]
     filters, scored = FilterBankStatistics(), FilterBankStatistics(_LEVELS)

@@ -43,12 +43,7 @@ def octave_matrices(coefficients: torch.Tensor) -> torch.Tensor:
 def nearest(position: torch.Tensor, seed: torch.Tensor) -> torch.Tensor:
     """Return the reference's hash in [0, 1) of the lattice cell that holds each position.
 
-    Parameters
-    ----------
-    position : (..., 2) float32
-    seed : (...) float32
-        Uniform in [0, 1); broadcasts against the positions.
-
+    Positions are (..., 2) float32; the seed (...), uniform in [0, 1), broadcasts against them.
     Computed in float64: the hash takes the fractional part of a large tangent.
     """
     cell = position.double().floor()
@@ -79,14 +74,8 @@ def plane_noise(
 ) -> torch.Tensor:
     """Return the reference's noise maps (n, 48, h, w): 24 nearest, then 24 bilinear.
 
-    Parameters
-    ----------
-    grid : (2, h, w) float32
-        Positions, a part of :func:`position_grid`.
-    coefficients : (n, 32) float32
-        Transform coefficients of the encoder (octave, row, column).
-    seeds : (n, 8, 3) float32
-        One number in [0, 1) per octave and colour channel.
+    `coefficients` (n, 32) are the encoder's (octave, row, column), `seeds` (n, 8, 3) one number in
+    [0, 1) per octave and colour channel, `grid` (2, h, w) a part of :func:`position_grid`; float32.
     """
     position = torch.einsum("noij,jhw->nohwi", octave_matrices(coefficients), grid).unsqueeze(2)
     seed = seeds.view(-1, OCTAVES, CHANNELS, 1, 1)

@@ -68,12 +68,8 @@ def _filter_bank() -> torch.Tensor:
 class FilterBankStatistics(nn.Module):
     """Gram matrices of a fixed rectified filter bank on the levels of an image pyramid.
 
-    Parameters
-    ----------
-    levels : int
-        Pyramid levels, each half the size of the one before; levels under 16 px are left out.
-    periodic : bool
-        Images repeat (tiles): filters wrap around. Otherwise they are mirrored at the border.
+    Each level is half the size of the one before; levels under 16 px are left out. `periodic`
+    images repeat (tiles): filters wrap around; others are mirrored at the border.
     """
 
     def __init__(self, levels: int = 5, *, periodic: bool = False) -> None:

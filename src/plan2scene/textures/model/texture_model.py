@@ -58,14 +58,9 @@ class _Layer(nn.Module):
 class Decoder(nn.Module):
     """Style (n, style_dim) and noise (n, noise_maps, h, w) -> (n, 3, h, w) in [-1, 1].
 
-    Parameters
-    ----------
-    style_dim, noise_maps : int
-        Inputs per pixel: 64 style values (the same everywhere) and 48 noise maps.
-    width, hidden : int
-        Channels and number of the hidden layers after the first.
-    low_precision : bool
-        Multiply in bfloat16 (three times faster on CPUs that have it; weights stay float32).
+    64 style values (the same everywhere) and 48 noise maps a pixel; `hidden` layers of `width`
+    channels after the first. `low_precision` multiplies in bfloat16 (three times faster on CPUs
+    that have it; weights stay float32).
     """
 
     def __init__(
@@ -124,14 +119,8 @@ class BasicBlock(nn.Module):
 class Encoder(nn.Module):
     """Crop (n, 3, h, w) -> bottleneck code (n, code_dim) and decoder controls (n, control_dim).
 
-    Parameters
-    ----------
-    width : int
-        Channels of the stem; 64 is ResNet-18 and fits the authors' checkpoints.
-    code_dim : int
-        Size of the bottleneck, 8 in the paper.
-    control_dim : int
-        Transform coefficients and style values together, 96 in the paper.
+    A stem of `width` 64 is ResNet-18 and fits the authors' checkpoints; codes of 8 and controls of
+    96 (transform coefficients and style values together) are the paper's.
     """
 
     def __init__(self, width: int = 64, code_dim: int = 8, control_dim: int = 96) -> None:
@@ -166,15 +155,8 @@ class StatisticsEncoder(nn.Module):
 
     Moments of the embedded filter bank's responses at four levels, log power by sector of the
     spectrum and the colours' distribution, standardised (buffers, set once from examples), then
-    a network of one hidden layer. The colour is seen even where the code need not tell it: wood
-    is known by it.
-
-    Parameters
-    ----------
-    width : int
-        Hidden units.
-    code_dim, control_dim : int
-        As of :class:`Encoder`.
+    a network of one hidden layer of `width`. The colour is seen even where the code need not tell
+    it: wood is known by it.
     """
 
     def __init__(self, width: int, code_dim: int, control_dim: int) -> None:
@@ -233,31 +215,16 @@ _TRANSFORMS = OCTAVES * 4
 
 @dataclass(frozen=True)
 class Architecture:
-    """What a texture model's constructor needs.
+    """What a texture model's constructor needs."""
 
-    Attributes
-    ----------
-    width : int
-        Channels of the residual encoder's stem (64: the paper's), or hidden units of the other.
-    code_dim, style_dim : int
-        Bottleneck (8) and style values (64).
-    delta_hsv : bool
-        Separate colour and pattern as the paper does; False is NaiveSynth.
-    substances : int
-        Classes of the substance head, 0 for none.
-    periodic : bool
-        Noise on a torus, so that textures tile; False is the reference's noise, and its HSV of
-        8 bits that the residual encoder is given (it moves embeddings by some hundredths).
-    encoder : str
-        ``"resnet"`` (the paper's, of delta-HSV or RGB) or ``"statistics"`` (of RGB).
-    """
-
-    width: int = 64
-    code_dim: int = 8
+    width: int = 64  #: channels of the residual encoder's stem (64: the paper's), or hidden units
+    code_dim: int = 8  #: of the bottleneck
     style_dim: int = 64
-    delta_hsv: bool = True
-    substances: int = 4
+    delta_hsv: bool = True  #: colour and pattern apart, as in the paper; False is NaiveSynth
+    substances: int = 4  #: classes of the substance head, 0 for none
+    #: noise on a torus, which tiles; False: the reference's, and its 8-bit HSV
     periodic: bool = True
+    #: ``resnet`` (the paper's, of delta-HSV or RGB) or ``statistics`` (of RGB)
     encoder: str = "resnet"
 
 
@@ -318,17 +285,11 @@ class TextureModel(nn.Module):
         size_px: int = 128,
         window: tuple[slice, slice] | None = None,
     ) -> torch.Tensor:
-        """Return textures (n, 3, size, size), RGB in [0, 1].
+        """Return textures (n, 3, size, size), RGB in [0, 1], of embeddings (n, d) float32.
 
-        Parameters
-        ----------
-        embedding : (n, embedding_dim) float32
-        seeds : (n, 8, 3) float32
-            Uniform in [0, 1), one per octave of noise and colour channel.
-        size_px : int
-            Side of the tile; more pixels draw the same tile more finely.
-        window : two slices, optional
-            Rows and columns of the tile to draw; all when None.
+        `seeds` (n, 8, 3) float32 are uniform in [0, 1), one per octave of noise and colour channel.
+        More pixels draw the same tile more finely. `window` are rows and columns to draw; None:
+        all.
         """
         code = embedding[:, : self.architecture.code_dim]
         controls = self.encoder.controls(code)
@@ -400,19 +361,11 @@ def noise_seeds(seeds: Sequence[int]) -> torch.Tensor:
 def decode_textures(
     model: TextureModel, codes: np.ndarray, seeds: Sequence[int], size_px: int = 128
 ) -> np.ndarray:
-    """Return tiles (n, size, size, 3) uint8 sRGB of embeddings; same code and seed, same tile.
+    """Return tiles (n, size, size, 3) uint8 sRGB of embeddings (n, d); same seed, same tile.
 
-    Parameters
-    ----------
-    codes : (n, d) float
-        Embeddings of the model's length d; colours are clamped to [0, 1].
-    seeds : n int
-        Each decides the noise of one tile.
-    size_px : int
-        Side of the tiles. A larger one draws the same tile with more pixels.
-
-    Processors without fast bfloat16 multiply in float32: their tiles differ by a level here and
-    there (docs/conventions.md: same seed, same bytes).
+    Colours are clamped to [0, 1]; each seed decides the noise of one tile. A larger size draws the
+    same tile with more pixels. Processors without fast bfloat16 multiply in float32: their tiles
+    differ by a level here and there (docs/conventions.md: same seed, same bytes).
     """
     if codes.ndim != 2 or codes.shape[1] != model.embedding_dim or len(codes) != len(seeds):
         raise ValueError(
