@@ -382,18 +382,6 @@ def write_png(path: str | os.PathLike[str], image: np.ndarray) -> None:
         temporary.write_bytes(png_bytes(image))
 
 
-def is_label_image(path: str | os.PathLike[str]) -> bool:
-    """Return whether a file is a grey image of labels (0 to 5), as ``plan2scene masks`` writes."""
-
-    def holds_labels(image: Image.Image) -> bool:
-        return image.mode == "L" and int(np.asarray(image).max()) <= 5
-
-    try:
-        return decode_image(path, holds_labels)
-    except InputError:
-        return False
-
-
 def metric_image(image: np.ndarray) -> np.ndarray:
     """Return a (h, w, 3) uint8 sRGB image at the metrics' 128x128 px (area-averaged if larger)."""
     if image.shape[:2] == (METRIC_SIZE, METRIC_SIZE):

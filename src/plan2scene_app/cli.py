@@ -14,7 +14,7 @@ import typer
 
 from plan2scene.errors import InputError, WorkflowError, one_line_errors
 from plan2scene.provenance import package_versions
-from plan2scene.textures.methods import methods_table, texture_methods
+from plan2scene.textures.methods import texture_methods
 from plan2scene_app.exports.registry import export_house, exports
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
@@ -48,7 +48,7 @@ _Scale = Annotated[float | None, typer.Option(min=1e-6, help="Metres of a pixel 
 
 def _house_id(plan: Path, chosen: str | None) -> str:
     """Return the house id: the one given, else made of the plan's file name."""
-    from plan2scene.plans.room_names import fit_id
+    from plan2scene_app.ids import fit_id
 
     name = chosen or fit_id(_house_name(plan), "house")
     if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]*", name):
@@ -299,6 +299,19 @@ def export(
         print(path)
 
 
+def _holds_labels(path: Path) -> bool:
+    """Return whether a file is a grey image of labels (0 to 5), as ``plan2scene masks`` writes."""
+    import numpy as np
+
+    from plan2scene.images import decode_image
+
+    try:
+        pixels = decode_image(path, lambda i: np.asarray(i) if i.mode == "L" else None)
+        return pixels is not None and int(pixels.max()) <= 5
+    except InputError:
+        return False
+
+
 @app.command("masks")
 def label_photos(
     photos: Annotated[list[Path], typer.Argument(help="Photos.")],
@@ -309,7 +322,7 @@ def label_photos(
     ] = False,
 ) -> None:
     """Write label images (0 other, 1 floor, 2 wall, 3 ceiling) at the photos' size."""
-    from plan2scene.images import is_label_image, read_image, write_png
+    from plan2scene.images import read_image, write_png
     from plan2scene.io import keep_inputs
     from plan2scene.photos.camera.exif import read_exif_focal
     from plan2scene.photos.labels.labeller import labeller
@@ -320,7 +333,7 @@ def label_photos(
         if target in targets[:i]:
             raise InputError("photos of different names", f"{photos[i].stem} twice", file=photos[i])
         keep_inputs(target, photos)
-        if target.exists() and not is_label_image(target):
+        if target.exists() and not _holds_labels(target):
             raise InputError("a folder without other pictures", target.name, file=out)
     weights = model or MODELS / "segmentation.safetensors"
     label = labeller("embedded", model=weights, openings=openings)
@@ -360,7 +373,18 @@ def make_texture(
 @app.command("methods")
 def list_methods() -> None:
     """List the texture methods as a Markdown table."""
-    print(methods_table(), end="")
+    head = ("method", "observed surface", "other surface", "needs", "seams", "FID seeds")
+    rows: list[tuple[str, ...]] = [head, ("---",) * len(head)]
+    for method in texture_methods().values():
+        needs = [f"{method.weights} weights"] * bool(method.weights)
+        needs += ["tile library"] * method.library + ["crop pool"] * method.crop_pool
+        needs += [method.needs] * bool(method.needs)
+        seams = "corrected" if method.seam_correction else "left"
+        more = "more" if method.noise else "one"
+        text = (method.summary, method.unobserved, ", ".join(needs) or "crops", seams, more)
+        rows.append((f"`{method.name}`", *text))
+    for row in rows:
+        print(f"| {' | '.join(row)} |")
 
 
 @app.command("metrics")

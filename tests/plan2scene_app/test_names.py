@@ -9,14 +9,14 @@ from plan2scene.datasets.assignments import read_assignment
 from plan2scene.house import Room
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.parse import Source
-from plan2scene.plans.plan_json import house_to_plan
-from plan2scene.plans.room_names import free_id
 from plan2scene.plans.scene_json import house_of_scene
 from plan2scene.plans.scene_writer import house_to_scene
 from plan2scene_app.doubts.page import PlacedPhoto, doubt_lines
 from plan2scene_app.exports.ifc4 import write_ifc
 from plan2scene_app.exports.plan_sheet import write_plan
+from plan2scene_app.ids import free_id
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, house_of_drawing
+from plan2scene_app.plan_writer import house_to_plan
 
 NAMES = ("חדר מגורים", "Kök & matplats", "居間", "Спальня", "living")
 

@@ -88,30 +88,10 @@ _TYPES = {name.lower(): name for name in ROOM_TYPES} | _WHOLE
 
 
 #: Latin letters that are no other letter with an accent.
-_WRITTEN = str.maketrans(
+WRITTEN = str.maketrans(
     {"æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d", "ð": "d", "þ": "th", "ß": "ss", "ı": "i"}
     | {"Æ": "Ae", "Œ": "Oe", "Ø": "O", "Ł": "L", "Đ": "D", "Ð": "D", "Þ": "Th"}
 )
-
-
-def fit_id(name: str, otherwise: str) -> str:
-    """Return a name as an id: letters without their accents; `otherwise` for another script."""
-    plain = unicodedata.normalize("NFKD", name.translate(_WRITTEN))
-    plain = plain.encode("ascii", "ignore").decode()
-    made = re.sub(r"[^A-Za-z0-9_.-]+", "_", plain).lstrip("._-").rstrip("_")[:60]
-    lost = any(map(str.isalpha, name)) and not re.search("[A-Za-z]", made)
-    return otherwise if lost or not made else made
-
-
-def free_id(name: str, taken: set[str], otherwise: str = "room") -> str:
-    """Return an id made of a name that is not taken yet, and take it: lower case, numbered."""
-    stem = re.sub(r"[^a-z0-9]+", "_", fit_id(name, otherwise).lower()).strip("_")[:40] or otherwise
-    name_id, number = stem, 1
-    while name_id in taken:
-        number += 1
-        name_id = f"{stem}_{number}"
-    taken.add(name_id)
-    return name_id
 
 
 def room_types(name: str) -> tuple[str, ...]:
@@ -130,7 +110,7 @@ def room_types(name: str) -> tuple[str, ...]:
 
 def _type_of(text: str) -> str | None:
     """Return the room type of one name."""
-    plain = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text).translate(_WRITTEN)
+    plain = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text).translate(WRITTEN)
     plain = unicodedata.normalize("NFKC", _without_accents(plain)).lower()
     plain = re.sub(r"[^\w']+|[\d_]+", " ", plain).strip()
     if plain in _TYPES:

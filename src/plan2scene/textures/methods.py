@@ -66,21 +66,6 @@ def method_named(name: str) -> TextureMethod:
     return methods[name]
 
 
-def methods_table() -> str:
-    """Return the methods as a Markdown table."""
-    head = ("method", "observed surface", "other surface", "needs", "seams", "FID seeds")
-    rows: list[tuple[str, ...]] = [head, ("---",) * len(head)]
-    for method in texture_methods().values():
-        needs = [f"{method.weights} weights"] * bool(method.weights)
-        needs += ["tile library"] * method.library + ["crop pool"] * method.crop_pool
-        needs += [method.needs] * bool(method.needs)
-        seams = "corrected" if method.seam_correction else "left"
-        more = "more" if method.noise else "one"
-        text = (method.summary, method.unobserved, ", ".join(needs) or "crops", seams, more)
-        rows.append((f"`{method.name}`", *text))
-    return "".join(f"| {' | '.join(row)} |\n" for row in rows)
-
-
 def _crop(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
     from plan2scene.textures.copying import crop_tiles
 

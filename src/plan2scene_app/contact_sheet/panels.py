@@ -21,7 +21,7 @@ from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet
 from plan2scene.photos.camera.lines import Segments, residuals
 from plan2scene.photos.crops.sampling import reasons_of_text
-from plan2scene.photos.labels.palette import overlay
+from plan2scene.photos.labels.palette import PALETTE
 from plan2scene.photos.locate.plan_view import Hole, RoomShape
 from plan2scene.photos.locate.pose import Pose
 from plan2scene.photos.planes.planes import Plane
@@ -156,7 +156,9 @@ def windows_panel(image: np.ndarray, windows: Sequence[Window], scale: float) ->
 
 def mask_panel(image: np.ndarray, labels: np.ndarray, planes: Sequence[Plane]) -> np.ndarray:
     """Return the photo under its labels' colours, planes outlined and named (f, c, w0 ...)."""
-    picture = overlay(image, labels, opacity=0.45)
+    table = np.zeros((256, 3), np.float32)
+    table[: len(PALETTE)] = PALETTE
+    picture = np.round(0.55 * image + 0.45 * table[labels]).astype(np.uint8)
     masks = [plane.mask.astype(np.uint8) for plane in planes]
     for mask in masks:
         contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

@@ -20,10 +20,10 @@ from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import SHARED_TOLERANCE
 from plan2scene.plans.levels import STAIRS
 from plan2scene.plans.plan_file import PlanFile
-from plan2scene.plans.plan_json import house_to_plan
 from plan2scene.plans.validate import validate_house
 from plan2scene_app.html_page import html_page, inline_json, source_hash
 from plan2scene_app.plan_formats.axes import HEIGHTS
+from plan2scene_app.plan_writer import house_to_plan
 from plan2scene_app.tracing.picture import read_plan_picture
 
 FOLDER = Path(__file__).parent

@@ -23,8 +23,8 @@ from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.baking import lamp_position
 from plan2scene.mesh.parts import MeshPart, PartBuilder
 from plan2scene.mesh.texture_files import TileTexture
-from plan2scene.plans.room_names import free_id
 from plan2scene_app.exports.obj import write_obj
+from plan2scene_app.ids import free_id
 
 #: Units of the card in a metre; half a lamp's side in metres; light of a lamp in lumens.
 _PER_M, _LAMP_M, _LUMENS = 100.0, 0.08, 900

@@ -35,7 +35,8 @@ from plan2scene.plans.geometry import find_doors, walls_of_rooms
 from plan2scene.plans.levels import STAIRS, linked
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import MAX_CORNERS, MAX_ROOMS, Source
-from plan2scene.plans.room_names import free_id, room_types
+from plan2scene.plans.room_names import room_types
+from plan2scene_app.ids import free_id
 from plan2scene_app.plan_formats.axes import (
     DEFAULT_THICKNESS,
     HEIGHTS,

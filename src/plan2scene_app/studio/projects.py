@@ -23,9 +23,9 @@ from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.io import atomic_path, read_json, safe_join, write_json, write_text
 from plan2scene.plans.plan_json import FORMAT
-from plan2scene.plans.room_names import fit_id
 from plan2scene_app.check import photo_problem
 from plan2scene_app.finishes import check_finish, finishes_file, finishes_text, read_finishes
+from plan2scene_app.ids import fit_id
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,59}")
 _PHOTO = re.compile(r"(?i).+\.(jpe?g|png|webp|tiff?|bmp|gif)")

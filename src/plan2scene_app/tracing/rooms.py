@@ -17,7 +17,8 @@ import shapely
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 from skimage.measure import find_contours
 
-from plan2scene.plans.room_names import free_id, room_types
+from plan2scene.plans.room_names import room_types
+from plan2scene_app.ids import free_id
 from plan2scene_app.plan_formats.measures import read_areas, read_length, read_sides
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.openings import TracedOpening

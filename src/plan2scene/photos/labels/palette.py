@@ -129,14 +129,3 @@ def labels_from_folder(
         )
         labels = labels[np.ix_(rows, columns)]
     return np.where(labels == IGNORE, OTHER, labels).astype(np.uint8)
-
-
-def overlay(image: np.ndarray, labels: np.ndarray, *, opacity: float = 0.5) -> np.ndarray:
-    """Return a photo (h, w, 3) uint8 sRGB under the colours of its labels (h, w) uint8.
-
-    `opacity` is that of the colours, in [0, 1]; ignored pixels are black.
-    """
-    table = np.zeros((256, 3), np.float32)
-    table[: len(PALETTE)] = PALETTE
-    mixed = (1 - opacity) * image.astype(np.float32) + opacity * table[labels]
-    return np.clip(np.round(mixed), 0, 255).astype(np.uint8)

@@ -7,8 +7,9 @@ import pytest
 
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
-from plan2scene.plans.plan_json import house_of_plan, house_to_plan
+from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.validate import house_faults
+from plan2scene_app.plan_writer import house_to_plan
 
 ROOT = Path(__file__).parents[3]
 DEMO = sorted((ROOT / "resources" / "demo").glob("archs_no_objects/*/*.scene.json"))
