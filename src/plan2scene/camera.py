@@ -28,8 +28,7 @@ class Camera:
     #: Size of the picture, pixels.
     width: int
     height: int
-    #: Focal length in pixels; pixels per metre of an orthographic camera.
-    focal_px: float
+    focal_px: float  #: focal length in pixels; pixels per metre of an orthographic camera
     #: Principal point, pixels.
     cx: float
     cy: float

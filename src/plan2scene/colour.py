@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-#: Luminance of linear R, G, B.
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  #: Luminance of linear R, G, B
 #: A photo's pixel is clipped when its greatest channel is at or below, or its least at or above
 #: this: a level stricter than where kept crops are compared, which 4 of the demo's 594 crops pass.
 CLIPPED_LEVELS = (2, 249)

@@ -12,8 +12,7 @@ from plan2scene.errors import InputError
 from plan2scene.provenance import WORKFLOW
 from plan2scene.textures.methods import texture_methods
 
-#: Most values of a configuration, those of an alias counted wherever it stands.
-MAX_VALUES = 10_000
+MAX_VALUES = 10_000  #: Most values of a configuration, those of an alias counted wherever it stands
 
 
 def config_schema() -> dict[str, Any]:

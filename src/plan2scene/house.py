@@ -14,8 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-#: Longest id, so that file names built from it stay legal.
-MAX_ID_LENGTH = 150
+MAX_ID_LENGTH = 150  #: Longest id, so that file names built from it stay legal
 #: Room types in the order of the paper's room-type flags.
 ROOM_TYPES = (
     "Reception",
@@ -31,14 +30,12 @@ ROOM_TYPES = (
     "Terrace",
     "Balcony",
 )
-#: Types of rooms without a roof.
-OPEN_AIR = frozenset({"Outdoor", "Terrace", "Balcony"})
+OPEN_AIR = frozenset({"Outdoor", "Terrace", "Balcony"})  #: Types of rooms without a roof
 #: Surface kinds of a room, in the order of the propagation network's blocks.
 SURFACES = ("floor", "wall", "ceiling")
 #: Substances in the order of the substance head's logits.
 SUBSTANCES = ("wood", "plaster", "carpet", "tile")
-#: Height in metres of a room whose plan gives none.
-DEFAULT_HEIGHT = 2.8
+DEFAULT_HEIGHT = 2.8  #: Height in metres of a room whose plan gives none
 #: Kinds of opening. A passage is a door-sized or wider hole without a leaf.
 OPENING_KINDS = ("door", "window", "passage")
 
@@ -189,8 +186,7 @@ class Level:
     height: float
 
 
-#: The level of a plan without levels.
-GROUND = Level("", "", 0.0, DEFAULT_HEIGHT)
+GROUND = Level("", "", 0.0, DEFAULT_HEIGHT)  #: The level of a plan without levels
 
 
 @dataclass(frozen=True)

@@ -175,8 +175,7 @@ _Decoded = TypeVar("_Decoded")
 MAX_PIXELS = 50_000_000
 #: Photos may have this many: what is beyond `MAX_PIXELS` is reduced while it is decoded.
 MAX_PHOTO_PIXELS = 150_000_000
-#: Image files above this many bytes are refused before they are read.
-MAX_IMAGE_BYTES = 200_000_000
+MAX_IMAGE_BYTES = 200_000_000  #: Image files above this many bytes are refused before they are read
 #: What Pillow may try; JPEG includes those with a second picture that many phones write (MPO).
 #: Others are refused: Pillow would hand PostScript to an outside program.
 FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "TIFF", "BMP", "PPM")
@@ -190,8 +189,7 @@ SUFFIXES = (
 _HEIF_BRANDS = (b"heic", b"heix", b"heim", b"heis", b"mif1", b"msf1", b"hevc", b"hevx")
 #: Pages of a document that are looked at, and pixels of a page's longer side.
 _MAX_PAGES, _PAGE_SIDE = 40, 3000
-#: Side in pixels at which the paper compares textures.
-METRIC_SIZE = 128
+METRIC_SIZE = 128  #: Side in pixels at which the paper compares textures
 
 
 def read_image(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarray:

@@ -119,8 +119,7 @@ MAX_TEXT_BYTES = 256_000_000
 MAX_NAME_BYTES, MAX_PATH_BYTES = 240, 1000
 #: Endings of photos that are tried for a name whose file is missing.
 _PHOTO_ENDS = (".jpg", ".JPG", ".jpeg", ".JPEG", ".png", ".PNG")
-#: Version of every Parquet schema in docs/conventions.md.
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 1  #: Version of every Parquet schema in docs/conventions.md
 
 
 def _flush(path: Path) -> None:

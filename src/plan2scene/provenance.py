@@ -25,8 +25,7 @@ def _workflow_folder() -> Path:
     return clone if (clone / "Snakefile").is_file() else PACKAGE / "_workflow"
 
 
-#: Holds Snakefile, workflow/, config/, envs/ and resources/.
-WORKFLOW = _workflow_folder()
+WORKFLOW = _workflow_folder()  #: Holds Snakefile, workflow/, config/, envs/ and resources/
 
 
 @cache

@@ -12,8 +12,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.io import absent, read_text, safe_join
 
-#: Largest number of rows of one house's photo table.
-MAX_ROWS = 10_000
+MAX_ROWS = 10_000  #: Largest number of rows of one house's photo table
 
 
 class PhotoAssignment(NamedTuple):

@@ -8,8 +8,7 @@ from pathlib import Path
 from plan2scene.errors import InputError
 from plan2scene.io import read_json
 
-#: Fractions of the sweep.
-SWEEP_DROPS = tuple(f"{tenth / 10:.1f}" for tenth in range(11))
+SWEEP_DROPS = tuple(f"{tenth / 10:.1f}" for tenth in range(11))  #: Fractions of the sweep
 
 
 def hidden_photos(

@@ -19,8 +19,7 @@ from plan2scene.plans.parse import Source, parse_json
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.plans.validate import validate_house
 
-#: How far beyond the rooms a box may reach in metres (icons are drawn over walls).
-_MARGIN = 0.5
+_MARGIN = 0.5  #: How far beyond the rooms a box may reach in metres (icons are drawn over walls)
 
 
 def read_object_boxes(path: str | Path, house_id: str) -> tuple[IconBox, ...]:

@@ -50,8 +50,7 @@ class EvaluatedHouse:
     files: HouseFiles
     models: Models
     settings: TextureSettings
-    #: Of unobserved surfaces, a name of ``propagation.predictors.PREDICTORS``.
-    predictor: str
+    predictor: str  #: of unobserved surfaces, a name of ``propagation.predictors.PREDICTORS``
 
     @classmethod
     def of(cls, paths: Mapping[str, Any], house_id: str, params: Any) -> EvaluatedHouse:

@@ -17,8 +17,7 @@ from plan2scene.metrics.registry import METRICS
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What names a surface of a house.
-_SURFACE = ["room_id", "surface"]
+_SURFACE = ["room_id", "surface"]  #: What names a surface of a house
 #: Metadata that all houses must share.
 _NETWORK_METADATA = ("features", "model", "substances", "substance_model")
 

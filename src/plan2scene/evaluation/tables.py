@@ -255,8 +255,7 @@ def _difference(cell: Any) -> str:
     return f"{cell.difference:+.4f}" if cell.difference == cell.difference else f"n={cell.n}"
 
 
-#: Decimals of FID by the embedded network, whose figures are small.
-_SMALL_FID = 3
+_SMALL_FID = 3  #: Decimals of FID by the embedded network, whose figures are small
 #: Crop's observed surfaces are compared with the very crop that they show: never the best.
 _COMPARED_WITH_ITSELF = ("crop", "observed")
 

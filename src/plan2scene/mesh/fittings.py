@@ -30,8 +30,7 @@ TOP: Colour = (92, 88, 84)
 DARK: Colour = (42, 42, 44)
 #: An object whose icon is farther than this from every wall of its room stands free, metres.
 NEAR_WALL = 0.6
-#: Objects stand this far off the wall, metres: clear of its skirting.
-OFF = 0.02
+OFF = 0.02  #: Objects stand this far off the wall, metres: clear of its skirting
 #: An icon needs this share of its box in a room.
 LEAST_INSIDE = 0.3
 _log = logging.getLogger("plan2scene")

@@ -20,8 +20,7 @@ from plan2scene.mesh.polygons import triangulate
 Colour = tuple[int, int, int]  #: sRGB, 0..255
 Corner = tuple[float, float, float]
 WHITE: Colour = (255, 255, 255)
-#: Linear base colour and opacity of window glass.
-GLASS = (0.62, 0.75, 0.80, 0.28)
+GLASS = (0.62, 0.75, 0.80, 0.28)  #: Linear base colour and opacity of window glass
 #: Vertices are rounded to this many decimals of a metre, so that faces that meet at an edge share
 #: it exactly also in float32: otherwise light shines through the crack.
 GRID_DECIMALS = 5

@@ -12,8 +12,7 @@ from trimesh.creation import triangulate_polygon
 from trimesh.grouping import unique_rows
 from trimesh.triangles import cross
 
-#: Relative error of a triangulation's area above which it is refused.
-AREA_TOLERANCE = 1e-6
+AREA_TOLERANCE = 1e-6  #: Relative error of a triangulation's area above which it is refused
 
 
 def polygons_of(geometry: BaseGeometry, least_area: float = 1e-9) -> Iterator[Polygon]:

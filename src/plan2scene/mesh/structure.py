@@ -45,8 +45,7 @@ TOUCH = 5e-6
 #: Outer faces of a storey begin so far below its floor, metres, and caps of the walls below them
 #: end so far behind: their dark colour does not shine through where depths are coarse.
 OVERLAP = 0.02
-#: Bodies lie on this grid, metres: bands that end on one line do so exactly.
-GRID = 1e-6
+GRID = 1e-6  #: Bodies lie on this grid, metres: bands that end on one line do so exactly
 
 
 @dataclass(frozen=True)

@@ -31,15 +31,12 @@ from plan2scene.images import METRIC_SIZE
 
 _LUMA = np.array([19595, 38470, 7471], dtype=np.float32) / np.float32(65536)
 _HUE_EDGES = np.arange(1, 10) / 10
-#: Bins of the histogram.
-_BINS = 90
+_BINS = 90  #: Bins of the histogram
 #: Largest difference of two channels; a table over differences has a side of 2 * 255 + 1.
 _REACH = 255
 _SIDE = 511
-#: Marks a hue that lies on an edge.
-_ON_EDGE = 255
-#: Standard deviation in frequency samples of TILE's window.
-_TILE_SIGMA = 21.0
+_ON_EDGE = 255  #: Marks a hue that lies on an edge
+_TILE_SIGMA = 21.0  #: Standard deviation in frequency samples of TILE's window
 
 
 def over_images(

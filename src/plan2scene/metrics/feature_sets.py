@@ -18,8 +18,7 @@ from plan2scene.errors import InputError
 
 #: Features of more dimensions have too many third moments (d^3 / 2 numbers).
 MAX_MOMENTS_DIMENSION = 128
-#: Surfaces that end a block of :class:`BlockKernel`.
-BLOCK_SURFACES = 1000
+BLOCK_SURFACES = 1000  #: Surfaces that end a block of :class:`BlockKernel`
 _ROWS = 1024  # of the kernel matrix, and of third moments, at once: bounds the memory
 _DEGREE = 3  # of KID's kernel
 

@@ -16,8 +16,7 @@ from torch import nn
 from plan2scene.house import SUBSTANCES
 from plan2scene.weights import filled, load_model_file, save_model_file
 
-#: Normalisation of sRGB in [0, 1] before the first layer.
-_INPUT_MEAN, _INPUT_STD = 0.5, 0.25
+_INPUT_MEAN, _INPUT_STD = 0.5, 0.25  #: Normalisation of sRGB in [0, 1] before the first layer
 #: Added to the variance of a map before its root (the gradient at 0 would be infinite).
 _SPREAD_FLOOR = 1e-5
 

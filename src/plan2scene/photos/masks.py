@@ -109,10 +109,8 @@ class _Shot:
     camera: Camera
     segments: PhotoSegments
     exif: ExifFocal
-    #: How probable each of `palette.KINDS` is; none where nothing tells it.
-    kinds: list[float]
-    #: None where the photo's room is known.
-    points: Points | None
+    kinds: list[float]  #: how probable each of `palette.KINDS` is; none where nothing tells it
+    points: Points | None  #: none where the photo's room is known
 
 
 def _cameras(shots: Mapping[str, _Shot], folder: Path, fov_deg: float) -> dict[str, object]:

@@ -14,21 +14,16 @@ import numpy as np
 class MatchSettings:
     """Constants of the matching of photos. Source: set by hand on a listing (development)."""
 
-    #: Longer side that photos are reduced to, pixels.
-    side_px: int = 800
+    side_px: int = 800  #: longer side that photos are reduced to, pixels
     #: Most points of a photo; fewer of each where there are more photos than `usual_photos`.
     points: int = 900
     usual_photos: int = 48
-    #: Least contrast of a point (OpenCV's SIFT).
-    contrast: float = 0.02
-    #: A match is nearer than the second best by this (Lowe 2004).
-    ratio: float = 0.8
-    #: Points at the same place of both photos belong to a watermark, pixels.
-    apart_px: float = 6.0
+    contrast: float = 0.02  #: least contrast of a point (OpenCV's SIFT)
+    ratio: float = 0.8  #: A match is nearer than the second best by this (Lowe 2004)
+    apart_px: float = 6.0  #: points at the same place of both photos belong to a watermark, pixels
     #: Distance to the epipolar line of a match that agrees with the others, pixels.
     agrees_px: float = 1.5
-    #: Fewer matches than this are not looked at, fewer that agree count as none.
-    least: int = 8
+    least: int = 8  #: fewer matches than this are not looked at, fewer that agree count as none
 
 
 MATCHES = MatchSettings()

@@ -17,8 +17,7 @@ from plan2scene.plans.plan_file import PlanFile, PlanFormat, Unscaled
 from plan2scene.plugins import code_of, installed, plugins
 
 _LOG = logging.getLogger("plan2scene")
-#: Entry points of this group name a :class:`PlanFormat`.
-GROUP = "plan2scene.plan_formats"
+GROUP = "plan2scene.plan_formats"  #: Entry points of this group name a :class:`PlanFormat`
 
 
 def plan_formats() -> tuple[PlanFormat, ...]:

@@ -17,8 +17,7 @@ from plan2scene.house import Door, Point, Ring, Room, Wall
 
 #: Outlines closer than this (metres) share one wall when walls are made from outlines.
 SHARED_TOLERANCE = 0.01
-#: Most walls that outlines make.
-MAX_WALLS = 20_000
+MAX_WALLS = 20_000  #: Most walls that outlines make
 #: A room whose outline is this near (metres) to a door, beyond the wall's depth, is behind it.
 BEHIND_TOLERANCE = 0.1
 

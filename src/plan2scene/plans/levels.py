@@ -16,25 +16,20 @@ from plan2scene.house import House, Level, Room, Stairs
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.parse import Source
 
-#: Most levels of a house.
-MAX_LEVELS = 50
+MAX_LEVELS = 50  #: Most levels of a house
 
 
 @dataclass(frozen=True)
 class StairLimits:
     """What levels and flights of stairs may be, metres."""
 
-    #: One steps on and off a flight this far from its ends.
-    step_off: float = 0.3
+    step_off: float = 0.3  #: one steps on and off a flight this far from its ends
     #: A step is at most so high and at least so deep (usual building codes).
     riser: float = 0.19
     tread: float = 0.15
-    #: Walls may reach so far into a flight.
-    margin: float = 0.1
-    #: Levels are at least so far apart.
-    least_rise: float = 0.5
-    #: A flight is at least so long in plan.
-    least_flight: float = 0.5
+    margin: float = 0.1  #: walls may reach so far into a flight
+    least_rise: float = 0.5  #: levels are at least so far apart
+    least_flight: float = 0.5  #: A flight is at least so long in plan
 
 
 STAIRS = StairLimits()

@@ -13,8 +13,7 @@ from plan2scene.plans.parse import Source
 
 #: A segment and its wall may differ in direction by this angle (radians).
 MAX_ANGLE = math.radians(20.0)
-#: Less of an opening than this share on one wall is no match.
-MIN_SHARE = 0.5
+MIN_SHARE = 0.5  #: Less of an opening than this share on one wall is no match
 
 
 @dataclass(frozen=True)

@@ -16,18 +16,13 @@ from plan2scene.house import ROOM_TYPES, Point, Ring, Room
 
 #: Ids of houses, rooms, walls and openings (they become file names).
 ID_PATTERN = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
-#: Longest name for people, in letters.
-MAX_NAME_LENGTH = 100
-#: Largest coordinate in metres; beyond it the scale of the plan is wrong.
-MAX_COORDINATE = 1000.0
-#: Largest number of entries of one list in a plan.
-MAX_ITEMS = 20_000
-#: Largest number of rooms of one house.
-MAX_ROOMS = 1000
+MAX_NAME_LENGTH = 100  #: Longest name for people, in letters
+MAX_COORDINATE = 1000.0  #: Largest coordinate in metres; beyond it the scale of the plan is wrong
+MAX_ITEMS = 20_000  #: Largest number of entries of one list in a plan
+MAX_ROOMS = 1000  #: Largest number of rooms of one house
 #: Largest number of corners of all rooms of a plan whose walls are worked out from them.
 MAX_CORNERS = 5000
-#: Points closer than this (metres) are one point.
-SAME_POINT = 1e-6
+SAME_POINT = 1e-6  #: Points closer than this (metres) are one point
 #: Raster-to-vector labels and the room type that each means.
 R2V_TYPES = {
     "living_room": "Reception",

@@ -23,10 +23,8 @@ from plan2scene.plans.parse import Source
 from plan2scene.plans.plan_file import PlanFormat
 
 FORMAT = "plan2scene-plan"
-#: Thickness in metres of the walls (as in the schema).
-DEFAULT_DEPTH = 0.1
-#: An opening this near (metres) to a wall's line lies on it.
-SNAP_TOLERANCE = 0.2
+DEFAULT_DEPTH = 0.1  #: Thickness in metres of the walls (as in the schema)
+SNAP_TOLERANCE = 0.2  #: An opening this near (metres) to a wall's line lies on it
 
 
 @cache

@@ -57,10 +57,8 @@ ICON_LABELS = frozenset(
 )
 #: Labels that name a room. `stairs` and `entrance` are icons, which name a room without label.
 ROOM_LABELS = frozenset({*R2V_TYPES, *(name.lower() for name in ROOM_TYPES)}) - ICON_LABELS
-#: Largest number of walls, and of other lines, of one file.
-MAX_LINES = 2000
-#: Largest pixel coordinate.
-MAX_PIXEL = 100_000.0
+MAX_LINES = 2000  #: Largest number of walls, and of other lines, of one file
+MAX_PIXEL = 100_000.0  #: Largest pixel coordinate
 
 
 @dataclass(frozen=True)
@@ -178,10 +176,8 @@ def _ends(source: Source, number: int, fields: list[str]) -> tuple[Point, Point]
     return (values[0], values[1]), (values[2], values[3])
 
 
-#: Wall ends nearer than this (pixels) meet; the reference converter's margin.
-JOIN_MARGIN = 5.0
-#: Faces with less area than this (square pixels) are drawing slack, not rooms.
-MIN_FACE = 50.0
+JOIN_MARGIN = 5.0  #: Wall ends nearer than this (pixels) meet; the reference converter's margin
+MIN_FACE = 50.0  #: Faces with less area than this (square pixels) are drawing slack, not rooms
 
 _Edge = tuple[int, int]
 
@@ -321,13 +317,11 @@ WALL_DEPTH = 0.1
 BALCONY_WALL_HEIGHT = 1.4
 DOOR_HEIGHTS = (0.0, 2.5)
 WINDOW_HEIGHTS = (1.0, 2.0)
-#: An opening this near (pixels) to a wall lies on it.
-DOOR_MARGIN = 20.0
+DOOR_MARGIN = 20.0  #: An opening this near (pixels) to a wall lies on it
 #: A label or entrance belongs to the room that holds at least this share of its box.
 LABEL_SHARE = 0.4
 ENTRANCE_SHARE = 0.6
-#: Rooms whose own outer walls are parapets.
-_LOW_WALLED = frozenset({"Balcony"})
+_LOW_WALLED = frozenset({"Balcony"})  #: Rooms whose own outer walls are parapets
 
 
 def house_of_r2v(text: str, house_id: str, metres_per_pixel: float, *, file: str = "") -> House:

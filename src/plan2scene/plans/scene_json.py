@@ -31,8 +31,7 @@ from plan2scene.plans.parse import SAME_POINT, Source, parse_json
 from plan2scene.plans.plan_file import PlanFormat
 from plan2scene.plans.scene_frame import upright
 
-#: Floors with no other between that are so far apart (metres) are two storeys.
-STOREY = 1.8
+STOREY = 1.8  #: Floors with no other between that are so far apart (metres) are two storeys
 
 
 def read_levels(source: Source, arch: Mapping[str, Any]) -> tuple[Level, ...]:
@@ -111,8 +110,7 @@ def read_stairs(source: Source, arch: Mapping[str, Any], levels: Sequence[Level]
 
 #: A hole may reach this far (metres) beyond its wall; it is cut there with a warning.
 HOLE_TOLERANCE = 0.3
-#: A hole with less than this left (metres) after cutting is outside its wall.
-MIN_HOLE = 0.05
+MIN_HOLE = 0.05  #: A hole with less than this left (metres) after cutting is outside its wall
 #: Excess (metres) of rounding, cut without a warning.
 ROUNDING = 1e-6
 _DEFAULTS = {"depth": 0.1, "extraHeight": 0.035}

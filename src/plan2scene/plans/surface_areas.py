@@ -18,8 +18,7 @@ from plan2scene.plans.wall_sides import (
     room_sides,
 )
 
-#: Metres around a surface, so that filtering takes nothing of the far side.
-MARGIN_M = 0.05
+MARGIN_M = 0.05  #: Metres around a surface, so that filtering takes nothing of the far side
 
 
 @dataclass(frozen=True)

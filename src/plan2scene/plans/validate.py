@@ -39,18 +39,15 @@ HEIGHTS, USUAL_HEIGHTS = (0.5, 30.0), (1.8, 6.0)
 USUAL_EXTENT, USUAL_AREA = 100.0, (0.3, 60.0)
 #: A room of another area (square metres) is told, however usual the others are.
 ROOM_AREA = (0.05, 500.0)
-#: Walls are at most so thick, metres.
-USUAL_DEPTH = 1.0
+USUAL_DEPTH = 1.0  #: Walls are at most so thick, metres
 #: The usual door of a home is this wide (metres), and no hole or room is narrower than the last.
 USUAL_DOOR, NARROW = (0.4, 1.6), 0.2
-#: Rooms farther than this (metres) from all others stand for themselves.
-APART = 5.0
+APART = 5.0  #: Rooms farther than this (metres) from all others stand for themselves
 #: Names that Windows keeps for devices, whatever follows a dot.
 DEVICES = {"con", "prn", "aux", "nul", *(f"{d}{k}" for d in ("com", "lpt") for k in range(1, 10))}
 
 _Fault = Callable[..., InputError]
-#: (expected, found, room) of a warning.
-_Line = tuple[str, str, str]
+_Line = tuple[str, str, str]  #: (expected, found, room) of a warning
 
 
 def unit_faults(house: House, fault: _Fault) -> Iterator[InputError]:
@@ -166,16 +163,13 @@ def _islands(house: House) -> Iterator[_Line]:
         yield f"rooms within {APART:g} m of each other", found, house.rooms[others[0]].id
 
 
-#: A room with less area than this (square metres) is a drawing fault.
-MIN_AREA = 0.01
+MIN_AREA = 0.01  #: A room with less area than this (square metres) is a drawing fault
 #: Of an outline of more corners that crosses itself no area is worked out: it takes their square.
 MANY_CORNERS = 200
 #: Rooms may overlap by this share of the smaller one (walls drawn on both sides of their line).
 OVERLAP_SHARE = 0.02
-#: Most overlapping pairs of rooms of a storey that are told.
-MAX_OVERLAPS = 200
-#: A hole may reach this far (metres) over its wall through rounding.
-ROUNDING = 1e-3
+MAX_OVERLAPS = 200  #: Most overlapping pairs of rooms of a storey that are told
+ROUNDING = 1e-3  #: A hole may reach this far (metres) over its wall through rounding
 #: A wall whose middle is farther (metres) from its room's outline is in the wrong place.
 STRAY_DISTANCE = 0.5
 

@@ -19,14 +19,12 @@ from shapely.ops import unary_union
 
 from plan2scene.house import House, Opening, Room, Wall
 
-#: Distances from the wall line at which a room is looked for, metres.
-_PROBES = (0.01, 0.05, 0.2)
+_PROBES = (0.01, 0.05, 0.2)  #: Distances from the wall line at which a room is looked for, metres
 
 #: Wall faces stand this far inside their room, metres: a partition of the rooms behind, which ends
 #: on the face's line, would otherwise shine through at its edge.
 LIFT = 2e-4
-#: A wall with a room this near behind it, metres, is that room's too.
-_BEHIND = 0.5
+_BEHIND = 0.5  #: A wall with a room this near behind it, metres, is that room's too
 
 
 @dataclass(frozen=True)

@@ -38,8 +38,7 @@ class MaterialSettings:
     Chosen on synthetic homes and real flats (development).
     """
 
-    #: Of two surfaces that look exactly alike.
-    alike: float = 0.85
+    alike: float = 0.85  #: of two surfaces that look exactly alike
     #: What a difference of codes takes from it, a mean over the code.
     by_code: tuple[float, float, float] = (1.0, 0.5, 0.5)
     #: What a difference of colours takes from it, Euclidean, sRGB in [0, 1].
@@ -47,18 +46,15 @@ class MaterialSettings:
     #: What it takes from it that one photo alone shows each of the two; half of it with two photos
     #: each. Ceilings are white in most homes, floors are known by their pattern.
     one_photo: tuple[float, float, float] = (0.0, 0.12, 0.0)
-    #: Evidence that makes one material e times likelier.
-    scale: float = 0.15
+    scale: float = 0.15  #: evidence that makes one material e times likelier
 
 
 EVIDENCE = MaterialSettings()
-#: A distance that no two groups of surfaces are joined over.
-_APART = 1e9
+_APART = 1e9  #: A distance that no two groups of surfaces are joined over
 #: Numbers of a code.
 _CODE = 8
 _COLUMNS = ["room_id", "surface", "material", "confidence", "colour", "rooms"]
-#: Photo -> factors on linear RGB.
-Gains = Mapping[str, Sequence[float]]
+Gains = Mapping[str, Sequence[float]]  #: Photo -> factors on linear RGB
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,8 +33,7 @@ class PredictorSettings:
 
     #: How far agreeing components of a mixture may lie apart, in scales of its distributions.
     reach: float = 2.0
-    #: Surfaces of the kind that the mean of the room's type counts for.
-    prior_surfaces: float = 0.5
+    prior_surfaces: float = 0.5  #: surfaces of the kind that the mean of the room's type counts for
     #: Odds of the house's evidence against the network before any surface was tried.
     prior_odds: float = 2.0
     #: Sum of errors (CIEDE2000) that makes one e times likelier than the other.
@@ -42,8 +41,7 @@ class PredictorSettings:
 
 
 _S = PredictorSettings()
-#: First of the embedding's three colour values.
-_COLOUR = 8
+_COLOUR = 8  #: First of the embedding's three colour values
 
 
 def room_type_mean(graph: HouseGraph, means: TypeMeans) -> np.ndarray:

@@ -15,8 +15,7 @@ from plan2scene.textures.exemplar.house_tiles import PLAIN, exemplar_of
 from plan2scene.textures.inputs import TextureInputs
 from plan2scene.textures.tiles import Tile
 
-#: Side of the tile of a band that no crop shows alone, pixels.
-_FLAT_PX = 64
+_FLAT_PX = 64  #: Side of the tile of a band that no crop shows alone, pixels
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,8 +18,7 @@ from plan2scene.textures.inputs import TextureInputs
 from plan2scene.textures.methods import TextureMethod, method_named
 from plan2scene.textures.tiles import NoTile, Tile, write_tiles
 
-#: What walls share a texture (config key ``house.walls``).
-WALLS = ("room", "wall")
+WALLS = ("room", "wall")  #: What walls share a texture (config key ``house.walls``)
 
 
 def make_textures(

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     #: Makes the tiles of a house's surfaces, or says why there is none of one.
     Maker: TypeAlias = Callable[[TextureInputs], Mapping[SurfaceKey, Tile | NoTile]]
 
-#: Entry points of this group name a :class:`TextureMethod`.
-GROUP = "plan2scene.texture_methods"
+GROUP = "plan2scene.texture_methods"  #: Entry points of this group name a :class:`TextureMethod`
 
 
 @dataclass(frozen=True)

@@ -31,18 +31,15 @@ from plan2scene.stage_json import read_stage_json
 from plan2scene.textures.evidence import evidence_of
 from plan2scene.textures.plain import plain
 
-#: JPEG quality of maps, as of those that are painted.
-_QUALITY = 85
+_QUALITY = 85  #: JPEG quality of maps, as of those that are painted
 #: Linear value on from which brightened values bend, so that none burns out: above white paint.
 _KNEE = 0.88
 #: Patterns of white surfaces that are fainter (standard deviation of log brightness) are grain or
 #: relief: .006 to .027 on plain walls of real and synthetic homes (development), .03 to .06 on
 #: tiles, wallpaper and rough ceilings.
 FAINT = 0.028
-#: Substances whose patterns are no stains.
-PATTERNED = ("tile", "wood")
-#: Least linear value of a texture's median.
-_BLACK = 1e-3
+PATTERNED = ("tile", "wood")  #: Substances whose patterns are no stains
+_BLACK = 1e-3  #: Least linear value of a texture's median
 
 
 def paint_textures(

@@ -27,8 +27,7 @@ class SeamSettings:
     #: Width of the resynthesised band and of each joint, shares of the side.
     band: float = 0.25
     overlap: float = 0.09
-    #: Bands whose cuts are computed, the best by overlap error first.
-    candidates: int = 12
+    candidates: int = 12  #: bands whose cuts are computed, the best by overlap error first
     #: Below this mean step, grey levels, an image is flat: its noise must not look like a seam.
     flat_step: float = 0.5
 

@@ -26,10 +26,8 @@ Tag = ExifTags.Base
 _log = logging.getLogger("plan2scene")
 #: Formats of cameras whose EXIF block Pillow finds without decoding pixels.
 FORMATS = ("JPEG", "MPO", "WEBP", "HEIF")
-#: Diagonal of a 36 x 24 mm frame.
-FRAME_DIAGONAL_MM = 43.2666
-#: Horizontal fields of view that are accepted, degrees.
-FOV_RANGE_DEG = (30.0, 120.0)
+FRAME_DIAGONAL_MM = 43.2666  #: Diagonal of a 36 x 24 mm frame
+FOV_RANGE_DEG = (30.0, 120.0)  #: Horizontal fields of view that are accepted, degrees
 #: Relative difference of aspect ratios above which a photo counts as cropped.
 ASPECT_TOLERANCE = 0.02
 #: Millimetres per focal plane resolution unit (inch, centimetre, millimetre).
@@ -44,10 +42,8 @@ class ExifFocal:
     focal_px: float | None = None
     #: The photo's aspect is not the one that the camera noted: `focal_px` may be wrong.
     cropped: bool = False
-    #: Why a focal length that was there is not used; empty otherwise.
-    warning: str = ""
-    #: The camera's model; empty when it is not told.
-    model: str = ""
+    warning: str = ""  #: why a focal length that was there is not used; empty otherwise
+    model: str = ""  #: the camera's model; empty when it is not told
 
 
 def read_exif_focal(path: str | os.PathLike[str], size: tuple[int, int]) -> ExifFocal:

@@ -16,8 +16,7 @@ from plan2scene.photos.camera.lines import CAMERA
 class LensSettings:
     """When photos share a lens. Set by hand on two real flats and two listings (development)."""
 
-    #: Confidence from which on a photo's own lines tell its focal length.
-    sure: float = 0.9
+    sure: float = 0.9  #: confidence from which on a photo's own lines tell its focal length
     #: Least number of sure photos of a lens, and most lenses of a home.
     least: int = 3
     most: int = 2

@@ -29,12 +29,9 @@ class CameraSettings:
     # Line segments of the photo.
     #: Photos are reduced to this width or height (the larger) before segments are found, pixels.
     working_side_px: int = 800
-    #: Segments used, the longest.
-    max_segments: int = 320
-    #: Shorter segments carry no direction, pixels of the reduced photo.
-    min_length_px: float = 12.0
-    #: Error of a segment's ends, pixels.
-    end_noise_px: float = 1.0
+    max_segments: int = 320  #: segments used, the longest
+    min_length_px: float = 12.0  #: shorter segments carry no direction, pixels of the reduced photo
+    end_noise_px: float = 1.0  #: error of a segment's ends, pixels
     #: Least angular noise of a segment, in the fit and for the first guesses, radians.
     angle_noise: float = float(np.radians(0.35))
     coarse_noise: float = float(np.radians(1.6))
@@ -47,14 +44,11 @@ class CameraSettings:
     # Lines along borders of labels.
     #: Lines used, the longest.
     max_borders: int = 12
-    #: Shortest length, share of the photo's width.
-    border_length: float = 0.08
+    border_length: float = 0.08  #: shortest length, share of the photo's width
     #: Width of the strip whose border pixels belong to one line, share of the photo's width.
     border_width: float = 0.01
-    #: Weight of such a line, and of the photo's own lines there.
-    border_weight: float = 2.0
-    #: Error of its ends, pixels.
-    border_noise_px: float = 4.0
+    border_weight: float = 2.0  #: weight of such a line, and of the photo's own lines there
+    border_noise_px: float = 4.0  #: error of its ends, pixels
 
     # First guesses.
     #: Horizontal fields of view that are searched (and up to the prior's, if beyond), degrees.
@@ -64,8 +58,7 @@ class CameraSettings:
     n_heading: int = 45
     n_pairs: int = 300
     n_verticals: int = 5
-    #: Segments that vote, those of the largest weight.
-    n_voters: int = 160
+    n_voters: int = 160  #: segments that vote, those of the largest weight
     #: Largest roll and pitch of a photo of a room, degrees, and how far a vertical line may lean in
     #: the photo then.
     max_roll_deg: float = 25.0
@@ -89,12 +82,9 @@ class CameraSettings:
     #: Widths of the reweighting and of the cost, in noise of a segment.
     reweighting: tuple[float, ...] = (5.0, 4.0, 3.0, 2.2, 1.5, 1.5, 1.5)
     cost_width: float = 1.5
-    #: Step of the numeric derivatives.
-    difference: float = 1e-5
-    #: Residuals that count as agreement, in noise of a segment.
-    agrees: float = 2.5
-    #: Ratio of focal lengths within which one counts as right.
-    right_within: float = 1.15
+    difference: float = 1e-5  #: step of the numeric derivatives
+    agrees: float = 2.5  #: residuals that count as agreement, in noise of a segment
+    right_within: float = 1.15  #: ratio of focal lengths within which one counts as right
 
     # Belief.
     #: A frame is believed with this many segments on the vertical and on the horizontal axes (or on
@@ -102,8 +92,7 @@ class CameraSettings:
     min_vertical: int = 3
     min_horizontal: int = 5
     min_share: float = 0.30
-    #: Share of the weight from which on a frame has full support.
-    full_share: float = 0.7
+    full_share: float = 0.7  #: share of the weight from which on a frame has full support
     #: A focal length is measured below this standard deviation of its logarithm, which is nearly
     #: that of the prior alone.
     max_log_focal_sd: float = 0.30
@@ -115,15 +104,13 @@ class CameraSettings:
     exif_tolerance: float = 1.2
     #: Factor of the confidence where the focal length is not measured at all: never high.
     given_certainty: float = 0.49
-    #: The same where EXIF data give it.
-    exif_certainty: float = 0.95
+    exif_certainty: float = 0.95  #: the same where EXIF data give it
 
 
 CAMERA = CameraSettings()
 
 
-#: The segments' file in a masks folder.
-SEGMENTS = "segments.parquet"
+SEGMENTS = "segments.parquet"  #: The segments' file in a masks folder
 
 
 def detect_segments(grey: np.ndarray) -> np.ndarray:
@@ -142,22 +129,18 @@ def _lengths(segments: np.ndarray) -> np.ndarray:
     return np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
 
 
-#: Columns of segments.parquet that hold a segment's ends.
-_ENDS = ["x1", "y1", "x2", "y2"]
+_ENDS = ["x1", "y1", "x2", "y2"]  #: Columns of segments.parquet that hold a segment's ends
 
 
 @dataclass(frozen=True, eq=False)
 class PhotoSegments:
     """Line segments of a photo, ``x1 y1 x2 y2``, the longest first; the masks stage finds them."""
 
-    #: (height, width) of the reduced photo that `camera` was found in.
-    size: tuple[int, int]
-    #: (n, 4) float64, pixels of the reduced photo: they give the camera.
-    camera: np.ndarray
+    size: tuple[int, int]  #: (height, width) of the reduced photo that `camera` was found in
+    camera: np.ndarray  #: (n, 4) float64, pixels of the reduced photo: they give the camera
     #: (m, 4) float64, pixels of the photo: long ones, which give the way that a wall faces.
     walls: np.ndarray
-    #: Pixels of the photo per pixel of the reduced one.
-    scale: float = 1.0
+    scale: float = 1.0  #: pixels of the photo per pixel of the reduced one
 
 
 def find_segments(image: np.ndarray) -> PhotoSegments:

@@ -127,8 +127,7 @@ def _distinct(points: np.ndarray, score: np.ndarray) -> np.ndarray:
     return np.array(kept)
 
 
-#: Rotation vector, log focal length, bend: the turns come first.
-N_PARAMETERS, N_TURNS = 5, 3
+N_PARAMETERS, N_TURNS = 5, 3  #: Rotation vector, log focal length, bend: the turns come first
 
 
 @dataclass(frozen=True)
@@ -138,16 +137,11 @@ class Manhattan:
     #: (3, 3) float64, columns are the world's x, y (up), z in camera axes: the world-to-camera
     #: rotation.
     axes: np.ndarray
-    #: Focal length, pixels.
-    focal: float
-    #: Lens distortion, see `Segments.bent_rays`.
-    bend: float
-    #: (3,) int: Segments that agree with x, y, z.
-    counts: tuple[int, int, int]
-    #: Share of the segments' weight that agrees with one of the three.
-    share: float
-    #: Standard deviation of log(focal) given the segments and the prior.
-    log_focal_sd: float = 0.0
+    focal: float  #: focal length, pixels
+    bend: float  #: lens distortion, see `Segments.bent_rays`
+    counts: tuple[int, int, int]  #: (3,) int: Segments that agree with x, y, z
+    share: float  #: share of the segments' weight that agrees with one of the three
+    log_focal_sd: float = 0.0  #: standard deviation of log(focal) given the segments and the prior
     #: Probability that the true focal length is within `CAMERA.right_within` of `focal`.
     certainty: float = 1.0
 

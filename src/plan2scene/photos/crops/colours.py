@@ -17,10 +17,8 @@ from plan2scene.photos.crops.filter import inner_mask, unclipped
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
 from plan2scene.photos.planes.planes import PhotoPlane, Plane
 
-#: Planes of fewer pixels are left out.
-MIN_PIXELS = 200
-#: At most about so many pixels of a plane are used.
-MOST_PIXELS = 20000
+MIN_PIXELS = 200  #: Planes of fewer pixels are left out
+MOST_PIXELS = 20000  #: At most about so many pixels of a plane are used
 #: Surfaces smaller than this share of the photo are left out, and those of which less than the
 #: second share is usable.
 MIN_SHARE, MIN_USABLE = 0.005, 0.2

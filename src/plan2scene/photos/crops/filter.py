@@ -68,10 +68,8 @@ class FilterSettings:
     shadow_step: float = 0.2
     #: Least change of log luminance over an eighth of a crop that is an edge, not shading.
     edge_step: float = 0.12
-    #: Difference in a*b* above which a step is a thing, not a shadow.
-    shadow_chroma: float = 6.0
-    #: Most pieces into which a step divides a window; patterns have more.
-    step_pieces: int = 3
+    shadow_chroma: float = 6.0  #: difference in a*b* above which a step is a thing, not a shadow
+    step_pieces: int = 3  #: most pieces into which a step divides a window; patterns have more
     #: A shadow's edge explains this share of what a crop's log luminance varies by, or is this many
     #: times the fine texture's standard deviation; planks of two shades do neither.
     step_share: float = 0.75
@@ -92,15 +90,13 @@ class FilterSettings:
     #: Groups of a surface's windows farther than this from most of the others (L*a*b*, L* halved)
     #: are of something else.
     group_limit: float = 10.0
-    #: Least share of a surface's windows that can outvote the rest.
-    majority: float = 0.6
+    majority: float = 0.6  #: least share of a surface's windows that can outvote the rest
     #: Windows of a wall that vary by at least this much (L*a*b*, :func:`unrest`) show pictures or
     #: shelves where other windows of the room's walls vary by less than this share of it. Rendered
     #: walls of the demo vary by 2 at most, real panelling by 2 to 7, framed pictures by 14.
     restless: float = 10.0
     calm_share: float = 0.4
-    #: Windows of a group that are looked at.
-    looked_at: int = 5
+    looked_at: int = 5  #: windows of a group that are looked at
 
 
 FILTER = FilterSettings()

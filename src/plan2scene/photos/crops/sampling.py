@@ -24,8 +24,7 @@ from plan2scene.images import jpeg_bytes
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, plane_pixels, rectify
 
-#: Score of a window that may show something else than its surface.
-GRAVE = 1.0
+GRAVE = 1.0  #: Score of a window that may show something else than its surface
 #: The reasons of a crop that is selected for want of a better one begin with this.
 _LAST_RESORT = "last resort: "
 
@@ -51,8 +50,7 @@ _GRAVE_REASONS = tuple(Reason)[:5]
 class Verdict:
     """What is wrong with a window, if anything."""
 
-    #: From the worst to the mildest; empty for a good one.
-    reasons: tuple[Reason, ...] = ()
+    reasons: tuple[Reason, ...] = ()  #: from the worst to the mildest; empty for a good one
     #: Orders rejected windows: where a surface has no good one, those of least score are selected.
     #: From `GRAVE` on a window may not show the surface.
     score: float = 0.0
@@ -101,8 +99,7 @@ def reasons_of_text(text: str) -> tuple[str, ...]:
     return tuple(part for part in text.removeprefix(_LAST_RESORT).split(", ") if part)
 
 
-#: Side of a crop, pixels (paper section 5.2).
-CROP_PX = 128
+CROP_PX = 128  #: Side of a crop, pixels (paper section 5.2)
 
 
 @dataclass(frozen=True)
@@ -119,8 +116,7 @@ class SamplingSettings:
     upsampling: tuple[float, float] = (1.5, 3.0)
     #: Windows that fit a plane only in fewer places than this are given up for smaller ones.
     least_places: int = 64
-    #: Windows drawn for each crop, where the filter may reject some.
-    draws_per_crop: int = 3
+    draws_per_crop: int = 3  #: windows drawn for each crop, where the filter may reject some
     #: Side that a crop's detail has at most, pixels, and at least over the crop's own.
     detail_px: int = 512
     detail_gain: float = 1.1
@@ -135,16 +131,12 @@ class Crop:
 
     #: Number within its mask: among the candidates, in the crop table among the selected ones.
     index: int
-    #: (4,): x0 y0 x1 y1 on the rectified plane, metres.
-    window: tuple[float, float, float, float]
-    #: Side of the window, metres.
-    size_m: float
+    window: tuple[float, float, float, float]  #: (4,): x0 y0 x1 y1 on the rectified plane, metres
+    size_m: float  #: side of the window, metres
     #: Photo pixels per crop pixel at its middle (1: as sharp as the photo; 0.5: upsampled x2).
     sharpness: float
-    #: Angle between the view ray and the plane at its middle, degrees.
-    grazing_deg: float
-    #: (128, 128, 3) uint8: sRGB.
-    image: np.ndarray
+    grazing_deg: float  #: angle between the view ray and the plane at its middle, degrees
+    image: np.ndarray  #: (128, 128, 3) uint8: sRGB
     #: (8,): x y of the window's corners in the photo, pixels, clockwise from the top left of the
     #: crop.
     corners: tuple[float, ...] = (float("nan"),) * 8

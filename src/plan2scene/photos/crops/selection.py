@@ -50,8 +50,7 @@ class Selection:
 
     #: Number of a candidate that some room selects, to its number k within the mask.
     crop_index: dict[int, int]
-    #: (candidate's number, room) of the crops.
-    rooms: set[tuple[int, str]]
+    rooms: set[tuple[int, str]]  #: (candidate's number, room) of the crops
 
 
 def select_candidates(candidates: Sequence[Candidate], *, keep_index: bool = False) -> Selection:

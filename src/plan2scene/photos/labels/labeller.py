@@ -27,8 +27,7 @@ SOURCES = ("embedded", "precomputed", "pretrained")
 class Labelled:
     """What a photo shows where."""
 
-    #: (h, w) uint8, the photo's size.
-    labels: np.ndarray
+    labels: np.ndarray  #: (h, w) uint8, the photo's size
     #: (6, h', w') float32 in [0, 1] over the whole photo, more coarsely: how likely each label is,
     #: doors and windows too; None from a source that gives labels only.
     probabilities: np.ndarray | None = None

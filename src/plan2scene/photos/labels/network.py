@@ -233,8 +233,7 @@ class SegmentationNet(nn.Module):
         return logits
 
 
-#: Most networks of an ensemble, since the file may come from a stranger.
-MOST_MEMBERS = 8
+MOST_MEMBERS = 8  #: Most networks of an ensemble, since the file may come from a stranger
 
 
 class Ensemble(nn.Module):

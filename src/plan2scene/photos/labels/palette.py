@@ -30,8 +30,7 @@ IGNORE = 255
 #: each photo, and with the photos that show the same things.
 KINDS_FILE, MATCHES_FILE = "kinds.json", "matches.json"
 KINDS = ("Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet")
-#: Folder of a masks folder with how likely each label is.
-PROBABILITIES = "probabilities"
+PROBABILITIES = "probabilities"  #: Folder of a masks folder with how likely each label is
 #: sRGB colour of each label in the palette PNG and in overlays.
 PALETTE = (
     (128, 128, 128),

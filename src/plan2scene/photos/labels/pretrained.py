@@ -39,8 +39,7 @@ _HUB_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*/[A-Za-z0-9][A-Za-z0-9_.-]*")
 class Checkpoint:
     """Where a pretrained network is: a folder, or a commit of the hub (``photos.pretrained.*``)."""
 
-    #: Local folder with config.json and weights in safetensors.
-    path: str | None = None
+    path: str | None = None  #: local folder with config.json and weights in safetensors
     #: id, revision: ``owner/name`` on the hub, and the 40 hexadecimal digits of a commit. Branches
     #: and tags move, so they are refused.
     id: str | None = None

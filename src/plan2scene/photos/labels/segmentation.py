@@ -44,12 +44,9 @@ def elevation_map(
 
 #: What labels photos: one network, or several whose logits are averaged.
 Network = SegmentationNet | Ensemble
-#: Input height and width are multiples of this (the encoder's coarsest stride).
-STRIDE = 32
-#: Sizes that a photo is seen at, relative to the network's.
-SCALES = (0.8, 1.5, 2.8)
-#: The one that a draft is made at.
-DRAFT_SCALE = 1.5
+STRIDE = 32  #: Input height and width are multiples of this (the encoder's coarsest stride)
+SCALES = (0.8, 1.5, 2.8)  #: Sizes that a photo is seen at, relative to the network's
+DRAFT_SCALE = 1.5  #: The one that a draft is made at
 #: Median grey value in [0, 1] that dimmer photos are brought to before they are labelled.
 MEDIAN = 0.45
 

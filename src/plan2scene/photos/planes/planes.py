@@ -25,24 +25,20 @@ from plan2scene.photos.planes.walls import PLANES, RoomSize, TracedWalls, trace_
 class Plane:
     """One plane of a photo."""
 
-    #: ``floor``, ``wall`` or ``ceiling``.
-    surface: str
+    surface: str  #: ``floor``, ``wall`` or ``ceiling``
     #: Number within the surface: walls from the largest to the smallest, 0..9; floor and ceiling
     #: are 0, of a located photo also more where other rooms are seen.
     index: int
     #: (3,): Unit normal into the room, in the frame of the camera that it was split with.
     normal: tuple[float, float, float]
-    #: ``normal . X`` of its points, metres from the camera centre.
-    offset: float
-    #: (h, w) bool: Its pixels.
-    mask: np.ndarray
+    offset: float  #: ``normal . X`` of its points, metres from the camera centre.
+    mask: np.ndarray  #: (h, w) bool: Its pixels
     #: What gave the distance: ``camera_height`` (prior), ``room_height`` (floor and ceiling seen
     #: with a known room height), ``room_extent`` (walls farther, or opposite ones farther apart or
     #: nearer, than the plan has them), ``plan`` (the photo is located), or ``prior`` (the
     #: photo shows nothing that gives it).
     scale_source: str
-    #: Height of the camera above the floor, metres.
-    camera_height_m: float = PLANES.camera_height_m
+    camera_height_m: float = PLANES.camera_height_m  #: height of the camera above the floor, metres
 
 
 @dataclass(frozen=True)
@@ -52,8 +48,7 @@ class PhotoPlane:
     #: Rooms of one size, or the one that the photo's place gives.
     rooms: tuple[str, ...]
     plane: Plane
-    #: Whether the photo was taken within that room.
-    own: bool = True
+    own: bool = True  #: whether the photo was taken within that room
     #: Ids of the walls on the plane, where the photo's place gives them.
     walls: tuple[str, ...] = ()
 

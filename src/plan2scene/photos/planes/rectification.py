@@ -22,19 +22,16 @@ from plan2scene.photos.planes.walls import PLANES
 class RectifiedPlane:
     """A plane of a photo in metres."""
 
-    #: (h, w, 3) uint8: sRGB, the plane seen straight on.
-    image: np.ndarray
+    image: np.ndarray  #: (h, w, 3) uint8: sRGB, the plane seen straight on
     #: (h, w) bool: Usable pixels: in the plane's mask, not too flat, sampled densely enough.
     mask: np.ndarray
     #: (2,): Plane coordinates (right, down), metres, of the image's top left corner.
     origin: tuple[float, float]
-    #: Side of a pixel.
-    metres_per_pixel: float
+    metres_per_pixel: float  #: side of a pixel
     #: (3, 3) float64: Rows: unit right, unit down, and the foot of the camera on the plane (where
     #: plane coordinates are 0, 0), metres from the camera.
     axes: np.ndarray
-    #: Focal length of the photo, pixels.
-    focal_px: float
+    focal_px: float  #: focal length of the photo, pixels
 
     def window(self, row: int, column: int, side: int) -> tuple[float, float, float, float]:
         """Return x0 y0 x1 y1 on the plane, metres, of a square of pixels."""
@@ -80,16 +77,12 @@ def plane_axes(plane: Plane) -> np.ndarray:
 class PlanePixels:
     """The pixels of a plane, independent of the density that is wanted."""
 
-    #: (h, w) bool: The plane's mask without its border.
-    mask: np.ndarray
-    #: (n,), (n,) int64: Rows and columns of its pixels.
-    places: tuple[np.ndarray, np.ndarray]
-    #: (n, 2) float64: Plane coordinates (right, down), metres.
-    points: np.ndarray
+    mask: np.ndarray  #: (h, w) bool: The plane's mask without its border
+    places: tuple[np.ndarray, np.ndarray]  #: (n,), (n,) int64: Rows and columns of its pixels
+    points: np.ndarray  #: (n, 2) float64: Plane coordinates (right, down), metres
     #: (n,) float64: Photo pixels per metre, geometric mean of both directions on the plane.
     density: np.ndarray
-    #: (n,) bool: Seen neither too flat nor as skirting board.
-    good: np.ndarray
+    good: np.ndarray  #: (n,) bool: Seen neither too flat nor as skirting board
 
 
 def plane_pixels(camera: Camera, plane: Plane) -> PlanePixels:

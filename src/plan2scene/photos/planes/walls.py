@@ -43,12 +43,10 @@ class PlaneSettings:
     # Walls that feet and tops suggest.
     #: Walls that face a Manhattan direction, at most.
     max_candidates: int = 8
-    #: Bins with a foot or top that suggest a wall.
-    min_support: int = 4
+    min_support: int = 4  #: bins with a foot or top that suggest a wall
     #: Distances of walls of which neither foot nor top is seen, metres.
     unseen_distances_m: tuple[float, ...] = (3.0, 2.2, 1.6, 1.1, 0.7, 0.4)
-    #: Distances that are accepted, metres.
-    distance_range_m: tuple[float, float] = (0.3, 15.0)
+    distance_range_m: tuple[float, float] = (0.3, 15.0)  #: distances that are accepted, metres
     #: Cosine to a wall's direction below which no wall is accepted (about 85 degrees from its
     #: normal).
     min_facing: float = 0.08
@@ -59,8 +57,7 @@ class PlaneSettings:
     slanted_noise: float = float(np.radians(0.4))
     #: Least angle of such a wall to the Manhattan directions, radians.
     slanted_angle: float = float(np.radians(12.0))
-    #: Such walls, at most.
-    max_slanted: int = 4
+    max_slanted: int = 4  #: such walls, at most
 
     # The cheapest sequence of walls over the bins.
     #: Angular noise of a mask's border, radians.
@@ -69,76 +66,56 @@ class PlaneSettings:
     outlier: float = 9.0
     #: How far wall pixels may reach beyond a wall's foot or top, radians.
     beyond_noise: float = float(np.radians(1.5))
-    #: Cost of a corner.
-    crease: float = 14.0
-    #: Cost of a jump between parallel walls.
-    jump: float = 28.0
-    #: Cost per bin of a wall that no foot or top supports.
-    unseen: float = 0.4
+    crease: float = 14.0  #: cost of a corner
+    jump: float = 28.0  #: cost of a jump between parallel walls
+    unseen: float = 0.4  #: cost per bin of a wall that no foot or top supports
     #: Further cost of a crease with a wall that faces neither Manhattan direction.
     slant: float = 16.0
     #: Bins on both sides of a crease that must show something for it to be accepted.
     crease_bins: int = 6
-    #: Cost per bin of each segment that runs along the other kind of wall.
-    vote: float = 0.5
-    #: Bound of that cost.
-    max_votes: float = 1.5
+    vote: float = 0.5  #: cost per bin of each segment that runs along the other kind of wall
+    max_votes: float = 1.5  #: bound of that cost
 
     # Scale: the camera's height.
     #: Heights that are accepted, metres.
     height_range_m: tuple[float, float] = (0.8, 2.1)
-    #: Standard deviation of the height about its prior, metres.
-    height_spread_m: float = 0.25
-    #: Bins that must show feet and tops to give the height.
-    min_height_bins: int = 8
-    #: Height above the camera of walls whose top is not used, metres.
-    tall_m: float = 10.0
-    #: Height where the photo shows nothing that gives it, metres.
-    camera_height_m: float = 1.5
-    #: Height of a room where the plan gives none, metres.
-    room_height_m: float = 2.6
+    height_spread_m: float = 0.25  #: standard deviation of the height about its prior, metres
+    min_height_bins: int = 8  #: bins that must show feet and tops to give the height
+    tall_m: float = 10.0  #: height above the camera of walls whose top is not used, metres
+    camera_height_m: float = 1.5  #: height where the photo shows nothing that gives it, metres
+    room_height_m: float = 2.6  #: height of a room where the plan gives none, metres
 
     # Scale: the room's extent in the plan.
     #: Share of its bounding rectangle that a room must fill for its extent to mean something.
     min_filled: float = 0.9
-    #: Bins in which a wall must be seen to count.
-    min_wall_bins: int = 8
-    #: Least distance of a camera from the wall behind it, metres.
-    clearance_m: float = 0.3
-    #: Spread of the log ratio between a span seen and the plan's.
-    extent_spread: float = 0.06
-    #: Bound of a span's cost.
-    extent_bound: float = 9.0
+    min_wall_bins: int = 8  #: bins in which a wall must be seen to count
+    clearance_m: float = 0.3  #: least distance of a camera from the wall behind it, metres
+    extent_spread: float = 0.06  #: spread of the log ratio between a span seen and the plan's
+    extent_bound: float = 9.0  #: bound of a span's cost
 
     # What lies beyond the room.
     #: How much farther than a wall what is seen through its door is, metres.
     min_step_m: float = 0.3
-    #: Widest opening that counts as a door, metres.
-    max_door_m: float = 2.6
-    #: Margin of distances, share.
-    margin_share: float = 0.1
-    #: Margin of distances, metres.
-    margin_m: float = 0.1
+    max_door_m: float = 2.6  #: widest opening that counts as a door, metres
+    margin_share: float = 0.1  #: margin of distances, share
+    margin_m: float = 0.1  #: margin of distances, metres
     #: Where less than this share of a surface is left all of it is kept: its distances are wrong.
     min_left: float = 0.1
 
     # Planes.
     #: Walls kept of a photo, the largest first. Source: the paper's 10 largest planes.
     max_walls: int = 10
-    #: Smallest plane, share of the photo's pixels.
-    min_share: float = 0.002
+    min_share: float = 0.002  #: smallest plane, share of the photo's pixels
 
     # Rectification.
     #: Largest side of a rectified image, pixels.
     max_side_px: int = 2048
-    #: Rays flatter than this to the plane are of no use, degrees.
-    min_grazing_deg: float = 15.0
+    min_grazing_deg: float = 15.0  #: rays flatter than this to the plane are of no use, degrees
     #: Bounds of the resolution, pixels per metre.
     resolution_range: tuple[float, float] = (60.0, 512.0)
     #: Walls are left out below this height above the floor (skirting boards), metres.
     skirting_m: float = 0.12
-    #: Pixels shaved off the mask's border, share of the photo's width.
-    border_share: float = 0.005
+    border_share: float = 0.005  #: pixels shaved off the mask's border, share of the photo's width
 
 
 PLANES = PlaneSettings()
@@ -148,16 +125,14 @@ PLANES = PlaneSettings()
 class Borders:
     """Borders of the wall mask per azimuth bin."""
 
-    #: (b, 2) float64: Unit (x, z) of the bin's middle.
-    direction: np.ndarray
+    direction: np.ndarray  #: (b, 2) float64: Unit (x, z) of the bin's middle
     #: foot, top: (b,) float64: Slope (rise over horizontal distance) of the wall's foot (< 0) and
     #: top (> 0); NaN where not seen.
     foot: np.ndarray
     top: np.ndarray
     #: (b, 2) float64: Lowest and highest slope of wall pixels; NaN where there are none.
     reach: np.ndarray
-    #: (h, w) int: Bin of each pixel.
-    bins: np.ndarray
+    bins: np.ndarray  #: (h, w) int: Bin of each pixel
 
     @property
     def azimuth(self) -> np.ndarray:
@@ -250,8 +225,7 @@ def facing_votes(
     return votes
 
 
-#: `WallLine.axis` of a wall that faces neither Manhattan direction.
-OWN = 2
+OWN = 2  #: `WallLine.axis` of a wall that faces neither Manhattan direction
 
 
 @dataclass(frozen=True)
@@ -514,16 +488,14 @@ def _runs(numbers: np.ndarray) -> list[np.ndarray]:
 class TracedWalls:
     """Walls of a photo and the wall of each pixel."""
 
-    #: The walls, in the order of `owner`.
-    lines: list[WallLine]
+    lines: list[WallLine]  #: the walls, in the order of `owner`
     #: (h, w) int16: Index into `lines` of the wall that a pixel's azimuth meets; -1 for none.
     owner: np.ndarray
     #: (h, w) float64: How far the room reaches at a pixel's azimuth, metres; inf where not known.
     reach: np.ndarray
     #: (h, w) bool: Pixels whose azimuth looks through a door, at another room's walls.
     through: np.ndarray
-    #: Height of the camera above the floor, metres.
-    camera_height_m: float
+    camera_height_m: float  #: height of the camera above the floor, metres
     #: What gave it: ``room_height``, ``room_extent`` or ``camera_height`` (the prior).
     scale_source: str
 

@@ -25,13 +25,11 @@ from plan2scene.textures.model.texture_model import (
     noise_seeds,
 )
 
-#: Crops at a time: few, whose responses stay in the processor's cache.
-_BATCH = 4
+_BATCH = 4  #: Crops at a time: few, whose responses stay in the processor's cache
 #: Side of the part of a texture that is drawn for its score: a quarter of the work, and enough
 #: because a texture is everywhere alike.
 _SCORED = slice(0, 64)
-#: Pyramid levels of the score, as many as that part has.
-_LEVELS = 3
+_LEVELS = 3  #: Pyramid levels of the score, as many as that part has
 
 
 @dataclass(frozen=True, eq=False)
