@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from functools import lru_cache
 
 from plan2scene.house import ROOM_TYPES
 
@@ -94,6 +95,7 @@ WRITTEN = str.maketrans(
 )
 
 
+@lru_cache(maxsize=1024)
 def room_types(name: str) -> tuple[str, ...]:
     """Return the room types that a name means, in the order of its words; empty for none.
 

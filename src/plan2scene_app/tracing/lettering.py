@@ -83,5 +83,5 @@ def _reader() -> Any:
     from rapidocr import RapidOCR
 
     return RapidOCR(
-        params={"Global.log_level": "critical", "EngineConfig.onnxruntime.intra_op_num_threads": 2}
+        params={"Global.log_level": "critical", "EngineConfig.onnxruntime.intra_op_num_threads": 1}
     )

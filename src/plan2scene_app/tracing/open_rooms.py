@@ -42,9 +42,9 @@ def with_open_rooms(
     ink = ink_of(image) > SETTINGS.faint
     feet = sides_in_feet(line.text for line in lines)
     floors, count = regions.floors.copy(), regions.count
-    numbers = list(polygons)
-    for number in numbers:
-        named = [one for one in _named(lines, feet=feet) if _at(floors, one.place) == number]
+    names = list(_named(lines, feet=feet))
+    for number in polygons:
+        named = [one for one in names if _at(floors, one.place) == number]
         for k, one in enumerate(named):
             for other in named[k + 1 :]:
                 sized = one.sides and other.sides

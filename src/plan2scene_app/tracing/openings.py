@@ -84,8 +84,8 @@ def _apart(drawn: np.ndarray, thick: float) -> tuple[np.ndarray, int]:
         flat, others = ndimage.label(own & ~upright, np.ones((3, 3)))
         places[box][own & ~upright] = flat[own & ~upright] + count + more
         count += more + others
-    kept, numbered = np.unique(places, return_inverse=True)
-    return numbered.reshape(places.shape), len(kept) - 1
+    kept = np.bincount(places.ravel()) > 0
+    return (np.cumsum(kept) - 1)[places], int(kept.sum()) - 1
 
 
 def _runs(drawn: np.ndarray) -> np.ndarray:
@@ -127,8 +127,11 @@ def _on_edge(
     values, vectors = np.linalg.eigh(spread)
     longish = values[1] > 2.5 * values[0]
     best, nearest = None, SETTINGS.off_wall * regions.ppm + regions.wall_px
+    reach = float(np.linalg.norm(points - centre, axis=1).max())
     for edge in edges:
         if longish and abs(edge.way @ vectors[:, 1]) < 0.9:
+            continue
+        if abs((centre - edge.start) @ edge.inwards) - reach >= nearest:
             continue
         along, off = edge.place(points)
         covered = np.mean((along > 0) & (along < edge.length))

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 import shapely
+from scipy import ndimage
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 from skimage.measure import find_contours
 
@@ -54,7 +55,8 @@ def room_polygons(regions: Regions, numbers: Sequence[int] | None = None) -> dic
     `numbers` are the rooms of one drawing, all by default.
     """
     numbers = range(1, regions.count + 1) if numbers is None else numbers
-    pieces = [p for n in numbers for p in _pieces(regions, n)]
+    boxes = ndimage.find_objects(regions.rooms, regions.count)
+    pieces = [p for n in numbers if boxes[n - 1] for p in _pieces(regions, n, boxes[n - 1])]
     straight = [[p for p in pieces if p.axis == axis] for axis in (0, 1)]
     slanted = [
         p for p in pieces if p.axis is None and p.length > 1.5 * SETTINGS.shortest * regions.ppm
@@ -67,13 +69,13 @@ def room_polygons(regions: Regions, numbers: Sequence[int] | None = None) -> dic
     return _cells(regions, numbers, xs, ys, _slanted_lines(slanted, least))
 
 
-def _pieces(regions: Regions, number: int) -> list[_Piece]:
-    """Return the straight pieces of a room's outlines."""
-    mask = np.pad(regions.rooms == number, 1).astype(np.float32)
+def _pieces(regions: Regions, number: int, box: tuple[slice, slice]) -> list[_Piece]:
+    """Return the straight pieces of the outlines of a room that lies in a box."""
+    mask = np.pad(regions.rooms[box] == number, 1).astype(np.float32)
     tolerance = max(1.5, SETTINGS.tolerance * regions.ppm)
     pieces = []
     for contour in find_contours(mask, 0.5):
-        ring = contour[:-1, ::-1] - 1
+        ring = contour[:-1, ::-1] - 1 + (box[1].start, box[0].start)
         if len(ring) < 8:
             continue
         corners = cv2.approxPolyDP(ring.astype(np.float32)[:, None], tolerance, True)[:, 0]
@@ -178,12 +180,13 @@ def describe_rooms(
     """Return the rooms with names and types; `lines` of text are in the frame's pixels."""
     rooms: list[TracedRoom] = []
     taken: set[str] = set()
+    boxes = ndimage.find_objects(regions.floors, regions.count)
     for number, polygon in polygons.items():
         own = tuple(line for line in lines if polygon.contains(Point(line.middle)))
         name = " ".join(line.text for line in own if _is_name(line.text))[:60]
         types = _types_by_names([line.text for line in own])
-        floor = regions.floors == number
-        inside = probabilities[:, floor].mean(1)
+        box = boxes[number - 1]
+        inside = probabilities[:, *box][:, regions.floors[box] == number].mean(1)
         kinds = types or _types_by_furniture(inside)
         base = name if types and name else kinds[0]
         sure = float(inside[ROOM:].sum())
