@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import median_abs_deviation
 
 from plan2scene.colour import delta_e_2000, linear_to_srgb, log_axes, rgb_to_lab
 from plan2scene.house import SurfaceKey
@@ -65,7 +64,9 @@ def _mixed_light(planes: pd.DataFrame) -> float:
         return 0.0
     shares = np.stack([np.asarray(c, np.float64).reshape(-1, 3) for c in of_room["colours"]])
     along = log_axes(shares)[..., 1:] @ PaintPrior.lamp
-    deviation = median_abs_deviation(along, axis=1, scale="normal")
+    # scipy.stats has this, and takes a third of a second to import.
+    away = np.abs(along - np.median(along, axis=1, keepdims=True))
+    deviation = np.median(away, axis=1) / 0.6744897501960817  # of a normal distribution
     return float(np.sqrt(np.average(deviation**2, weights=of_room["weight"])))
 
 

@@ -190,8 +190,8 @@ class _Used:
 
     count: int
     turns: np.ndarray = field(init=False)
-    units: list[int] = field(default_factory=list)
-    places: list[tuple[float, float]] = field(default_factory=list)
+    units: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    places: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))  #: (x, y), metres
 
     def __post_init__(self) -> None:
         self.turns = np.zeros(self.count, int)
@@ -199,21 +199,18 @@ class _Used:
     def next(self, x: float, y: float, rng: np.random.Generator) -> int:
         """Return a unit for a place that is none of those near it."""
         away = np.full(self.count, LAYING.sight_m)
-        if self.units:
-            apart = np.hypot(*(np.array(self.places) - (x, y)).T)
-            np.minimum.at(away, self.units, apart)
+        np.minimum.at(away, self.units, np.hypot(*(self.places - (x, y)).T))
         far = np.argsort(-(away + 1e-3 * rng.random(self.count)))
         unit = int(far[rng.integers(max(1, round(LAYING.drawn * self.count)))])
         self.turns[unit] += 1
-        self.units.append(unit)
-        self.places.append((x, y))
+        self.units = np.append(self.units, unit)
+        self.places = np.vstack([self.places, (x, y)])
         return unit
 
     def forget(self, above: float) -> None:
         """Forget places above a row."""
-        kept = [k for k, place in enumerate(self.places) if place[1] >= above]
-        self.units = [self.units[k] for k in kept]
-        self.places = [self.places[k] for k in kept]
+        kept = self.places[:, 1] >= above
+        self.units, self.places = self.units[kept], self.places[kept]
 
 
 def _places(pattern: LaidPattern, low: np.ndarray, high: np.ndarray, seed: int) -> Iterator[_Place]:
