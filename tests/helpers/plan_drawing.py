@@ -9,13 +9,24 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import point_along, room_polygon
 
 FLATS = sorted(
     (Path(__file__).parents[2] / "resources/demo/archs_no_objects/test").glob("*.scene.json")
 )
+
+
+def refusal(path, scale=None):
+    """Return the one line by which a plan is refused, after its file and house."""
+    with pytest.raises(InputError) as caught:
+        read_plan(path, "h1", scale)
+    line, head = str(caught.value), f"file {path}, house h1"
+    assert line.startswith(head) and "\n" not in line
+    return line.removeprefix(head)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from plan2scene.errors import InputError
 from plan2scene.materials import random_material
 from plan2scene.textures.methods import texture_methods
 from plan2scene.textures.seams import wrap_ratio
@@ -25,8 +24,3 @@ def test_crops_too_poor_for_an_exemplar_are_decoded():
         tile_from_crops(white, "exemplar", size_px=128, seed=0),
         tile_from_crops(white, "synth", size_px=128, seed=0),
     )
-
-
-def test_an_unknown_method_is_an_error():
-    with pytest.raises(InputError, match="found other"):
-        tile_from_crops(CROPS, "other", size_px=128, seed=0)

@@ -226,13 +226,6 @@ def test_unobserved(tmp_path):
             read_unobserved(path)
 
 
-def test_good_data_set_has_no_problems(dataset):
-    assert check_dataset(dataset) == []
-    assert not (dataset / "houses.tsv").exists()
-    make_house_table(dataset)
-    assert check_dataset(dataset) == []
-
-
 def test_every_problem_is_a_line(dataset):
     photos = dataset / "photos"
     (photos / "text.jpg").write_text("no image")

@@ -8,8 +8,6 @@ import pandas as pd
 import pytest
 from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 
-from plan2scene.datasets.assignments import read_assignment
-from plan2scene.datasets.drops import hidden_photos, read_unobserved
 from plan2scene.datasets.house_table import (
     chosen_crops,
     make_house_table,
@@ -107,32 +105,6 @@ def test_the_path_may_be_of_the_copy_or_its_input_or_what_holds_data(copy, place
     for row in read_house_table(tmp_path / "houses.tsv").to_dict("records"):
         assert (layout.root / row["plan"]).is_file()
         assert (layout.root / row["assignment"]).is_file()
-
-
-def test_both_heads_of_photo_tables_are_in_the_copy_and_read(copy):
-    tables = sorted((copy / "input/photo_assignments").glob("*/*.csv"))
-    assert {path.read_text().split(",")[0] for path in tables} == {"room_id", "roomId"}
-    for path in tables:
-        house = path.name.split(".")[0]
-        photos = [row.photo for row in read_assignment(path)]
-        assert photos == [f"{house}_{k}.png" for k in range(3)]
-
-
-def test_splits_and_hidden_photos(copy, tmp_path):
-    table = table_of(dataset(copy))
-    assert list(table.of_splits(["test"])) == ["home_test_0", "home_test_1"]
-    assert list(table.of_splits(["train", "val"])) == ["home_train_0", "home_val_0"]
-    hidden = [
-        hidden_photos(
-            read_unobserved(find_layout(copy).unobserved),
-            drop,
-            [f"home_test_0_{k}.png" for k in range(3)],
-            seed=0,
-            house_id="home_test_0",
-        )
-        for drop in FRACTIONS
-    ]
-    assert [len(names) for names in hidden] == [0, 1, 1, 2, 2, 3]
 
 
 def test_the_table_follows_the_copy_and_writes_nothing(copy):

@@ -81,12 +81,6 @@ def test_values_are_those_of_the_metrics(model):
     assert len(wall.features) == 6 and len(wall.further_features) == 0
 
 
-def test_a_crop_against_itself_is_perfect(model):
-    tiles = {"r1/wall": CROPS["d"][3]}
-    row = _measured("h", tiles, {"r1/wall"}, "crop", "0.0", model, []).iloc[0]
-    assert (row.color, row.freq, row.subs) == (0.0, 0.0, 0)
-
-
 def test_an_observed_surface_without_visible_crop_is_a_fault(model):
     with pytest.raises(InputError, match=r"house h, room r1: expected a visible crop of wall"):
         _measured("h", TILES, {"r1/wall"}, "crop", "0.6", model, ["p2.jpg"])

@@ -55,12 +55,6 @@ def test_parts_have_places_of_their_own(baked):
     assert taken.max() == 1
 
 
-def test_same_bytes_again(gap_house, baked):
-    parts = build_parts(gap_house)
-    again = bake_occlusion(parts, [part for part in parts if part.surface is not None])
-    assert again.png == baked[1].png
-
-
 def test_without_a_ray_tracer_there_is_none(gap_house, monkeypatch, caplog):
     monkeypatch.setitem(sys.modules, "embreex.rtcore_scene", None)
     parts = build_parts(gap_house)

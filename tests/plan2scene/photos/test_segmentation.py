@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import torch
@@ -13,9 +11,7 @@ from plan2scene.photos.labels.segmentation import (
     MEDIAN,
     Segmenter,
     brightened,
-    load_segmenter,
 )
-from plan2scene.weights import save_model_file
 
 TINY = {"widths": [8, 8, 8, 8, 8], "depths": [1, 1, 1, 1], "decoder": 16, "long_side": 64}
 
@@ -84,13 +80,3 @@ def test_dim_photos_are_brightened_and_others_are_not() -> None:
     assert (np.diff(brightened(dim)[0, :, 0].astype(int)) >= 0).all()
     assert np.array_equal(brightened(ramp), ramp)
     assert np.array_equal(brightened(ramp * 0), ramp * 0)  # nothing to see
-
-
-def test_weights_file_round_trip(tmp_path: Path) -> None:
-    network = _tiny()
-    path = tmp_path / "segmentation.safetensors"
-    save_model_file(path, network.state_dict(), network.architecture, half=False)
-    image = _photo(50, 70)
-    loaded = load_segmenter(path)
-    assert loaded.network.long_side == 64
-    assert np.array_equal(loaded.labels(image), Segmenter(network).labels(image))

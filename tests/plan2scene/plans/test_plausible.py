@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.validate import validate_house
 
@@ -33,10 +32,6 @@ def plan(factor=1.0, **changes):
 
 def warnings_of(document) -> str:
     return "\n".join(validate_house(house_of_plan(document, "h1")))
-
-
-def test_a_home_gets_no_warning():
-    assert warnings_of(plan()) == ""
 
 
 @pytest.mark.parametrize("factor", [100.0, 39.37], ids=["centimetres", "inches"])
@@ -93,10 +88,3 @@ def test_names_that_other_systems_do_not_take_are_told(name, word):
     document["rooms"][-1]["id"] = name
     assert "living" in ids
     assert word in warnings_of(document)
-
-
-def test_a_repeated_key_is_refused(tmp_path):
-    path = tmp_path / "plan.json"
-    path.write_text(EXAMPLE.read_text().replace('"version": 1,', '"version": 1, "version": 1,'))
-    with pytest.raises(InputError, match="each key of an object once, found 'version'"):
-        read_plan(path, "h1")

@@ -4,7 +4,6 @@ from pathlib import Path
 import pytest
 from scene_textures import scene_textures
 
-from plan2scene.errors import InputError
 from plan2scene.house import Door, SurfaceKey
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.scene_json import read_scene_json
@@ -202,8 +201,3 @@ def test_samples(name, rooms, walls, openings, rdr, objects, tmp_path):
     assert len(original) == rdr
     write_scene_json(house, tmp_path / "again.json")
     assert read_scene_json(tmp_path / "again.json", "sample") == house
-
-
-def test_file_that_is_no_plan(tmp_path):
-    with pytest.raises(InputError, match="expected a list of elements, found none"):
-        read(tmp_path, {"scene": {}})

@@ -13,6 +13,14 @@ from plan2scene.propagation.house_materials import (
 from plan2scene.propagation.propagate import shared_materials
 
 
+def found(folder, hidden=()):
+    """Return the materials of the tables in a folder."""
+    names = ("scene.json", "surfaces.parquet", "embeddings.parquet", "light.json")
+    output = folder / "materials.parquet"
+    find_materials(*(folder / n for n in names), hidden, output, house="h1", dataset="d")
+    return read_parquet(output)[0]
+
+
 @pytest.mark.parametrize(("crops", "materials"), [(3, ["floor-1"] * 2), (30, [])])
 def test_crops_that_differ_make_few_of_them_doubtful(shared_house, tmp_path, crops, materials):
     """Means 0 and 1 of crops that lie 1.5 around them: three can do that, thirty can't."""
@@ -29,10 +37,7 @@ def test_crops_that_differ_make_few_of_them_doubtful(shared_house, tmp_path, cro
     write_parquet(tmp_path / "embeddings.parquet", table, {})
     write_parquet(tmp_path / "surfaces.parquet", table.drop_duplicates("room_id"), {})
     write_json(tmp_path / "light.json", {"gains": {}})
-    names = ("scene.json", "surfaces.parquet", "embeddings.parquet", "light.json")
-    output = tmp_path / "materials.parquet"
-    find_materials(*(tmp_path / n for n in names), (), output, house="h1", dataset="d")
-    assert read_parquet(output)[0]["material"].tolist() == materials
+    assert found(tmp_path)["material"].tolist() == materials
 
 
 def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path):
@@ -46,15 +51,13 @@ def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path):
     write_parquet(tmp_path / "embeddings.parquet", table, {})
     gains = {"bright.png": [1.0] * 3, "dark.png": [1.5] * 3}
     write_json(tmp_path / "light.json", {"gains": gains})
-    names = ("scene.json", "surfaces.parquet", "embeddings.parquet", "light.json")
-    output = tmp_path / "materials.parquet"
-    find_materials(*(tmp_path / n for n in names), (), output, house="h1", dataset="d")
-    found, _ = read_parquet(output)
-    assert found["material"].tolist() == ["floor-1"] * 2
-    assert found["rooms"].tolist() == ["|".join(rooms)] * 2
-    assert found["confidence"].between(0.9, 1.0).all()
-    assert shared_materials(output)[SurfaceKey(rooms[0], "floor")] == "floor-1"
-    assert found["colour"][0][0] == pytest.approx(0.25 * 0.5 + 0.75 * 0.481, abs=0.01)
+    table = found(tmp_path)
+    assert table["material"].tolist() == ["floor-1"] * 2
+    assert table["rooms"].tolist() == ["|".join(rooms)] * 2
+    assert table["confidence"].between(0.9, 1.0).all()
+    shared = shared_materials(tmp_path / "materials.parquet")
+    assert shared[SurfaceKey(rooms[0], "floor")] == "floor-1"
+    assert table["colour"][0][0] == pytest.approx(0.25 * 0.5 + 0.75 * 0.481, abs=0.01)
     assert shared_materials(None) == {}
 
 
@@ -73,8 +76,5 @@ def test_a_floor_is_known_by_all_of_its_crops(shared_house, tmp_path):
     rows += [row | {"embedding": plain, "photo": "usual.png"} for row in rows * 5]
     write_parquet(tmp_path / "embeddings.parquet", pd.DataFrame(rows), {})
     write_json(tmp_path / "light.json", {"gains": {}})
-    names = ("scene.json", "surfaces.parquet", "embeddings.parquet", "light.json")
-    output = tmp_path / "materials.parquet"
     for hidden, materials in (((), ["floor-1"] * 2), (("usual.png",), [])):
-        find_materials(*(tmp_path / n for n in names), hidden, output, house="h1", dataset="d")
-        assert read_parquet(output)[0]["material"].tolist() == materials
+        assert found(tmp_path, hidden)["material"].tolist() == materials

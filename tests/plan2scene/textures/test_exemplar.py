@@ -58,12 +58,6 @@ def test_regular_patterns_are_cut_at_whole_periods(columns, rows, bond) -> None:
     assert away < 3.0
 
 
-def test_same_crops_same_bytes() -> None:
-    crops = crops_of(grid(5, 5))
-    first, again = (make_exemplar(crops, size_px=128) for _ in range(2))
-    np.testing.assert_array_equal(first.image, again.image)
-
-
 def test_poor_crops_make_no_exemplar() -> None:
     tile = grid(5, 5)
     assert make_exemplar([], size_px=128) is None

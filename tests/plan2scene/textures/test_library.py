@@ -1,9 +1,7 @@
 """The tileable library and retrieval from it."""
 
 import numpy as np
-import pytest
 
-from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import write_png
 from plan2scene.textures.library import (
@@ -54,10 +52,3 @@ def test_library_of_a_folder(tmp_path):
     library = read_library(tmp_path / "l.parquet")
     assert library.substances == ("carpet",)
     assert np.array_equal(library.tiles[0], image)
-
-
-def test_an_empty_folder_is_refused(tmp_path):
-    with pytest.raises(InputError, match="wood, plaster"):
-        write_library(
-            tmp_path / "l.parquet", folder=str(tmp_path), per_substance=1, seed=0, size_px=128
-        )

@@ -160,13 +160,6 @@ def test_a_photo_that_was_left_out_says_why(case: dict[str, Any]) -> None:
         assert (np.abs(part.astype(int) - REJECTED).sum(axis=2) < 60).sum() > 100
 
 
-def test_same_input_same_bytes(case: dict[str, Any]) -> None:
-    write_contact_sheet(**case)
-    first = case["output"].read_bytes()
-    write_contact_sheet(**case)
-    assert case["output"].read_bytes() == first
-
-
 def test_many_photos_make_a_bounded_sheet(case: dict[str, Any]) -> None:
     case["photos"] = {f"p{k:03}.jpg": Path("none") / f"p{k:03}.jpg" for k in range(400)}
     assert write_contact_sheet(**case)["photos"] == MAX_PHOTOS

@@ -322,19 +322,6 @@ def test_nothing_is_drawn_when_nothing_moves(view):
     assert frames[-1] == frames[-2]
 
 
-def test_a_name_of_markup_is_text(view):
-    assert view.run('document.querySelector("h1").textContent') == NAME
-    assert view.run("document.scripts.length") == 4
-    # What is put into the page later does not run either: the policy knows two scripts by hash.
-    view.run(
-        'document.body.append(Object.assign(document.createElement("script"),'
-        ' {textContent: "window.ran = true"}))'
-    )
-    assert view.run("window.ran") is None
-    assert "Content Security Policy" in view.complaints[0]
-    view.complaints.clear()
-
-
 def test_doors_inside_are_passed_and_stairs_climbed(browser, gap_house, tmp_path):
     stairs = IconBox("stairs", (5.0, 0.5), (5.9, 3.5))
     gap_house = replace(gap_house, icons=(stairs,))
