@@ -158,7 +158,8 @@ def mask_panel(image: np.ndarray, labels: np.ndarray, planes: Sequence[Plane]) -
     """Return the photo under its labels' colours, planes outlined and named (f, c, w0 ...)."""
     table = np.zeros((256, 3), np.float32)
     table[: len(PALETTE)] = PALETTE
-    picture = np.round(0.55 * image + 0.45 * table[labels]).astype(np.uint8)
+    mixed = 0.55 * image.astype(np.float32) + 0.45 * table[labels]
+    picture = np.round(mixed).astype(np.uint8)
     masks = [plane.mask.astype(np.uint8) for plane in planes]
     for mask in masks:
         contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
