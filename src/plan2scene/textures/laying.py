@@ -6,8 +6,9 @@ one of those that lie farthest away by then, mirrored otherwise than there.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
 
@@ -20,6 +21,8 @@ from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet
 from plan2scene.photos.patterns.bonds import LAID, PX_PER_M, Zigzag
 from plan2scene.plans.surface_areas import Area
+
+_Point = tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,7 @@ def laid(
     low, size = _pixels(area)
     turn = _turn(pattern, size)
     first, last = _extent(low, size, turn)
-    begin, end = _extent(*_pixels(whole or area), turn) / scale
+    begin, end = map(tuple, (_extent(*_pixels(whole or area), turn) / scale).tolist())
     if pattern.slant_deg:
         rows = _columns(pattern, first, last, _planks(pattern, begin, end, seed))
     else:
@@ -213,10 +216,14 @@ class _Used:
         self.units, self.places = self.units[kept], self.places[kept]
 
 
-def _places(pattern: LaidPattern, low: np.ndarray, high: np.ndarray, seed: int) -> Iterator[_Place]:
-    """Yield the places of units in all rows between two corners (2,), metres, row by row."""
+@lru_cache(maxsize=16)
+def _places(pattern: LaidPattern, low: _Point, high: _Point, seed: int) -> list[_Place]:
+    """Return the places of units in all rows between two corners, metres, row by row.
+
+    Kept for the other floors that run on with these.
+    """
     rng = np.random.default_rng(seed)
-    used = _Used(len(pattern.units))
+    used, places = _Used(len(pattern.units)), []
     rows = np.floor([low[1] / pattern.width_m, high[1] / pattern.width_m + 1]).astype(int)
     ways = rng.permutation(8 if pattern.square else 4)
     for row in range(*rows):
@@ -237,7 +244,9 @@ def _places(pattern: LaidPattern, low: np.ndarray, high: np.ndarray, seed: int) 
                 run = pattern.units[unit].shape[1] / PX_PER_M
                 share = rng.uniform(LAYING.run, 1.0)
                 begin, end = float(rng.uniform(0.0, 1.0 - share)), start + share * run
-            yield _Place(row, start, end, unit, int(ways[used.turns[unit] % len(ways)]), begin)
+            way = int(ways[used.turns[unit] % len(ways)])
+            places.append(_Place(row, start, end, unit, way, begin))
+    return places
 
 
 def _zigzag(pattern: LaidPattern) -> Zigzag:
@@ -245,10 +254,11 @@ def _zigzag(pattern: LaidPattern) -> Zigzag:
     return Zigzag(pattern.kind, pattern.width_m, pattern.length_m, pattern.slant_deg)
 
 
+@lru_cache(maxsize=16)
 def _planks(
-    pattern: LaidPattern, low: np.ndarray, high: np.ndarray, seed: int
+    pattern: LaidPattern, low: _Point, high: _Point, seed: int
 ) -> dict[tuple[int, int], tuple[int, int]]:
-    """Return the unit of each plank in columns between two corners (2,), metres, and its turn."""
+    """Return the unit of each plank in columns between two corners, metres, and its turn."""
     rng = np.random.default_rng(seed)
     used, found = _Used(len(pattern.units)), {}
     zigzag, step = _zigzag(pattern), pattern.width_m / 3
@@ -295,7 +305,7 @@ def _columns(
 
 
 def _rows(
-    pattern: LaidPattern, first: np.ndarray, last: np.ndarray, places: Iterator[_Place]
+    pattern: LaidPattern, first: np.ndarray, last: np.ndarray, places: Sequence[_Place]
 ) -> np.ndarray:
     """Return rows of units (h, w, 3) float32, 0.5 where the floor has its usual colour.
 
