@@ -118,8 +118,9 @@ def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
 
 
 def pattern_of(patterns: Mapping[SurfaceKey, LaidPattern], *keys: SurfaceKey) -> LaidPattern | None:
-    """Return the pattern of the first of some surfaces that has one."""
-    return next((patterns[key] for key in keys if key in patterns), None)
+    """Return the pattern of the first of some surfaces that has one, its own or another room's."""
+    found = next((patterns[key] for key in keys if key in patterns), None)
+    return found and patterns.get(SurfaceKey(found.like, keys[0].surface), found)
 
 
 def laid(
