@@ -66,7 +66,7 @@ def _one_line(value: object) -> str:
 
 
 def system_fault(error: OSError) -> InputError | None:
-    """Return what the system refused as one line; None for what is a fault of the program."""
+    """Return what the system refused as one line; None where the program is at fault."""
     expected = _SYSTEM.get(error.errno or 0)
     if expected is None:
         return None

@@ -302,7 +302,7 @@ class House:
         return (wall for wall in self.walls if room_id in wall.room_ids)
 
     def surface_keys(self) -> tuple[SurfaceKey, ...]:
-        """Return every surface key of the house, room by room, then those of accent walls."""
+        """Return the keys of all surfaces, room by room, then those of accent walls."""
         ids = {room.id for room in self.rooms}
         accents = tuple(key for key in self.accents if key.room_id in ids)
         return tuple(key for room in self.rooms for key in room.surface_keys()) + accents

@@ -33,7 +33,7 @@ P = TypeVar("P", bound=Plugin)
 
 @cache
 def plugins(group: str, kind: type[P]) -> dict[str, P]:
-    """Return the plugins of a group by name: ours in alphabetical order, then those of others.
+    """Return the plugins of a group by name: our own in alphabetical order, then others.
 
     An entry point that cannot be loaded, does not name a `kind`, or repeats a name is left out with
     a warning. Each is imported here, so its module should import large packages only when it runs.

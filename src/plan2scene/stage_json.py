@@ -17,7 +17,7 @@ from plan2scene.io import how_to_make_anew, read_text
 
 
 def _object(form: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the form of an object whose keys are names and whose values have one form."""
+    """Return the schema of an object from names to values of one form."""
     return {"type": "object", "additionalProperties": form}
 
 

@@ -76,7 +76,7 @@ def load_model_file(path: str | Path) -> tuple[dict[str, torch.Tensor], dict[str
 def read_model_arrays(
     path: str | Path, names: Collection[str] | None = None
 ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """As :func:`load_model_file`, as arrays and without torch; those of `names` alone if given."""
+    """Read a file as :func:`load_model_file` without torch: arrays, only `names` if given."""
     state, architecture = _read(path, "np", names)
     floats = (np.float16, np.float64)
     return {

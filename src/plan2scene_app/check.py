@@ -195,7 +195,7 @@ def _check_house(
     plan: tuple[House | None, list[Problem]],
     checked: set[str],
 ) -> Iterator[Problem]:
-    """Yield the problems of one house, those of its `plan` first.
+    """Yield the problems of one house, beginning with its plan's.
 
     Photos in `checked` were opened for another house.
     """

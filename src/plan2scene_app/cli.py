@@ -21,7 +21,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_
 
 
 class Colours(StrEnum):
-    """Whose colours a house shows."""
+    """The colours of a house's surfaces."""
 
     PAINT = "paint"
     PHOTO = "photo"

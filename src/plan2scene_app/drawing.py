@@ -37,7 +37,7 @@ def font_for(text: str, size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFo
 
 
 def legible(text: str, otherwise: str) -> str:
-    """Return a text of which the wide font has all letters; `otherwise` for another."""
+    """Return a text if the wide font has all of its letters, else `otherwise`."""
     if text.isascii():
         return text
     wide = wide_font(16)

@@ -1,4 +1,4 @@
-"""Finishes: what an owner sets by hand, the last word on what surfaces and doors of a house show.
+"""Finishes: how an owner sets surfaces and doors by hand, whatever photos show.
 
 They stand in ``{plan}.finishes.csv`` beside the plan, with the columns room, surface and what:
 
@@ -53,7 +53,7 @@ def finishes_file(plan: str | Path) -> Path:
 
 
 def read_finishes(path: str | Path) -> dict[SurfaceKey, str]:
-    """Return what is set by hand by room and surface; InputError names what no row may say."""
+    """Return what is set by hand, by room and surface; InputError for a row of another form."""
     if Path(path).stat().st_size > _MOST:
         raise InputError(f"at most {_MOST} bytes", "more", file=path)
     rows = [row for row in csv.reader(io.StringIO(read_text(path))) if any(row)]

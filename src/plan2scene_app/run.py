@@ -198,7 +198,7 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
 
 
 def _copy_finishes(plan: Path, copy: Path) -> None:
-    """Copy what is set by hand beside the plan; what an earlier run had of it goes."""
+    """Copy the finishes beside the plan, or remove those of an earlier run."""
     source, target = finishes_file(plan), finishes_file(copy)
     if source.is_file():
         _copy_changed(source, target)
@@ -207,7 +207,7 @@ def _copy_finishes(plan: Path, copy: Path) -> None:
 
 
 def _table_of(names: list[str]) -> str:
-    """Return a photo table of photos whose rooms are not known."""
+    """Return a photo table for photos without known rooms."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([["photo"], *([name] for name in names)])
     return text.getvalue()
@@ -220,7 +220,7 @@ def _write_changed(text: str, target: Path) -> None:
 
 
 def _copy_photos(names: list[str], target: Path, request: SingleHouse) -> None:
-    """Copy the photos that there are; what an earlier run copied of the others goes."""
+    """Copy the photos that exist, and remove others that an earlier run copied."""
     for name in names:
         path = _photo_path(request, name)
         copy = safe_join(target, name)

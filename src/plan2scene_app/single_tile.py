@@ -69,7 +69,7 @@ def tile_from_crops(
 
 
 class _OneSurface(HouseData):
-    """A room of which nothing is known, and a library of procedural tiles."""
+    """A house of one unknown room, and a library of procedural tiles."""
 
     def __init__(self, settings: TextureSettings) -> None:
         super().__init__(HouseFiles("crops", Path(), Path()))

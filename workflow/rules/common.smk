@@ -92,7 +92,7 @@ onstart:
 
 
 def tell_how_to_unlock(record):
-    """Let the one command that helps follow Snakemake's words on a lock that a kill left."""
+    """Add the command that unlocks to Snakemake's message about a lock left by a killed run."""
     if "the --unlock argument" in str(record.msg):
         command = shlex.join(["snakemake", "--unlock", *sys.argv[1:]])
         record.msg = f"{record.msg}\nplan2scene: if none runs here: {command}"
@@ -103,7 +103,7 @@ logger.addFilter(tell_how_to_unlock)
 
 
 def row_of(wildcards):
-    """Return what the house table has of a house; one it has not ends the run in one line."""
+    """Return a house's row of the house table; an unknown house ends the run with one line."""
     try:
         return TABLE[wildcards.house]
     except InputError as error:
@@ -111,7 +111,7 @@ def row_of(wildcards):
 
 
 def plan_files(wildcards):
-    """Return those files of a house's plan that there are; of a missing plan the job tells."""
+    """Return the existing files of a house's plan; the job reports a missing plan."""
     path = DATA_ROOT / row_of(wildcards).plan
     boxes = HAS_BOXES and object_boxes_of(wildcards)
     plan = read_plan_of(wildcards) if path.is_file() else None
@@ -119,19 +119,19 @@ def plan_files(wildcards):
 
 
 def finish_files(wildcards):
-    """Return what a house's owner has set by hand, and the crops that it may name."""
+    """Return the file of a house's finishes, if any, and the crops that it may name."""
     path = finishes_file(DATA_ROOT / row_of(wildcards).plan)
     crops = f"{RESULTS}/houses/{wildcards.house}/crops.parquet"
     return {"finishes": str(path), "crops": crops} if path.is_file() else {}
 
 
 def picture_of(wildcards):
-    """Return the plan of a house, which is a picture."""
+    """Return the picture of a house's plan."""
     return str(DATA_ROOT / row_of(wildcards).plan)
 
 
 def named_files(wildcards):
-    """Return the plan and the photo table that the house table names, there or not."""
+    """Return the plan and the photo table of the house table; they need not exist."""
     return {
         "plan": read_plan_of(wildcards),
         "assignment": named_assignment_of(wildcards),
@@ -139,20 +139,20 @@ def named_files(wildcards):
 
 
 def read_plan_of(wildcards):
-    """Return the plan that is read: of a picture what is traced, there or not."""
+    """Return the plan that a house is read from: the traced plan where it is a picture."""
     path = DATA_ROOT / row_of(wildcards).plan
     traced = is_traced(wildcards)
     return f"{RESULTS}/houses/{wildcards.house}/plan.json" if traced else str(path)
 
 
 def is_traced(wildcards):
-    """Return whether the plan is a picture, from which its rooms are traced."""
+    """Return whether a house's plan is a picture, which rule trace reads."""
     path = DATA_ROOT / row_of(wildcards).plan
     return path.suffix.lower() in SUFFIXES and path.is_file()
 
 
 def trace_files(wildcards):
-    """Return what tracing says of a plan that is a picture."""
+    """Return the overlay and the doubts of a traced plan; none for other plans."""
     plan = f"{RESULTS}/houses/{wildcards.house}/plan"
     made = dict(overlay=f"{plan}.overlay.png", doubts=f"{plan}.doubts.txt")
     return made if is_traced(wildcards) else {}
@@ -160,12 +160,12 @@ def trace_files(wildcards):
 
 @functools.cache
 def plan_code(suffix):
-    """Return the hashes of what reads a plan whose name has this suffix."""
+    """Return the hashes of the code that reads plans with this suffix."""
     return [rule_code("floorplan"), *reader_code(suffix)]
 
 
 def plan_code_of(wildcards):
-    """Return the hashes of what reads a house's plan."""
+    """Return the hashes of the code that reads a house's plan."""
     return plan_code(Path(read_plan_of(wildcards)).suffix.lower())
 
 
@@ -176,10 +176,7 @@ def assignment_of(wildcards):
 
 
 def finds_rooms(wildcards):
-    """Return what tells what rooms are used for where a room is to be found, else None.
-
-    The photo table may leave rooms out.
-    """
+    """Return the classifier that helps to find rooms, None where the photo table has them all."""
     path = assignment_of(wildcards)
     if not path or not (is_traced(wildcards) or lacks_rooms(path)):
         return None
@@ -190,13 +187,13 @@ def finds_rooms(wildcards):
 
 
 def object_boxes_of(wildcards):
-    """Return the object boxes of a house; empty when there are none of it."""
+    """Return the object boxes of a house; empty where it has none."""
     path = LAYOUT.object_boxes(row_of(wildcards).split, wildcards.house)
     return str(path) if path.is_file() else []
 
 
 def photo_names_of(wildcards):
-    """Return all photo names that the house table gives a house, as JSON without "<".
+    """Return the names of a house's photos in the house table, as JSON without "<".
 
     Snakemake's report writes params into a script as they are: a name could end it.
     """
@@ -204,7 +201,7 @@ def photo_names_of(wildcards):
 
 
 def photos_of(wildcards):
-    """Return the photos of a house that exist; what is missing is the job's to report."""
+    """Return the existing photos of a house; the job reports missing ones."""
     names = row_of(wildcards).photos
     return [str(path) for path in photo_paths(LAYOUT.photos, names)]
 
@@ -230,10 +227,10 @@ def model_of(name):
 
 
 def made(models):
-    """Return those of some weights that rules make: they are inputs.
+    """Return the weights that rules make, by name: they are inputs.
 
-    Those that lie there ready are no inputs, which every job would hold, but params with their
-    hash: changed weights make a job anew all the same.
+    Shipped weights are no inputs, which each job would hold, but params with their hash: a changed
+    file makes a job anew all the same.
     """
     return {
         name: path for name, path in models.items() if path.startswith(f"{RESULTS}/")
@@ -241,21 +238,21 @@ def made(models):
 
 
 def hashes(models):
-    """Return the hashes of those weights that lie there ready."""
+    """Return the hashes of the weights that no rule makes."""
     return [ready_hash(models[name]) for name in sorted(models.keys() - made(models))]
 
 
 @functools.cache
 def ready_hash(path):
-    """Return the hash of weights; their absence is told by the first job that reads them."""
+    """Return the hash of weights; the first job that reads them reports a missing file."""
     return file_hash(path) if os.path.isfile(path) else "absent"
 
 
 def contents_of(*input_functions):
-    """Return a params function: the hash of those inputs of a job that no rule makes.
+    """Return a params function: the hash of the inputs of a job that no rule makes.
 
-    So contents decide: an older file in the place of another one makes the job anew, too. (Of a
-    function of `input` Snakemake keeps no record.)
+    So an older file in the place of another one makes the job anew, too: its contents decide.
+    (Snakemake keeps no record of functions of `input`.)
     """
 
     def contents(wildcards):
@@ -273,11 +270,11 @@ def contents_of(*input_functions):
 
 
 def given(**inputs):
-    """Return the inputs that there are: an empty one costs as much as a file."""
+    """Return the inputs that are not empty: Snakemake spends as much on an empty one."""
     return {name: value for name, value in inputs.items() if value}
 
 
-# Of a job on one house. Beside other houses a core each: the start of a job has no use for more.
+# Threads of a job on one house: one each beside other houses, whose jobs use the other cores.
 HOUSE_THREADS = max(1, 4 // max(1, len(HOUSES)))
 
 
@@ -297,12 +294,12 @@ def house_files(*names):
 
 
 def named_assignment_of(wildcards):
-    """Return the photo table that the house table names, there or not; "" for none."""
+    """Return the photo table of the house table, which need not exist; "" for none."""
     name = row_of(wildcards).assignment
     return str(DATA_ROOT / name) if name else ""
 
 
-# What no house decides is no function below: Snakemake calls one for each of thousands of jobs.
+# Inputs that are alike for all houses are no functions: Snakemake calls those once a job.
 POOL = f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else None
 HAS_BOXES = (LAYOUT.data / "object_aabbs").is_dir()
 HAS_MASKS = CROPS["source"] != "precomputed"
@@ -312,25 +309,25 @@ PATTERNS = f"{RESULTS}/houses/{{house}}/patterns.parquet"
 
 
 def metric_model(network):
-    """Return the weights of a metric's network: the configured one's, else the embedded."""
+    """Return the weights of a metric's network: the configured ones, else the embedded."""
     if config["metrics"][network]:
         return f"{RESULTS}/weights/{network}.safetensors"
     return model_of("features")
 
 
 def hidden_at_drops(drops):
-    """Return an input function: drop fraction to the photos of a house hidden at it."""
+    """Return an input function: the hidden photos of a house by drop fraction."""
     return lambda wildcards: {drop: hidden_at(drop, wildcards) for drop in drops}
 
 
 def study_answers_of(wildcards):
-    """Return the answer files that were handed in; the job says so when there are none."""
+    """Return the answer files; the job reports where there are none."""
     folder = config["study"]["answers"]
     return sorted(str(path) for path in Path(folder).glob("*.csv")) if folder else []
 
 
 def finished_houses():
-    """Return the houses of which nothing is missing that their metrics are made of."""
+    """Return the houses that have all files that their metrics are made of."""
     return [
         house
         for house in HOUSES
@@ -351,7 +348,7 @@ def finished(name):
 
 
 def label_model():
-    """Return the embedded models of photos by name; none where they do not label.
+    """Return the embedded models that label photos, by name; none where others label.
 
     The classifier of rooms reads the shipped network.
     """
@@ -363,7 +360,7 @@ def label_model():
 
 
 def pretrained_files():
-    """Return the files of a pretrained network on disk; a commit names one of the hub."""
+    """Return the files of a pretrained network in a local folder."""
     folder = config["photos"]["pretrained"]["path"]
     if config["photos"]["masks"] in ("embedded", "precomputed") or not folder:
         return []

@@ -54,11 +54,11 @@ class Layout:
         return [*full, *bare] if architecture == "full" else [*bare, *full]
 
     def assignment(self, split: str, house_id: str) -> Path:
-        """Return where the photo table of a house lies, there or not."""
+        """Return the path of a house's photo table, which need not exist."""
         return self.data / "photo_assignments" / split / f"{house_id}.photoroom.csv"
 
     def object_boxes(self, split: str, house_id: str) -> Path:
-        """Return where the object boxes of a house lie, there or not."""
+        """Return the path of a house's object boxes, which need not exist."""
         return self.data / "object_aabbs" / split / f"{house_id}.objectaabb.json"
 
     def relative(self, path: Path) -> str:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Models(Networks):
-    """Weights of all stages: those that metrics ask, and those of the stages before."""
+    """The weights of all stages that the evaluation needs."""
 
     texture: Path
     naivesynth: Path

@@ -33,7 +33,7 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Networks:
-    """Weights of the network whose features FID and KID compare, and of the one SUBS asks."""
+    """The weights of two networks: one gives features for FID and KID, one substances for SUBS."""
 
     features: Path
     substances: Path

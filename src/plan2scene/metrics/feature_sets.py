@@ -95,7 +95,7 @@ def _kernel_sum(
     weights_b: np.ndarray,
     units: np.ndarray | None = None,
 ) -> float:
-    """Return the weighted sum of the kernel over all pairs; those of one unit left out if given."""
+    """Return the weighted sum of the kernel over all pairs of samples of different `units`."""
     total = 0.0
     for start in range(0, len(a), _ROWS):
         rows = slice(start, start + _ROWS)

@@ -66,7 +66,7 @@ def one_line(plan: PlanFile, plan_format: PlanFormat) -> Iterator[None]:
 
 
 def unscaled(plan: PlanFile) -> tuple[str, Unscaled] | None:
-    """Return the format of a file whose scale may be given, and its look; None for another."""
+    """Return format and size of a file that a user may give a scale; None for other formats."""
     plan_format = format_of(plan)
     if plan_format is None or plan_format.look is None:
         return None

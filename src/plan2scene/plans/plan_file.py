@@ -74,7 +74,7 @@ class PlanFile:
 
     @property
     def is_picture(self) -> bool:
-        """Whether it is a picture, which is to be traced; a PDF is one."""
+        """Whether it is a picture or a PDF, of which a plan has to be traced."""
         return self.binary.endswith("picture") or self.binary == "a PDF"
 
     @cached_property

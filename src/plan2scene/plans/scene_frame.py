@@ -49,7 +49,7 @@ def upright(
 
 
 def _region(value: Any) -> Any:
-    """Return a region whose types are those that its names mean, `other` for none."""
+    """Return a region with the room types that its names mean, `other` for none."""
     if not isinstance(value, Mapping):
         return value
     names = value.get("types", value.get("type"))
@@ -59,7 +59,7 @@ def _region(value: Any) -> Any:
 
 
 def _plain_ids(value: Any, key: str = "") -> Any:
-    """Return an arch whose ids of rooms, elements and holes have `_` for `|`."""
+    """Return an arch with `_` for `|` in the ids of rooms, elements and holes."""
     if isinstance(value, str) and key in ("id", "roomId", "room_id"):
         return value.replace("|", "_")
     if isinstance(value, list) and key in ("elements", "rooms", "holes", "roomId", "room_id"):

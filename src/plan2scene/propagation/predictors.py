@@ -228,7 +228,7 @@ def _apart(embedding: np.ndarray, other: np.ndarray) -> float:
 
 
 def nearest_rooms(graph: HouseGraph, embedding: np.ndarray) -> np.ndarray:
-    """Return the row of the room whose observed surface is nearest (n, 3); -1 for none."""
+    """Return the row (n, 3) of the room with the nearest observed surface; -1 for none."""
     apart = np.abs(embedding[:, None] - graph.embeddings[None]).mean(axis=3)
     apart = np.where(graph.observed[None], apart, np.inf)
     apart[np.arange(len(apart)), np.arange(len(apart))] = np.inf

@@ -59,7 +59,7 @@ def find_accents(colours: str | Path, hidden_photos: Collection[str] = ()) -> li
 
 
 def _most_apart(of_room: pd.DataFrame) -> str | None:
-    """Return the accent walls of a room whose colour is farthest from the others', None without."""
+    """Return the accent walls of a room that differ most from its other walls; None without."""
     far: dict[str, float] = {}
     for walls, mine in of_room.groupby("walls", sort=True):
         rest = of_room[of_room["walls"] != walls]
@@ -72,7 +72,7 @@ def _most_apart(of_room: pd.DataFrame) -> str | None:
 
 
 def _can_name(wall: str) -> bool:
-    """Return whether a wall's id can be part of a file's name, as those of read plans can."""
+    """Return whether a wall's id can be part of a file's name, as ids of read plans can."""
     return ID_PATTERN.fullmatch(wall) is not None
 
 
@@ -105,7 +105,7 @@ def _usual(rows: pd.DataFrame) -> np.ndarray:
 def with_accents(
     inputs: TextureInputs, tiles: Mapping[SurfaceKey, Tile], accents: Sequence[Accent]
 ) -> tuple[House, tuple[KnownSurface, ...], dict[SurfaceKey, Tile]]:
-    """Return house, surfaces and tiles with those of accent walls.
+    """Return house, surfaces and tiles; accent walls have their own.
 
     A tile is quilted from the wall's own crops, or else is the room's in the wall's colour.
     """

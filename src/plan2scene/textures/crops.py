@@ -207,7 +207,7 @@ def write_pool(
 
 
 def read_pool(path: str | Path, *, but: str) -> list[PoolCrop]:
-    """Return the crops of a pool, those of house `but` left out."""
+    """Return the crops of a pool but those of one house."""
     frame, _ = read_parquet(path)
     missing = {"house", "types", "crop_id", "png"} - set(frame.columns)
     if missing:

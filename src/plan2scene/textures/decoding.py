@@ -210,7 +210,7 @@ def _with_power(values: np.ndarray, power: np.ndarray) -> np.ndarray:
 
 
 def _with_colours(values: np.ndarray, target: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return colours (n, 3) whose distribution is nearly that of `wanted` (n, 3)."""
+    """Return colours (n, 3) with nearly the distribution of `target` (n, 3)."""
     values = values.copy()
     for _ in range(_S.turns):
         turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))

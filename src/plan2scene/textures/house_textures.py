@@ -78,7 +78,7 @@ def house_tiles(name: str, inputs: TextureInputs) -> dict[SurfaceKey, Tile]:
 
 
 def _made(method: TextureMethod, inputs: TextureInputs) -> dict[SurfaceKey, Tile]:
-    """Return the tiles of a method; where it has none, those of its fallback with the reason."""
+    """Return a method's tiles; where it has none, its fallback's, with the reason in the source."""
     made = method.make(inputs)
     others: dict[SurfaceKey, Tile] = {}
     if method.fallback and any(isinstance(tile, NoTile) for tile in made.values()):

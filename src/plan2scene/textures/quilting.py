@@ -215,7 +215,7 @@ class Canvas:
         self.filled |= taken
 
     def solve(self) -> np.ndarray:
-        """Return the (s, s, 3) image whose gradients are the patches', its mean the patches'."""
+        """Return the image (s, s, 3) with the gradients and the mean of the patches."""
         divergence = sum(g - np.roll(g, 1, axis) for g, axis in ((self.down, 0), (self.right, 1)))
         wave = 2.0 * np.cos(2.0 * np.pi * np.arange(self.size) / self.size)
         laplace = wave[:, None] + wave[None, :] - 4.0
@@ -309,7 +309,7 @@ def _best_offset(
 
 
 def _expected(canvas: Canvas, periods: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Return what is there or expected one period on, (s, s, 3), and its weight (s, s)."""
+    """Return what lies a period further on, known or expected, (s, s, 3); its weight (s, s)."""
     filled = canvas.filled.astype(np.float64)
     columns, rows = (max(1, count) for count in periods)
     total, times = np.zeros(canvas.image.shape), np.zeros_like(filled)

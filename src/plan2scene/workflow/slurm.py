@@ -37,7 +37,7 @@ def check_status(settings: dict[str, str], command: str) -> None:
 
 
 def check_cluster(command: str) -> None:
-    """Raise InputError where no SLURM answers, or one whose jobs' end `command` would miss."""
+    """Raise InputError where no SLURM answers, or `command` would not see the end of its jobs."""
     try:
         shown = subprocess.run(
             ["scontrol", "show", "config"], capture_output=True, text=True, timeout=60, check=False

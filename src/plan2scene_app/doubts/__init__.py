@@ -1,1 +1,1 @@
-"""The page of doubts: what a run read of a plan and photos, and what of it is not sure."""
+"""The page of doubts: what a run understood of plan and photos, and how sure it is."""

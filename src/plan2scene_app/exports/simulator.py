@@ -1,4 +1,4 @@
-"""A simulator pack: what is seen, what collides and what is what, with descriptors.
+"""A pack for simulators: a model to see, one to collide with, one of categories.
 
 ``house.glb`` (textured), ``collision.glb`` (convex pieces), ``semantic.glb`` (one colour an
 instance) with ``semantic.txt``, ``house.stage_config.json`` for Habitat, and ``house.xml`` for

@@ -1,4 +1,4 @@
-"""A house as closed convex solids with a name and a category: what collides, and what is what.
+"""A house as closed convex solids, each with a name and a category, for simulators.
 
 Every exporter that needs bodies takes them from here. World axes of ``docs/conventions.md``:
 metres, y up; plan points are (x, z).

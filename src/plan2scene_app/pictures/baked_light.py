@@ -245,7 +245,7 @@ def _texel_at(chart: Chart, points: np.ndarray, index: np.ndarray, plain: int) -
 
 
 def _gathered(known: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """Return the mean over directions of what is seen, (n, 3); outside counts in the sky."""
+    """Return the mean light (n, 3) over all directions; the sky counts elsewhere."""
     padded = np.vstack([known, np.zeros((1, 3))]).astype(np.float32)
     return np.stack([padded[:, k][seen].mean(axis=1) for k in range(3)], axis=1)
 

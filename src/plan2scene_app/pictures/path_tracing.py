@@ -197,7 +197,7 @@ def sensor(mi: Any, camera: Camera, sampler: Mapping[str, Any]) -> Any:
 def smoothed(
     radiance: np.ndarray, albedo: np.ndarray, normal: np.ndarray, place: np.ndarray
 ) -> np.ndarray:
-    """Return a picture (h, w, 3) whose light is smooth within surfaces, their colours as sharp.
+    """Return a picture (h, w, 3) with its light smoothed within surfaces and sharp colours.
 
     Radiance over albedo is filtered by an edge-avoiding wavelet (Dammertz et al. 2010).
 

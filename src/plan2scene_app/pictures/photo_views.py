@@ -1,4 +1,4 @@
-"""views.jpg: each photo whose place is known, beside the house seen from there."""
+"""views.jpg: each located photo beside a picture of the house from the same place."""
 
 from __future__ import annotations
 

@@ -348,7 +348,7 @@ def _with_openings(
 
 
 def _cut_to_height(wall: Wall) -> Wall:
-    """Return a wall whose openings end at its top; those above it are left out."""
+    """Return a wall with its openings cut at its top; those above it are left out."""
     openings = (
         replace(opening, bottom=max(opening.bottom, 0.0), top=min(opening.top, wall.height))
         for opening in wall.openings
@@ -429,7 +429,7 @@ def _apart(source: Source, storeys: Sequence[DrawnStorey]) -> list[DrawnStorey]:
 def _joined(
     source: Source, storeys: Sequence[tuple[Level, House]], stairs: Sequence[Stairs]
 ) -> House:
-    """Return one house of those of several levels; a single one stays without levels."""
+    """Return one house of several levels; a single one stays without levels."""
     if len(storeys) == 1:
         return replace(storeys[0][1], warnings=tuple(source.warnings))
     levels = tuple(level for level, _ in storeys)

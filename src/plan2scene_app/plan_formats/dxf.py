@@ -94,7 +94,7 @@ def names_of(entity: Any) -> list[str]:
 
 
 class LayerKinds:
-    """Tells of which of `LAYERS` names are; `layers` holds patterns in place of its own."""
+    """Tells which of `LAYERS` a layer's name means; `layers` holds patterns in place of ours."""
 
     def __init__(self, source: Source, layers: Mapping[str, str]) -> None:
         self.patterns: dict[str, list[str]] = {}
@@ -129,7 +129,7 @@ CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"
 
 
 class Curves:
-    """Reads the curves of a parsed document whose unit is `metres` long."""
+    """Reads the curves of a parsed document in metres."""
 
     def __init__(self, source: Source, document: Any, metres: float) -> None:
         self.source, self.document, self.metres = source, document, metres

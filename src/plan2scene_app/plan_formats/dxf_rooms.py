@@ -1,4 +1,4 @@
-"""Rooms of a DXF whose layers tell nothing: outlines as large as rooms, lines that close."""
+"""Rooms of a DXF with layers of unknown names: outlines as large as rooms, lines that close."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ VOIDS = ("*void*", "*atrium*", "*shaft*", "*schacht*", "*luftraum*")
 def rooms_of_layers(
     outlines: Mapping[str, Sequence[LineString]],
 ) -> list[tuple[str, Polygon]]:
-    """Return (layer, floor) of closed outlines in metres on layers whose outlines are rooms.
+    """Return (layer, floor) of closed outlines, metres, on layers that hold rooms' outlines.
 
     An outline around several others is what they leave of it, as corridors are. The name of a
     layer that holds one room is the room's, of others the layer's is.
@@ -80,7 +80,7 @@ def rooms_of_lines(
     doors: Sequence[Segment],
     words: Iterable[Point],
 ) -> LineReading | None:
-    """Return the reading of the layer whose lines, as walls, close the most floor.
+    """Return the reading of the layer with lines that close the most floor, taken as walls.
 
     A layer of walls has doors or names in its rooms, and few faces too small for one. Of several
     drawings the one with most doors is read.
@@ -124,7 +124,7 @@ def _rank(reading: LineReading) -> tuple[int, float]:
 
 
 def _views(faces: Sequence[Polygon]) -> list[list[Polygon]]:
-    """Return the floors drawn together, as those of one plan are."""
+    """Return floors grouped into plans: those drawn together are one."""
     if not faces:
         return []
     joined = unary_union([face.buffer(SETTINGS.faces[1] / 2) for face in faces])

@@ -132,7 +132,7 @@ def bridges(axes: Sequence[WallAxis], openings: Sequence[Segment]) -> list[WallA
 
 
 def rooms_of_outlines(lines: Sequence[LineString], gaps: Sequence[WallAxis]) -> list[Polygon]:
-    """Return the floors that walls enclose whose bodies are drawn as outlines.
+    """Return the floors enclosed by walls that are drawn as outlines of their bodies.
 
     `gaps` are the pieces of wall over openings, where outlines end.
     """

@@ -171,7 +171,7 @@ def _room(source: Source, room: dict[str, Any], floor: Any, height: float, name:
 
 
 def _labelled(source: Source, room: dict[str, Any], ring: Ring, height: float) -> DrawnRoom:
-    """Return a room whose types are those of the sections inside it."""
+    """Return a room with the types of the sections inside it."""
     polygon = Polygon(ring)
     labels = []
     for section in source.items(room.get("sections"), "sections"):

@@ -260,7 +260,7 @@ HOSTS = ("127.0.0.1", "localhost")
 
 
 class Guard:
-    """Refuses what has another host, origin or token, and adds headers to what goes out.
+    """Refuses requests with another host, origin or token, and adds headers to answers.
 
     A page of another site can neither guess the token nor be let in by its name resolving to this
     machine (the host is checked), and what it sends has its own origin.

@@ -94,7 +94,7 @@ def is_kept(project: Project) -> bool:
 
 
 def reading_of(project: Project) -> dict[str, Any]:
-    """Return what may be given for the kept file, and what is given now."""
+    """Return what scale and layers may be given for the kept file, and those given so far."""
     return _reading(_file(project), project.name, _kept(project))
 
 
@@ -160,7 +160,7 @@ def _picture(document: Any) -> dict[str, Any] | None:
 
 
 def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unscaled]:
-    """Return format and size of a file whose scale may be given; InputError for another."""
+    """Return format and size of a file that a user may give a scale; InputError for another."""
     plan = PlanFile(file, house, dxf_layers=values["dxf_layers"])
     if plan.is_picture:
         picture = values["picture"] or {}

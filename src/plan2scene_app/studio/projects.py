@@ -132,7 +132,7 @@ class Project:
         return hashlib.sha256(file.read_bytes()).hexdigest()[:20] if file.is_file() else ""
 
     def set_finishes(self, rows: Any) -> None:
-        """Write what the owner sets by hand; InputError for what no house can follow."""
+        """Write the finishes that the owner chose; InputError for one that no house can follow."""
         chosen = {}
         for row in rows if isinstance(rows, list) else [None]:
             cells = row if isinstance(row, list) else []

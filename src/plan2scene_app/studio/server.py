@@ -68,7 +68,7 @@ def redirect_file(folder: Path, address: str) -> Iterator[Path]:
 
 
 def http_server(app: ASGIApp) -> uvicorn.Server:
-    """Return a server that ends connections whose request stays half-sent."""
+    """Return a server that ends connections with half-sent requests."""
     import uvicorn
 
     config = uvicorn.Config(
@@ -84,7 +84,7 @@ def http_server(app: ASGIApp) -> uvicorn.Server:
 
 
 def _patient_protocol() -> type[asyncio.Protocol]:
-    """Return uvicorn's HTTP protocol, with an end of connections whose request stays half-sent."""
+    """Return uvicorn's HTTP protocol, which then ends connections with half-sent requests."""
     import h11
     from uvicorn.protocols.http.h11_impl import H11Protocol
 

@@ -49,7 +49,7 @@ def with_shared_lenses(
     models: Mapping[str, str],
     refit: Callable[[str, ExifFocal], Camera],
 ) -> dict[str, Camera]:
-    """Return cameras whose focal length their photo tells, or the others of its camera model.
+    """Return cameras, the unsure ones with the focal length of photos by the same camera model.
 
     `models` gives each photo's camera model in its EXIF data, empty for none. `refit` estimates a
     photo's camera again, given a focal length as EXIF data would tell it: surer lines of the photo

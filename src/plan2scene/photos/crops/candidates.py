@@ -62,7 +62,7 @@ def planes_of_photo(
     rooms_by_size: Mapping[RoomSize, tuple[str, ...]],
     camera_height_m: float = PLANES.camera_height_m,
 ) -> list[PhotoPlane]:
-    """Return the planes of a photo whose place is not known, for its rooms of each size.
+    """Return the planes of a photo without a known place, for its rooms of each size.
 
     `labels` (h, w) uint8; the others as of :func:`plan2scene.photos.planes.planes.split_planes`.
     """

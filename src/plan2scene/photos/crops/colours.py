@@ -51,7 +51,7 @@ def colours_of_photo(
 def plane_colours(
     image: np.ndarray, camera: Camera, plane: Plane, inner: np.ndarray
 ) -> tuple[float, np.ndarray] | None:
-    """Return weight and colours of a plane as of :class:`PlaneColours`; None of too few pixels.
+    """Return weight and colours of a plane (:class:`PlaneColours`); None of too few pixels.
 
     `image` (h, w, 3) uint8 sRGB; `inner` (h, w) bool.
     """

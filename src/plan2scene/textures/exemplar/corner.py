@@ -1,4 +1,4 @@
-"""Large tiles of which no crop shows a whole period: completed from the corner where four meet.
+"""Tiles larger than a crop: a crop that shows the corner of four of them is completed.
 
 Such crops have one straight joint each way and no period. The squares beside the joints are known
 to their middles; beyond, each is its own mirror image, which keeps joints straight and squares of
