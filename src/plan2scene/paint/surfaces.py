@@ -73,11 +73,19 @@ def _mixed_light(planes: pd.DataFrame) -> float:
 def joined(
     observations: Sequence[Observation], materials: Mapping[SurfaceKey, str]
 ) -> tuple[list[Observation], dict[SurfaceKey, SurfaceKey]]:
-    """Return observations in which surfaces of one material are one, and whose paint each has."""
+    """Return observations in which surfaces of one material are one, and whose paint each has.
+
+    Walls of their room light walls and ceilings.
+    """
     keys = sorted({item.surface for item in observations})
     first: dict[str, SurfaceKey] = {}
     owner = {key: first.setdefault(materials.get(key, "/".join(key)), key) for key in keys}
-    return [replace(item, surface=owner[item.surface]) for item in observations], owner
+    one = []
+    for item in observations:
+        wall = SurfaceKey(item.surface.room_id, "wall")
+        lit_by = owner.get(wall) if item.surface.surface in ("wall", "ceiling") else None
+        one.append(replace(item, surface=owner[item.surface], lit_by=lit_by))
+    return one, owner
 
 
 def floor_materials(path: str | Path) -> dict[SurfaceKey, str]:

@@ -90,6 +90,17 @@ def test_panelled_walls_are_no_white():
     assert estimate.paint[SurfaceKey("a", "wall")] == pytest.approx(wood, rel=0.25)
 
 
+def test_a_grey_carpet_is_no_blue_one_below_ceilings_that_panelled_walls_tint():
+    wood = np.array((0.45, 0.2, 0.06))
+    tinted = WHITE * (wood / wood[1]) ** 0.15
+    paints = {}
+    for name in "abc":
+        paints |= room(name, wood, floor=(0.3, 0.3, 0.3), ceiling=tinted)
+    shown, _ = joined(observed(paints, {name: (LAMP, name) for name in "abc"}), {})
+    red, _, blue = estimate_paint(shown).paint[SurfaceKey("a", "floor")]
+    assert blue == pytest.approx(red, rel=0.1)  # .25 without the tint
+
+
 def test_light_is_what_the_paint_leaves():
     paints = room("a", (WHITE,) * 3)
     estimate = estimate_paint(observed(paints, {"1": (LAMP, "a"), "2": (GREY, "a")}))
