@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.house_table import read_house_table
+from plan2scene.datasets.house_table import read_house_rows
 from plan2scene.house import House, IconBox, PlacedObject, Room
 from plan2scene.io import atomic_path, read_json, read_parquet, write_json
 from plan2scene.plans.formats import read_plan
@@ -51,7 +51,7 @@ def write_rent3dpp_copy(
     source, target = Path(source), Path(target)
     data, processed = target / "input", target / "processed"
     names: dict[str, list[str]] = {split: [] for split in SPLITS}
-    for number, row in enumerate(read_house_table(source / "houses.tsv").to_dict("records")):
+    for number, row in enumerate(read_house_rows(source / "houses.tsv")):
         house_id, split = row["house"], row["split"]
         names[split].append(house_id)
         house = read_plan(source / row["plan"], house_id)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from plan2scene.datasets.assignments import read_rows
 from plan2scene.datasets.layout import Layout, find_layout, require_data_set
@@ -19,19 +19,9 @@ from plan2scene.errors import InputError
 from plan2scene.house import MAX_ID_LENGTH
 from plan2scene.io import atomic_path, read_text, safe_join
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 COLUMNS = ("house", "split", "plan", "assignment", "photos")
 SPLITS = ("train", "val", "test")
 _NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")
-
-
-def read_house_table(path: str | Path) -> pd.DataFrame:
-    """Return the house table as :func:`read_house_rows` has it, every column str."""
-    import pandas as pd
-
-    return pd.DataFrame(read_house_rows(path), columns=list(COLUMNS), dtype=str)
 
 
 def read_house_rows(path: str | Path) -> list[dict[str, str]]:

@@ -10,7 +10,7 @@ from plan2scene.datasets.assignments import (
     rooms_of_photos,
 )
 from plan2scene.datasets.drops import read_unobserved
-from plan2scene.datasets.house_table import make_house_table, read_house_table
+from plan2scene.datasets.house_table import make_house_table, read_house_rows
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
@@ -150,9 +150,7 @@ def test_import_stops_at_a_bad_table(tmp_path, caplog):
 
 def test_house_table(tmp_path):
     path = table(tmp_path, HEADER + "h1\ttest\tp.json\tt.csv\ta.jpg|b.jpg\nNA\tval\tq.json\t\t\n")
-    frame = read_house_table(path)
-    assert list(frame.columns) == ["house", "split", "plan", "assignment", "photos"]
-    assert frame.to_dict("records") == [
+    assert read_house_rows(path) == [
         {
             "house": "h1",
             "split": "test",
@@ -184,14 +182,14 @@ def test_house_table(tmp_path):
 def test_bad_house_table(tmp_path, text, line):
     path = table(tmp_path, text, "houses.tsv")
     with pytest.raises(InputError) as caught:
-        read_house_table(path)
+        read_house_rows(path)
     assert str(caught.value).startswith(f"file {path}")
     assert line in str(caught.value)
 
 
 def test_make_house_table(dataset):
     assert make_house_table(dataset) == []
-    assert read_house_table(dataset / "houses.tsv").to_dict("records") == [
+    assert read_house_rows(dataset / "houses.tsv") == [
         {
             "house": "h1",
             "split": "test",
@@ -209,11 +207,11 @@ def test_make_house_table_of_an_incomplete_data_set(dataset):
     table(dataset / "photo_assignments/test", "roomId,photo\na,../one.png\n")
     warnings = make_house_table(dataset, dataset / "other.tsv")
     assert [line.split(", house ")[1].split(":")[0] for line in warnings] == ["h2", "h1"]
-    frame = read_house_table(dataset / "other.tsv").set_index("house")
-    assert frame.index.tolist() == ["h2", "h3", "h1"]
-    assert frame.loc["h3", "plan"] == "full_archs/val/h3.scene.json"
-    assert frame.loc["h3", "assignment"] == ""
-    assert frame.loc["h1", "photos"] == ""
+    rows = {row["house"]: row for row in read_house_rows(dataset / "other.tsv")}
+    assert list(rows) == ["h2", "h3", "h1"]
+    assert rows["h3"]["plan"] == "full_archs/val/h3.scene.json"
+    assert rows["h3"]["assignment"] == ""
+    assert rows["h1"]["photos"] == ""
 
 
 def test_unobserved(tmp_path):

@@ -11,7 +11,7 @@ from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 from plan2scene.datasets.house_table import (
     chosen_crops,
     make_house_table,
-    read_house_table,
+    read_house_rows,
     table_of,
 )
 from plan2scene.datasets.import_plan import (
@@ -36,7 +36,6 @@ HOUSES = {
     "home_test_0": "test",
     "home_test_1": "test",
 }
-FRACTIONS = ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +101,7 @@ def test_the_path_may_be_of_the_copy_or_its_input_or_what_holds_data(copy, place
     assert layout.surface_crops.resolve() == (copy / "processed/surface_crops").resolve()
     assert layout.is_rent3dpp
     make_house_table(root, tmp_path / "houses.tsv")
-    for row in read_house_table(tmp_path / "houses.tsv").to_dict("records"):
+    for row in read_house_rows(tmp_path / "houses.tsv"):
         assert (layout.root / row["plan"]).is_file()
         assert (layout.root / row["assignment"]).is_file()
 
