@@ -55,6 +55,7 @@ _CAMERA = _record(
     position={"anyOf": [{"type": "null"}, _list(_NUMBER, 3)]},
     located=_SHARE,
     rooms=_object(_SHARE) | {"propertyNames": {"anyOf": [{"const": ""}, _ROOM]}},
+    evidence=_list(_TEXT),
 )
 _TILE = _record(
     {"size_m": {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1000}},
@@ -76,7 +77,7 @@ _SURFACES = {"propertyNames": {"pattern": "/"}}
 #: The form (JSON Schema) of each kind of file; docs/conventions.md has what they mean.
 FORMS: dict[str, dict[str, Any]] = {
     "cameras": _object(_CAMERA),
-    "kinds": _object(_list(_SHARE, 6)),
+    "kinds": _record({"source": _TEXT, "photos": _object(_list(_SHARE, 6))}),
     "matches": _list({**_list({}, 3), "prefixItems": [_TEXT, _TEXT, _COUNT]}),
     "warnings": _list(_TEXT),
     "photo_rooms": _object(_list(_ROOM)),

@@ -12,8 +12,8 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     house = box_house()
     table = tmp_path / "photos.csv"
     table.write_text(
-        "room_id,photo,probability,guess\nroom,a.png,0.61,\nroom,b.png,,\nstore,c.png,0.17,store\n"
-        ",<d>.png,,\n"
+        "room_id,photo,probability,of_kind,evidence,guess\nroom,a.png,0.61,0.61,,\nroom,b.png,,,,\n"
+        "store,c.png,0.17,0.4,imagenet name,store\n,<d>.png,,,,\n"
     )
     masks = tmp_path / "masks"
     masks.mkdir()
@@ -26,7 +26,8 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
         "photo e.txt left out: found text",
         "no room is found for <d>.png",
         "a.png is in room with a probability of 61%",
-        "c.png is in store with a probability of 17%: nothing is made of it",
+        "c.png is in store with a probability of 17% "
+        "(in one of its kind 40% by imagenet and name): nothing is made of it",
         "no photo shows store: made like the other rooms",
     ]
     text = page.read_text()

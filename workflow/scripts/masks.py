@@ -32,6 +32,6 @@ with job(snakemake.log[0]) as log:
         house_id=house_id,
         fov_deg=params.fov_deg,
         known_fov_deg=params.known_fov_deg,
-        find_rooms=params.find_rooms is not None,
+        find_rooms=params.find_rooms,
         threads=snakemake.threads,
     )

@@ -51,7 +51,7 @@ def make_masks(
     house_id: str,
     fov_deg: float = DEFAULT_FOV_DEG,
     known_fov_deg: float | None = None,
-    find_rooms: bool = True,
+    find_rooms: str | None = "embedded",
     threads: int = 1,
 ) -> list[str]:
     """Write the masks folder of a house and return its warnings.
@@ -66,9 +66,10 @@ def make_masks(
 
     `fov_deg` is the horizontal field of view in degrees where neither EXIF data nor vanishing
     points give one, nor those of the other photos; `known_fov_deg` that of all photos along their
-    longer side, which goes before EXIF data. Without `find_rooms` ``kinds.json`` and
-    ``matches.json``, which tell which room a photo shows, are empty. `threads` photos are worked on
-    at a time; the result does not depend on it.
+    longer side, which goes before EXIF data. `find_rooms` names what tells what rooms are used for
+    (``photos.kinds``); without it rooms are not found, and ``kinds.json`` and ``matches.json``,
+    which only tell that, are empty. `threads` photos are worked on at a time; the result does not
+    depend on it.
     """
     _refuse_equal_stems(photos, house_id)
     with atomic_directory(out_dir) as folder:
@@ -82,7 +83,7 @@ def make_masks(
                 house_id=house_id,
                 fov_deg=fov_deg,
                 known_fov_deg=known_fov_deg,
-                find_rooms=find_rooms,
+                find_rooms=find_rooms is not None,
             )
             with ThreadPoolExecutor(threads) as pool:
                 labelled = pool.map(lambda name: one(name, photos[name]), sorted(photos))
@@ -93,7 +94,7 @@ def make_masks(
         _log.info("%d photos labelled, %d left out", len(shots), len(photos) - len(shots))
         write_json(folder / "cameras.json", _cameras(shots, folder, fov_deg))
         kinds = {name: shot.kinds for name, shot in shots.items() if shot.kinds}
-        write_json(folder / KINDS_FILE, kinds)
+        write_json(folder / KINDS_FILE, {"source": find_rooms or "", "photos": kinds})
         points = {name: shot.points for name, shot in shots.items() if shot.points is not None}
         matches = match_photos(points)
         write_json(folder / MATCHES_FILE, [[*pair, count] for pair, count in matches.items()])

@@ -18,7 +18,7 @@ from plan2scene.house import House, Room
 from plan2scene.images import read_image, read_reduced_image
 from plan2scene.io import atomic_path, read_text
 from plan2scene.photos.locate.pose import read_poses
-from plan2scene.photos.locate.which_room import used_photos
+from plan2scene.photos.locate.which_room import Likely, used_photos
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.stage_json import read_stage_json
 from plan2scene_app.html_page import html_page, source_hash
@@ -38,6 +38,8 @@ class PlacedPhoto:
     room_id: str  #: empty: in none
     probability: float | None  #: None where the photo table told the room
     unused: bool = False  #: a guess that nothing is made of
+    of_kind: float = 1.0  #: how probable a room of these types is
+    evidence: str = ""  #: what told the kind of room
 
 
 @dataclass(frozen=True)
@@ -55,19 +57,23 @@ class DoubtFiles:
 def read_placed(path: str | Path) -> list[PlacedPhoto]:
     """Return the rows of the photos.csv that the places stage wrote."""
     rows = list(csv.DictReader(read_text(path).splitlines()))
-    sure = {row["photo"]: float(row["probability"]) for row in rows if row["probability"]}
-    likely = {row["photo"]: (row["room_id"], sure.get(row["photo"], 0.0)) for row in rows}
-    told = {row["room_id"] for row in rows if row["photo"] not in sure}
-    used = used_photos(likely, told)
-    return [
-        PlacedPhoto(
-            row["photo"],
-            row["room_id"],
-            sure.get(row["photo"]),
-            row["photo"] in sure and row["photo"] not in used,
-        )
+    likely = {
+        row["photo"]: Likely(row["room_id"], float(row["probability"]), float(row["of_kind"]))
         for row in rows
-    ]
+        if row["probability"]
+    }
+    used = used_photos(likely, {row["room_id"] for row in rows if row["photo"] not in likely})
+    placed = []
+    for row in rows:
+        name, room, found = row["photo"], row["room_id"], likely.get(row["photo"])
+        if found is None:
+            placed.append(PlacedPhoto(name, room, None))
+        else:
+            unused = name not in used
+            placed.append(
+                PlacedPhoto(name, room, found.probability, unused, found.of_kind, row["evidence"])
+            )
+    return placed
 
 
 def write_doubts(
@@ -127,9 +133,11 @@ def doubt_lines(
     labels = {room.id: room.label for room in house.rooms}
     lost = [row.name for row in placed if not row.room_id]
     used = {row.room_id for row in placed if row.room_id and not row.unused}
+    idle = sum(row.unused or not row.room_id for row in placed)
     if placed and not used:
-        count = len(placed)
-        yield f"no photo finds its place in the plan: the house is made without {count} photos"
+        yield f"no photo finds its place in the plan: the house is made without {idle} photos"
+    elif 2 * idle > len(placed):
+        yield f"the house is made without {idle} of {len(placed)} photos: their rooms are not sure"
     yield from (f"plan: {line}" for line in traced)
     yield from left_out
     if lost and used:
@@ -138,6 +146,9 @@ def doubt_lines(
         if row.probability is not None and row.probability < SURE:
             label = labels.get(row.room_id, row.room_id)
             where = f"{row.name} is in {label} with a probability of {row.probability:.0%}"
+            by = f" by {row.evidence.replace(' ', ' and ')}" if row.evidence else ""
+            if by or row.of_kind > row.probability:
+                where += f" (in one of its kind {row.of_kind:.0%}{by})"
             yield f"{where}: nothing is made of it" if row.unused else where
     bare = [room.label for room in house.rooms if room.id not in used and not room.open_air]
     if used and bare:
@@ -183,7 +194,8 @@ def _sure(row: PlacedPhoto) -> str:
     if row.probability is None:
         return " <small>as told</small>"
     kind = "" if row.probability >= SURE else ' class="doubt"'
-    return f" <small{kind}>{row.probability:.0%}</small>"
+    by = f", {html.escape(row.evidence)}" if row.evidence else ""
+    return f" <small{kind}>{row.probability:.0%}</small><small>{by}</small>"
 
 
 def _thumbnail(path: Path) -> str:

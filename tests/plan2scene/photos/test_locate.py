@@ -92,7 +92,7 @@ def test_the_stage_writes_every_camera(tmp_path):
         write_label_png(masks / f"{name}.png", photo.labels)
     cameras = {f"{name}.jpg": photo.camera.to_json() for name in ("a", "b")}
     write_json(masks / "cameras.json", cameras)
-    write_json(masks / "kinds.json", {})
+    write_json(masks / "kinds.json", {"source": "embedded", "photos": {}})
     write_json(masks / "matches.json", [])
     output = tmp_path / "cameras.json"
     locate_photos(house, {"a.jpg": ["room"]}, masks, output)
@@ -116,7 +116,7 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     write_label_png(masks / "b.png", np.full(SIZE, 2, np.uint8))
     known = photo.camera.to_json()
     write_json(masks / "cameras.json", {"a.jpg": known, "b.jpg": {**known, "fallback": True}})
-    write_json(masks / "kinds.json", {})
+    write_json(masks / "kinds.json", {"source": "embedded", "photos": {}})
     write_json(masks / "matches.json", [])
     output = tmp_path / "cameras.json"
     rooms, placed = tmp_path / "photo_rooms.json", tmp_path / "photos.csv"
@@ -132,19 +132,20 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     assert read_json(rooms) == both
     sure = read_json(output)["a.jpg"]["rooms"]["room"]
     assert poses["a.jpg"].located < sure < 1.0
-    header = "room_id,photo,probability"
-    assert placed.read_text().splitlines() == [header, "store,b.jpg,", f"room,a.jpg,{sure:.2f}"]
+    header = "room_id,photo,probability,of_kind,evidence,guess"
+    rows = [header, "store,b.jpg,,,,", f"room,a.jpg,{sure:.2f},{sure:.2f},,"]
+    assert placed.read_text().splitlines() == rows
     # A guess is used for a room without a surer photo, and is not told by running with its table.
     entries = read_json(output)
     entries["a.jpg"]["rooms"] = {"room": 0.47, "store": 0.45, "": 0.08}
     write_json(output, entries)
     assert write_photo_rooms(house, given, output, rooms, placed) == both
-    rows = [f"{header},guess", "store,b.jpg,", "room,a.jpg,0.47,room"]
+    rows[2] = "room,a.jpg,0.47,0.47,,room"
     assert placed.read_text().splitlines() == rows
     entries["a.jpg"]["rooms"] = {"room": 0.45, "store": 0.47, "": 0.08}
     write_json(output, entries)
     assert write_photo_rooms(house, given, output, rooms, placed) == {"b.jpg": ["store"]}
-    rows[2] = "store,a.jpg,0.47,store"
+    rows[2] = "store,a.jpg,0.47,0.47,,store"
     assert placed.read_text().splitlines() == rows
     assert read_assignment(placed, house) == (("store", "b.jpg"), ("", "a.jpg"))
     # A house of which no photo finds its place is made all the same.

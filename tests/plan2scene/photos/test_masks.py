@@ -122,7 +122,7 @@ def test_what_only_tells_rooms_is_made_where_one_is_sought(tmp_path: Path) -> No
         masks.write_label_png(tmp_path / "labels" / f"{name}.png", _labels(300, 400))
     photos = {name: tmp_path / name for name in ("a.png", "b.png")}
     label = partial(labeller, "precomputed", precomputed_dir=tmp_path / "labels", house_id="h")
-    for out, find_rooms in (("sought", True), ("told", False)):
+    for out, find_rooms in (("sought", "embedded"), ("told", None)):
         make_masks(photos, label, tmp_path / out, house_id="h", find_rooms=find_rooms)
     sought, told = (
         [
@@ -131,7 +131,7 @@ def test_what_only_tells_rooms_is_made_where_one_is_sought(tmp_path: Path) -> No
         ]
         for out in ("sought", "told")
     )
-    assert told == [sought[0], {}, []]
+    assert told == [sought[0], {"source": "", "photos": {}}, []]
     assert [pair[:2] for pair in sought[2]] == [["a.png", "b.png"]]
 
 

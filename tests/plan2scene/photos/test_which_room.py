@@ -9,9 +9,11 @@ from plan2scene.house import House, Opening, Room, Wall
 from plan2scene.photos.labels.palette import KINDS
 from plan2scene.photos.locate.which_room import (
     NOWHERE,
+    Likely,
     PhotoEvidence,
     likely_room,
     room_probabilities,
+    used_photos,
 )
 from plan2scene.photos.matches import find_points, match_photos
 
@@ -49,11 +51,12 @@ def test_what_a_room_is_used_for_and_its_name_tell_it():
             "e": PhotoEvidence(kinds=np.zeros(len(KINDS)), scores={"bed_1": 9.0}),
         }
     )
-    assert likely_room(found["a"])[0] == "kitchen"
-    assert likely_room(found["b"])[0] == "bath"
+    likely = {name: likely_room(home(), rooms) for name, rooms in found.items()}
+    assert likely["a"].room_id == "kitchen"
+    assert likely["b"].room_id == "bath"
     assert found["c"] == {"bed_2": 1.0}
     assert found["d"] == {NOWHERE: 1.0}
-    assert likely_room(found["e"]) == (NOWHERE, 1.0)
+    assert likely["e"] == (NOWHERE, 1.0, 1.0)
     for name in "ab":
         assert sum(found[name].values()) == pytest.approx(1.0, abs=1e-3)
     assert rooms_of({"a": PhotoEvidence(kinds=looks_like("Kitchen"))}) == rooms_of(
@@ -64,8 +67,8 @@ def test_what_a_room_is_used_for_and_its_name_tell_it():
 def test_two_bedrooms_are_two_photos_and_matching_photos_one_room():
     told = {"a": PhotoEvidence(told=("bed_1",)), "b": PhotoEvidence(kinds=looks_like("Bedroom"))}
     apart, together = rooms_of(told), rooms_of(told, {("a", "b"): 80})
-    assert likely_room(apart["b"])[0] == "bed_2"
-    assert likely_room(together["b"])[0] == "bed_1"
+    assert likely_room(home(), apart["b"]).room_id == "bed_2"
+    assert likely_room(home(), together["b"]).room_id == "bed_1"
     assert together["b"]["bed_1"] > 0.7 > apart["b"]["bed_1"]
 
 
@@ -74,6 +77,16 @@ def test_photos_of_one_wall_are_not_sure_of_one_of_two_like_rooms():
     found = rooms_of(photos, {pair: 300 for pair in itertools.combinations("abcd", 2)})
     for name in "abcd":
         assert found[name]["bed_1"] == pytest.approx(found[name]["bed_2"], abs=0.15)
+
+
+def test_a_photo_of_some_bedroom_is_used_where_no_surer_one_shows_that_room():
+    some = likely_room(home(), {"bed_1": 0.2, "bed_2": 0.19, "kitchen": 0.1, NOWHERE: 0.05})
+    assert some.of_kind == pytest.approx(0.39)
+    some = some._replace(of_kind=0.6)
+    sure = Likely("bed_1", 0.9, 0.95)
+    assert used_photos({"a": some, "b": some._replace(of_kind=0.4)}, ()) == {"a"}
+    assert used_photos({"a": some, "c": sure}, ()) == {"c"}
+    assert used_photos({"a": some}, {"bed_1"}) == set()
 
 
 def test_places_count_more_the_more_they_differ():

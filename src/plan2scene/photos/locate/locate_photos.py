@@ -129,13 +129,13 @@ def locate_shots(
     unknown = [name for name in framed if shots[name].hints is not None]
     scores = dict(zip(unknown, each(rough, unknown, threads), strict=True))
     rooms = _rooms(house, shots, scores, matches or {})
-    likely = {name: likely_room(every) for name, every in rooms.items()}
+    likely = {name: likely_room(house, every) for name, every in rooms.items()}
     told = {room for name in framed if name not in likely for room in shots[name].rooms}
     used = used_photos(likely, told)
     stands = {
         name: shots[name].rooms
         if name not in likely
-        else [likely[name][0] if name in used else NOWHERE]
+        else [likely[name].room_id if name in used else NOWHERE]
         for name in framed
     }
     names = [name for name in framed if stands[name] != [NOWHERE]]
@@ -263,7 +263,8 @@ def locate_photos(
         name: Camera.from_json(value, file=file)
         for name, value in read_stage_json(file, "cameras").items()
     }
-    kinds = read_stage_json(folder / KINDS_FILE, "kinds")
+    told = read_stage_json(folder / KINDS_FILE, "kinds")
+    kinds = told["photos"]
     anywhere = [room.id for room in house.rooms]
     shots = {
         name: Shot(
@@ -282,7 +283,11 @@ def locate_photos(
     located = locate_shots(house, shots, matches, threads)
     entries = {
         name: pose_to_json(cameras[name], located.poses.get(name))
-        | ({"rooms": located.rooms[name]} if name in located.rooms else {})
+        | (
+            {"rooms": located.rooms[name], "evidence": _evidence(shots[name], told["source"])}
+            if name in located.rooms
+            else {}
+        )
         for name in sorted(cameras)
     }
     write_json(output, entries)
@@ -295,6 +300,12 @@ def _hints(name: str, kinds: Sequence[float] | None, name_hints: bool) -> PhotoE
     """Return what a photo tells of its room beside its labels."""
     named = room_types(Path(name).stem.replace("_", " ")) if name_hints else ()
     return PhotoEvidence(kinds=np.array(kinds) if kinds else None, named=named)
+
+
+def _evidence(shot: Shot, source: str) -> list[str]:
+    """Return what told the kind of a photo's room: `source`, of kinds.json, and its name."""
+    hints = shot.hints or PhotoEvidence()
+    return [source] * (hints.kinds is not None) + ["name"] * bool(hints.named)
 
 
 def _probabilities(path: Path, house_id: str) -> np.ndarray | None:
@@ -314,19 +325,19 @@ def write_photo_rooms(
     These are the rooms of the photo table; for a photo without any, the most probable one.
     `cameras` is the cameras.json of `locate_photos`, None where photos have no camera. A photo
     without a room, or with a guess that is not used, is left out; one line names them all. `table`
-    is written, too: a photo table of these rooms, how probable each is, guesses marked as such, and
-    the photos without a room.
+    is written, too: a photo table of these rooms, how probable each is and any of its kind, what
+    told the kind, guesses marked as such, and the photos without a room.
     """
     known = {} if cameras is None else read_stage_json(cameras, "cameras", house=house)
     found = {name: entry["rooms"] for name, entry in known.items() if "rooms" in entry}
     likely = {
-        photo: likely_room(found.get(photo, {NOWHERE: 1.0}))
+        photo: likely_room(house, found.get(photo, {NOWHERE: 1.0}))
         for photo, named in rooms_of_photo.items()
         if not named
     }
     used = used_photos(likely, {room for named in rooms_of_photo.values() for room in named})
     rooms = {
-        photo: list(named) or [likely[photo][0]] * (photo in used)
+        photo: list(named) or [likely[photo].room_id] * (photo in used)
         for photo, named in rooms_of_photo.items()
     }
     left_out = sorted(
@@ -339,12 +350,14 @@ def write_photo_rooms(
     rows = []
     for photo, named in rooms.items():
         if photo in likely:
-            room, sure = likely[photo]
-            guess = [room] if room and sure < WHICH.least else []
-            rows.append([room, photo, f"{sure:.2f}" if room else "", *guess])
+            room, sure, of_kind = likely[photo]
+            evidence = " ".join(known.get(photo, {}).get("evidence", []))
+            guess = room if sure < WHICH.least else ""
+            told = [f"{sure:.2f}", f"{of_kind:.2f}"] if room else ["", ""]
+            rows.append([room, photo, *told, evidence, guess])
         else:
-            rows += [[room, photo, ""] for room in named]
-    header = ["room_id", "photo", "probability", "guess"][: max(map(len, rows), default=3)]
+            rows += [[room, photo, "", "", "", ""] for room in named]
+    header = ["room_id", "photo", "probability", "of_kind", "evidence", "guess"]
     with atomic_path(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows([header, *rows])
     rooms = {photo: named for photo, named in rooms.items() if named}

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -75,7 +76,8 @@ class WhichRoomSettings:
     nowhere: float = 0.03
     #: A room less probable than this is a guess: the photo more likely shows another.
     least: float = 0.5
-    #: Rooms that no photo shows more surely are made of guesses more probable than this.
+    #: Rooms that no photo shows more surely are made of guesses more probable than this, or of a
+    #: photo that shows `least` probably one of their kind.
     guess: float = 0.25
     #: Sweeps of the sampler that count, and those before.
     sweeps: int = 1500
@@ -189,21 +191,36 @@ def room_probabilities(
     return found
 
 
-def likely_room(rooms: Mapping[str, float]) -> tuple[str, float]:
-    """Return the most probable room of :func:`room_probabilities` and how probable it is."""
-    return max(rooms.items(), key=lambda item: item[1])
+class Likely(NamedTuple):
+    """The room that a photo most probably shows."""
+
+    room_id: str
+    probability: float
+    #: How probable it is that the photo shows a room of one of its types.
+    of_kind: float
 
 
-def used_photos(likely: Mapping[str, tuple[str, float]], told: Collection[str]) -> set[str]:
+def likely_room(house: House, rooms: Mapping[str, float]) -> Likely:
+    """Return the most probable room of :func:`room_probabilities`."""
+    best, probability = max(rooms.items(), key=lambda item: item[1])
+    types = set(house.room(best).types) if best != NOWHERE else set()
+    alike = [room.id for room in house.rooms if types & set(room.types)] or [best]
+    return Likely(best, probability, sum(rooms.get(room, 0.0) for room in alike))
+
+
+def used_photos(likely: Mapping[str, Likely], told: Collection[str]) -> set[str]:
     """Return the photos that rooms are made of, by what :func:`likely_room` says of each.
 
     Guesses are used for rooms that neither a surer photo nor the photo table (`told`) shows.
     """
-    sure = {room for room, p in likely.values() if p >= WHICH.least} | set(told)
+    sure = {room for room, p, _ in likely.values() if p >= WHICH.least} | set(told)
     return {
         photo
-        for photo, (room, p) in likely.items()
-        if room != NOWHERE and (p >= WHICH.least or (p >= WHICH.guess and room not in sure))
+        for photo, (room, p, of_kind) in likely.items()
+        if room != NOWHERE
+        and (
+            p >= WHICH.least or (room not in sure and (p >= WHICH.guess or of_kind >= WHICH.least))
+        )
     }
 
 
