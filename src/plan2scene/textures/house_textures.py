@@ -47,7 +47,7 @@ def make_textures(
     if maps:
         from plan2scene.textures.banded import read_bands
         from plan2scene.textures.laying import read_patterns
-        from plan2scene.textures.maps import house_maps
+        from plan2scene.textures.maps import house_maps, patterns_of_floors, tile_of_pattern
 
         file = inputs.data.files.patterns
         patterns = {} if file is None else read_patterns(file)
@@ -61,6 +61,9 @@ def make_textures(
         bands = {} if file is None else read_bands(file, inputs, tiles)
         materials = {surface.key: surface.material for surface in surfaces}
         seed = inputs.settings.seed
+        patterns = patterns_of_floors(house, tiles, patterns)
+        laid = {key: tile_of_pattern(tiles[key], p, seed) for key, p in patterns.items()}
+        tiles = {**tiles, **laid}
         whole = house_maps(house, tiles, materials, patterns, bands, seed=seed)
     write_tiles(out_dir, name, surfaces, tiles, whole)
 

@@ -6,8 +6,8 @@ one of those that lie farthest away by then, mirrored otherwise than there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
@@ -34,6 +34,7 @@ class LayingSettings:
     upright_deg: float = 6.0  #: from the plan's axes, within which a floor lies along them
     sight_m: float = 3.0  #: within which equal units are kept apart
     drawn: float = 0.25  #: share of the units, the farthest, of which one is drawn
+    other_size: float = 0.5  #: worth of a log ratio of a tile's size, over that of stretched units
     run: float = 0.4  #: share of a run of planks without a known length, at least, that is laid
 
 
@@ -149,6 +150,97 @@ def laid(
     made = as_uint8(np.clip(2.0 * image * colour, 0.0, 1.0))
     near, far = low / scale, (low + size) / scale
     return made, Area((float(near[0]), float(near[1])), (float(far[0]), float(far[1])))
+
+
+def laid_tile(
+    pattern: LaidPattern, size_m: float, size_px: int, colour: np.ndarray, seed: int
+) -> tuple[np.ndarray, float]:
+    """Return a tile (s, s, 3) uint8 sRGB that repeats without a seam, and the metres of its side.
+
+    These are about `size_m`: as many as whole units fill both ways, stretched a little. They lie
+    along the nearer axis of the plan; `colour` as of :func:`laid`.
+    """
+    sized, side, counts = _whole_units(pattern, size_m)
+    pixels = np.full(2, round(side * LAYING.px_per_m))
+    corner = np.zeros(2, int)
+    if pattern.slant_deg:
+        rows = _columns(sized, corner, pixels, _wrapped_planks(sized, side, seed))
+    else:
+        rows = _rows(sized, corner, pixels, _wrapped_places(sized, side, counts, seed))
+    angle = pattern.direction_deg
+    if np.isfinite(angle) and round(angle / 90.0) % 2:
+        rows = rows.swapaxes(0, 1)
+    image = cv2.resize(rows, (size_px, size_px), interpolation=cv2.INTER_AREA)
+    return as_uint8(np.clip(2.0 * image * colour, 0.0, 1.0)), side
+
+
+def _whole_units(pattern: LaidPattern, size_m: float) -> tuple[LaidPattern, float, tuple[int, int]]:
+    """Return a pattern of which whole units fill a square, its side, and how many along and down.
+
+    The units of a herringbone or chevron are its periods.
+    """
+    long, wide = pattern.length_m, pattern.width_m
+    if pattern.slant_deg:
+        wide, long = _zigzag(pattern).period_m
+    known = np.isfinite(long)
+    long = long if known else pattern.longest_m / 2
+
+    def worth(down: int) -> float:
+        side = down * wide
+        stretched = abs(np.log(max(1, round(side / long)) * long / side)) if known else 0.0
+        return float(stretched + LAYING.other_size * abs(np.log(side / size_m)))
+
+    down = min(range(1, 2 + round(2 * size_m / wide)), key=worth)
+    along = max(1, round(down * wide / long))
+    side = 0.5 * (down * wide + along * long) if known else down * wide
+    side = round(side * LAYING.px_per_m) / LAYING.px_per_m
+    if pattern.slant_deg:
+        sine = np.sin(np.radians(pattern.slant_deg))
+        sizes = {"width_m": side / down * sine, "length_m": side / along / (2 * sine)}
+    else:
+        length = side / along if known else float("nan")
+        sizes = {"width_m": side / down, "length_m": length}
+    offset = round(pattern.offset * down) / down
+    return replace(pattern, **sizes, offset=offset), side, (along, down)
+
+
+def _wrapped_places(
+    pattern: LaidPattern, side: float, counts: tuple[int, int], seed: int
+) -> Iterator[_Place]:
+    """Yield the places of units in a square that repeats, row by row."""
+    rng = np.random.default_rng(seed)
+    used = _Used(len(pattern.units))
+    along, down = counts
+    length = side / along
+    ways = rng.permutation(8 if pattern.square else 4)
+    for row in range(down):
+        first = pattern.offset * row % 1.0 if np.isfinite(pattern.length_m) else rng.random()
+        for k in range(along):
+            start = (first + k) * length
+            unit = used.next(start + length / 2, (row + 0.5) * pattern.width_m, rng)
+            spare = max(0.0, 1.0 - length * PX_PER_M / pattern.units[unit].shape[1])
+            way, begin = int(ways[used.turns[unit] % len(ways)]), float(rng.uniform(0.0, spare))
+            place = _Place(row, start, start + length, unit, way, begin)
+            yield place
+            if place.end > side:
+                yield replace(place, start=place.start - side, end=place.end - side)
+
+
+def _wrapped_planks(
+    pattern: LaidPattern, side: float, seed: int
+) -> dict[tuple[int, int], tuple[int, int]]:
+    """Return units and turns as :func:`_planks`, the same where a square's next copies begin."""
+    high = np.full(2, side + pattern.length_m)
+    planks = _planks(pattern, np.zeros(2), high, seed)
+    zigzag, step = _zigzag(pattern), pattern.width_m / 3
+    x, y = (axis.ravel() for axis in np.meshgrid(*[np.arange(0.0, high[0], step)] * 2))
+    beyond = (x >= side) | (y >= side)
+    x, y = x[beyond], y[beyond]
+    pairs = np.hstack([zigzag.planks(x, y)[0], zigzag.planks(x % side, y % side)[0]])
+    for _ in range(3):  # a plank at a corner is that of three other corners
+        for *there, row, column in np.unique(pairs, axis=0).tolist():
+            planks[there[0], there[1]] = planks[row, column]
+    return planks
 
 
 def _pixels(area: Area) -> tuple[np.ndarray, np.ndarray]:

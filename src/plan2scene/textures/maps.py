@@ -28,7 +28,7 @@ from plan2scene.seeds import generator
 from plan2scene.textures.banded import Bands
 from plan2scene.textures.exemplar.lattice import straightened
 from plan2scene.textures.exemplar.make import Pattern
-from plan2scene.textures.laying import LaidPattern, laid, pattern_of
+from plan2scene.textures.laying import LaidPattern, laid, laid_tile, pattern_of
 from plan2scene.textures.quilting import Cell, Patches, Source, quilted
 from plan2scene.textures.tiles import Tile
 
@@ -438,7 +438,7 @@ def house_maps(
     materials : mapping of SurfaceKey to str
         Name of what a surface shares with other rooms, or empty.
     patterns : mapping of SurfaceKey to LaidPattern, optional
-        Floors that are laid from whole units; floors of the same crops are laid alike.
+        Floors that are laid from whole units (:func:`patterns_of_floors`).
     bands : mapping of SurfaceKey to Bands, optional
         Walls of two materials.
     seed : int
@@ -454,16 +454,9 @@ def house_maps(
     details: dict[int, Detail] = {}
     floors = [surface for surface in surfaces if surface.key.surface == "floor"]
     everywhere = reduce(Area.union, (floor.area for floor in floors)) if floors else None
-    wet = {room.id: "Bathroom" in room.types for room in house.rooms}
     for surface in floors:
-        alike = [
-            f.key
-            for f in floors
-            if f.tile.pattern is surface.tile.pattern is not None
-            and wet[f.key.room_id] == wet[surface.key.room_id]
-        ]
-        pattern = pattern_of(patterns or {}, surface.key, *alike)
-        if pattern is not None:
+        if surface.key in (patterns or {}):
+            pattern = (patterns or {})[surface.key]
             maps[surface.key] = _laid(surface, pattern, seed, everywhere)
     for surface in surfaces:
         if surface.key in (bands or {}):
@@ -478,6 +471,35 @@ def house_maps(
     _log = logging.getLogger("plan2scene")
     _log.info("house %s: %d surface maps, %.1f Mpx", house.id, len(maps), pixels / 1e6)
     return maps
+
+
+def patterns_of_floors(
+    house: House, tiles: Mapping[SurfaceKey, Tile], patterns: Mapping[SurfaceKey, LaidPattern]
+) -> dict[SurfaceKey, LaidPattern]:
+    """Return the pattern that each floor is laid by: floors of the same crops are laid alike."""
+    floors = [key for key in house.surface_keys() if key.surface == "floor" and key in tiles]
+    wet = {room.id: "Bathroom" in room.types for room in house.rooms}
+    found = {}
+    for key in floors:
+        alike = (
+            other
+            for other in floors
+            if tiles[other].pattern is tiles[key].pattern is not None
+            and wet[other.room_id] == wet[key.room_id]
+        )
+        pattern = pattern_of(patterns, key, *alike)
+        if pattern is not None:
+            found[key] = pattern
+    return found
+
+
+def tile_of_pattern(tile: Tile, pattern: LaidPattern, seed: int) -> Tile:
+    """Return a floor's tile laid by its pattern, of about the same size and in its colour."""
+    colour = median_colour(tile.image)
+    image, size_m = laid_tile(pattern, tile.size_m, tile.image.shape[0], colour, seed)
+    image = recoloured(image, colour, median_colour(image))
+    source = f"{pattern.words}, laid"
+    return replace(tile, image=image, size_m=size_m, source=source, tiles_by_construction=True)
 
 
 def _laid(

@@ -1,10 +1,11 @@
 """Floors laid from units of a known size."""
 
+import cv2
 import numpy as np
 import pytest
 
 from plan2scene.plans.surface_areas import Area
-from plan2scene.textures.laying import LAYING, LaidPattern, laid
+from plan2scene.textures.laying import LAYING, LaidPattern, laid, laid_tile
 
 WHITE = np.full(3, 0.5)
 
@@ -59,6 +60,35 @@ def test_planks_in_columns_are_laid_whole_and_run_on(kind):
     turned = [np.diagonal(whole[..., 0].astype(int), k)[:256] for k in (0, 256)]
     runs = [np.diff(np.flatnonzero(np.diff(line))) for line in turned]
     assert max(run.max() for run in runs) == pytest.approx(0.4 * 256 / 2**0.5, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("kind", "length"),
+    [("planks", 0.5), ("planks", float("nan")), ("herringbone", 0.4), ("chevron", 0.4)],
+)
+@pytest.mark.parametrize("direction", [0.0, 90.0])
+def test_a_tile_of_whole_units_repeats_without_a_seam(kind, length, direction):
+    units = [np.full((20, 100, 3), 60 + 3 * k, np.uint8) for k in range(40)]
+    slant = 0.0 if kind == "planks" else 45.0
+    floor = LaidPattern(kind, 0.1, length, direction, 0.5, np.zeros(3), 0.0, units, "", slant)
+    tile, size_m = laid_tile(floor, 1.1, 256, WHITE, seed=1)
+    assert tile.shape == (256, 256, 3) and size_m == pytest.approx(1.1, rel=0.3)
+    if direction:
+        tile = tile.swapaxes(0, 1)
+    grey = tile[..., 0].astype(int)
+    for image in (grey, grey.T):  # as rough over the border as inside
+        steps = np.abs(np.diff(image, axis=0)).mean(axis=1)
+        assert np.abs(image[0] - image[-1]).mean() <= 1.05 * steps.max()
+    # A plank over the border is one plank: no piece is smaller.
+    plank = 0.1 * (length if np.isfinite(length) else 0.25) * (256 / size_m) ** 2
+    twice = np.tile(grey, (2, 2))
+    sizes = np.zeros(twice.shape)
+    for tone in np.unique(twice):
+        same = (twice == tone).astype(np.uint8)
+        _, labels, stats, _ = cv2.connectedComponentsWithStats(same, connectivity=4)
+        sizes = np.where(same, stats[labels, cv2.CC_STAT_AREA], sizes)
+    for seam in (sizes[256, 64:-64], sizes[64:-64, 256]):
+        assert (seam >= 0.6 * plank).mean() > 0.75
 
 
 def test_no_unit_is_laid_twice_within_sight():
