@@ -247,12 +247,11 @@ class House:
                 return room
         raise KeyError(room_id)
 
-    def room_called(self, text: str) -> Room | None:
-        """Return the room of an id, else the only one of that name; None where there is none."""
+    def rooms_called(self, text: str) -> list[Room]:
+        """Return the room of an id, else those of that name."""
         by_id = [room for room in self.rooms if room.id == text]
         by_name = [room for room in self.rooms if room.name and _plain(room.name) == _plain(text)]
-        found = by_id or by_name
-        return found[0] if len(found) == 1 else None
+        return by_id or by_name
 
     def level_of(self, room_id: str) -> Level:
         """Return the level of a room; :data:`GROUND` where the house has no levels."""

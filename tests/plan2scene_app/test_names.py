@@ -2,10 +2,12 @@
 
 import json
 import re
+from dataclasses import replace
 
 import pytest
 
 from plan2scene.datasets.assignments import read_assignment
+from plan2scene.errors import InputError
 from plan2scene.house import Room
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.parse import Source
@@ -44,6 +46,11 @@ def test_ids_differ_and_names_stay(house, tmp_path):
     table.write_text("room_id,photo\nспальня,a.jpg\nKÖK &  matplats,b.jpg\nroom_2,c.jpg\n", "utf-8")
     rows = read_assignment(table, house)
     assert [row.room_id for row in rows] == ["room_3", "kok_matplats", "room_2"]
+    two = replace(house, rooms=(*house.rooms, replace(house.rooms[3], id="other")))
+    table.write_text("room_id,photo\nспальня,a.jpg\n", "utf-8")
+    with pytest.raises(InputError, match=r"by its id: room_3 or other, .*the name of 2 rooms"):
+        read_assignment(table, two)
+    assert read_assignment(table, two, traced=True) == (("", "a.jpg"),)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import logging
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path, PurePosixPath
@@ -12,6 +13,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.io import absent, read_text, safe_join
 
+_log = logging.getLogger("plan2scene")
 MAX_ROWS = 10_000  #: Largest number of rows of one house's photo table
 
 
@@ -46,8 +48,17 @@ def read_assignment(
     stems: dict[str, str] = {}
     rooms = None if house is None else {room.id for room in house.rooms}
     for row in rows:
-        called = house.room_called(row.room_id) if house is not None and row.room_id else None
-        row = row if called is None else row._replace(room_id=called.id)
+        called = house.rooms_called(row.room_id) if house is not None and row.room_id else []
+        if len(called) > 1:
+            ids = " or ".join(room.id for room in called)
+            found = f"{row.room_id!r} for photo {row.photo}, the name of {len(called)} rooms"
+            line = fault(f"which of them, by its id: {ids}", found)
+            if not traced:
+                raise line
+            _log.warning("%s; looked for", line)
+            row = row._replace(room_id="")
+        elif called:
+            row = row._replace(room_id=called[0].id)
         if traced and rooms is not None and row.room_id not in rooms:
             row = row._replace(room_id="")
         if rooms is not None and row.room_id and row.room_id not in rooms:
