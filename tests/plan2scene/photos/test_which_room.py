@@ -1,6 +1,7 @@
 """Which room photos show: each kind of evidence counts, and the photos of a home count together."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from plan2scene.photos.locate.which_room import (
     NOWHERE,
     Likely,
     PhotoEvidence,
+    fitting_rooms,
     likely_room,
     room_probabilities,
     used_photos,
@@ -45,7 +47,7 @@ def test_what_a_room_is_used_for_and_its_name_tell_it():
     found = rooms_of(
         {
             "a": PhotoEvidence(kinds=looks_like("Kitchen")),
-            "b": PhotoEvidence(named=("Bathroom",)),
+            "b": PhotoEvidence(named={"bath": 1.0}),
             "c": PhotoEvidence(told=("bed_2",)),
             "d": PhotoEvidence(),
             "e": PhotoEvidence(kinds=np.zeros(len(KINDS)), scores={"bed_1": 9.0}),
@@ -62,6 +64,23 @@ def test_what_a_room_is_used_for_and_its_name_tell_it():
     assert rooms_of({"a": PhotoEvidence(kinds=looks_like("Kitchen"))}) == rooms_of(
         {"a": PhotoEvidence(kinds=looks_like("Kitchen"))}
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "fits"),
+    [
+        ("bath_2", {"bath": 1.0}),
+        ("salle-de-bain1", {"bath": 1.0}),
+        ("bedroom", {"bed_1": 1.0, "bed_2": 1.0}),
+        ("MasterBedroom_3", {"bed_1": 0.5, "bed_2": 1.0}),
+        ("mastersinks", {"bed_2": 1.0}),
+        ("IMG_2031 room", {}),
+    ],
+)
+def test_a_name_fits_rooms_by_what_they_are_called_and_are(name, fits):
+    house = home()
+    rooms = [replace(r, name="MASTER") if r.id == "bed_2" else r for r in house.rooms]
+    assert fitting_rooms(replace(house, rooms=tuple(rooms)), name) == fits
 
 
 def test_two_bedrooms_are_two_photos_and_matching_photos_one_room():

@@ -36,12 +36,12 @@ from plan2scene.photos.locate.which_room import (
     NOWHERE,
     WHICH,
     PhotoEvidence,
+    fitting_rooms,
     likely_room,
     room_probabilities,
     used_photos,
 )
 from plan2scene.plans.geometry import room_polygon
-from plan2scene.plans.room_names import room_types
 from plan2scene.stage_json import read_stage_json
 
 _log = logging.getLogger("plan2scene")
@@ -272,7 +272,7 @@ def locate_photos(
             read_label_png(folder / f"{Path(name).stem}.png", house_id=house.id, openings=True),
             tuple(dict.fromkeys(rooms_of_photo[name] or anywhere)),
             _probabilities(folder / PROBABILITIES / f"{Path(name).stem}.png", house.id),
-            None if rooms_of_photo[name] else _hints(name, kinds.get(name), name_hints),
+            None if rooms_of_photo[name] else _hints(house, name, kinds.get(name), name_hints),
         )
         for name, camera in sorted(cameras.items())
         if name in rooms_of_photo
@@ -296,9 +296,11 @@ def locate_photos(
     return located
 
 
-def _hints(name: str, kinds: Sequence[float] | None, name_hints: bool) -> PhotoEvidence:
+def _hints(
+    house: House, name: str, kinds: Sequence[float] | None, name_hints: bool
+) -> PhotoEvidence:
     """Return what a photo tells of its room beside its labels."""
-    named = room_types(Path(name).stem.replace("_", " ")) if name_hints else ()
+    named = fitting_rooms(house, Path(name).stem) if name_hints else {}
     return PhotoEvidence(kinds=np.array(kinds) if kinds else None, named=named)
 
 

@@ -7,6 +7,7 @@ people photograph every main room of a home before they photograph one often.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -15,6 +16,7 @@ import numpy as np
 
 from plan2scene.house import House, Room
 from plan2scene.photos.labels.palette import KINDS
+from plan2scene.plans.room_names import room_types
 from plan2scene.seeds import generator
 
 #: Room types and the kinds that photos of them look like; other types may be of any kind.
@@ -45,8 +47,8 @@ class WhichRoomSettings:
     #: Of the logarithm of the classifier's odds, and how often it knows nothing.
     kind: float = 1.4
     unknown: float = 0.2
-    #: Of a name that means a type of room.
-    name: float = 3.0
+    #: Of a name whose words are all those of a room.
+    name: float = 5.0
     #: Of photos that match: for each e-fold of matched points beyond the first number.
     match: float = 2.0
     matched: float = 14.0
@@ -98,8 +100,8 @@ class PhotoEvidence:
     #: How probable each of `KINDS` is, (k,) in [0, 1]; all 0 for a photo of no room; None where
     #: nothing told it.
     kinds: np.ndarray | None = None
-    #: Types of room that the photo's name means.
-    named: tuple[str, ...] = ()
+    #: Share of the photo's name that fits each room (:func:`fitting_rooms`).
+    named: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def tells(self) -> bool:
@@ -191,6 +193,36 @@ def room_probabilities(
     return found
 
 
+def fitting_rooms(house: House, name: str) -> dict[str, float]:
+    """Return how much of a photo's name fits each room, of the words that fit any; empty for none.
+
+    A room's words are those of its label and its types: "master_bedroom_2" fits a room "Master",
+    a bedroom, better than another bedroom.
+    """
+    said = _words(name) | {kind.lower() for kind in room_types(name.replace("_", " "))}
+    fits = {
+        room.id: {
+            word
+            for word in _words(room.label) | {kind.lower() for kind in room.types}
+            if any(_is_word(own, word) for own in said)
+        }
+        for room in house.rooms
+    }
+    known = set().union(*fits.values())
+    return {room: len(words) / len(known) for room, words in fits.items() if words}
+
+
+def _words(text: str) -> set[str]:
+    """Return the words of a name in lower case, without numbers and without "room"."""
+    parts = re.split(r"[\W\d_]+|(?<=[a-z])(?=[A-Z])", text)
+    return {part.lower() for part in parts if len(part) > 1} - {"room"}
+
+
+def _is_word(own: str, word: str) -> bool:
+    """Return whether a word is another, or begins or ends with it if that is long."""
+    return own == word or (len(word) >= 5 and (own.startswith(word) or own.endswith(word)))
+
+
 class Likely(NamedTuple):
     """The room that a photo most probably shows."""
 
@@ -259,7 +291,7 @@ def _alone(house: House, photo: PhotoEvidence) -> np.ndarray:
             log[k] += WHICH.kind * float(np.log(odds))
     if photo.named:
         for k, room in enumerate(house.rooms):
-            log[k] += WHICH.name * bool(set(photo.named) & set(room.types))
+            log[k] += WHICH.name * photo.named.get(room.id, 0.0)
     log[-1] += np.log(WHICH.nowhere)
     return log
 
