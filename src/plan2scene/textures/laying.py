@@ -166,7 +166,8 @@ def laid_tile(
     if pattern.slant_deg:
         rows = _columns(sized, corner, pixels, _wrapped_planks(sized, side, seed))
     else:
-        rows = _rows(sized, corner, pixels, _wrapped_places(sized, side, counts, seed))
+        places = list(_wrapped_places(sized, side, counts, seed))
+        rows = _rows(sized, corner, pixels, places)
     angle = pattern.direction_deg
     if np.isfinite(angle) and round(angle / 90.0) % 2:
         rows = rows.swapaxes(0, 1)
@@ -230,10 +231,10 @@ def _wrapped_planks(
     pattern: LaidPattern, side: float, seed: int
 ) -> dict[tuple[int, int], tuple[int, int]]:
     """Return units and turns as :func:`_planks`, the same where a square's next copies begin."""
-    high = np.full(2, side + pattern.length_m)
-    planks = _planks(pattern, np.zeros(2), high, seed)
+    high = side + pattern.length_m
+    planks = dict(_planks(pattern, (0.0, 0.0), (high, high), seed))
     zigzag, step = _zigzag(pattern), pattern.width_m / 3
-    x, y = (axis.ravel() for axis in np.meshgrid(*[np.arange(0.0, high[0], step)] * 2))
+    x, y = (axis.ravel() for axis in np.meshgrid(*[np.arange(0.0, high, step)] * 2))
     beyond = (x >= side) | (y >= side)
     x, y = x[beyond], y[beyond]
     pairs = np.hstack([zigzag.planks(x, y)[0], zigzag.planks(x % side, y % side)[0]])
