@@ -49,8 +49,7 @@ class ViewerPage:
     def run(self, script):
         """Return the value of a script or of the promise it is; no content policy is in the way."""
         done = self._tools.send(
-            "Runtime.evaluate",
-            {"expression": script, "returnByValue": True, "awaitPromise": True},
+            "Runtime.evaluate", {"expression": script, "returnByValue": True, "awaitPromise": True}
         )
         assert "exceptionDetails" not in done, done["exceptionDetails"]
         return done["result"].get("value")

@@ -8,10 +8,7 @@ import torch
 
 from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.graph_networks import (
-    PointerNetwork,
-    load_propagation,
-)
+from plan2scene.propagation.graph_networks import PointerNetwork, load_propagation
 from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
 from plan2scene.weights import save_model_file
@@ -26,9 +23,7 @@ from plan2scene_workshop.propagation.measure import (
 )
 from plan2scene_workshop.propagation.run import train_propagation
 from plan2scene_workshop.propagation.settings import PropagationSettings
-from plan2scene_workshop.propagation.training import (
-    train_network,
-)
+from plan2scene_workshop.propagation.training import train_network
 
 
 def house_of_one_colour(rng: np.random.Generator, rooms: int = 4) -> HouseGraph:

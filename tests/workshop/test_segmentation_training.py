@@ -33,9 +33,7 @@ from plan2scene_workshop.segmentation.data import (
 )
 from plan2scene_workshop.segmentation.run import averaged_runs, start_from, train_segmentation
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
-from plan2scene_workshop.segmentation.training import (
-    train_network,
-)
+from plan2scene_workshop.segmentation.training import train_network
 
 
 def _striped(seed: int = 0, size: tuple[int, int] = (48, 64)) -> LabelledPhoto:
@@ -76,9 +74,7 @@ def test_training_learns_what_colours_tell() -> None:
     assert trained.score > 0.4  # the commonest label alone gives under 0.15
 
 
-def test_a_network_learns_its_teachers_averaged_answers_whatever_labels_say(
-    tmp_path: Path,
-) -> None:
+def test_a_network_learns_its_teachers_averaged_answers_whatever_labels_say(tmp_path: Path) -> None:
     torch.manual_seed(0)
     photos = [_striped(k) for k in range(6)]
     files = []

@@ -11,11 +11,7 @@ from plan2scene.textures.model.texture_model import Architecture, load_texture_m
 from plan2scene_workshop.texture import data as td
 from plan2scene_workshop.texture import run as texture_run
 from plan2scene_workshop.texture.settings import TextureSettings
-from plan2scene_workshop.texture.training import (
-    texture_trainer,
-    train_texture_model,
-    warm_up,
-)
+from plan2scene_workshop.texture.training import texture_trainer, train_texture_model, warm_up
 
 TINY = Architecture(width=4, encoder="statistics")
 SETTINGS = TextureSettings(

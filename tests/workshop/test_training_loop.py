@@ -5,12 +5,7 @@ import pytest
 import torch
 from torch import nn
 
-from plan2scene_workshop.training.loop import (
-    Trained,
-    Trainer,
-    TrainerOptions,
-    cosine,
-)
+from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, cosine
 
 
 def trainer(**changes) -> Trainer:

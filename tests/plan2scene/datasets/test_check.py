@@ -107,10 +107,7 @@ def test_empty_table_is_a_warning(tmp_path, text):
             "room,photo\na,one.jpg\n",
             ", house h1: expected columns room_id and photo, found room, photo",
         ),
-        (
-            "room_id,photo\na\n",
-            ", house h1: expected a photo in each row, found row 2: a",
-        ),
+        ("room_id,photo\na\n", ", house h1: expected a photo in each row, found row 2: a"),
     ],
 )
 def test_line_of_a_bad_table(tmp_path, text, line):

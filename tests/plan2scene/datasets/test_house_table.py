@@ -1,11 +1,7 @@
 import pytest
 
 from plan2scene.config import check_official
-from plan2scene.datasets.house_table import (
-    TableRow,
-    photo_paths,
-    read_table,
-)
+from plan2scene.datasets.house_table import TableRow, photo_paths, read_table
 from plan2scene.errors import InputError
 
 HEADER = "house\tsplit\tplan\tassignment\tphotos\n"

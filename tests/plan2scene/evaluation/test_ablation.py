@@ -2,10 +2,7 @@
 
 import pytest
 
-from plan2scene.evaluation.ablation import (
-    VARIANTS,
-    ablate_house,
-)
+from plan2scene.evaluation.ablation import VARIANTS, ablate_house
 from plan2scene.evaluation.houses import propagated_at
 from plan2scene.io import read_parquet
 

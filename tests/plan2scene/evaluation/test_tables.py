@@ -7,10 +7,7 @@ import pandas as pd
 import pytest
 
 from plan2scene.evaluation.measurements import Measurements
-from plan2scene.evaluation.tables import (
-    TableRequest,
-    tidy_table,
-)
+from plan2scene.evaluation.tables import TableRequest, tidy_table
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
 

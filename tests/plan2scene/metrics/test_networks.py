@@ -7,12 +7,7 @@ import torch
 from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.errors import InputError
 from plan2scene.metrics.inception import InceptionV3
-from plan2scene.metrics.networks import (
-    features_of,
-    load_network,
-    network_name,
-    substances_of,
-)
+from plan2scene.metrics.networks import features_of, load_network, network_name, substances_of
 from plan2scene.metrics.vgg import VggClassifier
 from plan2scene.weights import MODELS, save_model_file
 

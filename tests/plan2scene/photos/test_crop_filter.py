@@ -4,16 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene.photos.crops.filter import (
-    has_object,
-    image_reasons,
-    restless,
-    step_of,
-    unrest,
-)
-from plan2scene.photos.crops.sampling import (
-    Reason,
-)
+from plan2scene.photos.crops.filter import has_object, image_reasons, restless, step_of, unrest
+from plan2scene.photos.crops.sampling import Reason
 
 
 def plain(seed=0, colour=(190, 180, 165), noise=2.0):

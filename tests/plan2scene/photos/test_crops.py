@@ -18,13 +18,7 @@ from plan2scene.photos.crops.extract_crops import CropFiles, extract_crops, read
 from plan2scene.photos.crops.sampling import sample_candidates
 from plan2scene.photos.crops.selection import CANDIDATE_COLUMNS, COLUMNS
 from plan2scene.photos.labels.palette import write_label_png
-from plan2scene.photos.planes.planes import (
-    PhotoPlane,
-    Plane,
-    plane_of_row,
-    plane_row,
-    read_planes,
-)
+from plan2scene.photos.planes.planes import PhotoPlane, Plane, plane_of_row, plane_row, read_planes
 
 SIZE = (480, 640)
 

@@ -8,12 +8,7 @@ import numpy as np
 import torch
 from torch import nn
 
-from plan2scene.photos.labels.network import (
-    Ensemble,
-    SegmentationNet,
-    ensemble_of,
-    folded,
-)
+from plan2scene.photos.labels.network import Ensemble, SegmentationNet, ensemble_of, folded
 from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter
 from plan2scene.weights import save_model_file
 

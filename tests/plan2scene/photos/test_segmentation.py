@@ -7,11 +7,7 @@ import torch
 from plan2scene.camera import Camera
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import DOOR, WINDOW, without_openings
-from plan2scene.photos.labels.segmentation import (
-    MEDIAN,
-    Segmenter,
-    brightened,
-)
+from plan2scene.photos.labels.segmentation import MEDIAN, Segmenter, brightened
 
 TINY = {"widths": [8, 8, 8, 8, 8], "depths": [1, 1, 1, 1], "decoder": 16, "long_side": 64}
 

@@ -11,11 +11,7 @@ import torch
 
 from plan2scene.errors import InputError
 from plan2scene.photos.labels.labeller import labeller
-from plan2scene.photos.labels.pretrained import (
-    Checkpoint,
-    PretrainedSegmenter,
-    load_pretrained,
-)
+from plan2scene.photos.labels.pretrained import Checkpoint, PretrainedSegmenter, load_pretrained
 
 COMMIT = "0123456789abcdef0123456789abcdef01234567"
 

@@ -34,8 +34,7 @@ def test_content_tells_the_format(tmp_path, text, name):
 
 
 @pytest.mark.parametrize(
-    ("start", "package"),
-    [("0\nSECTION\n", "ezdxf"), ("ISO-10303-21;\n", "ifcopenshell")],
+    ("start", "package"), [("0\nSECTION\n", "ezdxf"), ("ISO-10303-21;\n", "ifcopenshell")]
 )
 def test_a_missing_package_is_one_line(tmp_path, monkeypatch, start, package):
     monkeypatch.setitem(sys.modules, package, None)

@@ -69,10 +69,7 @@ def test_rooms_with_a_gap_have_a_hole_in_both_walls(tmp_path):
     document = plan()
     document["rooms"][1]["polygon"] = [[1, 3.12], [5, 3.12], [5, 6], [1, 6]]
     house = read(tmp_path, document)
-    assert [w.room_ids for w in house.walls for o in w.openings if o.id == "d"] == [
-        ("a",),
-        ("b",),
-    ]
+    assert [w.room_ids for w in house.walls for o in w.openings if o.id == "d"] == [("a",), ("b",)]
     assert house.doors == (Door("a", "d", "b"),)
 
 

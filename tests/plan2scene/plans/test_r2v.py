@@ -141,8 +141,7 @@ def test_network_output_agrees_with_the_reference_converter():
     for room in house.rooms:
         # The reference cuts pixels down to integers: up to 0.05 m at each side.
         twin = max(
-            reference.rooms,
-            key=lambda r: room_polygon(r).intersection(room_polygon(room)).area,
+            reference.rooms, key=lambda r: room_polygon(r).intersection(room_polygon(room)).area
         )
         assert twin.types == room.types
         assert room_polygon(room).symmetric_difference(room_polygon(twin)).area < 0.5

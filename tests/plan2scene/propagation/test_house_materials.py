@@ -7,9 +7,7 @@ import pytest
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_parquet, write_json, write_parquet
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene.propagation.house_materials import (
-    find_materials,
-)
+from plan2scene.propagation.house_materials import find_materials
 from plan2scene.propagation.propagate import shared_materials
 
 

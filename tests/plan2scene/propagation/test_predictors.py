@@ -11,12 +11,7 @@ from plan2scene.paint.observations import HouseColours
 from plan2scene.propagation import predictors
 from plan2scene.propagation.graph import HouseGraph
 from plan2scene.propagation.graph_networks import PropagationNetwork
-from plan2scene.propagation.predictors import (
-    PREDICTORS,
-    Prediction,
-    house_evidence,
-    network_share,
-)
+from plan2scene.propagation.predictors import PREDICTORS, Prediction, house_evidence, network_share
 from plan2scene.propagation.type_means import TypeMeans
 
 ROOMS = 5

@@ -7,11 +7,7 @@ from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.metrics.color_freq_tile import color_distance
 from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.lattice import find_lattice
-from plan2scene.textures.exemplar.make import (
-    ExemplarCrop,
-    alike,
-    make_exemplar,
-)
+from plan2scene.textures.exemplar.make import ExemplarCrop, alike, make_exemplar
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene_workshop.texture.degradation import Degradation, degrade, window
 

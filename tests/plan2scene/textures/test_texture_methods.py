@@ -18,13 +18,7 @@ from plan2scene.io import write_parquet
 from plan2scene.mesh.assembly import build_parts
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene.textures.crops import (
-    Crop,
-    choose_crop,
-    read_pool,
-    surface_extent,
-    write_pool,
-)
+from plan2scene.textures.crops import Crop, choose_crop, read_pool, surface_extent, write_pool
 from plan2scene.textures.decoding import even_crop
 from plan2scene.textures.house_textures import make_textures
 from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible

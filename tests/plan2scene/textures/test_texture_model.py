@@ -5,10 +5,7 @@ import pytest
 import torch
 from formula import formula_state
 
-from plan2scene.textures.model.texture_model import (
-    Architecture,
-    TextureModel,
-)
+from plan2scene.textures.model.texture_model import Architecture, TextureModel
 
 
 @pytest.fixture(scope="module")

@@ -5,13 +5,7 @@ import pytest
 from scipy import ndimage
 
 from plan2scene.mesh.assembly import assemble
-from plan2scene_app.exports.occupancy import (
-    FREE,
-    OCCUPIED,
-    RESOLUTION_M,
-    UNKNOWN,
-    occupancy,
-)
+from plan2scene_app.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M, UNKNOWN, occupancy
 
 
 def at(grid, origin, x, z):

@@ -19,11 +19,7 @@ from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segmen
 from plan2scene.photos.crops.candidates import planes_of_photo, rooms_by_size
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, write_label_png
 from plan2scene.photos.planes.planes import plane_row, write_planes
-from plan2scene_app.contact_sheet.panels import (
-    LAST_RESORT,
-    REJECTED,
-    SELECTED,
-)
+from plan2scene_app.contact_sheet.panels import LAST_RESORT, REJECTED, SELECTED
 from plan2scene_app.contact_sheet.sheet import (
     CELL,
     COLUMNS,

@@ -9,11 +9,7 @@ from PIL import Image
 
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_parquet
-from plan2scene_app.pictures.texture_sheet import (
-    draw_sheet,
-    sheet_rows,
-    write_texture_sheet,
-)
+from plan2scene_app.pictures.texture_sheet import draw_sheet, sheet_rows, write_texture_sheet
 
 RED, BLUE = (np.full((128, 128, 3), c, np.uint8) for c in ((200, 30, 30), (30, 30, 200)))
 

@@ -180,8 +180,7 @@ def test_a_bad_plan_is_one_clear_line_of_the_real_job(project):
 
 
 @pytest.mark.parametrize(
-    "given",
-    [{"method": "rm -rf"}, {"method": []}, {"texture_size": 4096}, {"colours": "none"}],
+    "given", [{"method": "rm -rf"}, {"method": []}, {"texture_size": 4096}, {"colours": "none"}]
 )
 def test_settings_are_checked(given):
     with pytest.raises(InputError):

@@ -9,11 +9,7 @@ import pytest
 from model_folder import HEADER, model_folder
 
 from plan2scene.errors import InputError
-from plan2scene_workshop.rendering.models import (
-    ModelShop,
-    load_model,
-    read_model_index,
-)
+from plan2scene_workshop.rendering.models import ModelShop, load_model, read_model_index
 
 
 def test_a_piece_has_the_models_size_and_stands_with_its_back_at_zero(tmp_path: Path) -> None:

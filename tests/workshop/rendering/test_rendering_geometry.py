@@ -11,10 +11,7 @@ from plan2scene_workshop.rendering import plan_views
 from plan2scene_workshop.rendering.furniture import furnish_room
 from plan2scene_workshop.rendering.geometry import Geometry
 from plan2scene_workshop.rendering.palette import draw_palette
-from plan2scene_workshop.rendering.shell import (
-    SKIRTING_DEPTH,
-    wall_faces,
-)
+from plan2scene_workshop.rendering.shell import SKIRTING_DEPTH, wall_faces
 
 HEIGHT = 2.6
 
