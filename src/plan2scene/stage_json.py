@@ -68,9 +68,7 @@ _TILE = _record(
     evidence={"type": "object"},
 )
 _MAP = _record(
-    {"origin_m": _list(_NUMBER, 2), "extent_m": _list(_POSITIVE, 2)},
-    pattern=_TEXT,
-    split_m=_NUMBER,
+    {"origin_m": _list(_NUMBER, 2), "extent_m": _list(_POSITIVE, 2)}, pattern=_TEXT, split_m=_NUMBER
 )
 _SURFACES = {"propertyNames": {"pattern": "/"}}
 

@@ -95,7 +95,7 @@ VARIANTS = (
 #: Ablations of the paper that need weights of their own, and why there is no row.
 MISSING = {
     "no_substance_head": "needs a texture network trained without the head, and a propagation "
-    "network of its embeddings",
+    "network of its embeddings"
 }
 
 

@@ -16,12 +16,7 @@ from plan2scene.evaluation.measure import Networks, measure_tiles
 from plan2scene.evaluation.references import References
 from plan2scene.propagation.propagate import propagate_house
 from plan2scene.textures.house_textures import house_tiles
-from plan2scene.textures.inputs import (
-    HouseData,
-    HouseFiles,
-    TextureSettings,
-    Visible,
-)
+from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
 from plan2scene.textures.observed_surfaces import select_surfaces
 
 if TYPE_CHECKING:

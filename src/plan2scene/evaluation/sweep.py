@@ -7,11 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from plan2scene.evaluation.houses import (
-    EvaluatedHouse,
-    measured_at,
-    propagated_at,
-)
+from plan2scene.evaluation.houses import EvaluatedHouse, measured_at, propagated_at
 from plan2scene.evaluation.measure import write_measured
 from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.plot import plot_sweep

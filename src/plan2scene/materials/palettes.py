@@ -48,11 +48,7 @@ def vary(
 
 
 def pick(
-    rng: np.random.Generator,
-    palette: Palette,
-    *,
-    lightness: float = 4.0,
-    chroma: float = 2.0,
+    rng: np.random.Generator, palette: Palette, *, lightness: float = 4.0, chroma: float = 2.0
 ) -> np.ndarray:
     """Return a colour of a palette by weight, varied: (3,) float32 sRGB in [0, 1]."""
     weights = np.array([weight for _, weight in palette])

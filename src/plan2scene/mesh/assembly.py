@@ -53,11 +53,7 @@ class Storey:
 
 
 def build_storey(
-    level: Level,
-    house: House,
-    below: BaseGeometry | None,
-    well: BaseGeometry,
-    above: Above | None,
+    level: Level, house: House, below: BaseGeometry | None, well: BaseGeometry, above: Above | None
 ) -> Storey:
     """Return the storey of a house without levels and stairs; names of parts may repeat.
 

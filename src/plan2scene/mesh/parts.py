@@ -143,11 +143,4 @@ class PartBuilder:
 
 # Corner index = 4 x + 2 y + z; each face counter-clockwise seen from outside. (trimesh's box shares
 # its corners between sides; here each side has normals of its own.)
-_BOX_FACES = (
-    (0, 1, 3, 2),
-    (4, 6, 7, 5),
-    (0, 4, 5, 1),
-    (2, 3, 7, 6),
-    (0, 2, 6, 4),
-    (1, 5, 7, 3),
-)
+_BOX_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))

@@ -20,10 +20,7 @@ _HIDDEN = 4096
 
 
 def vgg_convolutions(
-    counts: Sequence[int],
-    *,
-    divisor: int = 1,
-    padding_mode: Literal["zeros", "circular"] = "zeros",
+    counts: Sequence[int], *, divisor: int = 1, padding_mode: Literal["zeros", "circular"] = "zeros"
 ) -> nn.Sequential:
     """Return VGG's 3x3 convolutions with ReLU, a max-pool after each group.
 
@@ -35,10 +32,7 @@ def vgg_convolutions(
     for count, width in zip(counts, _WIDTHS, strict=True):
         for _ in range(count):
             out = width // divisor
-            layers += [
-                nn.Conv2d(channels, out, 3, padding=1, padding_mode=padding_mode),
-                nn.ReLU(),
-            ]
+            layers += [nn.Conv2d(channels, out, 3, padding=1, padding_mode=padding_mode), nn.ReLU()]
             channels = out
         layers.append(nn.MaxPool2d(2))
     return nn.Sequential(*layers)

@@ -11,13 +11,7 @@ from typing import Any
 from plan2scene.errors import InputError
 from plan2scene.house import DEFAULT_HEIGHT, House, Level, Room, Stairs, Wall
 from plan2scene.plans.geometry import find_doors, walls_of_rooms
-from plan2scene.plans.levels import (
-    level_of,
-    linked,
-    ordered_levels,
-    sound_flight,
-    used_levels,
-)
+from plan2scene.plans.levels import level_of, linked, ordered_levels, sound_flight, used_levels
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import Source
 from plan2scene.plans.plan_file import PlanFormat

@@ -19,12 +19,7 @@ from shapely.ops import polygonize, unary_union
 
 from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES, House, IconBox, Point, Room, Wall
-from plan2scene.plans.geometry import (
-    find_doors,
-    point_along,
-    room_polygon,
-    walls_of_rooms,
-)
+from plan2scene.plans.geometry import find_doors, point_along, room_polygon, walls_of_rooms
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import MAX_ITEMS, MAX_ROOMS, R2V_TYPES, Source
 from plan2scene.plans.plan_file import PlanFile, PlanFormat, Unscaled
@@ -45,15 +40,7 @@ OUTPUT_LABELS = (
 )
 #: Labels of drawn objects.
 ICON_LABELS = frozenset(
-    {
-        "bathtub",
-        "cooking_counter",
-        "entrance",
-        "special",
-        "stairs",
-        "toilet",
-        "washing_basin",
-    }
+    {"bathtub", "cooking_counter", "entrance", "special", "stairs", "toilet", "washing_basin"}
 )
 #: Labels that name a room. `stairs` and `entrance` are icons, which name a room without label.
 ROOM_LABELS = frozenset({*R2V_TYPES, *(name.lower() for name in ROOM_TYPES)}) - ICON_LABELS

@@ -81,9 +81,7 @@ class PropagationNetwork(nn.Module):
         )
         self.conv1 = GatedGraphConv(width, layers)
         self.linear2 = nn.Sequential(
-            nn.Linear(width, width),
-            nn.ReLU(),
-            nn.Linear(width, len(SURFACES) * EMBEDDING_SIZE),
+            nn.Linear(width, width), nn.ReLU(), nn.Linear(width, len(SURFACES) * EMBEDDING_SIZE)
         )
 
     def forward(self, x: Tensor, edge_index: Tensor) -> Tensor:

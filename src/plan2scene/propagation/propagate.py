@@ -99,9 +99,7 @@ def shared_materials(path: str | Path | None) -> dict[SurfaceKey, str]:
 
 
 def _all_surfaces(
-    graph: HouseGraph,
-    predicted: Prediction,
-    photo_colours: HouseColours | None,
+    graph: HouseGraph, predicted: Prediction, photo_colours: HouseColours | None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return embeddings (n, 3, 11) and sRGB colours (n, 3, 3) of all surfaces, float32.
 

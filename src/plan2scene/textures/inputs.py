@@ -44,12 +44,7 @@ class HouseFiles:
         """Return the files among a job's inputs: scene, crops and, where given, the others."""
         names = ("library", "pool", "colours", "patterns")
         others = (Path(paths[name]) if paths.get(name) else None for name in names)
-        return cls(
-            house_id,
-            Path(paths["scene"]),
-            Path(paths["crops"]),
-            *others,
-        )
+        return cls(house_id, Path(paths["scene"]), Path(paths["crops"]), *others)
 
 
 @dataclass(frozen=True)

@@ -31,13 +31,7 @@ _SHARED = {
     "grazing_deg": "float64",
 }
 #: Columns of crops.parquet and of candidates.parquet.
-COLUMNS = {
-    "crop_id": "str",
-    **_SHARED,
-    "medoid": "bool",
-    "png": "object",
-    "detail": "object",
-}
+COLUMNS = {"crop_id": "str", **_SHARED, "medoid": "bool", "png": "object", "detail": "object"}
 CANDIDATE_COLUMNS = {**_SHARED, "reason": "str", "crop_id": "str", "corners": "object"}
 #: Crops selected of a surface without a good one: in all where some have mild reasons only, else
 #: of each photo.

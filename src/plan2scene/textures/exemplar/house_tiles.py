@@ -26,12 +26,7 @@ from plan2scene.paint.light import recoloured
 from plan2scene.parallel import each
 from plan2scene.seeds import derive_seed
 from plan2scene.textures.crops import Crop
-from plan2scene.textures.exemplar.make import (
-    Exemplar,
-    ExemplarCrop,
-    enlarged,
-    make_exemplar,
-)
+from plan2scene.textures.exemplar.make import Exemplar, ExemplarCrop, enlarged, make_exemplar
 from plan2scene.textures.exemplar.settings import EXEMPLAR
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.seams import with_calm_border

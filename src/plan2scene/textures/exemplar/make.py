@@ -252,9 +252,7 @@ def make_exemplar(
     )
 
 
-def _evened(
-    crops: Sequence[ExemplarCrop],
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _evened(crops: Sequence[ExemplarCrop]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return evened crops (n, s, s, 3), spoiled pixels (n, s, s), colour (3,) and faults (n,)."""
     images = np.stack([crop.image for crop in crops]).astype(np.float64) / 255.0
     masks = highlights(images)
