@@ -38,15 +38,9 @@ def write_rent3dpp_copy(
 ) -> list[str]:
     """Write the houses of a data set (docs/conventions.md) as a Rent3D++ copy; return their names.
 
-    Parameters
-    ----------
-    source : path
-        Data set with ``houses.tsv`` and ``unobserved_photos.json``.
-    target : path
-        Gets ``input/`` and ``processed/``.
-    crops : path, optional
-        Results folder with ``houses/{house}/crops.parquet``; ``processed/surface_crops/`` is
-        made of those, and left out without.
+    `source` has ``houses.tsv`` and ``unobserved_photos.json``, `target` gets ``input/`` and
+    ``processed/``. ``processed/surface_crops/`` is made of ``houses/{house}/crops.parquet`` in
+    the results folder `crops`.
     """
     source, target = Path(source), Path(target)
     data, processed = target / "input", target / "processed"

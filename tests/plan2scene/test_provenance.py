@@ -30,8 +30,10 @@ def fresh(*modules: str, packages) -> str:
     return code_hash(*modules, packages=packages)
 
 
-def test_a_change_far_down_changes_the_hash(packages):
+def test_a_change_far_down_changes_the_hash_and_one_elsewhere_does_not(packages):
     before = fresh("library.top", packages=packages)
+    (packages[0] / "other.py").write_text("Y = 2\n")
+    assert fresh("library.top", packages=packages) == before
     (packages[0] / "far.py").write_text("X = 2\n")
     assert fresh("library.top", packages=packages) != before
 
@@ -54,12 +56,6 @@ def test_a_data_file_that_a_module_names_counts(packages):
     (packages[0] / "table.csv").write_text("b\n")
     assert fresh("library.other", packages=packages) != before[0]
     assert fresh("library.top", packages=packages) == before[1]
-
-
-def test_a_change_elsewhere_does_not(packages):
-    before = fresh("library.top", packages=packages)
-    (packages[0] / "other.py").write_text("Y = 2\n")
-    assert fresh("library.top", packages=packages) == before
 
 
 def test_contents_decide_whatever_the_times(tmp_path):

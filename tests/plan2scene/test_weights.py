@@ -33,14 +33,6 @@ def test_same_state_same_bytes(tmp_path):
     assert len(set(files)) == 1
 
 
-@pytest.mark.parametrize("data", [b"", b"garbage", b"\x80\x04pickle"])
-def test_damaged_files_are_one_line(tmp_path, data):
-    path = tmp_path / "x.safetensors"
-    path.write_bytes(data)
-    with pytest.raises(InputError, match=r"x\.safetensors"):
-        load_model_file(path)
-
-
 def test_shipped_weights_have_cards_and_fit_their_budget():
     files = sorted(MODELS.glob("*.safetensors"))
     assert [file.stem for file in files] == [

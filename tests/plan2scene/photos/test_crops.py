@@ -91,16 +91,13 @@ def inputs(tmp_path):
     return tmp_path
 
 
+#: The files of the stage.
+FILES = [f"{name}.parquet" for name in ("crops", "candidates", "planes", "colours")]
+FILES.append("light.json")
+
+
 def files_in(folder):
-    """Return the files of the stage in a folder."""
-    names = (
-        "crops.parquet",
-        "candidates.parquet",
-        "planes.parquet",
-        "colours.parquet",
-        "light.json",
-    )
-    return CropFiles(*(folder / name for name in names))
+    return CropFiles(*(folder / name for name in FILES))
 
 
 def run(house, inputs, rooms_of_photo, **more):
@@ -145,14 +142,7 @@ def test_threads_change_nothing(house, inputs):
     made = []
     for threads in (1, 3):
         run(house, inputs, rooms, threads=threads)
-        names = (
-            "crops.parquet",
-            "candidates.parquet",
-            "planes.parquet",
-            "colours.parquet",
-            "light.json",
-        )
-        made.append([(inputs / name).read_bytes() for name in names])
+        made.append([(inputs / name).read_bytes() for name in FILES])
     assert made[0] == made[1]
 
 

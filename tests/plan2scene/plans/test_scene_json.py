@@ -87,8 +87,12 @@ def test_nestings_read_alike(tmp_path, wrap):
     assert house.adjacency() == (("a", "b"),)
 
 
-def test_round_trip(tmp_path):
-    house, _ = read(tmp_path, arch())
+@pytest.mark.parametrize("kind", ["door", "passage"])
+def test_round_trip(tmp_path, kind):
+    document = arch()
+    document["elements"][4]["holes"][0]["type"] = kind.title()
+    house, _ = read(tmp_path, document)
+    assert house.walls[0].openings[0].kind == kind
     again, warnings = read(tmp_path, house_to_scene(house))
     assert again == house
     assert warnings == []
@@ -170,14 +174,6 @@ def test_labels_of_the_reference_converter(tmp_path, label, expected):
     house, warnings = read(tmp_path, document)
     assert house.room("a").types == (expected,)
     assert len(warnings) == (1 if label == "attic" else 0)
-
-
-def test_passage_survives_the_round_trip(tmp_path):
-    document = arch()
-    document["elements"][4]["holes"][0]["type"] = "Passage"
-    house, _ = read(tmp_path, document)
-    assert house.walls[0].openings[0].kind == "passage"
-    assert read(tmp_path, house_to_scene(house))[0] == house
 
 
 @pytest.mark.shared

@@ -6,7 +6,6 @@ from plan2scene.house import SUBSTANCES
 from plan2scene.images import write_png
 from plan2scene.textures.library import (
     TextureLibrary,
-    generated_library,
     read_library,
     write_library,
 )
@@ -24,11 +23,6 @@ def test_nearest_has_the_nearest_colour():
     assert library.nearest(np.full((128, 128, 3), 255, np.uint8)) == 3
     twins = _flat(10, 100, 100)
     assert twins.nearest(np.full((128, 128, 3), 100, np.uint8)) == 1  # of equals the first
-
-
-def test_a_tile_of_the_library_is_nearest_to_itself():
-    library = generated_library(2, seed=3, size_px=128)
-    assert [library.nearest(tile) for tile in library.tiles] == list(range(8))
 
 
 def test_generated_library_repeats_itself_and_covers_each_substance(tmp_path):

@@ -45,14 +45,6 @@ def paint(tmp_path):
     return tmp_path / "paint.parquet"
 
 
-def test_a_white_and_a_blue_wall(paint):
-    paints, white = read_paint(paint)
-    assert SurfaceKey("a", "wall") in white
-    assert SurfaceKey("b", "wall") not in white
-    red, green, blue = paints[SurfaceKey("b", "wall")]
-    assert red < green < blue
-
-
 def test_a_strong_colour_stays_in_its_room_unless_most_rooms_have_it():
     red, wood = np.array([0.5, 0.05, 0.05]), np.array([0.5, 0.25, 0.1])
     unseen = {SurfaceKey("z", "wall"), SurfaceKey("z", "floor")}
@@ -136,17 +128,13 @@ def test_unseen_surfaces_follow_the_house():
     assert gains[key("b", "floor")] == pytest.approx([2.0] * 3)
 
 
-def test_without_photos_walls_are_white_and_floors_as_made():
+def test_without_photos_walls_are_white_and_what_has_ready_crops_as_made():
     shown = {SurfaceKey("a", "wall"): np.full(3, 0.4), SurfaceKey("a", "floor"): np.full(3, 0.1)}
     gains = paint_gains(shown, {}, plain_whites({}, frozenset(), shown), [0.8] * 3)
     assert gains[SurfaceKey("a", "wall")] == pytest.approx([2.0] * 3)
     assert gains[SurfaceKey("a", "floor")] == pytest.approx([1.0] * 3)
-
-
-def test_a_surface_of_ready_crops_keeps_its_colour():
-    shown = {SurfaceKey("a", "wall"): np.full(3, 0.4)}
-    gains = paint_gains(shown, {}, set(), [0.8] * 3)
-    assert gains[SurfaceKey("a", "wall")] == pytest.approx([1.0] * 3)
+    ready = paint_gains(shown, {}, set(), [0.8] * 3)
+    assert ready[SurfaceKey("a", "wall")] == pytest.approx([1.0] * 3)
 
 
 def test_unseen_doors_are_like_the_others():

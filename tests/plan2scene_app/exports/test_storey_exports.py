@@ -7,7 +7,6 @@ import yaml
 from PIL import Image
 
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene_app.exports.ifc4 import write_ifc
 from plan2scene_app.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M
 from plan2scene_app.exports.registry import export_house
 from plan2scene_app.exports.simulator import mjcf_text, write_simulator
@@ -71,21 +70,6 @@ def test_a_ball_rests_on_both_floors_and_falls_through_the_well(house, solids):
     assert rests["bedroom"] == pytest.approx(2.8 + 0.1, abs=0.02)
     assert rests["living"] == pytest.approx(0.1, abs=0.02)
     assert 0.05 < rests["well"] < 1.0  # on the steps below, or down them
-
-
-def test_ifc_has_both_storeys(house, tmp_path):
-    ifcopenshell = pytest.importorskip("ifcopenshell")
-    write_ifc(house, {}, tmp_path)
-    model = ifcopenshell.open(str(tmp_path / "house.ifc"))
-    storeys = {s.Name: s for s in model.by_type("IfcBuildingStorey")}
-    assert {name: s.Elevation for name, s in storeys.items()} == {"ground": 0.0, "upper": 2.8}
-    upper = storeys["upper"]
-    own = {s.Name for s in upper.IsDecomposedBy[0].RelatedObjects}
-    assert own == {"landing", "bedroom", "bathroom", "study"}
-    (stairs,) = model.by_type("IfcStair")
-    assert stairs.ContainedInStructure[0].RelatingStructure == storeys["ground"]
-    ids = [entity.GlobalId for entity in model.by_type("IfcRoot")]
-    assert len(ids) == len(set(ids))
 
 
 def test_the_simulator_pack_has_every_level(house, paint, tmp_path):
