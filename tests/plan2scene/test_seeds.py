@@ -2,12 +2,8 @@ from plan2scene.seeds import derive_seed
 
 
 def test_a_seed_depends_on_every_name_and_on_their_borders():
-    seeds = {
-        derive_seed(0, "house", "room"),
-        derive_seed(1, "house", "room"),
-        derive_seed(0, "houser", "oom"),
-        derive_seed(0, "house"),
-    }
+    names = (0, "house", "room"), (1, "house", "room"), (0, "houser", "oom"), (0, "house")
+    seeds = {derive_seed(*name) for name in names}
     assert len(seeds) == 4
     assert all(0 <= seed < 2**63 for seed in seeds)
 

@@ -41,17 +41,14 @@ def test_label_png_round_trip_is_a_palette_image_whose_values_are_labels(tmp_pat
 
 
 def test_read_label_png_refuses_what_is_no_mask(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"gone\.png.*no such file"):
-        masks.read_label_png(tmp_path / "gone.png")
     (tmp_path / "text.png").write_text("no image")
-    with pytest.raises(InputError, match=r"expected an image .* found text"):
-        masks.read_label_png(tmp_path / "text.png")
     write_png(tmp_path / "colour.png", _photo())
-    with pytest.raises(InputError, match="mode RGB"):
-        masks.read_label_png(tmp_path / "colour.png")
     write_png(tmp_path / "grey.png", np.full((4, 4), 77, np.uint8))
-    with pytest.raises(InputError, match="value 77"):
-        masks.read_label_png(tmp_path / "grey.png")
+    Image.new("L", (9000, 6000)).save(tmp_path / "huge.png")
+    found = {"gone": "no such file", "text": "found text", "colour": "mode RGB"}
+    for name, words in {**found, "grey": "value 77", "huge": "found 9000x6000"}.items():
+        with pytest.raises(InputError, match=rf"{name}\.png.*{words}"):
+            masks.read_label_png(tmp_path / f"{name}.png")
 
 
 def test_palette_colours_do_not_matter_but_values_do(tmp_path: Path) -> None:
@@ -66,16 +63,6 @@ def test_palette_colours_do_not_matter_but_values_do(tmp_path: Path) -> None:
     own.save(tmp_path / "four.png")
     with pytest.raises(InputError, match=r"labels 0 to 5 \(or 255\), found value 6"):
         masks.read_label_png(tmp_path / "four.png")
-
-
-def test_damaged_and_huge_masks_are_one_line(tmp_path: Path) -> None:
-    masks.write_label_png(tmp_path / "a.png", _labels())
-    (tmp_path / "cut.png").write_bytes((tmp_path / "a.png").read_bytes()[:-40])
-    with pytest.raises(InputError, match=r"cut\.png.*decodes"):
-        masks.read_label_png(tmp_path / "cut.png")
-    Image.new("L", (9000, 6000)).save(tmp_path / "huge.png")
-    with pytest.raises(InputError, match="found 9000x6000"):
-        masks.read_label_png(tmp_path / "huge.png")
 
 
 def test_large_photos_and_their_masks_are_reduced_together(tmp_path: Path) -> None:

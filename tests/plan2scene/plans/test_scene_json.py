@@ -160,15 +160,10 @@ def test_walls_are_made_only_for_a_room_without_any(tmp_path):
     assert any("room b: expected walls, found none; made from the outline" in w for w in warnings)
 
 
-@pytest.mark.parametrize(
-    ("label", "expected"),
-    [
-        ("living_room", "Reception"),
-        ("PS", "Closet"),
-        ("washing_room", "Bathroom"),
-        ("attic", "Unknown"),
-    ],
-)
+LABELS = {"living_room": "Reception", "PS": "Closet", "washing_room": "Bathroom"}
+
+
+@pytest.mark.parametrize(("label", "expected"), [*LABELS.items(), ("attic", "Unknown")])
 def test_labels_of_the_reference_converter(tmp_path, label, expected):
     document = arch(rooms=[{"id": "a", "types": [label]}, {"id": "b", "types": ["Closet"]}])
     house, warnings = read(tmp_path, document)
