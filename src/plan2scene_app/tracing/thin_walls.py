@@ -10,7 +10,7 @@ import numpy as np
 from scipy import ndimage
 
 from plan2scene_app.tracing.ink import ink_of, solid_walls
-from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, SETTINGS, WALL
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTINGS, WALL
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,9 @@ def _parted_at(
         walls |= line.T if turned else line
         doors |= gap.T if turned else gap
     before = _parted(structure == ROOM, names)
+    # Half of a gap that the network takes for an opening is the whole gap's.
+    opening = np.isin(structure, (DOOR, PASSAGE))
+    floor |= opening & doors
     added = walls & floor
     gaps = doors & floor & ~added
     for _ in range(SETTINGS.thin_rounds):
@@ -91,6 +94,7 @@ def _parted_at(
     changed[floor] = ROOM
     changed[gaps] = DOOR
     changed[added] = WALL
+    changed[opening & (cv2.dilate(gaps.astype(np.uint8), np.ones((7, 7), np.uint8)) > 0)] = DOOR
     faces, count = ndimage.label(floor & ~added & ~gaps)
     areas = np.bincount(faces.ravel(), minlength=count + 1)
     at: dict[int, list[float]] = {}

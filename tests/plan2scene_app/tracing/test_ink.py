@@ -8,7 +8,7 @@ from plan2scene_app.tracing.ink import with_drawn_doors
 from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.regions import find_regions
 from plan2scene_app.tracing.rooms import room_polygons
-from plan2scene_app.tracing.settings import DOOR, ROOM, WALL, WINDOW
+from plan2scene_app.tracing.settings import DOOR, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
 from .conftest import PPM, as_probabilities, flat_labels
@@ -62,6 +62,7 @@ def test_thin_lines_part_named_rooms_and_gaps_in_them_are_doors():
     page[60:90, 60] = page[60:90, 90] = page[60, 60:90] = page[90, 60:91] = 90  # a table
     names = [(100.0, 200.0), (300.0, 80.0), (300.0, 220.0)]
     sizes = [(100.0, 200.0, 41.5), (300.0, 80.0, 25.1)]
+    labels[130:140, 199:202] = PASSAGE  # a third of the gap, which the network sees
     found, ppm = with_thin_walls(labels, page, names, sizes, PPM)
     assert ppm == pytest.approx(30, rel=0.03)
     assert (found[125:145, 200] == DOOR).all() and (found[160, 210:380] == WALL).all()
