@@ -11,6 +11,9 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  #: Luminance of linear R, G, B
 #: A photo's pixel is clipped when its greatest channel is at or below, or its least at or above
 #: this: a level stricter than where kept crops are compared, which 4 of the demo's 594 crops pass.
 CLIPPED_LEVELS = (2, 249)
+#: Bare wood in L*a*b*: hue in degrees, from mahogany to pine, and least chroma. Chosen by looking
+#: at doors of two real flats (development) and the demo.
+WOOD_HUE, WOOD_CHROMA = (40.0, 88.0), 15.0
 
 
 def as_float(image: np.ndarray) -> np.ndarray:
@@ -86,6 +89,13 @@ def rgb_to_lab(rgb: np.ndarray) -> np.ndarray:
     from skimage.color import rgb2lab
 
     return rgb2lab(np.asarray(rgb, dtype=np.float64))
+
+
+def is_wood(labs: np.ndarray) -> np.ndarray:
+    """Return which L*a*b* colours (..., 3) bare wood has and paint rarely, (...) bool."""
+    hue = np.degrees(np.arctan2(labs[..., 2], labs[..., 1]))
+    chroma = np.hypot(labs[..., 1], labs[..., 2])
+    return np.asarray((chroma >= WOOD_CHROMA) & (hue >= WOOD_HUE[0]) & (hue <= WOOD_HUE[1]))
 
 
 def delta_e_2000(lab_a: np.ndarray, lab_b: np.ndarray) -> np.ndarray:

@@ -70,7 +70,9 @@ def set_by_hand(
         doors = {}
     write_json(root / "doors.json", doors | _colours("door", finishes))
     if trim := _colours("trim", finishes):
-        write_json(root / "trim.json", trim)
+        seen = root / "trim.json"
+        known = read_stage_json(seen, "trim") if seen.is_file() else {}
+        write_json(seen, known | trim)
 
 
 @dataclass(frozen=True)

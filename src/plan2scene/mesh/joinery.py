@@ -11,7 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plan2scene.colour import as_float, as_uint8, linear_to_srgb, rgb_to_lab, srgb_to_linear
+from plan2scene.colour import (
+    as_float,
+    as_uint8,
+    is_wood,
+    linear_to_srgb,
+    rgb_to_lab,
+    srgb_to_linear,
+)
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.plans.wall_sides import Portal
 from plan2scene.seeds import generator
@@ -48,8 +55,6 @@ class Veneer:
     Chosen by looking at doors of two real flats (development) and the demo.
     """
 
-    hue: tuple[float, float] = (40.0, 88.0)  #: degrees in L*a*b*, from mahogany to pine
-    least_chroma: float = 15.0  #: L*a*b*; greyer leaves are painted
     streak: tuple[float, float] = (0.003, 0.014)  #: width, metres
     contrast: float = 0.07  #: standard deviation of a streak's log reflectance
     figure: float = 0.05  #: the same of the broad figure behind the streaks
@@ -78,13 +83,6 @@ def fixtures(
     if hole.opening.kind == "window":
         return _window(portal, trim or FRAME_COLOUR, hatch=hatch)
     return [_door(portal, leaf, trim, 1.0 if inwards else -1.0)]
-
-
-def is_wood(colour: Colour) -> bool:
-    """Return whether a colour is one that bare wood has and paint of doors rarely."""
-    _, a, b = rgb_to_lab(as_float(np.array(colour, np.uint8)))
-    hue = math.degrees(math.atan2(b, a))
-    return math.hypot(a, b) >= VENEER.least_chroma and VENEER.hue[0] <= hue <= VENEER.hue[1]
 
 
 def is_hatch(portal: Portal, indoors: Collection[str]) -> bool:
@@ -171,7 +169,7 @@ def _leaf(
     if not outside:  # the pivot is at the face of the frame, so the leaf clears the jamb
         frame[3] += inward * (_depth(portal) - JOINERY.leaf)
     half = JOINERY.leaf / 2
-    if is_wood(colour):
+    if is_wood(rgb_to_lab(as_float(np.array(colour, np.uint8)))):
         _veneer(builder, frame, (width, low, high), colour)
     else:
         builder.box(frame, (0, low, -half), (width, high, half), colour)

@@ -46,7 +46,7 @@ class PlaneColours:
     rooms : tuple of str
         Whose it may be.
     surface : str
-        Of ``house.SURFACES``; ``door`` for a door leaf.
+        Of ``house.SURFACES``; ``door`` for a door leaf, ``frame`` for frames of windows.
     plane : int
         Number of the plane within photo and surface.
     own : bool

@@ -21,6 +21,7 @@ from plan2scene.mesh.texture_files import texture_index
 from plan2scene.paint.estimate import PaintPrior
 from plan2scene.paint.light import relight
 from plan2scene.paint.surfaces import (
+    TRIM,
     door_paints,
     paint_gains,
     plain_whites,
@@ -52,9 +53,9 @@ def paint_textures(
     """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
 
     The folder has the files of the first one, without maps of plain white surfaces, whose tile has
-    all that there is, and ``doors.json``: sRGB levels of door leaves by the id of their opening.
-    An unseen white wall has no pattern of another room. `last_word` may change the folder before
-    it takes its place.
+    all that there is, and ``doors.json``: sRGB levels of door leaves by the id of their opening;
+    ``trim.json`` of frames and skirting where these are of wood. An unseen white wall has no
+    pattern of another room. `last_word` may change the folder before it takes its place.
     """
     root = Path(textures)
     listed = texture_index(root)
@@ -72,6 +73,9 @@ def paint_textures(
         name: as_uint8(linear_to_srgb(colour)).tolist()
         for name, colour in door_paints(paints, white_surfaces).items()
     }
+    trim = {"": as_uint8(linear_to_srgb(paints[TRIM])).tolist()} if TRIM in paints else {}
+    if trim and not doors:  # what no photo shows is as the rest of the joinery
+        doors = dict(trim)
     has_maps = (root / "maps.json").is_file()
     maps = read_stage_json(root / "maps.json", "maps") if has_maps else {"surfaces": {}}
     banded = {key for key in tiles if "split_m" in maps["surfaces"].get("/".join(key), {})}
@@ -87,6 +91,8 @@ def paint_textures(
                 lit = relight(read_image(whole), gains[key], knee=_KNEE)
                 (folder / whole.name).write_bytes(jpeg_bytes(lit, quality=_QUALITY))
         write_json(folder / "doors.json", doors)
+        if trim:
+            write_json(folder / "trim.json", trim)
         facts = {
             "/".join(key): {"size_m": made.size_m, "substance": made.substance}
             for key, made in plains.items()

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from box_room import box_house
 
-from plan2scene.colour import srgb_to_linear
+from plan2scene.colour import is_wood, rgb_to_lab, srgb_to_linear
 from plan2scene.mesh.assembly import build_parts
-from plan2scene.mesh.joinery import METAL_COLOUR, is_wood
+from plan2scene.mesh.joinery import METAL_COLOUR
 
 OAK = (166, 131, 83)
 GREEN = (40, 120, 90)
@@ -16,12 +16,12 @@ GREEN = (40, 120, 90)
 
 @pytest.mark.parametrize("colour", [OAK, (120, 70, 45), (225, 188, 140)])
 def test_browns_are_wood(colour):
-    assert is_wood(colour)
+    assert is_wood(rgb_to_lab(np.array(colour) / 255))
 
 
 @pytest.mark.parametrize("colour", [(236, 232, 224), (60, 60, 62), (40, 90, 140), (200, 30, 40)])
 def test_white_grey_blue_and_red_are_paint(colour):
-    assert not is_wood(colour)
+    assert not is_wood(rgb_to_lab(np.array(colour) / 255))
 
 
 def leaf_colours(colour):

@@ -8,7 +8,9 @@ import pytest
 from plan2scene.house import SurfaceKey
 from plan2scene.paint.estimate import Observation, PaintPrior, estimate_paint
 from plan2scene.paint.observations import SHARES, PlaneColours, write_colours
-from plan2scene.paint.surfaces import joined, observations_of
+from plan2scene.paint.surfaces import joined, observations_of, trim_paint
+from plan2scene.photos.crops.colours import frame_colours
+from plan2scene.photos.labels.palette import OTHER, WALL
 
 WHITE = np.exp(PaintPrior().white[0])
 
@@ -135,6 +137,23 @@ def test_what_is_seen_within_a_room_takes_no_colour_from_another(tmp_path, seen,
     path = tmp_path / "colours.parquet"
     write_colours(path, planes, dataset="d", house_id="h")
     assert len(observations_of(path)) == kept
+
+
+@pytest.mark.parametrize(
+    ("frame", "trim"), [((150, 100, 60), True), ((230, 228, 224), False), ((60, 90, 150), False)]
+)
+def test_trim_is_of_wood_where_frames_of_windows_are(tmp_path, frame, trim):
+    labels = np.full((200, 400), WALL, np.uint8)
+    labels[50:150, 100:300] = OTHER
+    image = np.full((200, 400, 3), 235, np.uint8)
+    image[50:150, 100:300] = frame
+    image[54:146, 104:296] = 248  # the pane
+    shown = frame_colours(image, labels, labels == OTHER, "p", "a")
+    path = tmp_path / "colours.parquet"
+    write_colours(path, shown, dataset="d", house_id="h")
+    found = trim_paint(path, {"p": np.ones(3)})
+    assert (found is not None) is trim
+    assert not observations_of(path)
 
 
 def test_no_photo_no_paint():

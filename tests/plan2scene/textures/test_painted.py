@@ -36,6 +36,7 @@ def paint(tmp_path):
         plane("1.jpg", "a", "ceiling", 0.8 * light),
         plane("2.jpg", "b", "wall", np.array([0.15, 0.3, 0.6]) * light),
         plane("2.jpg", "b", "ceiling", 0.82 * light),
+        plane("2.jpg", "b", "frame", np.array([0.3, 0.14, 0.05]) * light),
     ]
     write_colours(tmp_path / "colours.parquet", planes, dataset="d", house_id="h")
     materials = pd.DataFrame({"room_id": [], "surface": [], "material": []})
@@ -86,6 +87,10 @@ def test_tiles_and_maps_get_the_paint_and_keep_their_pattern(paint, tmp_path):
     whole = read_image(tmp_path / "out" / "b_wall.jpg")
     assert median_colour(whole) == pytest.approx(median_colour(painted), abs=0.02)
     assert read_json(tmp_path / "out" / "maps.json") == read_json(folder / "maps.json")
+    trim = read_json(tmp_path / "out" / "trim.json")
+    red, green, blue = trim[""]
+    assert red > green > blue
+    assert read_json(tmp_path / "out" / "doors.json") == trim  # no photo shows a door
     entry = read_json(tmp_path / "out" / "textures.json")["surfaces"]["b/wall"]
     assert entry.pop("evidence") == {"photos": ["2.jpg"], "like": None, "words": "seen in 1 photo"}
     assert entry == read_json(folder / "textures.json")["surfaces"]["b/wall"]

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import cv2
 import numpy as np
 
 from plan2scene.camera import Camera
 from plan2scene.colour import srgb_to_linear
 from plan2scene.paint.observations import PlaneColours, SurfaceColour, equal_shares
 from plan2scene.photos.crops.filter import inner_mask, unclipped
-from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
+from plan2scene.photos.labels.palette import CEILING, FLOOR, OTHER, WALL
 from plan2scene.photos.planes.planes import PhotoPlane, Plane
 
 MIN_PIXELS = 200  #: Planes of fewer pixels are left out
@@ -22,6 +23,8 @@ MOST_PIXELS = 20000  #: At most about so many pixels of a plane are used
 #: Surfaces smaller than this share of the photo are left out, and those of which less than the
 #: second share is usable.
 MIN_SHARE, MIN_USABLE = 0.005, 0.2
+#: Width of a window's frame as a share of the photo's, and how likely its pixels are of a window.
+FRAME_WIDTH, FRAME_LIKELY = 0.01, 0.5
 _LABELS = {"floor": FLOOR, "wall": WALL, "ceiling": CEILING}
 
 
@@ -86,6 +89,28 @@ def door_colours(
         facts = photo, (room_id,), "door", index, True, (opening_id,), weight
         observed.append(PlaneColours(*facts, colours))
     return observed
+
+
+def frame_colours(
+    image: np.ndarray, labels: np.ndarray, windows: np.ndarray, photo: str, room_id: str
+) -> list[PlaneColours]:
+    """Return what a photo, image (h, w, 3) uint8 sRGB, shows of windows beside walls: frames.
+
+    `labels` (h, w) uint8 as of :func:`surface_colours`, `windows` (h', w') float is how likely each
+    pixel is of a window, at any resolution.
+    """
+    height, width = labels.shape
+    likely = cv2.resize(windows.astype(np.float32), (width, height)) >= FRAME_LIKELY
+    wall = (labels == WALL).astype(np.uint8)
+    near, border = (
+        cv2.dilate(wall, np.ones((size, size), np.uint8)) > 0
+        for size in (max(3, round(FRAME_WIDTH * width)), 3)
+    )
+    rows, columns = np.nonzero(likely & (labels == OTHER) & near & ~border & unclipped(image))
+    if len(rows) < MIN_PIXELS:
+        return []
+    shown = equal_shares(srgb_to_linear(image[rows, columns]), np.ones(len(rows)))
+    return [PlaneColours(photo, (room_id,), "frame", 0, True, (), len(rows) / labels.size, shown)]
 
 
 def surface_colours(

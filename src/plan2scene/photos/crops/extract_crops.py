@@ -28,7 +28,12 @@ from plan2scene.photos.crops.candidates import (
     planes_of_photo,
     rooms_by_size,
 )
-from plan2scene.photos.crops.colours import colours_of_photo, door_colours, surface_colours
+from plan2scene.photos.crops.colours import (
+    colours_of_photo,
+    door_colours,
+    frame_colours,
+    surface_colours,
+)
 from plan2scene.photos.crops.filter import inner_mask, mark_outvoted, strong_edges
 from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Verdict
 from plan2scene.photos.crops.selection import write_tables
@@ -36,6 +41,7 @@ from plan2scene.photos.labels.palette import (
     DOOR,
     OTHER,
     PROBABILITIES,
+    WINDOW,
     read_label_png,
     read_probability_png,
 )
@@ -201,13 +207,14 @@ def _crops_of_photo(
     _log.info("%s: %d candidates, camera %s", photo, len(candidates), camera.focal_source)
     colours = colours_of_photo(image, camera, planes, photo, inner)
     pose, likely = poses.get(photo), masks_dir / PROBABILITIES / f"{Path(photo).stem}.png"
+    room = rooms[0] if pose is None else pose.room_id
     if likely.is_file():
-        likely_door = read_probability_png(likely, house_id=house.id)[DOOR]
+        shares = read_probability_png(likely, house_id=house.id)
+        likely_door = shares[DOOR]
+        colours += frame_colours(image, labels, shares[WINDOW], photo, room)
     else:
         likely_door = 0.5 * (labels == OTHER)
-    doors = seen_doors(labels, likely_door, pose, shapes)
-    room = rooms[0] if pose is None else pose.room_id
-    colours += door_colours(image, photo, room, doors)
+    colours += door_colours(image, photo, room, seen_doors(labels, likely_door, pose, shapes))
     return PhotoCrops(
         candidates,
         [plane_row(photo, item) for item in planes],
