@@ -110,7 +110,7 @@ function describe(part) {
   const research = document.createElement("details");
   research.append(text("summary", "For researchers"), listOfFacts([["Wall", extras.wall_id], ["Sure", known.confidence == null ? null : share(known.confidence)], ["As", extras.observed === false ? known.source : null],
     ["Texture", extras.source], ["Tile", extras.size_m ? `${extras.size_m.toFixed(2)} m` : null]]));
-  const pictures = known.crop && !byHand ? [Object.assign(new Image(), { src: known.crop, alt: "The photo's piece that shows this surface" })] : [];
+  const pictures = known.crop && !byHand ? [Object.assign(new Image(), { src: known.crop, alt: "The photo's piece that shows this surface" }), text("small", "As the photo shows it, in its own light")] : [];
   show(capital(name), rows, ...pictures, ...(extras.surface ? [research] : []));
 }
 
