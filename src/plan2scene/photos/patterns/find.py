@@ -201,12 +201,12 @@ def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:
         near = pooled[max(middle - 3, 0) : max(middle + 4, 0)]
         if near.size and near.max() >= FIND.part_of_mosaic * pooled.max():
             k = max(middle - 3, 0) + int(near.argmax())
-    if MOSAICS[k] > np.sqrt(2) * FIND.widest_mosaic_m:
-        return None
     near = np.where(np.abs(np.arange(scores.shape[1]) - k) <= reach // 2, scores, 0.0)
     shown = near.max(axis=1) > 0.0
     sizes = MOSAICS[near.argmax(axis=1)][shown] / np.sqrt(2)
     side, spread = _middle(list(sizes), list(weights[shown]))
+    if side > FIND.widest_mosaic_m:
+        return None
     photos = dict.fromkeys(v.photo for v, seen in zip(views, shown, strict=True) if seen)
     # Squares that a photo hardly has pixels for may be several of smaller ones.
     pixels = float(np.average([v.px_per_m for v in views], weights=weights * shown)) * side
@@ -266,7 +266,8 @@ def _sure(
     readings = [_read(view, float(DISTANCES[k])) for view in views]
     readings = [r for r in readings if r.score >= 0.5 * none]
     shown = min(sum(r.view.square_m for r in readings) / FIND.enough_m2, 1.0)
-    return float(np.clip((pooled[k] - none) / (clear - none), 0.0, 1.0)) * shown, k, readings
+    sure = shown * (pooled[k] - none) / (clear - none)  # clear joints make up for little floor
+    return float(np.clip(sure, 0.0, 1.0)), k, readings
 
 
 def _grainy(views: Sequence[FloorView]) -> bool:

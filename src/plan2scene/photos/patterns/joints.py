@@ -89,7 +89,7 @@ class Direction:
 
     @cached_property
     def lines(self) -> dict[str, np.ndarray]:
-        """How clearly lines repeat (n,) at each of `DISTANCES`, 0..1, by kind of line."""
+        """How clearly lines repeat (n,) at each of `DISTANCES`, 0..2, by kind of line."""
         return across(self.view)
 
     @cached_property
@@ -390,7 +390,7 @@ def _mean(values: np.ndarray, axis: int) -> np.ndarray:
 
 
 def repeats(profile: np.ndarray, reach: float) -> np.ndarray:
-    """Return how clearly a likeness over shifts 0, 1 ... px repeats at each of `DISTANCES`, 0..1.
+    """Return how clearly a likeness over shifts 0, 1 ... px repeats at each of `DISTANCES`, 0..2.
 
     At a period and its double the likeness is high, at one and three halves of it low. Few periods
     within `reach` px count less.
@@ -408,4 +408,4 @@ def repeats(profile: np.ndarray, reach: float) -> np.ndarray:
     twice = np.minimum(value(2.0) - value(1.5), once)
     scores = np.where(2 * tried <= last, 0.5 * (once + twice), JOINTS.single * once)
     scores *= np.clip((reach / tried - 1.0) / JOINTS.periods, 0.0, 1.0)
-    return np.where(tried <= min(last, JOINTS.of_extent * reach), np.clip(scores, 0.0, 1.0), 0.0)
+    return np.where(tried <= min(last, JOINTS.of_extent * reach), np.maximum(scores, 0.0), 0.0)
