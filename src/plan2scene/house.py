@@ -137,11 +137,6 @@ class Room:
         called = self.name or (self.id.replace("_", " ") if word else "")
         return called or " / ".join(self.types)
 
-    @property
-    def label(self) -> str:
-        """Return what tells the room from the others in a line: its name, else its id."""
-        return self.name or self.id
-
     def surface_keys(self) -> tuple[SurfaceKey, ...]:
         """Return the floor, wall and ceiling key of this room."""
         return tuple(SurfaceKey(self.id, surface) for surface in SURFACES)
@@ -246,6 +241,17 @@ class House:
             if room.id == room_id:
                 return room
         raise KeyError(room_id)
+
+    @property
+    def labels(self) -> dict[str, str]:
+        """What tells each room from the others, by id: its name, its id, or both."""
+        named = [_plain(room.name) for room in self.rooms]
+        return {
+            room.id: f"{room.name} ({room.id})"
+            if name and named.count(name) > 1
+            else room.name or room.id
+            for room, name in zip(self.rooms, named, strict=True)
+        }
 
     def rooms_called(self, text: str) -> list[Room]:
         """Return the room of an id, else those of that name."""

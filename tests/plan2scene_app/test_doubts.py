@@ -1,5 +1,7 @@
 """The page of doubts: what is not sure comes with its place, in words that escape nothing."""
 
+from dataclasses import replace
+
 import numpy as np
 from box_room import box_house
 
@@ -20,15 +22,19 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     write_json(masks / "warnings.json", ["photo e.txt left out: found text"])
     for name in "abc":
         write_png(tmp_path / f"{name}.png", np.full((40, 60, 3), 99, np.uint8))
-    page = tmp_path / "doubts.html"
-    lines = write_doubts(page, tmp_path, DoubtFiles(table, masks), house=house)
+    page, traced = tmp_path / "doubts.html", tmp_path / "plan.doubts.txt"
+    traced.write_text("rooms room, store: no door\n")
+    rooms = tuple(replace(r, name="Attic" if r.id == "store" else "") for r in house.rooms)
+    house = replace(house, rooms=rooms)
+    lines = write_doubts(page, tmp_path, DoubtFiles(table, masks, doubts=traced), house=house)
     assert lines == [
+        "plan: rooms room, store: no door",
         "photo e.txt left out: found text",
         "no room is found for <d>.png",
         "a.png is in room with a probability of 61%",
-        "c.png is in store with a probability of 17% "
+        "c.png is in Attic with a probability of 17% "
         "(in one of its kind 40% by imagenet and name): nothing is made of it",
-        "no photo shows store: made like the other rooms",
+        "no photo shows Attic: made like the other rooms",
     ]
     text = page.read_text()
     assert text.count("data:image/jpeg") == 3
@@ -37,6 +43,7 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     room, store = text.index('id="room-room"'), text.index('id="room-store"')
     assert room < text.index("b.png <small>as told") < store < text.index('class="doubt">17%')
     assert '<a href="#plan-room">room</a> with a probability' in text
+    assert 'rooms <a href="#plan-room">room</a>, <a href="#plan-store">Attic</a>: no door' in text
 
 
 def test_photos_without_any_place_are_the_first_doubt():

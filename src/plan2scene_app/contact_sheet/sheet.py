@@ -131,7 +131,7 @@ def write_contact_sheet(
     poses = {} if files.cameras is None else read_poses(files.cameras, house)
     masks = None if files.masks is None else _Masks.of(Path(files.masks))
     shapes = room_shapes(house)
-    labels = {room.id: legible(room.label, room.id) for room in house.rooms}
+    labels = {room: legible(label, room) for room, label in house.labels.items()}
     names = sorted(set(photos) | set(windows))
     drawn = names[:MAX_PHOTOS]
     sheet = Image.new("RGB", (WIDTH, HEADER + ROW * max(1, len(drawn))), PAPER)

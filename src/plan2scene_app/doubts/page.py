@@ -100,7 +100,11 @@ def write_doubts(
     poses = read_poses(files.cameras) if files.cameras else {}
     eyes = {name: (pose.room_id, pose.eye[0], pose.eye[2]) for name, pose in poses.items()}
     folder = Path(photo_folder)
-    groups = [_room_section(room, placed, folder) for room in house.rooms]
+    shown = {row.room_id for row in placed}
+    groups = [
+        _room_section(house, room, placed, folder) for room in house.rooms if room.id in shown
+    ]
+    bare = [room.id for room in house.rooms if room.id not in shown]
     style = (_FOLDER / "doubts.css").read_text(encoding="utf-8")
     picture = "" if files.overlay is None else _picture(files.overlay)
     page = html_page(
@@ -113,6 +117,11 @@ def write_doubts(
         plans="\n".join(_plan(storey, level.name, eyes) for level, storey in house.storeys()),
         picture=picture,
         rooms="\n".join(groups),
+        bare=", ".join(
+            f'<a id="room-{html.escape(room)}" href="#plan-{html.escape(room)}">'
+            f"{html.escape(house.labels[room])}</a>"
+            for room in bare
+        ),
         unplaced=_cards([row for row in placed if not row.room_id], folder),
     )
     with atomic_path(output) as temporary:
@@ -130,7 +139,7 @@ def doubt_lines(
 
     `left_out` are the warnings of the masks stage, `traced` the lines of a plan's tracing.
     """
-    labels = {room.id: room.label for room in house.rooms}
+    labels = house.labels
     lost = [row.name for row in placed if not row.room_id]
     used = {row.room_id for row in placed if row.room_id and not row.unused}
     idle = sum(row.unused or not row.room_id for row in placed)
@@ -150,32 +159,34 @@ def doubt_lines(
             if by or row.of_kind > row.probability:
                 where += f" (in one of its kind {row.of_kind:.0%}{by})"
             yield f"{where}: nothing is made of it" if row.unused else where
-    bare = [room.label for room in house.rooms if room.id not in used and not room.open_air]
+    bare = [labels[room.id] for room in house.rooms if room.id not in used and not room.open_air]
     if used and bare:
         yield f"no photo shows {', '.join(bare)}: made like the other rooms"
 
 
 def _linked(line: str, house: House) -> str:
-    """Return a line as HTML; the first room that it names leads to its place in the plan."""
-    longest = sorted(house.rooms, key=lambda room: -len(room.label))
-    for room in longest:
-        found = re.search(rf"(?<![\w.-]){re.escape(room.label)}(?![\w.-])", line)
-        if found:
-            parts = (line[: found.start()], room.label, line[found.end() :])
-            before, label, after = map(html.escape, parts)
-            return f'{before}<a href="#plan-{html.escape(room.id)}">{label}</a>{after}'
-    return html.escape(line)
+    """Return a line as HTML; rooms that it names lead to their places in the plan."""
+    labels = house.labels
+    rooms = {label: room for room, label in labels.items()} | {room: room for room in labels}
+    longest = "|".join(re.escape(word) for word in sorted(rooms, key=len, reverse=True))
+    parts = re.split(rf"(?<![\w.-])({longest})(?![\w.-])", line)
+    return "".join(
+        f'<a href="#plan-{html.escape(rooms[part])}">{html.escape(labels[rooms[part]])}</a>'
+        if number % 2
+        else html.escape(part)
+        for number, part in enumerate(parts)
+    )
 
 
-def _room_section(room: Room, placed: Sequence[PlacedPhoto], folder: Path) -> str:
+def _room_section(house: House, room: Room, placed: Sequence[PlacedPhoto], folder: Path) -> str:
     """Return the HTML of a room and its photos."""
-    name, label = html.escape(room.id), html.escape(room.label)
+    name, label = html.escape(room.id), html.escape(house.labels[room.id])
     title = html.escape(" / ".join(room.types))
     area = room_polygon(room).area
     cards = _cards([row for row in placed if row.room_id == room.id], folder)
     return (
         f'<section id="room-{name}"><h3><a href="#plan-{name}">{label}</a> '
-        f"<small>{title}, {area:.1f} m²</small></h3>{cards or '<p>no photo</p>'}</section>"
+        f"<small>{title}, {area:.1f} m²</small></h3>{cards}</section>"
     )
 
 
@@ -235,7 +246,9 @@ def _plan(house: House, level: str, eyes: Mapping[str, tuple[str, float, float]]
         )
         spot = room_polygon(room).representative_point()
         shapes.append(f'<a href="#room-{name}"><path id="plan-{name}" d="{path}"/></a>')
-        labels.append(f'<text x="{spot.x:.2f}" y="{spot.y:.2f}">{html.escape(room.label)}</text>')
+        labels.append(
+            f'<text x="{spot.x:.2f}" y="{spot.y:.2f}">{html.escape(room.name or room.id)}</text>'
+        )
     ids = {room.id for room in house.rooms}
     dots = [
         f'<circle cx="{x:.2f}" cy="{z:.2f}" r=".12"><title>{html.escape(name)}</title></circle>'

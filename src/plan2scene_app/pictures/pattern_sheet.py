@@ -36,7 +36,7 @@ def draw_patterns(house: House, patterns: str | Path | None) -> np.ndarray:
     else:
         table = [row for row in read_parquet(patterns)[0].itertuples() if len(row.shown)]
         by_floor = read_patterns(patterns)
-    labels = {room.id: legible(room.label, room.id) for room in house.rooms}
+    labels = {room: legible(label, room) for room, label in house.labels.items()}
     floors: dict[bytes, list] = {}
     for row in table:
         floors.setdefault(row.shown, []).append(row)

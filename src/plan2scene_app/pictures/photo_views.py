@@ -44,7 +44,7 @@ def render_photo_views(
     from PIL import Image, ImageDraw
 
     order = [room.id for room in house.rooms]
-    labels = {room.id: legible(room.label, room.id) for room in house.rooms}
+    labels = {room: legible(label, room) for room, label in house.labels.items()}
     names = sorted(poses.keys() & photos.keys(), key=lambda n: (order.index(poses[n].room_id), n))
     pairs = [_pair(photos[n], photo_view(house, poses[n]), painter) for n in names]
     rows = [pairs[k : k + COLUMNS] for k in range(0, len(pairs), COLUMNS)]

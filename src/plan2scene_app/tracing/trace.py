@@ -449,7 +449,8 @@ def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
     rooms = []
     for room in plan.rooms:
         n, shape = room.number, room.polygon
-        entry: dict[str, Any] = {"id": room.id, "types": list(room.types)}
+        named = {"name": room.name} if room.named and room.name else {}
+        entry: dict[str, Any] = {"id": room.id, **named, "types": list(room.types)}
         entry["polygon"] = [metric(p, n) for p in shape.exterior.coords[:-1]]
         holes = [[metric(p, n) for p in ring.coords[:-1]] for ring in shape.interiors]
         rooms.append(entry | ({"holes": holes} if holes else {}) | on_level(n))

@@ -48,10 +48,10 @@ def test_a_drawing_becomes_a_plan_by_the_command_the_same_again(picture, texts, 
     for one, other in zip(traced_files(out), traced_files(again), strict=True):
         assert one.read_bytes() == other.read_bytes()
     house = read_plan(out, "flat")
-    assert {room.id: room.types for room in house.rooms} == {
-        "wohnzimmer": ("Reception",),
-        "kuche": ("Kitchen",),
-    }
+    assert [(room.id, room.name, room.types) for room in house.rooms] == [
+        ("wohnzimmer", "Wohnzimmer", ("Reception",)),
+        ("kuche", "Küche", ("Kitchen",)),
+    ]
     areas = {room.id: room.polygon.area * plan.metres**2 for room in plan.rooms}
     assert areas["wohnzimmer"] == pytest.approx(4.06 * 5.12, rel=0.05)
     assert plan.scale.confidence > 0.6

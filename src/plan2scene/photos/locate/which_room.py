@@ -196,14 +196,14 @@ def room_probabilities(
 def fitting_rooms(house: House, name: str) -> dict[str, float]:
     """Return how much of a photo's name fits each room, of the words that fit any; empty for none.
 
-    A room's words are those of its label and its types: "master_bedroom_2" fits a room "Master",
+    A room's words are those of its name, id and types: "master_bedroom_2" fits a room "Master",
     a bedroom, better than another bedroom.
     """
     said = _words(name) | {kind.lower() for kind in room_types(name.replace("_", " "))}
     fits = {
         room.id: {
             word
-            for word in _words(room.label) | {kind.lower() for kind in room.types}
+            for word in _words(f"{room.name} {room.id}") | {kind.lower() for kind in room.types}
             if any(_is_word(own, word) for own in said)
         }
         for room in house.rooms
