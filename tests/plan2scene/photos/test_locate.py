@@ -130,6 +130,10 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     both = {"b.jpg": ["store"], "a.jpg": ["room"]}
     assert write_photo_rooms(house, given, output, rooms, placed) == both
     assert read_json(rooms) == both
+    many = {f"photo {number:03}.jpg": [] for number in range(99)}
+    write_photo_rooms(house, many, None, rooms, placed)
+    assert all(name in caplog.messages[-1] for name in many)
+    write_photo_rooms(house, given, output, rooms, placed)
     sure = read_json(output)["a.jpg"]["rooms"]["room"]
     assert poses["a.jpg"].located < sure < 1.0
     header = "room_id,photo,probability,of_kind,evidence,guess"

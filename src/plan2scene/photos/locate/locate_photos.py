@@ -347,8 +347,8 @@ def write_photo_rooms(
     )
     if left_out:
         expected = "a room_id in the photo table where a photo's place in the plan is not clear"
-        line = InputError(expected, f"none for {', '.join(left_out)}", house=house.id)
-        _log.warning("%s; left out", line)
+        line = InputError(expected, "none", house=house.id)
+        _log.warning("%s for %s; left out", line, ", ".join(left_out))
     rows = []
     for photo, named in rooms.items():
         if photo in likely:
