@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from PIL import ImageFont
 
+    from plan2scene.house import House
+
 #: sRGB of a sheet's background and text.
 PAPER, INK = (250, 250, 250), (25, 25, 25)
 
@@ -43,3 +45,8 @@ def legible(text: str, otherwise: str) -> str:
     wide = wide_font(16)
     missing = bytes(wide.getmask("\U0010fffd"))
     return otherwise if any(bytes(wide.getmask(c)) == missing for c in text) else text
+
+
+def room_labels(house: House) -> dict[str, str]:
+    """Return what pictures call each room, by id: its label, or the id where letters lack."""
+    return {room: legible(label, room) for room, label in house.labels.items()}

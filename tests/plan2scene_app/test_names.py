@@ -14,6 +14,7 @@ from plan2scene.plans.parse import Source
 from plan2scene.plans.scene_json import house_of_scene
 from plan2scene.plans.scene_writer import house_to_scene
 from plan2scene_app.doubts.page import PlacedPhoto, doubt_lines
+from plan2scene_app.drawing import room_labels
 from plan2scene_app.exports.ifc4 import write_ifc
 from plan2scene_app.exports.plan_sheet import write_plan
 from plan2scene_app.ids import free_id
@@ -50,6 +51,12 @@ def test_ids_differ_and_names_stay(house, tmp_path):
     table.write_text("room_id,photo\nспальня,a.jpg\n", "utf-8")
     with pytest.raises(InputError, match=r"by its id: room_3 or other, .*the name of 2 rooms"):
         read_assignment(table, two)
+    shown = room_labels(two)
+    assert [shown[room] for room in ("living", "room_3", "other")] == [
+        "living",
+        "Спальня (room_3)",
+        "Спальня (other)",
+    ]
     assert read_assignment(table, two, traced=True) == (("", "a.jpg"),)
 
 

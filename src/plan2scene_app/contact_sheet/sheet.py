@@ -43,7 +43,7 @@ from plan2scene_app.contact_sheet.panels import (
     read_windows,
     thumbnail,
 )
-from plan2scene_app.drawing import INK, PAPER, font, font_for, legible
+from plan2scene_app.drawing import INK, PAPER, font, font_for, legible, room_labels
 
 #: Photos on a sheet; of houses with more the first are drawn, the rest counted.
 MAX_PHOTOS = 20
@@ -131,7 +131,7 @@ def write_contact_sheet(
     poses = {} if files.cameras is None else read_poses(files.cameras, house)
     masks = None if files.masks is None else _Masks.of(Path(files.masks))
     shapes = room_shapes(house)
-    labels = {room: legible(label, room) for room, label in house.labels.items()}
+    labels = room_labels(house)
     names = sorted(set(photos) | set(windows))
     drawn = names[:MAX_PHOTOS]
     sheet = Image.new("RGB", (WIDTH, HEADER + ROW * max(1, len(drawn))), PAPER)

@@ -15,7 +15,7 @@ from plan2scene.io import read_parquet
 from plan2scene.photos.patterns.units import UNITS
 from plan2scene.plans.surface_areas import Area
 from plan2scene.textures.laying import LaidPattern, laid, read_patterns
-from plan2scene_app.drawing import INK, PAPER, font, font_for, legible
+from plan2scene_app.drawing import INK, PAPER, font, font_for, room_labels
 
 _GAP, _TEXT = 10, 24
 _WIDE = round(UNITS.shown_m * UNITS.shown_px_per_m)
@@ -36,7 +36,7 @@ def draw_patterns(house: House, patterns: str | Path | None) -> np.ndarray:
     else:
         table = [row for row in read_parquet(patterns)[0].itertuples() if len(row.shown)]
         by_floor = read_patterns(patterns)
-    labels = {room: legible(label, room) for room, label in house.labels.items()}
+    labels = room_labels(house)
     floors: dict[bytes, list] = {}
     for row in table:
         floors.setdefault(row.shown, []).append(row)

@@ -13,7 +13,7 @@ from plan2scene.camera import Camera
 from plan2scene.house import House
 from plan2scene.images import MAX_PHOTO_PIXELS, decode_image, to_small_srgb
 from plan2scene.photos.locate.pose import Pose
-from plan2scene_app.drawing import INK, PAPER, font, font_for, legible
+from plan2scene_app.drawing import INK, PAPER, font, font_for, room_labels
 from plan2scene_app.pictures.lit_picture import Painter
 
 #: Most height and width of a picture, pixels.
@@ -44,7 +44,7 @@ def render_photo_views(
     from PIL import Image, ImageDraw
 
     order = [room.id for room in house.rooms]
-    labels = {room: legible(label, room) for room, label in house.labels.items()}
+    labels = room_labels(house)
     names = sorted(poses.keys() & photos.keys(), key=lambda n: (order.index(poses[n].room_id), n))
     pairs = [_pair(photos[n], photo_view(house, poses[n]), painter) for n in names]
     rows = [pairs[k : k + COLUMNS] for k in range(0, len(pairs), COLUMNS)]

@@ -14,7 +14,7 @@ from plan2scene.camera import Camera, focal_of
 from plan2scene.house import House, Room
 from plan2scene.mesh.rays import Rays
 from plan2scene.plans.geometry import room_polygon
-from plan2scene_app.drawing import INK, PAPER, font
+from plan2scene_app.drawing import INK, PAPER, font_for, room_labels
 from plan2scene_app.pictures.lit_picture import Painter, directions
 
 
@@ -57,7 +57,9 @@ def render_rooms(house: House, rays: Rays | None, painter: Painter) -> np.ndarra
             and _seen_area(cameras[room.id], room.id, rays)[1] >= 2 * SETTINGS.most_near
         ):
             del cameras[room.id]
-    return _sheet([painter(camera) for camera in cameras.values()], list(cameras))
+    labels = room_labels(house)
+    pictures = [painter(camera) for camera in cameras.values()]
+    return _sheet(pictures, [labels[room] for room in cameras])
 
 
 def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
@@ -168,5 +170,5 @@ def _sheet(pictures: Sequence[np.ndarray], names: Sequence[str]) -> np.ndarray:
     for number, (picture, name) in enumerate(zip(pictures, names, strict=True)):
         left, top = gap + number % columns * wide, gap + number // columns * high
         sheet.paste(Image.fromarray(picture), (left, top))
-        draw.text((left, top + SETTINGS.size[0] + 4), name, fill=INK, font=font(15))
+        draw.text((left, top + SETTINGS.size[0] + 4), name, fill=INK, font=font_for(name, 15))
     return np.asarray(sheet)
