@@ -124,6 +124,28 @@ def test_a_basket_is_not_taken_for_rows_or_columns():
     assert find_pattern([view(image, 0.0)])[0].kind not in LAID
 
 
+def test_veins_that_repeat_from_tile_to_tile_do_not_hide_that_they_are_tiles():
+    side = round(0.4 * JOINTS.px_per_m)
+    veins = cv2.GaussianBlur(np.random.default_rng(6).normal(0, 1.0, (side, side)), (0, 0), 4)
+    image = 0.5 + np.tile(veins, (6, 6))[..., None] * np.ones(3)
+    image[::side] -= 0.05
+    image[:, ::side] -= 0.05
+    found, _ = find_pattern([view(image, 10.0)])
+    assert found.kind == "tiles"
+    assert (found.width_m, found.length_m) == pytest.approx((0.4, 0.4), rel=0.03)
+
+
+def test_a_small_view_of_clear_joints_is_believed():
+    small = view(floor(16, 32, 0.5, seed=1), 10.0)
+    middle = SIZE_PX // 2
+    mask = np.zeros_like(small.mask)
+    mask[middle - 70 : middle + 70, middle - 70 : middle + 70] = True
+    shown = replace(small, mask=mask, directions=directions(*evened(small.image, mask)))
+    found, _ = find_pattern([shown])
+    assert found.kind == "tiles" and shown.square_m < 0.5
+    assert found.width_m == pytest.approx(SIDE_M / 32, rel=0.06)
+
+
 @pytest.mark.parametrize("rows", [72, 96])
 def test_a_mosaic_is_not_taken_for_planks_or_tiles(rows):
     image = floor(rows, rows, 0.0, seed=5)

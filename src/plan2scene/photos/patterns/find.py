@@ -14,6 +14,7 @@ from plan2scene.photos.patterns.joints import (
     MOSAICS,
     Direction,
     along,
+    moved,
     next_row,
     refined,
     run_on,
@@ -46,6 +47,7 @@ class FindSettings:
     alone: float = 2.0  #: times the score of all other lengths, for which half of that is enough
     breaks: float = 0.3  #: of joints that come again, over their likeness: no rows
     fades: float = 0.25  #: likeness of joints half a metre on, over that beside: less is no row
+    whole: float = 0.3  #: likeness of a floor of square tiles to itself, moved by a tile
     square: float = 0.12  #: log ratio of the sides of square tiles
     mosaic: tuple[float, float] = (0.05, 0.1)  #: score of none, and of one without doubt
     widest_mosaic_m: float = 0.06
@@ -164,7 +166,8 @@ def find_pattern(
     direction, located = _direction(readings, 90.0 if square else 180.0)
     if not _in_rows(readings, line):
         slanting = _zigzag(views)
-        if slanting is None and not _grainy(views):
+        tiled = square and _repeats_whole(readings)
+        if slanting is None and not tiled and not _grainy(views):
             other = FoundPattern("other", width, confidence=confidence, photos=photos)
             slanting = other, []
         if slanting is not None:
@@ -365,6 +368,15 @@ def _in_rows(readings: Sequence[Reading], line: str) -> bool:
     smooth = np.convolve(mean, np.full(5, 0.2), "valid") / max(float(mean[:12].mean()), 1e-6)
     again = float((smooth - np.minimum.accumulate(smooth)).max())
     return again <= FIND.breaks and float(smooth[35:55].mean() if seen > 50 else 1.0) > FIND.fades
+
+
+def _repeats_whole(readings: Sequence[Reading]) -> bool:
+    """Return whether a floor of squares moved by one both ways is like itself.
+
+    One of tiles is, though veins hide their joints; one of a basket's boards is not.
+    """
+    alike = [moved(r.direction.view, r.width_m) for r in readings]
+    return bool(np.average(alike, weights=[r.weight for r in readings]) >= FIND.whole)
 
 
 def _line(readings: Sequence[Reading]) -> str:

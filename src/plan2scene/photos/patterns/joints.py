@@ -245,6 +245,16 @@ def run_on(view: Upright, row_m: float, line: str) -> np.ndarray:
     return np.pad(found, (0, 100 - len(found)), constant_values=np.nan)
 
 
+def moved(view: Upright, step_m: float) -> float:
+    """Return how alike a floor is to itself when moved by a step both down and right, at most 1."""
+    smooth = cv2.GaussianBlur(view.contrast, (0, 0), JOINTS.loose_px)
+    alike = Overlap(view.valid).alike(smooth).alike
+    step = round(step_m * JOINTS.px_per_m / 2)
+    near = np.arange(step - 1, step + 2)
+    ways = [alike[np.ix_(near, way * near)] for way in (1, -1)]
+    return float(np.nan_to_num(ways, nan=0.0).max())
+
+
 def next_row(view: Upright, row_m: float, length_m: float, line: str) -> float:
     """Return where (0..1 of the length) the joints of the next row lie."""
     row, length = row_m * JOINTS.px_per_m, length_m * JOINTS.px_per_m
