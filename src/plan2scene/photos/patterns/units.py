@@ -26,7 +26,7 @@ class UnitSettings:
     tone: float = 2.5  #: times the usual spread of units' tones, that a unit's tone may be off
     odd: float = 1.35  #: times the usual strongest mark of a unit: what has more shows a thing
     hue_m: float = 0.02  #: sigma over which hue is averaged
-    hue: float = 0.4  #: share of its variation that a unit keeps
+    hue: float = 0.4  #: share of its variation that a unit keeps, and that units keep
     crossed: float = 2.5  #: times the usual stripes across a unit, at most
     stripe_m: float = 0.01  #: sigma of the narrowest such stripes
     blot_m: float = 0.02  #: sigma of shadows' edges within a unit
@@ -119,6 +119,8 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
     away = tones - np.median(tones, axis=0)
     usual = 1.5 * np.median(np.abs(away))
     tones = np.clip(away, -UNITS.tone * usual, UNITS.tone * usual)
+    shade = tones.mean(axis=1, keepdims=True)
+    tones = shade + UNITS.hue * (tones - shade)  # units differ in hue by the light on them
     grey = [image.mean(axis=2) for image in flat]
     fine = np.array([np.abs(cv2.Laplacian(g, cv2.CV_32F)).mean() for g in grey])
     dark = [np.log(np.maximum(g, 0.02)) for g in grey]
