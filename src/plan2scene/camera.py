@@ -123,10 +123,18 @@ class Camera:
 
     def rays(self, pixels: np.ndarray) -> np.ndarray:
         """Return unit view directions (..., 3) in world axes of pixels (..., 2) of a pinhole."""
-        flat = (np.asarray(pixels, dtype=np.float64) - np.array([self.cx, self.cy])) / self.focal_px
-        seen = np.concatenate([flat, np.ones((*flat.shape[:-1], 1))], axis=-1)
-        world = seen @ self.matrix
-        return np.asarray(world / np.linalg.norm(world, axis=-1, keepdims=True))
+        # Column by column: numpy is ten times as slow along an axis of two or three.
+        pixels = np.asarray(pixels)
+        seen = np.ones((*pixels.shape[:-1], 3))
+        for axis, middle in enumerate((self.cx, self.cy)):
+            np.subtract(pixels[..., axis], middle, out=seen[..., axis])
+            seen[..., axis] /= self.focal_px
+        world = np.asarray(seen @ self.matrix)
+        x, y, z = (world[..., axis] for axis in range(3))
+        length = np.sqrt(x * x + y * y + z * z)
+        for column in (x, y, z):
+            column /= length
+        return world
 
     def to_json(self) -> dict[str, Any]:
         """Return a photo's camera as plain JSON values (masks/cameras.json)."""

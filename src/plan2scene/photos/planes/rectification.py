@@ -96,7 +96,9 @@ def plane_pixels(camera: Camera, plane: Plane) -> PlanePixels:
     reach = -plane.offset / np.maximum(facing, 1e-6)
     density = camera.focal_px / reach * np.sqrt(np.maximum(facing, 0.0))
     good = facing >= np.sin(np.radians(PLANES.min_grazing_deg))
-    points = (rays * reach[:, None]) @ plane_axes(plane)[:2].T
+    for column in rays.T:
+        column *= reach
+    points = rays @ plane_axes(plane)[:2].T
     if plane.surface == "wall":
         good &= points[:, 1] < plane.camera_height_m - PLANES.skirting_m
     return PlanePixels(mask, (rows, columns), points, density, good)
@@ -124,7 +126,7 @@ def rectify(
         return None
     mask = pixels.mask.copy()
     mask[pixels.places[0][~good], pixels.places[1][~good]] = False
-    low, high = points.min(axis=0), points.max(axis=0)
+    low, high = (np.array([end(column) for column in points.T]) for end in (np.min, np.max))
     extent = float(max((high - low).max(), 1e-3))
     resolution = float(np.clip(np.percentile(density, 90), *PLANES.resolution_range))
     resolution = min(resolution, PLANES.max_side_px / extent)
