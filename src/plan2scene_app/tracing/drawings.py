@@ -83,14 +83,22 @@ def _union(one: Sequence[int], other: Sequence[int]) -> list[int]:
 
 
 def shows_a_home(structure: np.ndarray) -> bool:
-    """Return whether a structure (h, w) uint8 has rooms and doors or windows enough for them."""
+    """Return whether a structure (h, w) uint8 has rooms, a door and openings enough for them.
+
+    Cells of a table look like rooms with windows.
+    """
     rooms, count = ndimage.label(structure == ROOM)
     sizes = np.bincount(rooms.ravel(), minlength=count + 1)[1:]
     rooms = int((sizes > 0.02 * sizes.sum()).sum()) if count else 0
-    places, count = ndimage.label(np.isin(structure, (DOOR, WINDOW)), np.ones((3, 3)))
+    doors, windows = (_drawn_openings(structure == label) for label in (DOOR, WINDOW))
+    return doors > 0 and 0 < rooms <= SETTINGS.rooms_an_opening * (doors + windows)
+
+
+def _drawn_openings(drawn: np.ndarray) -> int:
+    """Return how many parts of what is drawn (h, w) bool are as long as a door or window."""
+    places, count = ndimage.label(drawn, np.ones((3, 3)))
     sides = [max(s.stop - s.start for s in box) for box in ndimage.find_objects(places, count)]
-    openings = sum(side >= SETTINGS.drawing_opening_px for side in sides)
-    return 0 < rooms <= SETTINGS.rooms_an_opening * openings
+    return sum(side >= SETTINGS.drawing_opening_px for side in sides)
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ class TraceSettings:
     drawing_gap: float = 0.012  #: of the longer side: blank paper between two drawings
     drawing_size: float = 0.05  #: of the largest one's box; what is smaller is no drawing
     most_drawings: int = 6  #: that are looked at
-    drawing_opening_px: int = 6  #: of the shortest door or window that tells of a home, ...
+    drawing_opening_px: int = 12  #: of the shortest door or window that tells of a home, ...
     rooms_an_opening: float = 2.0  #: ... and for how many rooms one is enough
     walls_meet: float = 2.0  #: weight of outer walls that meet, where floors have 1
     stairs_meet: float = 8.0  #: weight of stairs that do

@@ -10,7 +10,7 @@ from plan2scene_app.tracing.named_areas import with_named_areas
 from plan2scene_app.tracing.open_rooms import with_open_rooms
 from plan2scene_app.tracing.regions import find_regions
 from plan2scene_app.tracing.rooms import room_polygons
-from plan2scene_app.tracing.settings import OUTSIDE, ROOM, STAIRS, WALL
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, STAIRS, WALL, WINDOW
 
 from .conftest import PPM, as_probabilities, flat_labels
 
@@ -31,6 +31,8 @@ def test_parts_with_blank_paper_between_are_drawings():
     assert numbers[60, 700] not in (0, numbers[300, 100])
     assert shows_a_home(np.minimum(flat_labels(), ROOM))
     assert not shows_a_home(np.where(flat_labels() >= ROOM, ROOM, WALL).astype(np.uint8))
+    table = np.where(flat_labels() == DOOR, WINDOW, np.minimum(flat_labels(), ROOM))
+    assert not shows_a_home(table.astype(np.uint8))
 
 
 @pytest.mark.parametrize(
