@@ -12,7 +12,7 @@ from plan2scene.photos.patterns.bonds import LAID, Zigzag
 from plan2scene.photos.patterns.find import FoundPattern, find_pattern
 from plan2scene.photos.patterns.house_patterns import continued, floor_patterns
 from plan2scene.photos.patterns.joints import JOINTS, directions, evened
-from plan2scene.photos.patterns.views import FloorView
+from plan2scene.photos.patterns.views import FloorView, with_usual_height
 
 SIDE_M = 2.4
 
@@ -156,6 +156,19 @@ def test_a_mosaic_is_not_taken_for_planks_or_tiles(rows):
     # Of photos with three pixels a square the size is less sure.
     coarse = [replace(seen, px_per_m=3 * rows / SIDE_M) for seen in views]
     assert find_pattern(coarse)[0].confidence < 0.8
+
+
+def test_photos_whose_height_is_off_do_not_set_the_size():
+    image = floor(4, 16, 0.5, seed=1)
+    # All photos are from 1.5 m; three are taken for such from 1.8 m: planks look 20 % wider there.
+    right = replace(view(image, 25.0), camera_m=1.5)
+    off = [
+        replace(view(image, 20.0 + k, scale=1.2), camera_m=1.8, photo=f"{k}.jpg") for k in range(3)
+    ]
+    elsewhere = [replace(right, photo=f"other {k}.jpg") for k in range(4)]
+    views = with_usual_height([right, *off, *elsewhere])[:4]
+    assert find_pattern(views)[0].width_m == pytest.approx(0.15, rel=0.03)
+    assert find_pattern([right, *off])[0].width_m > 0.17
 
 
 def test_a_room_of_the_material_has_its_size_and_keeps_its_own_direction():

@@ -42,6 +42,7 @@ class FindSettings:
     believed: float = 0.4  #: confidence under which a floor counts as plain
     jointed: float = 0.71  #: share of floors that are of wood or tiles
     seen_px: float = 5e4  #: photo pixels of a floor, of which joints are missed half the time
+    usual: float = 0.9  #: worth of a width by the house's camera height, over one by its own
     located: int = 2  #: views that give a room a direction of its own
     least_length: float = 0.12  #: score of the joints across rows
     alone: float = 2.0  #: times the score of all other lengths, for which half of that is enough
@@ -151,7 +152,7 @@ def find_pattern(
     if not readings or confidence < FIND.believed:
         unseen = (1.0 - confidence) * _without_joints(views, jointed)
         return _zigzag(views) or (FoundPattern("plain", confidence=unseen), [])
-    width, spread = _middle([r.width_m for r in readings], [r.weight for r in readings])
+    width, spread = _width(readings)
     ratio, offset = _length(readings)
     photos = tuple(dict.fromkeys(r.view.photo for r in readings))
     line = _line(readings)
@@ -231,7 +232,7 @@ def _zigzag(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading]] | 
         Reading(s.view, Direction(s.columns_deg, s.columns, 0.0), width, score)
         for s, width, score in slants
     ]
-    width, spread = _middle([r.width_m for r in readings], [r.weight for r in readings])
+    width, spread = _width(readings)
     direction, located = _direction(readings, 180.0)
     pattern = FoundPattern(
         found.kind,
@@ -400,6 +401,16 @@ def _middle(values: Sequence[float], weights: Sequence[float]) -> tuple[float, f
     spread = float(np.sqrt(heavy @ (ordered - middle) ** 2))
     near = heavy * (np.abs(ordered - middle) <= FIND.same_size)
     return float(np.exp(near @ ordered / near.sum())), spread
+
+
+def _width(readings: Sequence[Reading]) -> tuple[float, float]:
+    """Return the width that views agree on, and its spread.
+
+    Each says it by its own scale and, a little less, by the house's usual camera height.
+    """
+    widths = [r.width_m * scale for r in readings for scale in (1.0, r.view.usual)]
+    weights = [r.weight * worth for r in readings for worth in (1.0, FIND.usual)]
+    return _middle(widths, weights)
 
 
 def _direction(readings: Sequence[Reading], turn: float) -> tuple[float, int]:

@@ -22,6 +22,7 @@ from plan2scene.photos.patterns.views import (
     PhotoFiles,
     floor_views,
     photos_with_planes,
+    with_usual_height,
 )
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def write_patterns(
     for seen_photo in photos_with_planes(files, ("floor", "wall"), house_id=plan.id):
         floor_seen += floor_views(seen_photo)
         walls_seen += wall_views(seen_photo)
-    found = floor_patterns(floor_seen, shared, jointed or {})
+    found = floor_patterns(with_usual_height(floor_seen), shared, jointed or {})
     pictured, _ = read_parquet(crops)
     seen = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
     seen |= {room for room, (pattern, _) in found.items() if pattern.kind in LAID}

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -17,6 +17,9 @@ from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes.planes import PhotoPlane, plane_of_row, read_planes
 from plan2scene.photos.planes.rectification import rectify
 from plan2scene.stage_json import read_stage_json
+
+#: What measures a camera's height in a room (:class:`PhotoPlane`); others guess it.
+_MEASURED = ("plan", "room_height")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +41,10 @@ class FloorView:
         Of its lines.
     px_per_m : float
         Photo pixels per metre where it is seen best.
+    camera_m : float
+        Height of the camera that gives the view its metres; NaN where that is a guess.
+    usual : float
+        Metres that one of the view's would be with the house's usual camera height.
     """
 
     photo: str
@@ -47,6 +54,8 @@ class FloorView:
     mask: np.ndarray
     directions: list[Direction]
     px_per_m: float = JOINTS.px_per_m
+    camera_m: float = float("nan")
+    usual: float = 1.0
 
     @property
     def square_m(self) -> float:
@@ -98,6 +107,20 @@ def photos_with_planes(
         yield PhotoPlanes(photo, image, planes)
 
 
+def with_usual_height(views: Sequence[FloorView]) -> list[FloorView]:
+    """Return views that know what their metres are by the house's usual camera height.
+
+    A house is photographed from one height, by a tripod or by one person, while a photo's own
+    height may be off by a fifth.
+    """
+    heights = {view.photo: view.camera_m for view in views if np.isfinite(view.camera_m)}
+    usual = float(np.median(list(heights.values()))) if heights else float("nan")
+    return [
+        replace(view, usual=usual / view.camera_m) if np.isfinite(view.camera_m) else view
+        for view in views
+    ]
+
+
 def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
     """Yield the floors that a photo shows largely enough."""
     for camera, item in seen.planes:
@@ -113,5 +136,8 @@ def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
         mask = cv2.resize(whole.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
         found = directions(*evened(straight, mask > 0))
         if found:
-            shown = straight, mask > 0, found, 1.0 / whole.metres_per_pixel
+            plane = item.plane
+            known = plane.scale_source in _MEASURED
+            height = plane.camera_height_m if known else float("nan")
+            shown = straight, mask > 0, found, 1.0 / whole.metres_per_pixel, height
             yield FloorView(seen.photo, item.rooms, item.in_plan, *shown)
