@@ -41,10 +41,9 @@ def compared(truth: pd.Series, found: pd.Series | None) -> dict[str, object]:
     for name in ("width_m", "length_m"):
         row[name] = round(found[name], 3)
         row[f"{name[:-2]} %"] = round(100 * (found[name] / truth[name] - 1), 1)
-    axis = AXES.get(truth.direction)
-    if axis is not None and np.isfinite(found.direction_deg):
-        away = (found.direction_deg - axis + 90.0) % 180.0 - 90.0
-        row["direction"] = abs(away) <= WITHIN_DEG
+    axis = AXES.get(truth.direction, float("nan"))
+    away = abs((found.direction_deg - axis + 90.0) % 180.0 - 90.0)
+    row["direction"] = away <= WITHIN_DEG if np.isfinite(away) else None
     return row
 
 
