@@ -327,7 +327,7 @@ MAP = {"origin_m": [0, 0], "extent_m": [2, 3.5], "px_per_m": 100, "pattern": "pl
 #: A good example of every form of what stages leave.
 LEFT = {
     "cameras": {"a.jpg": CAMERA, "b.jpg": CAMERA | {"room_id": None, "rooms": {"hall": 0.5}}},
-    "kinds": {"a.jpg": [0.5, 0.1, 0.1, 0.1, 0.1, 0.1]},
+    "kinds": {"source": "embedded", "photos": {"a.jpg": [0.5, 0.1, 0.1, 0.1, 0.1, 0.1]}},
     "matches": [["a.jpg", "b.jpg", 12]],
     "warnings": ["photo a.jpg left out: no picture"],
     "photo_rooms": {"a.jpg": ["living", "hall"]},

@@ -128,12 +128,12 @@ def renamed(row: dict[str, str], name: str, data: Path) -> dict[str, str]:
 
 
 def drawn(path: Path) -> None:
-    """Draw a plan of two rooms with a door between them and one outside."""
+    """Draw a plan of two rooms with a window each, a door between them and one outside."""
     image = np.full((350, 500, 3), 255, np.uint8)
     cv2.rectangle(image, (40, 40), (460, 310), (0, 0, 0), -1)
-    for corners in ((50, 50, 249, 299), (256, 50, 449, 299), (249, 100, 256, 145)):
+    white = [(50, 50, 249, 299), (256, 50, 449, 299), (249, 100, 256, 145), (100, 300, 145, 311)]
+    for corners in [*white, (110, 42, 170, 48), (320, 42, 380, 48)]:
         cv2.rectangle(image, corners[:2], corners[2:], (255, 255, 255), -1)
-    cv2.rectangle(image, (100, 300), (145, 311), (255, 255, 255), -1)
     cv2.imwrite(str(path), image)
 
 

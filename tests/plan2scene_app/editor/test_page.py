@@ -97,6 +97,7 @@ def test_a_traced_plan_lies_on_its_picture(tmp_path, monkeypatch):
     polygon = Polygon(ring @ matrix[:, :2].T + matrix[:, 2])
     room = SimpleNamespace(
         id="room",
+        name="",
         types=("Kitchen",),
         polygon=polygon,
         number=1,
