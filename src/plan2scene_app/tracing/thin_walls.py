@@ -75,7 +75,7 @@ def _parted_at(
         walls |= line.T if turned else line
         doors |= gap.T if turned else gap
     before = _parted(structure == ROOM, names)
-    # Half of a gap that the network takes for an opening is the whole gap's.
+    # Where the network sees an opening in a part of a gap, the whole gap is one.
     opening = np.isin(structure, (DOOR, PASSAGE))
     floor |= opening & doors
     added = walls & floor

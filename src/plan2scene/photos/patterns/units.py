@@ -26,7 +26,7 @@ class UnitSettings:
     tone: float = 2.5  #: times the usual spread of units' tones, that a unit's tone may be off
     odd: float = 1.35  #: times the usual strongest mark of a unit: what has more shows a thing
     hue_m: float = 0.02  #: sigma over which hue is averaged
-    hue: float = 0.4  #: share of its variation that a unit keeps, and that units keep
+    hue: float = 0.4  #: share of hue's variation that is kept, within a unit and between units
     crossed: float = 2.5  #: times the usual stripes across a unit, at most
     stripe_m: float = 0.01  #: sigma of the narrowest such stripes
     blot_m: float = 0.02  #: sigma of shadows' edges within a unit
