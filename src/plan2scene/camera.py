@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from plan2scene.errors import InputError
 
+_PART = 32_768  #: Pixels whose rays are worked out at a time
 Rows = tuple[tuple[float, float, float], ...]
 
 
@@ -123,18 +125,26 @@ class Camera:
 
     def rays(self, pixels: np.ndarray) -> np.ndarray:
         """Return unit view directions (..., 3) in world axes of pixels (..., 2) of a pinhole."""
-        # Column by column: numpy is ten times as slow along an axis of two or three.
         pixels = np.asarray(pixels)
-        seen = np.ones((*pixels.shape[:-1], 3))
-        for axis, middle in enumerate((self.cx, self.cy)):
-            np.subtract(pixels[..., axis], middle, out=seen[..., axis])
-            seen[..., axis] /= self.focal_px
-        world = np.asarray(seen @ self.matrix)
-        x, y, z = (world[..., axis] for axis in range(3))
-        length = np.sqrt(x * x + y * y + z * z)
-        for column in (x, y, z):
-            column /= length
-        return world
+        every, rays = pixels.reshape(-1, 2), np.empty((pixels[..., 0].size, 3))
+        # In parts that stay in the processor's cache: a photo's rays take a quarter of the time.
+        for first in range(0, len(every), _PART):
+            part = every[first : first + _PART]
+            # Column by column: numpy is ten times as slow along an axis of two or three.
+            seen = np.ones((len(part), 3))
+            for axis, middle in enumerate((self.cx, self.cy)):
+                np.subtract(part[:, axis], middle, out=seen[:, axis])
+                seen[:, axis] /= self.focal_px
+            world = np.matmul(seen, self.matrix, out=rays[first : first + _PART])
+            x, y, z = world.T
+            length = np.sqrt(x * x + y * y + z * z)
+            for column in (x, y, z):
+                column /= length
+        return rays.reshape(*pixels.shape[:-1], 3)
+
+    def rays_at(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """Return :meth:`rays` (n, 3) of whole pixels (n,), (n,) of a picture looked up often."""
+        return _all_rays(self)[rows, columns]
 
     def to_json(self) -> dict[str, Any]:
         """Return a photo's camera as plain JSON values (masks/cameras.json)."""
@@ -169,6 +179,13 @@ class Camera:
                 f"{type(error).__name__}: {error}",
                 file=file,
             ) from None
+
+
+@lru_cache(maxsize=1)
+def _all_rays(camera: Camera) -> np.ndarray:
+    """Return the rays (h, w, 3) of all pixels of a picture."""
+    rows, columns = np.indices((camera.height, camera.width))
+    return camera.rays(np.stack([columns, rows], axis=-1))
 
 
 def focal_of(fov: float, width: int) -> float:

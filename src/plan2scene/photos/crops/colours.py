@@ -64,7 +64,7 @@ def plane_colours(
     share = len(rows) / plane.mask.size
     few = slice(None, None, max(1, len(rows) // MOST_PIXELS))
     rows, columns = rows[few], columns[few]
-    rays = camera.rays(np.stack([columns, rows], axis=-1))
+    rays = camera.rays_at(rows, columns)
     steep = (rays @ np.asarray(plane.normal)) ** 2 / (rays**2).sum(axis=1)
     return share * float(steep.mean()), equal_shares(srgb_to_linear(image[rows, columns]), steep)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import cv2
 import numpy as np
@@ -266,26 +267,30 @@ def step_of(image: np.ndarray) -> Reason | None:
     return Reason.CLUTTER if np.linalg.norm(ab[0] - ab[1]) > FILTER.shadow_chroma else Reason.SHADOW
 
 
-def smooth_field(values: np.ndarray, rounds: int = 3) -> np.ndarray:
+def smooth_field(values: np.ndarray) -> np.ndarray:
     """Return the quadratic surface that fits most of (h, w) values, float64.
 
     Least squares, repeated with values far from the fit counted less (Huber), so that an object
     or a joint does not bend it. The knee follows the residuals' median, which
     scipy.optimize.least_squares cannot do.
     """
-    height, width = values.shape
-    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
-    basis = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1).reshape(-1, 6)
-    flat = values.reshape(-1)
-    weight = np.ones_like(flat)
-    fit = flat
-    for _ in range(rounds):
+    basis, flat = _quadratic(*values.shape), values.reshape(-1)
+    fit, weight = flat, np.ones_like(flat)
+    for number in range(3):
+        if number:
+            off = np.abs(flat - fit)
+            knee = 1.5 * np.median(off) + 1e-6
+            weight = np.minimum(1.0, knee / np.maximum(off, 1e-9))
         scaled = basis * weight[:, None]
         fit = basis @ np.linalg.solve(basis.T @ scaled + 1e-9 * np.eye(6), scaled.T @ flat)
-        off = np.abs(flat - fit)
-        knee = 1.5 * np.median(off) + 1e-6
-        weight = np.minimum(1.0, knee / np.maximum(off, 1e-9))
-    return fit.reshape(height, width)
+    return fit.reshape(values.shape)
+
+
+@cache
+def _quadratic(height: int, width: int) -> np.ndarray:
+    """Return the six terms of a quadratic surface at each of (height, width) values, (n, 6)."""
+    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1).reshape(-1, 6)
 
 
 def window_colours(rectified: RectifiedPlane, side: int) -> tuple[np.ndarray, float]:

@@ -69,7 +69,7 @@ def seen_planes(
         rows, columns = np.nonzero(labels == kind)
         if not len(rows):
             continue
-        rays = pose.camera.rays(np.stack([columns, rows], axis=-1))
+        rays = pose.camera.rays_at(rows, columns)
         turns = np.arctan2(rays[:, 0], rays[:, 2]) / (2 * np.pi)
         sight = around.of(np.rint(turns * LOCATE.directions).astype(int) % LOCATE.directions)
         slope = rays[:, 1] / np.maximum(np.hypot(rays[:, 0], rays[:, 2]), 1e-9)

@@ -9,6 +9,7 @@ look right on a mesh whose UVs are (x, z).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -22,7 +23,8 @@ from plan2scene.photos.planes.walls import PLANES
 class RectifiedPlane:
     """A plane of a photo in metres."""
 
-    image: np.ndarray  #: (h, w, 3) uint8: sRGB, the plane seen straight on
+    photo: np.ndarray  #: (h, w, 3) uint8 sRGB
+    to_photo: np.ndarray  #: (3, 3) float64: Homography from rectified pixels to the photo's
     #: (h, w) bool: Usable pixels: in the plane's mask, not too flat, sampled densely enough.
     mask: np.ndarray
     #: (2,): Plane coordinates (right, down), metres, of the image's top left corner.
@@ -32,6 +34,14 @@ class RectifiedPlane:
     #: plane coordinates are 0, 0), metres from the camera.
     axes: np.ndarray
     focal_px: float  #: focal length of the photo, pixels
+
+    @cached_property
+    def image(self) -> np.ndarray:
+        """The plane seen straight on, (h, w, 3) uint8 sRGB."""
+        size = self.mask.shape[::-1]
+        flags = cv2.WARP_INVERSE_MAP | cv2.INTER_CUBIC
+        border = cv2.BORDER_REPLICATE
+        return cv2.warpPerspective(self.photo, self.to_photo, size, flags=flags, borderMode=border)
 
     def window(self, row: int, column: int, side: int) -> tuple[float, float, float, float]:
         """Return x0 y0 x1 y1 on the plane, metres, of a square of pixels."""
@@ -91,7 +101,7 @@ def plane_pixels(camera: Camera, plane: Plane) -> PlanePixels:
     kernel = np.ones((2 * border + 1, 2 * border + 1), np.uint8)
     mask = cv2.erode(plane.mask.astype(np.uint8), kernel) > 0
     rows, columns = np.nonzero(mask)
-    rays = camera.rays(np.stack([columns, rows], axis=-1))
+    rays = camera.rays_at(rows, columns)
     facing = -(rays @ np.array(plane.normal))
     reach = -plane.offset / np.maximum(facing, 1e-6)
     density = camera.focal_px / reach * np.sqrt(np.maximum(facing, 0.0))
@@ -136,14 +146,12 @@ def rectify(
     to_plane = np.array([[step, 0, low[0] + step / 2], [0, step, low[1] + step / 2], [0, 0, 1.0]])
     to_photo = camera.intrinsics @ camera.matrix @ axes.T @ to_plane
     shape = (int(size[0]), int(size[1]))
-    cubic, nearest = (cv2.WARP_INVERSE_MAP | way for way in (cv2.INTER_CUBIC, cv2.INTER_NEAREST))
-    warped = cv2.warpPerspective(
-        image, to_photo, shape, flags=cubic, borderMode=cv2.BORDER_REPLICATE
-    )
+    nearest = cv2.WARP_INVERSE_MAP | cv2.INTER_NEAREST
     inside = cv2.warpPerspective(mask.astype(np.uint8), to_photo, shape, flags=nearest)
     ahead = _ahead(camera, axes, low, step, shape)
     return RectifiedPlane(
-        image=warped,
+        photo=image,
+        to_photo=to_photo,
         mask=(inside > 0) & ahead,
         origin=(float(low[0]), float(low[1])),
         metres_per_pixel=step,

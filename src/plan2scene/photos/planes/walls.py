@@ -465,7 +465,7 @@ def within_room(
     rows, columns = np.nonzero(mask)
     if not len(rows):
         return mask
-    rays = camera.rays(np.stack([columns, rows], axis=-1))
+    rays = camera.rays_at(rows, columns)
     fall = np.maximum(-rays[:, 1] * np.sign(drop_m), 1e-9)
     away = abs(drop_m) * np.hypot(rays[:, 0], rays[:, 2]) / fall
     limit = np.minimum(
