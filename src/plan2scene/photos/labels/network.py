@@ -285,6 +285,8 @@ def folded(network: _Network) -> _Network:
     for module in list(quick.modules()):
         if isinstance(module, nn.Sequential):
             _fold(module)
+        elif isinstance(module, nn.Hardswish):
+            module.inplace = True  # after a convolution, whose output nothing else reads
     quick.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     return quick.requires_grad_(False)
 
