@@ -25,6 +25,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -71,8 +72,14 @@ class Crop:
         return cls(row.crop_id, key, row.png, *sizes, detail, window)
 
     def image(self) -> np.ndarray:
-        """Return the pixels, (128, 128, 3) uint8 sRGB."""
-        return image_from_bytes(self.png)
+        """Return the pixels, (128, 128, 3) uint8 sRGB, which are not to be changed."""
+        return _pixels(self.png)
+
+
+@lru_cache(maxsize=1024)
+def _pixels(png: bytes) -> np.ndarray:
+    """Return the pixels of a crop: several methods ask for them at several drops."""
+    return image_from_bytes(png)
 
 
 @dataclass(frozen=True)

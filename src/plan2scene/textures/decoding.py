@@ -45,14 +45,20 @@ _S = StatisticsSettings()
 
 def decoded_tiles(inputs: TextureInputs, name: str) -> Mapping[SurfaceKey, Tile]:
     """Return the tiles of method `name`; their noise derives from (seed, house, room, surface)."""
-    if name not in inputs.decoded:
-        surfaces = inputs.surfaces
-        images, periodic = _decoded(inputs, method_named(name), surfaces, [()] * len(surfaces))
-        inputs.decoded[name] = {
-            surface.key: Tile(image, surface.size_m, surface.source, periodic)
-            for surface, image in zip(surfaces, images, strict=True)
-        }
-    return inputs.decoded[name]
+    method, settings, made = method_named(name), inputs.settings, inputs.data.decoded
+    model = inputs.models[str(method.model)], settings.seed, settings.size_px
+    codes = [getattr(surface, str(method.embedding)).tobytes() for surface in inputs.surfaces]
+    known_as = [
+        (*model, surface.key, code) for surface, code in zip(inputs.surfaces, codes, strict=True)
+    ]
+    new = [k for k, key in enumerate(known_as) if key not in made]
+    images, periodic = _decoded(inputs, method, [inputs.surfaces[k] for k in new], [()] * len(new))
+    made.update((known_as[k], (image, periodic)) for k, image in zip(new, images, strict=True))
+    tiles = {}
+    for surface, key in zip(inputs.surfaces, known_as, strict=True):
+        image, periodic = made[key]
+        tiles[surface.key] = Tile(image, surface.size_m, surface.source, periodic)
+    return tiles
 
 
 def further_images(

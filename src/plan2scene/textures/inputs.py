@@ -20,8 +20,6 @@ from plan2scene.textures.library import TextureLibrary, read_library
 if TYPE_CHECKING:
     import pandas as pd
 
-    from plan2scene.textures.tiles import Tile
-
 
 @dataclass(frozen=True)
 class HouseFiles:
@@ -119,12 +117,14 @@ class KnownSurface:
 class HouseData:
     """The plan and tables behind :class:`HouseFiles`, each read once, when first asked for.
 
-    `exemplars` caches what was made: many surfaces have the same crops at several drops.
+    `exemplars` and `decoded` keep what was made: many surfaces have the same crops, or the same
+    embedding, at several drops and by several methods.
     """
 
     def __init__(self, files: HouseFiles) -> None:
         self.files = files
         self.exemplars: dict[Hashable, Any] = {}
+        self.decoded: dict[Hashable, tuple[np.ndarray, bool]] = {}  #: image, whether it tiles
 
     @cached_property
     def house(self) -> House:
@@ -169,8 +169,6 @@ class TextureInputs:
     crops: tuple[Crop, ...]  #: of visible photos, in the file's order
     models: Mapping[str, Path]  #: weight files by name (``texture``, ``naivesynth``)
     settings: TextureSettings
-    #: tiles that were decoded by now, by method: others start from them
-    decoded: dict[str, Mapping[SurfaceKey, Tile]] = field(default_factory=dict, init=False)
 
     @property
     def house(self) -> House:
