@@ -106,12 +106,6 @@ def test_core_imports_no_app():
     assert found == set()
 
 
-def test_product_scripts_import_no_workshop():
-    scripts = sorted((CLONE / "workflow" / "scripts").glob("*.py"))
-    assert scripts
-    assert [p.name for p in scripts if "plan2scene_workshop" in imported_packages(p)] == []
-
-
 @pytest.mark.parametrize("package", [LIBRARY, APP, WORKSHOP], ids=lambda path: path.name)
 def test_no_cycle(package):
     assert cycle(graph(package, at_import_time=True)) == []

@@ -33,6 +33,22 @@ def test_unknown_keys_are_refused(section):
         check_config(config)
 
 
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("methods", ["magic"]),
+        ("house", {"method": "magic"}),
+        ("study", {"pairs": [["magic", "crop"]]}),
+    ],
+)
+def test_a_method_that_nobody_registered_is_refused_in_one_line(key, value):
+    config = shipped_config()
+    config[key] = config[key] | value if isinstance(value, dict) else value
+    with pytest.raises(InputError, match=rf"{key}.*'magic' is not one of") as error:
+        check_config(config)
+    assert "\n" not in str(error.value)
+
+
 @pytest.mark.parametrize("key", ["photos.fov_deg", "crops.metres", "photos.camera_height_m"])
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_what_is_no_finite_number_is_one_line(key, value):

@@ -6,11 +6,8 @@
 from pathlib import Path
 
 import pytest
-from foreign import READERS, foreign_bytes, outcome, read_any_plan
+from foreign import READERS, foreign_bytes, outcome
 from hypothesis import HealthCheck, Phase, given, settings
-
-from plan2scene.plans.formats import format_of, plan_formats
-from plan2scene.plans.plan_file import PlanFile
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 BY_NAME = {reader.name: reader for reader in READERS}
@@ -29,15 +26,6 @@ def folder(tmp_path, monkeypatch):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["inside", "secret.txt"]
     assert [p.name for p in (tmp_path / "inside").iterdir()] == ["here"]
     assert (tmp_path / "secret.txt").read_text() == "secret"
-
-
-def test_every_registered_format_is_fuzzed(folder):
-    plans = [(r.name, data) for r in READERS if r.read is read_any_plan for data in r.examples()]
-    read = set()
-    for name, data in plans:
-        (folder / name).write_bytes(data)
-        read.add(format_of(PlanFile(folder / name, "h1")).name)
-    assert read == {entry.name for entry in plan_formats()}
 
 
 @pytest.mark.parametrize("name", BY_NAME)

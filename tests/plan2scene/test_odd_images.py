@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image, ImageCms
-from PIL.PngImagePlugin import PngInfo
 
 from plan2scene import images
 from plan2scene.errors import InputError
@@ -143,20 +142,15 @@ def white_last(picture: np.ndarray) -> np.ndarray:
     return picture
 
 
-def palette_png(transparent: bool) -> bytes:
+def palette_png() -> bytes:
     image = Image.fromarray(in_quarters(np.arange(4, dtype=np.uint8)), mode="P")
     image.putpalette([v for colour in QUARTERS for v in colour])
-    return saved(image, "PNG", **({"transparency": 3} if transparent else {}))
+    return saved(image, "PNG", transparency=3)
 
 
-def animated(form: str) -> bytes:
+def animated() -> bytes:
     other = Image.fromarray(255 - drawn())
-    options = {"lossless": True} if form == "WEBP" else {}
-    return saved(rgb(), form, save_all=True, append_images=[other, other], duration=50, **options)
-
-
-def one_bit() -> bytes:
-    return saved(Image.fromarray(grey((0, 255, 255, 0))[..., 0]).convert("1"), "PNG")
+    return saved(rgb(), "GIF", save_all=True, append_images=[other, other], duration=50)
 
 
 def grey16(form: str) -> bytes:
@@ -190,12 +184,6 @@ def png_with(*extra: bytes) -> bytes:
     return whole[:33] + b"".join(extra) + whole[33:]
 
 
-def large_text() -> bytes:
-    info = PngInfo()
-    info.add_text("Comment", "a" * 500_000, zip=True)
-    return saved(rgb(), "PNG", pnginfo=info)
-
-
 def nan_as_black(picture: np.ndarray) -> np.ndarray:
     picture = picture.copy()
     picture[0, 0] = 0
@@ -205,45 +193,25 @@ def nan_as_black(picture: np.ndarray) -> np.ndarray:
 #: name: (bytes, expected pixels, largest error per channel)
 WORKS: dict[str, tuple[Callable[[], bytes], Callable[[], np.ndarray], int]] = {
     "rgb.png": (lambda: saved(rgb(), "PNG"), drawn, 0),
-    "rgb.bmp": (lambda: saved(rgb(), "BMP"), drawn, 0),
-    "rgb.webp": (lambda: saved(rgb(), "WEBP", lossless=True), drawn, 0),
-    "rgb.ppm": (lambda: saved(rgb(), "PPM"), drawn, 0),
-    "wrong_name.gif": (lambda: saved(rgb(), "PNG"), drawn, 0),
-    "no_suffix": (lambda: saved(rgb(), "PNG"), drawn, 0),
-    "progressive.jpg": (lambda: jpeg(progressive=True), drawn, 12),
-    "cmyk.jpg": (lambda: saved(rgb().convert("CMYK"), "JPEG", quality=95), drawn, 12),
     "cmyk.tif": (lambda: saved(rgb().convert("CMYK"), "TIFF"), drawn, 0),
-    "ycbcr.tif": (lambda: saved(rgb().convert("YCbCr"), "TIFF"), drawn, 2),
-    "grey.jpg": (lambda: saved(Image.fromarray(grey()[..., 0]), "JPEG", quality=95), grey, 8),
     "grey16.png": (lambda: grey16("PNG"), grey, 0),
     "grey16.tif": (lambda: grey16("TIFF"), grey, 0),
     "rgb16.png": (rgb16_png, drawn, 0),
     "int32.tif": (int32_tiff, grey, 0),
     "float_to_1.tif": (lambda: float_tiff(1.0), lambda: nan_as_black(grey()), 0),
     "float_to_255.tif": (lambda: float_tiff(255.0), lambda: nan_as_black(grey()), 0),
-    "palette.png": (lambda: palette_png(False), drawn, 0),
-    "palette_transparent.png": (lambda: palette_png(True), lambda: white_last(drawn()), 0),
+    "palette_transparent.png": (palette_png, lambda: white_last(drawn()), 0),
     "alpha.png": (lambda: with_alpha("RGBA"), lambda: white_last(drawn()), 0),
     "grey_alpha.png": (lambda: with_alpha("LA"), lambda: white_last(grey(luma())), 0),
-    "one_bit.png": (one_bit, lambda: grey((0, 255, 255, 0)), 0),
-    "animated.gif": (lambda: animated("GIF"), drawn, 0),
-    "animated.png": (lambda: animated("PNG"), drawn, 0),
-    "animated.webp": (lambda: animated("WEBP"), drawn, 0),
-    "pages.tif": (lambda: animated("TIFF"), drawn, 0),
+    "animated.gif": (animated, drawn, 0),
     "two_pictures.jpg": (
         lambda: saved(rgb(), "MPO", save_all=True, append_images=[rgb()], quality=95),
         drawn,
         12,
     ),
-    "garbage_after.jpg": (lambda: jpeg() + os.urandom(5000), drawn, 12),
     "damaged_exif.jpg": (damaged_exif, lambda: np.ascontiguousarray(np.rot90(drawn())), 12),
     "damaged_icc.jpg": (damaged_icc, drawn, 12),
     "wide_gamut.jpg": (lambda: wide_gamut("JPEG", quality=95), drawn, 14),
-    "wide_gamut.png": (lambda: wide_gamut("PNG"), drawn, 2),
-    "empty_chunk.png": (lambda: png_with(chunk(b"teSt", b""), chunk(b"tEXt", b"")), drawn, 0),
-    # The compressed pixels carry a checksum of their own, which holds.
-    "wrong_checksum.png": (lambda: wrong_checksum(b"IDAT"), drawn, 0),
-    "large_text.png": (large_text, drawn, 0),
     **{
         f"turned_{k}.jpg": (lambda k=k: turned(k), drawn, 12)  # type: ignore[misc]
         for k in range(1, 9)
@@ -289,16 +257,9 @@ def noise(form: str) -> bytes:
 #: name: (bytes, words of the line)
 FAILS: dict[str, tuple[Callable[[], bytes], str]] = {
     "cut.jpg": (lambda: cut(noise("JPEG"), 0.5), "truncated"),
-    "cut_header.jpg": (lambda: noise("JPEG")[:40], "Truncated"),
     "cut.png": (lambda: cut(noise("PNG"), 0.5), "truncated"),
-    "cut.gif": (lambda: cut(noise("GIF"), 0.5), "truncated"),
-    "cut.webp": (lambda: cut(noise("WEBP"), 0.5), "webp"),
-    "cut.tif": (lambda: cut(noise("TIFF"), 0.5), "decodes"),
-    "cut.bmp": (lambda: cut(noise("BMP"), 0.5), "truncated"),
     "wrong_checksum_head.png": (lambda: wrong_checksum(b"IHDR"), "PNG"),
-    "broken_zip.png": (lambda: png(4, 4, 2, 8, b"\0" * 9), "truncated"),
     "no_pixels.png": (lambda: png(0, 0, 2, 8, b""), "found"),
-    "header_only.png": (lambda: b"\x89PNG\r\n\x1a\n" + b"\0" * 40, "PNG"),
     "renamed_text.jpg": (lambda: b"Kitchen, north wall\n", "found text"),
     "renamed.svg.png": (lambda: b'<svg xmlns="http://www.w3.org/2000/svg"/>', "SVG"),
     "renamed_page.jpg": (lambda: b"<!DOCTYPE html><html></html>", "HTML"),

@@ -33,24 +33,6 @@ def test_same_state_same_bytes(tmp_path):
     assert len(set(files)) == 1
 
 
-def test_shipped_weights_have_cards_and_fit_their_budget():
-    files = sorted(MODELS.glob("*.safetensors"))
-    assert [file.stem for file in files] == [
-        "features",
-        "kinds",
-        "naivesynth",
-        "plans",
-        "propagation",
-        "segmentation",
-        "texture",
-    ]
-    for file in files:
-        card = file.with_suffix(".md").read_text()
-        assert "Command" in card or "rule `" in card
-    assert sum(file.stat().st_size for file in files) <= 40e6
-    assert (MODELS / "segmentation.safetensors").stat().st_size <= 25e6
-
-
 def written(path, state, architecture: str):
     from safetensors.torch import save_file
 

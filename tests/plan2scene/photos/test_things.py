@@ -41,14 +41,6 @@ class _Colours(torch.nn.Module):
         return torch.nn.functional.avg_pool2d(photo, 32)
 
 
-def test_each_thing_is_in_some_kind_of_room_and_no_class_is_two_things() -> None:
-    every = [name for names, _ in things.THINGS for name in names]
-    assert len(set(every)) == len(every)
-    assert all(0 <= name < 1000 for name in every)
-    assert all(set(found) <= set(KINDS) for _, found in things.THINGS)
-    assert all(0 < sum(found.values()) <= 1 for _, found in things.THINGS)
-
-
 def test_a_photo_is_taken_outside_where_much_of_it_is() -> None:
     photo = np.full((320, 448, 3), 100, np.uint8)
     told = things.ThingKinds(_Colours())

@@ -224,14 +224,6 @@ def test_units_layers_and_names(tmp_path):
     assert room_polygon(halved.rooms[0]).area == pytest.approx(1.96)
 
 
-def test_usual_layers():
-    known = LayerKinds(Source("a.dxf", "h1"), {})
-    kinds = {"walls": ["A-WALL-INT", "Innenwände", "mur porteur", "A_MUR"]}
-    kinds |= {"rooms": ["AREA", "A-AREA-IDEN"], "doors": ["WALL-DOOR"], "windows": ["FENÊTRES"]}
-    for kind, names in {**kinds, "": ["areal", "0"]}.items():
-        assert {name: known.of_name(name) for name in names} == dict.fromkeys(names, kind)
-
-
 def test_no_pattern_takes_long():
     kinds = LayerKinds(Source("a.dxf", "h1"), {"walls": 140 * "*a" + "b,[", "rooms": "[[]x],a?c"})
     start = time.perf_counter()

@@ -3,7 +3,6 @@
 import zipfile
 from itertools import pairwise
 from math import atan2, pi
-from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import pytest
@@ -14,8 +13,6 @@ from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.validate import house_faults, validate_house
 from plan2scene_app.plan_formats import containers
-
-SAMPLES = Path(__file__).parents[4] / "shared" / "samples" / "sh3d"
 
 
 def element(tag, children=(), **attributes):
@@ -235,10 +232,3 @@ def test_an_old_file_says_what_to_do(tmp_path):
     path = write(tmp_path / "plan.sh3d", b"\xac\xed", "Home")
     with pytest.raises(InputError, match=r"5\.3 or later and save it\), found a Java object"):
         read_plan(path, "h1")
-
-
-@pytest.mark.skipif(not SAMPLES.is_dir(), reason="no samples beside the repository")
-@pytest.mark.parametrize(("name", "line"), [("home1", "5.3 or later"), ("damagedHome", "a plan (")])
-def test_files_of_the_program(name, line):
-    path = SAMPLES / f"{name}.sh3d"
-    assert line in refusal(path)
