@@ -28,7 +28,7 @@ from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.build import textured_house
 from plan2scene.photos.labels.palette import DOOR, read_label_png
 from plan2scene.photos.locate.pose import read_poses
-from plan2scene_app.pictures.renderer import Triangles
+from plan2scene_app.pictures.renderer import Triangles, look_at
 
 CELL, WIDTH = 8, 256
 KINDS = ("other", "floor", "wall", "ceiling", "joinery")
@@ -45,7 +45,7 @@ def known_cameras(path: Path) -> Iterator[tuple[str, Camera]]:
         ahead = np.array([np.cos(pitch) * np.cos(yaw), np.sin(pitch), np.cos(pitch) * np.sin(yaw)])
         eye = np.array([float(row[k]) for k in "xyz"])
         focal = focal_of(np.radians(float(row["hfov_deg"])), 1)
-        level = Camera.look_at(eye, eye + ahead, focal, (1, 1))
+        level = look_at(eye, eye + ahead, focal, (1, 1))
         right, down, ahead = level.matrix
         right, down = (
             np.cos(roll) * right - np.sin(roll) * down,

@@ -49,36 +49,6 @@ class Camera:
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     orthographic: bool = False
 
-    @classmethod
-    def look_at(
-        cls,
-        eye: np.ndarray,
-        target: np.ndarray,
-        focal_px: float,
-        size: tuple[int, int],
-        *,
-        orthographic: bool = False,
-    ) -> Camera:
-        """Return a level camera at `eye` that looks at `target`, world points (3,).
-
-        `size` is (height, width). Straight down, -z is up in the image.
-        """
-        ahead = (target - eye) / np.linalg.norm(target - eye)
-        up = np.array([0.0, 0.0, -1.0]) if abs(ahead[1]) > 0.999 else np.array([0.0, 1.0, 0.0])
-        right = np.cross(ahead, up)
-        right /= np.linalg.norm(right)
-        height, width = size
-        return cls(
-            width,
-            height,
-            float(focal_px),
-            (width - 1) / 2,
-            (height - 1) / 2,
-            as_rows(np.array([right, np.cross(ahead, right), ahead])),
-            position=(float(eye[0]), float(eye[1]), float(eye[2])),
-            orthographic=orthographic,
-        )
-
     @property
     def matrix(self) -> np.ndarray:
         """Return the rotation as a (3, 3) float64 array."""
@@ -90,11 +60,6 @@ class Camera:
         return np.array(
             [[self.focal_px, 0.0, self.cx], [0.0, self.focal_px, self.cy], [0.0, 0.0, 1.0]]
         )
-
-    @property
-    def fov_x(self) -> float:
-        """Return the horizontal field of view of a pinhole camera, radians."""
-        return 2 * math.atan(self.width / 2 / self.focal_px)
 
     def with_rotation(self, rotation: np.ndarray) -> Camera:
         """Return the camera with another (3, 3) world-to-camera rotation, rounded."""

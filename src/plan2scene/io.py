@@ -15,7 +15,7 @@ import shutil
 import socket
 import stat
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -180,23 +180,6 @@ def atomic_directory(path: str | os.PathLike[str], *, flush: bool = False) -> It
             _flush(target.parent)
     finally:
         _remove(temporary)
-
-
-def keep_inputs(output: Path, inputs: Iterable[Path]) -> None:
-    """Raise InputError where an output would overwrite one of the inputs, or is a folder."""
-    if output.is_dir():
-        raise InputError("a file to write", "a folder", file=output)
-    for path in inputs:
-        if output.resolve() == path.resolve() or (output.exists() and output.samefile(path)):
-            raise InputError("an output that is no input", "the same file", file=output)
-
-
-def new_file(output: Path, inputs: Iterable[Path] = ()) -> None:
-    """Raise InputError where a command would write over a file that is there, or into a folder."""
-    keep_inputs(output, inputs)
-    if output.exists():
-        found = "one that is there: remove it, or name another"
-        raise InputError("a new file to write", found, file=output)
 
 
 def read_text(path: str | os.PathLike[str]) -> str:

@@ -6,6 +6,7 @@ import json
 import logging
 import re
 import sys
+from collections.abc import Iterable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -200,9 +201,8 @@ def import_plan_file(
 ) -> None:
     """Convert any supported plan to scene.json."""
     from plan2scene.datasets.import_plan import import_plan
-    from plan2scene.io import new_file
 
-    new_file(out, [plan])
+    _new_file(out, [plan])
     import_plan(
         plan,
         out,
@@ -225,10 +225,9 @@ def edit_plan(
     trace: Annotated[bool, typer.Option(help="Trace a picture, to mend what is read.")] = True,
 ) -> None:
     """Write a page that draws a plan, offline: open it in a browser."""
-    from plan2scene.io import keep_inputs
     from plan2scene_app.editor.editor_page import write_editor
 
-    keep_inputs(out, [source] if source else [])
+    _keep_inputs(out, [source] if source else [])
     name = _house_id(source or Path("my_home"), house)
     write_editor(
         source,
@@ -251,11 +250,10 @@ def trace_plan(
     model: Annotated[Path | None, typer.Option(help="Other weights of the plan network.")] = None,
 ) -> None:
     """Read a plan from its picture; say what is doubtful, to be mended in the editor."""
-    from plan2scene.io import new_file
     from plan2scene_app.tracing.trace import traced_files, write_trace
 
     for path in traced_files(out):
-        new_file(path, [picture, *([model] if model else [])])
+        _new_file(path, [picture, *([model] if model else [])])
     plan, lines = write_trace(picture, out, metres_per_pixel=metres_per_pixel, model=model)
     for line in lines:
         print(f"doubt: {line}")
@@ -323,7 +321,6 @@ def label_photos(
 ) -> None:
     """Write label images (0 other, 1 floor, 2 wall, 3 ceiling) at the photos' size."""
     from plan2scene.images import read_image, write_png
-    from plan2scene.io import keep_inputs
     from plan2scene.photos.camera.exif import read_exif_focal
     from plan2scene.photos.labels.labeller import labeller
     from plan2scene.weights import MODELS
@@ -332,7 +329,7 @@ def label_photos(
     for i, target in enumerate(targets):
         if target in targets[:i]:
             raise InputError("photos of different names", f"{photos[i].stem} twice", file=photos[i])
-        keep_inputs(target, photos)
+        _keep_inputs(target, photos)
         if target.exists() and not _holds_labels(target):
             raise InputError("a folder without other pictures", target.name, file=out)
     weights = model or MODELS / "segmentation.safetensors"
@@ -361,10 +358,9 @@ def make_texture(
 ) -> None:
     """Make one seamless tile from crops of one surface."""
     from plan2scene.images import read_image, write_png
-    from plan2scene.io import new_file
     from plan2scene_app.single_tile import tile_from_crops
 
-    new_file(out, crops)
+    _new_file(out, crops)
     images = [read_image(path) for path in crops]
     write_png(out, tile_from_crops(images, method, size_px=size, seed=seed))
     print(out)
@@ -390,10 +386,15 @@ def list_methods() -> None:
 @app.command("metrics")
 def compare(prediction: Path, reference: Path) -> None:
     """Print COLOR, FREQ, TILE (of the prediction) and SUBS of a texture against a reference."""
-    from plan2scene.evaluation.measure import pair_metrics
-    from plan2scene.images import read_image
+    from plan2scene.evaluation.measure import image_metrics
+    from plan2scene.images import metric_image, read_image
+    from plan2scene.metrics.networks import substances_of
+    from plan2scene.weights import MODELS
 
-    print(json.dumps(pair_metrics(read_image(prediction), read_image(reference))))
+    pair = [metric_image(read_image(path)) for path in (prediction, reference)]
+    first, second = substances_of(MODELS / "features.safetensors", pair)
+    figures = {name: float(value) for name, value in image_metrics(*pair).items()}
+    print(json.dumps({**figures, "subs": int(first != second)}))
 
 
 @app.command("convert-checkpoint")
@@ -412,10 +413,9 @@ def convert(
 ) -> None:
     """Convert released weights; a file that carries code is refused."""
     from plan2scene.checkpoints.convert import convert_checkpoint
-    from plan2scene.io import new_file
     from plan2scene.propagation.graph_networks import load_propagation
 
-    new_file(out, [checkpoint, *([means] if means else [])])
+    _new_file(out, [checkpoint, *([means] if means else [])])
     convert_checkpoint(
         network,
         checkpoint,
@@ -424,6 +424,23 @@ def convert(
         means=load_propagation(means)[1] if means else None,
     )
     print(out)
+
+
+def _keep_inputs(output: Path, inputs: Iterable[Path]) -> None:
+    """Raise InputError where an output would overwrite one of the inputs, or is a folder."""
+    if output.is_dir():
+        raise InputError("a file to write", "a folder", file=output)
+    for path in inputs:
+        if output.resolve() == path.resolve() or (output.exists() and output.samefile(path)):
+            raise InputError("an output that is no input", "the same file", file=output)
+
+
+def _new_file(output: Path, inputs: Iterable[Path] = ()) -> None:
+    """Raise InputError where a command would write over a file that is there, or into a folder."""
+    _keep_inputs(output, inputs)
+    if output.exists():
+        found = "one that is there: remove it, or name another"
+        raise InputError("a new file to write", found, file=output)
 
 
 def main() -> None:

@@ -15,10 +15,9 @@ from plan2scene.house import SUBSTANCES, SurfaceKey
 from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image, read_image
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.mesh.texture_files import texture_index
-from plan2scene.metrics.networks import describe, features_of, network_name, substances_of
+from plan2scene.metrics.networks import describe, features_of, network_name
 from plan2scene.metrics.registry import IMAGE_COLUMNS, image_metrics
 from plan2scene.provenance import file_hash
-from plan2scene.weights import MODELS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -159,21 +158,6 @@ def _grouped(model: Path, images: Sequence[np.ndarray], count: int) -> list[np.n
     if not images:
         return [np.zeros(0, np.float32)] * count
     return list(features_of(model, images).reshape(count, -1))
-
-
-def pair_metrics(
-    prediction: np.ndarray, reference: np.ndarray, *, model: Path = MODELS / "features.safetensors"
-) -> dict[str, float | int]:
-    """Return ``color``, ``freq``, ``tile`` (of the prediction) and ``subs`` of a texture.
-
-    ``subs`` is 0 where the embedded classifier gives both the same substance, else 1.
-    Images are (h, w, 3) uint8 sRGB, compared at the paper's 128x128 px (resized by area
-    averaging where they are not; not square is stretched, as a tile would be).
-    """
-    pair = [metric_image(prediction), metric_image(reference)]
-    first, second = substances_of(model, pair)
-    figures = {name: float(value) for name, value in image_metrics(*pair).items()}
-    return {**figures, "subs": int(first != second)}
 
 
 def _measure(

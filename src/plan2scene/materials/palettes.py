@@ -56,12 +56,6 @@ def pick(
     return vary(rng, parse(palette[index][0]), lightness, chroma)
 
 
-def pick_uint8(rng: np.random.Generator, palette: Palette) -> tuple[int, int, int]:
-    """Return a varied colour of a palette as (r, g, b), 0-255 sRGB."""
-    r, g, b = np.round(pick(rng, palette, lightness=2.5, chroma=1.2) * 255).astype(int).tolist()
-    return r, g, b
-
-
 def mix(a: np.ndarray, b: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Return a (1 - t) + b t; `t` (h, w), colours (3,) or (h, w, 3)."""
     return a + (b - a) * t[..., None]

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from plan2scene.errors import InputError, WorkflowError, system_fault
 from plan2scene.house import House
-from plan2scene.plans.plan_file import PlanFile, PlanFormat, Unscaled
+from plan2scene.plans.plan_file import PlanFile, PlanFormat
 from plan2scene.plugins import code_of, installed, plugins
 
 _LOG = logging.getLogger("plan2scene")
@@ -63,15 +63,6 @@ def one_line(plan: PlanFile, plan_format: PlanFormat) -> Iterator[None]:
         _LOG.info("%s, read as %s", plan.path, plan_format.name, exc_info=True)
         found = f"{type(error).__name__}: {error} (not foreseen: please report it with the file)"
         raise plan.fault(f"{plan_format.name} that can be read", found) from error
-
-
-def unscaled(plan: PlanFile) -> tuple[str, Unscaled] | None:
-    """Return format and size of a file that a user may give a scale; None for other formats."""
-    plan_format = format_of(plan)
-    if plan_format is None or plan_format.look is None:
-        return None
-    with one_line(plan, plan_format):
-        return plan_format.name, plan_format.look(plan)
 
 
 def read_plan(

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib
 import logging
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -183,7 +184,7 @@ def sensor(mi: Any, camera: Camera, sampler: Mapping[str, Any]) -> Any:
     return mi.load_dict(
         {
             "type": "perspective",
-            "fov": float(np.degrees(camera.fov_x)),
+            "fov": float(np.degrees(2 * math.atan(camera.width / 2 / camera.focal_px))),
             "fov_axis": "x",
             "near_clip": 0.02,
             "far_clip": 200.0,

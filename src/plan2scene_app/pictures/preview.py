@@ -21,7 +21,7 @@ from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.levels import flight_area
 from plan2scene_app.drawing import legible, wide_font
-from plan2scene_app.pictures.renderer import Triangles
+from plan2scene_app.pictures.renderer import Triangles, look_at
 
 BACKGROUND: Colour = (247, 246, 243)
 WINDOW_COLOUR: Colour = (176, 205, 216)
@@ -116,7 +116,7 @@ def _plan_view(
     size = (side * SETTINGS.finer, side * SETTINGS.finer)
     scale = 0.86 * min(size[1] / (high[0] - low[0]), size[0] / (high[1] - low[1]))
     target = np.array([centre[0], 0.0, centre[1]])
-    camera = Camera.look_at(target + [0, 50.0, 0], target, scale, size, orthographic=True)
+    camera = look_at(target + [0, 50.0, 0], target, scale, size, orthographic=True)
     left_out = ("/ceiling", "/handrail/")
     parts = [p for p in storey.parts if not any(word in p.name for word in left_out)]
     parts += _section(storey)
@@ -178,12 +178,12 @@ def _view(
     focal = focal_of(math.radians(view.fov_deg), size[1])
     distance = 2.2 * float(np.linalg.norm(high - low)) + height
     for _ in range(3):  # the distance at which the house fills the view, by proportion
-        camera = Camera.look_at(target + distance * direction, target, focal, size)
+        camera = look_at(target + distance * direction, target, focal, size)
         points = camera.project(corners)
         middle = np.array([(size[1] - 1) / 2, (size[0] - 1) / 2])
         spread = (np.abs(points - middle) / middle).max()
         distance *= spread / 0.9
-    camera = Camera.look_at(target + distance * direction, target, focal, size)
+    camera = look_at(target + distance * direction, target, focal, size)
     parts = [p for p in storey.parts if not p.name.endswith("/ceiling")]
     return _draw(parts, textures, camera, house)
 

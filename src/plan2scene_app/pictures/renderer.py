@@ -15,7 +15,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from plan2scene.camera import Camera
+from plan2scene.camera import Camera, as_rows
 from plan2scene.colour import srgb_to_linear
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes
@@ -28,6 +28,35 @@ NEAR_M = 0.02
 _SLACK_PX = 0.01
 #: Textures of surfaces that are turned away more (cosine) are not blurred more.
 _LEAST_FACING = 0.05
+
+
+def look_at(
+    eye: np.ndarray,
+    target: np.ndarray,
+    focal_px: float,
+    size: tuple[int, int],
+    *,
+    orthographic: bool = False,
+) -> Camera:
+    """Return a level camera at `eye` that looks at `target`, world points (3,).
+
+    `size` is (height, width). Straight down, -z is up in the image.
+    """
+    ahead = (target - eye) / np.linalg.norm(target - eye)
+    up = np.array([0.0, 0.0, -1.0]) if abs(ahead[1]) > 0.999 else np.array([0.0, 1.0, 0.0])
+    right = np.cross(ahead, up)
+    right /= np.linalg.norm(right)
+    height, width = size
+    return Camera(
+        width,
+        height,
+        float(focal_px),
+        (width - 1) / 2,
+        (height - 1) / 2,
+        as_rows(np.array([right, np.cross(ahead, right), ahead])),
+        position=(float(eye[0]), float(eye[1]), float(eye[2])),
+        orthographic=orthographic,
+    )
 
 
 @dataclass

@@ -16,6 +16,7 @@ from plan2scene.mesh.rays import Rays
 from plan2scene.plans.geometry import room_polygon
 from plan2scene_app.drawing import INK, PAPER, font_for, room_labels
 from plan2scene_app.pictures.lit_picture import Painter, directions
+from plan2scene_app.pictures.renderer import look_at
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ def _camera(eye: np.ndarray, target: np.ndarray, height: float, look_down: float
     focal = focal_of(np.radians(SETTINGS.fov_deg), SETTINGS.size[1])
     way = (target - eye) / max(float(np.linalg.norm(target - eye)), 1e-9)
     ahead = np.array([eye[0] + way[0], height - look_down, eye[1] + way[1]])
-    return Camera.look_at(np.array([eye[0], height, eye[1]]), ahead, focal, SETTINGS.size)
+    return look_at(np.array([eye[0], height, eye[1]]), ahead, focal, SETTINGS.size)
 
 
 def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[tuple[float, float], float]:

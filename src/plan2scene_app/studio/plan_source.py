@@ -17,7 +17,7 @@ from typing import Any
 
 from plan2scene.errors import InputError
 from plan2scene.io import atomic_path, read_json, write_json
-from plan2scene.plans.formats import unscaled
+from plan2scene.plans.formats import format_of, one_line
 from plan2scene.plans.plan_file import PlanFile, Unscaled
 from plan2scene_app.editor.editor_page import opened, picture_bytes
 from plan2scene_app.plan_formats.dxf import LAYERS, MAX_PATTERN
@@ -166,10 +166,11 @@ def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unsca
         picture = values["picture"] or {}
         size = picture.get("size")
         return "picture", Unscaled("pixel", tuple(size) if size else None)
-    found = unscaled(plan)
-    if found is None:
+    plan_format = format_of(plan)
+    if plan_format is None or plan_format.look is None:
         raise InputError("a plan whose scale or layers may be given", "one that contains both")
-    return found
+    with one_line(plan, plan_format):
+        return plan_format.name, plan_format.look(plan)
 
 
 def _reading(file: Path, house: str, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,9 +8,10 @@ import numpy as np
 import torch
 from torch import nn
 
-from plan2scene.photos.labels.network import Ensemble, SegmentationNet, ensemble_of, folded
+from plan2scene.photos.labels.network import Ensemble, SegmentationNet, folded
 from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter
 from plan2scene.weights import save_model_file
+from plan2scene_workshop.segmentation.run import ensemble_of
 
 TINY = {"widths": [8] * 5, "depths": [1] * 4, "decoder": 16, "long_side": 64, "elevation": True}
 

@@ -259,18 +259,6 @@ class Ensemble(nn.Module):
         return torch.stack([member(x, elevation) for member in self.members]).mean(dim=0)
 
 
-def ensemble_of(networks: Sequence[nn.Module]) -> Ensemble:
-    """Return the ensemble of networks of the first's shapes; constants are the first's, too.
-
-    RuntimeError for a network of other shapes.
-    """
-    architecture: dict[str, Any] = networks[0].architecture  # type: ignore[assignment]
-    ensemble = Ensemble(members=len(networks), **architecture)
-    for member, network in zip(ensemble.members, networks, strict=True):
-        member.load_state_dict(network.state_dict())
-    return ensemble
-
-
 _Network = TypeVar("_Network", bound=nn.Module)
 
 

@@ -199,14 +199,6 @@ def labels_of(logits: np.ndarray, size: tuple[int, int], *, openings: bool = Fal
     return labels
 
 
-def confidence_of(logits: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Return (h, w) float32 at `size`: how likely each pixel has its label of :func:`labels_of`."""
-    four = surface_logits(logits)
-    powers = np.exp(four - four.max(axis=0))
-    best = powers.max(axis=0) / powers.sum(axis=0)
-    return cv2.resize(best, size[::-1], interpolation=cv2.INTER_LINEAR)
-
-
 def probabilities_of(logits: np.ndarray) -> np.ndarray:
     """Return (labels, h', w') float32 in [0, 1]: how likely each label is, of logits."""
     powers = np.exp(logits - logits.max(axis=0))

@@ -196,7 +196,7 @@ class _Stock:
         if scan is not None:
             return scan
         palette = palettes.ACCENTS if rng.random() < strong else palettes.PAINTS
-        return self._random("plaster", name, kind, palettes.pick_uint8(rng, palette))
+        return self._random("plaster", name, kind, _pick_uint8(rng, palette))
 
     def _bedroom_floor(self, name: str) -> Material:
         carpet = self.rng(name, "substance").random() < BEDROOM_CARPET
@@ -287,8 +287,15 @@ def accent_walls(house: House, seed: int) -> dict[str, Material]:
         wall = (plain or walls)[int(rng.integers(0, len(plain or walls)))]
         pairs = {f"{substance} {kind}": p for (substance, kind), p in ACCENT_KINDS.items()}
         substance, kind = pick(rng, pairs).split()
-        tone = palettes.pick_uint8(rng, palettes.ACCENTS) if kind == "paint" else None
+        tone = _pick_uint8(rng, palettes.ACCENTS) if kind == "paint" else None
         accents[wall.id] = random_material(
             substance, derive_seed(seed, "accent", house.id, wall.id), kind=kind, colour_rgb=tone
         )
     return accents
+
+
+def _pick_uint8(rng: np.random.Generator, palette: palettes.Palette) -> tuple[int, int, int]:
+    """Return a varied colour of a palette as (r, g, b), 0-255 sRGB."""
+    colour = palettes.pick(rng, palette, lightness=2.5, chroma=1.2)
+    r, g, b = np.round(colour * 255).astype(int).tolist()
+    return r, g, b

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
@@ -19,7 +20,7 @@ from plan2scene.photos.labels.palette import (
     read_label_png,
     without_openings,
 )
-from plan2scene.photos.labels.segmentation import Segmenter, confidence_of, labels_of
+from plan2scene.photos.labels.segmentation import Segmenter, labels_of, surface_logits
 from plan2scene_workshop.segmentation.data import (
     LabelledPhoto,
     confusion,
@@ -106,7 +107,7 @@ def measure(segmenter: Segmenter, photo: LabelledPhoto) -> Measured:
     return Measured(
         photo.name,
         confusion(labels, true),
-        confidence_bins(confidence_of(logits, size), labels, true),
+        confidence_bins(_confidence_of(logits, size), labels, true),
         bool(np.median(grey) < DIM),
         bool(fov >= WIDE_DEG),
         bool((without_openings(true[true != IGNORE]) == OTHER).mean() >= FURNISHED),
@@ -155,3 +156,11 @@ GROUPS: dict[str, Callable[[Measured], bool]] = {
     "furnished": lambda photo: photo.furnished,
     "empty": lambda photo: not photo.furnished,
 }
+
+
+def _confidence_of(logits: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Return (h, w) float32 at `size`: how likely each pixel has its label of `labels_of`."""
+    four = surface_logits(logits)
+    powers = np.exp(four - four.max(axis=0))
+    best = powers.max(axis=0) / powers.sum(axis=0)
+    return cv2.resize(best, size[::-1], interpolation=cv2.INTER_LINEAR)

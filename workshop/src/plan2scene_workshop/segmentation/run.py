@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import torch
+from torch import nn
 
 from plan2scene.errors import InputError
-from plan2scene.photos.labels.network import SegmentationNet, ensemble_of
+from plan2scene.photos.labels.network import Ensemble, SegmentationNet
 from plan2scene.photos.labels.palette import LABELS, LABELS_AND_OPENINGS
 from plan2scene.photos.labels.segmentation import SCALES, Network, load_segmenter
 from plan2scene.provenance import file_hash
@@ -220,3 +221,15 @@ def start_from(network: SegmentationNet, path: str | Path) -> None:
                 [value, value[:1].expand(len(own[name]) - len(value), *value.shape[1:])]
             )
     network.load_state_dict(own)
+
+
+def ensemble_of(networks: Sequence[nn.Module]) -> Ensemble:
+    """Return the ensemble of networks of the first's shapes; constants are the first's, too.
+
+    RuntimeError for a network of other shapes.
+    """
+    architecture: dict[str, Any] = networks[0].architecture  # type: ignore[assignment]
+    ensemble = Ensemble(members=len(networks), **architecture)
+    for member, network in zip(ensemble.members, networks, strict=True):
+        member.load_state_dict(network.state_dict())
+    return ensemble
