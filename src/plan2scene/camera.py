@@ -108,7 +108,10 @@ class Camera:
         return rays.reshape(*pixels.shape[:-1], 3)
 
     def rays_at(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Return :meth:`rays` (n, 3) of whole pixels (n,), (n,) of a picture looked up often."""
+        """Return the rays (n, 3) of the pixels in these rows and columns, (n,) each.
+
+        Those of the whole picture are worked out once and kept until another camera is asked for.
+        """
         return _all_rays(self)[rows, columns]
 
     def to_json(self) -> dict[str, Any]:

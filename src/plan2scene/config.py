@@ -62,7 +62,7 @@ def check_config(config: Mapping[str, Any]) -> None:
 
 
 def _values(config: Mapping[str, Any]) -> Iterator[tuple[str, object]]:
-    """Yield every value of a configuration with its key, sections and lists before what is in."""
+    """Yield every value of a configuration with its key, sections before their contents."""
     queue: list[tuple[str, object]] = [("", config)]
     while queue:
         key, value = queue.pop()

@@ -53,7 +53,7 @@ class InputError(ValueError):
 
 
 def _as_raised(kind: type[InputError], message: str, expected: str, found: str) -> InputError:
-    """Return the error whose message, and parts of it, are known."""
+    """Return an error made from its message and parts, as pickle needs it."""
     error = kind.__new__(kind, message)
     error.expected, error.found = expected, found
     return error
@@ -66,7 +66,7 @@ def _one_line(value: object) -> str:
 
 
 def system_fault(error: OSError) -> InputError | None:
-    """Return what the system refused as one line; None where the program is at fault."""
+    """Return in one line what the operating system refused; None for a fault of the program."""
     expected = _SYSTEM.get(error.errno or 0)
     if expected is None:
         return None
@@ -77,7 +77,7 @@ def system_fault(error: OSError) -> InputError | None:
 
 @contextmanager
 def one_line_errors() -> Iterator[None]:
-    """Turn what the system refuses within into an InputError: a full disk, no permission."""
+    """Turn a full disk, a missing permission and the like into an InputError."""
     try:
         yield
     except OSError as error:

@@ -64,7 +64,7 @@ class SurfaceKey(NamedTuple):
 
 
 def _plain(name: str) -> str:
-    """Return a name as it is compared: however it is encoded, spaced and capitalised."""
+    """Return a name for comparisons: encoding, spaces and capitals do not count."""
     return " ".join(unicodedata.normalize("NFKC", name).casefold().split())
 
 

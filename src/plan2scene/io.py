@@ -1,7 +1,8 @@
 """Files: atomic writes, text and JSON from strangers, self-describing Parquet.
 
-Temporary names beside a target say whose they are, so that what a killed process left can go.
-Imports only what a function needs, so that a job without tables never pays for pandas.
+Temporary files lie beside their target. Their names hold the process that writes them, so that the
+next writer can remove what a killed process left. Large packages are imported by the functions that
+need them: a job without tables never loads pandas.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def _start(target: Path) -> str:
 
 
 def _temporary_beside(target: Path) -> Path:
-    """Return a name that nothing has, in the target's folder and with its suffix."""
+    """Return an unused name in the target's folder, with the target's suffix."""
     name = f"{_start(target)}{_machine()}_{os.getpid()}_{secrets.token_hex(4)}"
     suffix = target.suffix if len(target.suffix) <= 20 else ""
     return target.with_name(name + suffix)
@@ -83,7 +84,7 @@ def _is_stale(path: Path, machine: str, pid: int) -> bool:
 
 
 def _remove(path: Path) -> None:
-    """Remove a file, link or folder; one that is gone already, or cannot go, is left."""
+    """Remove a file, link or folder; ignore one that is gone or cannot be removed."""
     try:
         if path.is_dir() and not path.is_symlink():
             shutil.rmtree(path, ignore_errors=True)
@@ -249,7 +250,7 @@ def safe_join(
 
 
 def absent(path: Path) -> str:
-    """Return what there is in the place of a missing file: a name that differs in its ending."""
+    """Return words for a missing file; they name a file that differs in its ending only."""
     ends = dict.fromkeys((path.suffix.lower(), path.suffix.upper(), *_PHOTO_ENDS))
     names = [path.stem + end for end in ends if path.stem + end != path.name]
     near = next((name for name in names if path.with_name(name).is_file()), None)

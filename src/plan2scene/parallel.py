@@ -28,7 +28,7 @@ def each(
     """Yield what a function returns of each item, in order, `workers` items at a time.
 
     Many small numpy calls hold Python's lock, so threads hardly help them. The workers are forked
-    from this process: they know what it knows and nothing is sent to them; what they return, or
+    from this process and share its memory, so that nothing is sent to them; what they return, or
     raise, is pickled. Numeric libraries use one thread meanwhile. Where forking is not safe
     (systems but Linux, a process that has threads) the items are worked on in threads. The
     results do not depend on `workers`.

@@ -17,7 +17,7 @@ _LOG = logging.getLogger("plan2scene")
 
 
 class Plugin(Protocol):
-    """What an entry point names."""
+    """What an entry point must point to."""
 
     @property
     def name(self) -> str:
@@ -43,7 +43,7 @@ def plugins(group: str, kind: type[P]) -> dict[str, P]:
 
 @cache
 def code_of(group: str, kind: type[P], *names: str) -> list[str]:
-    """Return what changes when the code of these plugins does, for the params of a rule.
+    """Return strings that change with the code of these plugins, for the params of a rule.
 
     That is the hash of the module for ours, the distribution's name and version for others.
     """

@@ -1,4 +1,4 @@
-"""What a job's result depends on beyond its input files: the library's source.
+"""Hashes of what a job's result depends on: the library's source, weights, contents of files.
 
 Snakemake reruns a rule when its script changes, not when a module that the script imports does.
 Rules therefore pass a hash of those modules through ``params`` (``workflow.closures``).
@@ -77,7 +77,7 @@ def _statements(body: Sequence[ast.AST]) -> Iterator[ast.AST]:
 
 @cache
 def closure(module: str, packages: tuple[Path, ...] = PACKAGES) -> Mapping[str, Path]:
-    """Return `module` and all that it imports from `packages`, at any distance: name to file."""
+    """Return `module` and all that it imports from `packages`, directly or not: name to file."""
     seen: dict[str, Path] = {}
     queue = [module]
     while queue:
@@ -97,7 +97,7 @@ def _data_files(module: Path) -> set[Path]:
 
 @cache
 def _files_beside(folder: Path) -> tuple[Path, ...]:
-    """Return the files of a folder of modules that are no modules."""
+    """Return the files of a package's folder that are not Python modules."""
     return tuple(path for path in folder.iterdir() if path.suffix not in ("", ".py"))
 
 

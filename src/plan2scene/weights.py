@@ -138,7 +138,7 @@ def _is_small(value: object) -> bool:
 
 @contextmanager
 def fitting(network: str, path: str | Path) -> Iterator[None]:
-    """Turn what a stranger's header or tensors lead to within into one InputError."""
+    """Turn any error that a stranger's header or tensors cause within the block into InputError."""
     try:
         yield
     except InputError:

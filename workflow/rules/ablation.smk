@@ -2,7 +2,7 @@
 
 
 rule ablation_house:
-    # A house by every variant of the method: one job.
+    # A house by every variant of the method, in one job.
     input:
         **made(EVALUATION_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
@@ -28,7 +28,7 @@ rule ablation_house:
         seed=config["seed"],
         predictor=config["propagation"]["predictor"],
         size_px=config["textures"]["size_px"],
-        seam_correction={},  # the variants say
+        seam_correction={},  # each variant has its own
         code=rule_code("ablation_house"),
     script:
         "../scripts/ablation_house.py"

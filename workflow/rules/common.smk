@@ -1,5 +1,5 @@
-# The checked config and house table, and the input functions of all rules.
-# Paths of all results: results/{dataset}/..., the grammar is in docs/conventions.md.
+# The checked config, the house table, and the functions that rules call for inputs and params.
+# All results lie below results/{dataset}/; docs/conventions.md lists the files.
 import functools
 import json
 import os
@@ -39,7 +39,7 @@ try:
     CROPS = config["crops"] | chosen_crops(LAYOUT, config["crops"])
     check_official(config)
     check_metrics(config["metrics"])
-    # Photos hidden at drop fractions, where the data set says so.
+    # The photos that the data set itself hides at each drop fraction; None if it does not say.
     UNOBSERVED = (
         {
             drop: frozenset(names)
@@ -56,7 +56,7 @@ try:
 except InputError as error:
     sys.exit(f"plan2scene: {error}")
 
-# Whose crops the copying methods may take where their own house has none.
+# Houses whose crops the methods that copy crops may use, where a house has no crop of its own.
 POOL_HOUSES = [
     row.house
     for row in TABLE.houses.values()
@@ -83,7 +83,7 @@ onstart:
         more = len(TABLE.warnings) - 1
         rest = f" (and {more} more: plan2scene check)" if more else ""
         print(f"plan2scene: warning: {TABLE.warnings[0]}{rest}", file=sys.stderr)
-    # A SLURM whose jobs' end nobody would see is told before the first of them is submitted.
+    # Stop before the first submission where Snakemake could not see that SLURM's jobs have ended.
     if hasattr(workflow.executor_settings, "status_command"):
         try:
             check_cluster(workflow.executor_settings.status_command)
@@ -92,7 +92,7 @@ onstart:
 
 
 def tell_how_to_unlock(record):
-    """Add the command that unlocks to Snakemake's message about a lock left by a killed run."""
+    """Add the unlocking command to Snakemake's message about the lock that a killed run left."""
     if "the --unlock argument" in str(record.msg):
         command = shlex.join(["snakemake", "--unlock", *sys.argv[1:]])
         record.msg = f"{record.msg}\nplan2scene: if none runs here: {command}"
@@ -111,7 +111,10 @@ def row_of(wildcards):
 
 
 def plan_files(wildcards):
-    """Return the existing files of a house's plan; the job reports a missing plan."""
+    """Return the files that a house's plan is read from, if they exist.
+
+    A missing plan is no input, so that the job can report it in one line.
+    """
     path = DATA_ROOT / row_of(wildcards).plan
     boxes = HAS_BOXES and object_boxes_of(wildcards)
     plan = read_plan_of(wildcards) if path.is_file() else None
@@ -131,7 +134,7 @@ def picture_of(wildcards):
 
 
 def named_files(wildcards):
-    """Return the plan and the photo table of the house table; they need not exist."""
+    """Return the plan and the photo table that the house table names, existing or not."""
     return {
         "plan": read_plan_of(wildcards),
         "assignment": named_assignment_of(wildcards),
@@ -139,20 +142,20 @@ def named_files(wildcards):
 
 
 def read_plan_of(wildcards):
-    """Return the plan that a house is read from: the traced plan where it is a picture."""
+    """Return the plan file to read: for a picture of a plan, the plan that rule trace makes."""
     path = DATA_ROOT / row_of(wildcards).plan
     traced = is_traced(wildcards)
     return f"{RESULTS}/houses/{wildcards.house}/plan.json" if traced else str(path)
 
 
 def is_traced(wildcards):
-    """Return whether a house's plan is a picture, which rule trace reads."""
+    """Return whether a house's plan is a picture, which rule trace turns into a plan."""
     path = DATA_ROOT / row_of(wildcards).plan
     return path.suffix.lower() in SUFFIXES and path.is_file()
 
 
 def trace_files(wildcards):
-    """Return the overlay and the doubts of a traced plan; none for other plans."""
+    """Return the overlay and the doubts that rule trace makes; nothing for other plans."""
     plan = f"{RESULTS}/houses/{wildcards.house}/plan"
     made = dict(overlay=f"{plan}.overlay.png", doubts=f"{plan}.doubts.txt")
     return made if is_traced(wildcards) else {}
@@ -160,7 +163,7 @@ def trace_files(wildcards):
 
 @functools.cache
 def plan_code(suffix):
-    """Return the hashes of the code that reads plans with this suffix."""
+    """Return the hashes of the code that reads plan files with this suffix."""
     return [rule_code("floorplan"), *reader_code(suffix)]
 
 
@@ -170,13 +173,13 @@ def plan_code_of(wildcards):
 
 
 def assignment_of(wildcards):
-    """Return the photo table of a house; empty when the house has none."""
+    """Return the photo table of a house; an empty list if there is none."""
     path = named_assignment_of(wildcards)
     return path if path and os.path.isfile(path) else []
 
 
 def finds_rooms(wildcards):
-    """Return the classifier that helps to find rooms, None where the photo table has them all."""
+    """Return the classifier that helps to find photos' rooms; None if the table gives them all."""
     path = assignment_of(wildcards)
     if not path or not (is_traced(wildcards) or lacks_rooms(path)):
         return None
@@ -201,7 +204,7 @@ def photo_names_of(wildcards):
 
 
 def photos_of(wildcards):
-    """Return the existing photos of a house; the job reports missing ones."""
+    """Return those photos of a house that exist; the job reports the missing ones."""
     names = row_of(wildcards).photos
     return [str(path) for path in photo_paths(LAYOUT.photos, names)]
 
@@ -218,7 +221,7 @@ def hidden_at(drop, wildcards):
 
 
 def model_of(name):
-    """Return the path of a model: the configured one, a released one, else the embedded one."""
+    """Return the weights of a model: the configured, else the authors', else the embedded ones."""
     if config["models"].get(name):
         return config["models"][name]
     if config["weights"] == "official" and config["official"].get(name):
@@ -227,10 +230,10 @@ def model_of(name):
 
 
 def made(models):
-    """Return the weights that rules make, by name: they are inputs.
+    """Return those weights that rules make, by name: only they are inputs of jobs.
 
-    Shipped weights are no inputs, which each job would hold, but params with their hash: a changed
-    file makes a job anew all the same.
+    Shipped weights are not inputs, to keep the plan of thousands of jobs small. Their hash is a
+    param (:func:`hashes`), so a job runs again when they change.
     """
     return {
         name: path for name, path in models.items() if path.startswith(f"{RESULTS}/")
@@ -244,15 +247,15 @@ def hashes(models):
 
 @functools.cache
 def ready_hash(path):
-    """Return the hash of weights; the first job that reads them reports a missing file."""
+    """Return the hash of a weights file; if it is missing, the first job that reads it says so."""
     return file_hash(path) if os.path.isfile(path) else "absent"
 
 
 def contents_of(*input_functions):
-    """Return a params function: the hash of the inputs of a job that no rule makes.
+    """Return a params function: the hash of the contents of a job's inputs that no rule makes.
 
-    So an older file in the place of another one makes the job anew, too: its contents decide.
-    (Snakemake keeps no record of functions of `input`.)
+    With it a job runs again when a file is replaced by an older one. Snakemake alone would compare
+    times, and keeps no record of what input functions returned.
     """
 
     def contents(wildcards):
@@ -270,21 +273,21 @@ def contents_of(*input_functions):
 
 
 def given(**inputs):
-    """Return the inputs that are not empty: Snakemake spends as much on an empty one."""
+    """Return the inputs that are not empty; empty ones would only make planning slower."""
     return {name: value for name, value in inputs.items() if value}
 
 
-# Threads of a job on one house: one each beside other houses, whose jobs use the other cores.
+# Threads of a job: several if there are few houses, else one, since other houses' jobs run beside.
 HOUSE_THREADS = max(1, 4 // max(1, len(HOUSES)))
 
 
 def worker_memory(alone, each):
-    """Return the megabytes of a house's job that forks a worker for each of its threads."""
+    """Return the megabytes of a job that starts a worker process for each of its threads."""
     return alone + each * HOUSE_THREADS if HOUSE_THREADS > 1 else alone
 
 
-# A table of all houses reads one at a time; the sums of InceptionV3's 2048 features are large, and
-# Snakemake's own start names all the files.
+# Megabytes of a job on all houses. It reads one house at a time, but the sums over InceptionV3's
+# 2048 features are large, and so is Snakemake's list of all input files.
 GATHERED_MEMORY = (2000 if config["metrics"]["inception"] else 1000) + len(HOUSES) // 50
 
 
@@ -294,12 +297,13 @@ def house_files(*names):
 
 
 def named_assignment_of(wildcards):
-    """Return the photo table of the house table, which need not exist; "" for none."""
+    """Return the photo table that the house table names, existing or not; "" for none."""
     name = row_of(wildcards).assignment
     return str(DATA_ROOT / name) if name else ""
 
 
-# Inputs that are alike for all houses are no functions: Snakemake calls those once a job.
+# Inputs that are alike for all houses. As plain values they are faster to plan than functions,
+# which Snakemake calls for every job.
 POOL = f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else None
 HAS_BOXES = (LAYOUT.data / "object_aabbs").is_dir()
 HAS_MASKS = CROPS["source"] != "precomputed"
@@ -316,12 +320,12 @@ def metric_model(network):
 
 
 def hidden_at_drops(drops):
-    """Return an input function: the hidden photos of a house by drop fraction."""
+    """Return a params function: the hidden photos of a house at each drop fraction."""
     return lambda wildcards: {drop: hidden_at(drop, wildcards) for drop in drops}
 
 
 def study_answers_of(wildcards):
-    """Return the answer files; the job reports where there are none."""
+    """Return the files of answers; if there are none, the job says so."""
     folder = config["study"]["answers"]
     return sorted(str(path) for path in Path(folder).glob("*.csv")) if folder else []
 
@@ -336,7 +340,7 @@ def finished_houses():
 
 
 def finished(name):
-    """Return an input function: the files of this name of the finished houses."""
+    """Return an input function: the files with this name of all finished houses."""
 
     def files(wildcards):
         houses = finished_houses()
@@ -348,9 +352,9 @@ def finished(name):
 
 
 def label_model():
-    """Return the embedded models that label photos, by name; none where others label.
+    """Return the embedded models that label photos, by name; none if masks come from elsewhere.
 
-    The classifier of rooms reads the shipped network.
+    The shipped classifier of rooms works on features of the shipped network only.
     """
     if config["photos"]["masks"] != "embedded":
         return {}

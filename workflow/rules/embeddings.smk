@@ -1,5 +1,5 @@
-# Crops as numbers; at each drop fraction what represents each surface, which surfaces are one
-# material, and what is expected of the surfaces that no photo shows.
+# Embeddings of crops; then, at each drop fraction, the crop that represents each surface, surfaces
+# that share a material, and predictions for surfaces that no photo shows.
 CROP_MODELS = {name: model_of(name) for name in ("texture", "naivesynth")}
 PROPAGATION_MODELS = {name: model_of(name) for name in ("texture", "propagation")}
 EMBEDDINGS = f"{RESULTS}/houses/{{house}}/embeddings.parquet"
@@ -9,7 +9,7 @@ PROPAGATED = f"{RESULTS}/drop_{{drop}}/{{house}}/propagated.parquet"
 
 
 rule embeddings:
-    # The code, median colour, substance and textureness of each crop.
+    # Of each crop: code, median colour, substance, and how much of a texture it is.
     input:
         **made(CROP_MODELS),
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
@@ -35,8 +35,8 @@ rule embeddings:
 
 
 rule materials:
-    # At each drop fraction: the crop and embedding that represent each surface which a visible
-    # photo shows, and the surfaces of different rooms that are one material.
+    # At each drop fraction: the crop and embedding that represent each surface that a visible photo
+    # shows, and which surfaces of different rooms share a material.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         light=f"{RESULTS}/houses/{{house}}/light.json",

@@ -1,14 +1,14 @@
-# Unobserved and All of the paper's table: 60 % of photos hidden where the config has it.
+# Columns Unobserved and All of the paper's table have 60 % of the photos hidden.
 TABLE_DROP = "0.6" if "0.6" in DROPS else max(DROPS)
 
 
-# The networks behind FID and KID, and behind SUBS: converted ones where they are given.
+# The networks of FID and KID (features) and of SUBS (substances).
 METRIC_MODELS = {
     "features": metric_model("inception"),
     "substances": metric_model("vgg16"),
 }
 METRIC_MEMORY = 3000 if len(set(METRIC_MODELS.values())) > 1 else 1000
-# Of sweep and ablation, which make all stages from the embeddings on.
+# The models of the rules sweep_house and ablation_house, which run all stages after the embeddings.
 EVALUATION_MODELS = {**CROP_MODELS, **PROPAGATION_MODELS, **METRIC_MODELS}
 
 
@@ -16,9 +16,10 @@ TABLE_DROPS = sorted({"0.0", TABLE_DROP})
 TABLE_MODELS = {
     name: path for method in METHODS for name, path in decoder(method).items()
 }
-# Tiles by {drop}/{method}.
+# Folder of tiles, {drop}/{method}/ below it.
 COMPARED = f"{RESULTS}/houses/{{house}}/comparison"
-# The 3D house's textures are those of its method in the table, but for accent walls.
+# Tiles of the 3D house, which the table takes over if its method is one of the table's. With
+# accent walls they differ from the table's.
 SHOWN = (
     CHOSEN_TEXTURES
     if config["house"]["method"] in METHODS and config["house"]["walls"] == "room"
@@ -96,7 +97,7 @@ rule metrics:
 
 
 rule texture_sheet:
-    # To look at: reference crops beside the tiles of every method.
+    # A picture of reference crops beside the tiles of every method.
     input:
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         textures=COMPARED,
@@ -162,8 +163,8 @@ rule paper_table:
         "../scripts/paper_table.py"
 
 
-# What a house's metrics are made of. Snakemake removes what a job that failed was to make, so a
-# house of which one of these is missing is not finished, whatever an earlier run left of it.
+# The files that a house's metrics are made of, and the metrics. Snakemake removes the outputs of a
+# job that fails, so a house that lacks one of these files is not finished.
 FINISHED = [
     *given(masks=HAS_MASKS and MASKS, shown=SHOWN).values(),
     PHOTO_ROOMS,
@@ -181,8 +182,8 @@ FINISHED = [
 
 
 use rule paper_table as partial_table with:
-    # On demand, after a run that failed in part: the table of the finished houses, made again
-    # where they are out of date. Its column `missing` names the others.
+    # On demand, after a run in which some houses failed: the table of the finished houses, whose
+    # metrics are made again if they are out of date. Column `missing` names the other houses.
     input:
         metrics=finished("metrics.parquet"),
         references=finished("reference_features.parquet"),

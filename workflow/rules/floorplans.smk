@@ -14,7 +14,7 @@ rule floorplan:
     resources:
         mem_mb=500,
     params:
-        # What the house table names: of a file that is missing the job says which.
+        # As the house table names them, so that the job can say which file is missing.
         named=named_files,
         photos=str(LAYOUT.photos),
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
@@ -30,7 +30,7 @@ rule floorplan:
 
 
 rule trace:
-    # A plan that is a picture: rooms and openings by the plan network, scale and names by its text.
+    # A plan from a picture: the plan network finds rooms and openings, text gives scale and names.
     input:
         picture=picture_of,
     output:

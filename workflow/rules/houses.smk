@@ -1,8 +1,8 @@
 from plan2scene_app.exports.registry import export_code, exports
 
-# Textures of the configured method, with all photos.
+# Textures by the configured method, from all photos.
 CHOSEN_TEXTURES = f"{RESULTS}/drop_0.0/{config['house']['method']}/{{house}}/textures"
-# Those that the 3D house shows.
+# Textures that the 3D house shows.
 SHOWN_TEXTURES = (
     f"{RESULTS}/houses/{{house}}/textures"
     if config["house"]["colours"] == "paint"
@@ -44,8 +44,8 @@ rule patterns:
 
 
 rule paint:
-    # The paint of the surfaces and doors that photos show, apart from the photos' light, and the
-    # textures of the 3D house in it, as far as its owner has not set others by hand.
+    # The paint of surfaces and doors without the photos' light, and the textures of the 3D house in
+    # these colours. Finishes that the owner set by hand go before them.
     input:
         unpack(finish_files),
         textures=CHOSEN_TEXTURES,
@@ -97,7 +97,7 @@ rule house:
 
 
 rule pictures:
-    # To look at: the house from above, each room at eye level, each located photo beside the house.
+    # Pictures: the house from above, each room at eye level, each located photo beside the house.
     input:
         **given(
             cameras=HAS_MASKS and CAMERAS,
@@ -154,7 +154,7 @@ rule pictures:
 
 
 rule viewer:
-    # To look at: one offline page with the house, its photos' crops and places.
+    # One offline page with the house in 3D, its crops and the places of its photos.
     input:
         **given(cameras=HAS_MASKS and CAMERAS, photos=HAS_MASKS and photos_of),
         propagated=f"{RESULTS}/drop_0.0/{{house}}/propagated.parquet",

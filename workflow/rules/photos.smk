@@ -4,7 +4,7 @@ PHOTO_ROOMS = f"{RESULTS}/houses/{{house}}/photo_rooms.json"
 
 
 rule masks:
-    # Floor, wall, ceiling and other in each photo, its line segments and its camera.
+    # For each photo: which pixels are floor, wall, ceiling or other, line segments, and the camera.
     input:
         **given(
             pretrained=pretrained_files(),
@@ -49,7 +49,7 @@ rule masks:
 
 
 rule places:
-    # Where in the plan each photo was taken, and the rooms that it shows.
+    # For each photo: where in the plan it was taken, and which rooms it shows.
     input:
         **given(masks=HAS_MASKS and MASKS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
@@ -80,7 +80,7 @@ rule crops:
     # Rectified 128x128 crops of each floor, wall and ceiling that the photos show, the planes that
     # they were cut from, the surfaces' colours and the photos' light.
     input:
-        # Photos come by way of their masks.
+        # Masks depend on the photos, which therefore are no inputs here.
         **(
             {"masks": MASKS, "cameras": CAMERAS}
             if HAS_MASKS
@@ -115,7 +115,6 @@ rule crops:
             camera_height_m=config["photos"]["camera_height_m"],
         ),
         seed=config["seed"],
-        # Photos come by way of their masks.
         contents=None if HAS_MASKS else contents_of(photos_of, precomputed_crops_of),
         code=rule_code("crops"),
     script:
@@ -123,7 +122,7 @@ rule crops:
 
 
 rule doubts:
-    # A page to read and to correct by: the plan, each photo in its room, and what is not sure.
+    # A page that shows the plan, each photo in its room, and what is in doubt.
     input:
         unpack(trace_files),
         **given(masks=HAS_MASKS and MASKS, cameras=HAS_MASKS and CAMERAS),
@@ -148,7 +147,7 @@ rule doubts:
 
 
 rule contact_sheet:
-    # A leaf, to look at: what the rules above found in each photo.
+    # A picture of what the rules above found in each photo. No other rule reads it.
     input:
         **given(masks=HAS_MASKS and MASKS, cameras=HAS_MASKS and CAMERAS),
         rooms=PHOTO_ROOMS,

@@ -1,12 +1,12 @@
-# On demand: the user study. `snakemake -j2 study` makes the form and its key; with the files that
-# people hand in under config["study"]["answers"], `snakemake study_result` their preferences.
+# On demand: the user study. `snakemake -j2 study` makes the form and its key. When people's answer
+# files lie in the folder config["study"]["answers"], `snakemake study_result` counts preferences.
 from plan2scene_app.study.study import study_houses
 
 STUDY = config["study"]
 STUDY_METHODS = list(
     dict.fromkeys(method for pair in STUDY["pairs"] for method in pair)
 )
-# What the table compares is taken from there; other methods are made for the study.
+# Methods of the table, whose tiles are there already, and the others.
 STUDY_COMPARED = [method for method in STUDY_METHODS if method in METHODS]
 STUDY_OTHERS = [method for method in STUDY_METHODS if method not in METHODS]
 STUDY_HOUSES = study_houses(HOUSES, STUDY["houses"], seed=config["seed"])

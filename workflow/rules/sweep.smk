@@ -3,7 +3,7 @@ from plan2scene.datasets.drops import SWEEP_DROPS
 
 
 rule sweep_house:
-    # A house at all drops by all methods: one job, for as jobs of their own it is mostly starts.
+    # A house at all drop fractions by all methods, in one job: each step takes less than a start.
     input:
         **given(pool=POOL),
         **made(EVALUATION_MODELS),

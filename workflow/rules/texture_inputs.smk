@@ -1,4 +1,4 @@
-# What textures are made of, by method.
+# Inputs and params of rule textures, which differ by method.
 def seam_correction(*methods):
     """Return whether seams are corrected by method: as configured, else as registered."""
     chosen = config["textures"]["seam_correction"]
@@ -9,29 +9,26 @@ def seam_correction(*methods):
 
 
 def decoder(method):
-    """Return the texture model of a method by its name; none where nothing is decoded."""
+    """Return the texture model that a method decodes with, by name; empty if it has none."""
     name = TEXTURE_METHODS[method].weights
     return {name: model_of(name)} if name else {}
 
 
 @functools.cache
 def texture_params(method):
-    """Return what a method's tiles depend on beside a house."""
+    """Return the params that are alike for all houses."""
     models = decoder(method)
     corrected = seam_correction(method)
     return {"models": models, "hashes": hashes(models), "seam_correction": corrected}
 
 
 def shown_in_3d(wildcards):
-    """Return whether these textures are those of the 3D house."""
+    """Return whether the 3D house shows these textures."""
     return (wildcards.drop, wildcards.method) == ("0.0", config["house"]["method"])
 
 
 def textures_of(wildcards):
-    """Return what a house's textures depend on: hidden photos, the method's models, and more.
-
-    Those of the 3D house alone are maps of whole surfaces.
-    """
+    """Return the params of a house's textures by one method at one drop fraction."""
     return texture_params(wildcards.method) | {
         "hidden": hidden_at(wildcards.drop, wildcards),
         "maps": maps_of(wildcards),
@@ -40,17 +37,17 @@ def textures_of(wildcards):
 
 
 def maps_of(wildcards):
-    """Return whether there are maps of whole surfaces beside these textures."""
+    """Return whether to make maps of whole surfaces, too: for the 3D house alone."""
     return shown_in_3d(wildcards) and config["house"]["surfaces"] == "maps"
 
 
 def walls_of(wildcards):
-    """Return which walls share a texture: accent walls have their own in the 3D house alone."""
+    """Return whether accent walls get a texture of their own: in the 3D house alone."""
     return config["house"]["walls"] if shown_in_3d(wildcards) else "room"
 
 
 def texture_inputs(wildcards):
-    """Return what a method takes from elsewhere: tiles, crops of other houses, made weights."""
+    """Return the inputs that only some methods, or only the 3D house, have."""
     method = TEXTURE_METHODS[wildcards.method]
     library = method.library and f"{RESULTS}/texture_library.parquet"
     pool = method.crop_pool and POOL

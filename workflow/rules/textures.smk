@@ -22,7 +22,7 @@ rule texture_library:
 
 
 rule crop_pool:
-    # On request: crops of other houses, for those that have none of a kind.
+    # On demand: crops of other houses, for surfaces without a crop in their own house.
     input:
         scenes=expand(f"{RESULTS}/houses/{{house}}/scene.json", house=POOL_HOUSES),
         crops=expand(f"{RESULTS}/houses/{{house}}/crops.parquet", house=POOL_HOUSES),
@@ -46,7 +46,7 @@ rule crop_pool:
 
 
 rule textures:
-    # A tile for every surface of a house, by one method; maps where the house is to show them.
+    # A tile for every surface of a house by one method; for the 3D house also maps of surfaces.
     input:
         unpack(texture_inputs),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",

@@ -9,13 +9,13 @@ from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
-    found, params = snakemake.input, snakemake.params
-    models = found.texture_model, found.naive_model
+    inputs, params = snakemake.input, snakemake.params
+    models = inputs.texture_model, inputs.naive_model
     means = training_means(
         (
             read_scene_json(scene, house),
             training_surfaces(crops, *models, house=house, seed=params.seed),
         )
-        for house, scene, crops in zip(params.houses, found.scenes, found.crops, strict=True)
+        for house, scene, crops in zip(params.houses, inputs.scenes, inputs.crops, strict=True)
     )
-    convert_checkpoint("propagation", found.checkpoint, snakemake.output[0], means=means)
+    convert_checkpoint("propagation", inputs.checkpoint, snakemake.output[0], means=means)

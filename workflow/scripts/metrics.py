@@ -6,16 +6,16 @@ from plan2scene.evaluation.measure import Networks, measure_textures, reference_
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
-    found, params = snakemake.input, snakemake.params
+    inputs, params = snakemake.input, snakemake.params
     names = {"dataset": params.dataset, "house": snakemake.wildcards.house}
     networks = Networks(**{name: Path(path) for name, path in params.models.items()})
     measure_textures(
-        found.textures,
-        found.crops,
+        inputs.textures,
+        inputs.crops,
         params.hidden,
         params.methods,
         snakemake.output.metrics,
         networks=networks,
         **names,
     )
-    reference_features(found.crops, networks.features, snakemake.output.references, **names)
+    reference_features(inputs.crops, networks.features, snakemake.output.references, **names)

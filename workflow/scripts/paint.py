@@ -7,27 +7,27 @@ from plan2scene.textures.painted import paint_textures
 from plan2scene.workflow.jobs import job
 from plan2scene_app.finishes import read_finishes
 
-found, output = snakemake.input, snakemake.output
+inputs, output = snakemake.input, snakemake.output
 
 
 def set_finishes(folder: Path) -> None:
     """Set what the house's owner chose; PyTorch takes seconds to import, so it is imported late."""
     from plan2scene_app.set_by_hand import set_by_hand
 
-    set_by_hand(folder, finishes, found.crops, output.paint)
+    set_by_hand(folder, finishes, inputs.crops, output.paint)
 
 
 with job(snakemake.log[0]):
-    finishes = read_finishes(found.finishes) if found.get("finishes") else {}
+    finishes = read_finishes(inputs.finishes) if inputs.get("finishes") else {}
     write_paint(
-        found.colours,
-        found.materials,
+        inputs.colours,
+        inputs.materials,
         output.paint,
         dataset=snakemake.params.dataset,
         house=snakemake.wildcards.house,
     )
     paint_textures(
-        found.textures,
+        inputs.textures,
         output.paint,
         output.textures,
         last_word=set_finishes if finishes else None,

@@ -11,18 +11,19 @@ from plan2scene.stage_json import read_stage_json
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
-    found, params = snakemake.input, snakemake.params
+    inputs, params = snakemake.input, snakemake.params
     photos = {
-        name: Path(params.photo_folder) / name for name in read_stage_json(found.cameras, "cameras")
+        name: Path(params.photo_folder) / name
+        for name in read_stage_json(inputs.cameras, "cameras")
     }
-    files = PhotoFiles(photos, Path(found.masks), Path(found.cameras), Path(found.planes))
-    house = read_scene_json(found.scene, snakemake.wildcards.house)
+    files = PhotoFiles(photos, Path(inputs.masks), Path(inputs.cameras), Path(inputs.planes))
+    house = read_scene_json(inputs.scene, snakemake.wildcards.house)
     write_patterns(
         files,
         house,
-        found.crops,
-        found.materials,
+        inputs.crops,
+        inputs.materials,
         snakemake.output[0],
         dataset=params.dataset,
-        jointed=jointed_floors(read_parquet(found.embeddings)[0], house),
+        jointed=jointed_floors(read_parquet(inputs.embeddings)[0], house),
     )

@@ -7,18 +7,18 @@ from plan2scene.workflow.jobs import job
 from plan2scene_app.pictures.house_pictures import draw_house
 
 with job(snakemake.log[0]):
-    given, made, params = snakemake.input, snakemake.output, snakemake.params
+    inputs, output, params = snakemake.input, snakemake.output, snakemake.params
     draw_house(
-        given.scene,
-        given.textures,
-        made.preview,
-        made.rooms,
-        made.views,
-        made.patterns,
+        inputs.scene,
+        inputs.textures,
+        output.preview,
+        output.rooms,
+        output.views,
+        output.patterns,
         house_id=snakemake.wildcards.house,
         photos={name: Path(params.photo_folder) / name for name in json.loads(params.names)},
-        cameras=given.get("cameras"),
-        patterns=given.get("patterns"),
+        cameras=inputs.get("cameras"),
+        patterns=inputs.get("patterns"),
         objects=params.objects,
         traced=params.traced,
     )

@@ -7,19 +7,19 @@ from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)
-    found, params = snakemake.input, snakemake.params
+    inputs, params = snakemake.input, snakemake.params
     for photos, surfaces, materials, propagated in zip(
-        params.hidden.values(), found.surfaces, found.materials, snakemake.output, strict=True
+        params.hidden.values(), inputs.surfaces, inputs.materials, snakemake.output, strict=True
     ):
         propagate_house(
-            found.scene,
+            inputs.scene,
             surfaces,
             propagated,
             propagation_model=params.models["propagation"],
             texture_model=params.models["texture"],
             predictor=params.predictor,
             materials=materials,
-            colours=found.colours,
+            colours=inputs.colours,
             hidden_photos=photos,
             house=snakemake.wildcards.house,
             dataset=params.dataset,

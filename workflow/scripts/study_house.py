@@ -14,15 +14,15 @@ with job(snakemake.log[0]):
         name: Path(snakemake.params.photo_folder) / name
         for name in json.loads(snakemake.params.names)
     }
-    params, found = snakemake.params, snakemake.input
-    made = dict(zip(params.others, map(Path, found.others), strict=True))
+    params, inputs = snakemake.params, snakemake.input
+    made = dict(zip(params.others, map(Path, inputs.others), strict=True))
     write_study_sheet(
         snakemake.output[0],
         house=house,
         photos={name: path for name, path in files.items() if path.is_file()},
-        rooms_of_photo=rooms_of_photos(found.assignment or None, house),
+        rooms_of_photo=rooms_of_photos(inputs.assignment or None, house),
         textures={
-            method: made.get(method) or Path(found.compared) / "0.0" / method
+            method: made.get(method) or Path(inputs.compared) / "0.0" / method
             for method in params.methods
         },
     )

@@ -7,17 +7,17 @@ from plan2scene.textures.table import table_textures
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
-    found, params = snakemake.input, snakemake.params
+    inputs, params = snakemake.input, snakemake.params
     table_textures(
-        HouseFiles.of(found, snakemake.wildcards.house),
+        HouseFiles.of(inputs, snakemake.wildcards.house),
         {
             drop: Visible(Path(propagated), params.hidden[drop])
-            for drop, propagated in zip(params.hidden, found.propagated, strict=True)
+            for drop, propagated in zip(params.hidden, inputs.propagated, strict=True)
         },
         params.methods,
         snakemake.output[0],
         models={name: Path(path) for name, path in params.models.items()},
         settings=TextureSettings(params.seed, params.size_px, params.seam_correction),
         images=params.images,
-        ready={params.shown: found.shown} if found.get("shown") else None,
+        ready={params.shown: inputs.shown} if inputs.get("shown") else None,
     )

@@ -7,18 +7,18 @@ from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, V
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
-    found, params = snakemake.input, snakemake.params
-    asked = params.textures
-    files = HouseFiles.of(found, snakemake.wildcards.house)
-    inputs = HouseData(files).at(
-        Visible(Path(found.propagated), asked["hidden"]),
-        {name: Path(path) for name, path in asked["models"].items()},
-        TextureSettings(params.seed, params.size_px, asked["seam_correction"], snakemake.threads),
+    inputs, params = snakemake.input, snakemake.params
+    own = params.textures  # of this method, drop fraction and house
+    files = HouseFiles.of(inputs, snakemake.wildcards.house)
+    house = HouseData(files).at(
+        Visible(Path(inputs.propagated), own["hidden"]),
+        {name: Path(path) for name, path in own["models"].items()},
+        TextureSettings(params.seed, params.size_px, own["seam_correction"], snakemake.threads),
     )
     make_textures(
         snakemake.wildcards.method,
-        inputs,
+        house,
         snakemake.output[0],
-        maps=asked["maps"],
-        walls=asked["walls"],
+        maps=own["maps"],
+        walls=own["walls"],
     )

@@ -7,8 +7,8 @@ from plan2scene.workflow.jobs import job
 from plan2scene_app.viewer.viewer_page import build_viewer, read_facts
 
 with job(snakemake.log[0]):
-    house_id, given = snakemake.wildcards.house, snakemake.input
-    house = read_scene_json(given.scene, house_id)
+    house_id, inputs = snakemake.wildcards.house, snakemake.input
+    house = read_scene_json(inputs.scene, house_id)
     photos = Path(snakemake.params.photo_folder)
-    facts = read_facts(given.propagated, given.crops, given.get("cameras"), house, photos)
-    build_viewer(given.glb, snakemake.output[0], house_id=house_id, title=house.title, facts=facts)
+    facts = read_facts(inputs.propagated, inputs.crops, inputs.get("cameras"), house, photos)
+    build_viewer(inputs.glb, snakemake.output[0], house_id=house_id, title=house.title, facts=facts)
