@@ -23,7 +23,6 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.optimize import least_squares
 
 from plan2scene.colour import (
     CLIPPED_LEVELS,
@@ -163,6 +162,8 @@ class LogSums:
 
         Huber 1964, DOI 10.1214/aoms/1177703732.
         """
+        from scipy.optimize import least_squares  # slow to import, and most jobs go without
+
         count, result = len(self.observed), self.mean.copy()
 
         def loss(squares: np.ndarray) -> np.ndarray:
