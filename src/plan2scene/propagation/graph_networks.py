@@ -33,17 +33,16 @@ PAIR_SIZE = 5
 _FAR = 4
 
 
-def graph_data(graph: HouseGraph, visible: np.ndarray | None = None) -> Data:
-    """Return a house with the `visible` surfaces (n, 3) bool alone; all observed ones when None.
+def graph_data(graph: HouseGraph) -> Data:
+    """Return a house as the networks take it.
 
     ``x`` is (n, 48) float32, ``edge_index`` (2, m) int64, ``pair_index`` (2, p) int64 and
     ``pair_attr`` (p, 5) float32 are :func:`room_pairs`, ``embeddings`` (n, 3, 11) float32.
     """
-    known = graph.observed if visible is None else visible
     pairs, facts = room_pairs(graph)
     # Copies: products of arrays that lie where numpy put them round differently run by run.
     return Data(
-        x=torch.tensor(graph.node_features(known)),
+        x=torch.tensor(graph.node_features(graph.observed)),
         edge_index=torch.tensor(graph.edges),
         pair_index=torch.tensor(pairs),
         pair_attr=torch.tensor(facts),

@@ -7,7 +7,7 @@ that light does not make.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -41,11 +41,10 @@ class Accent:
     planes: frozenset[str]  #: names of the photos' planes that show it, as crop ids begin
 
 
-def find_accents(colours: str | Path, hidden_photos: Collection[str] = ()) -> list[Accent]:
+def find_accents(colours: str | Path) -> list[Accent]:
     """Return the accent walls of a house by what its photos show (``colours.parquet``)."""
     table, _ = read_parquet(colours)
     seen = table[(table["surface"] == "wall") & table["own"] & (table["walls"] != "")]
-    seen = seen[~seen["photo"].isin(set(hidden_photos))]
     accents = []
     for room_id, of_room in seen.groupby("room_id", sort=True):
         while (walls := _most_apart(of_room)) is not None:

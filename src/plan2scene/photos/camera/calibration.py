@@ -28,15 +28,14 @@ def estimate_camera(
     *,
     fov_deg: float = DEFAULT_FOV_DEG,
     exif: ExifFocal | None = None,
-    seed: int = 0,
     segments: PhotoSegments | None = None,
 ) -> Camera:
     """Return focal length and rotation of a photo of a room (paper section 4, made metric).
 
     `image` is (h, w, 3) uint8 sRGB. Segments on surfaces of the `labels` (h, w) uint8 and on their
     borders count more than those on furniture. `fov_deg` is the horizontal field of view to start
-    from and to fall back to, degrees. `seed` draws the vertical vanishing point's random pairs.
-    `segments` are found here (`lines.find_segments`) when not given.
+    from and to fall back to, degrees. `segments` are found here (`lines.find_segments`) when not
+    given.
 
     The focal length is that of `exif`, else of vanishing points, else of `fov_deg`. EXIF data give
     way to vanishing points of high confidence that differ by more than `CAMERA.exif_tolerance`;
@@ -48,10 +47,10 @@ def estimate_camera(
     weighted = weighted_segments(lines.camera, lines.size, labels)
     known = None if exif is None or exif.focal_px is None else exif.focal_px * columns / width
     prior = columns / 2 / np.tan(np.radians(fov_deg) / 2) if known is None else known
-    frame = fit_manhattan(weighted, columns, prior, seed)
+    frame = fit_manhattan(weighted, columns, prior)
     pose = _decide(frame, weighted, prior, known is not None)
     if frame is not None and known is not None and exif is not None and not exif.cropped:
-        pose = _with_exif(pose, fit_manhattan(weighted, columns, known, seed, fixed=True), known)
+        pose = _with_exif(pose, fit_manhattan(weighted, columns, known, fixed=True), known)
     return Camera(
         width=width,
         height=height,

@@ -34,14 +34,13 @@ class Guess:
 
 
 def first_guesses(
-    segments: Segments, width: int, focals: np.ndarray, prior: float, seed: int
+    segments: Segments, width: int, focals: np.ndarray, prior: float
 ) -> list[list[Guess]]:
     """Return the guesses per focal length, the most consistent first.
 
-    `width` of the photo, `focals` (k,) and `prior`, the most likely of them, are pixels; `seed`
-    is that of the pairs drawn for the vertical vanishing point.
+    `width` of the photo, `focals` (k,) and `prior`, the most likely of them, are pixels.
     """
-    verticals = _verticals(segments, width, np.random.default_rng(seed))
+    verticals = _verticals(segments, width, np.random.default_rng(0))
     headings = np.linspace(0.0, np.pi / 2, CAMERA.n_heading, endpoint=False)
     weight = segments.weight * np.minimum(segments.length, 0.25 * width)
     voters = np.argsort(-weight, kind="stable")[: CAMERA.n_voters]
@@ -168,19 +167,18 @@ class _State(NamedTuple):
 
 
 def fit_manhattan(
-    segments: Segments, width: int, prior: float, seed: int, *, fixed: bool = False
+    segments: Segments, width: int, prior: float, *, fixed: bool = False
 ) -> Manhattan | None:
     """Return the best Manhattan frame and focal length, or None without enough segments.
 
-    `width` of the photo and `prior`, the focal length at the centre of its prior, are pixels;
-    `seed` as of `first_guesses`. With `fixed` the focal length is `prior` and only the rotation
-    (and the distortion) is sought.
+    `width` of the photo and `prior`, the focal length at the centre of its prior, are pixels. With
+    `fixed` the focal length is `prior` and only the rotation (and the distortion) is sought.
     """
     if len(segments.points) < 8:
         return None
     low, high = (width / 2 / np.tan(np.radians(fov) / 2) for fov in CAMERA.fov_range_deg[::-1])
     grid = np.geomspace(min(low, prior), max(high, prior), CAMERA.n_focal)
-    guesses = first_guesses(segments, width, np.array([prior]) if fixed else grid, prior, seed)
+    guesses = first_guesses(segments, width, np.array([prior]) if fixed else grid, prior)
     every = sorted((guess for group in guesses for guess in group), key=lambda g: -g.score)
     if fixed:
         held, free = every[: CAMERA.n_free], []
