@@ -72,13 +72,14 @@ def main() -> None:
         if not file.is_file():
             print(f"{home}: no {file}")
             continue
-        table = read_parquet(file)[0].set_index("room_id")
+        table = read_parquet(file)[0]
+        table = table[table["surface"] == "floor"].set_index("room_id")
         for _, truth in floors.iterrows():
             found = table.loc[truth.room_id] if truth.room_id in table.index else None
             rows.append(compared(truth, found))
         for pattern in read_patterns(file).values():
             name = f"{home}: {pattern.words}, {len(pattern.units)} units"
-            if name not in repeated:
+            if pattern.units and name not in repeated:
                 repeated[name] = repeats(pattern)
     result = pd.DataFrame(rows)
     print(result.to_string(index=False, na_rep=""))
