@@ -75,11 +75,15 @@ class PhotoFiles:
 
 @dataclass(frozen=True, eq=False)
 class PhotoPlanes:
-    """A photo, (h, w, 3) uint8 sRGB, and some of its planes with the camera of each."""
+    """A photo, (h, w, 3) uint8 sRGB, and some of its planes with the camera of each.
+
+    Floors are level in any frame: those of a `placed` photo are seen in the plan's.
+    """
 
     photo: str
     image: np.ndarray
     planes: list[tuple[Camera, PhotoPlane]]
+    placed: bool = False
 
 
 def photos_with_planes(
@@ -102,9 +106,9 @@ def photos_with_planes(
         planes = []
         for row in rows:
             item = plane_of_row(row, image.shape[:2])
-            located = item.in_plan and photo in poses
+            located = photo in poses and (item.in_plan or item.plane.surface == "floor")
             planes.append((poses[photo].camera if located else own, item))
-        yield PhotoPlanes(photo, image, planes)
+        yield PhotoPlanes(photo, image, planes, photo in poses)
 
 
 def with_usual_height(views: Sequence[FloorView]) -> list[FloorView]:
@@ -140,4 +144,4 @@ def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
             known = plane.scale_source in _MEASURED
             height = plane.camera_height_m if known else float("nan")
             shown = straight, mask > 0, found, 1.0 / whole.metres_per_pixel, height
-            yield FloorView(seen.photo, item.rooms, item.in_plan, *shown)
+            yield FloorView(seen.photo, item.rooms, seen.placed, *shown)
