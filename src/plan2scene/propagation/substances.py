@@ -54,12 +54,12 @@ def weighed(probabilities: np.ndarray, usual: np.ndarray) -> np.ndarray:
     return np.asarray(found / found.sum(axis=-1, keepdims=True), dtype=np.float32)
 
 
-def jointed_floors(embeddings: pd.DataFrame, house: House) -> dict[str, float]:
-    """Return how probably each room's floor is of wood or tiles, of the rows of its crops."""
+def jointed_floors(embeddings: pd.DataFrame, house: House) -> dict[str, tuple[float, float]]:
+    """Return how probably each room's floor is of wood, and of tiles, by the rows of its crops."""
     found = {}
     floors = embeddings[embeddings["crop_id"].str.startswith("floor/")]
     for room, rows in floors.groupby("room_id"):
         usual = usual_shares("floor", house.room(str(room)).types)
         shares = weighed(np.stack(rows["substance_probabilities"].to_list()), usual).mean(axis=0)
-        found[str(room)] = float(shares[[0, 3]].sum())
+        found[str(room)] = float(shares[0]), float(shares[3])
     return found

@@ -10,7 +10,7 @@ from plan2scene.house import Door, House, Room
 from plan2scene.materials import bonds, random_material
 from plan2scene.photos.patterns.bonds import LAID, Zigzag
 from plan2scene.photos.patterns.find import FoundPattern, find_pattern
-from plan2scene.photos.patterns.house_patterns import continued, floor_patterns
+from plan2scene.photos.patterns.house_patterns import boarded, continued, floor_patterns
 from plan2scene.photos.patterns.joints import JOINTS, directions, evened
 from plan2scene.photos.patterns.views import FloorView, with_usual_height
 
@@ -208,3 +208,17 @@ def test_a_floor_that_no_crop_shows_runs_on_from_its_neighbours():
     plan = House("h", rooms, (), tuple(Door(a, "", b) for a, b in doors))
     patterns = {"hall": FoundPattern("planks", 0.15), "den": FoundPattern("plain")}
     assert continued(plan, {"hall", "den"}, patterns) == {"closet": "hall"}
+    patterns["den"] = FoundPattern("planks", 0.16)
+    assert continued(plan, {"hall", "den"}, patterns) == {"closet": "hall", "store": "den"}
+    patterns["den"] = FoundPattern("planks", 0.2)
+    assert continued(plan, {"hall", "den"}, patterns) == {"closet": "hall"}
+
+
+@pytest.mark.parametrize(
+    ("confidence", "shares", "wood"), [(0.2, (0.6, 0.2), True), (0.5, (0.6, 0.2), False)]
+)
+def test_a_floor_of_wood_whose_photos_are_too_poor_for_joints_is_not_seen(confidence, shares, wood):
+    plain = FoundPattern("plain", confidence=confidence)
+    assert boarded(plain, shares) is wood
+    assert not boarded(plain, (0.2, 0.6)) and not boarded(plain, None)
+    assert not boarded(FoundPattern("planks", 0.15), shares)

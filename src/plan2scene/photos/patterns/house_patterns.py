@@ -65,7 +65,7 @@ def write_patterns(
     output: str | Path,
     *,
     dataset: str,
-    jointed: Mapping[str, float] | None = None,
+    jointed: Mapping[str, tuple[float, float]] | None = None,
 ) -> pd.DataFrame:
     """Find the patterns of a house's floors and walls in bands; write ``patterns.parquet``.
 
@@ -80,8 +80,8 @@ def write_patterns(
     output : path
     dataset : str
         For the metadata.
-    jointed : mapping of str to float, optional
-        How probably rooms' floors are of wood or tiles, by their looks.
+    jointed : mapping of str to (float, float), optional
+        How probably rooms' floors are of wood, and of tiles, by their looks.
 
     Returns
     -------
@@ -101,11 +101,15 @@ def write_patterns(
     for seen_photo in photos_with_planes(files, ("floor", "wall"), house_id=plan.id):
         floor_seen += floor_views(seen_photo)
         walls_seen += wall_views(seen_photo)
-    found = floor_patterns(with_usual_height(floor_seen), shared, jointed or {})
+    known = jointed or {}
+    sums = {room: sum(shares) for room, shares in known.items()}
+    found = floor_patterns(with_usual_height(floor_seen), shared, sums)
+    patterns = {room: pattern for room, (pattern, _) in found.items()}
     pictured, _ = read_parquet(crops)
     seen = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
-    seen |= {room for room, (pattern, _) in found.items() if pattern.kind in LAID}
-    like = continued(plan, seen, {room: pattern for room, (pattern, _) in found.items()})
+    seen -= {room for room, pattern in patterns.items() if boarded(pattern, known.get(room))}
+    seen |= {room for room, pattern in patterns.items() if pattern.kind in LAID}
+    like = continued(plan, seen, patterns)
     rows = [
         _row(room, *found[like.get(room, room)], like.get(room, ""))
         for room in sorted(found | like)
@@ -156,8 +160,8 @@ def continued(
 ) -> dict[str, str]:
     """Return the rooms whose floor runs on from a room beside them, by room.
 
-    They are those without a `seen` floor whose neighbours' floors, as far as seen, have all one
-    pattern of planks or tiles; neither bathrooms nor what is open to the air.
+    They are those without a clearly `seen` floor whose neighbours' floors, as far as seen, have all
+    one pattern of planks or tiles; neither bathrooms nor what is open to the air.
     """
     indoors = {r.id for r in plan.rooms if not r.open_air}
     doors = [pair for pair in plan.adjacency() if indoors.issuperset(pair)]
@@ -168,16 +172,26 @@ def continued(
         beside = sorted(
             {a if b == room.id else b for a, b in doors if room.id in (a, b)} & set(seen)
         )
-        kinds = {_size(patterns.get(name)) for name in beside}
-        if len(kinds) == 1 and None not in kinds:
+        others = [patterns.get(name, FoundPattern("plain")) for name in beside]
+        if others and all(other.kind in LAID and _same(other, others[0]) for other in others):
             found[room.id] = beside[0]
     return found
 
 
-def _size(pattern: FoundPattern | None) -> tuple[str, float] | None:
-    """Return what tells patterns of planks or tiles apart; None for others."""
-    laid = pattern is not None and pattern.kind in LAID
-    return (pattern.kind, pattern.width_m) if pattern is not None and laid else None
+def _same(one: FoundPattern, other: FoundPattern) -> bool:
+    """Return whether two patterns may be one, read from other photos."""
+    alike = abs(np.log(one.width_m / other.width_m)) < 2 * FIND.same_size
+    return bool(one.kind == other.kind and alike)
+
+
+def boarded(pattern: FoundPattern, shares: tuple[float, float] | None) -> bool:
+    """Return whether a floor is more probably of boards that its photos are too poor to show.
+
+    `shares`: how probably it is of wood, and of tiles, by its looks.
+    """
+    if shares is None or pattern.kind != "plain":
+        return False
+    return (1.0 - pattern.confidence) * shares[0] / max(sum(shares), 1e-9) > 0.5
 
 
 def _cut(views: Sequence[FloorView], jointed: float) -> tuple[FoundPattern, Units]:
@@ -195,8 +209,7 @@ def _units(pattern: FoundPattern, readings: Sequence[Reading], views: Sequence[F
 
 def _turned(whole: FoundPattern, own: FoundPattern) -> FoundPattern:
     """Return the pattern of a material in a room: planks may run another way in each."""
-    alike = abs(np.log(own.width_m / whole.width_m)) < 2 * FIND.same_size
-    if own.kind == whole.kind and alike and own.located >= FIND.located:
+    if _same(own, whole) and own.located >= FIND.located:
         return replace(whole, direction_deg=own.direction_deg)
     return whole
 
