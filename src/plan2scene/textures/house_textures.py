@@ -62,7 +62,7 @@ def make_textures(
         materials = {surface.key: surface.material for surface in surfaces}
         seed = inputs.settings.seed
         patterns = patterns_of_floors(house, tiles, patterns)
-        laid = {key: tile_of_pattern(tiles[key], p, seed) for key, p in patterns.items()}
+        laid = {key: tile_of_pattern(tiles[key], p, seed) for key, p in patterns.items() if p.units}
         tiles = {**tiles, **laid}
         whole = house_maps(house, tiles, materials, patterns, bands, seed=seed)
     write_tiles(out_dir, name, surfaces, tiles, whole)

@@ -59,7 +59,7 @@ class LaidPattern:
         By how much a joint's sRGB is less than its units', over theirs.
     joint_m : float
     units : list of (h, w, 3) uint8
-        sRGB levels, 127.5 where the floor has its usual colour.
+        sRGB levels, 127.5 where the floor has its usual colour; none where only joints are known.
     like : str
         Room whose floor runs on in this one, which no photo shows; empty for none.
     slant_deg : float
@@ -96,12 +96,15 @@ class LaidPattern:
 
 
 def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
-    """Return the patterns of ``patterns.parquet`` that floors can be laid by."""
+    """Return the patterns of ``patterns.parquet`` that floors can be laid by.
+
+    Those without units are of a known size, but no photo shows enough whole ones.
+    """
     table, _ = read_parquet(path)
     found = {}
     for row in table.itertuples():
-        enough = len(row.units) >= LAYING.least_units
-        if row.kind not in LAID or not enough:
+        units = row.units if len(row.units) >= LAYING.least_units else []
+        if row.kind not in LAID or not (len(units) or np.isfinite(row.length_m)):
             continue
         found[SurfaceKey(row.room_id, row.surface)] = LaidPattern(
             row.kind,
@@ -111,7 +114,7 @@ def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
             float(row.offset),
             np.array(row.joint, dtype=np.float64),
             float(row.joint_m),
-            [image_from_bytes(unit) for unit in row.units],
+            [image_from_bytes(unit) for unit in units],
             row.like,
             float(row.slant_deg),
         )
@@ -150,6 +153,20 @@ def laid(
     made = as_uint8(np.clip(2.0 * image * colour, 0.0, 1.0))
     near, far = low / scale, (low + size) / scale
     return made, Area((float(near[0]), float(near[1])), (float(far[0]), float(far[1])))
+
+
+def with_joints(
+    pattern: LaidPattern, image: np.ndarray, area: Area, whole: Area | None = None
+) -> tuple[np.ndarray, Area]:
+    """Return a floor's image (h, w, 3) uint8 sRGB with a pattern's joints, and what it covers.
+
+    `whole` as of :func:`laid`.
+    """
+    plain = replace(pattern, units=[np.full((2, 2, 3), 128, np.uint8)])
+    joints, area = laid(plain, area, np.full(3, 0.5), 0, whole)
+    size = (joints.shape[1], joints.shape[0])
+    fine = cv2.resize(image, size, interpolation=cv2.INTER_LINEAR)
+    return as_uint8(np.clip(fine / 255.0 * (joints / 128.0), 0.0, 1.0)), area
 
 
 def laid_tile(

@@ -28,7 +28,13 @@ from plan2scene.seeds import generator
 from plan2scene.textures.banded import Bands
 from plan2scene.textures.exemplar.lattice import straightened
 from plan2scene.textures.exemplar.make import Pattern
-from plan2scene.textures.laying import LaidPattern, laid, laid_tile, pattern_of
+from plan2scene.textures.laying import (
+    LaidPattern,
+    laid,
+    laid_tile,
+    pattern_of,
+    with_joints,
+)
 from plan2scene.textures.quilting import Cell, Patches, Source, quilted
 from plan2scene.textures.tiles import Tile
 
@@ -438,7 +444,7 @@ def house_maps(
     materials : mapping of SurfaceKey to str
         Name of what a surface shares with other rooms, or empty.
     patterns : mapping of SurfaceKey to LaidPattern, optional
-        Floors that are laid from whole units (:func:`patterns_of_floors`).
+        Floors that are laid from whole units, or get joints alone (:func:`patterns_of_floors`).
     bands : mapping of SurfaceKey to Bands, optional
         Walls of two materials.
     seed : int
@@ -454,10 +460,10 @@ def house_maps(
     details: dict[int, Detail] = {}
     floors = [surface for surface in surfaces if surface.key.surface == "floor"]
     everywhere = reduce(Area.union, (floor.area for floor in floors)) if floors else None
+    known = patterns or {}
     for surface in floors:
-        if surface.key in (patterns or {}):
-            pattern = (patterns or {})[surface.key]
-            maps[surface.key] = _laid(surface, pattern, seed, everywhere)
+        if surface.key in known and known[surface.key].units:
+            maps[surface.key] = _laid(surface, known[surface.key], seed, everywhere)
     for surface in surfaces:
         if surface.key in (bands or {}):
             rng = generator(seed, "maps", house.id, *surface.key)
@@ -466,7 +472,13 @@ def house_maps(
     for group in joined(surface for surface in surfaces if surface.key not in maps):
         detail = _detail(group[0].tile, details)
         rng = generator(seed, "maps", house.id, *group[0].key)
-        maps |= dict(_maps(group, detail, rng))
+        for key, image, area, resolved in _images(group, detail, rng):
+            words = ""
+            if key in known:
+                image, area = with_joints(known[key], image, area, everywhere)
+                words = known[key].words
+            made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
+            maps[key] = SurfaceMap(*made, resolved, words)
     pixels = sum(m.area.square_m * m.px_per_m**2 for m in maps.values())
     _log = logging.getLogger("plan2scene")
     _log.info("house %s: %d surface maps, %.1f Mpx", house.id, len(maps), pixels / 1e6)
@@ -577,15 +589,6 @@ def _detail(tile: Tile, made: dict[int, Detail]) -> Detail:
     if id(tile.pattern) not in made:
         made[id(tile.pattern)] = detail_of_pattern(tile.pattern, tile.size_m)
     return made[id(tile.pattern)]
-
-
-def _maps(
-    group: Sequence[MappedSurface], detail: Detail, rng: np.random.Generator
-) -> Iterator[tuple[SurfaceKey, SurfaceMap]]:
-    """Yield the maps of a group's surfaces, parts of one quilt."""
-    for key, image, area, resolved in _images(group, detail, rng):
-        made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
-        yield key, SurfaceMap(*made, resolved)
 
 
 def _images(

@@ -49,6 +49,7 @@ def draw_patterns(house: House, patterns: str | Path | None) -> np.ndarray:
         top, left = _GAP + line * high, _GAP + column * wide
         photo = image_from_bytes(picture)
         pattern = by_floor.get(SurfaceKey(rows[0].room_id, rows[0].surface))
+        pattern = pattern if pattern and pattern.units else None
         for k, part in enumerate((photo, _floor(pattern, photo))):
             if part is not None:
                 sheet.paste(Image.fromarray(part), (left + k * (_WIDE + _GAP // 2), top))

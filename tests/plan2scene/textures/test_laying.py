@@ -1,11 +1,13 @@
 """Floors laid from units of a known size."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
 from plan2scene.plans.surface_areas import Area
-from plan2scene.textures.laying import LAYING, LaidPattern, laid, laid_tile
+from plan2scene.textures.laying import LAYING, LaidPattern, laid, laid_tile, with_joints
 
 WHITE = np.full(3, 0.5)
 
@@ -103,3 +105,16 @@ def test_no_unit_is_laid_twice_within_sight():
         places = np.argwhere(shown == tone) * 0.25
         apart = np.hypot(*(places[:, None] - places[None]).T)
         assert apart[apart > 0].min(initial=9.0) >= 0.75
+
+
+def test_joints_lie_over_a_floor_without_whole_units():
+    area = Area((-0.5, -0.5), (1.0, 1.0))
+    tiles = replace(pattern(0.0), units=[])
+    floor = np.random.default_rng(1).integers(90, 170, (60, 60, 3)).astype(np.uint8)
+    image, covered = with_joints(tiles, floor, area)
+    assert covered == area
+    plain, _ = laid(replace(tiles, units=[np.full((9, 9, 3), 128, np.uint8)]), area, WHITE, 0)
+    joint = plain[..., 0] < 60
+    assert image[joint].max() < 60 and image[~joint].min() > 60
+    fine = cv2.resize(floor, image.shape[1::-1], interpolation=cv2.INTER_LINEAR)
+    assert np.abs(image[~joint].astype(int) - fine[~joint]).mean() < 2

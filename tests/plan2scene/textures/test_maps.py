@@ -14,6 +14,7 @@ from plan2scene.paint.shading import log_luma
 from plan2scene.textures.banded import Bands
 from plan2scene.textures.exemplar.lattice import find_lattice
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+from plan2scene.textures.laying import LaidPattern
 from plan2scene.textures.maps import cut_patches, detail_of_pattern, house_maps
 from plan2scene.textures.quilting import quilted
 from plan2scene.textures.tiles import Tile, write_tiles
@@ -126,6 +127,11 @@ def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tm
         if part.surface is not None and part.uv is not None:
             turns = textures[part.surface].turns(part.uv)
             assert turns.min() > 0 and turns.max() < 1
+    floor = SurfaceKey("a", "floor")
+    grid = LaidPattern("tiles", 0.4, 0.4, 0.0, 0.0, np.ones(3), 0.02, [])
+    tiled = house_maps(gap_house, tiles, {}, {floor: grid}, seed=1)
+    dark = [(image_from_bytes(m[floor].jpeg).max(axis=2) < 40).mean() for m in (maps, tiled)]
+    assert tiled[floor].pattern == grid.words and dark[1] > dark[0] + 0.04
     again = house_maps(gap_house, tiles, {}, seed=1)
     assert again[keys[0]].jpeg == maps[keys[0]].jpeg
     assert house_maps(gap_house, tiles, {}, seed=2)[keys[0]].jpeg != maps[keys[0]].jpeg
