@@ -6,8 +6,8 @@ The table has home, room_id, kind (planks, tiles, plain ...), width_m, length_m 
 z of the plan); what is empty is not compared. A confidence is a probability
 that the kind is right: the mean of those right and wrong, and the mean square away (Brier). FOLDER
 has ``{home}/patterns.parquet``; homes that it has not are left out. Repetition
-(:mod:`plan2scene.metrics.repetition`) of 4 x 4 m of each pattern: as laid, of its joints alone (1
-for any regular bond), and between the joints.
+(``repetition.py``) of 4 x 4 m of each pattern: as laid, of its joints alone (1 for any regular
+bond), between the joints, and there beyond the board itself, whose grain runs on.
 """
 
 from __future__ import annotations
@@ -48,7 +48,8 @@ def compared(truth: pd.Series, found: pd.Series | None) -> dict[str, object]:
 
 
 def repeats(pattern: LaidPattern) -> list[float]:
-    """Return the repetition of a laid floor, of its joints alone and between the joints."""
+    """Return the repetition of a laid floor, of joints alone, between joints, beyond a board."""
+    pattern = replace(pattern, direction_deg=0.0)
     flat = [np.full_like(unit, 127) for unit in pattern.units]
     variants = pattern, replace(pattern, units=flat), replace(pattern, joint=np.zeros(3))
     found = []
@@ -57,7 +58,8 @@ def repeats(pattern: LaidPattern) -> list[float]:
         side = round(SIDE_M * SHOWN_PX_PER_M)
         small = cv2.resize(image, (side, side), interpolation=cv2.INTER_AREA)
         found.append(round(repetition(small, SHOWN_PX_PER_M), 2))
-    return found
+    run = (pattern.longest_m, pattern.width_m / 2)
+    return [*found, round(repetition(small, SHOWN_PX_PER_M, run), 2)]
 
 
 def main() -> None:
@@ -92,7 +94,7 @@ def main() -> None:
     right = known["right"].astype(float)
     means = known.groupby("right")["sure"].mean().round(2).to_dict()
     print(f"confidence {means}, Brier {((known['sure'] - right) ** 2).mean():.3f} of {len(known)}")
-    print("repetition as laid, of joints alone, between joints")
+    print("repetition as laid, of joints alone, between joints, beyond a board")
     for name, values in repeated.items():
         print(f"{name}: {values}")
 

@@ -13,7 +13,7 @@ SLOW_M = 0.5
 FINE = 32.0
 
 
-def repetition(image: np.ndarray, px_per_m: float) -> float:
+def repetition(image: np.ndarray, px_per_m: float, run_m: tuple[float, float] = (0, 0)) -> float:
     """Return the highest normalised autocorrelation of a surface at a lag beyond `NEAREST_M`.
 
     1 for what repeats exactly; a lattice of equal tiles comes near it with any content. Lags go to
@@ -24,6 +24,8 @@ def repetition(image: np.ndarray, px_per_m: float) -> float:
     image : (h, w, 3) uint8
         sRGB.
     px_per_m : float
+    run_m : (float, float)
+        Lags along x and down, metres, that are left out together: a board is like itself.
     """
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
     values = grey - cv2.GaussianBlur(grey, (0, 0), SLOW_M * px_per_m / 2)
@@ -40,6 +42,7 @@ def repetition(image: np.ndarray, px_per_m: float) -> float:
     lag = np.hypot(rows[:, None], columns[None, :])
     used = (rows[:, None] <= height // 2) & (columns[None, :] <= width // 2)
     used &= lag >= NEAREST_M * px_per_m
+    used &= (rows[:, None] > run_m[1] * px_per_m) | (columns[None, :] > run_m[0] * px_per_m)
     return float(np.clip(score[used].max(), -1.0, 1.0)) if used.any() else 0.0
 
 

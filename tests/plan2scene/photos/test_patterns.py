@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+import plan2scene.photos.patterns.units as units_module
 from plan2scene.house import Door, House, Room
 from plan2scene.materials import bonds, random_material
 from plan2scene.photos.patterns.bonds import LAID, Zigzag
@@ -192,6 +193,21 @@ def test_units_are_whole_and_without_joints():
     assert np.median(dark) < 0.01
     # A joint of 3 mm is .2 darker than units of .5.
     assert units.joint_m * units.joint.mean() == pytest.approx(0.003 * 0.4, rel=0.5)
+
+
+def test_of_many_units_the_most_usual_are_laid(monkeypatch):
+    image = floor(4, 16, 0.5, seed=3)
+    blots = np.random.default_rng(3).normal(0, 1.0, image.shape[:2])
+    blots = cv2.GaussianBlur(blots, (0, 0), 5)
+    blots *= np.linspace(0, 0.04, len(image))[:, None] / blots.std()
+    views = [view(image + blots[..., None], 30.0 * k) for k in range(3)]
+    spreads = {}
+    for most in (20, 1000):
+        monkeypatch.setattr(units_module, "UNITS", replace(units_module.UNITS, most=most))
+        (_, units) = floor_patterns(views, {})["hall"]
+        spreads[most] = np.std([unit.std() for unit in units.images])
+        assert len(units.images) == most or (most == 1000 and len(units.images) > 20)
+    assert spreads[20] < 0.5 * spreads[1000]
 
 
 def test_a_floor_that_no_crop_shows_runs_on_from_its_neighbours():

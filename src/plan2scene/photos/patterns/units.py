@@ -20,7 +20,7 @@ from plan2scene.photos.patterns.zigzag import fitted
 class UnitSettings:
     """Tuned constants, chosen by looking at units of development homes."""
 
-    most: int = 60  #: units of a pattern
+    most: int = 60  #: units of a pattern, the most usual
     light_m: float = 0.4  #: what varies more slowly within a view is light
     even_m: float = 0.15  #: and within a unit
     tone: float = 2.5  #: times the usual spread of units' tones, that a unit's tone may be off
@@ -91,7 +91,7 @@ def cut_units(pattern: FoundPattern, readings: Sequence[Reading]) -> Units:
             cut += list(rows.units())
     joint, joint_m = _joint(profiles)
     seen = unlaid(readings[0].view).shown if shown is None else shown
-    return Units(_alike(cut)[: UNITS.most], joint, joint_m, seen)
+    return Units(_alike(cut), joint, joint_m, seen)
 
 
 def _window(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -108,7 +108,7 @@ def _window(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 
 def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return the units (h, w, 3) in [0, 1] that are sharp and show nothing but the floor, uint8."""
+    """Return the most usual units (h, w, 3) in [0, 1], sharp and of nothing but floor, as uint8."""
     if not cut:
         return []
     sigma = UNITS.even_m * JOINTS.px_per_m
@@ -124,20 +124,20 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
     grey = [image.mean(axis=2) for image in flat]
     fine = np.array([np.abs(cv2.Laplacian(g, cv2.CV_32F)).mean() for g in grey])
     dark = [np.log(np.maximum(g, 0.02)) for g in grey]
-    blots = [cv2.GaussianBlur(g, (0, 0), UNITS.blot_m * JOINTS.px_per_m).std() for g in dark]
+    blots = np.array(
+        [cv2.GaussianBlur(g, (0, 0), UNITS.blot_m * JOINTS.px_per_m).std() for g in dark]
+    )
     marks = np.array([np.percentile(np.abs(g), 99.5) for g in dark])
     good = (fine >= UNITS.sharp * np.percentile(fine, 80)) & (marks <= UNITS.odd * np.median(marks))
     crossed = [_stripes(g) for g in dark]
     good &= np.array(crossed) <= UNITS.crossed * np.median(crossed)
-    good &= np.array(blots) <= UNITS.blot * np.median(blots)
+    good &= blots <= UNITS.blot * np.median(blots)
     good &= (np.abs(away) <= 2 * UNITS.tone * max(usual, 1e-6)).all(axis=1)
+    unusual = np.abs(np.log(blots / np.median(blots)))
+    chosen = sorted(sorted(np.flatnonzero(good), key=lambda k: unusual[k])[: UNITS.most])
     flat = _own(flat)
-    made = (0.5 * image * np.exp(tone) for image, tone in zip(flat, tones, strict=True))
-    return [
-        np.clip(np.rint(255 * image), 0, 255).astype(np.uint8)
-        for image, chosen in zip(made, good, strict=True)
-        if chosen
-    ]
+    made = (0.5 * flat[k] * np.exp(tones[k]) for k in chosen)
+    return [np.clip(np.rint(255 * image), 0, 255).astype(np.uint8) for image in made]
 
 
 def _own(units: Sequence[np.ndarray]) -> list[np.ndarray]:
