@@ -141,9 +141,13 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
 
 
 def _own(units: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return units (h, w, 3) without the shade across them that all share: that of their joints."""
-    shared = np.mean([unit.mean(axis=1) / unit.mean(axis=(0, 1)) for unit in units], axis=0)
-    return [unit / shared[:, None] for unit in units]
+    """Return units (h, w, 3) without the shade that all share: that of the joints around them."""
+    ways = [1] if len({unit.shape for unit in units}) > 1 else [1, 0]
+    for axis in ways:
+        lines = [unit.mean(axis=axis, keepdims=True) for unit in units]
+        shared = np.mean([line / line.mean(axis=(0, 1)) for line in lines], axis=0)
+        units = [unit / shared for unit in units]
+    return list(units)
 
 
 def _stripes(dark: np.ndarray) -> float:
