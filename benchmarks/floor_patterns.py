@@ -2,6 +2,8 @@
 
 ``python benchmarks/floor_patterns.py benchmarks/floors.csv FOLDER``
 
+Or ``... data/benchmark/truth/test results/benchmark/houses``: kinds of synthetic homes' floors.
+
 The table has home, room_id, kind (planks, tiles, plain ...), width_m, length_m and direction (x or
 z of the plan); what is empty is not compared. A confidence is a probability
 that the kind is right: the mean of those right and wrong, and the mean square away (Brier). FOLDER
@@ -13,6 +15,7 @@ bond), between the joints, and there beyond the board itself, whose grain runs o
 from __future__ import annotations
 
 import argparse
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,6 +28,14 @@ from plan2scene.io import read_parquet
 from plan2scene.plans.surface_areas import Area
 from plan2scene.textures.laying import LaidPattern, laid, read_patterns
 
+#: Kind of pattern of the workshop's materials.
+KINDS = {
+    **dict.fromkeys(("planks", "strip"), "planks"),
+    **dict.fromkeys(("basket", "brick", "checker", "diagonal", "grid", "hexagon"), "tiles"),
+    **dict.fromkeys(("cut", "loop", "fleck", "plain", "patterned", "terrazzo"), "plain"),
+    **{kind: kind for kind in ("herringbone", "chevron", "mosaic")},
+    "marble": "tiles",
+}
 AXES = {"x": 0.0, "z": 90.0}
 #: Degrees within which a direction is right.
 WITHIN_DEG = 10.0
@@ -45,6 +56,21 @@ def compared(truth: pd.Series, found: pd.Series | None) -> dict[str, object]:
     away = abs((found.direction_deg - axis + 90.0) % 180.0 - 90.0)
     row["direction"] = away <= WITHIN_DEG if np.isfinite(away) else None
     return row
+
+
+def of_synthetic(folder: Path) -> pd.DataFrame:
+    """Return the table of floors of synthetic homes: ``{home}/materials.json`` of a truth folder.
+
+    A material's size is that of its tile, which holds several units: it is not compared.
+    """
+    rows = [
+        {"home": file.parent.name, "room_id": name.partition("/")[0], "kind": KINDS[made["kind"]]}
+        for file in sorted(folder.glob("*/materials.json"))
+        for name, made in json.loads(file.read_text(encoding="utf-8")).items()
+        if name.endswith("/floor") and made["kind"] in KINDS
+    ]
+    empty = {"width_m": np.nan, "length_m": np.nan, "direction": ""}
+    return pd.DataFrame(rows).assign(**empty)
 
 
 def repeats(pattern: LaidPattern) -> list[float]:
@@ -69,7 +95,9 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     args = parser.parse_args()
     rows, repeated = [], {}
-    for home, floors in pd.read_csv(args.truth).groupby("home", sort=False):
+    synthetic = args.truth.is_dir()
+    truths = of_synthetic(args.truth) if synthetic else pd.read_csv(args.truth)
+    for home, floors in truths.groupby("home", sort=False):
         file = args.folder / str(home) / "patterns.parquet"
         if not file.is_file():
             print(f"{home}: no {file}")
@@ -78,7 +106,8 @@ def main() -> None:
         table = table[table["surface"] == "floor"].set_index("room_id")
         for _, truth in floors.iterrows():
             found = table.loc[truth.room_id] if truth.room_id in table.index else None
-            rows.append(compared(truth, found))
+            if found is not None or not synthetic:  # those have rooms without photos
+                rows.append(compared(truth, found))
         for pattern in read_patterns(file).values():
             name = f"{home}: {pattern.words}, {len(pattern.units)} units"
             if pattern.units and name not in repeated:

@@ -25,5 +25,5 @@ with job(snakemake.log[0]):
         inputs.materials,
         snakemake.output[0],
         dataset=params.dataset,
-        jointed=jointed_floors(read_parquet(inputs.embeddings)[0], house),
+        looks=jointed_floors(read_parquet(inputs.embeddings)[0], house),
     )

@@ -68,6 +68,14 @@ def test_size_kind_and_direction_are_those_of_the_floor(columns, rows, offset):
     assert found.confidence > 0.6
 
 
+@pytest.mark.parametrize(("looks", "kind"), [((0.8, 0.1), "planks"), ((0.1, 0.8), "tiles")])
+def test_looks_part_planks_from_tiles_of_one_shape(looks, kind):
+    image = floor(12, 24, 0.5, seed=1)
+    found, _ = find_pattern([view(image, 25.0), view(image, 25.5)], looks)
+    assert found.kind == kind
+    assert np.isnan(found.length_m) == (kind == "planks")
+
+
 def test_wood_whose_joints_hardly_show_has_planks_all_the_same():
     offsets = np.random.default_rng(1).uniform(0, 1, 28)
     layout = bonds.bond(SIZE_PX, 2, 28, SIDE_M, offsets)
@@ -83,12 +91,12 @@ def test_what_has_no_joints_has_no_pattern(substance, kind):
     material = random_material(substance, 1, kind=kind, size_px=512)
     image = cv2.resize(material.albedo / 255.0, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_AREA)
     seen = view(image, 10.0)
-    found, _ = find_pattern([seen], jointed=0.3)
+    found, _ = find_pattern([seen], looks=(0.2, 0.1))
     assert found.kind == "plain"
     assert found.confidence > 0.6
     # What looks like wood, or is seen on few pixels, may well have joints.
-    assert find_pattern([seen], jointed=0.95)[0].confidence < 0.5
-    assert find_pattern([replace(seen, px_per_m=90.0)], jointed=0.71)[0].confidence < 0.5
+    assert find_pattern([seen], looks=(0.5, 0.45))[0].confidence < 0.5
+    assert find_pattern([replace(seen, px_per_m=90.0)])[0].confidence < 0.5
 
 
 def slanting(zigzag: Zigzag, seed: int) -> np.ndarray:

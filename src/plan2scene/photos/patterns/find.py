@@ -40,7 +40,11 @@ class FindSettings:
     plain: float = 0.16  #: score of floors without joints
     clear: float = 0.36  #: score from which on there is no doubt
     believed: float = 0.4  #: confidence under which a floor counts as plain
-    jointed: float = 0.71  #: share of floors that are of wood or tiles
+    usual_looks: tuple[float, float] = (0.45, 0.26)  #: shares of floors of wood and of tiles
+    by_looks: float = 3.0  #: what log odds of wood over tiles by looks count
+    looked: float = 3.1  #: those of floors that may be either
+    #: Log odds of wood by length over width: short, long, not known.
+    by_length: tuple[float, float, float] = (-1.2, 0.7, 1.2)
     seen_px: float = 5e4  #: photo pixels of a floor, of which joints are missed half the time
     usual: float = 0.9  #: worth of a width by the house's camera height, over one by its own
     located: int = 2  #: views that give a room a direction of its own
@@ -124,12 +128,13 @@ class Reading:
 
 
 def find_pattern(
-    views: Sequence[FloorView], jointed: float = FIND.jointed
+    views: Sequence[FloorView], looks: tuple[float, float] | None = None
 ) -> tuple[FoundPattern, list[Reading]]:
     """Return the pattern of the floor that views show, and what each view says of it.
 
-    Plain where none is evident: how surely depends on what could be seen, and on how probable it
-    is by its looks that it is `jointed`, of wood or tiles.
+    `looks` is how probably the floor is of wood, and of tiles, by its looks, where that is known.
+    With the length of units they part planks from tiles. Plain where no joints are evident: how
+    surely depends on what could be seen, and on the looks.
     """
     if not views:
         return FoundPattern("plain"), []
@@ -150,7 +155,7 @@ def find_pattern(
         grainy = _sure(views, combed, int(combed.argmax()), FIND.grainy)
         confidence, k, readings = max(grainy, (confidence, k, readings), key=lambda found: found[0])
     if not readings or confidence < FIND.believed:
-        unseen = (1.0 - confidence) * _without_joints(views, jointed)
+        unseen = (1.0 - confidence) * _without_joints(views, sum(looks or FIND.usual_looks))
         return _zigzag(views) or (FoundPattern("plain", confidence=unseen), [])
     width, spread = _width(readings)
     ratio, offset = _length(readings)
@@ -164,11 +169,25 @@ def find_pattern(
         width, ratio, offset = width * ratio, 1.0 / ratio, 0.0
     if ratio < FIND.plank or width > FIND.widest_plank_m:
         kind = "tiles"
+    wood = _wood(looks, ratio)
+    if wood > 0.5 and kind == "tiles" and width <= FIND.widest_plank_m:
+        kind, ratio, square, offset = "planks", NAN, False, 0.0  # its ends were not seen
+    elif wood <= 0.5 and kind == "planks" and np.isfinite(ratio):
+        kind = "tiles"
+    if width <= FIND.widest_plank_m:
+        confidence *= wood if kind == "planks" else 1.0 - wood
     direction, located = _direction(readings, 90.0 if square else 180.0)
-    if not _in_rows(readings, line):
+    woody, rows = _grainy(views), _in_rows(readings, line)
+    if not woody or not rows:
         slanting = _zigzag(views)
-        tiled = square and _repeats_whole(readings)
-        if slanting is None and not tiled and not _grainy(views):
+        if rows and slanting is not None and (wood <= 0.5 or slanting[0].confidence < 1.0):
+            slanting = None
+        if (
+            slanting is None
+            and not rows
+            and not woody
+            and not (square and _repeats_whole(readings))
+        ):
             other = FoundPattern("other", width, confidence=confidence, photos=photos)
             slanting = other, []
         if slanting is not None:
@@ -176,6 +195,16 @@ def find_pattern(
     sizes = width, ratio * width, spread
     found = FoundPattern(kind, *sizes, direction, offset, confidence, line, photos, located)
     return found, readings
+
+
+def _wood(looks: tuple[float, float] | None, ratio: float) -> float:
+    """Return how probably units in rows are of wood, by their looks and their length over width."""
+    odds = np.log(FIND.usual_looks[0] / FIND.usual_looks[1])
+    if looks is not None:
+        odds += FIND.by_looks * np.log(max(looks[0], 1e-3) / max(looks[1], 1e-3)) - FIND.looked
+    short, long, unknown = FIND.by_length
+    odds += unknown if not np.isfinite(ratio) else short if ratio < FIND.plank else long
+    return float(1.0 / (1.0 + np.exp(-odds)))
 
 
 def _without_joints(views: Sequence[FloorView], jointed: float) -> float:

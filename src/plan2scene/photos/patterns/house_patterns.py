@@ -65,7 +65,7 @@ def write_patterns(
     output: str | Path,
     *,
     dataset: str,
-    jointed: Mapping[str, tuple[float, float]] | None = None,
+    looks: Mapping[str, tuple[float, float]] | None = None,
 ) -> pd.DataFrame:
     """Find the patterns of a house's floors and walls in bands; write ``patterns.parquet``.
 
@@ -80,7 +80,7 @@ def write_patterns(
     output : path
     dataset : str
         For the metadata.
-    jointed : mapping of str to (float, float), optional
+    looks : mapping of str to (float, float), optional
         How probably rooms' floors are of wood, and of tiles, by their looks.
 
     Returns
@@ -101,9 +101,8 @@ def write_patterns(
     for seen_photo in photos_with_planes(files, ("floor", "wall"), house_id=plan.id):
         floor_seen += floor_views(seen_photo)
         walls_seen += wall_views(seen_photo)
-    known = jointed or {}
-    sums = {room: sum(shares) for room, shares in known.items()}
-    found = floor_patterns(with_usual_height(floor_seen), shared, sums)
+    known = looks or {}
+    found = floor_patterns(with_usual_height(floor_seen), shared, known)
     patterns = {room: pattern for room, (pattern, _) in found.items()}
     pictured, _ = read_parquet(crops)
     seen = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
@@ -128,25 +127,26 @@ def write_patterns(
 def floor_patterns(
     views: Sequence[FloorView],
     materials: Mapping[str, str],
-    jointed: Mapping[str, float] | None = None,
+    looks: Mapping[str, tuple[float, float]] | None = None,
 ) -> dict[str, tuple[FoundPattern, Units]]:
     """Return the pattern of each room's floor that `views` show, and units cut out of them.
 
     Rooms of one material (room -> its name) are read together: photos' scales differ. A room whose
-    own photos show something else evidently keeps that. `jointed` as of :func:`write_patterns`.
+    own photos show something else evidently keeps that. `looks` as of :func:`write_patterns`.
     """
-    known = jointed or {}
+    known = looks or {}
     rooms = sorted({room for view in views for room in view.rooms})
     together = {}
     for name in sorted(set(materials.values())):
         members = [view for view in views if any(materials.get(r) == name for r in view.rooms)]
         if members:
             likely = [known[room] for room in known if materials.get(room) == name]
-            together[name] = _cut(members, float(np.mean(likely or [FIND.jointed])))
+            both = tuple(np.mean(likely, axis=0).tolist()) if likely else None
+            together[name] = _cut(members, both)
     found = {}
     for room in rooms:
         mine = [view for view in views if room in view.rooms]
-        own, readings = find_pattern(mine, known.get(room, FIND.jointed))
+        own, readings = find_pattern(mine, known.get(room))
         whole = together.get(materials.get(room, ""))
         if whole is None or (whole[0].kind == "plain" and whole[0].confidence < own.confidence):
             found[room] = own, _units(own, readings, mine)
@@ -194,9 +194,11 @@ def boarded(pattern: FoundPattern, shares: tuple[float, float] | None) -> bool:
     return (1.0 - pattern.confidence) * shares[0] / max(sum(shares), 1e-9) > 0.5
 
 
-def _cut(views: Sequence[FloorView], jointed: float) -> tuple[FoundPattern, Units]:
+def _cut(
+    views: Sequence[FloorView], looks: tuple[float, float] | None
+) -> tuple[FoundPattern, Units]:
     """Return the pattern of views and its units."""
-    pattern, readings = find_pattern(views, jointed)
+    pattern, readings = find_pattern(views, looks)
     return pattern, _units(pattern, readings, views)
 
 
