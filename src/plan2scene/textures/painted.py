@@ -99,12 +99,18 @@ def paint_textures(
         }
         index = read_stage_json(root / "textures.json", "textures")
         photos, rooms = read_seen_photos(paint), {key.room_id for key in entries}
-        sized = {
-            "/".join(key): entry
-            | facts.get("/".join(key), {})
-            | {"evidence": evidence_of(key, entry, photos.get(key, ()), rooms, white=key in whites)}
-            for key, entry in entries.items()
-        }
+        sized = {}
+        for key, entry in entries.items():
+            evidence = evidence_of(
+                key,
+                entry,
+                photos.get(key, ()),
+                rooms,
+                white=key in whites,
+                coloured=key in paints and key not in white_surfaces,
+            )
+            name = "/".join(key)
+            sized[name] = entry | facts.get(name, {}) | {"evidence": evidence}
         write_json(folder / "textures.json", index | {"surfaces": sized})
         if has_maps:
             kept = {name: e for name, e in maps["surfaces"].items() if name not in facts}

@@ -16,7 +16,7 @@ from plan2scene.paint.surfaces import (
     read_paint,
     write_paint,
 )
-from plan2scene.textures.evidence import evidence_of
+from plan2scene.textures.evidence import COLOURED, evidence_of
 from plan2scene.textures.painted import paint_textures
 from plan2scene.textures.plain import plain
 
@@ -92,7 +92,8 @@ def test_tiles_and_maps_get_the_paint_and_keep_their_pattern(paint, tmp_path):
     assert red > green > blue
     assert read_json(tmp_path / "out" / "doors.json") == trim  # no photo shows a door
     entry = read_json(tmp_path / "out" / "textures.json")["surfaces"]["b/wall"]
-    assert entry.pop("evidence") == {"photos": ["2.jpg"], "like": None, "words": "seen in 1 photo"}
+    evidence = entry.pop("evidence")
+    assert evidence["photos"] == ["2.jpg"] and evidence["expected_error"] == COLOURED
     assert entry == read_json(folder / "textures.json")["surfaces"]["b/wall"]
     assert np.array_equal(read_image(folder / "b_wall.png"), tile)
 
@@ -175,14 +176,18 @@ def test_an_unseen_floor_is_lit_like_the_floor_that_looks_alike():
 def test_evidence_is_said_in_words():
     rooms = {"a", "dining_room"}
 
-    def words(photos, white=False, **entry):
-        return evidence_of(SurfaceKey("a", "wall"), entry, photos, rooms, white=white)["words"]
+    def words(photos, white=False, coloured=False, **entry):
+        key = SurfaceKey("a", "wall")
+        told = evidence_of(key, entry, photos, rooms, white=white, coloured=coloured)
+        return told["words"]
 
     like = {"observed": False, "source": "exemplar of dining_room, 2.9 dE2000 to the colour"}
     assert words(["1", "2"], observed=True) == "seen in 2 photos"
     assert words(["1"], **like) == "colour seen in 1 photo, the rest guessed"
-    assert words([], **like) == "guessed from the dining room"
-    assert words([], white=True, **like) == "guessed: white, as most walls here"
+    doubt = "; its colour may be another"
+    assert words(["1"], coloured=True, observed=True) == f"seen in 1 photo{doubt}"
+    assert words([], **like) == f"guessed from the dining room{doubt}"
+    assert words([], white=True, **like) == f"guessed: white, as most walls here{doubt}"
 
 
 def test_smears_of_white_paint_go_and_its_relief_stays():
