@@ -3,7 +3,7 @@
 A photo shows paint times light times exposure. In log colours (:func:`plan2scene.colour.log_axes`:
 brightness, red, blue) an observation is a sum::
 
-    observed = house's light + photo's light + surface's paint + noise
+    observed = house's light + room's light + photo's light + surface's paint + noise
 
 What people know of homes decides what the sum leaves open. Most ceilings and walls are white; the
 others have some other paint (:class:`PaintPrior`, two components for each kind of surface). The
@@ -90,7 +90,9 @@ class PaintPrior:
     freedom: float = 6.0
     #: Standard deviations of light: brightness, along the axis from lamp to sky, across it.
     house: Axes = (0.8, 0.2, 0.06)
-    photo: Axes = (0.35, 0.2, 0.07)
+    photo: Axes = (0.3, 0.18, 0.06)
+    #: Of the light that all photos of a room share. Chosen on one real listing and the demo.
+    room: Axes = (0.15, 0.08, 0.03)
     #: Mean of the house's light: cameras keep highlights, so white paint is below white.
     house_mean: Axes = (-0.35, 0.0, 0.0)
     #: Direction of (red, blue) from sky to lamp.
@@ -126,6 +128,8 @@ class Observation:
         colours along `PaintPrior.lamp` within its walls and ceilings.
     lit_by : SurfaceKey or None
         The walls that throw their colour on it.
+    room : str
+        Where the photo was taken: the room of most that it shows from within.
     """
 
     photo: str
@@ -135,6 +139,7 @@ class Observation:
     colour: tuple[float, float, float]
     mixed: float = 0.0
     lit_by: SurfaceKey | None = None
+    room: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,9 +173,8 @@ def estimate_paint(
         (problem.climbed(start) for start in (kinds != "floor", kinds == "ceiling", kinds == "")),
         key=lambda solution: solution.value,
     )
-    photos = len(problem.photos)
-    light = from_log_axes(best.terms[0] + best.terms[1 : 1 + photos])
-    paint = from_log_axes(best.terms[1 + photos :])
+    light = from_log_axes(problem.lights @ best.terms)
+    paint = from_log_axes(best.terms[-len(problem.surfaces) :])
     return HousePaint(
         dict(zip(problem.surfaces, paint, strict=True)),
         frozenset(
@@ -191,18 +195,24 @@ class _Solution:
 
 
 class _Problem:
-    """Terms: the house's light, each photo's, each surface's paint."""
+    """Terms: the house's light, each photo's, each room's, each surface's paint."""
 
     def __init__(self, observations: Sequence[Observation], prior: PaintPrior) -> None:
         self.prior = prior
         self.photos = sorted({item.photo for item in observations})
         self.surfaces = sorted({item.surface for item in observations})
-        row = {name: k for k, name in enumerate([*self.photos, *self.surfaces], start=1)}
+        rooms = sorted({(item.room,) for item in observations})
+        row = {name: k for k, name in enumerate([*self.photos, *rooms, *self.surfaces], start=1)}
+        #: Terms (photos, t) that the light of each photo is the sum of.
+        self.lights = np.zeros((len(self.photos), 1 + len(row)))
+        self.lights[:, 0] = 1.0
+        for item in observations:
+            self.lights[row[item.photo] - 1, [row[item.photo], row[(item.room,)]]] = 1.0
         #: For each axis of colour: terms that each observation is the sum of.
         self.design = np.zeros((3, len(observations), 1 + len(row)))
-        self.design[:, :, 0] = 1.0
         for k, item in enumerate(observations):
-            self.design[:, k, [row[item.photo], row[item.surface]]] = 1.0
+            self.design[:, k] = self.lights[row[item.photo] - 1]
+            self.design[:, k, row[item.surface]] = 1.0
             if item.lit_by is not None:
                 self.design[1:, k, row[item.lit_by]] += prior.bounce
         self.observed = log_axes(np.array([item.colour for item in observations]))
@@ -219,6 +229,7 @@ class _Problem:
         self.kind = np.array([KINDS.index(key.surface) for key in self.surfaces])
         self.light = [prior.light_precision(prior.house)]
         self.light += [prior.light_precision(prior.photo)] * len(self.photos)
+        self.light += [prior.light_precision(prior.room)] * len(rooms)
 
     def climbed(self, white: np.ndarray) -> _Solution:
         """Return the best solution that turning surfaces over reaches from a choice of white."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plan2scene.colour import delta_e_2000, is_wood, linear_to_srgb, log_axes, rgb_to_lab
-from plan2scene.house import SurfaceKey
+from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.paint.estimate import Observation, PaintPrior, estimate_paint
 from plan2scene.paint.observations import usual_colour
@@ -55,6 +55,12 @@ def observations_of(path: str | Path) -> list[Observation]:
             key, own = SurfaceKey(room_id, surface), bool(rows["own"].any())
             colour = red, green, blue
             found.append(Observation(photo, key, own, weight, colour, mixed[photo]))
+    taken = {item.photo: (0.0, item.photo) for item in found}
+    for item in found:
+        if item.own and item.surface.surface in SURFACES:
+            here = item.weight, item.surface.room_id
+            taken[item.photo] = max(taken[item.photo], here)
+    found = [replace(item, room=taken[item.photo][1]) for item in found]
     within = {item.surface for item in found if item.own and item.weight > OWN_WEIGHT}
     return [item for item in found if item.own or item.surface not in within]
 

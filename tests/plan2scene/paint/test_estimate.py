@@ -53,6 +53,14 @@ def test_white_rooms_are_white_in_any_light(light):
             assert estimate.paint[key] == pytest.approx(np.full(3, WHITE), rel=0.08)
 
 
+def test_photos_of_one_room_share_its_light():
+    lights = {"1": (LAMP, "a"), "2": (LAMP, "a"), "3": (SKY, "b")}
+    items = observed(room("a", (WHITE,) * 3) | room("b", (WHITE,) * 3), lights)
+    estimate = estimate_paint([replace(item, room=item.surface.room_id) for item in items])
+    for name, (light, _) in lights.items():
+        assert estimate.light[name] == pytest.approx(light, rel=0.1)
+
+
 def test_a_carpet_may_be_redder_than_any_other():
     red = (0.12, 0.004, 0.015)
     paints = room("a", (WHITE,) * 3, floor=red)
