@@ -183,7 +183,7 @@ def describe_rooms(
     boxes = ndimage.find_objects(regions.floors, regions.count)
     for number, polygon in polygons.items():
         own = tuple(line for line in lines if polygon.contains(Point(line.middle)))
-        name = " ".join(line.text for line in own if _is_name(line.text))[:60]
+        name = _name_of(own)[:60]
         types = _types_by_names([line.text for line in own])
         box = boxes[number - 1]
         inside = probabilities[:, *box][:, regions.floors[box] == number].mean(1)
@@ -272,10 +272,43 @@ def without_inner_windows(
 def _types_by_names(texts: Sequence[str]) -> tuple[str, ...]:
     """Return the types that the lines in a room tell; what stands on its wardrobes tells none."""
     told = [types for text in texts if _is_name(text) and (types := room_types(text))]
-    told += [types for text in texts if not told and (types := room_types(text))]
-    lived_in = any(set(types) - {"Closet", "Staircase"} for types in told)
-    rooms = [types for types in told if types != ("Closet",) or not lived_in]
+    told = told or [types for text in texts if (types := room_types(text))]
+    rooms = [types for types in told if types != ("Closet",) or not _lived_in(told)]
     return tuple(dict.fromkeys(kind for types in rooms for kind in types))
+
+
+def _lived_in(told: Sequence[tuple[str, ...]]) -> bool:
+    return any(set(types) - {"Closet", "Staircase"} for types in told)
+
+
+def _name_of(lines: Sequence[TextLine]) -> str:
+    """Return the name that lines in a room make: "Dining / Living" where two rooms are told.
+
+    What stands on appliances and wardrobes is none of it; a word above or below a name is.
+    """
+    names = [line for line in lines if _is_name(line.text)]
+    told = [line for line in names if room_types(line.text)]
+    if _lived_in([room_types(line.text) for line in told]):
+        told = [line for line in told if room_types(line.text) != ("Closet",)]
+    name, last = "", None
+    for line in names:
+        more = not room_types(line.text) and any(_stacked(line, one) for one in told)
+        if line not in told and not more:
+            continue
+        if last is not None:
+            name += " " if _stacked(last, line) else " / "
+        name, last = name + line.text, line
+    return name
+
+
+def _stacked(one: TextLine, other: TextLine) -> bool:
+    """Return whether two lines of like letters stand on one another."""
+    across = 0 if one.upright else 1
+    apart = np.abs(np.subtract(one.middle, other.middle))
+    sizes = np.array([one.size, other.size])
+    low, high = np.sort(sizes[:, across])
+    near = apart[across] < 1.6 * high and apart[1 - across] < sizes[:, 1 - across].max() / 2
+    return bool(one.upright == other.upright and near and high < 1.5 * low)
 
 
 def _is_name(text: str) -> bool:

@@ -44,6 +44,24 @@ def test_floor_that_goes_on_is_a_passage():
     assert kinds == ["passage"]
 
 
+def test_a_name_is_no_word_of_appliances_and_joins_the_rooms_of_an_open_one(probabilities):
+    regions, polygons = traced(probabilities)
+    words = {
+        "LIVING": (1.8, 1.5, 40),
+        "CUB": (1.3, 3.5, 12),
+        "DINING": (3.8, 1.6, 40),
+        "Front": (6.5, 2.0, 30),
+        "Bedroom": (6.5, 2.3, 40),
+        "FRIDGE": (6.5, 3.7, 30),
+    }
+    lines = [
+        TextLine(text, (x * PPM, y * PPM), (width, 8.0), 0.9)
+        for text, (x, y, width) in words.items()
+    ]
+    rooms = describe_rooms(regions, polygons, probabilities, lines)
+    assert sorted(room.name for room in rooms) == ["Front Bedroom", "LIVING / DINING"]
+
+
 def test_rooms_are_named_by_text_else_by_furniture(probabilities):
     regions, polygons = traced(probabilities)
     lines = [
