@@ -26,6 +26,8 @@ from plan2scene_app.html_page import html_page, source_hash
 _FOLDER = Path(__file__).parent
 #: Longer side in pixels of photos and of the traced picture on the page.
 _PHOTO_SIDE, _PICTURE_SIDE = 300, 1100
+#: Height in metres of a room's name in the plan; in a narrow room it is less.
+_LETTERS = 0.32
 #: A photo whose room is less probable than this is a doubt.
 SURE = 0.8
 
@@ -244,10 +246,14 @@ def _plan(house: House, level: str, eyes: Mapping[str, tuple[str, float, float]]
         path = " ".join(
             "M" + " ".join(f"{x:.2f},{z:.2f}" for x, z in ring) + "Z" for ring in room.rings
         )
-        spot = room_polygon(room).representative_point()
+        polygon, title = room_polygon(room), room.name or room.id
+        spot = polygon.representative_point()
+        left, _, right, _ = polygon.bounds
+        letters = min(_LETTERS, 1.6 * (right - left) / len(title))  # .6 as wide as high
         shapes.append(f'<a href="#room-{name}"><path id="plan-{name}" d="{path}"/></a>')
         labels.append(
-            f'<text x="{spot.x:.2f}" y="{spot.y:.2f}">{html.escape(room.name or room.id)}</text>'
+            f'<text x="{spot.x:.2f}" y="{spot.y:.2f}" font-size="{letters:.2f}">'
+            f"{html.escape(title)}</text>"
         )
     ids = {room.id for room in house.rooms}
     dots = [
