@@ -48,9 +48,12 @@ def read_lines(image: np.ndarray) -> list[TextLine]:
         return []
     lines = []
     for box, text, score in zip(result.boxes, result.txts, result.scores, strict=True):
-        if score >= SETTINGS.text_score and text.strip():
+        extent = np.ptp(np.asarray(box, float), axis=0)
+        # Where there is no text, the reader takes the whole picture for a letter.
+        whole = (extent >= 0.95 * np.array(image.shape[1::-1])).all()
+        if score >= SETTINGS.text_score and text.strip() and not whole:
             x, y = (np.asarray(box, float).mean(0) / factor).tolist()
-            w, h = (np.ptp(np.asarray(box, float), axis=0) / factor).tolist()
+            w, h = (extent / factor).tolist()
             lines.append(TextLine(text.strip(), (x, y), (w, h), float(score)))
     return lines
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy import ndimage
 from skimage.segmentation import watershed
 
-from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTINGS
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTINGS, WINDOW
 
 
 @dataclass(frozen=True)
@@ -46,10 +46,11 @@ def find_regions(structure: np.ndarray, ppm: float) -> Regions:
 
 
 def without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
-    """Return the structure with pockets of outside inside a room relabelled as room.
+    """Return the structure with pockets of outside that are rooms relabelled as room.
 
-    Of a large room the network may see a part alone. The real outside is connected to the
-    picture's border by paths wider than a neck.
+    Of a large room the network may see a part alone, or nothing: then it has a door, or a window
+    that no room lies behind, and stands around nothing. A light well has windows of rooms. The
+    real outside is connected to the picture's border by paths wider than a neck.
     """
     outside = np.pad(structure == OUTSIDE, 1, constant_values=True).astype(np.uint8)
     side = 2 * round(SETTINGS.neck * ppm / 2) + 1
@@ -59,14 +60,31 @@ def without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
     reached = cv2.dilate((places == places[0, 0]).astype(np.uint8), walker)
     reached = reached[side + 1 : -side - 1, side + 1 : -side - 1]
     pockets, count = ndimage.label((structure == OUTSIDE) & (reached == 0))
+    leading = _leading(structure, ppm)
     filled = structure.copy()
     for number, box in enumerate(ndimage.find_objects(pockets, count), start=1):
         rows, columns = (slice(max(0, s.start - 1), s.stop + 1) for s in box)
         own = pockets[rows, columns] == number
         rim = ndimage.binary_dilation(own) & ~own
-        if np.mean(structure[rows, columns][rim] == ROOM) > SETTINGS.pocket:
+        seen = np.mean(structure[rows, columns][rim] == ROOM) > SETTINGS.pocket
+        if not seen and leading[rows, columns][rim].sum() >= SETTINGS.opening * ppm:
+            around = ndimage.binary_fill_holes(own).sum() - own.sum()
+            large = own.sum() >= SETTINGS.parted_floor * ppm**2
+            seen = large and around < SETTINGS.parted_floor * ppm**2
+        if seen:
             filled[rows, columns][own] = ROOM
     return filled
+
+
+def _leading(structure: np.ndarray, ppm: float) -> np.ndarray:
+    """Return where doors, passages and windows that no room lies behind are, (h, w) bool."""
+    floors, count = ndimage.label(structure == ROOM)
+    large = np.bincount(floors.ravel(), minlength=count + 1) >= SETTINGS.parted_floor * ppm**2
+    large[0] = False
+    beside = cv2.dilate(large[floors].astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    windows, count = ndimage.label(structure == WINDOW, np.ones((3, 3)))
+    inner = np.bincount(windows[beside], minlength=count + 1) > 0
+    return np.isin(structure, (DOOR, PASSAGE)) | ((windows > 0) & ~inner[windows])
 
 
 def _floors(mask: np.ndarray, ppm: float) -> np.ndarray:

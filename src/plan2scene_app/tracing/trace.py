@@ -215,10 +215,9 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
     else:
         image = _only(image, np.isin(numbers, [0, *(look.number for look in homes)]))
     first = homes[0]
-    if len(homes) == 1 and not (first.structure == ROOM).any():
-        owner = np.ones(first.structure.shape, np.int32)
-        regions = find_regions(first.structure, segmenter.long_side / 12)
-        return _Seen(first.frame, first.rough, regions, owner)
+    floor = without_pockets(first.structure, first_scale(first.structure)) == ROOM
+    if len(homes) == 1 and not floor.any():
+        return _as_first_seen(first)
     zooms = [look.frame.zoom for look in homes]
     widths = [
         w / z for look, z in zip(homes, zooms, strict=True) for w in door_widths(look.structure)
@@ -256,7 +255,17 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
     divided = without_pockets(with_named_areas(divided, frame.image, names, ppm), ppm)
     if not thin:
         divided = with_passages(with_drawn_doors(divided, frame.image, ppm), ppm)
+    lost = (divided == ROOM).sum() / frame.zoom**2 < floor.sum() / first.frame.zoom**2 / 2
+    if len(homes) == 1 and lost:
+        return _as_first_seen(first, left_out)
     return _Seen(frame, probabilities, find_regions(divided, ppm), owner, left_out)
+
+
+def _as_first_seen(first: _Look, left_out: int = 0) -> _Seen:
+    """Return what the first look saw: of large empty rooms the network sees less in detail."""
+    regions = find_regions(first.structure, first_scale(first.structure))
+    owner = np.ones(first.structure.shape, np.int32)
+    return _Seen(first.frame, first.rough, regions, owner, left_out)
 
 
 def _named_beyond(outline: np.ndarray, drawn: np.ndarray, texts: Sequence[TextLine]) -> np.ndarray:

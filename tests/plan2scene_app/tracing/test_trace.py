@@ -78,6 +78,18 @@ def test_light_lines_on_dark_paper_are_read_as_dark_ones(texts, tmp_path):
     np.testing.assert_array_equal(plan.picture, picture)  # shown as it is
 
 
+def test_a_sketch_of_two_large_rooms_without_windows_is_traced(tmp_path):
+    image = np.full((350, 500, 3), 255, np.uint8)
+    cv2.rectangle(image, (40, 40), (460, 310), (0, 0, 0), -1)
+    for corners in ((50, 50, 249, 299), (256, 50, 449, 299), (249, 100, 256, 145)):
+        cv2.rectangle(image, corners[:2], corners[2:], (255, 255, 255), -1)
+    cv2.rectangle(image, (100, 300), (145, 311), (255, 255, 255), -1)
+    write_png(tmp_path / "sketch.png", image)
+    plan, _ = write_trace(tmp_path / "sketch.png", tmp_path / "plan.json")
+    assert len(plan.rooms) == 2
+    assert any(opening.other for opening in plan.openings)
+
+
 def test_without_a_reader_the_scale_is_a_guess_that_is_said(picture, monkeypatch, tmp_path):
     monkeypatch.setattr(trace, "reader_installed", lambda: False)
     _, lines = write_trace(picture, tmp_path / "plan.json")
@@ -94,6 +106,9 @@ def test_text_is_read(tmp_path):
     assert set(found) == {"Bedroom", "14.5m2"}
     assert found["Bedroom"].middle == pytest.approx((120, 70), abs=12)
     assert not found["Bedroom"].upright
+    alone = np.full((300, 400, 3), 255, np.uint8)
+    cv2.line(alone, (20, 150), (380, 150), (0, 0, 0), 4)
+    assert read_lines(alone) == []  # a picture without text is no letter as large as itself
 
 
 def _noise(height=400, width=600):

@@ -9,7 +9,7 @@ from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.picture import main_direction
 from plan2scene_app.tracing.regions import find_regions, structure_of
 from plan2scene_app.tracing.rooms import describe_rooms, room_polygons, with_types_by_marks
-from plan2scene_app.tracing.settings import ROOM
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, WALL, WINDOW
 
 from .conftest import PPM, as_probabilities, flat_labels
 
@@ -42,6 +42,17 @@ def test_floor_that_goes_on_is_a_passage():
     assert regions.count == 2
     kinds = [o.kind for o in find_openings(regions, polygons, probabilities) if o.other]
     assert kinds == ["passage"]
+
+
+def test_closed_rooms_taken_for_outside_are_rooms_and_a_light_well_is_none():
+    labels = flat_labels()
+    closed = np.where(labels >= ROOM, OUTSIDE, labels)
+    assert find_regions(closed, PPM).count == 2
+    well = labels.copy()
+    well[well == WINDOW] = WALL
+    well[well == 8] = OUTSIDE
+    well = np.where((labels == DOOR) & (np.arange(labels.shape[1]) > 4.5 * PPM), WINDOW, well)
+    assert find_regions(np.minimum(well, ROOM), PPM).count == 1
 
 
 def test_a_name_is_no_word_of_appliances_and_joins_the_rooms_of_an_open_one(probabilities):
