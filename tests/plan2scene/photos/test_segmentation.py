@@ -32,6 +32,17 @@ def test_a_network_that_tells_openings_labels_the_same_without_them() -> None:
     assert np.array_equal(four.labels(image, openings=True), four.labels(image))
 
 
+def test_what_is_added_for_doors_counts_where_they_are_asked_for() -> None:
+    torch.manual_seed(0)
+    network = SegmentationNet(**TINY, labels=6)  # type: ignore[arg-type]
+    image = _photo(50, 70)
+    before = [Segmenter(network).labels(image, openings=asked) for asked in (False, True)]
+    network.architecture["logit_adjustment"] = [0, 0, 0, 0, 9, 0]
+    after = [Segmenter(network).labels(image, openings=asked) for asked in (False, True)]
+    assert np.array_equal(before[0], after[0])
+    assert (after[1] == DOOR).all() and not (before[1] == DOOR).all()
+
+
 def _colours(_: SegmentationNet, x: torch.Tensor, __: torch.Tensor | None) -> torch.Tensor:
     """Return logits that are the colours: red is floor, green wall, blue ceiling."""
     small = x[:, :, ::2, ::2]

@@ -136,9 +136,10 @@ def _embedded(model: str, kinds: str | Path | None, openings: bool) -> Labeller:
 
     def label(_photo: str, image: np.ndarray, camera: Camera | None) -> Labelled:
         logits = segmenter.logits(image, camera)
-        labels = labels_of(logits, (image.shape[0], image.shape[1]), openings=openings)
+        size, opened = (image.shape[0], image.shape[1]), segmenter.opened(logits)
+        labels = labels_of(opened if openings else logits, size, openings=openings)
         tells = len(logits) == len(LABELS_AND_OPENINGS)
-        return Labelled(labels, probabilities_of(logits) if tells else None)
+        return Labelled(labels, probabilities_of(opened) if tells else None)
 
     tell = load_kinds(kinds, segmenter).probabilities if kinds else None
     return Labeller(label, segmenter.draft if segmenter.network.elevation else None, tell)

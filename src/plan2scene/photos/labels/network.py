@@ -137,7 +137,8 @@ class SegmentationNet(nn.Module):
     horizon each pixel looks, where known. `labels` is 4 (other, floor, wall, ceiling) or 6 (door
     and window as well). Logits are divided by `temperature`, so that probabilities mean what they
     say; `logit_adjustment` is added to them where photos hold other shares of the labels than the
-    renderings that the network learned from (Menon et al. 2021, arXiv 2007.07314).
+    renderings that the network learned from (Menon et al. 2021, arXiv 2007.07314), that of door and
+    window where these are asked for.
     """
 
     def __init__(

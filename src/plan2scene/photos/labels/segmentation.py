@@ -121,9 +121,20 @@ class Segmenter:
     def logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
         """Return (labels, h', w') float32 logits of a photo at half the largest size it is seen at.
 
-        With the network's adjustment, divided by its temperature. Arguments as of :meth:`labels`.
+        With the network's adjustment of surfaces, divided by its temperature. Arguments as of
+        :meth:`labels`.
         """
         return self._seen(self.members, image, camera, SCALES)
+
+    def opened(self, logits: np.ndarray) -> np.ndarray:
+        """Return :meth:`logits` with the adjustment of doors and windows, for who asks for them.
+
+        Photos show more of them than the network says; what is a wall to all others stays one.
+        """
+        constants = self.network.architecture
+        more = np.array(constants["logit_adjustment"], np.float32) / constants["temperature"]
+        more[: len(LABELS)] = 0
+        return np.asarray(logits + more[:, None, None])
 
     def _seen(
         self,
@@ -143,8 +154,10 @@ class Segmenter:
             for plane, sum_ in zip(answers, total, strict=True):
                 sum_ += cv2.resize(plane, (columns, rows), interpolation=cv2.INTER_LINEAR)
         constants = self.network.architecture
-        adjustment = np.array(constants["logit_adjustment"], np.float32)[:, None, None]
-        return np.asarray((total / len(sizes) + adjustment) / constants["temperature"])
+        adjustment = np.array(constants["logit_adjustment"], np.float32)
+        adjustment[len(LABELS) :] = 0
+        mean = total / len(sizes) + adjustment[:, None, None]
+        return np.asarray(mean / constants["temperature"], dtype=np.float32)
 
     def labels(
         self, image: np.ndarray, camera: Camera | None = None, *, openings: bool = False
@@ -154,8 +167,8 @@ class Segmenter:
         With its `camera`, where one is known well, the network knows where the horizon is. With
         `openings` doors are 4 and windows 5, of what is other, where the network tells them.
         """
-        size = (image.shape[0], image.shape[1])
-        return labels_of(self.logits(image, camera), size, openings=openings)
+        size, logits = (image.shape[0], image.shape[1]), self.logits(image, camera)
+        return labels_of(self.opened(logits) if openings else logits, size, openings=openings)
 
 
 @torch.inference_mode()

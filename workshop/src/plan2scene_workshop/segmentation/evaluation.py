@@ -43,13 +43,13 @@ class Measured:
     """How one photo was labelled."""
 
     name: str
-    matrix: np.ndarray  #: of :func:`.data.confusion`
+    matrix: np.ndarray  #: of :func:`.data.confusion`, doors and windows not asked for
     #: (BINS, 3) float64: pixels, sum of their confidence, how many are right, by confidence.
     bins: np.ndarray
     dim: bool
     wide: bool
     furnished: bool
-    openings: bool  #: whether the truth tells doors and windows
+    openings: np.ndarray | None  #: the same, asked for; None where the truth tells none
 
 
 def folder_photos(folder: Path) -> Iterator[LabelledPhoto]:
@@ -101,7 +101,8 @@ def measure(segmenter: Segmenter, photo: LabelledPhoto) -> Measured:
     camera = estimate_camera(image, segmenter.draft(image))
     told = segmenter.network.elevation and not camera.fallback
     logits = segmenter.logits(image, camera if told else None)
-    labels = labels_of(logits, size, openings=True)
+    labels = labels_of(logits, size)
+    opened = labels_of(segmenter.opened(logits), size, openings=True)
     fov = 2 * np.degrees(np.arctan(image.shape[1] / 2 / camera.focal_px))
     grey = image.mean(axis=2) / 255
     return Measured(
@@ -111,7 +112,7 @@ def measure(segmenter: Segmenter, photo: LabelledPhoto) -> Measured:
         bool(np.median(grey) < DIM),
         bool(fov >= WIDE_DEG),
         bool((without_openings(true[true != IGNORE]) == OTHER).mean() >= FURNISHED),
-        photo.openings,
+        confusion(opened, true) if photo.openings else None,
     )
 
 
@@ -141,7 +142,7 @@ def calibration_error(bins: Sequence[np.ndarray]) -> float:
 def figures(photos: Sequence[Measured]) -> list[float]:
     """Return a row: IoU of the four labels, surfaces' mean, openings, accuracy, calibration."""
     found = scores([photo.matrix for photo in photos])
-    told = [photo.matrix for photo in photos if photo.openings]
+    told = [photo.openings for photo in photos if photo.openings is not None]
     openings = scores(told).openings if told else float("nan")
     error = calibration_error([photo.bins for photo in photos])
     return [*found.iou, found.surfaces, openings, found.accuracy, error]

@@ -68,8 +68,11 @@ class SegmentationSettings:
     floor_adjustment: float = 0.0
     wall_adjustment: float = 0.0
     ceiling_adjustment: float = 0.0
+    door_adjustment: float = 0.0
+    window_adjustment: float = 0.0
 
     @property
     def logit_adjustment(self) -> list[float]:
         """What is added to the logits of the six labels."""
-        return [0, self.floor_adjustment, self.wall_adjustment, self.ceiling_adjustment, 0, 0]
+        surfaces = [self.floor_adjustment, self.wall_adjustment, self.ceiling_adjustment]
+        return [0, *surfaces, self.door_adjustment, self.window_adjustment]
