@@ -12,7 +12,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from plan2scene.house import House, SurfaceKey
+from plan2scene.house import House, Opening, SurfaceKey
 from plan2scene.images import write_png
 from plan2scene.io import atomic_directory, atomic_path, write_json
 from plan2scene.materials import Material
@@ -49,6 +49,7 @@ class SnapshotOptions:
     randomised: float = 0.5  #: share of the rooms that are randomised
     emptied: float = 0.0  #: share of the rooms that were moved out of
     covered: float = 0.0  #: share of the windows that blinds or curtains shut
+    joinery: bool = False  #: fitted closets, leaves of many kinds, glass doors onto balconies
     listed: bool = False  #: homes as they are listed: rooms full of what they are used for
     targets: bool = True  #: write normals and depth beside the masks
     jpeg_quality: tuple[int, int] = (50, 95)  #: range, drawn per photo
@@ -73,6 +74,8 @@ def write_snapshots(
     mi = load_mitsuba(options.variant)
     importlib.import_module("drjit").set_thread_count(1)  # a house is one job of one core
     house = generate_house(house_id, derive_seed(seed, "house"))
+    if options.joinery:
+        house = _with_glass_doors(house, generator(seed, "glass doors"))
     materials = _materials(house, seed, options, sources)
     accents = accent_walls(house, derive_seed(seed, "accents"))
     rng = generator(seed, "snapshots", house_id)
@@ -136,7 +139,18 @@ def _decor(
     )
     if options.listed:
         decor = _listed(decor, sources, room_seed)
-    return replace(decor, covered=options.covered)
+    return replace(decor, covered=options.covered, joinery=options.joinery)
+
+
+def _with_glass_doors(house: House, rng: np.random.Generator) -> House:
+    """Return a house of which some wide windows reach down to the floor."""
+
+    def lower(opening: Opening) -> Opening:
+        wide = opening.kind == "window" and opening.end - opening.start > 1.1
+        return replace(opening, bottom=0.0) if wide and rng.random() < 0.35 else opening
+
+    walls = (replace(wall, openings=tuple(map(lower, wall.openings))) for wall in house.walls)
+    return replace(house, walls=tuple(walls))
 
 
 def _listed(decor: Decor, sources: Sources, seed: int) -> Decor:

@@ -18,7 +18,13 @@ from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.rendering.bedding import patchwork
 from plan2scene_workshop.rendering.interiors import GLOW, Furnisher, RoomStyle
 from plan2scene_workshop.rendering.inventory import BULK
-from plan2scene_workshop.rendering.lights import LightPlan, black_body, draw_light, view_outside
+from plan2scene_workshop.rendering.lights import (
+    LightPlan,
+    add_balcony,
+    black_body,
+    draw_light,
+    view_outside,
+)
 from plan2scene_workshop.rendering.linings import granite, grid_ceiling, panels
 from plan2scene_workshop.rendering.models import ModelShop
 from plan2scene_workshop.rendering.palette import FABRICS, Palette, draw_palette, pattern
@@ -50,6 +56,7 @@ class Decor:
     listing: bool = False  #: light as photographers of listings want it
     emptied: bool = False  #: people have moved out; surfaces are as homes have them
     covered: float = 0.0  #: share of the windows that blinds or curtains shut
+    joinery: bool = False  #: fitted closets, leaves of many kinds, balconies outside
 
     def finishes(self) -> dict[str, Finish]:
         """Return the finishes of textiles, pictures, skins, lit lamps and plain model parts."""
@@ -159,8 +166,13 @@ class Decor:
         environment = self._environment()
         rng = generator(self.seed, "outside")
         if environment is None:
-            return view_outside(rng)
-        return np.roll(environment.panorama, int(rng.integers(1024)), axis=1)
+            view = view_outside(rng)
+        else:
+            view = np.roll(environment.panorama, int(rng.integers(1024)), axis=1)
+        if self.joinery and rng.random() < 0.4:
+            floor, wall = (self._any(rng).albedo for _ in range(2))
+            return add_balcony(view, floor, wall, rng)
+        return view
 
     def _environment(self) -> Environment | None:
         rng = generator(self.seed, "environment")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -106,6 +107,38 @@ def view_outside(rng: np.random.Generator) -> NDArray[np.float32]:
     image[horizon:] *= 0.5
     image[horizon:] += np.array([0.8, 0.95, 0.6]) * rng.uniform(0.05, 0.25)
     return cv2.GaussianBlur(image, (0, 0), 1.5).astype(np.float32)
+
+
+def add_balcony(
+    panorama: NDArray[np.float32],
+    floor: NDArray[np.uint8],
+    wall: NDArray[np.uint8],
+    rng: np.random.Generator,
+) -> NDArray[np.float32]:
+    """Return a panorama with a floor below and a parapet or bars around, of albedo tiles."""
+    rows, columns = panorama.shape[:2]
+    elevation = PANORAMA_TOP * (1 - 2 * np.arange(rows)[:, None] / (rows - 1))
+    heading = 2 * np.pi * np.arange(columns)[None] / columns
+    # A square about the camera: what is `far` from it straight ahead is farther at the corners.
+    far, eye, high = rng.uniform(1.2, 3.5), 1.4, rng.uniform(0.8, 1.3)
+    reach = far / np.maximum(np.abs(np.cos(heading)), np.abs(np.sin(heading)))
+    along = reach * np.sin(heading - np.pi / 2 * np.round(heading / (np.pi / 2)))
+    height = eye + reach * np.tan(elevation)
+    down = np.minimum(eye / np.maximum(np.tan(-elevation), 1e-3), 99.0)
+    ground = _tiled(floor, down * np.sin(heading), down * np.cos(heading))
+    border = _tiled(wall, along + 0 * height, height)
+    bars = (along / rng.uniform(0.08, 0.2)) % 1 < rng.uniform(0.1, 0.4)
+    solid = (height < high) & (bars | (height > high - 0.06) | (rng.random() < 0.5))
+    view = np.where(solid[..., None], border, panorama)
+    view = np.where((height < 0)[..., None], ground, view) * 1.0
+    return np.asarray(view, np.float32)
+
+
+def _tiled(tile: NDArray[np.uint8], x: NDArray[np.float64], y: NDArray[np.float64]) -> Any:
+    """Return a tile's linear colours at places in metres, as daylight shows them."""
+    size = tile.shape[0]
+    i, j = ((np.asarray(at) * size).astype(int) % size for at in (y, x))
+    return 0.8 * (tile[i, j % tile.shape[1]] / 255.0) ** 2.2
 
 
 def look_outside(

@@ -15,6 +15,7 @@ from plan2scene.materials import Material
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.wall_sides import FaceOpening
 from plan2scene.seeds import generator
+from plan2scene_workshop.rendering.closets import add_closets, draw_leaf
 from plan2scene_workshop.rendering.coverings import add_covering
 from plan2scene_workshop.rendering.decor import PANELLING, Decor
 from plan2scene_workshop.rendering.fixtures import (
@@ -215,6 +216,9 @@ class _Builder:
         if self.decor and not self.decor.listing:
             rng = generator(self.seed, self.house.id, room.id, "linings")
             line_room(self.geometry, room, faces, rng, glow=GLOW, panelling=PANELLING)
+        if self.decor and self.decor.joinery:
+            rng = generator(self.seed, self.house.id, room.id, "closets")
+            add_closets(self.geometry, faces, self.palette, rng)
         if hops < REACH:
             rng = generator(self.seed, self.house.id, room.id, "furniture")
             cameras = [shapely.Point(v.position[0], v.position[2]) for v in self.views]
@@ -259,7 +263,10 @@ class _Builder:
                 self._hung.add(hole.opening.id)
                 far = hops == REACH
                 state = DoorState(0.0, True, True) if far else state
-                add_leaf(self.geometry, face, hole, state, self._leaf_look)
+                look = self._leaf_look
+                if self.decor and self.decor.joinery and rng.random() < 0.5:
+                    look = (*draw_leaf(rng, self.palette), int(rng.choice([0, 1, 2, 3])))
+                add_leaf(self.geometry, face, hole, state, look)
 
     def _light(self, room: Room, hops: int, windows: float) -> None:
         """Add lamps and set the emitters; rooms beyond share one dim emitter each kind.

@@ -83,9 +83,8 @@ def shoot_room(
     gloss = draw_gloss(tracer.names, tracer.finishes, generator(seed, room_id, "gloss"))
     rng = generator(seed, house.id, room_id, "snapshots")
     room = house.room(room_id)
-    views = choose_views(
-        tracer, room, count, long_side, rng, things=not decor.emptied, listed=listed
-    )
+    things = decor.joinery or not decor.emptied
+    views = choose_views(tracer, room, count, long_side, rng, things=things, listed=listed)
     wild = 1.0 if decor.randomised else _WILD_LISTED if listed else _WILD
     for index, (view, size) in enumerate(views):
         view = replace(view, seed=derive_seed(seed, house.id, room_id, "snapshot", index))
