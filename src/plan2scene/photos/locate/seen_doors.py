@@ -28,12 +28,12 @@ class DoorSettings:
     #: open door shows the next room.
     least_other: float = 0.65
     most_floor: float = 0.05
-    #: Least mean probability of a door: furniture before a wrong place of a photo has .00 to .04.
-    least_door: float = 0.05
+    #: Least mean probability of a door: furniture before a wrong place of a photo has .00 to .13.
+    least_door: float = 0.16
     #: Probability of a leaf that is clearly one, open or shut: frames and what is behind an open
     #: door have less. Its border (share of the photo's width) is left out; the rest has at least
     #: that share of the photo.
-    sure: float = 0.7
+    sure: float = 0.89
     border: float = 0.02
     least_leaf: float = 0.01
 
