@@ -24,7 +24,7 @@ MOST_PIXELS = 20000  #: At most about so many pixels of a plane are used
 #: second share is usable.
 MIN_SHARE, MIN_USABLE = 0.005, 0.2
 #: Width of a window's frame as a share of the photo's, and how likely its pixels are of a window.
-FRAME_WIDTH, FRAME_LIKELY = 0.01, 0.5
+FRAME_WIDTH, FRAME_LIKELY = 0.01, 0.78
 _LABELS = {"floor": FLOOR, "wall": WALL, "ceiling": CEILING}
 
 
