@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 LEAST_WEIGHT = 2e-5
 #: A surface of which a photo taken in its room shows more takes no colour from other rooms' photos.
 OWN_WEIGHT = 2e-3
+#: A white door leaf has at least this share of photos, together; chosen on two flats (development).
+LEAST_WHITE_DOOR = 5e-3
 #: Paints that differ by less (CIEDE2000) are about one.
 ONE_PAINT = 14.0
 #: No paint reflects more, linear.
@@ -149,8 +151,10 @@ def write_paint(
     one, owner = joined(observations, floor_materials(materials))
     estimate = estimate_paint(one)
     photos: dict[SurfaceKey, list[str]] = {}
+    shares: dict[SurfaceKey, float] = {}
     for item in observations:
         photos.setdefault(item.surface, []).append(item.photo)
+        shares[item.surface] = shares.get(item.surface, 0.0) + item.weight
     rows = [
         {
             "room_id": key.room_id,
@@ -160,6 +164,8 @@ def write_paint(
             "photos": "|".join(photos[key]),
         }
         for key, same in owner.items()
+        # A little white in a doorway may be its frame or the wall behind it.
+        if key.surface != "door" or same not in estimate.white or shares[key] >= LEAST_WHITE_DOOR
     ]
     trim = trim_paint(colours, estimate.light)
     if trim is not None:

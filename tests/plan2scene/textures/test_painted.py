@@ -154,6 +154,21 @@ def test_unseen_doors_are_like_the_others():
     assert "" not in door_paints(seen, frozenset({SurfaceKey("3", "door")}))
 
 
+@pytest.mark.parametrize(("share", "known"), [(0.05, True), (0.004, False)])
+def test_a_little_white_in_a_doorway_is_no_leaf(paint, share, known):
+    colours = paint.with_name("colours.parquet")
+    white, wood = (np.tile(np.float32(c), (32, 1)) for c in ((0.3, 0.28, 0.26), (0.09, 0.05, 0.02)))
+    leaves = [
+        PlaneColours("1.jpg", ("a",), "door", k, True, (name,), share, shown)
+        for k, (name, shown) in enumerate((("one", white), ("two", wood)))
+    ]
+    walls = [plane("1.jpg", "a", name, (0.28, 0.26, 0.24)) for name in ("wall", "ceiling")]
+    write_colours(colours, [*walls, *leaves], dataset="d", house_id="h")
+    write_paint(colours, paint.with_name("materials.parquet"), paint, dataset="d", house="h")
+    doors = {key.room_id for key in read_paint(paint)[0] if key.surface == "door"}
+    assert doors == ({"one", "two"} if known else {"two"})
+
+
 def test_doors_of_about_one_colour_are_of_one_material():
     oak, darker, blue = (
         np.array(c) for c in ((0.3, 0.2, 0.1), (0.26, 0.16, 0.07), (0.1, 0.2, 0.5))
