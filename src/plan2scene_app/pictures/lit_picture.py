@@ -104,6 +104,7 @@ class _LitTriangles:
         baked = np.isnan(light[:, 0])
         at = fragments.at(self.light_uv)[baked]
         light[baked] = sample([self.light.image], at, np.ones(len(at)))
+        light = np.maximum(light, 0.0)  # thin faces carry it on beyond their corners
         grey = np.maximum(light.mean(axis=1, keepdims=True), 1e-6)
         light = grey * (light / grey) ** SETTINGS.tint
         light *= SETTINGS.white / max(float(np.median(light)) if len(light) else 1.0, 1e-6)
