@@ -32,6 +32,7 @@ from plan2scene.io import read_parquet
 from plan2scene.paint.estimate import PaintPrior, estimate_paint
 from plan2scene.paint.observations import house_colours
 from plan2scene.paint.surfaces import (
+    MOST_PAINT,
     floor_materials,
     joined,
     observations_of,
@@ -86,7 +87,7 @@ def guessed(results: Path, name: str, seed: int) -> tuple[Colours, dict[SurfaceK
         key: expected_error(key, seen=key in paint, coloured=key in paint and key not in white)
         for key in shown
     }
-    return {key: np.minimum(gains[key] * shown[key], 0.9) for key in shown}, expected
+    return {key: np.minimum(gains[key] * shown[key], MOST_PAINT) for key in shown}, expected
 
 
 def truths(results: Path, folders: list[Path]) -> Iterator[tuple[str, Colours, bool]]:
