@@ -287,23 +287,28 @@ class Segments:
         second = 1.0 + bend[:, None] * ((x2**2 + y2**2) / self.unit)
         middle = 1.0 + bend[:, None] * ((self.middle**2).sum(axis=1) / self.unit)
         scale = focal[:, None]
-        level = np.broadcast_to(x1 * y2 - y1 * x2, first.shape)
-        across = [scale * (y1 * second - first * y2), scale * (first * x2 - x1 * second)]
-        normals = np.dstack([*across, level])
-        normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
-        ahead = scale * middle
-        rays = np.dstack(np.broadcast_arrays(*self.middle.T, ahead))
-        return normals, rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+        across, down = scale * (y1 * second - first * y2), scale * (first * x2 - x1 * second)
+        return _unit(across, down, x1 * y2 - y1 * x2), _unit(*self.middle.T, scale * middle)
+
+
+def _unit(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Return unit vectors (k, s, 3) of their components, each (s,) or (k, s)."""
+    length = np.maximum(np.sqrt(x * x + y * y + z * z), 1e-12)
+    return np.stack([x / length, y / length, z / length], axis=-1)
+
+
+def sines(normal: np.ndarray, middle: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Return sines (..., s, d) of the signed angles of segments against `directions` (..., 3, d).
+
+    `normal` and `middle` (..., s, 3) are those of `Segments.rays`, directions unit vectors.
+    """
+    reach = np.sqrt(np.maximum(1.0 - (middle @ directions) ** 2, 1e-9))
+    return np.asarray(np.clip(normal @ directions / reach, -1.0, 1.0))
 
 
 def residuals(normal: np.ndarray, middle: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """Return signed angles (..., s, d), radians, of segments against unit `directions` (..., 3, d).
-
-    `normal` and `middle` (..., s, 3) are those of `Segments.rays`.
-    """
-    off = normal @ directions
-    reach = np.sqrt(np.maximum(1.0 - (middle @ directions) ** 2, 1e-9))
-    return np.asarray(np.arcsin(np.clip(off / reach, -1.0, 1.0)))
+    """Return the signed angles, radians, whose :func:`sines` these are."""
+    return np.asarray(np.arcsin(sines(normal, middle, directions)))
 
 
 def weighted_segments(

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from plan2scene.photos.camera.lines import CAMERA, Segments, residuals
+from plan2scene.photos.camera.lines import CAMERA, Segments, residuals, sines
 
 
 @dataclass(frozen=True)
@@ -53,10 +53,9 @@ def first_guesses(
         guesses = []
         for point in verticals:
             up, first, second = _frames(point, focal / width, headings)
-            off = np.abs(residuals(normal, middle, np.hstack([first, second, up[:, None]])))
-            upright = off[:, -1] + off_vertical
-            off = np.minimum(off[:, : CAMERA.n_heading], off[:, CAMERA.n_heading : -1])
-            off = np.minimum(off, upright[:, None])
+            off = np.abs(sines(normal, middle, np.hstack([first, second, up[:, None]])))
+            level = np.minimum(off[:, : CAMERA.n_heading], off[:, CAMERA.n_heading : -1])
+            off = np.minimum(np.arcsin(level), (np.arcsin(off[:, -1]) + off_vertical)[:, None])
             score = weight @ np.exp(-0.5 * (off / noise) ** 2)
             best = int(np.argmax(score))
             axes = np.stack([first[:, best], up, second[:, best]], axis=1)
@@ -161,9 +160,9 @@ class _State(NamedTuple):
     def turned(self, step: np.ndarray) -> _State:
         """Return the state moved by steps (k, 5) or (5,): rotation vector, log focal, bend."""
         steps = np.broadcast_to(step, (len(self.axes), N_PARAMETERS))
-        turns = np.stack([cv2.Rodrigues(np.ascontiguousarray(s[:3]))[0] for s in steps])
+        turns = [cv2.Rodrigues(s[:3])[0] for s in np.atleast_2d(np.ascontiguousarray(step))]
         bend = np.clip(self.bend + steps[:, 4], *CAMERA.bend_range)
-        return _State(turns @ self.axes, self.log_focal + steps[:, 3], bend)
+        return _State(np.stack(turns) @ self.axes, self.log_focal + steps[:, 3], bend)
 
 
 def fit_manhattan(
@@ -233,9 +232,8 @@ def _scaled(
         nearest = np.argmin(distance, axis=-1)
         own = np.take_along_axis(off, nearest[..., None], axis=-1)[..., 0]
         return own / segments.noise, nearest
-    axis = np.take_along_axis(state.axes.transpose(0, 2, 1), nearest[..., None], axis=1)
-    reach = np.sqrt(np.maximum(1.0 - (middle * axis).sum(axis=-1) ** 2, 1e-9))
-    off = np.arcsin(np.clip((normal * axis).sum(axis=-1) / reach, -1.0, 1.0))
+    axis = state.axes.transpose(0, 2, 1)[np.arange(len(nearest))[:, None], nearest]
+    off = residuals(normal[..., None, :], middle[..., None, :], axis[..., None])[..., 0, 0]
     return off / segments.noise, nearest
 
 
