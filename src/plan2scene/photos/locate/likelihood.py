@@ -61,25 +61,14 @@ def log_table(openings: str) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Profile:
-    """Labels of a photo by direction, in the photo's Manhattan frame.
+    """Labels of a photo by direction, in the photo's Manhattan frame; float64, radians."""
 
-    Attributes
-    ----------
-    azimuth : (a,) float64
-        Middle of each column, ``(x, z) = (sin a, cos a)``, radians.
-    lowest : float
-        Elevation of the lower border of the first row, radians.
-    sums : (classes, a, rows + 1) float64
-        Sum of the log probability of the labels below each row's lower border, given each class;
-        over all rows at the end. Pixels count 1 / all pixels.
-    counts : (labels, a, rows) float64
-        Share of the photo's pixels with each label.
-    """
-
-    azimuth: np.ndarray
-    lowest: float
+    azimuth: np.ndarray  #: (a,), middle of each column, ``(x, z) = (sin a, cos a)``
+    lowest: float  #: elevation of the lower border of the first row
+    #: (classes, a, rows + 1), sum of the log probability of the labels below each row's lower
+    #: border, given each class; over all rows at the end. Pixels count 1 / all pixels.
     sums: np.ndarray
-    counts: np.ndarray
+    counts: np.ndarray  #: (labels, a, rows), share of the photo's pixels with each label
 
     @property
     def rows(self) -> int:

@@ -241,21 +241,11 @@ def locate_photos(
 ) -> Located:
     """Write a house's cameras.json; return the photos' poses and what is known of their rooms.
 
-    Parameters
-    ----------
-    house : House
-        The plan.
-    rooms_of_photo : mapping
-        Photo name to the rooms of the house that it shows: one of them it was taken in. Any
-        room of the house where none is named.
-    masks_dir : path
-        Output of the masks stage.
-    output : path
-        The cameras of the masks stage with their places (``docs/conventions.md``).
-    name_hints : bool
-        Whether the names of photos tell what rooms they may show.
-    threads : int
-        Photos searched at a time; the result does not depend on it.
+    `rooms_of_photo` are the rooms that each photo shows: one of them it was taken in, or any room
+    of the house where none is named. `masks_dir` is the output of the masks stage, whose cameras
+    with their places go to `output` (``docs/conventions.md``). With `name_hints` the names of
+    photos tell what rooms they may show. `threads` photos are searched at a time; the result does
+    not depend on it.
     """
     folder = Path(masks_dir)
     file = folder / "cameras.json"

@@ -32,26 +32,14 @@ class Hole:
 
 @dataclass(frozen=True)
 class RoomShape:
-    """Edges of a room's outline and holes, and the openings on them.
-
-    Attributes
-    ----------
-    start : (e, 2) float64
-        First point (x, z) of each edge, metres.
-    along : (e, 2) float64
-        Unit vector along it.
-    length : (e,) float64
-        Metres.
-    outward : (e, 2) float64
-        Unit normal out of the room.
-    """
+    """Edges of a room's outline and holes, and the openings on them; float64, metres."""
 
     room_id: str
     height: float
-    start: np.ndarray
-    along: np.ndarray
-    length: np.ndarray
-    outward: np.ndarray
+    start: np.ndarray  #: (e, 2), first point (x, z) of each edge
+    along: np.ndarray  #: (e, 2), unit vector along it
+    length: np.ndarray  #: (e,)
+    outward: np.ndarray  #: (e, 2), unit normal out of the room
     holes: tuple[Hole, ...]
     level: str = ""
     #: Length e: id of the room's wall along each edge; empty where there is none.
@@ -60,33 +48,15 @@ class RoomShape:
 
 @dataclass(frozen=True)
 class Sight:
-    """What `n` directions meet.
+    """What `n` directions meet: (n,) float64 in metres, (n,) int64 indices."""
 
-    Attributes
-    ----------
-    reach : (n,) float64
-        Metres to the room's edge.
-    edge : (n,) int64
-        That edge.
-    at : (n,) float64
-        Metres along it.
-    hole : (n,) int64
-        Index of the opening met there, of the room's; -1 for none.
-    beyond : (n,) float64
-        Metres to the edge of the room behind that opening; NaN where none is known.
-    beyond_edge : (n,) int64
-        That edge of the room behind; -1 where none is known.
-    beyond_height : (n,) float64
-        Height of the room behind, metres; NaN where none is known.
-    """
-
-    reach: np.ndarray
-    edge: np.ndarray
-    at: np.ndarray
-    hole: np.ndarray
-    beyond: np.ndarray
-    beyond_edge: np.ndarray
-    beyond_height: np.ndarray
+    reach: np.ndarray  #: to the room's edge
+    edge: np.ndarray  #: index of that edge
+    at: np.ndarray  #: along it
+    hole: np.ndarray  #: index of the opening met there, of the room's; -1 for none
+    beyond: np.ndarray  #: to the edge of the room behind that opening; NaN where none is known
+    beyond_edge: np.ndarray  #: index of that edge; -1 where none is known
+    beyond_height: np.ndarray  #: of the room behind; NaN where none is known
 
     def of(self, directions: np.ndarray) -> Sight:
         """Return what the directions with these numbers, repeated ones too, meet."""

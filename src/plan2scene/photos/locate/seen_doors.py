@@ -49,18 +49,9 @@ def seen_doors(
 ) -> Iterator[tuple[str, np.ndarray]]:
     """Yield (opening id, pixels (n, 2) int of row and column) of the leaves of a photo's doors.
 
-    The id is empty of a leaf whose opening is not known.
-
-    Parameters
-    ----------
-    labels : (h, w) uint8
-        Labels of :mod:`plan2scene.photos.labels.palette`.
-    doors : (h', w') float
-        How likely each pixel is of a door, at any resolution.
-    pose : Pose or None
-        Of a located photo.
-    shapes
-        Of :func:`plan2scene.photos.locate.plan_view.room_shapes`.
+    The id is empty of a leaf whose opening is not known. `labels` (h, w) uint8 are those of
+    `labels.palette`; `doors` (h', w') float how likely each pixel is of a door, at any resolution;
+    `pose` that of a located photo; `shapes` the house's rooms (`plan_view.room_shapes`).
     """
     holes = {} if pose is None else dict(_holes_in_sight(labels, pose, shapes))
     opened: set[str] = set()

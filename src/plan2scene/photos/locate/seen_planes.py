@@ -45,21 +45,10 @@ def seen_planes(
 ) -> list[PhotoPlane]:
     """Return floor, ceiling and walls of the pose's room, then those of rooms behind its doors.
 
-    Parameters
-    ----------
-    labels : (h, w) uint8
-        The photo's mask, of the camera's size.
-    pose : Pose
-        Where it was taken.
-    shapes : mapping
-        Rooms of the house (`plan_view.room_shapes`).
-
-    Returns
-    -------
-    list of PhotoPlane
-        Planes in the plan's frame (as `pose.camera`), their scale by the plan. Indices run on
-        over the rooms, so that each plane of a surface has its own. None where pose and mask
-        contradict each other.
+    `labels` (h, w) uint8 are the photo's mask, of the camera's size, `shapes` the house's rooms
+    (`plan_view.room_shapes`). The planes are in the plan's frame (as `pose.camera`), their scale is
+    the plan's. Indices run on over the rooms, so that each plane of a surface has its own. No plane
+    where pose and mask contradict each other.
     """
     directions = np.arange(LOCATE.directions) * (2 * np.pi / LOCATE.directions)
     eyes = np.repeat(pose.eye[None, [0, 2]], LOCATE.directions, axis=0)

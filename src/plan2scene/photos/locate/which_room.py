@@ -116,19 +116,9 @@ def room_probabilities(
 ) -> dict[str, dict[str, float]]:
     """Return how probable each room is for each photo; `NOWHERE` for none.
 
-    Parameters
-    ----------
-    house : House
-        The plan.
-    photos : mapping
-        Photo to what it tells.
-    matches : mapping
-        Points that two photos share (a pair of names, the lesser first).
-
-    Notes
-    -----
-    Gibbs sampling of the rooms of all photos, alone and together with those that match: the same
-    input gives the same numbers.
+    `matches` are the points that two photos share (a pair of names, the lesser first). Gibbs
+    sampling of the rooms of all photos, alone and together with those that match: the same input
+    gives the same numbers.
     """
     names, rooms = sorted(photos), [room.id for room in house.rooms]
     if not names:
