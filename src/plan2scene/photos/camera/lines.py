@@ -288,7 +288,8 @@ class Segments:
         middle = 1.0 + bend[:, None] * ((self.middle**2).sum(axis=1) / self.unit)
         scale = focal[:, None]
         across, down = scale * (y1 * second - first * y2), scale * (first * x2 - x1 * second)
-        return _unit(across, down, x1 * y2 - y1 * x2), _unit(*self.middle.T, scale * middle)
+        x, y = self.middle.T
+        return _unit(across, down, x1 * y2 - y1 * x2), _unit(x, y, scale * middle)
 
 
 def _unit(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
