@@ -157,7 +157,7 @@ def decoders() -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
 
 def print_networks(results: dict[str, list[list[np.ndarray]]]) -> None:
     """Print SUBS and FID of the embedded network between tiles and the clean ones, by seed."""
-    from plan2scene.metrics.feature_sets import frechet_distance
+    from plan2scene.metrics.feature_sets import SurfaceDistances
     from plan2scene.metrics.networks import describe_images
     from plan2scene.metrics.substance_network import load_substance_network
     from plan2scene.weights import MODELS
@@ -169,7 +169,9 @@ def print_networks(results: dict[str, list[list[np.ndarray]]]) -> None:
         values = []
         for tiles in seeds:
             features, named = describe_images(network, tiles)
-            values.append([float((named != right).mean()), frechet_distance(features, clean)])
+            distances = SurfaceDistances()
+            distances.add(list(features[:, None]), list(clean[:, None]))
+            values.append([float((named != right).mean()), distances.values()["FID"]])
         rows.append((name, _spread(values)))
     print_table("method", ("SUBS (embedded)", "FID (embedded)"), rows)
 

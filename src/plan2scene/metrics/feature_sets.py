@@ -1,11 +1,10 @@
 """FID and KID: how far apart two sets of features are (Heusel et al. 2017, Binkowski et al. 2018).
 
-A sample may belong to a unit, here a surface: each unit counts once, however many samples it has.
+A sample belongs to a unit, here a surface: each unit counts once, however many samples it has.
 torchmetrics has the same figures without units, costs 2.3 s to import, and takes FID's roots of a
 product of covariances: 40 times as long for InceptionV3's 2048 features.
 
-:func:`frechet_distance` and :func:`kernel_distance` compare whole sets; :class:`SurfaceDistances`
-gives the same figures of houses that are added one after another, and does not grow with them.
+:class:`SurfaceDistances` adds houses one after another, and does not grow with them.
 """
 
 from __future__ import annotations
@@ -23,44 +22,19 @@ _ROWS = 1024  # of the kernel matrix, and of third moments, at once: bounds the 
 _DEGREE = 3  # of KID's kernel
 
 
-def frechet_distance(
-    features_a: np.ndarray,
-    features_b: np.ndarray,
-    units_a: np.ndarray | None = None,
-    units_b: np.ndarray | None = None,
-) -> float:
-    """Return FID, the squared Frechet distance of two sets taken as Gaussians; 0 is best.
-
-    ``|mean_a - mean_b|^2 + tr(A + B - 2 (A B)^(1/2))`` with the unbiased covariances A and B of
-    predictions (n, d) and references (m, d): without units the figure of torchmetrics'
-    ``FrechetInceptionDistance``. `units` (n,), (m,) say what a sample belongs to; None: each is a
-    unit. The distance falls with the sizes of the sets (:func:`kernel_distance` does not): compare
-    figures of one size only. A single sample has no spread: its covariance counts as 0.
-
-    Raises ValueError for an empty set, different dimensions or another number of units.
-    """
-    a, b = _features(features_a, features_b)
-    gaussians = RunningGaussian(), RunningGaussian()
-    for gaussian, features, units in zip(gaussians, (a, b), (units_a, units_b), strict=True):
-        gaussian.add(features, unit_weights(features, units)[1])
-    return gaussian_distance(*gaussians)
-
-
 def kernel_distance(
-    features_a: np.ndarray,
-    features_b: np.ndarray,
-    units_a: np.ndarray | None = None,
-    units_b: np.ndarray | None = None,
+    a: np.ndarray, b: np.ndarray, units_a: np.ndarray, units_b: np.ndarray
 ) -> float:
     """Return KID, the unbiased squared MMD with the kernel ``(x.y / d + 1)^3``; 0 is best.
 
-    Its expectation does not depend on the sizes of the sets, and it may come out below 0. Samples
-    of one unit, which are not independent, are never paired within a set. Without units it is
-    torchmetrics' ``KernelInceptionDistance`` of one subset that holds the whole set; with fewer
-    than two units in a set it is NaN. Parameters and errors as for :func:`frechet_distance`.
+    Of predictions (n, d) and references (m, d), whose units are (n,) and (m,). Its expectation does
+    not depend on the sizes of the sets, and it may come out below 0. Samples of one unit, which are
+    not independent, are never paired within a set. Where each sample is a unit it is torchmetrics'
+    ``KernelInceptionDistance`` of one subset that holds the whole set; with fewer than two units in
+    a set it is NaN.
     """
-    a, b = _features(features_a, features_b)
-    (codes_a, weights_a), (codes_b, weights_b) = unit_weights(a, units_a), unit_weights(b, units_b)
+    a, b = a.astype(np.float64), b.astype(np.float64)
+    (codes_a, weights_a), (codes_b, weights_b) = unit_weights(units_a), unit_weights(units_b)
     count_a, count_b = codes_a.max() + 1, codes_b.max() + 1
     if min(count_a, count_b) < 2:
         return float("nan")
@@ -70,21 +44,9 @@ def kernel_distance(
     return float(within_a + within_b - 2.0 * across)
 
 
-def _features(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return (n, d) and (m, d) features as float64."""
-    a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
-    if a.ndim != 2 or b.ndim != 2 or a.shape[1] != b.shape[1] or not len(a) or not len(b):
-        raise ValueError(f"expected (n, d) and (m, d) features, found {a.shape} and {b.shape}")
-    return a, b
-
-
-def unit_weights(features: np.ndarray, units: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+def unit_weights(units: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the unit of each sample as 0, 1, ... and weights that sum to 1 in each unit."""
-    if units is None:
-        return np.arange(len(features)), np.ones(len(features))
-    if len(units) != len(features):
-        raise ValueError(f"expected {len(features)} units, found {len(units)}")
-    _, codes, sizes = np.unique(np.asarray(units), return_inverse=True, return_counts=True)
+    _, codes, sizes = np.unique(units, return_inverse=True, return_counts=True)
     return codes, 1.0 / sizes[codes]
 
 
@@ -142,7 +104,12 @@ class RunningGaussian:
 
 
 def gaussian_distance(a: RunningGaussian, b: RunningGaussian) -> float:
-    """Return FID, the squared Frechet distance of two Gaussians."""
+    """Return FID, the squared Frechet distance of two Gaussians; 0 is best.
+
+    ``|mean_a - mean_b|^2 + tr(A + B - 2 (A B)^(1/2))`` with the unbiased covariances A and B, as
+    torchmetrics' ``FrechetInceptionDistance``. It falls with the sizes of the sets: compare figures
+    of one size only. A single sample has no spread: its covariance counts as 0.
+    """
     (mean_a, root_a), (mean_b, root_b) = a.moments(), b.moments()
     # With A = P'P and B = Q'Q the trace of the root of AB is the sum of the singular values of PQ'.
     overlap = np.linalg.svd(root_a @ root_b.T, compute_uv=False).sum()
@@ -220,7 +187,7 @@ class SurfaceDistances:
                 continue
             features = np.concatenate(groups).astype(np.float64)
             units = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
-            self._gaussians[side].add(features, unit_weights(features, units)[1])
+            self._gaussians[side].add(features, unit_weights(units)[1])
             if self._kernel is None:
                 small = features.shape[1] <= MAX_MOMENTS_DIMENSION
                 self._kernel = ExactKernel(features.shape[1]) if small else BlockKernel()
@@ -241,7 +208,7 @@ class ExactKernel:
 
     def add(self, side: int, features: np.ndarray, units: np.ndarray) -> None:
         """Add features of whole units to the images (side 0) or crops (1)."""
-        self._sets[side].add(features, units, unit_weights(features, units)[1])
+        self._sets[side].add(features, units, unit_weights(units)[1])
 
     def value(self) -> float:
         """Return KID; NaN with fewer than two surfaces."""

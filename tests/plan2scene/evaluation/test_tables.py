@@ -5,11 +5,12 @@ import tracemalloc
 import numpy as np
 import pandas as pd
 import pytest
+from whole_sets import set_distances
 
 from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.tables import TableRequest, tidy_table
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
+from plan2scene.metrics.feature_sets import kernel_distance
 
 NETWORKS = {"features": "embedded", "model": "a", "substances": "vgg16", "substance_model": "b"}
 METHODS = ("synth", "crop")
@@ -73,7 +74,7 @@ def _loaded(files, method, column, drop):
     codes = crops.groupby(["house", *COLUMNS]).ngroup().to_numpy()
     sets = (np.concatenate(images), np.stack(list(crops["features"])), owners, codes)
     figures = {name: part[name.lower()].mean() for name in ("COLOR", "FREQ", "TILE", "SUBS")}
-    return figures | {"FID": frechet_distance(*sets), "KID": kernel_distance(*sets)}
+    return figures | {"FID": set_distances(*sets)["FID"], "KID": kernel_distance(*sets)}
 
 
 def _values(tidy):

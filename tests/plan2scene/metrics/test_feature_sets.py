@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 import torch
+from whole_sets import set_distances
 
-from plan2scene.metrics.feature_sets import frechet_distance, kernel_distance
+from plan2scene.metrics.feature_sets import kernel_distance
+
+
+def frechet_distance(a, b, units_a=None, units_b=None):
+    return set_distances(a, b, units_a, units_b)["FID"]
 
 
 def _samples(n, d, seed, mean=0.0, scale=1.0):
@@ -60,4 +65,6 @@ def test_kid_is_that_of_torchmetrics_over_the_whole_sets():
     kid = pytest.importorskip("torchmetrics.image.kid")
     a, b = _samples(40, 12, 1, 0.5), _samples(40, 12, 2)
     expected = float(kid.poly_mmd(torch.from_numpy(b), torch.from_numpy(a)))
-    assert kernel_distance(a, b) == pytest.approx(expected, rel=1e-9)
+    each = np.arange(40)
+    assert kernel_distance(a, b, each, each) == pytest.approx(expected, rel=1e-9)
+    assert set_distances(a, b)["KID"] == pytest.approx(expected, rel=1e-6)

@@ -1,0 +1,21 @@
+"""FID and KID of two whole sets of features."""
+
+import numpy as np
+
+from plan2scene.metrics.feature_sets import SurfaceDistances
+
+
+def set_distances(
+    a: np.ndarray,
+    b: np.ndarray,
+    units_a: np.ndarray | None = None,
+    units_b: np.ndarray | None = None,
+) -> dict[str, float]:
+    """Return FID and KID of features (n, d) and (m, d) of units; None: each is one of its own."""
+    groups = []
+    for features, units in ((a, units_a), (b, units_b)):
+        codes = np.arange(len(features)) if units is None else units
+        groups.append([features[codes == code] for code in np.unique(codes)])
+    distances = SurfaceDistances()
+    distances.add(*groups)
+    return distances.values()
