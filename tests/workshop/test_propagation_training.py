@@ -4,14 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import torch
+from small_models import write_texture_models
 
 from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
 from plan2scene.propagation.graph_networks import PointerNetwork, load_propagation
 from plan2scene.propagation.type_means import TypeMeans
-from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
-from plan2scene.weights import save_model_file
 from plan2scene_workshop.propagation import training
 from plan2scene_workshop.propagation.light import CORRECTED
 from plan2scene_workshop.propagation.measure import (
@@ -69,10 +67,7 @@ def test_training_learns_what_neighbours_tell(monkeypatch):
 
 def test_a_run_writes_weights_and_card_and_goes_on_from_its_checkpoint(tmp_path, caplog):
     rng = np.random.default_rng(6)
-    torch.manual_seed(0)
-    for name, delta in (("texture", True), ("naive", False)):
-        model = TextureModel(Architecture(width=4, delta_hsv=delta, substances=4 if delta else 0))
-        save_model_file(tmp_path / name, model.state_dict(), architecture_header(model))
+    write_texture_models(tmp_path / "texture", tmp_path / "naive")
     houses = [house_of_one_colour(rng) for _ in range(4)]
     np.savez(
         tmp_path / "houses.npz",

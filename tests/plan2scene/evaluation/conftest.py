@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-import torch
+from small_models import write_texture_models
 
 from plan2scene.evaluation.houses import EvaluatedHouse, Models
 from plan2scene.evaluation.measure import measure_textures, reference_features
@@ -18,9 +18,7 @@ from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.textures.inputs import HouseFiles, TextureSettings
 from plan2scene.textures.library import write_library
 from plan2scene.textures.model.embedding import make_embeddings
-from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.table import table_textures
-from plan2scene.weights import save_model_file
 
 SIZE = 128
 
@@ -72,14 +70,11 @@ CROPS = (
 @pytest.fixture(scope="session")
 def models(tmp_path_factory):
     root = tmp_path_factory.mktemp("models")
-    torch.manual_seed(0)
     paths = {
         name: root / f"{name}.safetensors"
         for name in ("texture", "naivesynth", "propagation", "features")
     }
-    for name, delta in (("texture", True), ("naivesynth", False)):
-        model = TextureModel(Architecture(width=4, delta_hsv=delta, substances=4 if delta else 0))
-        save_model_file(paths[name], model.state_dict(), architecture_header(model))
+    write_texture_models(paths["texture"], paths["naivesynth"])
     rng = np.random.default_rng(0)
     means = TypeMeans(
         rng.uniform(size=(12, 3, 11)).astype(np.float32),

@@ -3,27 +3,9 @@
 import pytest
 
 from plan2scene.evaluation.ablation import VARIANTS, ablate_house
-from plan2scene.evaluation.houses import propagated_at
 from plan2scene.io import read_parquet
 
 HIDDEN = {"0.0": [], "0.6": ["p1.jpg", "p3.jpg"]}
-
-
-@pytest.fixture
-def at(house, embeddings, tmp_path):
-    """Return a function: hidden photos to the tables of the stages."""
-
-    def read(hidden):
-        surfaces, propagated = propagated_at(house, embeddings, hidden, tmp_path)
-        paths = (surfaces, house.files.crops, embeddings, propagated)
-        return tuple(read_parquet(path)[0] for path in paths)
-
-    return read
-
-
-@pytest.fixture
-def tables(at):
-    return at(HIDDEN["0.6"])
 
 
 @pytest.fixture(scope="module")

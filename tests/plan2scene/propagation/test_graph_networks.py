@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 from formula import formula_state
+from small_models import write_texture_model
 from torch_geometric.data import Batch
 
 from plan2scene.errors import InputError
@@ -22,8 +23,6 @@ from plan2scene.propagation.predictors import Prediction, predict
 from plan2scene.propagation.propagate import substances_of, unseen_substances
 from plan2scene.propagation.substances import on_surfaces
 from plan2scene.propagation.type_means import TypeMeans
-from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
-from plan2scene.weights import save_model_file
 
 ROOM_0 = [
     [0.024754293, -0.156382143, 0.082204133, -0.148976684, 0.103648163, -0.036828607]
@@ -125,8 +124,7 @@ def test_both_networks_come_back_from_their_files(tmp_path):
 
 def test_substances_are_what_the_texture_model_says_on_that_kind_of_surface(tmp_path):
     torch.manual_seed(5)
-    model = TextureModel(Architecture(width=4))
-    save_model_file(tmp_path / "m", model.state_dict(), architecture_header(model), half=False)
+    model = write_texture_model(tmp_path / "m", half=False)
     embeddings = torch.randn(40, 3, 11)
     with torch.no_grad():
         shares = torch.softmax(model.substance_layer(embeddings[..., :8]), dim=-1).numpy()
@@ -138,8 +136,7 @@ def test_substances_are_what_the_texture_model_says_on_that_kind_of_surface(tmp_
     wet = substances_of(embeddings.numpy(), [["Bathroom"]] * 40, tmp_path / "m")
     assert (wet[:, 0] == "tile").mean() > (named[:, 0] == "tile").mean() + 0.3
     assert (wet[:, 1:] == named[:, 1:]).all()
-    bare = TextureModel(Architecture(width=4, substances=0))
-    save_model_file(tmp_path / "b", bare.state_dict(), architecture_header(bare))
+    write_texture_model(tmp_path / "b", substances=0)
     with pytest.raises(InputError, match="substance head"):
         substances_of(embeddings.numpy(), [["Bedroom"]] * 40, tmp_path / "b")
 
@@ -147,8 +144,7 @@ def test_substances_are_what_the_texture_model_says_on_that_kind_of_surface(tmp_
 def test_what_is_like_an_observed_surface_is_called_what_its_crops_were(tmp_path):
     """The head calls all floors the same, but for the bathroom's; the first's crops told carpet."""
     torch.manual_seed(5)
-    model = TextureModel(Architecture(width=4))
-    save_model_file(tmp_path / "m", model.state_dict(), architecture_header(model), half=False)
+    write_texture_model(tmp_path / "m", half=False)
     embeddings, named = np.zeros((3, 3, 11), np.float32), {(0, 0): "carpet"}
     types = [["Bedroom"], ["Kitchen"], ["Bathroom"]]
     multi_hot = np.array([[name in one for name in ROOM_TYPES] for one in types], np.float32)

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import torch
+from small_models import write_texture_models
 
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import png_bytes
@@ -13,23 +14,17 @@ from plan2scene.textures.model.embedding import embed_crops, make_embeddings
 from plan2scene.textures.model.texture_model import (
     Architecture,
     TextureModel,
-    architecture_header,
     decode_textures,
     noise_seeds,
 )
-from plan2scene.weights import save_model_file
 
 
 @pytest.fixture(scope="module")
 def models(tmp_path_factory):
     """Files of a small texture model and a small naive one."""
     folder = tmp_path_factory.mktemp("models")
-    torch.manual_seed(0)
-    paths = []
-    for name, options in (("texture", {}), ("naivesynth", {"delta_hsv": False, "substances": 0})):
-        model = TextureModel(Architecture(width=4, **options))
-        paths.append(folder / f"{name}.safetensors")
-        save_model_file(paths[-1], model.state_dict(), architecture_header(model))
+    paths = [folder / f"{name}.safetensors" for name in ("texture", "naivesynth")]
+    write_texture_models(*paths)
     return paths
 
 

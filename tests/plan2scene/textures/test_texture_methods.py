@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import torch
+from small_models import write_texture_models
 
 from plan2scene.colour import median_colour
 from plan2scene.errors import InputError
@@ -24,9 +24,7 @@ from plan2scene.textures.house_textures import make_textures
 from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
 from plan2scene.textures.library import read_library, write_library
 from plan2scene.textures.methods import texture_methods
-from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
 from plan2scene.textures.seams import wrap_ratio
-from plan2scene.weights import save_model_file
 
 SIZE = 128
 #: Methods that have a tile of the size asked for.
@@ -168,12 +166,7 @@ def job_files(tmp_path_factory):
     ]
     write_parquet(tmp_path / "propagated.parquet", pd.DataFrame(rows), {"house": "h1"})
     write_library(tmp_path / "library.parquet", folder=None, per_substance=2, seed=0, size_px=128)
-    torch.manual_seed(0)
-    for method, delta in (("synth", True), ("naivesynth", False)):
-        model = TextureModel(Architecture(width=4, delta_hsv=delta, substances=4 if delta else 0))
-        save_model_file(
-            tmp_path / f"{method}.safetensors", model.state_dict(), architecture_header(model)
-        )
+    write_texture_models(*(tmp_path / f"{name}.safetensors" for name in ("synth", "naivesynth")))
     return tmp_path
 
 
