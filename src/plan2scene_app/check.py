@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from plan2scene.datasets.assignments import check_assignment, read_assignment
 from plan2scene.datasets.drops import read_unobserved
-from plan2scene.datasets.house_table import SPLITS, read_house_rows, rows_of_lists
+from plan2scene.datasets.house_table import SPLITS, TableRow, read_table, table_of_lists
 from plan2scene.datasets.import_plan import add_object_boxes
 from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.errors import InputError
@@ -32,7 +32,7 @@ _TABLE_FRACTIONS = ("0.0", "0.6")
 _BOXED_SPLITS = ("test",)
 
 
-def missing_parts(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[str]:
+def missing_parts(layout: Layout, houses: Sequence[TableRow]) -> Iterator[str]:
     """Yield a line for each part that a copy of Rent3D++ has and this one lacks.
 
     `houses` are the rows of its house table.
@@ -44,7 +44,7 @@ def missing_parts(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[
     if not layout.photos.is_dir():
         yield str(InputError("the folder of photos", "no such folder", file=layout.photos))
     yield from _fractions(layout)
-    names = {s: [row["house"] for row in houses if row["split"] == s] for s in SPLITS}
+    names = {s: [row.house for row in houses if row.split == s] for s in SPLITS}
     for split in SPLITS:
         folder = layout.plan_folders(split, "full")[0]
         expected = f"plans of {len(names[split])} houses (for dataset.architecture: full only)"
@@ -81,7 +81,7 @@ def _fractions(layout: Layout) -> Iterator[str]:
             yield str(InputError(expected, found, file=layout.unobserved))
 
 
-def _crops(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[str]:
+def _crops(layout: Layout, houses: Sequence[TableRow]) -> Iterator[str]:
     """Yield what ready crops lack: the folder, surfaces, photos that none is of."""
     folder = layout.processed / "surface_crops"
     if layout.surface_crops is None:
@@ -94,7 +94,7 @@ def _crops(layout: Layout, houses: Sequence[dict[str, str]]) -> Iterator[str]:
         cropped |= {name.rsplit("_", 2)[0] for name in crops}
         if not crops:
             yield str(InputError(f"crops of a {surface}", "none", file=folder / surface))
-    photos = {name for row in houses for name in row["photos"].split("|") if name}
+    photos = {name for row in houses for name in row.photos}
     lacking = sorted(name for name in photos if PurePosixPath(name).stem not in cropped)
     yield from _lacking(f"crops of {len(photos)} photos", lacking, folder)
 
@@ -165,24 +165,25 @@ def check_dataset(
     problems: list[Problem] = []
     try:
         if (layout.data / table).is_file():
-            rows = read_house_rows(layout.data / table)
+            houses = read_table(layout.data / table)
         else:
-            rows, lines = rows_of_lists(root)
+            houses = table_of_lists(root)
             # What a copy as unpacked never has is no fault of it.
             note = "" if layout.is_rent3dpp else f"no {table}; "
-            problems += _warnings(note + line for line in lines)
+            problems += _warnings(note + line for line in houses.warnings)
     except InputError as error:
         return [Problem("error", str(error))]
+    rows = list(houses.houses.values())
     if layout.is_rent3dpp:
         problems += _warnings(missing_parts(layout, rows))
-    for expected, found, house_id in name_oddities("house names", [row["house"] for row in rows]):
+    for expected, found, house_id in name_oddities("house names", [row.house for row in rows]):
         fault = InputError(expected, found, file=layout.data / table, house=house_id)
         problems.append(Problem("warning", str(fault)))
     known: set[str] = set()
     checked: set[str] = set()
     for row in rows:
-        known |= set(row["photos"].split("|"))
-        plan = check_plan(layout.root / row["plan"], row["house"], metres_per_pixel, dxf_layers)
+        known |= set(row.photos)
+        plan = check_plan(layout.root / row.plan, row.house, metres_per_pixel, dxf_layers)
         problems += _check_house(layout, layout.data / table, row, plan, checked)
     problems += _check_unobserved(layout.unobserved, known)
     return problems
@@ -191,7 +192,7 @@ def check_dataset(
 def _check_house(
     layout: Layout,
     table: Path,
-    row: dict[str, str],
+    row: TableRow,
     plan: tuple[House | None, list[Problem]],
     checked: set[str],
 ) -> Iterator[Problem]:
@@ -199,13 +200,12 @@ def _check_house(
 
     Photos in `checked` were opened for another house.
     """
-    house_id = row["house"]
-    names = {name for name in row["photos"].split("|") if name}
+    house_id, names = row.house, set(row.photos)
     house, problems = plan
     yield from problems
-    if house is not None and (boxes := layout.object_boxes(row["split"], house_id)).is_file():
+    if house is not None and (boxes := layout.object_boxes(row.split, house_id)).is_file():
         yield from _warnings(add_object_boxes(house, boxes)[1])
-    file = layout.root / row["assignment"] if row["assignment"] else None
+    file = layout.root / row.assignment if row.assignment else None
     try:
         rows = read_assignment(file, house, house_id=house_id)
         if house is not None:

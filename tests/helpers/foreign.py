@@ -29,7 +29,7 @@ from plan2scene.checkpoints.reading import fitted_state, read_checkpoint, state_
 from plan2scene.config import check_config, shipped_config
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.drops import read_unobserved
-from plan2scene.datasets.house_table import read_house_rows
+from plan2scene.datasets.house_table import read_table
 from plan2scene.datasets.import_plan import add_object_boxes
 from plan2scene.errors import InputError
 from plan2scene.house import House
@@ -385,7 +385,7 @@ READERS = (
         ],
         lambda path: read_assignment(path, house()),
     ),
-    Reader("houses.tsv", lambda: [TABLE.encode()], read_house_rows),
+    Reader("houses.tsv", lambda: [TABLE.encode()], read_table),
     Reader("unobserved_photos.json", lambda: [json.dumps(UNOBSERVED).encode()], read_unobserved),
     Reader("config.yaml", configs, read_config),
     Reader("photo.jpg", pictures, read_picture),

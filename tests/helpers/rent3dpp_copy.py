@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.house_table import read_house_rows
+from plan2scene.datasets.house_table import TableRow, read_table
 from plan2scene.house import House, IconBox, PlacedObject, Room
 from plan2scene.io import atomic_path, read_json, read_parquet, write_json
 from plan2scene.plans.formats import read_plan
@@ -45,10 +45,10 @@ def write_rent3dpp_copy(
     source, target = Path(source), Path(target)
     data, processed = target / "input", target / "processed"
     names: dict[str, list[str]] = {split: [] for split in SPLITS}
-    for number, row in enumerate(read_house_rows(source / "houses.tsv")):
-        house_id, split = row["house"], row["split"]
+    for number, row in enumerate(read_table(source / "houses.tsv").houses.values()):
+        house_id, split = row.house, row.split
         names[split].append(house_id)
-        house = read_plan(source / row["plan"], house_id)
+        house = read_plan(source / row.plan, house_id)
         icons = drawn_icons(house)
         plan = Path(split) / f"{house_id}.scene.json"
         write_scene_json(replace(house, icons=()), data / "archs_no_objects" / plan)
@@ -98,16 +98,16 @@ def _write_boxes(path: Path, icons: Sequence[IconBox]) -> None:
     write_json(path, {"objects": objects})
 
 
-def _copy_photos(source: Path, data: Path, row: dict[str, str], header: str) -> None:
+def _copy_photos(source: Path, data: Path, row: TableRow, header: str) -> None:
     """Write the photo table of a house under the given head, and copy its photos."""
     (data / "photos").mkdir(parents=True, exist_ok=True)
-    for name in filter(None, row["photos"].split("|")):
+    for name in row.photos:
         shutil.copy2(source / "photos" / name, data / "photos" / name)
-    if not row["assignment"]:
+    if not row.assignment:
         return
-    rows = read_rows(source / row["assignment"], house_id=row["house"])
+    rows = read_rows(source / row.assignment, house_id=row.house)
     lines = [f"{header},photo", *(f"{room},{photo}" for room, photo in rows)]
-    table = data / "photo_assignments" / row["split"] / f"{row['house']}.photoroom.csv"
+    table = data / "photo_assignments" / row.split / f"{row.house}.photoroom.csv"
     with atomic_path(table) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

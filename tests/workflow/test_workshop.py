@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from plan2scene.datasets.house_table import read_house_rows
+from plan2scene.datasets.house_table import read_table
 from plan2scene.metrics.substance_network import load_substance_network
 from plan2scene_app.tracing.segmenter import load_plan_segmenter
 
@@ -67,8 +67,8 @@ def run(tmp_path):
 def test_data_and_models_are_made(run, tmp_path):
     pytest.importorskip("mitsuba")
     run("data", *(f"{MODELS}/{name}.safetensors" for name in ("features", "plans")))
-    rows = read_house_rows(tmp_path / "data" / "tiny" / "houses.tsv")
-    assert len(rows) == 1
+    table = read_table(tmp_path / "data" / "tiny" / "houses.tsv")
+    assert len(table.houses) == 1
     load_substance_network(tmp_path / MODELS / "features.safetensors")
     load_plan_segmenter(tmp_path / MODELS / "plans.safetensors")
     assert "`steps` 2," in (tmp_path / MODELS / "plans.md").read_text()

@@ -7,9 +7,10 @@ writes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,135 +25,13 @@ SPLITS = ("train", "val", "test")
 _NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")
 
 
-def read_house_rows(path: str | Path) -> list[dict[str, str]]:
-    """Return the rows of the house table (``houses.tsv``), one per house.
-
-    Columns ``house, split, plan, assignment, photos`` (docs/conventions.md); `assignment` and
-    `photos` may be empty. Photo names are not judged here: a bad one is its own house's fault.
-
-    Raises InputError for missing or unknown columns, no rows, a house twice, an unknown split, a
-    house name that can't name a folder, a plan or assignment path that leaves the data set.
-    """
-    lines = [line for line in read_text(path).splitlines() if line.strip()]
-    header = tuple(lines[0].split("\t")) if lines else ()
-    if sorted(header) != sorted(COLUMNS):
-        expected = f"the columns {', '.join(COLUMNS)} separated by tabs"
-        raise InputError(expected, ", ".join(header) or "an empty file", file=path)
-    rows = []
-    for number, line in enumerate(lines[1:], start=2):
-        cells = line.split("\t")
-        if len(cells) > len(header):
-            found = f"{len(cells)} in row {number}"
-            raise InputError(f"{len(header)} cells in each row", found, file=path)
-        cells += [""] * (len(header) - len(cells))
-        rows.append(dict(zip(header, (cell.strip() for cell in cells), strict=True)))
-    if not rows:
-        raise InputError("at least one house", "none", file=path)
-    seen: set[str] = set()
-    for row in rows:
-        _check_row(row, seen, path)
-    return rows
-
-
-def _check_row(row: dict[str, str], seen: set[str], path: str | Path) -> None:
-    """Raise InputError for a row that can't become jobs; note its house in `seen`."""
-    house_id = row["house"]
-    bad = not house_id or house_id.startswith((".", "-")) or not set(house_id) <= _NAME_CHARACTERS
-    if bad or len(house_id) > MAX_ID_LENGTH:
-        expected = f"a house name of letters, digits, '_', '-', '.', at most {MAX_ID_LENGTH}"
-        raise InputError(expected, repr(house_id), file=path)
-    if house_id in seen:
-        raise InputError("each house once", f"{house_id} twice", file=path, house=house_id)
-    seen.add(house_id)
-    if row["split"] not in SPLITS:
-        raise InputError(f"a split ({', '.join(SPLITS)})", row["split"], file=path, house=house_id)
-    safe_join("", row["plan"], file=path, house_id=house_id)
-    if row["assignment"]:
-        safe_join("", row["assignment"], file=path, house_id=house_id)
-
-
-def rows_of_lists(
-    root: str | Path, *, architecture: str = "bare"
-) -> tuple[list[dict[str, str]], list[str]]:
-    """Return the rows of a house table for a data set in the Rent3D++ layout, and warnings.
-
-    `root` is as for :func:`~plan2scene.datasets.layout.find_layout`. `architecture`, ``bare`` or
-    ``full``, says which plan is taken where a house has both.
-
-    Raises InputError for no data lists, no houses in them, or a house in two of them. A missing
-    plan or a bad photo table is a warning here and the house's own jobs' to report.
-    """
-    layout = require_data_set(root)
-    warnings: list[str] = []
-    rows: dict[str, dict[str, str]] = {}
-    lists = [(split, layout.data / "data_lists" / f"{split}.txt") for split in SPLITS]
-    if not any(file.is_file() for _, file in lists):
-        raise InputError("train.txt, val.txt or test.txt", "none", file=layout.data / "data_lists")
-    for split, file in lists:
-        names = read_text(file).split() if file.is_file() else []
-        for house_id in names:
-            if house_id in rows:
-                raise InputError("each house once", f"{house_id} twice", file=file, house=house_id)
-            rows[house_id] = _row(layout, split, house_id, architecture, warnings)
-            _check_row(rows[house_id], set(), file)
-    if not rows:
-        raise InputError("at least one house", "none", file=layout.data / "data_lists")
-    return list(rows.values()), warnings
-
-
-def make_house_table(
-    root: str | Path, output: str | Path | None = None, *, architecture: str = "bare"
-) -> list[str]:
-    """Write the table of :func:`rows_of_lists`; return its warnings.
-
-    `output` is ``houses.tsv`` beside the data lists by default. It is not touched when its content
-    is the same.
-    """
-    rows, warnings = rows_of_lists(root, architecture=architecture)
-    lines = ["\t".join(COLUMNS), *("\t".join(row[name] for name in COLUMNS) for row in rows)]
-    text = "\n".join(lines) + "\n"
-    path = Path(output) if output else find_layout(root).data / "houses.tsv"
-    if not path.is_file() or path.read_bytes() != text.encode():
-        with atomic_path(path) as temporary:
-            temporary.write_bytes(text.encode())
-    return warnings
-
-
-def _row(
-    layout: Layout, split: str, house_id: str, architecture: str, warnings: list[str]
-) -> dict[str, str]:
-    """Return the row of a house."""
-    folders = layout.plan_folders(split, architecture)
-    plans = [folder / f"{house_id}.scene.json" for folder in folders]
-    plan = next((path for path in plans if path.is_file()), None)
-    if plan is None:
-        plan = plans[0]
-        warnings.append(str(InputError("a plan", "no such file", file=plan, house=house_id)))
-    elif architecture == "full" and plan.parent.parent.name != "full_archs":
-        expected = f"{house_id}.scene.json in {folders[0]}"
-        line = InputError(expected, f"only {plan}", file=layout.root, house=house_id)
-        warnings.append(str(line))
-    assignment = layout.assignment(split, house_id)
-    photos: list[str] = []
-    if assignment.is_file():
-        try:
-            for _, photo in read_rows(assignment, house_id=house_id):
-                safe_join("", photo, file=assignment, house_id=house_id)
-                photos.append(photo)
-        except InputError as error:
-            warnings.append(str(error))
-    named = layout.relative(assignment) if assignment.is_file() else ""
-    cells = (house_id, split, layout.relative(plan), named, "|".join(dict.fromkeys(photos)))
-    return dict(zip(COLUMNS, cells, strict=True))
-
-
 class TableRow(NamedTuple):
     """A house of the table: paths relative to the data set's root, names of photos."""
 
     house: str
     split: str
     plan: str
-    assignment: str
+    assignment: str  #: empty for none
     photos: tuple[str, ...]
 
 
@@ -191,8 +70,119 @@ class HouseTable:
 
 
 def read_table(path: Path) -> HouseTable:
-    """Return the houses of ``houses.tsv``; InputError as `table.read_house_rows`."""
-    return HouseTable(path, _by_house(read_house_rows(path)))
+    """Return the houses of ``houses.tsv``.
+
+    Columns ``house, split, plan, assignment, photos`` (docs/conventions.md); `assignment` and
+    `photos` may be empty. Photo names are not judged here: a bad one is its own house's fault.
+
+    Raises InputError for missing or unknown columns, no rows, a house twice, an unknown split, a
+    house name that can't name a folder, a plan or assignment path that leaves the data set.
+    """
+    lines = [line for line in read_text(path).splitlines() if line.strip()]
+    header = tuple(lines[0].split("\t")) if lines else ()
+    if sorted(header) != sorted(COLUMNS):
+        expected = f"the columns {', '.join(COLUMNS)} separated by tabs"
+        raise InputError(expected, ", ".join(header) or "an empty file", file=path)
+    houses: dict[str, TableRow] = {}
+    for number, line in enumerate(lines[1:], start=2):
+        cells = [cell.strip() for cell in line.split("\t")]
+        if len(cells) > len(header):
+            found = f"{len(cells)} in row {number}"
+            raise InputError(f"{len(header)} cells in each row", found, file=path)
+        named = dict(zip_longest(header, cells, fillvalue=""))
+        house, split, plan, assignment, photos = (named[name] for name in COLUMNS)
+        names = tuple(name for name in photos.split("|") if name)
+        row = TableRow(house, split, plan, assignment, names)
+        _check_row(row, houses, path)
+        houses[row.house] = row
+    if not houses:
+        raise InputError("at least one house", "none", file=path)
+    return HouseTable(path, houses)
+
+
+def _check_row(row: TableRow, others: Collection[str], path: Path) -> None:
+    """Raise InputError for a row that can't become jobs, or of a house that `others` has."""
+    name = row.house
+    bad = not name or name.startswith((".", "-")) or not set(name) <= _NAME_CHARACTERS
+    if bad or len(name) > MAX_ID_LENGTH:
+        expected = f"a house name of letters, digits, '_', '-', '.', at most {MAX_ID_LENGTH}"
+        raise InputError(expected, repr(name), file=path)
+    if name in others:
+        raise InputError("each house once", f"{name} twice", file=path, house=name)
+    if row.split not in SPLITS:
+        raise InputError(f"a split ({', '.join(SPLITS)})", row.split, file=path, house=name)
+    safe_join("", row.plan, file=path, house_id=name)
+    if row.assignment:
+        safe_join("", row.assignment, file=path, house_id=name)
+
+
+def table_of_lists(root: str | Path, *, architecture: str = "bare") -> HouseTable:
+    """Return the house table of a data set in the Rent3D++ layout, by its data lists.
+
+    `root` is as for :func:`~plan2scene.datasets.layout.find_layout`. `architecture`, ``bare`` or
+    ``full``, says which plan is taken where a house has both.
+
+    Raises InputError for no data lists, no houses in them, or a house in two of them. A missing
+    plan or a bad photo table is a warning here and the house's own jobs' to report.
+    """
+    layout = require_data_set(root)
+    warnings: list[str] = []
+    houses: dict[str, TableRow] = {}
+    folder = layout.data / "data_lists"
+    lists = [(split, folder / f"{split}.txt") for split in SPLITS]
+    if not any(file.is_file() for _, file in lists):
+        raise InputError("train.txt, val.txt or test.txt", "none", file=folder)
+    for split, file in lists:
+        for name in read_text(file).split() if file.is_file() else []:
+            row = _row(layout, split, name, architecture, warnings)
+            _check_row(row, houses, file)
+            houses[name] = row
+    if not houses:
+        raise InputError("at least one house", "none", file=folder)
+    return HouseTable(folder, houses, tuple(warnings))
+
+
+def _row(
+    layout: Layout, split: str, house_id: str, architecture: str, warnings: list[str]
+) -> TableRow:
+    """Return the row of a house."""
+    folders = layout.plan_folders(split, architecture)
+    plans = [folder / f"{house_id}.scene.json" for folder in folders]
+    plan = next((path for path in plans if path.is_file()), None)
+    if plan is None:
+        plan = plans[0]
+        warnings.append(str(InputError("a plan", "no such file", file=plan, house=house_id)))
+    elif architecture == "full" and plan.parent.parent.name != "full_archs":
+        expected = f"{house_id}.scene.json in {folders[0]}"
+        line = InputError(expected, f"only {plan}", file=layout.root, house=house_id)
+        warnings.append(str(line))
+    assignment = layout.assignment(split, house_id)
+    photos: list[str] = []
+    if assignment.is_file():
+        try:
+            for _, photo in read_rows(assignment, house_id=house_id):
+                safe_join("", photo, file=assignment, house_id=house_id)
+                photos.append(photo)
+        except InputError as error:
+            warnings.append(str(error))
+    named = layout.relative(assignment) if assignment.is_file() else ""
+    return TableRow(house_id, split, layout.relative(plan), named, tuple(dict.fromkeys(photos)))
+
+
+def make_house_table(root: str | Path) -> list[str]:
+    """Write the table of :func:`table_of_lists` as ``houses.tsv``; return its warnings.
+
+    The file is not touched when its content is the same.
+    """
+    table = table_of_lists(root)
+    lines = ["\t".join(COLUMNS)]
+    lines += ["\t".join((*row[:-1], "|".join(row.photos))) for row in table.houses.values()]
+    text = "\n".join(lines) + "\n"
+    path = find_layout(root).data / "houses.tsv"
+    if not path.is_file() or path.read_bytes() != text.encode():
+        with atomic_path(path) as temporary:
+            temporary.write_bytes(text.encode())
+    return list(table.warnings)
 
 
 def table_of(dataset: Mapping[str, Any]) -> HouseTable:
@@ -201,22 +191,9 @@ def table_of(dataset: Mapping[str, Any]) -> HouseTable:
     `dataset` is that section of the configuration. InputError where there is no data set under
     its ``root``.
     """
-    layout = find_layout(dataset["root"])
     if dataset["table"] is not None:
-        return read_table(layout.data / dataset["table"])
-    rows, warnings = rows_of_lists(dataset["root"], architecture=dataset["architecture"])
-    return HouseTable(layout.data / "data_lists", _by_house(rows), tuple(warnings))
-
-
-def _by_house(rows: Iterable[Mapping[str, str]]) -> dict[str, TableRow]:
-    """Return the rows of a table by house."""
-    rows_by_house = {}
-    for row in rows:
-        photos = tuple(name for name in row["photos"].split("|") if name)
-        rows_by_house[row["house"]] = TableRow(
-            row["house"], row["split"], row["plan"], row["assignment"], photos
-        )
-    return rows_by_house
+        return read_table(find_layout(dataset["root"]).data / dataset["table"])
+    return table_of_lists(dataset["root"], architecture=dataset["architecture"])
 
 
 def chosen_crops(layout: Layout, crops: Mapping[str, Any]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from plan2scene.datasets.assignments import (
     rooms_of_photos,
 )
 from plan2scene.datasets.drops import read_unobserved
-from plan2scene.datasets.house_table import make_house_table, read_house_rows
+from plan2scene.datasets.house_table import TableRow, make_house_table, read_table
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
@@ -132,9 +132,9 @@ def test_import_stops_at_a_bad_table(tmp_path, caplog):
 
 def test_house_table(tmp_path):
     path = table(tmp_path, HEADER + "h1\ttest\tp.json\tt.csv\ta.jpg|b.jpg\nNA\tval\tq.json\t\t\n")
-    assert [tuple(row.values()) for row in read_house_rows(path)] == [
-        ("h1", "test", "p.json", "t.csv", "a.jpg|b.jpg"),
-        ("NA", "val", "q.json", "", ""),
+    assert list(read_table(path).houses.values()) == [
+        TableRow("h1", "test", "p.json", "t.csv", ("a.jpg", "b.jpg")),
+        TableRow("NA", "val", "q.json", "", ()),
     ]
 
 
@@ -158,17 +158,16 @@ def test_house_table(tmp_path):
 def test_bad_house_table(tmp_path, text, line):
     path = table(tmp_path, text, "houses.tsv")
     with pytest.raises(InputError) as caught:
-        read_house_rows(path)
+        read_table(path)
     assert str(caught.value).startswith(f"file {path}")
     assert line in str(caught.value)
 
 
 def test_make_house_table(dataset):
     assert make_house_table(dataset) == []
-    (row,) = read_house_rows(dataset / "houses.tsv")
-    assert (row["house"], row["split"], row["photos"]) == ("h1", "test", "one.png")
-    assert row["plan"] == "archs_no_objects/test/h1.scene.json"
-    assert row["assignment"] == "photo_assignments/test/h1.photoroom.csv"
+    files = ("archs_no_objects/test/h1.scene.json", "photo_assignments/test/h1.photoroom.csv")
+    row = TableRow("h1", "test", *files, ("one.png",))
+    assert read_table(dataset / "houses.tsv").houses == {"h1": row}
 
 
 def test_make_house_table_of_an_incomplete_data_set(dataset):
@@ -176,13 +175,12 @@ def test_make_house_table_of_an_incomplete_data_set(dataset):
     (dataset / "full_archs/val").mkdir(parents=True)
     write_scene_json(small_house(), dataset / "full_archs/val/h3.scene.json")
     table(dataset / "photo_assignments/test", "roomId,photo\na,../one.png\n")
-    warnings = make_house_table(dataset, dataset / "other.tsv")
+    warnings = make_house_table(dataset)
     assert [line.split(", house ")[1].split(":")[0] for line in warnings] == ["h2", "h1"]
-    rows = {row["house"]: row for row in read_house_rows(dataset / "other.tsv")}
+    rows = read_table(dataset / "houses.tsv").houses
     assert list(rows) == ["h2", "h3", "h1"]
-    assert rows["h3"]["plan"] == "full_archs/val/h3.scene.json"
-    assert rows["h3"]["assignment"] == ""
-    assert rows["h1"]["photos"] == ""
+    assert rows["h3"] == TableRow("h3", "val", "full_archs/val/h3.scene.json", "", ())
+    assert rows["h1"].photos == ()
 
 
 def test_unobserved(tmp_path):

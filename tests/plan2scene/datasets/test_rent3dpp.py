@@ -11,7 +11,7 @@ from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 from plan2scene.datasets.house_table import (
     chosen_crops,
     make_house_table,
-    read_house_rows,
+    read_table,
     table_of,
 )
 from plan2scene.datasets.import_plan import (
@@ -100,10 +100,10 @@ def test_the_path_may_be_of_the_copy_or_its_input_or_what_holds_data(copy, place
     assert layout.data.resolve() == (copy / "input").resolve()
     assert layout.surface_crops.resolve() == (copy / "processed/surface_crops").resolve()
     assert layout.is_rent3dpp
-    make_house_table(root, tmp_path / "houses.tsv")
-    for row in read_house_rows(tmp_path / "houses.tsv"):
-        assert (layout.root / row["plan"]).is_file()
-        assert (layout.root / row["assignment"]).is_file()
+    make_house_table(root)
+    for row in read_table(layout.data / "houses.tsv").houses.values():
+        assert (layout.root / row.plan).is_file()
+        assert (layout.root / row.assignment).is_file()
 
 
 def test_the_table_follows_the_copy_and_writes_nothing(copy):

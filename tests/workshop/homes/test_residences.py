@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from plan2scene.datasets.drops import read_unobserved
-from plan2scene.datasets.house_table import read_house_rows
+from plan2scene.datasets.house_table import read_table
 from plan2scene.house import House
 from plan2scene.images import read_image
 from plan2scene.io import read_json
@@ -104,7 +104,7 @@ def test_index_lists_houses_and_hides_nested_shares(tmp_path: Path) -> None:
     for house, split in names.items():
         residences.write_residence(root, house, split, 3, options=OPTIONS)
     assert residences.write_dataset_index(root, names, 3) == []
-    assert [row["house"] for row in read_house_rows(root / "houses.tsv")] == list(names)
+    assert list(read_table(root / "houses.tsv").houses) == list(names)
     assert (root / "data_lists/train.txt").read_text() == "home_train_000\n"
     hidden = read_unobserved(root / "unobserved_photos.json")
     photos = {file.name for file in (root / "photos").iterdir()}

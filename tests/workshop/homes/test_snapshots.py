@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene.datasets.house_table import read_house_rows
+from plan2scene.datasets.house_table import read_table
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene_workshop.homes import snapshots
@@ -54,8 +54,8 @@ def test_a_house_of_snapshots_is_a_data_set(
     assert not earlier.exists()
     truth = tmp_path / "truth" / "train" / "h_1"
     cameras = read_json(truth / "cameras.json")
-    row = read_house_rows(tmp_path / "houses.tsv")[0]
-    assert sorted(row["photos"].split("|")) == sorted(cameras)
+    row = read_table(tmp_path / "houses.tsv")["h_1"]
+    assert sorted(row.photos) == sorted(cameras)
     assert len(cameras) >= 2 and {c["room_id"] for c in cameras.values()} <= {
         room.id for room in house.rooms
     }
