@@ -118,13 +118,20 @@ def extract_crops(
     chosen = CropSettings() if settings is None else settings
     inputs = (house, rooms_of_photo, photos, masks_dir)
     made = crops_of_house(*inputs, seed=seed, settings=chosen, cameras=cameras, threads=threads)
-    _write_light(output.light, made.gains)
-    names = {"dataset": dataset, "house_id": house.id}
+    return _write(made, output, dataset=dataset, house_id=house.id)
+
+
+def _write(
+    made: HouseCrops, output: CropFiles, *, dataset: str, house_id: str, keep_index: bool = False
+) -> pd.DataFrame:
+    """Write the stage's files and return the crop table (`selection.write_tables`)."""
+    names = {"dataset": dataset, "house_id": house_id}
+    gains = {photo: [round(float(g), 6) for g in made.gains[photo]] for photo in sorted(made.gains)}
+    write_json(output.light, {"gains": gains})
     write_planes(output.planes, made.planes, **names)
     write_colours(output.colours, made.colours, **names)
-    return write_tables(
-        made.candidates, output.crops, output.candidates, dataset=dataset, house_id=house.id
-    )
+    tables = (output.crops, output.candidates)
+    return write_tables(made.candidates, *tables, keep_index=keep_index, **names)
 
 
 def crops_of_house(
@@ -223,12 +230,6 @@ def _crops_of_photo(
     )
 
 
-def _write_light(path: str | Path, gains: Mapping[str, np.ndarray]) -> None:
-    """Write light.json."""
-    photos = {photo: [round(float(gain), 6) for gain in gains[photo]] for photo in sorted(gains)}
-    write_json(path, {"gains": photos})
-
-
 def read_precomputed_crops(
     house: House,
     rooms_of_photo: Mapping[str, Sequence[str]],
@@ -259,12 +260,8 @@ def read_precomputed_crops(
             mask = int(match["mask"])
             candidates.append(Candidate(crop, Verdict(), surface, mask, photo, rooms))
     candidates.sort(key=lambda candidate: candidate.photo)
-    names = {"dataset": dataset, "house_id": house.id}
-    _write_light(output.light, {})
-    write_planes(output.planes, [], **names)
-    write_colours(output.colours, [], **names)
-    tables = (output.crops, output.candidates)
-    return write_tables(candidates, *tables, dataset=dataset, house_id=house.id, keep_index=True)
+    made = HouseCrops(candidates, [], [], {})
+    return _write(made, output, dataset=dataset, house_id=house.id, keep_index=True)
 
 
 def _precomputed_crop(path: Path, index: int, house_id: str) -> Crop:
