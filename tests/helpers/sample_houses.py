@@ -11,25 +11,14 @@ from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.formats import read_plan
 
 
-def walls_of(room, depth=0.1, openings=None, height=None):
+def walls_of(room, openings=None):
     """Return a wall per edge of a room, with openings by wall index."""
-    walls = []
-    number = 0
-    for ring in room.rings:
-        for k, start in enumerate(ring):
-            walls.append(
-                Wall(
-                    f"{room.id}_w{number}",
-                    (room.id,),
-                    start,
-                    ring[(k + 1) % len(ring)],
-                    height or room.height,
-                    depth,
-                    openings=tuple((openings or {}).get(number, ())),
-                )
-            )
-            number += 1
-    return tuple(walls)
+    edges = [(p, ring[(k + 1) % len(ring)]) for ring in room.rings for k, p in enumerate(ring)]
+    holes = [tuple((openings or {}).get(k, ())) for k in range(len(edges))]
+    return tuple(
+        Wall(f"{room.id}_w{k}", (room.id,), *edge, room.height, openings=holes[k])
+        for k, edge in enumerate(edges)
+    )
 
 
 @pytest.fixture
@@ -101,22 +90,3 @@ def paint():
         return textures
 
     return make
-
-
-#: Real sample plans, and metres per unit where a file does not say.
-SAMPLES = (
-    ("rent3dpp/sample.scene.json", None),
-    ("r2v/sample_input.scene.json", None),
-    ("r2v/sample_r2v_output.txt", 0.05),
-    ("r2v/sample_r2v_annot.txt", 0.02),
-)
-
-
-@pytest.fixture(params=SAMPLES, ids=[name for name, _ in SAMPLES])
-def sample_house(request):
-    """A real sample plan; skips where they are not beside the repository."""
-    name, scale = request.param
-    path = Path(__file__).resolve().parents[3] / "shared" / "samples" / name
-    if not path.is_file():
-        pytest.skip("no shared samples beside the repository")
-    return read_plan(path, "sample", scale)
