@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import torch
 from torch import nn
 
 from plan2scene.house import SUBSTANCES
-from plan2scene.weights import filled, load_model_file, save_model_file
+from plan2scene.weights import filled, load_model_file
 
 _INPUT_MEAN, _INPUT_STD = 0.5, 0.25  #: Normalisation of sRGB in [0, 1] before the first layer
 #: Added to the variance of a map before its root (the gradient at 0 would be infinite).
@@ -69,16 +68,6 @@ class SubstanceNetwork(nn.Module):
         """Return (features, logits)."""
         hidden = self.hidden(images)
         return (hidden - self.shift) / self.scale, self.head(hidden)
-
-
-def as_tensor(images: np.ndarray) -> torch.Tensor:
-    """Return (n, h, w, 3) uint8 sRGB images as (n, 3, h, w) float32 in [0, 1]."""
-    return torch.from_numpy(np.ascontiguousarray(np.moveaxis(images, -1, 1))).float() / 255.0
-
-
-def save_substance_network(network: SubstanceNetwork, path: str | Path) -> None:
-    """Write the network as safetensors (float16) with its architecture."""
-    save_model_file(path, network.state_dict(), network.architecture)
 
 
 def load_substance_network(path: str | Path) -> SubstanceNetwork:

@@ -10,7 +10,7 @@ from plan2scene.evaluation.measure import measure_textures, reference_features
 from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
-from plan2scene.metrics.substance_network import SubstanceNetwork, save_substance_network
+from plan2scene.metrics.substance_network import SubstanceNetwork
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.propagation.graph_networks import PropagationNetwork, save_propagation
@@ -19,6 +19,7 @@ from plan2scene.textures.inputs import HouseFiles, TextureSettings
 from plan2scene.textures.library import write_library
 from plan2scene.textures.model.embedding import make_embeddings
 from plan2scene.textures.table import table_textures
+from plan2scene.weights import save_model_file
 
 SIZE = 128
 
@@ -83,7 +84,8 @@ def models(tmp_path_factory):
     save_propagation(
         paths["propagation"], PropagationNetwork(16, 2).eval(), means, width=16, layers=2
     )
-    save_substance_network(SubstanceNetwork((4, 6), feature_dim=6).eval(), paths["features"])
+    network = SubstanceNetwork((4, 6), feature_dim=6)
+    save_model_file(paths["features"], network.state_dict(), network.architecture)
     return Models(**paths, substances=paths["features"])
 
 

@@ -16,7 +16,8 @@ from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 from plan2scene.metrics.registry import METRICS
-from plan2scene.metrics.substance_network import SubstanceNetwork, save_substance_network
+from plan2scene.metrics.substance_network import SubstanceNetwork
+from plan2scene.weights import save_model_file
 
 METHODS = ("crop", "synth")
 
@@ -39,7 +40,8 @@ CROPS = {
 def model(tmp_path_factory):
     path = tmp_path_factory.mktemp("model") / "features.safetensors"
     torch.manual_seed(1)
-    save_substance_network(SubstanceNetwork((4, 6), feature_dim=6).eval(), path)
+    network = SubstanceNetwork((4, 6), feature_dim=6)
+    save_model_file(path, network.state_dict(), network.architecture)
     return path
 
 

@@ -11,14 +11,10 @@ from torch.nn import functional
 
 from plan2scene.house import SUBSTANCES
 from plan2scene.metrics.networks import describe_images
-from plan2scene.metrics.substance_network import (
-    SubstanceNetwork,
-    as_tensor,
-    load_substance_network,
-    save_substance_network,
-)
+from plan2scene.metrics.substance_network import SubstanceNetwork, load_substance_network
 from plan2scene.provenance import file_hash
 from plan2scene.seeds import derive_seed, generator
+from plan2scene.weights import save_model_file
 from plan2scene_workshop.texture.data import (
     TextureSet,
     draw_crops,
@@ -100,7 +96,7 @@ def train_network(
         crops, substances = draw_photographed(
             textures, settings.scanned_share, settings.batch, rng, settings.photographed_share
         )
-        _, logits = network(as_tensor(crops).to(device))
+        _, logits = network(_as_tensor(crops).to(device))
         labels = torch.from_numpy(substances).to(device)
         smoothing = settings.label_smoothing
         return {"entropy": functional.cross_entropy(logits, labels, label_smoothing=smoothing)}
@@ -120,12 +116,17 @@ def train_network(
     return trainer.fit(checkpoint)
 
 
+def _as_tensor(images: np.ndarray) -> torch.Tensor:
+    """Return (n, h, w, 3) uint8 sRGB images as (n, 3, h, w) float32 in [0, 1]."""
+    return torch.from_numpy(np.ascontiguousarray(np.moveaxis(images, -1, 1))).float() / 255.0
+
+
 def standardise(network: SubstanceNetwork, crops: np.ndarray) -> None:
     """Set the features' shift and scale to the mean and spread over `crops` (n, 128, 128, 3)."""
     network.eval()
     with torch.inference_mode():
         parts = np.array_split(crops, max(1, len(crops) // 64))
-        hidden = torch.cat([network.hidden(as_tensor(part)) for part in parts])
+        hidden = torch.cat([network.hidden(_as_tensor(part)) for part in parts])
     # A feature that (almost) never fires would be blown up by its tiny spread.
     spread = hidden.std(dim=0)
     network.shift.copy_(hidden.mean(dim=0))
@@ -171,7 +172,7 @@ def train_features(
     rng, share = generator(seed, "features scale"), settings.photographed_share
     crops, _ = draw_photographed(textures, settings.scanned_share, count, rng, share)
     standardise(network, crops)
-    save_substance_network(network, model)
+    save_model_file(model, network.state_dict(), network.architecture)
     shipped = load_substance_network(model)  # what the metrics run: weights of float16
     counts = {
         f"{name} textures, {'photographed' if degraded else 'clean'}": confusion(
