@@ -13,32 +13,34 @@ from plan2scene.house import ROOM_TYPES
 #: (with a roof, of no usual use) are Unknown.
 _STEMS = {
     "Bathroom": (
-        "bath bathroom masterbath badezimmer bad salle_de_bain salle_d'eau bano aseo bagno "
-        "badkamer shower dusche douche ducha doccia wc toilet toilette lavatory restroom washroom "
-        "ensuite en_suite powder servizi sauna lavabo badrum dusch sdb sde s_d_b duschbad banheiro "
-        "casa_de_banho lavatorio bad_en_suite baderom badevaerelse toalett kylpyhuone kph khh "
-        "pesuhuone suihku lazienka toaleta banyo tuvalet ванн санузел туалет душев"
+        "bath bathrm bathroom masterbath badez bad salle_de_bain salle_deau bano aseo bagno bth "
+        "badk badkamer shower shwr shr dusche douche ducha doccia wc toil toilet toilette lav "
+        "lavatory restroom washroom ens ensuite en_suite powder powd pwdr pwd pdr servizi sauna "
+        "lavabo badrum dusch sdb sde duschbad banheiro "
+        "casa_de_banho lavatorio bad_en_suite baderom badevaerelse toalett kylpyhuone kph khh ph "
+        "pesuhuone suihku laz lazienka toaleta banyo tuvalet ванн санузел туалет душев"
         "אמבטיה שירותים מקלחת 浴室 洗面 トイレ 風呂 バス 厠"
     ),
     "Kitchen": (
-        "kitchen kuche kueche kuchen kochen cuisine cocina cucina keuken kitchenette "
-        "pantry_kitchen butler's_pantry kok kokken kjokken cozinha keittio kuchnia aneks_kuchenny "
-        "mutfak k_k кухн מטבח キッチン 台所 厨房"
+        "kitchen kit kitch ktchn kuche kueche kuch kuchen kochen cuisine cuis cocina coc cucina "
+        "cuc keuken kitchenette scullery "
+        "pantry_kitchen butlers_pantry kok kokken kjokken kjk cozinha coz keittio kk kuchnia "
+        "aneks_kuchenny mutfak кухн מטבח キッチン 台所 厨房"
     ),
     "Bedroom": (
-        "bedroom schlafzimmer schlafen chambre dormitorio habitacion camera cameretta "
-        "slaapkamer kinderzimmer kind guest gastezimmer nursery alcoba recamara cuarto bed "
-        "sovrum letto ch suite quarto sovevaerelse vaerelse soverom makuuhuone mh sypialnia pokoj "
-        "yatak_odasi спальн детск שינה ילדים 寝室 洋室 和室 子供部屋 主卧 卧室"
+        "bedroom bedrm bdrm br mbr schlaf sz chambre chbre dormitorio dorm habitacion hab camera "
+        "cam cameretta slaapk slpk kinderz kind kids guest gastez nursery alcoba recamara cuarto "
+        "bed sovrum sov letto ch suite quarto sovevaerelse vaerelse soverom makuuhuone mh "
+        "sypialnia pokoj pok yatak_odasi спальн детск שינה ילדים 寝室 洋室 和室 子供部屋 主卧 卧室"
     ),
-    "Balcony": "balcon balcony balkon balcone loggia balkong altan varanda parveke balkonu "
+    "Balcony": "balcon balcony balc balkon balcone loggia balkong altan varanda parveke balkonu "
     "лоджия балкон מרפסת バルコニー ベランダ 阳台",
     "Terrace": (
-        "terrace terrasse terraza terrazza terras patio deck porch veranda pavilion alfresco "
-        "terraco terassi taras teras терраса テラス"
+        "terrace terrasse terraza terrazza terras terr patio deck porch portico veranda pavilion "
+        "alfresco terraco terassi taras teras терраса テラス"
     ),
     "Outdoor": (
-        "outdoor outside garden garten jardin giardino tuin yard carport exterior "
+        "outdoor outside garden garten jardin giardino tuin yard courtyard carport exterior "
         "draussen hof parking jardim have hage piha ogrod bahce сад גינה חצר 庭"
     ),
     "Staircase": (
@@ -46,39 +48,41 @@ _STEMS = {
         "escada trappe trappa portaat schody klatka_schodowa merdiven лестница מדרגות 階段"
     ),
     "Entrance": (
-        "entry entrance entree eingang foyer vestibule recibidor entrada ingresso lobby "
-        "windfang draughtlobby entre eteinen et wiatrolap antre прихож тамбур כניסה 玄関"
+        "entry ent entrance entree eingang foyer vestibule recibidor entrada ingresso ingr lobby "
+        "mudroom mud_room windfang vorraum draughtlobby entre eteinen et tk wiatrolap antre "
+        "прихож тамбур כניסה 玄関"
     ),
     "Corridor": (
-        "corridor hall hallway flur diele gang couloir pasillo corridoio disimpegno passage dgt "
-        "landing degagement overloop distribuidor corredor korridor gangen aula kaytava "
-        "przedpokoj korytarz hol koridor коридор холл מסדרון פרוזדור 廊下 ホール"
+        "corridor hall hal hallway flur diele gang couloir pasillo corridoio disimp passage dgt "
+        "deg landing degagement overloop distribuidor corredor korridor gangen aula kaytava "
+        "przedp korytarz hol koridor коридор холл מסדרון פרוזדור 廊下 ホール"
     ),
     "Closet": (
-        "closet wardrobe storage store abstellraum abstellkammer abst kammer dressing placard "
-        "cellier armario vestidor trastero despensa ripostiglio sgabuzzino berging kast "
-        "pantry cupboard walkin speisekammer ankleide larder klk kladkammare forrad garderob "
-        "bir wir wic robe linen cub rangement rgt lager arrumos roupeiro bod skab garderobe "
-        "pukuhuone vaatehuone "
-        "vh varasto garderoba spizarnia schowek kiler гардероб кладов ארון מחסן "
+        "closet wardrobe storage store stor sto abstell abst kammer dress dressing placard pl "
+        "cellier armario vestidor trastero despensa ripostiglio rip sgabuzzino berging berg kast "
+        "pantry ptry wip cupboard cupbd cpbd cpd walkin speisekammer ankleide larder klk "
+        "kladkammare forrad garderob bir wir wic sic robe linen lin cub rangement rgt lager "
+        "arrumos roupeiro bod skab garderobe pukuhuone vaatehuone "
+        "vh varasto garderoba gard spizarnia schowek kiler гардероб кладов ארון מחסן "
         "クローゼット 収納 押入 物入 納戸 储藏"
     ),
     "Unknown": (
-        "garage garaje box_auto garagem garasje autotalli garaz garaj гараж lift elevator aufzug "
-        "ascenseur ascensor utility laundry l'dry buanderie lavanderia lavadero lavandaria "
-        "bijkeuken "
-        "technical technik hwr hauswirtschaft tvatt tvattstuga vaskerom bryggers kodinhoitohuone "
-        "pralnia heizung heizungsraum keller cellar cave plant workshop werkstatt vaerksted "
-        "verksted "
-        "gym study office buro arbeitszimmer bureau despacho ufficio werkkamer escritorio kontor "
+        "garage gar garaje box_auto garagem garasje autotalli garaz garaj гараж lift elevator "
+        "aufzug ascenseur ascensor utility util laundry laund lndry ldry l_dry ldy buand "
+        "lavanderia lavadero lavandaria bijkeuken "
+        "technical technik mech hwr hauswirtschaft tvatt tvattstuga vaskerom bryggers "
+        "kodinhoitohuone pralnia heizung heizungsraum keller cellar cave plant workshop werkstatt "
+        "vaerksted verksted "
+        "gym study stdy office buro arbeitsz bureau despacho ufficio werkkamer escritorio kontor "
         "tyohuone gabinet calisma_odasi кабинет"
     ),
     "Reception": (
-        "living reception wohnzimmer wohnen wohn sejour salon sala soggiorno woonkamer lounge "
-        "dining diner sitting esszimmer essen salle_a_manger comedor pranzo eetkamer family den "
-        "library great_room drawing parlour parlor studio stube zimmer vardagsrum matplats allrum "
-        "activity theatre estar stue stua spisestue spisestuen faellesrum alrum olohuone oh "
-        "ruokailu tupakeittio jadalnia salonu oturma_odasi yasam "
+        "living liv lvg reception wohnz wohnen wohn wz sejour sej salon sala soggiorno sogg woonk "
+        "lounge lnge dining din diner sitting esszimmer essen salle_a_manger comedor pranzo "
+        "eetkamer family fam den meals media cinema snug rumpus sunroom conservatory playroom "
+        "library great_room great_rm drawing parlour parlor studio stube zimmer vardagsrum "
+        "matplats allrum activity theatre estar stue stua spisestue spisestuen faellesrum alrum "
+        "olohuone oh ruokailu tupakeittio jadalnia salonu oturma_odasi yasam "
         "гостин зал столов סלון מגורים אוכל リビング ダイニング 居間 客厅 ldk"
     ),
 }
@@ -114,7 +118,8 @@ def _type_of(text: str) -> str | None:
     """Return the room type of one name."""
     plain = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text).translate(WRITTEN)
     plain = unicodedata.normalize("NFKC", _without_accents(plain)).lower()
-    plain = re.sub(r"[^\w']+|[\d_]+", " ", plain).strip()
+    plain = re.sub(r"(?<=\b\w)[.](?=\w\b)|['’`´]", "", plain)  # "W.I.R.", "L'DRY"
+    plain = re.sub(r"[\W\d_]+", " ", plain).strip()
     if plain in _TYPES:
         return None if plain == "unknown" else _TYPES[plain]
     words = plain.split()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -12,6 +12,9 @@ import numpy as np
 from scipy import ndimage
 
 from plan2scene_app.tracing.settings import SETTINGS
+
+#: The reader enlarges pictures with a shorter side than this, pixels.
+_READER_SIDE = 736
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,39 @@ def read_lines(image: np.ndarray) -> list[TextLine]:
     if factor != 1:
         how = cv2.INTER_AREA if factor < 1 else cv2.INTER_CUBIC
         image = cv2.resize(image, None, fx=factor, fy=factor, interpolation=how)
-    result = _reader()(np.ascontiguousarray(image[..., ::-1]))
+    found = _read(image)
+    doubtful = [line for line in found if line.upright and _misread(line)]
+    lines = [line for line in found if line not in doubtful and _is_sure(line)]
+    again = filter(_is_sure, _read_turned(image, doubtful))
+    lines += [line for line in again if not any(_holds(one, line) for one in lines)]
+    return [
+        TextLine(
+            line.text,
+            (line.middle[0] / factor, line.middle[1] / factor),
+            (line.size[0] / factor, line.size[1] / factor),
+            line.score,
+        )
+        for line in lines
+    ]
+
+
+def _holds(one: TextLine, other: TextLine) -> bool:
+    """Return whether a line's box holds the middle of another."""
+    apart = np.abs(np.subtract(one.middle, other.middle))
+    return bool((apart < np.array(one.size) / 2).all())
+
+
+def _is_sure(line: TextLine) -> bool:
+    return line.score >= SETTINGS.text_score
+
+
+def _misread(line: TextLine) -> bool:
+    return len(line.text) >= SETTINGS.reread[0] and line.score < SETTINGS.reread[1]
+
+
+def _read(image: np.ndarray) -> list[TextLine]:
+    """Return all that the reader takes for lines of text in a picture (h, w, 3) uint8 sRGB."""
+    result = _reader()(np.ascontiguousarray(image[..., ::-1]), text_score=0.0)
     if result.boxes is None or result.txts is None:
         return []
     lines = []
@@ -51,11 +86,40 @@ def read_lines(image: np.ndarray) -> list[TextLine]:
         extent = np.ptp(np.asarray(box, float), axis=0)
         # Where there is no text, the reader takes the whole picture for a letter.
         whole = (extent >= 0.95 * np.array(image.shape[1::-1])).all()
-        if score >= SETTINGS.text_score and text.strip() and not whole:
-            x, y = (np.asarray(box, float).mean(0) / factor).tolist()
-            w, h = (extent / factor).tolist()
-            lines.append(TextLine(text.strip(), (x, y), (w, h), float(score)))
+        if text.strip() and not whole:
+            x, y = np.asarray(box, float).mean(0).tolist()
+            lines.append(TextLine(text.strip(), (x, y), tuple(extent.tolist()), float(score)))
     return lines
+
+
+def _read_turned(image: np.ndarray, lines: Sequence[TextLine]) -> list[TextLine]:
+    """Return upright lines read once more: turned, twice as large, below each other.
+
+    Upright lines that stand close are taken for one; lying ones are not.
+    """
+    parts, corners = [], []
+    for line in lines:
+        half = np.array(line.size) / 2 + min(line.size) / 2
+        low = np.maximum(0, np.array(line.middle) - half).astype(int)
+        high = (np.array(line.middle) + half).astype(int)
+        part = np.rot90(image[low[1] : high[1], low[0] : high[0]], -1)
+        parts.append(part.repeat(2, axis=0).repeat(2, axis=1))
+        corners.append((low[0], low[1] + part.shape[1]))
+    if not parts:
+        return []
+    width = max(_READER_SIDE, *(part.shape[1] for part in parts))
+    tops = np.cumsum([0, *(len(part) for part in parts)])
+    sheet = np.concatenate(
+        [np.pad(p, ((0, 0), (0, width - p.shape[1]), (0, 0)), mode="edge") for p in parts]
+    )
+    again = []
+    for line in _read(sheet):
+        x, y = line.middle
+        number = int(np.searchsorted(tops, y, side="right")) - 1
+        left, bottom = corners[number]
+        place = left + (y - tops[number]) / 2, bottom - x / 2
+        again.append(replace(line, middle=place, size=(line.size[1] / 2, line.size[0] / 2)))
+    return again
 
 
 def without_text(image: np.ndarray, lines: Sequence[TextLine]) -> np.ndarray:
@@ -86,5 +150,9 @@ def _reader() -> Any:
     from rapidocr import RapidOCR
 
     return RapidOCR(
-        params={"Global.log_level": "critical", "EngineConfig.onnxruntime.intra_op_num_threads": 1}
+        params={
+            "Global.log_level": "critical",
+            "EngineConfig.onnxruntime.intra_op_num_threads": 1,
+            "Det.use_dilation": False,  # lines that stand close stay apart
+        }
     )

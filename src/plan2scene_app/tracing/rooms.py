@@ -315,7 +315,7 @@ def _is_name(text: str) -> bool:
     """Return whether a line holds a word and no measure."""
     if read_areas(text) or read_length(text) or read_sides(text):
         return False
-    return bool(re.search(r"[^\W\d_]{2,}", text))
+    return bool(re.search(r"[^\W\d_]{2,}", text.replace(".", "")))
 
 
 def _types_by_furniture(inside: np.ndarray) -> tuple[str, ...]:

@@ -153,6 +153,9 @@ class TraceSettings:
     # Text and scale.
     text_px: tuple[int, int] = (1300, 2000)  #: longer side that text is read at
     text_score: float = 0.6  #: of the reader, below which text is not used
+    #: Letters and score: upright text of so many read less surely is read again. With no dilation
+    #: of the reader: chosen on one real listing (development).
+    reread: tuple[int, float] = (3, 0.9)
     door_width: tuple[float, float] = (0.85, 0.18)  #: m, spread of its logarithm between homes
     floor: tuple[float, float] = (12.0, 0.35)  #: m2 of a room, spread of the scale's logarithm
     agrees: float = 2.5  #: deviations within which evidence agrees

@@ -6,16 +6,17 @@ from plan2scene.plans.room_names import room_types
 
 NAMES = {
     ("Bedroom",): "Master bedroom 2|Zimmer 2|Camera da letto|Slaapkamer|Makuuhuone 2|Sypialnia"
-    "|Yatak odası|חדר שינה|洋室6帖",
-    ("Bathroom",): "Salle de bains|WC|Upstairs Bathroom|Baño|Garage / WC|Łazienka|Casa de banho",
-    ("Reception",): "Wohnzimmer|Séjour|Soggiorno|Woonkamer|LivingRoom|Гостиная",
-    ("Kitchen",): "Butler's pantry|Køkken|מטבח",
-    ("Closet",): "W/I CL|Ripostiglio|ST",
+    "|Yatak odası|חדר שינה|洋室6帖|BDRM 2|BR1|M.BED|Schlafz.|Dorm. 2",
+    ("Bathroom",): "Salle de bains|WC|Upstairs Bathroom|Baño|Garage / WC|Łazienka|Casa de banho"
+    "|PWDR|PDR RM|ENS.|W.C.",
+    ("Reception",): "Wohnzimmer|Séjour|Soggiorno|Woonkamer|LivingRoom|Гостиная|FAM RM|Sogg.",
+    ("Kitchen",): "Butler's pantry|BUTLERS PANTRY|KIT|Køkken|מטבח",
+    ("Closet",): "W/I CL|Ripostiglio|ST|W.I.R.|WIC|P'TRY|CUPB'D|Abstellr.",
     ("Kitchen", "Reception"): "Küche/Essen",
     ("Reception", "Kitchen"): "Living / Kitchen",
     ("Balcony",): "BALCONY",
     ("Entrance",): "玄関ホール",
-    ("Unknown",): "HWR",
+    ("Unknown",): "HWR|L'DRY|L’DRY|LDRY|L.DRY|LNDRY|GAR.",
     (): "Фасад||Zone 51",
 }
 

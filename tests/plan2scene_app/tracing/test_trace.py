@@ -1,6 +1,7 @@
 """A picture becomes a plan: the shipped network, the texts, what is written, what is refused."""
 
 import json
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -13,7 +14,7 @@ from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.plans.formats import read_plan
 from plan2scene_app.cli import app
-from plan2scene_app.tracing import trace
+from plan2scene_app.tracing import lettering, trace
 from plan2scene_app.tracing.lettering import TextLine, read_lines
 from plan2scene_app.tracing.picture import read_plan_picture
 from plan2scene_app.tracing.trace import traced_files, write_trace
@@ -109,6 +110,25 @@ def test_text_is_read(tmp_path):
     alone = np.full((300, 400, 3), 255, np.uint8)
     cv2.line(alone, (20, 150), (380, 150), (0, 0, 0), 4)
     assert read_lines(alone) == []  # a picture without text is no letter as large as itself
+
+
+def test_upright_text_that_is_hardly_read_is_read_again_turned(monkeypatch):
+    """A reader that knows lying text only finds the same dark mark in the same place."""
+
+    def marks(image, **_):
+        ys, xs = np.nonzero(image[..., 0] < 128)
+        box = np.array([[x, y] for y in (ys.min(), ys.max()) for x in (xs.min(), xs.max())])
+        lies = np.ptp(xs) > np.ptp(ys)
+        text, score = ("POWDER", 0.99) if lies else ("PRORR", 0.7)
+        return SimpleNamespace(boxes=[box], txts=[text], scores=[score])
+
+    monkeypatch.setattr(lettering, "_reader", lambda: marks)
+    image = np.full((900, 1300, 3), 255, np.uint8)
+    image[400:460, 700:716] = 0
+    (line,) = read_lines(image)
+    assert (line.text, line.upright) == ("POWDER", True)
+    assert line.middle == pytest.approx((708, 430), abs=1)
+    assert line.size == pytest.approx((16, 60), abs=1)
 
 
 def _noise(height=400, width=600):
