@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from box_room import box_house
+from browser import chromium
 
 from plan2scene.images import write_png
 from plan2scene.io import write_json
@@ -44,6 +45,25 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     assert room < text.index("b.png <small>as told") < store < text.index('class="doubt">17%')
     assert '<a href="#plan-room">room</a> with a probability' in text
     assert 'rooms <a href="#plan-room">room</a>, <a href="#plan-store">Attic</a>: no door' in text
+
+
+def test_the_traced_picture_is_seen_whole(tmp_path):
+    """It stood below the plans, in a column that ends with the window: what was cut was blank."""
+    table, overlay, page = (tmp_path / name for name in ("photos.csv", "plan.png", "doubts.html"))
+    table.write_text("room_id,photo,probability,of_kind,evidence,guess\n")
+    write_png(overlay, np.full((800, 900, 3), 99, np.uint8))
+    write_doubts(page, tmp_path, DoubtFiles(table, overlay=overlay), house=box_house())
+    with chromium() as browser:
+        shown = browser.new_page(viewport={"width": 1200, "height": 700})
+        shown.goto(page.as_uri())
+        picture = shown.locator("details img")
+        assert picture.evaluate("image => image.naturalWidth") == 900
+        picture.scroll_into_view_if_needed()
+        box = picture.bounding_box()
+        assert box["width"] > 600
+        ends = ([box["x"] + 5, box["y"] + 5], [box["x"] + 5, box["y"] + box["height"] - 5])
+        at = "([x, y]) => document.elementFromPoint(x, y).tagName"
+        assert [shown.evaluate(at, end) for end in ends] == ["IMG", "IMG"]
 
 
 def test_photos_without_any_place_are_the_first_doubt():

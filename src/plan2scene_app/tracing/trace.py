@@ -549,18 +549,18 @@ def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:
 
 
 def _doubts_of_openings(plan: TracedPlan) -> Iterator[str]:
-    """Yield a line for each opening of an odd width, and one for those that are hardly sure."""
-    unsure = []
-    for number, opening in enumerate(plan.openings):
-        width = opening.width * plan.metres
+    """Yield a line for each opening of an odd width, and one for each kind that is hardly sure."""
+    unsure: dict[str, dict[str, None]] = {}
+    names = {room.number: room.id for room in plan.rooms}
+    for opening in plan.openings:
+        width, place = opening.width * plan.metres, names[opening.room]
         low, high = _USUAL[opening.kind]
-        place = next(room.id for room in plan.rooms if room.number == opening.room)
         if not low <= width <= high:
             yield f"a {opening.kind} of {width:.2f} m in {place}"
         if opening.confidence < SETTINGS.doubtful:
-            unsure.append(f"{opening.kind}_{number} ({place})")
-    if unsure:
-        yield f"hardly sure openings: {', '.join(unsure)}"
+            unsure.setdefault(opening.kind, {})[place] = None
+    for kind, places in unsure.items():
+        yield f"hardly sure {kind}s: of {', '.join(places)}"
 
 
 def overlay(plan: TracedPlan) -> np.ndarray:
@@ -611,9 +611,10 @@ def write_trace(
 ) -> tuple[TracedPlan, list[str]]:
     """Trace a picture; write what :func:`traced_files` names. Return plan and lines of doubt."""
     plan = trace_picture(path, metres_per_pixel=metres_per_pixel, model=model)
-    document = plan_document(plan, Path(path).name)
-    house = house_of_plan(document, "traced", file=str(path))
-    lines = list(dict.fromkeys([*doubts(plan), *validate_house(house, file=path)]))
+    file = Path(path).name  # a person finds it without its folder
+    document = plan_document(plan, file)
+    house = house_of_plan(document, "traced", file=file)
+    lines = list(dict.fromkeys([*doubts(plan), *validate_house(house, file=file)]))
     target, picture, notes = traced_files(Path(out))
     write_png(picture, overlay(plan))
     write_text(notes, "".join(f"{line}\n" for line in lines))
