@@ -23,7 +23,7 @@ from plan2scene.mesh.build import textured_house
 from plan2scene.photos.locate.pose import read_poses
 from plan2scene.photos.planes.planes import plane_of_row, read_planes
 from plan2scene.stage_json import read_stage_json
-from plan2scene_app.pictures.renderer import Triangles
+from plan2scene_app.pictures.renderer import Triangles, look_at
 
 HEIGHT_M, WIDTH = 1.5, 720
 MARGIN = 0.05  #: of the picture, shown around the floor
@@ -36,7 +36,7 @@ def standing(camera: Camera, room: Room, lift: float) -> Camera:
     middle, long = 0.5 * (low + high), np.arange(2) == np.argmax(high - low)
     (x, z), (to_x, to_z) = middle - 0.45 * (high - low) * long, middle
     eye, target = np.array([x, lift + HEIGHT_M, z]), np.array([to_x, lift, to_z])
-    return Camera.look_at(eye, target, camera.focal_px, (camera.height, camera.width))
+    return look_at(eye, target, camera.focal_px, (camera.height, camera.width))
 
 
 def main() -> None:
