@@ -62,7 +62,12 @@ def make_textures(
         materials = {surface.key: surface.material for surface in surfaces}
         seed = inputs.settings.seed
         patterns = patterns_of_floors(house, tiles, patterns)
-        laid = {key: tile_of_pattern(tiles[key], p, seed) for key, p in patterns.items() if p.units}
+        sizes = {surface.key: surface.size_m for surface in surfaces}  # a crop's, for the metrics
+        laid = {
+            key: tile_of_pattern(tiles[key], p, sizes[key], seed)
+            for key, p in patterns.items()
+            if p.units
+        }
         tiles = {**tiles, **laid}
         whole = house_maps(house, tiles, materials, patterns, bands, seed=seed)
     write_tiles(out_dir, name, surfaces, tiles, whole)

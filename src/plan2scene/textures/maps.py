@@ -505,10 +505,10 @@ def patterns_of_floors(
     return found
 
 
-def tile_of_pattern(tile: Tile, pattern: LaidPattern, seed: int) -> Tile:
-    """Return a floor's tile laid by its pattern, of about the same size and in its colour."""
+def tile_of_pattern(tile: Tile, pattern: LaidPattern, size_m: float, seed: int) -> Tile:
+    """Return a floor's tile laid by its pattern, of about `size_m` metres and in its colour."""
     colour = median_colour(tile.image)
-    image, size_m = laid_tile(pattern, tile.size_m, tile.image.shape[0], colour, seed)
+    image, size_m = laid_tile(pattern, size_m, tile.image.shape[0], colour, seed)
     image = recoloured(image, colour, median_colour(image))
     source = f"{pattern.words}, laid"
     return replace(tile, image=image, size_m=size_m, source=source, tiles_by_construction=True)
