@@ -1,9 +1,10 @@
-"""How far the colours of a data set's textures are from its true materials, by kind of surface.
+"""How far the colours of a data set's textures are from its true materials.
 
 python benchmarks/paint.py results/demo resources/demo
 
 Textures in the photos' colours (drop 0.0 of `house.method`), and those in paint that the house
-shows. CIEDE2000 of median colours, mean over the surfaces that photos show.
+shows. CIEDE2000 of median colours, mean over the surfaces that photos show: by kind of surface,
+and of walls and ceilings by what the true paint is (:func:`paint_class`).
 """
 
 import sys
@@ -16,31 +17,42 @@ from plan2scene.house import SURFACES
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 
+CLASSES = ("white", "pale", "saturated", "dark")
 
-def difference(one: Path, other: Path) -> float:
-    """Return CIEDE2000 of the median colours of two pictures."""
-    labs = [rgb_to_lab(median_colour(read_image(path))) for path in (one, other)]
-    return float(delta_e_2000(*labs))
+
+def lab_of(path: Path) -> np.ndarray:
+    """Return L*a*b* (3,) of the median colour of a picture."""
+    return rgb_to_lab(median_colour(read_image(path)))
+
+
+def paint_class(lab: np.ndarray) -> str:
+    """Return which of `CLASSES` a paint is."""
+    chroma = np.hypot(lab[1], lab[2])
+    if lab[0] < 45:
+        return "dark"
+    if chroma >= 18:
+        return "saturated"
+    return "white" if lab[0] >= 86 and chroma < 9 else "pale"
 
 
 def main(results: Path, data: Path, method: str = "exemplar") -> None:
-    rows: dict[str, list[tuple[float, float]]] = {kind: [] for kind in SURFACES}
+    rows: dict[str, list[tuple[float, float]]] = {kind: [] for kind in (*SURFACES, "all", *CLASSES)}
     for house in sorted((results / "houses").iterdir()):
         truth = data / "truth" / "test" / house.name / "materials"
         photo = results / "drop_0.0" / method / house.name / "textures"
         for key, surface in read_json(photo / "textures.json")["surfaces"].items():
-            name = f"{key.replace('/', '_')}.png"
+            name, kind = f"{key.replace('/', '_')}.png", key.rsplit("/", 1)[1]
             if surface["observed"] and (truth / name).is_file():
-                off = [
-                    difference(folder / name, truth / name)
-                    for folder in (photo, house / "textures")
-                ]
-                rows[key.rsplit("/", 1)[1]].append((off[0], off[1]))
+                true = lab_of(truth / name)
+                shown = [lab_of(folder / name) for folder in (photo, house / "textures")]
+                light, paint = (float(delta_e_2000(lab, true)) for lab in shown)
+                for row in (kind, "all", *((paint_class(true),) if kind != "floor" else ())):
+                    rows[row].append((light, paint))
     print("| surfaces | n | photos' colours | paint |\n|---|---|---|---|")
-    rows["all"] = [pair for pairs in rows.values() for pair in pairs]
-    for kind, pairs in rows.items():
-        light, paint = np.mean(pairs, axis=0)
-        print(f"| {kind} | {len(pairs)} | {light:.1f} | {paint:.1f} |")
+    for name, pairs in rows.items():
+        if pairs:
+            light, paint = np.mean(pairs, axis=0)
+            print(f"| {name} | {len(pairs)} | {light:.1f} | {paint:.1f} |")
 
 
 if __name__ == "__main__":

@@ -133,7 +133,7 @@ def run_house(
     ] = None,
     walls: Annotated[
         Walls, typer.Option(help="All of a room alike, or accent walls in their own paint.")
-    ] = Walls.ROOM,
+    ] = Walls.WALL,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="All that Snakemake says.")

@@ -79,7 +79,7 @@ class SingleHouse:
     seed: int
     texture_size: int
     colours: str = "paint"
-    walls: str = "room"
+    walls: str = "wall"
     dxf_layers: Mapping[str, str] | None = None
     #: Field of view of the photos along their longer side, degrees; None: it is estimated.
     fov_deg: float | None = None

@@ -208,7 +208,7 @@ def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
 
     asked, make = [], runs.run
     monkeypatch.setattr(runs, "run", lambda request, *_, **__: asked.append(request) or {})
-    options = (("--walls", "wall", "--colours", "photo"), ())
+    options = (("--walls", "room", "--colours", "photo"), ())
     for given in options:
         assert call("run", "--plan", PLAN, "--out", tmp_path / "out", *given)[0] == 0
     shown = []
@@ -216,7 +216,7 @@ def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
         config = yaml.safe_load(runs.prepare(request, [], tmp_path / str(k)).read_text())
         check_config(config)
         shown.append((config["house"]["walls"], config["house"]["colours"]))
-    assert shown == [("wall", "photo"), ("room", "paint")]
+    assert shown == [("room", "photo"), ("wall", "paint")]
     assert call("run", "--plan", PLAN, "--out", tmp_path / "out", "--walls", "accent")[0] == 2
     assert call("run", "--plan", PLAN, "--photos", tmp_path, "--out", tmp_path / "out")[0] == 0
     assert [asked[2].photo_table, asked[2].photos_dir] == [None, tmp_path]

@@ -22,15 +22,6 @@ def test_a_house_is_one_job_of_the_sweep_and_one_of_the_ablation(bare):
     assert rules["metrics"] == 2
 
 
-def test_accent_walls_are_no_part_of_the_table(bare, tmp_path):
-    config = tmp_path / "walls.yaml"
-    config.write_text("house: {walls: wall}\n")
-    configs = ("--configfile", "config/config.yaml", str(config))
-    rules = Counter(rule for rule, _ in bare.jobs("results/tiny/tables/paper_table.csv", *configs))
-    assert rules["table_textures"] == 2
-    assert "textures" not in rules and "house" not in rules
-
-
 def test_the_jobs_of_a_house(bare):
     rules = Counter(rule for rule, house in bare.jobs("all") if house)
     once = {"floorplan", "masks", "places", "crops", "contact_sheet", "embeddings"}

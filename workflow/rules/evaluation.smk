@@ -18,13 +18,8 @@ TABLE_MODELS = {
 }
 # Folder of tiles, {drop}/{method}/ below it.
 COMPARED = f"{RESULTS}/houses/{{house}}/comparison"
-# Tiles of the 3D house, which the table takes over if its method is one of the table's. With
-# accent walls they differ from the table's.
-SHOWN = (
-    CHOSEN_TEXTURES
-    if config["house"]["method"] in METHODS and config["house"]["walls"] == "room"
-    else None
-)
+# Tiles of the 3D house, which the table takes over if its method is one of the table's.
+SHOWN = CHOSEN_TEXTURES if config["house"]["method"] in METHODS else None
 
 
 rule table_textures:

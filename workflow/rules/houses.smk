@@ -65,6 +65,7 @@ rule paint:
         mem_mb=1000,
     params:
         dataset=DATASET,
+        accents=config["house"]["walls"] == "wall",
         contents=contents_of(finish_files),
         code=rule_code("paint"),
     script:

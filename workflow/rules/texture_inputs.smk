@@ -32,7 +32,6 @@ def textures_of(wildcards):
     return texture_params(wildcards.method) | {
         "hidden": hidden_at(wildcards.drop, wildcards),
         "maps": maps_of(wildcards),
-        "walls": walls_of(wildcards),
     }
 
 
@@ -41,21 +40,11 @@ def maps_of(wildcards):
     return shown_in_3d(wildcards) and config["house"]["surfaces"] == "maps"
 
 
-def walls_of(wildcards):
-    """Return whether accent walls get a texture of their own: in the 3D house alone."""
-    return config["house"]["walls"] if shown_in_3d(wildcards) else "room"
-
-
 def texture_inputs(wildcards):
     """Return the inputs that only some methods, or only the 3D house, have."""
     method = TEXTURE_METHODS[wildcards.method]
     library = method.library and f"{RESULTS}/texture_library.parquet"
     pool = method.crop_pool and POOL
-    colours = (
-        walls_of(wildcards) == "wall" and f"{RESULTS}/houses/{{house}}/colours.parquet"
-    )
     patterns = maps_of(wildcards) and HAS_MASKS and PATTERNS
     weights = made(decoder(wildcards.method))
-    return given(
-        library=library, pool=pool, colours=colours, patterns=patterns, **weights
-    )
+    return given(library=library, pool=pool, patterns=patterns, **weights)

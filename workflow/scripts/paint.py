@@ -25,6 +25,7 @@ with job(snakemake.log[0]):
         output.paint,
         dataset=snakemake.params.dataset,
         house=snakemake.wildcards.house,
+        accents=snakemake.params.accents,
     )
     paint_textures(
         inputs.textures,

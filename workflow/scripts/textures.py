@@ -15,10 +15,4 @@ with job(snakemake.log[0]):
         {name: Path(path) for name, path in own["models"].items()},
         TextureSettings(params.seed, params.size_px, own["seam_correction"], snakemake.threads),
     )
-    make_textures(
-        snakemake.wildcards.method,
-        house,
-        snakemake.output[0],
-        maps=own["maps"],
-        walls=own["walls"],
-    )
+    make_textures(snakemake.wildcards.method, house, snakemake.output[0], maps=own["maps"])

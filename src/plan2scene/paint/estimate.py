@@ -168,7 +168,7 @@ def estimate_paint(
     if not observations:
         return HousePaint()
     problem = _Problem(observations, prior or PaintPrior())
-    kinds = np.array([key.surface for key in problem.surfaces])
+    kinds = np.array([key.kind for key in problem.surfaces])
     best = max(
         (problem.climbed(start) for start in (kinds != "floor", kinds == "ceiling", kinds == "")),
         key=lambda solution: solution.value,
@@ -216,7 +216,7 @@ class _Problem:
             if item.lit_by is not None:
                 self.design[1:, k, row[item.lit_by]] += prior.bounce
         self.observed = log_axes(np.array([item.colour for item in observations]))
-        kind = [KINDS.index(item.surface.surface) for item in observations]
+        kind = [KINDS.index(item.surface.kind) for item in observations]
         self.observed[:, 0] -= np.array(prior.lit)[kind]
         weight = np.array([item.weight for item in observations])
         few = np.clip(np.sqrt(prior.whole / np.maximum(weight, 1e-9)), 1.0, prior.most_noise)
@@ -226,7 +226,7 @@ class _Problem:
         mixed *= np.array(kind) == KINDS.index("ceiling")
         covariance[:, 1:, 1:] += np.outer(prior.lamp, prior.lamp) * mixed[:, None, None] ** 2
         self.precision = np.linalg.inv(covariance)
-        self.kind = np.array([KINDS.index(key.surface) for key in self.surfaces])
+        self.kind = np.array([KINDS.index(key.kind) for key in self.surfaces])
         self.light = [prior.light_precision(prior.house)]
         self.light += [prior.light_precision(prior.photo)] * len(self.photos)
         self.light += [prior.light_precision(prior.room)] * len(rooms)

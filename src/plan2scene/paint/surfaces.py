@@ -12,8 +12,9 @@ import numpy as np
 from plan2scene.colour import delta_e_2000, is_wood, linear_to_srgb, log_axes, rgb_to_lab
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.paint.accents import find_accents
 from plan2scene.paint.estimate import Observation, PaintPrior, estimate_paint
-from plan2scene.paint.observations import usual_colour
+from plan2scene.paint.observations import WHOLE, usual_colour
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,10 +39,20 @@ TRIM = SurfaceKey("", "trim")
 _COLUMNS = ["room_id", "surface", "paint", "white", "photos"]
 
 
-def observations_of(path: str | Path) -> list[Observation]:
-    """Return the usual colour of each surface and door in each photo, of ``colours.parquet``."""
+def observations_of(path: str | Path, *, accents: bool = True) -> list[Observation]:
+    """Return the usual colour of each surface and door in each photo, of ``colours.parquet``.
+
+    With `accents` walls of another paint than their room's are surfaces of their own: ``wall.``
+    and the ids of those on one plane, joined by ``|``.
+    """
     table, _ = read_parquet(path)
     table = table[table["surface"] != "frame"].copy()
+    for room_id, walls in find_accents(table) if accents else ():
+        mine = (table["room_id"] == room_id) & (table["walls"] == walls)
+        table.loc[mine & (table["surface"] == "wall"), "surface"] = f"wall.{walls}"
+        rest = (table["room_id"] == room_id) & (table["surface"] == "wall")
+        if table.loc[rest, "weight"].sum() < WHOLE:
+            table = table[~rest]  # what little is seen beside an accent may be a curtain
     doors = table["surface"] == "door"
     table["key"] = table["room_id"].where(~doors, table["walls"])
     unknown = UNPLACED + table["photo"] + "/" + table["plane"].astype(str)
@@ -59,7 +70,7 @@ def observations_of(path: str | Path) -> list[Observation]:
             found.append(Observation(photo, key, own, weight, colour, mixed[photo]))
     taken = {item.photo: (0.0, item.photo) for item in found}
     for item in found:
-        if item.own and item.surface.surface in SURFACES:
+        if item.own and item.surface.kind in SURFACES:
             here = item.weight, item.surface.room_id
             taken[item.photo] = max(taken[item.photo], here)
     found = [replace(item, room=taken[item.photo][1]) for item in found]
@@ -121,7 +132,7 @@ def joined(
     one = []
     for item in observations:
         wall = SurfaceKey(item.surface.room_id, "wall")
-        lit_by = owner.get(wall) if item.surface.surface in ("wall", "ceiling") else None
+        lit_by = owner.get(wall) if item.surface.kind in ("wall", "ceiling") else None
         one.append(replace(item, surface=owner[item.surface], lit_by=lit_by))
     return one, owner
 
@@ -134,12 +145,19 @@ def floor_materials(path: str | Path) -> dict[SurfaceKey, str]:
 
 
 def write_paint(
-    colours: str | Path, materials: str | Path, output: str | Path, *, dataset: str, house: str
+    colours: str | Path,
+    materials: str | Path,
+    output: str | Path,
+    *,
+    dataset: str,
+    house: str,
+    accents: bool = True,
 ) -> None:
     """Estimate the paint of a house of ``colours.parquet``; write ``paint.parquet``.
 
     Floors that share a material (``materials.parquet``) have one paint; walls and ceilings are
-    told apart by their light, not by the material that they seem to share.
+    told apart by their light, not by the material that they seem to share. `accents` are as of
+    :func:`observations_of`.
 
     A row for each observed surface: ``room_id (of a door the id of its opening, or `UNPLACED`),
     surface, paint (3 floats, linear reflectance), white (bool), photos (names joined by |)``. One
@@ -147,7 +165,7 @@ def write_paint(
     """
     import pandas as pd
 
-    observations = observations_of(colours)
+    observations = observations_of(colours, accents=accents)
     one, owner = joined(observations, floor_materials(materials))
     estimate = estimate_paint(one)
     photos: dict[SurfaceKey, list[str]] = {}
@@ -158,12 +176,13 @@ def write_paint(
     rows = [
         {
             "room_id": key.room_id,
-            "surface": key.surface,
+            "surface": surface,
             "paint": np.minimum(estimate.paint[same], MOST_PAINT).tolist(),
             "white": same in estimate.white,
             "photos": "|".join(photos[key]),
         }
         for key, same in owner.items()
+        for surface in _each(key)
         # A little white in a doorway may be its frame or the wall behind it.
         if key.surface != "door" or same not in estimate.white or shares[key] >= LEAST_WHITE_DOOR
     ]
@@ -172,6 +191,12 @@ def write_paint(
         rows.append({**TRIM._asdict(), "paint": trim.tolist(), "white": False, "photos": ""})
     metadata = {"dataset": dataset, "house": house}
     write_parquet(output, pd.DataFrame(rows, columns=_COLUMNS), metadata)
+
+
+def _each(key: SurfaceKey) -> list[str]:
+    """Return the surface, or ``wall.{id}`` of each accent wall on one plane."""
+    kind, _, walls = key.surface.partition(".")
+    return [f"wall.{name}" for name in walls.split("|")] if walls else [kind]
 
 
 def read_paint(path: str | Path) -> tuple[dict[SurfaceKey, np.ndarray], frozenset[SurfaceKey]]:
@@ -205,8 +230,7 @@ def paint_gains(
     Parameters
     ----------
     shown : dict of SurfaceKey to (3,) float
-        Linear RGB of the texture of each surface. A wall of its own (``wall.{id}``) gets the factor
-        of the walls of its room.
+        Linear RGB of the texture of each surface.
     paint
         As of :func:`read_paint`.
     whites
@@ -217,11 +241,10 @@ def paint_gains(
     own = {key: paint[key] / shown[key] for key in shown if key in paint}
     gains = {}
     for key in shown:
-        whole = SurfaceKey(key.room_id, key.kind)
-        if whole in own:
-            gains[key] = own[whole]
+        if key in own:
+            gains[key] = own[key]
             continue
-        observed = [other for other in own if other.surface == key.kind]
+        observed = [other for other in own if other.surface == key.surface]
         if key in whites:
             gains[key] = np.asarray(usual_white) / shown[key]
         else:

@@ -18,31 +18,16 @@ from plan2scene.textures.inputs import TextureInputs
 from plan2scene.textures.methods import TextureMethod, method_named
 from plan2scene.textures.tiles import NoTile, Tile, write_tiles
 
-WALLS = ("room", "wall")  #: What walls share a texture (config key ``house.walls``)
-
 
 def make_textures(
-    name: str,
-    inputs: TextureInputs,
-    out_dir: str | Path,
-    *,
-    maps: bool = False,
-    walls: str = "room",
+    name: str, inputs: TextureInputs, out_dir: str | Path, *, maps: bool = False
 ) -> None:
     """Write ``{room_id}_{surface}.png`` and ``textures.json`` by method `name` to `out_dir`.
 
-    With `maps` also a map of every surface of the house, ``{room_id}_{surface}.jpg``. `walls` of
-    :data:`WALLS`: all walls of a room look alike, or accent walls have a texture of their own.
+    With `maps` also a map of every surface of the house, ``{room_id}_{surface}.jpg``.
     """
     tiles: Mapping[SurfaceKey, Tile] = house_tiles(name, inputs)
     house, surfaces = inputs.house, inputs.surfaces
-    if walls == "wall":
-        from plan2scene.textures.accents import find_accents, with_accents
-
-        files = inputs.data.files
-        if files.colours is None:
-            raise InputError("colours.parquet for walls of their own", "none", house=files.house_id)
-        house, surfaces, tiles = with_accents(inputs, tiles, find_accents(files.colours))
     whole = None
     if maps:
         from plan2scene.textures.banded import read_bands

@@ -54,19 +54,26 @@ def paint_textures(
 
     The folder has the files of the first one, without maps of plain white surfaces, whose tile has
     all that there is, and ``doors.json``: sRGB levels of door leaves by the id of their opening;
-    ``trim.json`` of frames and skirting where these are of wood. An unseen white wall has no
-    pattern of another room. `last_word` may change the folder before it takes its place.
+    ``trim.json`` of frames and skirting where these are of wood. An accent wall has its room's
+    pattern in its own paint. An unseen white wall has no pattern of another room. `last_word` may
+    change the folder before it takes its place.
     """
     root = Path(textures)
     listed = texture_index(root)
     entries = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in listed.items()}
-    unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
     tiles = {key: read_image(root / f"{key.filename}.png") for key in entries}
+    paints, white_surfaces = read_paint(paint)
+    for key in paints:
+        usual = SurfaceKey(key.room_id, key.kind)
+        if key != usual and usual in entries:
+            tiles[key], entries[key] = tiles[usual], entries[usual] | {"observed": True}
+            if usual not in paints:  # its crops show the accent
+                entries[usual] = entries[usual] | {"observed": False}
+    unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
     shown = {
         key: np.maximum(srgb_to_linear(median_colour(tile)), _BLACK) for key, tile in tiles.items()
     }
     white = np.exp(PaintPrior().white[0]) * np.ones(3)
-    paints, white_surfaces = read_paint(paint)
     whites = plain_whites(paints, white_surfaces, unseen)
     gains = paint_gains(shown, paints, whites, white)
     doors = {
@@ -141,7 +148,7 @@ def _plain_tiles(
     for key in sorted(tiles.keys() & set(white)):
         substance = entries[key].get("substance")
         patterned = substance in PATTERNED and key not in unseen
-        if key.surface in ("wall", "ceiling") and not patterned:
+        if key.kind in ("wall", "ceiling") and not patterned:
             image, size_m = tiles[key], float(entries[key]["size_m"])
             colour = gains[key] * srgb_to_linear(median_colour(image))
             image, pattern = plain(image, colour, len(image) / size_m)

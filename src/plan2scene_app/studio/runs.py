@@ -56,7 +56,7 @@ STAGES = {
 #: Most warnings that are shown.
 _WARNINGS = 20
 #: How a house is made where its owner chooses nothing.
-DEFAULTS = {"method": "exemplar", "texture_size": 128, "colours": "paint", "walls": "room"}
+DEFAULTS = {"method": "exemplar", "texture_size": 128, "colours": "paint", "walls": "wall"}
 
 
 def settings_of(chosen: Mapping[str, Any], cores: int) -> dict[str, Any]:

@@ -1,0 +1,123 @@
+"""Accent walls: a wall of another paint than the other walls of its room.
+
+Located photos tell walls apart. Light differs from wall to wall, most of all in brightness and
+between lamp and sky, so a wall is an accent only where photos that show it beside others differ by
+more than light does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plan2scene.colour import log_axes
+from plan2scene.paint.estimate import PaintPrior
+from plan2scene.paint.observations import usual_colour
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class AccentSettings:
+    """When a wall counts as an accent."""
+
+    #: Standard deviations of light between walls of a room in one photo: natural logs of
+    #: brightness, along `PaintPrior.lamp` and across it. Seen on white walls of two real flats
+    #: (development).
+    light: tuple[float, float, float] = (0.5, 0.17, 0.07)
+    #: Standard deviations from which on it is another paint, of several photos that agree.
+    apart: float = 4.5
+    #: The same of one photo, in hue alone: cupboards and curtains that its mask takes for wall are
+    #: brown or dark.
+    alone: float = 10.0
+    #: Least weight (``colours.parquet``) in a photo of both sides.
+    least: float = 0.01
+    #: Share of the other walls that has the colour, too, from which on it is a band of them all.
+    band: float = 0.05
+
+
+_S = AccentSettings()
+_LAMP = PaintPrior().lamp
+
+
+def find_accents(table: pd.DataFrame) -> list[tuple[str, str]]:
+    """Return room and `walls` (ids on one plane, joined by ``|``) of the accents of a house.
+
+    `table` holds rows of ``colours.parquet``.
+    """
+    seen = table[(table["surface"] == "wall") & table["own"] & (table["walls"] != "")]
+    accents = []
+    for room_id, of_room in seen.groupby("room_id", sort=True):
+        while (walls := _most_apart(of_room)) is not None:
+            # The others are compared without it: beside a red wall a white one is as far apart.
+            of_room = of_room[of_room["walls"] != walls]
+            accents.append((str(room_id), walls))
+    return accents
+
+
+def _most_apart(of_room: pd.DataFrame) -> str | None:
+    """Return the accent walls of a room that differ most from its other walls; None without."""
+    far: dict[str, float] = {}
+    for walls, mine in of_room.groupby("walls", sort=True):
+        rest = of_room[of_room["walls"] != walls]
+        both = list(_differences(mine, rest))
+        if not both:
+            continue
+        weights, away = (np.array(part) for part in zip(*both, strict=True))
+        mean = np.average(away, axis=0, weights=weights.min(axis=1) ** 0.5)
+        length = float(np.linalg.norm(mean))
+        # Where photos contradict each other one is misplaced, or shows a door or cupboard.
+        agree = float(np.quantile(away @ mean / length**2, 0.5, method="lower")) if length else 0.0
+        apart = min(agree, 1.0) * length / _S.apart
+        if len(both) == 1:
+            apart = float(np.linalg.norm(mean[1:])) / _S.alone
+        # What most of the walls show is the room's, unless it is the stronger colour of two.
+        own, others = weights.sum(axis=0)
+        if own < others or _strength(mine) > 2.0 * _strength(rest):
+            far[str(walls)] = apart
+    walls = max(far, key=lambda walls: far[walls], default=None)
+    return walls if walls is not None and far[walls] >= 1.0 else None
+
+
+def _differences(
+    mine: pd.DataFrame, rest: pd.DataFrame
+) -> Iterator[tuple[tuple[float, float], np.ndarray]]:
+    """Yield both weights and the difference, in `AccentSettings.light`, of photos of both sides.
+
+    There is none to a band that the other walls have as well.
+    """
+    for photo, own in mine.groupby("photo", sort=True):
+        others = rest[rest["photo"] == photo]
+        weights = float(own["weight"].sum()), float(others["weight"].sum())
+        if min(weights) >= _S.least:
+            here, there = _scaled(_usual(own)), _scaled(_usual(others))
+            shares = _scaled(np.concatenate([_colours(c) for c in others["colours"]]))
+            alike = np.linalg.norm(shares - here, axis=1) < np.linalg.norm(here - there) / 2
+            of = np.repeat(others["weight"].to_numpy(), len(shares) // len(others))
+            band = np.average(alike, weights=of) > _S.band
+            yield weights, np.zeros(3) if band else here - there
+
+
+def _scaled(linear: np.ndarray) -> np.ndarray:
+    """Return brightness, lamp to sky and across (..., 3) of linear RGB, in standard deviations."""
+    axes = log_axes(linear)
+    hue = axes[..., 1:] @ np.array([_LAMP, [-_LAMP[1], _LAMP[0]]]).T
+    return np.concatenate([axes[..., :1], hue], axis=-1) / np.array(_S.light)
+
+
+def _strength(rows: pd.DataFrame) -> float:
+    """Return how strong the usual colour of rows is, in standard deviations."""
+    return float(np.linalg.norm(_scaled(_usual(rows))[1:]))
+
+
+def _usual(rows: pd.DataFrame) -> np.ndarray:
+    """Return the usual linear RGB (3,) of rows of ``colours.parquet``."""
+    return usual_colour([_colours(c) for c in rows["colours"]], rows["weight"])
+
+
+def _colours(cell: np.ndarray) -> np.ndarray:
+    return np.asarray(cell, dtype=np.float64).reshape(-1, 3)
