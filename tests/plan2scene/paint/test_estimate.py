@@ -83,7 +83,7 @@ def test_a_blue_wall_below_a_white_ceiling_is_blue():
 @pytest.mark.parametrize(("mixed", "white"), [(0.0, False), (0.2, True)])
 def test_a_ceiling_in_the_light_of_lamps_is_white_where_light_is_seen_to_be_mixed(mixed, white):
     shown = observed(room("a", (WHITE,) * 3), {"1": (GREY, "a"), "2": (SKY, "a")}, noise=0.02)
-    warm = np.exp(0.5 * np.array([0.507, 0.0, -0.862]))
+    warm = np.exp(0.7 * np.array([0.507, 0.0, -0.862]))
     lit = [
         replace(item, mixed=mixed, colour=tuple(np.array(item.colour) * warm))
         if item.surface.surface == "ceiling"
@@ -184,3 +184,13 @@ def test_floors_of_one_material_have_one_paint():
     assert owner[floors[1]] == floors[0]
     assert floors[1] not in estimate_paint(one).paint
     assert owner[SurfaceKey("b", "wall")] == SurfaceKey("b", "wall")
+
+
+def test_grey_walls_are_no_white_ones_in_the_shade():
+    grey = (0.22, 0.21, 0.2)
+    paints = room("a", grey, floor=(0.6, 0.6, 0.58)) | room("b", (WHITE,) * 3)
+    lights = {"1": (0.6 * GREY, "a"), "2": (GREY, "b"), "3": (LAMP, "b")}
+    estimate = estimate_paint(observed(paints, lights, noise=0.02))
+    assert SurfaceKey("a", "wall") not in estimate.white
+    assert estimate.paint[SurfaceKey("a", "wall")] == pytest.approx(grey, rel=0.3)
+    assert SurfaceKey("b", "wall") in estimate.white
