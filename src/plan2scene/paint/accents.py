@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plan2scene.colour import log_axes
+from plan2scene.colour import is_wood, linear_to_srgb, log_axes, rgb_to_lab
 from plan2scene.paint.estimate import PaintPrior
 from plan2scene.paint.observations import usual_colour
 
@@ -29,11 +29,17 @@ class AccentSettings:
     #: brightness, along `PaintPrior.lamp` and across it. Seen on white walls of two real flats
     #: (development).
     light: tuple[float, float, float] = (0.5, 0.17, 0.07)
-    #: Standard deviations from which on it is another paint, of several photos that agree.
+    #: Standard deviations from which on it is another paint: of several photos that agree, of one
+    #: photo, and of one that shows the colour of wood, as cupboards have that its mask takes for
+    #: wall. Chosen on 13 synthetic homes, the demo and two real flats.
     apart: float = 4.5
-    #: The same of one photo, in hue alone: cupboards and curtains that its mask takes for wall are
-    #: brown or dark.
-    alone: float = 10.0
+    alone: float = 6.0
+    wooden: float = 10.0
+    #: What most of the walls show is the room's, unless it is darker by so many, or so many times
+    #: stronger in colour, and no more than so many times what the others show.
+    dark: float = 3.0
+    stronger: float = 2.0
+    most: float = 8.0
     #: Least weight (``colours.parquet``) in a photo of both sides.
     least: float = 0.01
     #: Share of the other walls that has the colour, too, from which on it is a band of them all.
@@ -52,16 +58,16 @@ def find_accents(table: pd.DataFrame) -> list[tuple[str, str]]:
     seen = table[(table["surface"] == "wall") & table["own"] & (table["walls"] != "")]
     accents = []
     for room_id, of_room in seen.groupby("room_id", sort=True):
-        while (walls := _most_apart(of_room)) is not None:
+        while (walls := _strongest(of_room)) is not None:
             # The others are compared without it: beside a red wall a white one is as far apart.
             of_room = of_room[of_room["walls"] != walls]
             accents.append((str(room_id), walls))
     return accents
 
 
-def _most_apart(of_room: pd.DataFrame) -> str | None:
-    """Return the accent walls of a room that differ most from its other walls; None without."""
-    far: dict[str, float] = {}
+def _strongest(of_room: pd.DataFrame) -> str | None:
+    """Return the accent walls of a room of the strongest colour; None without."""
+    strength: dict[str, float] = {}
     for walls, mine in of_room.groupby("walls", sort=True):
         rest = of_room[of_room["walls"] != walls]
         both = list(_differences(mine, rest))
@@ -72,15 +78,16 @@ def _most_apart(of_room: pd.DataFrame) -> str | None:
         length = float(np.linalg.norm(mean))
         # Where photos contradict each other one is misplaced, or shows a door or cupboard.
         agree = float(np.quantile(away @ mean / length**2, 0.5, method="lower")) if length else 0.0
-        apart = min(agree, 1.0) * length / _S.apart
+        least = _S.apart
         if len(both) == 1:
-            apart = float(np.linalg.norm(mean[1:])) / _S.alone
-        # What most of the walls show is the room's, unless it is the stronger colour of two.
+            least = _S.wooden if is_wood(rgb_to_lab(linear_to_srgb(_usual(mine)))) else _S.alone
         own, others = weights.sum(axis=0)
-        if own < others or _strength(mine) > 2.0 * _strength(rest):
-            far[str(walls)] = apart
-    walls = max(far, key=lambda walls: far[walls], default=None)
-    return walls if walls is not None and far[walls] >= 1.0 else None
+        own_strength = _strength(mine)
+        strong = mean[0] < -_S.dark or own_strength > _S.stronger * _strength(rest)
+        rare = own < (_S.most if strong else 1.0) * others
+        if rare and min(agree, 1.0) * length >= least:
+            strength[str(walls)] = own_strength
+    return max(strength, key=lambda walls: strength[walls], default=None)
 
 
 def _differences(
