@@ -61,7 +61,7 @@ def make_house(home: Path, out: Path) -> float:
     seen = {"materials": materials, "colours": crops.colours}
     propagate_house(scene, surfaces, propagated, **weights, **seen, **NAME)
 
-    data = HouseData(HouseFiles("home", scene, crops.crops, colours=crops.colours))
+    data = HouseData(HouseFiles("home", scene, crops.crops))
     settings = TextureSettings(SEED, size_px=128)
     make_textures(METHOD, data.at(Visible(propagated), {"texture": TEXTURE}, settings), textures)
     build_house(scene, textures, out / "house.glb", out / "house.scene.json", house_id="home")
