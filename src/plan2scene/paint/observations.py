@@ -144,6 +144,23 @@ def usual_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.n
     return np.average(colours[alike], axis=0, weights=weight[alike])
 
 
+def matte_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.ndarray:
+    """Return :func:`usual_colour` (3,) with the hue of the darker half: glare adds the light's own.
+
+    Dichromatic reflection (Shafer 1985, DOI 10.1002/col.5080100409). Parameters as there.
+    """
+    shares, weights = list(shares), list(weights)
+    usual = usual_colour(shares, weights)
+    colours = np.concatenate(shares)
+    weight = np.concatenate(
+        [np.full(len(s), w / len(s)) for s, w in zip(shares, weights, strict=True)]
+    )
+    order = np.argsort(colours @ LUMINANCE, kind="stable")
+    dark = order[np.cumsum(weight[order]) <= weight.sum() / 2]
+    hue = np.average(colours[dark], axis=0, weights=weight[dark])
+    return np.asarray(hue * (usual @ LUMINANCE) / max(hue @ LUMINANCE, 1e-12))
+
+
 def write_colours(
     path: str | Path,
     planes: Sequence[PlaneColours],

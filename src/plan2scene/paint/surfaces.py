@@ -14,7 +14,7 @@ from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.paint.accents import find_accents
 from plan2scene.paint.estimate import Observation, PaintPrior, estimate_paint
-from plan2scene.paint.observations import WHOLE, usual_colour
+from plan2scene.paint.observations import WHOLE, matte_colour, usual_colour
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -64,7 +64,8 @@ def observations_of(path: str | Path, *, accents: bool = True) -> list[Observati
         weight = float(rows["weight"].sum())
         if weight > LEAST_WEIGHT:
             shares = [np.asarray(c, dtype=np.float64).reshape(-1, 3) for c in rows["colours"]]
-            red, green, blue = map(float, usual_colour(shares, list(rows["weight"])))
+            colour_of = matte_colour if surface == "floor" else usual_colour
+            red, green, blue = map(float, colour_of(shares, list(rows["weight"])))
             key, own = SurfaceKey(room_id, surface), bool(rows["own"].any())
             colour = red, green, blue
             found.append(Observation(photo, key, own, weight, colour, mixed[photo]))

@@ -4,10 +4,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plan2scene.colour import linear_to_srgb
+from plan2scene.colour import LUMINANCE, linear_to_srgb
 from plan2scene.io import write_parquet
 from plan2scene.paint.light import expected_colours
-from plan2scene.paint.observations import HouseColours, house_colours, usual_colour
+from plan2scene.paint.observations import (
+    HouseColours,
+    house_colours,
+    matte_colour,
+    usual_colour,
+)
 
 GREY = np.full((4, 3, 3), 0.5)
 
@@ -29,6 +34,14 @@ def test_shadow_and_glare_do_not_move_the_usual_colour():
     dark = np.full((32, 3), 0.05)
     assert usual_colour([dark, shares], [1.0, 3.0]) == pytest.approx(np.full(3, 0.2), abs=0.01)
     assert usual_colour([dark, shares], [3.0, 1.0]) == pytest.approx(np.full(3, 0.05), abs=0.01)
+
+
+def test_glare_of_a_window_does_not_wash_out_a_floor():
+    paint, glare = np.array([0.3, 0.1, 0.05]), np.linspace(-0.2, 0.2, 32).clip(0)
+    shown = paint + glare[:, None]
+    found = matte_colour([shown, shown], [1.0, 2.0])
+    assert found / found[1] == pytest.approx(paint / paint[1])
+    assert found @ LUMINANCE == pytest.approx(usual_colour([shown], [1.0]) @ LUMINANCE)
 
 
 def test_a_surface_well_seen_keeps_its_colour_and_a_glimpse_follows_the_house():
